@@ -1,0 +1,73 @@
+"""Runs check modules without pytest: under MicroPython, and under CPython for comparison.
+
+    MICROPYPATH=firmware:tests_host micropython tests_host/micro_runner.py check_line
+
+Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (100 unless told) with values from a
+generator seeded by its name; one without parameters runs once. Prints every failure with its arguments and a closing
+count; the exit status is 1 if anything failed.
+"""
+
+import sys
+
+from draws import Random, draw
+
+DEFAULT_RUNS = 100
+
+
+def report(label, error):
+    print("FAILED", label)
+    if hasattr(sys, "print_exception"):
+        sys.print_exception(error, sys.stdout)
+    else:
+        sys.excepthook(type(error), error, error.__traceback__)
+
+
+def seed_of(name):
+    seed = 0
+    for character in name:
+        seed = (seed * 31 + ord(character)) & 0x3FFFFFFF
+    return seed
+
+
+def run_check(name, check, specs, runs):
+    """Run one check; returns (runs made, failed). The first failure ends it."""
+    random = Random(seed_of(name))
+    for run in range(runs):
+        values = [draw(random, spec) for spec in specs]
+        try:
+            check(*values)
+        except Exception as error:
+            arguments = ", ".join(["%s=%r" % (spec[0], value) for spec, value in zip(specs, values)])
+            report("%s(%s), run %d" % (name, arguments, run + 1), error)
+            return run + 1, True
+    return runs, False
+
+
+def run_module(module_name):
+    """Run all checks of a module; returns (checks, runs, failures)."""
+    module = __import__(module_name)
+    cases = getattr(module, "CASES", {})
+    counts = getattr(module, "RUNS", {})
+    names = sorted([name for name in dir(module) if name.startswith("check_") and callable(getattr(module, name))])
+    total = failures = 0
+    for name in names:
+        specs = cases.get(name, ())
+        made, failed = run_check(name, getattr(module, name), specs, counts.get(name, DEFAULT_RUNS) if specs else 1)
+        total += made
+        failures += failed
+    return len(names), total, failures
+
+
+def main(module_names):
+    checks = runs = failures = 0
+    for module_name in module_names:
+        counted = run_module(module_name)
+        checks += counted[0]
+        runs += counted[1]
+        failures += counted[2]
+    print("%d checks, %d runs, %d failed" % (checks, runs, failures))
+    return 1 if failures or not checks else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
