@@ -1,0 +1,75 @@
+"""Motors whose coils are switched by the board itself: a table from phase to pin levels, and an index that goes ±1.
+
+Each motor owns its own bits of a word, so that stepping one never disturbs another. The phase is the motor's position
+modulo the table's length: after a stop it is found again from the position alone.
+
+    drive = CoilDrive(axes=2, table=unipolar.HALF, width=4)
+    drive.pattern(phase=7, delta=1)      # the levels one step on: table[0]
+"""
+
+
+class CoilDrive:
+    def __init__(self, axes, table, width, hold=None, reversed_mask=0):
+        """`table`: levels of `width` pins a phase, its length a power of two; `hold`: the same phases at the standstill
+        current (default: `table`); `reversed_mask`: axes that run through the tables backwards."""
+        count = len(table)
+        self._last = count - 1
+        self.axes = axes
+        self.width = width
+        self._mask = (1 << width) - 1
+        self._steps = (1 << axes) - 1
+        self._table = [self._order(table, reversed_mask >> axis & 1) for axis in range(axes)]
+        self._hold = [self._order(hold or table, reversed_mask >> axis & 1) for axis in range(axes)]
+        self._phase = bytearray(axes)
+
+    @staticmethod
+    def _order(table, backwards):
+        return bytes([table[-phase % len(table)] for phase in range(len(table))]) if backwards else bytes(table)
+
+    def pattern(self, phase, delta, axis=0):
+        """Levels of the motor's pins `delta` (−1, 0, +1) steps on from `phase`."""
+        return self._table[axis][phase + delta & self._last]
+
+    def apply(self, words, at, count):  # ISR: no allocation
+        """Turn words[at : at + count] from the step form into this drive's pin levels; the tool bit and time stay."""
+        width = self.width
+        low = (1 << width * self.axes) - 1
+        for i in range(at, at + count):
+            word = words[i]
+            levels = 0
+            for axis in range(self.axes):
+                phase = self._phase[axis]
+                if word >> axis & 1:
+                    phase = phase + (1 if word >> (self.axes + axis) & 1 else -1) & self._last
+                    self._phase[axis] = phase
+                levels |= self._table[axis][phase] << axis * width
+            words[i] = (word & ~low) | levels
+
+    def levels(self):
+        """The levels that hold all motors where they are, at running current."""
+        return self._all(self._table)
+
+    def holding(self):
+        """The levels that hold all motors where they are, at standstill current."""
+        return self._all(self._hold)
+
+    def _all(self, tables):
+        levels = 0
+        for axis in range(self.axes):
+            levels |= tables[axis][self._phase[axis]] << axis * self.width
+        return levels
+
+    def seek(self, position):
+        """Stand at the phases that belong to `position` (steps since power-up)."""
+        for axis in range(self.axes):
+            self._phase[axis] = position[axis] & self._last
+
+    def moved(self, axis, before, after):
+        """Steps (−1, 0, +1) between two neighbouring words' levels."""
+        shift = axis * self.width
+        before = before >> shift & self._mask
+        after = after >> shift & self._mask
+        if before == after:
+            return 0
+        table = self._table[axis]
+        return 1 if table[(table.find(bytes([before])) + 1) & self._last] == after else -1

@@ -1,0 +1,271 @@
+"""The feeder: turns the planner's blocks into step words, a segment at a time, and knows where the machine is.
+
+    planner ─► block ─► walker (which axes) ─► pace (when) ─► drive (which pins) ─► ring
+
+It fills by time, so that what it has committed to is never more than a few milliseconds ahead. At the end of each
+segment it leaves a checkpoint: words, ticks and position so far. Position is the last checkpoint played plus the words
+played since, never a walk over more than one segment. Words count as free only up to that checkpoint.
+
+`fill` and all it calls may run in an interrupt: they allocate nothing and every integer stays below 2³⁰. The rest
+belongs to the main loop.
+"""
+
+from array import array
+from micropython import const
+
+from passo.motion.block import FREE, WAIT
+from passo.motion.line import MAX_RUN
+from passo.motion.ramp import Ramp
+from passo.steps.pace import pace, repay
+from passo.steps.word import COUNT_MASK, HOLD_TICKS, ahead
+
+_CHECKPOINTS = const(256)
+_HALF = const(0x20000000)
+_ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
+
+
+class Feeder:
+    def __init__(self, ring, layout, planner, drive, setup_ticks, min_word_ticks):
+        """`drive` turns the step form into pin levels, or is None where the step form is what the pins want;
+        `setup_ticks` pass between a change of direction and the next step (0 where there is no DIR pin)."""
+        self.ring = ring
+        self.layout = layout
+        self.planner = planner
+        self.drive = drive
+        self.setup_ticks = setup_ticks
+        self.min_word_ticks = min_word_ticks
+        self._ramp = Ramp()
+        axes = layout.axes
+        self._position = array("i", [0] * axes)  # after the last word made, steps since power-up
+        self._mark_word = array("i", [0] * _CHECKPOINTS)
+        self._mark_ticks = array("i", [0] * _CHECKPOINTS)
+        self._mark_index = array("i", [0] * _CHECKPOINTS)  # dominant steps of its block made so far
+        self._mark_ends = bytearray(_CHECKPOINTS)  # 1 where the segment is its block's last
+        self._mark_levels = array("i", [0] * _CHECKPOINTS)
+        self._mark_position = array("i", [0] * (_CHECKPOINTS * axes))
+        self.late = 0  # times the player ran dry inside a block
+        self._levels = 0  # step form of the levels now: directions and tool
+        if drive is not None:
+            ring.words[ring.mask] = drive.levels()  # the pins before the first word
+        self._reset(0)
+
+    def _reset(self, played):
+        self._block = None
+        self._index = 0
+        self._wait = 0
+        self._debt = 0
+        self._ticks = 0
+        self._oldest = 0  # the last checkpoint played: a mark number, for ever, modulo 2³⁰
+        self._newest = 0
+        self._leave_mark(played, 0, True)
+        self._oldest = self._newest
+
+    # --- filling: may run in an interrupt
+
+    def fill(self, played, lead_ticks):  # ISR: no allocation
+        """Make words until `lead_ticks` are ahead of the word count `played`, or nothing is released, or no room."""
+        self.retire(played)
+        if self._block is not None and self._oldest == self._newest:
+            self.late += 1
+        oldest = self._oldest % _CHECKPOINTS
+        while (self._ticks - self._mark_ticks[oldest]) & COUNT_MASK < lead_ticks:
+            if not self._segment():
+                return
+
+    def retire(self, played):  # ISR: no allocation
+        """Give back the room, and the blocks, of all segments that have been played to their end."""
+        while self._oldest != self._newest:
+            number = (self._oldest + 1) & COUNT_MASK
+            slot = number % _CHECKPOINTS
+            if ahead(played, self._mark_word[slot]) >= _HALF:
+                return
+            self._oldest = number
+            if self._mark_ends[slot]:
+                self.planner.retire()
+
+    def _segment(self):  # ISR: no allocation
+        if ahead(self._newest, self._oldest) >= _CHECKPOINTS - 1 or self._room() < _ROOM:
+            return False
+        if self._block is None and not self._fetch():
+            return False
+        block = self._block
+        if self._wait:
+            self._hold()
+        elif block.kind == FREE:
+            self._free(block.walker)
+        else:
+            self._line(block.walker)
+        return True
+
+    def _room(self):  # ISR: no allocation
+        ring = self.ring
+        return ring.size - ahead(ring.head, self._mark_word[self._oldest % _CHECKPOINTS])
+
+    def _fetch(self):  # ISR: no allocation
+        block = self.planner.next()
+        if block is None:
+            return False
+        self._block = block
+        self._index = block.first
+        tool = self.layout.tool_mask
+        self._levels = self._levels & ~tool | (tool if block.tool else 0)
+        if block.kind == WAIT:
+            self._wait = block.ticks
+        elif block.kind != FREE:
+            self._ramp.begin(block)
+        return True
+
+    def _line(self, walker):  # ISR: no allocation
+        ramp = self._ramp
+        ramp.cut(walker.left)
+        steps = ramp.steps
+        ticks = ramp.ticks
+        if ticks > HOLD_TICKS and steps == 1:
+            self._wait = ticks - HOLD_TICKS
+            ticks = HOLD_TICKS
+        self._turn(walker)
+        ring = self.ring
+        each = ticks // steps
+        rest = ticks % steps
+        made = 0
+        carry = 0
+        while made < steps:
+            at = (ring.head + made) & ring.mask
+            run = min(steps - made, ring.size - at)
+            walker.walk(ring.words, at, run)
+            carry = pace(ring.words, at, run, self._levels, self.layout.bits, each, rest, steps, carry)
+            self._settle(at, run)
+            made += run
+        self._advance(walker)
+        self._index += steps
+        self._finish(steps, ticks, walker.left == 0 and not self._wait)
+
+    def _free(self, walker):  # ISR: no allocation
+        self._turn(walker)
+        ring = self.ring
+        at = ring.head & ring.mask
+        count = walker.walk(ring.words, at, min(MAX_RUN, ring.size - at), self._levels, self.layout.bits)
+        self._settle(at, count)
+        self._advance(walker)
+        self._finish(count, walker.ticks if count else 0, not walker.active())
+
+    def _hold(self):  # ISR: no allocation
+        ticks = min(self._wait, HOLD_TICKS)
+        self._wait -= ticks
+        ring = self.ring
+        at = ring.head & ring.mask
+        ring.words[at] = ticks << self.layout.bits | self._levels
+        self._settle(at, 1)
+        block = self._block
+        self._finish(1, ticks, not self._wait and (block.kind == WAIT or block.walker.left == 0))
+
+    def _turn(self, walker):  # ISR: no allocation
+        """Set the directions that differ, as a stepless word of the set-up time, owed by the intervals that follow."""
+        layout = self.layout
+        moving = walker.moving
+        levels = self._levels & ~(moving << layout.axes) | (moving & ~walker.negative) << layout.axes
+        if levels == self._levels:
+            return
+        self._levels = levels
+        if self.setup_ticks:
+            ring = self.ring
+            at = ring.head & ring.mask
+            ring.words[at] = self.setup_ticks << layout.bits | levels
+            ring.publish(1)
+            self._debt += self.setup_ticks
+            self._ticks = (self._ticks + self.setup_ticks) & COUNT_MASK
+
+    def _settle(self, at, count):  # ISR: no allocation
+        """Take what is owed off words[at : at + count] and give them their drive's levels."""
+        words = self.ring.words
+        if self._debt:
+            debt = repay(words, at, count, self.layout.bits, self._debt, self.min_word_ticks)
+            self._ticks = (self._ticks - self._debt + debt) & COUNT_MASK
+            self._debt = debt
+        if self.drive is not None:
+            self.drive.apply(words, at, count)
+
+    def _advance(self, walker):  # ISR: no allocation
+        """Add the steps the walker made to the position; both wrap at ±2²⁹, for axes that turn for ever."""
+        made = walker.made
+        position = self._position
+        for axis in range(self.layout.axes):
+            position[axis] = ((position[axis] + made[axis] + _HALF) & COUNT_MASK) - _HALF
+            made[axis] = 0
+
+    def _finish(self, count, ticks, ends):  # ISR: no allocation
+        ring = self.ring
+        self._ticks = (self._ticks + ticks) & COUNT_MASK
+        self._leave_mark((ring.head + count) & COUNT_MASK, self._index, ends)
+        ring.publish(count)
+        if ends:
+            self._block = None
+
+    def _leave_mark(self, word, index, ends):  # ISR: no allocation
+        number = (self._newest + 1) & COUNT_MASK
+        slot = number % _CHECKPOINTS
+        axes = self.layout.axes
+        self._mark_word[slot] = word
+        self._mark_ticks[slot] = self._ticks
+        self._mark_index[slot] = index
+        self._mark_ends[slot] = 1 if ends else 0
+        self._mark_levels[slot] = self.ring.words[(word - 1) & self.ring.mask] & self.layout.levels_mask
+        for axis in range(axes):
+            self._mark_position[slot * axes + axis] = self._position[axis]
+        self._newest = number
+
+    # --- asking and stopping: main loop only
+
+    def position(self, played):
+        """Steps of each axis since power-up when `played` words have appeared on the pins: exact."""
+        return self._walk(played)[0]
+
+    def _walk(self, played):
+        """(position, stepping words since the last checkpoint played)."""
+        self.retire(played)
+        ring = self.ring
+        axes = self.layout.axes
+        slot = self._oldest % _CHECKPOINTS
+        position = [self._mark_position[slot * axes + axis] for axis in range(axes)]
+        word = self._mark_word[slot]
+        before = self._mark_levels[slot]
+        stepping = 0
+        while word != played:
+            levels = ring.words[word & ring.mask] & self.layout.levels_mask
+            moved = False
+            for axis in range(axes):
+                step = self._moved(axis, before, levels)
+                position[axis] += step
+                moved = moved or step
+            stepping += 1 if moved else 0
+            before = levels
+            word = (word + 1) & COUNT_MASK
+        return position, stepping
+
+    def _moved(self, axis, before, levels):
+        if self.drive is not None:
+            return self.drive.moved(axis, before, levels)
+        if not levels >> axis & 1:
+            return 0
+        return 1 if levels >> (self.layout.axes + axis) & 1 else -1
+
+    def cancel(self, played):
+        """After the player has halted: drop all words not played and take their place as the truth.
+
+        Returns (position, block, index): the block that was under way, if any, and how many of its dominant steps
+        have been made, so that it can be taken up again. The planner keeps its blocks.
+        """
+        position, stepping = self._walk(played)
+        slot = self._oldest % _CHECKPOINTS
+        block = self.planner.playing()
+        index = stepping
+        if block is not None:
+            index += block.first if self._mark_ends[slot] else self._mark_index[slot]
+        self.ring.head = played
+        for axis in range(self.layout.axes):
+            self._position[axis] = position[axis]
+        if self.drive is not None:
+            self.drive.seek(position)
+        self._levels &= ~self.layout.tool_mask
+        self._reset(played)
+        return position, block, index

@@ -1,0 +1,27 @@
+"""The ring of step words between the feeder and the player.
+
+One producer, one consumer, no lock: only the feeder writes `words` and `head`; only the player owns the count of words
+played. Each publishes its counter after its work is done, and a counter is one machine word, so an interrupt between
+any two statements sees a consistent ring. Nothing here allocates after the constructor.
+
+    words   . . . [a a a b b b b c] . . .
+                   ^played          ^head        both count for ever, modulo 2³⁰
+"""
+
+from array import array
+
+from passo.steps.word import COUNT_MASK
+
+
+class Ring:
+    def __init__(self, size=4096):
+        if size & (size - 1):
+            raise ValueError("the ring's size must be a power of two")
+        self.size = size
+        self.mask = size - 1
+        self.words = array("I", bytearray(4 * size))
+        self.head = 0
+
+    def publish(self, count):  # ISR: no allocation
+        """Hand `count` words, written from `head` on, to the player."""
+        self.head = (self.head + count) & COUNT_MASK

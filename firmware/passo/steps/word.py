@@ -1,0 +1,44 @@
+"""The step word: the only definition of its layout.
+
+A word is 32 bits, `ticks << bits | levels`: the low bits are the pin levels that hold from the word's start, the rest
+the ticks until the next word. A tick is 80 ns, so that 12.5 MHz divides 125 and 200 MHz exactly.
+
+No word reaches 2³⁰, because a board allocates memory for a larger integer. A wait longer than HOLD_TICKS is played as
+several words of the same levels.
+"""
+
+from micropython import const
+
+TICKS_PER_S = const(12_500_000)
+TICKS_PER_MS = const(12_500)
+HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is never far away
+COUNT_MASK = const(0x3FFFFFFF)  # word counters run modulo 2³⁰ and are compared by difference
+
+
+def us_to_ticks(us):
+    """Ticks that last at least `us` microseconds."""
+    return (us * 25 + 1) // 2
+
+
+def ahead(later, earlier):
+    """How many words `later` lies ahead of `earlier`, both counters modulo 2³⁰."""
+    return (later - earlier) & COUNT_MASK
+
+
+class Layout:
+    """Which bit of a word is which pin.
+
+    A segment is first paced in the *step form*, the same for every machine: bit i is a step of axis i, bit n + i its
+    direction (1 = positive). STEP/DIR drives play that form as it is; a coil drive turns it into coil levels. The tool
+    bit is the highest of the `bits` levels in both.
+    """
+
+    def __init__(self, kind, axes, drive_bits, pin_names, pulse_mask):
+        self.kind = kind
+        self.axes = axes
+        self.bits = drive_bits + 1
+        self.tool_mask = 1 << drive_bits
+        self.levels_mask = (1 << self.bits) - 1
+        self.step_mask = (1 << axes) - 1
+        self.pulse_mask = pulse_mask
+        self.pin_names = pin_names + ["tool"]

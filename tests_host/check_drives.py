@@ -1,0 +1,112 @@
+"""Coil drives against the tables of the machines they come from; motors that share a port never disturb each other."""
+
+from array import array
+
+from passo.drives import pbl3770a, unipolar
+from passo.drives.coils import CoilDrive
+
+TABLES = (
+    (unipolar.WAVE, 4), (unipolar.FULL, 4), (unipolar.HALF, 4), (pbl3770a.FULL, 6), (pbl3770a.HALF, 6),
+)
+CASES = {
+    "check_two_motors": (
+        ("which", 0, len(TABLES) - 1), ("reversed_mask", 0, 3), ("steps", "list", 60, ("step", 0, 3), ("dirs", 0, 3)),
+    ),
+}
+
+
+def spell(levels):
+    """A unipolar pattern as the documents print it, S1 first."""
+    return "".join(["1" if levels >> bit & 1 else "0" for bit in range(4)])
+
+
+def check_unipolar_tables():
+    assert [spell(levels) for levels in unipolar.WAVE] == "1000 0100 0010 0001".split()
+    assert [spell(levels) for levels in unipolar.FULL] == "1100 0110 0011 1001".split()
+    assert [spell(levels) for levels in unipolar.HALF] == "1000 1100 0100 0110 0010 0011 0001 1001".split()
+
+
+def windings(levels):
+    """(signed percent of winding A, of B) as the chips' datasheet has it: I0, I1 = LL 100, HL 60, LH 20, HH 0."""
+    result = []
+    for chip in (levels & 7, levels >> 3):
+        percent = {0b00: 100, 0b01: 60, 0b10: 20, 0b11: 0}[chip >> 1]
+        result.append(percent if chip & 1 else -percent)
+    return tuple(result)
+
+
+def signs(levels):
+    return tuple([(percent > 0) - (percent < 0) for percent in windings(levels)])
+
+
+def check_pbl3770a_half_step():
+    coil_1 = (1, 1, 0, -1, -1, -1, 0, 1)
+    coil_2 = (0, 1, 1, 1, 0, -1, -1, -1)
+    assert [signs(levels) for levels in pbl3770a.HALF] == list(zip(coil_1, coil_2))
+    for levels in pbl3770a.HALF:
+        currents = sorted([abs(percent) for percent in windings(levels)])
+        assert currents in ([60, 60], [0, 100])
+
+
+def check_pbl3770a_full_step():
+    """Both chips at 60 %, one PH toggled a step, alternately."""
+    toggled = []
+    for phase in range(4):
+        levels = pbl3770a.FULL[phase]
+        assert [abs(percent) for percent in windings(levels)] == [60, 60]
+        toggled.append(levels ^ pbl3770a.FULL[(phase + 1) % 4])
+    assert toggled in ([0b000001, 0b001000] * 2, [0b001000, 0b000001] * 2)
+
+
+def check_pbl3770a_hold_current():
+    for mode in ("half", "full"):
+        for levels, hold in zip(pbl3770a.MODES[mode], pbl3770a.HOLD[mode]):
+            assert signs(levels) == signs(hold)
+            assert set([abs(percent) for percent in windings(hold)]) <= set([0, 20])
+    assert windings(pbl3770a.OFF) == (0, 0)
+
+
+def check_a_step_and_a_reversal_change_one_phase_only():
+    """From any phase, one step on or back changes one coil (wave drive: hands over between neighbours)."""
+    for table in (unipolar.FULL, unipolar.HALF):
+        drive = CoilDrive(1, table, 4)
+        for phase in range(len(table)):
+            for delta in (1, -1):
+                changed = drive.pattern(phase, 0) ^ drive.pattern(phase, delta)
+                coils = [changed >> bit & 1 for bit in range(4)]
+                if table is unipolar.HALF:
+                    assert sum(coils) == 1
+                else:
+                    assert (coils[0] & coils[2]) + (coils[1] & coils[3]) == 1 and sum(coils) == 2
+    for table in (pbl3770a.FULL, pbl3770a.HALF):
+        drive = CoilDrive(1, table, 6)
+        for phase in range(len(table)):
+            for delta in (1, -1):
+                before = signs(drive.pattern(phase, 0))
+                after = signs(drive.pattern(phase, delta))
+                assert (before[0] != after[0]) + (before[1] != after[1]) == 1
+
+
+def check_two_motors(which, reversed_mask, steps):
+    """Any walk: each motor's pattern is its own place in the table, whatever the other does; tool and time stay."""
+    table, width = TABLES[which]
+    drive = CoilDrive(2, table, width, reversed_mask=reversed_mask)
+    bits = 2 * width + 1
+    tool = 1 << 2 * width
+    places = [0, 0]
+    before = drive.levels()
+    for step, dirs in steps:
+        words = array("I", [77 << bits | tool | dirs << 2 | step])
+        drive.apply(words, 0, 1)
+        assert words[0] >> bits == 77 and words[0] & tool
+        for axis in range(2):
+            moved = (1 if dirs >> axis & 1 else -1) if step >> axis & 1 else 0
+            assert drive.moved(axis, before, words[0]) == moved
+            places[axis] += moved
+            sign = -1 if reversed_mask >> axis & 1 else 1
+            assert words[0] >> axis * width & (1 << width) - 1 == table[sign * places[axis] % len(table)]
+        before = words[0]
+        assert drive.levels() == before & (tool - 1)
+    again = CoilDrive(2, table, width, reversed_mask=reversed_mask)
+    again.seek(places)
+    assert again.levels() == drive.levels()
