@@ -1,0 +1,191 @@
+"""Checks a board file on load: every key known, of its type and within its bounds, every pin claimed once.
+
+    board = check(BOARD)     # a new dict with the defaults filled in; BoardError names the key and what would be right
+
+The table below is the whole format. A rule is (type, default, least, most); a default of ... means that the key must
+be there. `least` and `most` bound a number, or the length of a text or list.
+"""
+
+
+class BoardError(Exception):
+    """The board file is wrong: one line that says where, and what would be right."""
+
+
+MUST = ...
+_PIN = (int, MUST, 0, 48)
+_PINS = (list, MUST, 1, 6)
+_BIT = (int, 1, 0, 1)
+
+_INPUT = {"name": (str, MUST, 1, 16), "pin": _PIN, "active": _BIT, "pull": ("up", "down", "none")}
+_OUTPUT = {"name": (str, MUST, 1, 16), "pin": _PIN, "active": _BIT}
+_AXIS = {
+    "name": (str, MUST, 1, 1),
+    "pins": _PINS,  # coil drives: the coils in the drive's order; STEP/DIR: [STEP, DIR]
+    "steps_per_m": (int, MUST, 1, 100_000_000),
+    "travel_steps": (int, MUST, 1, 2_000_000),
+    "reversed": (bool, False, 0, 1),
+}
+_DRIVE = {
+    "kind": ("step_dir", "unipolar", "pbl3770a"),
+    "mode": ("half", "full", "wave"),
+    "pulse_us": (int, 2, 1, 100),
+    "setup_us": (int, 5, 0, 1000),
+    "step_active": _BIT,
+    "hold_ms": (int, 100, 0, 60_000),  # after which the standstill current is enough
+}
+_TOOL = {
+    "pin": _PIN,
+    "active": _BIT,
+    "on_ms": (int, 0, 0, 10_000),
+    "off_ms": (int, 0, 0, 10_000),
+}
+_HOMING = {
+    "sensors": (dict, MUST, 1, 4),
+    "seek_steps_s": (int, MUST, 1, 100_000),
+    "locate_steps_s": (int, MUST, 1, 10_000),
+    "pull_off_steps": (int, MUST, 1, 10_000),
+    "debounce_ms": (int, 5, 0, 100),
+    "required": (bool, False, 0, 1),
+}
+_SPEED = {
+    "unit": ("steps_per_s", "half_period_us"),
+    "default": (int, MUST, 1, 1_000_000),
+    "min": (int, MUST, 1, 1_000_000),
+    "max": (int, MUST, 1, 1_000_000),
+    "overhead_us": (int, 0, 0, 10_000),
+}
+_JOG = {"steps": (int, 10, 1, 100_000), "up": ("y+", "y-", "x+", "x-")}
+_LINK = {
+    "name": (str, MUST, 1, 16),
+    "port": (str, MUST, 1, 16),
+    "tx": (int, 0, 0, 48),
+    "rx": (int, 1, 0, 48),
+    "baud": (int, 115_200, 300, 1_000_000),
+    "protocol": (str, MUST, 1, 16),
+    "idle_gap_ms": (int, 5, 1, 1000),
+}
+_BOARD = {
+    "name": (str, MUST, 1, 32),
+    "chip": ("rp2040", "rp2350", "esp32"),
+    "drive": _DRIVE,
+    "axes": [_AXIS, 1, 4],
+    "tool": _TOOL,
+    "inputs": [_INPUT, 0, 16],
+    "outputs": [_OUTPUT, 0, 16],
+    "homing": _HOMING,
+    "speed": _SPEED,
+    "jog": _JOG,
+    "idle_release_ms": (int, 5000, 0, 3_600_000),  # 0: never
+    "store_points": (int, 3000, 10, 100_000),
+    "links": [_LINK, 1, 4],
+}
+_OPTIONAL = ("homing", "jog")
+PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
+
+
+def check(board):
+    """The board with its defaults. Raises BoardError at the first thing wrong."""
+    board = _section("the board file", board, _BOARD)
+    _check_pins(board)
+    _check_homing(board)
+    if board["drive"]["kind"] == "pbl3770a" and board["drive"]["mode"] == "wave":
+        raise BoardError("drive.mode: a pbl3770a has no wave drive; 'half' or 'full'")
+    speed = board["speed"]
+    if not speed["min"] <= speed["default"] <= speed["max"]:
+        raise BoardError("speed.default: %(default)d is not between %(min)d and %(max)d" % speed)
+    return board
+
+
+def _section(where, data, rules):
+    if not isinstance(data, dict):
+        raise BoardError("%s: a dict is wanted, not %r" % (where, data))
+    for key in data:
+        if key not in rules:
+            raise BoardError("%s: unknown key %r; known are %s" % (where, key, ", ".join(sorted(rules))))
+    prefix = "" if rules is _BOARD else where + "."
+    return {key: _value(prefix + key, data, key, rule) for key, rule in rules.items()}
+
+
+def _value(where, data, key, rule):
+    if isinstance(rule, dict):
+        part = data.get(key)
+        if part is None and key not in _OPTIONAL:
+            raise BoardError("%s: missing" % where)
+        if part is None and key == "homing":
+            return None
+        return _section(where, part or {}, rule)
+    if isinstance(rule, list):
+        return _list(where, data, key, rule)
+    if isinstance(rule[0], str):
+        value = data.get(key, rule[0])
+        if value not in rule:
+            raise BoardError("%s: %r is none of %s" % (where, value, ", ".join(rule)))
+        return value
+    kind, default, least, most = rule
+    if key not in data:
+        if default is MUST:
+            raise BoardError("%s: missing" % where)
+        return default
+    value = data[key]
+    if not isinstance(value, kind) or kind is int and isinstance(value, bool):
+        raise BoardError("%s: %r is no %s" % (where, value, kind.__name__))
+    size = value if kind in (int, bool) else len(value)
+    if not least <= size <= most:
+        what = "" if kind is int else "of length %d " % size
+        raise BoardError("%s: %r %sis not within %d … %d" % (where, value, what, least, most))
+    return value
+
+
+def _list(where, data, key, rule):
+    section, least, most = rule
+    items = data.get(key, [])
+    if not isinstance(items, (list, tuple)) or not least <= len(items) <= most:
+        raise BoardError("%s: a list of %d … %d is wanted" % (where, least, most))
+    return [_section("%s[%d]" % (where, i), items[i], section) for i in range(len(items))]
+
+
+def claimed_pins(board):
+    """[(pin, who)] of everything that claims a pin, a serial port's two included."""
+    claims = []
+    for axis in board["axes"]:
+        for pin in axis["pins"]:
+            claims.append((pin, "axis %s" % axis["name"]))
+    claims.append((board["tool"]["pin"], "tool"))
+    for item in board["inputs"]:
+        claims.append((item["pin"], "input %s" % item["name"]))
+    for item in board["outputs"]:
+        claims.append((item["pin"], "output %s" % item["name"]))
+    for link in board["links"]:
+        if link["port"].startswith("uart"):
+            claims.append((link["tx"], "link %s tx" % link["name"]))
+            claims.append((link["rx"], "link %s rx" % link["name"]))
+    return claims
+
+
+def _check_pins(board):
+    kind = board["drive"]["kind"]
+    for axis in board["axes"]:
+        if len(axis["pins"]) != PINS_OF[kind]:
+            raise BoardError(
+                "axis %s: a %s drive has %d pins, not %d" % (axis["name"], kind, PINS_OF[kind], len(axis["pins"]))
+            )
+    owners = {}
+    for pin, who in claimed_pins(board):
+        if not isinstance(pin, int) or not 0 <= pin <= 48:
+            raise BoardError("%s: %r is no pin number" % (who, pin))
+        if pin in owners:
+            raise BoardError("pin %d is claimed by %s and by %s" % (pin, owners[pin], who))
+        owners[pin] = who
+
+
+def _check_homing(board):
+    homing = board["homing"]
+    if homing is None:
+        return
+    axes = [axis["name"] for axis in board["axes"]]
+    inputs = [item["name"] for item in board["inputs"]]
+    for axis, sensor in homing["sensors"].items():
+        if axis not in axes:
+            raise BoardError("homing.sensors: there is no axis %r" % axis)
+        if sensor not in inputs:
+            raise BoardError("homing.sensors.%s: there is no input %r" % (axis, sensor))

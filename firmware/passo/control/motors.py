@@ -1,0 +1,60 @@
+"""The motors' current while nothing moves: standstill current after a while, then released; woken before a motion."""
+
+from micropython import const
+
+_WAKE_MS = const(20)  # for the rotor to settle on its phase before it is asked to step
+_TIME_MASK = const(0x3FFFFFFF)
+
+RUNNING = const(0)
+HOLDING = const(1)
+RELEASED = const(2)
+
+
+class Motors:
+    def __init__(self, port, player, layout, drive, off_levels, board):
+        """`drive` and `off_levels` for coils; `drive` None for STEP/DIR drivers, which have an output "enable"."""
+        self._port = port
+        self._player = player
+        self._tool_mask = layout.tool_mask
+        self._drive = drive
+        self._off_levels = off_levels
+        self._enable = "enable" in [output["name"] for output in board["outputs"]]
+        self._hold_ms = board["drive"]["hold_ms"]
+        self._release_ms = board["idle_release_ms"]
+        self._since_ms = 0
+        self.state = RELEASED
+        self._ready_ms = 0
+
+    def poll(self, now_ms, moving, tool):
+        """Once a main loop turn. `moving`: motion is under way or wanted."""
+        if moving:
+            self._since_ms = now_ms
+            if self.state != RUNNING and not self._player.busy():
+                self._ready_ms = now_ms + (_WAKE_MS if self.state == RELEASED else 0)
+                self._set(RUNNING, tool)
+            return
+        idle_ms = (now_ms - self._since_ms) & _TIME_MASK
+        if self.state == RUNNING and idle_ms >= self._hold_ms:
+            self._set(HOLDING, tool)
+        if self.state == HOLDING and self._release_ms and idle_ms >= self._release_ms:
+            self._set(RELEASED, tool)
+
+    def ready(self, now_ms):
+        """True when motion may begin."""
+        return self.state == RUNNING and (now_ms - self._ready_ms) & _TIME_MASK < _TIME_MASK // 2
+
+    def release(self):
+        """No current, and the tool off, at once: the safe state."""
+        self._set(RELEASED, False)
+
+    def _set(self, state, tool):
+        self.state = state
+        if self._enable:
+            self._port.output("enable", state != RELEASED)
+        if self._drive is None:
+            return
+        levels = (self._drive.levels, self._drive.holding, self._off)[state]()
+        self._player.rest(levels | (self._tool_mask if tool else 0))
+
+    def _off(self):
+        return self._off_levels

@@ -1,0 +1,383 @@
+"""The controller: homing in every circumstance, refusals that move nothing, stop, alarm, store, motors' current."""
+
+from boards.plotter_2014 import BOARD
+from passo.control.boardfile import BoardError, check
+from passo.control.log import Log
+from passo.control.motors import HOLDING, RELEASED, RUNNING
+from passo.control.sensor import Sensor
+from passo.control.store import Store
+from passo.protocols import errors
+from table import EDGE, Machine, Table
+
+PULL_OFF = BOARD["homing"]["pull_off_steps"]
+TRAVEL = [axis["travel_steps"] for axis in BOARD["axes"]]
+CASES = {
+    "check_homing_from_anywhere": (("x", 0, 400), ("y", 0, 300), ("noise", 0, 60)),
+    "check_store": (("capacity", 1, 9), ("points", "list", 40, ("put", 0, 1), ("x", 0, 65535), ("y", 0, 65535))),
+    "check_stop_anywhere": (("turns", 1, 250),),
+    "check_sensor_noise": (("spikes", "list", 30, ("at", 0, 99)),),
+}
+RUNS = {"check_homing_from_anywhere": 15, "check_stop_anywhere": 12}
+SQUARE = ((0, 50, 40), (1, 50, 90), (1, 110, 90), (1, 110, 40), (1, 50, 40))
+
+
+def check_homing_from_anywhere(x, y, noise):
+    """From any start, also on a sensor, the origin is the same place; a reading that lies just before the edge may
+    move it by one step."""
+    machine = Machine(Table((x, y), noise=noise and noise + 20))
+    assert machine.ask("ORIGIN") == b"o"
+    for place in machine.table.place:
+        assert 0 <= place - EDGE - PULL_OFF <= (1 if noise else 0)
+    assert machine.app.controller.position() == [0, 0]
+    assert machine.app.controller.homed
+    assert machine.table.lowest[0] >= min(x, EDGE) - 10 and machine.table.lowest[1] >= min(y, EDGE) - 10
+
+
+def check_dead_and_stuck_sensors():
+    """A numbered alarm, bounded travel, coils and pen off; ORIGIN_OK is withheld; a repaired sensor homes again."""
+    for barrier, level, number in (
+        ("barrier_x", 0, errors.ALARM_SENSOR_DEAD), ("barrier_x", 1, errors.ALARM_SENSOR_STUCK),
+        ("barrier_y", 0, errors.ALARM_SENSOR_DEAD), ("barrier_y", 1, errors.ALARM_SENSOR_STUCK),
+    ):
+        table = Table((200, 150), {barrier: level})
+        machine = Machine(table)
+        assert machine.ask("ORIGIN", turns=60_000) == b""
+        status = machine.status()
+        assert status["state"] == "alarm" and status["error"] == number
+        axis = "xy".find(barrier[-1])
+        assert abs(table.place[axis] - table.start[axis]) <= 2 * TRAVEL[axis]
+        assert machine.app.controller._motors.state == RELEASED and table.pen == 0
+        assert machine.ask("LINE", 10, 10, turns=50) == b""
+        assert machine.app.controller.log.last == errors.LOCKED
+        table.fault = {}
+        table.place = [200, 150]
+        assert machine.ask("ORIGIN") == b"o"
+        assert machine.status()["state"] == "idle"
+
+
+def check_a_sensor_that_dies_between_seek_and_locate():
+    machine = Machine(Table((60, 60)))
+    machine.send("ORIGIN")
+    while machine.app.controller._homing._stage < 3:
+        machine.app.turn()
+    machine.table.fault = {"barrier_x": 0}
+    machine.turns(20_000)
+    assert machine.status()["error"] == errors.ALARM_SENSOR_DEAD
+    assert machine.table.lowest[0] >= EDGE - 3 * PULL_OFF
+
+
+def check_conversation_of_2014():
+    machine = Machine()
+    answers = [machine.ask("REQUEST"), machine.ask("ORIGIN"), machine.ask("SPEED", 1000)]
+    points = ((0, 644, 314), (1, 644, 454), (1, 884, 454), (1, 884, 314), (1, 644, 314))
+    for pen, x, y in points:
+        answers.append(machine.ask("LINE" if pen else "MOVE", x, y))
+    start = machine.port.now
+    answers.append(machine.ask("END"))
+    assert b"".join(answers) == b"kosnnnnnd"
+    seconds = (machine.port.now - start) / 12_500_000
+    assert 3.12 < seconds < 3.12 + 0.2  # 1404 dominant steps of 2.225 ms, and the pen's two movements
+    assert machine.app.controller.position() == [644, 314]
+    assert machine.table.pen == 0
+
+
+def check_pen_is_down_on_lines_only():
+    machine = Machine()
+    machine.ask("ORIGIN")
+    zero = machine.table.place[:]
+    machine.table.path = []
+    machine.draw(SQUARE)
+    seen = [(x - zero[0], y - zero[1], pen) for x, y, pen in machine.table.path]
+    corner = seen.index((50, 40, 0))
+    for x, y, pen in seen[: corner + 1]:
+        assert pen == 0
+    for x, y, pen in seen[corner + 1 :]:
+        assert pen == 1 and (x in (50, 110) or y in (40, 90))
+    assert seen[-1] == (50, 40, 1)
+    assert len(seen) == 50 + 2 * 50 + 2 * 60
+
+
+def check_refusals_move_nothing():
+    machine = Machine()
+    machine.ask("ORIGIN")
+    steps = machine.table.steps
+    for name, x, y, number in (
+        ("LINE", TRAVEL[0] + 1, 0, errors.TRAVEL), ("MOVE", 0, TRAVEL[1] + 1, errors.TRAVEL),
+        ("SPEED", 0, 0, errors.SPEED_RANGE), ("SPEED", 65535, 0, errors.SPEED_RANGE),
+        ("LEFT", 0, 0, errors.JOG_TRAVEL), ("DOWN", 0, 0, errors.JOG_TRAVEL),
+    ):
+        assert machine.ask(name, x, y, turns=200) == b""
+        status = machine.status()
+        assert status["error"] == number and status["state"] == "idle"
+        assert machine.status()["error"] == 0
+    assert machine.table.steps == steps
+    assert machine.ask("MOVE", TRAVEL[0], TRAVEL[1]) == b"n"
+    assert machine.ask("MOVE", 0, 0) == b"n"
+
+
+def check_jogs():
+    machine = Machine()
+    machine.ask("ORIGIN")
+    for name, x, y in (("UP", 0, 10), ("RIGHT", 10, 10), ("UP", 10, 20), ("LEFT", 0, 20), ("DOWN", 0, 10)):
+        assert machine.ask(name) == b"n"
+        assert machine.status()["state"] == "jog"
+        while machine.app.controller.busy():
+            machine.app.turn()
+        machine.app.turn()
+        assert machine.app.controller.position() == [x, y]
+    assert machine.ask("LINE", 5, 5) == b"n"
+    assert machine.ask("UP", turns=100) == b""
+    assert machine.status()["error"] == errors.BUSY
+
+
+def check_stop_anywhere(turns):
+    """Stopped at any moment: DONE once, pen up, object dropped, position what the pins saw, and the machine goes on."""
+    machine = Machine()
+    machine.ask("ORIGIN")
+    zero = machine.table.place[:]
+    for pen, x, y in SQUARE:
+        machine.ask("LINE" if pen else "MOVE", x, y)
+    machine.send("END")
+    machine.turns(turns)
+    answer = machine.ask("STOP")
+    assert answer == b"d"
+    assert machine.turns(200) == b""
+    status = machine.status()
+    place = [machine.table.place[axis] - zero[axis] for axis in range(2)]
+    assert machine.table.pen == 0
+    assert [status["x"], status["y"]] == place == machine.app.controller.position()
+    assert status["state"] == "idle" and status["free"] == BOARD["store_points"]
+    drawn = status["drawn"]
+    assert 0 <= drawn <= len(SQUARE)
+    if drawn == len(SQUARE):
+        assert place == [50, 40]
+    elif drawn:
+        _, x0, y0 = SQUARE[drawn - 1]
+        _, x1, y1 = SQUARE[drawn]
+        assert min(x0, x1) <= place[0] <= max(x0, x1) and min(y0, y1) <= place[1] <= max(y0, y1)
+    machine.draw(SQUARE)
+    assert machine.app.controller.position() == [50, 40]
+
+
+def check_stop_while_homing():
+    machine = Machine()
+    machine.send("ORIGIN")
+    machine.turns(100)
+    assert machine.ask("STOP") == b"d"
+    assert not machine.app.controller.homed
+    assert machine.ask("ORIGIN") == b"o"
+
+
+def check_commands_wait_while_drawing():
+    """What comes between END and DONE is answered after DONE, in order."""
+    machine = Machine()
+    machine.ask("ORIGIN")
+    for pen, x, y in SQUARE:
+        machine.ask("LINE" if pen else "MOVE", x, y)
+    for name, x, y in (("END", 0, 0), ("SPEED", 900, 0), ("MOVE", 9, 9), ("END", 0, 0)):
+        machine.send(name, x, y)
+    answers = b""
+    while not machine.app.controller.position() == [9, 9]:
+        answers += machine.turns(1)
+    answers += machine.turns(100)
+    assert answers == b"dsnd"
+    assert machine.app.controller.speed == 900
+
+
+def check_an_object_longer_than_the_store():
+    """Drawn while it arrives: NEXT is withheld until there is room, no point is lost."""
+    machine = Machine(store_points=10)
+    machine.ask("ORIGIN")
+    machine.table.path = []
+    zero = machine.table.place[:]
+    points = [(i & 1, 10 + 3 * i, 20 + (7 * i) % 31) for i in range(60)]
+    machine.draw(points)
+    seen = [(x - zero[0], y - zero[1]) for x, y, _ in machine.table.path]
+    at = 0
+    for _, x, y in points:
+        at = seen.index((x, y), at)
+    assert machine.status()["drawn"] == 60
+
+
+def check_too_many_waiting():
+    machine = Machine()
+    machine.send("ORIGIN")
+    for _ in range(100):
+        machine.send("SPEED", 1000)
+    machine.turns(3)
+    assert machine.status()["error"] == errors.TOO_MANY_WAITING
+    machine.turns(40_000)
+    assert machine.app.controller.homed
+
+
+def check_homing_required():
+    homing = dict(BOARD["homing"])
+    homing["required"] = True
+    machine = Machine(homing=homing)
+    assert machine.ask("LINE", 5, 5, turns=20) == b""
+    assert machine.status()["error"] == errors.NOT_HOMED
+    machine.ask("ORIGIN")
+    assert machine.ask("LINE", 5, 5) == b"n"
+
+
+def check_no_homing():
+    machine = Machine(homing=None)
+    assert machine.ask("ORIGIN", turns=20) == b""
+    assert machine.status()["error"] == errors.NO_HOMING
+
+
+def check_motor_current():
+    """Released at power-up, running in motion, holding soon after, released after the board file's time."""
+    machine = Machine()
+    motors = machine.app.controller._motors
+    machine.turns(5)
+    assert motors.state == RELEASED
+    machine.ask("UP")
+    machine.turns(5)
+    assert motors.state == RUNNING
+    while machine.app.controller.busy():
+        machine.app.turn()
+    machine.turns(BOARD["idle_release_ms"] - 20)
+    assert motors.state == HOLDING
+    machine.turns(100)
+    assert motors.state == RELEASED
+    machine.ask("UP")
+    while machine.app.controller.busy():
+        machine.app.turn()
+    assert machine.app.controller.position() == [0, 20]
+
+
+def check_speed_along_the_path():
+    """In steps a second the speed is the path's, at every slope; lines last their length over it."""
+    machine = Machine(speed={"unit": "steps_per_s", "default": 400, "min": 10, "max": 2000, "overhead_us": 0})
+    for x, y, length in ((300, 0, 300), (300, 400, 400), (0, 0, 500)):
+        start = machine.port.now
+        machine.draw(((0, x, y),))
+        seconds = (machine.port.now - start) / 12_500_000
+        assert length / 400 <= seconds <= length / 400 + 0.06
+
+
+def check_sensor_noise(spikes):
+    """Readings wrong for less than the debouncing time change nothing, and a true edge keeps its first place."""
+    level = [0]
+    sensor = Sensor(lambda: level[0], 5)
+    noisy = set([at for at in spikes if at % 7 == 0])
+    for ms in range(100):
+        level[0] = 1 if ms in noisy else 0
+        sensor.sample(ms, ms)
+        assert not sensor.active
+    for ms in range(100, 120):
+        level[0] = 0 if ms in (101, 103) else 1
+        sensor.sample(ms, ms)
+    assert sensor.active and sensor.edge == (98 if 98 in noisy else 100)
+
+
+def check_store(capacity, points):
+    store = Store(capacity)
+    kept = []
+    for put, x, y in points:
+        if put and store.free():
+            store.put(x, y, bool(x & 1))
+            kept.append((x, y, bool(x & 1)))
+        elif not put and store.count:
+            assert store.take() == kept.pop(0)
+        assert store.count == len(kept) and store.free() == capacity - len(kept)
+    store.clear()
+    assert store.free() == capacity
+
+
+def check_log_keeps_the_last():
+    log = Log()
+    for number in range(40):
+        log.add(number, number)
+    assert len(log.entries) == 32 and log.entries[-1][1] == 39 and log.last == 39
+
+
+def broken(path, value):
+    """The board file with the item at `path` replaced, or removed where `value` is ..."""
+    board = copy(BOARD)
+    part = board
+    for key in path[:-1]:
+        part = part[key]
+    if value is ...:
+        del part[path[-1]]
+    else:
+        part[path[-1]] = value
+    return board
+
+
+def copy(value):
+    if isinstance(value, dict):
+        return {key: copy(item) for key, item in value.items()}
+    if isinstance(value, list):
+        return [copy(item) for item in value]
+    return value
+
+
+def check_board_errors_name_their_place():
+    for path, value, words in (
+        (("chip",), "z80", ("chip", "z80", "rp2040")),
+        (("colour",), "red", ("unknown key", "colour")),
+        (("axes", 0, "pins"), ..., ("axes[0].pins", "missing")),
+        (("axes", 0, "pins"), [2, 3, 4], ("axis x", "unipolar", "4")),
+        (("axes", 0, "pins"), [2, 3, 4, "five"], ("axis x", "five")),
+        (("axes", 1, "pins"), [6, 7, 8, 5], ("pin 5", "axis x", "axis y")),
+        (("tool", "pin"), 14, ("pin 14", "tool", "barrier_x")),
+        (("tool", "on_ms"), -1, ("tool.on_ms", "-1")),
+        (("tool",), ..., ("tool", "missing")),
+        (("axes",), [], ("axes", "1 … 4")),
+        (("axes", 0, "travel_steps"), True, ("axes[0].travel_steps", "int")),
+        (("axes", 0), 7, ("axes[0]", "dict")),
+        (("homing", "sensors"), {"z": "barrier_x"}, ("no axis", "z")),
+        (("homing", "sensors"), {"x": "barrier"}, ("homing.sensors.x", "no input")),
+        (("speed", "default"), 100, ("speed.default", "100")),
+        (("drive",), {"kind": "pbl3770a", "mode": "wave"}, ("axis x",)),
+        (("links", 0, "tx"), 10, ("pin 10", "tool", "pc")),
+    ):
+        try:
+            check(broken(path, value))
+        except BoardError as error:
+            for word in words:
+                assert word in str(error), str(error)
+            continue
+        raise AssertionError("accepted: %r" % (path,))
+
+
+def check_a_checked_board_is_a_board():
+    board = check(BOARD)
+    assert check(board) == board
+    assert board["homing"]["required"] is False
+
+
+def check_speeds_the_player_cannot_play_are_refused():
+    for speed in (
+        {"unit": "steps_per_s", "default": 400, "min": 10, "max": 900_000, "overhead_us": 0},
+        {"unit": "half_period_us", "default": 10, "min": 1, "max": 100, "overhead_us": 0},
+    ):
+        try:
+            Machine(speed=speed)
+        except BoardError as error:
+            assert "speed" in str(error)
+            continue
+        raise AssertionError("accepted")
+
+
+def check_unknown_protocol():
+    links = [dict(BOARD["links"][0])]
+    links[0]["protocol"] = "esperanto"
+    try:
+        Machine(links=links)
+    except BoardError as error:
+        assert "esperanto" in str(error) and "plotter" in str(error)
+        return
+    raise AssertionError("accepted")
+
+
+def check_two_links_answer_separately():
+    second = dict(BOARD["links"][0])
+    second["name"] = "pc2"
+    second["port"] = "usb"
+    machine = Machine(links=[BOARD["links"][0], second])
+    machine.send("REQUEST")
+    machine.turns(10)
+    assert machine.port.lines["pc2"].outgoing == b""
