@@ -85,6 +85,7 @@ class App:
         self._check_speed(least)
         setup = us_to_ticks(board["drive"]["setup_us"]) if drive is None else 0
         self.feeder = Feeder(self.ring, self.layout, self.planner, drive, setup and max(setup, least), least)
+        self.interrupt = port.feed_from_interrupt(self.feeder, self.player)
         motors = Motors(port, self.player, self.layout, drive, off_levels, board)
         motors.release()
         self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port)
@@ -108,7 +109,8 @@ class App:
             answer = link.protocol.reply(event)
             if answer:
                 link.serial.write(answer)
-        if self.controller.may_feed():
+        self.feeder.open = self.controller.may_feed()
+        if not self.interrupt and self.feeder.open:
             self.feeder.fill(self.player.played(), LEAD_TICKS)
             self.player.start()
 

@@ -347,6 +347,7 @@ class Controller:
 
     def arrest(self):
         """Stop inside the word under way, drop everything queued; the tool is off. The position stays exact."""
+        self._feeder.open = False
         self._player.halt()
         position, _, _ = self._feeder.cancel(self._player.played())
         self.drawn = self._count_drawn()

@@ -43,6 +43,8 @@ class Feeder:
         self._mark_ends = bytearray(_CHECKPOINTS)  # 1 where the segment is its block's last
         self._mark_levels = array("i", [0] * _CHECKPOINTS)
         self._mark_position = array("i", [0] * (_CHECKPOINTS * axes))
+        self.open = True  # the main loop closes it while the motors are not ready, or while it stops the machine
+        self.hold = False  # set: come to a stand on the path; cleared: go on
         self.late = 0  # times the player ran dry inside a block
         self._levels = 0  # step form of the levels now: directions and tool
         if drive is not None:
@@ -64,7 +66,11 @@ class Feeder:
 
     def fill(self, played, lead_ticks):  # ISR: no allocation
         """Make words until `lead_ticks` are ahead of the word count `played`, or nothing is released, or no room."""
+        if not self.open:
+            return
         self.retire(played)
+        if self.hold:
+            return
         if self._block is not None and self._oldest == self._newest:
             self.late += 1
         oldest = self._oldest % _CHECKPOINTS
