@@ -326,6 +326,7 @@ def check_board_errors_name_their_place():
         (("tool", "on_ms"), -1, ("tool.on_ms", "-1")),
         (("tool",), ..., ("tool", "missing")),
         (("axes",), [], ("axes", "1 … 4")),
+        (("axes",), [BOARD["axes"][0]] * 4, ("axes", "too many", "3")),
         (("axes", 0, "travel_steps"), True, ("axes[0].travel_steps", "int")),
         (("axes", 0), 7, ("axes[0]", "dict")),
         (("homing", "sensors"), {"z": "barrier_x"}, ("no axis", "z")),

@@ -1,4 +1,4 @@
-"""A small generator of random values, the same on every interpreter, and the values that a check's specification asks for.
+"""A small generator of random values, the same on every interpreter, and what a check's specification asks of it.
 
     random = Random(7)
     random.between(-10, 10)

@@ -1,6 +1,6 @@
 """Runs check modules without pytest: under MicroPython, and under CPython for comparison.
 
-    MICROPYPATH=firmware:tests_host micropython tests_host/micro_runner.py check_line
+    MICROPYPATH=firmware:tests_host:. micropython tests_host/micro_runner.py check_line
 
 Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (100 unless told) with values from a
 generator seeded by its name; one without parameters runs once. Prints every failure with its arguments and a closing

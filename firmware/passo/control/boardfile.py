@@ -80,6 +80,7 @@ _BOARD = {
     "links": [_LINK, 1, 4],
 }
 _OPTIONAL = ("homing", "jog")
+MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 
 
@@ -164,6 +165,9 @@ def claimed_pins(board):
 
 def _check_pins(board):
     kind = board["drive"]["kind"]
+    most = (MOST_BITS - 1) // PINS_OF[kind]
+    if len(board["axes"]) > most:
+        raise BoardError("axes: %d are too many for a %s drive; it moves %d" % (len(board["axes"]), kind, most))
     for axis in board["axes"]:
         if len(axis["pins"]) != PINS_OF[kind]:
             raise BoardError(

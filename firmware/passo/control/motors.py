@@ -3,7 +3,7 @@
 from micropython import const
 
 _WAKE_MS = const(20)  # for the rotor to settle on its phase before it is asked to step
-_TIME_MASK = const(0x3FFFFFFF)
+_TIME_MASK = const(0x1FFFFFFF)
 
 RUNNING = const(0)
 HOLDING = const(1)
@@ -23,21 +23,23 @@ class Motors:
         self._release_ms = board["idle_release_ms"]
         self._since_ms = 0
         self.state = RELEASED
+        self._tool = False  # as it was when the last motion ended: waking must not move it
         self._ready_ms = 0
 
     def poll(self, now_ms, moving, tool):
-        """Once a main loop turn. `moving`: motion is under way or wanted."""
+        """Once a main loop turn. `moving`: motion is under way or wanted; `tool`: where its end leaves the tool."""
         if moving:
             self._since_ms = now_ms
             if self.state != RUNNING and not self._player.busy():
                 self._ready_ms = now_ms + (_WAKE_MS if self.state == RELEASED else 0)
-                self._set(RUNNING, tool)
+                self._set(RUNNING)
             return
+        self._tool = tool
         idle_ms = (now_ms - self._since_ms) & _TIME_MASK
         if self.state == RUNNING and idle_ms >= self._hold_ms:
-            self._set(HOLDING, tool)
+            self._set(HOLDING)
         if self.state == HOLDING and self._release_ms and idle_ms >= self._release_ms:
-            self._set(RELEASED, tool)
+            self._set(RELEASED)
 
     def ready(self, now_ms):
         """True when motion may begin."""
@@ -45,16 +47,17 @@ class Motors:
 
     def release(self):
         """No current, and the tool off, at once: the safe state."""
-        self._set(RELEASED, False)
+        self._tool = False
+        self._set(RELEASED)
 
-    def _set(self, state, tool):
+    def _set(self, state):
         self.state = state
         if self._enable:
             self._port.output("enable", state != RELEASED)
         if self._drive is None:
             return
         levels = (self._drive.levels, self._drive.holding, self._off)[state]()
-        self._player.rest(levels | (self._tool_mask if tool else 0))
+        self._player.rest(levels | (self._tool_mask if self._tool else 0))
 
     def _off(self):
         return self._off_levels

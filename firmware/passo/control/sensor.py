@@ -21,7 +21,7 @@ class Sensor:
 
     def sample(self, now_ms, place):
         """Look once; `place` is where the axis stands. Call it at least once a step and once a millisecond."""
-        passed_ms = (now_ms - self._last_ms) & 0x3FFFFFFF
+        passed_ms = (now_ms - self._last_ms) & 0x1FFFFFFF
         self._last_ms = now_ms
         if self._read() == self.active:
             self._against_ms = max(0, self._against_ms - passed_ms)

@@ -1,4 +1,4 @@
-"""Unipolar motors by four transistors S1…S4, one bit each, S1 lowest. Tables of the plotter and the two-motor kit."""
+"""Unipolar motors by four transistors S1…S4, one bit each, S1 lowest."""
 
 WIDTH = 4
 PINS = ("s1", "s2", "s3", "s4")

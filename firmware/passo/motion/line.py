@@ -31,22 +31,26 @@ class Line:
 
     def begin(self, deltas):
         """Start on the vector `deltas`, in steps. Raises ValueError above MAX_STEPS."""
-        total = max([abs(delta) for delta in deltas])
+        total = 0
+        moving = negative = 0
+        for axis in range(self.axes):
+            steps = deltas[axis]
+            if steps:
+                moving |= 1 << axis
+            if steps < 0:
+                negative |= 1 << axis
+                steps = -steps
+            if steps > total:
+                total = steps
+                self._dominant = axis
+            self._deltas[axis] = steps
         if total > MAX_STEPS:
             raise ValueError("a line of more than %d steps" % MAX_STEPS)
-        self.total = total
-        self.moving = self.negative = 0
-        self._dominant = -1
+        self.total = self.left = total
+        self.moving = moving
+        self.negative = negative
         for axis in range(self.axes):
-            delta = deltas[axis]
-            self._deltas[axis] = abs(delta)
-            if delta:
-                self.moving |= 1 << axis
-            if delta < 0:
-                self.negative |= 1 << axis
-            if self._dominant < 0 and abs(delta) == total:
-                self._dominant = axis
-        self.seek(0)
+            self._decision[axis] = 2 * self._deltas[axis] - total
 
     def seek(self, index):
         """Stand before dominant step `index` (0 … total), as if that many had been walked."""

@@ -1,6 +1,6 @@
 """The queue of blocks between the controller and the feeder, and the rule by which they are let go.
 
-    retired          fetched                     added          all count for ever, modulo 2³⁰
+    retired          fetched                     added          all count for ever, modulo 2²⁹
        |  being played  |  look-ahead: may change  |
     . [b b b b b b b b b b b b b b b b b b b b b b b] . .
 
@@ -17,8 +17,8 @@ from passo.motion.block import FREE, LINE, WAIT, Block
 
 LOOK_AHEAD = const(64)
 IN_FLIGHT = const(64)
-_COUNT = const(0x3FFFFFFF)
-LONGEST_TICKS = const(0x3FFFFFFF)  # of one wait, or of one dominant step: 85 s
+_COUNT = const(0x1FFFFFFF)
+LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 
 
 class Planner:
@@ -50,7 +50,7 @@ class Planner:
         if not line.total:
             return
         if ticks // line.total > LONGEST_TICKS:
-            raise ValueError("steps more than 85 s apart")
+            raise ValueError("steps more than 43 s apart")
         block.kind = LINE
         block.walker = line
         block.ticks = max(ticks // line.total, 1)

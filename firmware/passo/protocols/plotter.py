@@ -24,7 +24,7 @@ from passo.protocols.commands import (
 
 RESYNC_MS = const(2000)
 PACKET = const(6)
-_TIME_MASK = const(0x3FFFFFFF)
+_TIME_MASK = const(0x1FFFFFFF)
 
 COMMANDS = {
     "REQUEST": 0x72,

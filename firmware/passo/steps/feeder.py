@@ -20,7 +20,7 @@ from passo.steps.pace import pace, repay
 from passo.steps.word import COUNT_MASK, HOLD_TICKS, ahead
 
 _CHECKPOINTS = const(256)
-_HALF = const(0x20000000)
+_HALF = const(0x10000000)
 _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
 
 
@@ -57,7 +57,7 @@ class Feeder:
         self._wait = 0
         self._debt = 0
         self._ticks = 0
-        self._oldest = 0  # the last checkpoint played: a mark number, for ever, modulo 2³⁰
+        self._oldest = 0  # the last checkpoint played: a mark number, for ever, modulo 2²⁹
         self._newest = 0
         self._leave_mark(played, 0, True)
         self._oldest = self._newest
@@ -192,7 +192,7 @@ class Feeder:
             self.drive.apply(words, at, count)
 
     def _advance(self, walker):  # ISR: no allocation
-        """Add the steps the walker made to the position; both wrap at ±2²⁹, for axes that turn for ever."""
+        """Add the steps the walker made to the position; both wrap at ±2²⁸, for axes that turn for ever."""
         made = walker.made
         position = self._position
         for axis in range(self.layout.axes):

@@ -5,7 +5,7 @@ played. Each publishes its counter after its work is done, and a counter is one 
 any two statements sees a consistent ring. Nothing here allocates after the constructor.
 
     words   . . . [a a a b b b b c] . . .
-                   ^played          ^head        both count for ever, modulo 2³⁰
+                   ^played          ^head        both count for ever, modulo 2²⁹
 """
 
 from array import array

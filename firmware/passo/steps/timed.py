@@ -35,10 +35,10 @@ class Timed:
         self._carry = array("i", [0] * axes)
 
     def set(self, axis, steps, each, rest=0, over=1, negative=False):
-        """Run `axis` for `steps` (≥ 0 or ENDLESS), a step every each + rest/over ticks (each ≥ 2 · least, < 2³⁰)."""
+        """Run `axis` for `steps` (≥ 0 or ENDLESS), a step every each + rest/over ticks (each ≥ 2 · least, < 2²⁹)."""
         if steps < ENDLESS:
             raise ValueError("%d is not a number of steps" % steps)
-        if each < 2 * self.least or each >= 0x3FFFFFFF:
+        if each < 2 * self.least or each >= 0x1FFFFFFF:
             raise ValueError("a step every %d ticks; at least %d" % (each, 2 * self.least))
         if not 0 <= rest < over:
             raise ValueError("rest %d/%d is not below one tick" % (rest, over))

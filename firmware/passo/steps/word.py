@@ -12,7 +12,7 @@ from micropython import const
 TICKS_PER_S = const(12_500_000)
 TICKS_PER_MS = const(12_500)
 HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is never far away
-COUNT_MASK = const(0x3FFFFFFF)  # word counters run modulo 2³⁰ and are compared by difference
+COUNT_MASK = const(0x1FFFFFFF)  # counters run modulo 2²⁹, so that even a sum stays below 2³⁰
 
 
 def us_to_ticks(us):
@@ -21,7 +21,7 @@ def us_to_ticks(us):
 
 
 def ahead(later, earlier):
-    """How many words `later` lies ahead of `earlier`, both counters modulo 2³⁰."""
+    """How many words `later` lies ahead of `earlier`, both counters modulo 2²⁹."""
     return (later - earlier) & COUNT_MASK
 
 

@@ -1,0 +1,179 @@
+"""The virtual port: virtual time, virtual pins, and a player that plays the ring in them.
+
+    port = VirtualPort(board, world)          # world: whatever is wired to the pins, for example host_tools.plant.Plant
+    app = App(board, port)
+    while True:
+        app.poll()
+        port.wait(app.controller.busy(), app.controller.state == "home")
+
+Virtual time counts ticks of 80 ns from 0 and passes only in `wait`. How it passes is the port's `mode`:
+
+    "real"     with the wall clock; it may lag behind, it never skips
+    "fast"     as "real" while nothing is pending; while motion, a dwell or an event of the world is, it jumps
+    "stepped"  a quantum a turn, whatever the wall clock says, which `link_ms` follows: tests are deterministic
+
+The world sees electrical pin levels, polarity included, and each change with its tick. It has these methods:
+
+    attach(tick, names, levels)     the player's pins, lowest bit first, and their levels at power-up
+    edges(tick, levels, changed)    the player's pins changed: all levels, and the mask of those that changed
+    output(tick, name, level)       another output changed
+    input(tick, name) -> level      what an input reads
+    run(tick)                       let the world's own events up to `tick` happen
+    next_event() -> tick or None    when the next of them is due
+
+It runs under CPython and under unix MicroPython, and knows no file, no pty and no operating system.
+"""
+
+try:
+    from time import monotonic_ns as wall_ns
+except ImportError:  # MicroPython's clock is monotonic only as far as the system's is
+    from time import time_ns as wall_ns
+
+from passo.ports.virtual_player import Player, inverted_pins, word_times
+from passo.steps.word import COUNT_MASK, TICKS_PER_MS
+
+TICK_NS = 80
+COARSE_TICKS = 8 * TICKS_PER_MS  # a turn in motion: well inside the 30 ms that the feeder keeps ahead
+FINE_TICKS = TICKS_PER_MS // 2  # a turn while homing: how finely sensors are sampled
+IDLE_MS = 5  # the longest sleep of an idle turn
+LAG_TICKS = 100 * TICKS_PER_MS  # real time further behind than this is given up, not caught up with
+
+
+class VirtualPort:
+    """Port of the virtual board; see the module's text.
+
+    `world` defaults to nothing at all wired. `lines` maps a link's name to an object with `read()` and `write(bytes)`;
+    a link that is not in it gets a `MemoryLine`. `sleep(ms)` is called in real and fast time when a turn has nothing
+    to do; it may return early, for example when a byte has come.
+    """
+
+    def __init__(self, board, world=None, mode="stepped", lines=None, sleep=None):
+        if mode not in ("real", "fast", "stepped"):
+            raise ValueError("time is real, fast or stepped, not " + repr(mode))
+        self.board = board
+        self.world = world or Nothing()
+        self.mode = mode
+        self.now = 0
+        self.lines = lines if lines is not None else {}
+        self._sleep = sleep
+        self._player = None
+        self._inputs = {}
+        for entry in board.get("inputs", ()):
+            self._inputs[entry["name"]] = entry.get("active", 1)
+        self._outputs = {}
+        for entry in board.get("outputs", ()):
+            self._outputs[entry["name"]] = entry.get("active", 1)
+        self._anchor()
+
+    def player(self, ring, layout):
+        """The player of `ring`. Once."""
+        pulse_ticks, min_word_ticks = word_times(self.board)
+        self._player = Player(self, ring, layout, pulse_ticks, min_word_ticks, inverted_pins(self.board, layout))
+        return self._player
+
+    def feed_from_interrupt(self, feeder, player):
+        """There are no interrupts here: the main loop fills the ring itself."""
+        return False
+
+    def serial(self, link):
+        name = link["name"]
+        if name not in self.lines:
+            self.lines[name] = MemoryLine()
+        return self.lines[name]
+
+    def input(self, name):
+        """True while the input is in its active state."""
+        return self.world.input(self.now, name) == self._inputs[name]
+
+    def output(self, name, on):
+        """Switch an output of the board file on or off."""
+        active = self._outputs[name]
+        self.world.output(self.now, name, active if on else 1 - active)
+
+    def machine_ms(self):
+        return (self.now // TICKS_PER_MS) & COUNT_MASK
+
+    def link_ms(self):
+        if self.mode == "stepped":
+            return self.machine_ms()
+        return (wall_ns() // 1000000) & COUNT_MASK
+
+    def wait(self, busy, fine=False):
+        """End a turn of the main loop. `busy`: motion, dwell or homing is pending; `fine`: a short turn."""
+        quantum = FINE_TICKS if fine else COARSE_TICKS
+        pending = self.pending(busy)
+        if self.mode == "stepped":
+            self.advance(quantum if pending else TICKS_PER_MS)
+        elif pending and self.mode == "fast":
+            self.advance(quantum)
+            self._anchor()
+        else:
+            self._follow(pending, quantum)
+
+    def pending(self, busy):
+        """True while anything is on its way: what the caller says, words, or an event of the world."""
+        return busy or (self._player is not None and self._player.busy()) or self.world.next_event() is not None
+
+    def advance(self, ticks):
+        """Let `ticks` of virtual time pass: words play and the world's events happen, in the order of their ticks."""
+        end = self.now + ticks
+        while self.now < end:
+            event = self.world.next_event()
+            until = end if event is None or event > end else max(event, self.now)
+            if self._player is not None:
+                self._player.run(until)
+            self.now = until
+            self.world.run(until)
+
+    def _anchor(self):
+        self._anchor_ns = wall_ns()
+        self._anchor_tick = self.now
+
+    def _follow(self, pending, quantum):
+        """Follow the wall clock, by at most `quantum` while something is pending; sleep once level with it."""
+        behind = self._anchor_tick + (wall_ns() - self._anchor_ns) // TICK_NS - self.now
+        if pending and behind > LAG_TICKS:
+            self._anchor()
+            behind = quantum
+        if behind > 0:
+            self.advance(min(behind, quantum) if pending else behind)
+        if self._sleep and (not pending or behind < quantum):
+            self._sleep(max(1, quantum // (2 * TICKS_PER_MS)) if pending else IDLE_MS)
+
+
+class MemoryLine:
+    """A serial line in memory: the board's end reads what was put in `incoming` and adds to `outgoing`."""
+
+    def __init__(self):
+        self.incoming = b""
+        self.outgoing = b""
+
+    def read(self):
+        data = self.incoming
+        self.incoming = b""
+        return data
+
+    def write(self, data):
+        self.outgoing += bytes(data)
+
+
+class Nothing:
+    """The world of a board with nothing wired to it: inputs read low."""
+
+    def attach(self, tick, names, levels):
+        pass
+
+    def edges(self, tick, levels, changed):
+        pass
+
+    def output(self, tick, name, level):
+        pass
+
+    def input(self, tick, name):
+        return 0
+
+    def run(self, tick):
+        pass
+
+    def next_event(self):
+        return None

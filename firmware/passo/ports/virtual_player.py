@@ -1,0 +1,154 @@
+"""The virtual port's player: step words from the ring become edges on virtual pins.
+
+The port calls `run(until)` with ticks that only grow; each edge goes to the world's `edges(tick, levels, changed)`.
+The world may stop or halt the player from inside that call, as a limit switch wired to its interrupt would.
+"""
+
+from passo.steps.word import COUNT_MASK, us_to_ticks
+
+COIL_WORD_TICKS = us_to_ticks(4)  # the shortest word without a pulse: what a real player needs for one
+
+
+def word_times(board):
+    """(ticks of a pulse, ticks of the shortest word): a pulse is as long low as it is high."""
+    drive = board["drive"]
+    if drive["kind"] != "step_dir":
+        return 0, COIL_WORD_TICKS
+    pulse_ticks = us_to_ticks(drive.get("pulse_us", 2))
+    return pulse_ticks, max(2 * pulse_ticks, COIL_WORD_TICKS)
+
+
+def inverted_pins(board, layout):
+    """Mask of the player's pins whose electrical level is the opposite of the word's."""
+    axes = board["axes"]
+    mask = 0 if board["tool"].get("active", 1) else layout.tool_mask
+    if layout.kind == "step_dir":
+        if not board["drive"].get("step_active", 1):
+            mask |= layout.step_mask
+        for axis in range(len(axes)):
+            if axes[axis].get("reversed", False):
+                mask |= 1 << (layout.axes + axis)
+    return mask
+
+
+class Player:
+    """Plays step words from the ring onto virtual pins; knows nothing of axes.
+
+    A pulse (a bit of `layout.pulse_mask`) falls `pulse_ticks` after its word begins, or as the word ends if that is
+    sooner. `invert` is the mask of the pins whose electrical level is the opposite of the word's.
+    """
+
+    def __init__(self, port, ring, layout, pulse_ticks, min_word_ticks, invert):
+        self.min_word_ticks = min_word_ticks
+        self.now = 0  # tick of the edge or turn under way
+        self._ring = ring
+        self._layout = layout
+        self._pulse_ticks = pulse_ticks
+        self._invert = invert
+        self._edges = port.world.edges
+        self._levels = 0
+        self._played = 0
+        self._next = 0  # tick at which the word under way ends
+        self._fall = -1  # tick at which its pulses fall; -1 when none is up
+        self._playing = False
+        port.world.attach(0, layout.pin_names, invert)
+
+    def start(self):
+        """Play words as they come."""
+        self._playing = True
+
+    def stop(self):
+        """Play no further word after the one under way."""
+        self._playing = False
+
+    def halt(self):
+        """No further edge: pulses and tool drop now, inside the word; the other pins keep their levels."""
+        self._playing = False
+        self._fall = -1
+        self._next = self.now
+        self._put(self.now, self._levels & ~(self._layout.pulse_mask | self._layout.tool_mask))
+
+    def busy(self):
+        """True while words are left to play or the last one's ticks still run."""
+        return self._next > self.now or (self._playing and self._played != self._ring.head)
+
+    def played(self):
+        """Words whose levels have appeared on the pins, modulo 2²⁹."""
+        return self._played
+
+    def rest(self, levels):
+        """Put `levels` on the pins at once. Only while not busy."""
+        self._put(self.now, levels)
+
+    def levels(self):
+        """What the pins show, before polarity."""
+        return self._levels
+
+    def _put(self, tick, levels):
+        changed = levels ^ self._levels
+        if changed:
+            self._levels = levels
+            self._edges(tick, levels ^ self._invert, changed)
+
+    def run(self, until):
+        """Play everything that is due before the tick `until`."""
+        self._drop(until)
+        if self._next < self.now:
+            self._next = self.now
+        if self._playing and self._next < until and self._played != self._ring.head:
+            self._play(until)
+            self._drop(until)
+        self.now = until
+
+    def _drop(self, until):
+        """End the pulses whose time it is; the next word never begins before that."""
+        tick = self._fall
+        if 0 <= tick < until:
+            self._fall = -1
+            self.now = tick
+            self._put(tick, self._levels & ~self._layout.pulse_mask)
+
+    def _play(self, until):
+        # The host spends most of its time here: everything is local, and nothing is allocated but the ticks.
+        layout = self._layout
+        bits = layout.bits
+        levels_mask = layout.levels_mask
+        pulse_mask = layout.pulse_mask
+        pulse_ticks = self._pulse_ticks
+        invert = self._invert
+        edges = self._edges
+        words = self._ring.words
+        mask = self._ring.mask
+        head = self._ring.head
+        played = self._played
+        tick = self._next
+        while tick < until and played != head:
+            word = words[played & mask]
+            played = (played + 1) & COUNT_MASK
+            levels = word & levels_mask
+            end = tick + (word >> bits)
+            self.now = tick
+            self._played = played
+            self._next = end
+            changed = levels ^ self._levels
+            if changed:
+                self._levels = levels
+                edges(tick, levels ^ invert, changed)
+            pulses = levels & pulse_mask
+            if pulses:
+                fall = tick + pulse_ticks
+                if fall > end:
+                    fall = end
+                if not self._playing:  # the world stopped or halted the player inside that edge
+                    self._fall = fall if self._levels & pulse_mask else -1
+                    break
+                if fall >= until:
+                    self._fall = fall
+                    break
+                self.now = fall
+                levels ^= pulses
+                self._levels = levels
+                edges(fall, levels ^ invert, pulses)
+            if not self._playing:
+                break
+            tick = end

@@ -1,0 +1,120 @@
+"""The code that runs in an interrupt, with integers as narrow as a board's: none of it may reach 2³⁰.
+
+The rooms' arrays are replaced by lists that only hold and give `Small` integers, which raise where a board would
+allocate memory.
+"""
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from passo.drives import unipolar
+from passo.motion import line
+from passo.motion.line import MAX_STEPS
+from passo.steps import feeder, ring, timed
+from passo.steps.word import COUNT_MASK
+from rig import DRIVES, LEAST_TICKS, Rig
+from small_int import Small
+
+
+class SmallList(list):
+    """Stands for array("i") and array("I")."""
+
+    def __init__(self, code, values):
+        whole = [0] * (len(values) // 4) if isinstance(values, bytearray) else values
+        super().__init__(Small(value) for value in whole)
+
+    def __setitem__(self, index, value):
+        super().__setitem__(index, Small(value))
+
+
+@pytest.fixture(autouse=True, scope="module")
+def narrow():
+    """Every array that the interrupt code reads or writes is narrow."""
+    patch = pytest.MonkeyPatch()
+    for module in (line, feeder, ring, timed):
+        patch.setattr(module, "array", SmallList)
+    yield
+    patch.undo()
+
+
+def small_rig(drive, axes=3):
+    rig = Rig(drive, axes)
+    planner = rig.planner
+    for block in planner._pool:
+        block.__class__ = SmallBlock
+    return rig
+
+
+class SmallBlock(type(Rig().planner._pool[0])):
+    def __setattr__(self, name, value):
+        super().__setattr__(name, Small(value) if type(value) is int else value)
+
+
+def play(rig, milliseconds):
+    """Fill and play as an interrupt would; the words themselves are Small."""
+    rig.feeder.fill(Small(rig.played), Small(milliseconds * 12_500))
+    words = 0
+    while rig.played != rig.ring.head:
+        assert rig.ring.words[rig.played & rig.ring.mask] >= 0
+        rig.played = Small((rig.played + 1) & COUNT_MASK)
+        words += 1
+    return words
+
+
+@given(
+    st.sampled_from(sorted(DRIVES)),
+    st.tuples(*[st.integers(-MAX_STEPS, MAX_STEPS)] * 3),
+    st.integers(2 * LEAST_TICKS, 0x1FFFFFFE),
+    st.integers(0, COUNT_MASK),
+)
+@settings(max_examples=60)
+def test_no_line_reaches_a_wide_integer(drive, deltas, each, count):
+    rig = small_rig(drive, 3 if drive == "step_dir" else 2)
+    deltas = deltas[: rig.layout.axes]
+    if not any(deltas):
+        return
+    rig.ring.head = rig.played = Small(count)
+    rig.feeder._reset(Small(count))
+    total = max(map(abs, deltas))
+    rig.planner.line(deltas, total * each + total // 3, True)
+    rig.planner.wait(0x1FFFFFFF, False)
+    rig.planner.flush()
+    for _ in range(20):
+        play(rig, 10)
+
+
+def test_counters_wrap():
+    rig = small_rig("unipolar half", 2)
+    rig.ring.head = rig.played = Small(COUNT_MASK - 40)
+    rig.feeder._reset(rig.played)
+    rig.feeder._ticks = Small(COUNT_MASK - 5000)
+    rig.feeder._mark_ticks[rig.feeder._oldest % 256] = rig.feeder._ticks
+    rig.feeder._position[0] = Small((1 << 28) - 20)
+    rig.planner.line((100, -37), 100 * 3000, False)
+    rig.planner.flush()
+    words = 0
+    while not rig.planner.empty():
+        words += play(rig, 10)
+        rig.feeder.retire(rig.played)
+    assert words == 100
+    assert list(rig.feeder.position(rig.played)) == [(1 << 28) - 20 + 100 - (1 << 29), -37]
+
+
+def test_axes_that_turn_for_ever():
+    rig = small_rig("unipolar half", 2)
+    axes = timed.Timed(2, LEAST_TICKS)
+    axes.set(0, timed.ENDLESS, 0x1FFFFFFE, 2, 3)
+    axes.set(1, timed.ENDLESS, 2 * LEAST_TICKS, 5, 7, negative=True)
+    rig.planner.free(axes, False)
+    rig.planner.flush()
+    assert sum(play(rig, 10) for _ in range(60)) > 1000
+
+
+def test_the_stand_in_would_notice():
+    words = SmallList("I", [0])
+    with pytest.raises(OverflowError):
+        words[0] = 1 << 30
+    with pytest.raises(OverflowError):
+        words[0] = Small(1 << 20) * (1 << 12)
+    assert bytes(unipolar.HALF)
