@@ -1,0 +1,58 @@
+"""Finding and loading board files.
+
+    board = load("plotter_2014")            # boards/plotter_2014.py
+    board = load("~/mine/router.py")        # any file with BOARD = {...}
+
+Loading reads the file only; whether its values make sense is checked by the firmware's own board file room.
+"""
+
+import runpy
+from pathlib import Path
+
+from host_tools.failure import Failure
+
+
+def boards_dir():
+    """The project's own board files."""
+    return Path(__file__).resolve().parent.parent / "boards"
+
+
+def names():
+    """Names of the project's boards, in alphabetical order."""
+    return sorted(path.stem for path in boards_dir().glob("*.py") if not path.stem.startswith("_"))
+
+
+def path(name):
+    """The file of a board given by its name or by the path of a .py file. Raises Failure if there is none."""
+    if str(name).endswith(".py"):
+        found = Path(name).expanduser()
+        if not found.is_file():
+            raise Failure(f"no board file {name}")
+        return found
+    if name not in names():
+        raise Failure(f"unknown board {name!r}; known are {', '.join(names())}, or give the path of a .py file")
+    return boards_dir() / f"{name}.py"
+
+
+def load(name):
+    """The BOARD dict of a board given by name or path. Raises Failure with what was wrong with the file."""
+    found = path(name)
+    try:
+        module = runpy.run_path(str(found))
+    except Exception as error:
+        raise Failure(f"board file {found} cannot be read: {error}") from error
+    board = module.get("BOARD")
+    if not isinstance(board, dict):
+        raise Failure(f"board file {found} has no BOARD = {{...}}")
+    return board
+
+
+def steps_per_mm(board):
+    """Steps per millimetre of X and Y, as floats."""
+    x_axis, y_axis = board["axes"][0], board["axes"][1]
+    return x_axis["steps_per_m"] / 1000, y_axis["steps_per_m"] / 1000
+
+
+def travel_steps(board):
+    """The largest coordinate of X and Y in steps; the smallest is 0."""
+    return board["axes"][0]["travel_steps"], board["axes"][1]["travel_steps"]

@@ -1,0 +1,107 @@
+"""Parts of the plant: a carriage between hard ends, a slotted barrier, a pen solenoid.
+
+Parts with events of their own have `due`, the tick of the next one or NEVER, and `run()`, which lets it happen.
+"""
+
+import re
+
+NEVER = float("inf")
+CHATTER = 6  # pairs of false edges that a bouncing barrier gives at most
+TICKS_PER_MS = 12_500
+
+
+class Carriage:
+    """Moves by whole steps between `low` and `high`. Pushed against an end the rotor stalls: the step is lost."""
+
+    def __init__(self, name, position, low, high, report):
+        self.name = name
+        self.position = position
+        self.low = low
+        self.high = high
+        self.lost = 0  # steps lost at the ends
+        self._stalled = False
+        self._report = report
+
+    def move(self, tick, steps):
+        """True if the carriage moved. The first lost step of a stall is reported, all are counted."""
+        wanted = self.position + steps
+        reached = min(max(wanted, self.low), self.high)
+        if reached != wanted:
+            self.lost += abs(wanted - reached)
+            if not self._stalled:
+                self._stalled = True
+                self._report(tick, f"{self.name} ran into its hard end at {reached}")
+        else:
+            self._stalled = False
+        moved = reached != self.position
+        self.position = reached
+        return moved
+
+
+class Barrier:
+    """A slotted optical barrier: broken, which is the active state, while the carriage is at `edge` or below.
+
+    After each change it may chatter for up to `bounce_ticks`. `fault`: "dead" never reads active, "stuck" always does;
+    "dead@MS" and "stuck@MS" from that virtual millisecond on.
+    """
+
+    def __init__(self, name, edge, position, bounce_ticks, fault, random):
+        self.name = name
+        self.edge = edge
+        self.beam = position <= edge  # what the carriage does to it
+        self.due = NEVER
+        self._reading = self.beam  # what it makes of that, chatter included
+        self._chatter = []  # ticks of the false edges to come, last one first
+        self._bounce_ticks = bounce_ticks
+        self._random = random
+        self._fault, self._fault_tick = None, 0
+        if fault is not None:
+            parts = re.fullmatch(r"(dead|stuck)(?:@(\d+))?", fault)
+            if not parts:
+                raise ValueError(f"fault of {name}: {fault!r} is none of dead, stuck, dead@MS, stuck@MS")
+            self._fault, self._fault_tick = parts[1], int(parts[2] or 0) * TICKS_PER_MS
+
+    def cross(self, tick):
+        """The carriage crossed the edge."""
+        self.beam = not self.beam
+        self._reading = self.beam
+        pairs = self._random.randint(1, CHATTER) if self._bounce_ticks else 0
+        times = {tick + self._random.randint(1, self._bounce_ticks) for _ in range(2 * pairs)}
+        if len(times) % 2:
+            times.pop()
+        self._chatter = sorted(times, reverse=True)
+        self._plan()
+
+    def run(self):
+        """The next false edge."""
+        self._chatter.pop()
+        self._reading = not self._reading
+        self._plan()
+
+    def active(self, tick):
+        if self._fault and tick >= self._fault_tick:
+            return self._fault == "stuck"
+        return self._reading
+
+    def _plan(self):
+        self.due = self._chatter[-1] if self._chatter else NEVER
+
+
+class Solenoid:
+    """The pen's solenoid: the pen arrives, down (1000) or up (0), `on_ticks` or `off_ticks` after its pin changes."""
+
+    def __init__(self, on_ticks, off_ticks):
+        self.value = 0
+        self.due = NEVER
+        self._delays = off_ticks, on_ticks
+        self._wanted = 0
+
+    def drive(self, tick, on):
+        self._wanted = 1000 if on else 0
+        # Let go before it has arrived it falls back without having moved.
+        self.due = tick + self._delays[on] if self._wanted != self.value else NEVER
+
+    def run(self):
+        """The pen arrives."""
+        self.value = self._wanted
+        self.due = NEVER

@@ -1,0 +1,171 @@
+"""Virtual serial lines: what the board's end of a link is on a PC.
+
+    line = PtyLine(link="/tmp/plotter")     # any serial program opens line.name, or the link
+    line = TcpLine(5000)                    # pyserial opens line.name: socket://127.0.0.1:5000
+    data = line.read()                      # b"" if nothing has come; never waits
+    line.write(b"k")
+    wait([line], 5)                         # until a byte may have come, or 5 ms
+
+A client may come, go and come back. What the board says while there is none is lost, as on a real wire.
+"""
+
+import errno
+import os
+import select
+import socket
+import termios
+import time
+import tty
+from pathlib import Path
+
+from host_tools.failure import Failure
+
+READ_BYTES = 4096
+UNSENT_BYTES = 65536  # kept for a client that does not read; older bytes are lost beyond that
+
+
+def wait(lines, milliseconds):
+    """Sleep until one of `lines` may have something to read, or the time is over."""
+    watched = [fd for line in lines for fd in line.watched()]
+    if watched:
+        select.select(watched, [], [], milliseconds / 1000)
+    else:
+        time.sleep(milliseconds / 1000)
+
+
+class _Line:
+    def __init__(self):
+        self._unsent = b""
+
+    def write(self, data):
+        self._unsent = (self._unsent + bytes(data))[-UNSENT_BYTES:]
+        self._send()
+
+    def _send(self):
+        """Send what the client takes now; without a client forget it."""
+        while self._unsent:
+            try:
+                sent = self._put(self._unsent)
+            except BlockingIOError:
+                return
+            except OSError:
+                sent = len(self._unsent)
+            self._unsent = self._unsent[sent:]
+
+
+class PtyLine(_Line):
+    """A pseudo-terminal, raw, so that bytes pass as they are. `link`: a symlink to make, replacing an old one."""
+
+    def __init__(self, link=None):
+        super().__init__()
+        self._fd, slave = os.openpty()
+        self._path = os.ttyname(slave)
+        os.close(slave)
+        os.set_blocking(self._fd, False)
+        self._open = True  # a client has the other end open
+        self._link = Path(link) if link else None
+        self.name = str(link) if link else self._path
+        self._hung_up()
+        if self._link:
+            self._make_link()
+
+    def read(self):
+        try:
+            data = os.read(self._fd, READ_BYTES)
+            self._open = True
+        except BlockingIOError:
+            data = b""
+            self._open = True
+        except OSError as error:
+            if error.errno != errno.EIO:
+                raise
+            data = b""
+            if self._open:
+                self._hung_up()
+        if self._unsent:
+            self._send()
+        return data
+
+    def watched(self):
+        return [self._fd] if self._open else []  # a closed pty is always ready, with nothing to read
+
+    def close(self):
+        if self._link and self._link.is_symlink() and os.readlink(self._link) == self._path:
+            self._link.unlink()
+        os.close(self._fd)
+
+    def _put(self, data):
+        return os.write(self._fd, data) if self._open else len(data)
+
+    def _hung_up(self):
+        """The client has gone: the next one finds a raw line, and none of the answers to this one."""
+        self._open = False
+        self._unsent = b""
+        slave = os.open(self._path, os.O_RDWR | os.O_NOCTTY)
+        tty.setraw(slave)
+        termios.tcflush(slave, termios.TCIFLUSH)
+        os.close(slave)
+
+    def _make_link(self):
+        try:
+            if self._link.is_symlink():
+                self._link.unlink()
+            self._link.symlink_to(self._path)
+        except OSError as error:
+            raise Failure(f"cannot make the link {self._link}: {error.strerror}") from error
+
+
+class TcpLine(_Line):
+    """A TCP server on this machine with one client at a time; a new client takes the place of the old. Port 0: any."""
+
+    def __init__(self, port, host="127.0.0.1"):
+        super().__init__()
+        try:
+            self._server = socket.create_server((host, port))
+        except (OSError, OverflowError) as error:
+            raise Failure(f"cannot serve TCP port {port}: {error}") from error
+        self._server.setblocking(False)
+        self._client = None
+        self.name = f"socket://{host}:{self._server.getsockname()[1]}"
+
+    def read(self):
+        self._accept()
+        data = b""
+        if self._client is not None:
+            try:
+                data = self._client.recv(READ_BYTES)
+                if not data:
+                    self._drop()
+            except BlockingIOError:
+                pass
+            except OSError:
+                self._drop()
+        if self._unsent:
+            self._send()
+        return data
+
+    def watched(self):
+        return [self._server] if self._client is None else [self._server, self._client]
+
+    def close(self):
+        self._drop()
+        self._server.close()
+
+    def _accept(self):
+        try:
+            client, _ = self._server.accept()
+        except OSError:
+            return
+        self._drop()
+        client.setblocking(False)
+        client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self._client = client
+
+    def _drop(self):
+        if self._client is not None:
+            self._client.close()
+        self._client = None
+        self._unsent = b""
+
+    def _put(self, data):
+        return self._client.send(data) if self._client is not None else len(data)

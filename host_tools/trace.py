@@ -1,0 +1,102 @@
+"""The trace: a CSV file of where the machine was and when, as the plant decoded it from the pins.
+
+    trace = Trace("square.csv", plant)      # or None: keep the rows in memory, for `rows()`
+    ...
+    trace.rezero(plant.position)            # the machine has homed: this is its origin
+    trace.close()
+
+    t_us,x,y,z,a,tool                       a first row with the initial state, then one a word that steps an axis
+    0.000,0,0,0,0,0                         and one for each arrival of the tool
+    1222.000,1,0,0,0,0
+
+`t_us` is virtual time since the start at the leading edge; x…a are steps from the machine's origin (from where it
+stood at the start while it has never homed), axes that it has not are 0; tool is 0…1000. The whole file has one zero:
+a homing rewrites the rows before it.
+"""
+
+import os
+from operator import sub
+from pathlib import Path
+
+HEADER = "t_us,x,y,z,a,tool"
+COLUMNS = "xyza"
+BATCH_ROWS = 8192
+
+
+class Trace:
+    """Listens to `plant`. Axes x, y, z, a in this order are in the columns of their names, others in their order."""
+
+    def __init__(self, path, plant):
+        self._path = None if path is None else Path(path)
+        self._zero = list(plant.position)
+        self._rows = []
+        self._written = 0
+        names = [carriage.name for carriage in plant.carriages]
+        in_order = all(name in COLUMNS for name in names) and names == sorted(names, key=COLUMNS.index)
+        self._columns = [COLUMNS.index(name) if in_order else i for i, name in enumerate(names)]
+        marks = ["%d" if column in self._columns else "0" for column in range(len(COLUMNS))]
+        self._mark = "%d.%02d0," + ",".join(marks) + ",%d\n"
+        self._file = None
+        if self._path is not None:
+            self._file = open(self._path, "w", encoding="ascii", newline="\n")
+            self._file.write(HEADER + "\n")
+        plant.trace = self
+        self.row(0, plant.position, plant.tool)
+
+    def row(self, tick, position, tool):
+        """A step or an arrival of the tool at `tick`; `position` in the plant's steps."""
+        rows = self._rows
+        rows.append((tick, *position, tool))
+        if len(rows) >= BATCH_ROWS and self._file is not None:
+            self.flush()
+
+    def flush(self):
+        """Write what has been kept back."""
+        if self._file is None:
+            return
+        self._file.write("".join(self._lines(self._rows)))
+        self._file.flush()
+        self._written += len(self._rows)
+        self._rows.clear()
+
+    def rezero(self, origin):
+        """The plant's position `origin` is the machine's zero, for rows already written too."""
+        shift = [old - new for old, new in zip(self._zero, origin)]
+        if not any(shift):
+            return
+        if self._written:
+            self.flush()
+            self._rewrite(shift)
+        self._zero = list(origin)
+
+    def rows(self):
+        """[(t_us, x, y, z, a, tool)] of the rows kept in memory: all of them if there is no file."""
+        lines = (line.split(",") for line in self._lines(self._rows))
+        return [(float(line[0]), *map(int, line[1:])) for line in lines]
+
+    def close(self):
+        if self._file is not None:
+            self.flush()
+            self._file.close()
+            self._file = None
+
+    def _lines(self, rows):
+        mark = self._mark
+        zero = (*self._zero, 0)
+        for row in rows:
+            tens_ns = row[0] * 8  # a tick is 80 ns, so a µs has two decimals
+            yield mark % (tens_ns // 100, tens_ns % 100, *map(sub, row[1:], zero))
+
+    def _rewrite(self, shift):
+        """Shift every row of the file by way of a second one, so that there is a whole file at any moment."""
+        self._file.close()
+        moved = self._path.with_name(self._path.name + ".part")
+        with open(self._path, encoding="ascii") as old, open(moved, "w", encoding="ascii", newline="\n") as new:
+            new.write(next(old))
+            for line in old:
+                fields = line.rstrip().split(",")
+                for column, by in zip(self._columns, shift):
+                    fields[column + 1] = str(int(fields[column + 1]) + by)
+                new.write(",".join(fields) + "\n")
+        os.replace(moved, self._path)
+        self._file = open(self._path, "a", encoding="ascii", newline="\n")

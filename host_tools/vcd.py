@@ -1,0 +1,69 @@
+"""Pins on a VCD file, for GTKWave or PulseView.
+
+    world = VcdTap("job.vcd", plant)      # between a port and its plant
+    port = VirtualPort(board, world)
+    world.close()
+
+Every pin is a wire with its board file's name: the player's, the outputs and the inputs. The timescale is 1 ns, the
+levels are electrical.
+"""
+
+from vcd import VCDWriter
+
+NS_PER_TICK = 80
+MODULE = "passo"
+
+
+class VcdTap:
+    """Writes down what passes between a port and `plant`, and passes it on."""
+
+    def __init__(self, path, board, plant):
+        self._file = open(path, "w", encoding="ascii", newline="\n")
+        self._writer = VCDWriter(self._file, timescale="1 ns", version="passo board", date="", check_values=False)
+        self._plant = plant
+        self._now = 0
+        self._pins = []
+        self._others = {}
+        for item in board.get("outputs", ()):
+            self._others[item["name"]] = self._wire(item["name"], 1 - item.get("active", 1))
+        for item in board.get("inputs", ()):
+            self._others[item["name"]] = self._wire(item["name"], plant.input(0, item["name"]))
+        plant.pins = self
+        self.run = plant.run
+        self.next_event = plant.next_event
+        self._pass_edges = plant.edges
+
+    def attach(self, tick, names, levels):
+        self._pins = [(1 << bit, self._wire(name, levels >> bit & 1)) for bit, name in enumerate(names)]
+        self._plant.attach(tick, names, levels)
+
+    def edges(self, tick, levels, changed):
+        # The plant first: chatter that was due before this edge goes down before it.
+        self._pass_edges(tick, levels, changed)
+        for mask, wire in self._pins:
+            if changed & mask:
+                self._change(tick, wire, 1 if levels & mask else 0)
+
+    def output(self, tick, name, level):
+        self._change(tick, self._others[name], level)
+        self._plant.output(tick, name, level)
+
+    def input(self, tick, name):
+        return self._plant.input(tick, name)
+
+    def changed(self, tick, name, level):
+        """The plant says that an input has changed."""
+        self._change(tick, self._others[name], level)
+
+    def flush(self):
+        self._writer.flush()
+
+    def close(self):
+        self._writer.close()
+        self._file.close()
+
+    def _wire(self, name, level):
+        return self._writer.register_var(MODULE, name, "wire", size=1, init=level)
+
+    def _change(self, tick, wire, level):
+        self._writer.change(wire, tick * NS_PER_TICK, level)

@@ -1,0 +1,398 @@
+"""The plant against the tables and figures of the 2014 plotter's document, and against pins that break its rules."""
+
+import random
+
+import pytest
+
+from host_tools import boards
+from host_tools.decoders import Pbl3770a, StepDir, Unipolar
+from host_tools.parts import Barrier, Solenoid
+from host_tools.plant import Plant
+
+MS = 12_500
+
+UNIPOLAR = {
+    "wave": "1000 0100 0010 0001",
+    "full": "1100 0110 0011 1001",
+    "half": "1000 1100 0100 0110 0010 0011 0001 1001",
+}
+BIPOLAR_HALF = "++0---0+", "0+++0---"
+
+
+def unipolar_patterns(mode):
+    """Levels of one motor, S1 lowest, from the table as printed."""
+    return [sum(1 << i for i, coil in enumerate(text) if coil == "1") for text in UNIPOLAR[mode].split()]
+
+
+def winding(sign, percent):
+    """PH I0 I1 of one PBL3770A."""
+    i0, i1 = {100: (0, 0), 60: (1, 0), 20: (0, 1), 0: (1, 1)}[percent if sign != "0" else 0]
+    return (sign == "+") | i0 << 1 | i1 << 2
+
+
+def bipolar_patterns(mode, percent=60):
+    pairs = list(zip(*BIPOLAR_HALF))
+    if mode == "full":
+        pairs = [pair for pair in pairs if "0" not in pair]
+    return [winding(a, percent) | winding(b, percent) << 3 for a, b in pairs]
+
+
+class Errors(list):
+    def __call__(self, tick, text):
+        self.append((tick, text))
+
+
+def walk(decoder, patterns, shift=0):
+    """Feed patterns one after the other; returns the position after each."""
+    levels = position = 0
+    positions = []
+    for tick, pattern in enumerate(patterns):
+        new = pattern << shift
+        position += decoder.decode(tick, new, new ^ levels)
+        levels = new
+        positions.append(position)
+    return positions
+
+
+CASES = [(Unipolar, mode, unipolar_patterns(mode)) for mode in UNIPOLAR] + [
+    (Pbl3770a, mode, bipolar_patterns(mode, percent)) for mode in ("full", "half") for percent in (100, 60, 20)
+]
+
+
+@pytest.mark.parametrize("kind, mode, patterns", CASES)
+@pytest.mark.parametrize("shift", (0, 6))
+def test_coil_tables_forward_and_back(kind, mode, patterns, shift):
+    errors = Errors()
+    turns = patterns * 3
+    assert walk(kind(mode, shift, 0, errors), turns, shift) == list(range(len(turns)))
+    assert walk(kind(mode, shift, 0, errors), turns[::-1], shift) == [-i for i in range(len(turns))]
+    assert errors == []
+
+
+@pytest.mark.parametrize("kind, mode, patterns", CASES)
+def test_coils_follow_random_steps(kind, mode, patterns):
+    rng = random.Random(5)
+    errors = Errors()
+    place, places = 0, [0]
+    for _ in range(500):
+        place += rng.choice((-1, 1))
+        places.append(place)
+    assert walk(kind(mode, 0, 0, errors), [patterns[p % len(patterns)] for p in places]) == places
+    assert errors == []
+
+
+def test_half_step_eighths():
+    decoder = Unipolar("half", 0, 0, Errors())
+    assert decoder.eighth is None and decoder.released
+    seen = []
+    for pattern in unipolar_patterns("half"):
+        decoder.decode(0, pattern, 15)
+        seen.append(decoder.eighth)
+    assert seen == list(range(8))
+
+
+@pytest.mark.parametrize("kind, mode, patterns", CASES)
+def test_a_skipped_state_is_an_error(kind, mode, patterns):
+    errors = Errors()
+    positions = walk(kind(mode, 0, 0, errors), [patterns[0], patterns[2]])
+    assert [tick for tick, _ in errors] == [1] and "jumped" in errors[0][1]
+    assert positions == ([0, 2] if len(patterns) == 8 else [0, 0])
+
+
+def test_opposite_coils_and_strange_patterns_are_errors():
+    for pattern in (0b0101, 0b1010, 0b0111, 0b1111):
+        errors = Errors()
+        assert walk(Unipolar("half", 0, 0, errors), [1, pattern, 1]) == [0, 0, 0]
+        assert errors == [(1, f"coil pattern {format(pattern, '04b')[::-1]} is none of the drive's")]
+    errors = Errors()
+    walk(Unipolar("full", 0, 0, errors), [0b0011, 0b0010])  # a half-step state
+    assert len(errors) == 1
+
+
+def test_unequal_winding_currents_are_an_error():
+    errors = Errors()
+    decoder = Pbl3770a("half", 0, 0, errors)
+    walk(decoder, [winding("+", 60) | winding("+", 60) << 3, winding("+", 60) | winding("+", 20) << 3])
+    assert [tick for tick, _ in errors] == [1]
+
+
+def test_all_off_keeps_the_place():
+    errors = Errors()
+    decoder = Unipolar("half", 0, 0, errors)
+    half = unipolar_patterns("half")
+    assert walk(decoder, [half[0], half[1], 0, half[1], half[2]]) == [0, 1, 1, 1, 2]
+    assert walk(decoder, [0]) == [0] and decoder.released and errors == []
+    # Released by hand at position 2, switched on again half a turn away: nobody knows which way it goes.
+    assert walk(decoder, [half[6]]) == [0] and len(errors) == 1
+
+
+def test_pbl3770a_currents():
+    decoder = Pbl3770a("half", 0, 0, Errors())
+    for percent in (100, 60, 20):
+        decoder.decode(0, winding("+", percent) | winding("-", percent) << 3, 63)
+        assert decoder.current == percent and not decoder.released
+    # PH means nothing in a winding without current.
+    decoder.decode(0, (winding("0", 0) | 1) << 3 | winding("0", 0), 63)
+    assert decoder.current == 0 and decoder.released
+
+
+def test_inverted_coils():
+    errors = Errors()
+    patterns = unipolar_patterns("half") * 2
+    assert walk(Unipolar("half", 4, 0xF0, errors), [p ^ 15 for p in patterns], 4) == list(range(16))
+    assert errors == []
+
+
+# --- STEP/DIR: pulse 2 µs = 25 ticks, set-up 5 µs = 62.5 ticks
+
+
+def play(decoder, *edges):
+    """[(tick, levels)] → steps at each; STEP is bit 0, DIR bit 1."""
+    now = decoder._inverted
+    steps = []
+    for tick, levels in edges:
+        steps.append(decoder.decode(tick, levels, levels ^ now))
+        now = levels
+    return steps
+
+
+def step_dir(errors, inverted=0):
+    return StepDir(0, 1, inverted, 2, 5, errors)
+
+
+def test_step_dir_steps_both_ways():
+    errors = Errors()
+    edges = (0, 2), (63, 3), (88, 2), (113, 3), (138, 2), (200, 0), (263, 1), (288, 0)
+    assert play(step_dir(errors), *edges) == [0, 1, 0, 1, 0, 0, -1, 0]
+    assert errors == []
+
+
+@pytest.mark.parametrize("inverted", (1, 2, 3))
+def test_step_dir_polarity(inverted):
+    errors = Errors()
+    edges = [(0, 2), (63, 3), (88, 2), (200, 0), (263, 1), (288, 0)]
+    edges = [(tick, levels ^ inverted) for tick, levels in edges]
+    assert play(step_dir(errors, inverted), *edges) == [0, 1, 0, 0, -1, 0]
+    assert errors == []
+
+
+@pytest.mark.parametrize(
+    "edges, steps, error",
+    [
+        ([(0, 2), (62, 3), (90, 2)], [0, 1, 0], (62, "STEP too soon after DIR")),
+        ([(0, 3), (30, 2)], [1, 0], (0, "STEP too soon after DIR")),
+        ([(0, 1), (24, 0)], [-1, 0], (24, "STEP pulse too short")),
+        ([(0, 1), (25, 0), (49, 1), (80, 0)], [-1, 0, -1, 0], (49, "STEP low for too short a time")),
+        ([(0, 1), (10, 3), (30, 2)], [-1, 0, 0], (10, "DIR changed during a STEP pulse")),
+    ],
+)
+def test_step_dir_violations(edges, steps, error):
+    errors = Errors()
+    assert play(step_dir(errors), *edges) == steps
+    assert errors == [error]
+
+
+# --- barriers, carriage, solenoid, whole plants
+
+
+def barrier(bounce_ms=0, fault=None, position=100, seed=1):
+    return Barrier("b", 0, position, bounce_ms * MS, fault, random.Random(seed))
+
+
+def test_barrier_follows_the_carriage():
+    b = barrier()
+    assert not b.active(0)
+    b.cross(10)
+    assert b.active(10) and b.due == float("inf")
+    b.cross(20)
+    assert not b.active(20)
+    assert barrier(position=0).active(0) and barrier(position=-5).active(0)
+
+
+def test_barrier_bounces_and_settles():
+    for seed in range(50):
+        b = barrier(bounce_ms=4, seed=seed)
+        b.cross(1000)
+        edges = []
+        while b.due != float("inf"):
+            edges.append(b.due)
+            b.run()
+        assert b.active(10**9) and len(edges) % 2 == 0
+        assert edges == sorted(set(edges)) and all(1000 < tick <= 1000 + 4 * MS for tick in edges)
+    assert any(edges), "chatter there must be"
+
+
+def test_barrier_faults():
+    dead, stuck, late = barrier(fault="dead"), barrier(fault="stuck"), barrier(fault="dead@3")
+    for b in (dead, stuck, late):
+        b.cross(10)
+    assert not dead.active(20) and stuck.active(0) and stuck.active(20)
+    assert late.active(3 * MS - 1) and not late.active(3 * MS)
+    for wrong in ("broken", "dead@", "dead@x", "@3", ""):
+        with pytest.raises(ValueError, match="dead, stuck"):
+            barrier(fault=wrong)
+
+
+def test_solenoid_takes_its_time():
+    s = Solenoid(60, 30)
+    s.drive(100, True)
+    assert (s.value, s.due) == (0, 160)
+    s.run()
+    assert s.value == 1000
+    s.drive(200, False)
+    assert s.due == 230
+    s.drive(210, True)  # let go and pressed again: it never left
+    assert s.due == float("inf") and s.value == 1000
+
+
+class Rows(list):
+    def row(self, tick, position, tool):
+        self.append((tick, *position, tool))
+
+
+def plant_2014(**options):
+    """The 2014 table with its pins attached: x coils are bits 0…3, y 4…7, the tool 8."""
+    plant = Plant(boards.load("plotter_2014"), **options)
+    plant.trace = Rows()
+    names = [f"{axis}_s{i}" for axis in "xy" for i in (1, 2, 3, 4)] + ["tool"]
+    plant.attach(0, names, 0)
+    return plant
+
+
+class Pins:
+    """Drives a plant's pins: half steps of two unipolar motors, and the tool."""
+
+    def __init__(self, plant):
+        self.plant = plant
+        self.phases = [0, 0]
+        self.levels = 0
+        self.tool = 0
+        self.put(0)
+
+    def put(self, tick):
+        half = unipolar_patterns("half")
+        levels = half[self.phases[0] % 8] | half[self.phases[1] % 8] << 4 | self.tool << 8
+        self.plant.edges(tick, levels, levels ^ self.levels)
+        self.levels = levels
+
+    def step(self, tick, x, y=0):
+        self.phases[0] += x
+        self.phases[1] += y
+        self.put(tick)
+
+
+def test_plant_moves_and_traces_a_row_a_word():
+    plant = plant_2014(start=(10, 20))
+    pins = Pins(plant)
+    pins.step(100, 1)
+    pins.step(200, 1, -1)
+    pins.put(300)
+    assert plant.position == [12, 19]
+    assert plant.trace == [(100, 11, 20, 0), (200, 12, 19, 0)]
+
+
+def test_tool_arrives_between_the_steps():
+    plant = plant_2014(start=(0, 0))
+    pins = Pins(plant)
+    pins.tool = 1
+    pins.put(1000)
+    arrival = 1000 + 60 * MS
+    assert plant.next_event() == arrival
+    pins.step(arrival - 1, 1)
+    pins.step(arrival + 5, 1)
+    assert plant.trace == [(arrival - 1, 1, 0, 0), (arrival, 1, 0, 1000), (arrival + 5, 2, 0, 1000)]
+    assert plant.next_event() is None
+
+
+def test_barriers_of_the_plant():
+    plant = plant_2014(start=(-38, 500))
+    pins = Pins(plant)
+    assert plant.input(0, "barrier_x") == 0 and plant.input(0, "barrier_y") == 0
+    pins.step(100, -1)
+    assert plant.input(100, "barrier_x") == 0
+    pins.step(200, -1)
+    assert plant.position[0] == -40 and plant.input(200, "barrier_x") == 1
+    pins.step(300, 1)
+    assert plant.input(300, "barrier_x") == 0
+
+
+def test_hard_end_stalls_and_is_recorded():
+    plant = plant_2014(start=(-139, 0))
+    pins = Pins(plant)
+    for i in range(1, 5):
+        pins.step(i * 100, -1)
+    assert plant.position[0] == -140 and plant.carriages[0].lost == 3
+    assert plant.errors == [(200, "x ran into its hard end at -140")]
+    pins.step(900, 1)
+    assert plant.position[0] == -139
+    assert len(plant.trace) == 2
+
+
+def test_start_is_checked_or_random():
+    seen = {tuple(Plant(boards.load("plotter_2014"), seed=seed).position) for seed in range(20)}
+    assert len(seen) == 20
+    assert all(-140 <= x <= 4100 and -140 <= y <= 3100 for x, y in seen)
+    assert Plant(boards.load("plotter_2014"), seed=3).position == Plant(boards.load("plotter_2014"), seed=3).position
+    with pytest.raises(ValueError, match="hard ends"):
+        plant_2014(start=(-141, 0))
+    with pytest.raises(ValueError, match="one an axis"):
+        plant_2014(start=(1,))
+    with pytest.raises(ValueError, match="no barrier lid; the machine has barrier_x, barrier_y"):
+        plant_2014(faults={"lid": "dead"})
+
+
+def router():
+    board = dict(boards.load("plotter_2014"))
+    board["drive"] = {"kind": "step_dir", "step_active": 0}
+    board["axes"] = [
+        {"name": name, "pins": [2 * i, 2 * i + 1], "steps_per_m": 80_000, "travel_steps": 800, "reversed": name == "y"}
+        for i, name in enumerate("xyz")
+    ]
+    board["homing"] = None
+    board["outputs"] = [{"name": "enable", "pin": 20, "active": 0}]
+    board["inputs"] = [{"name": "stop", "pin": 21, "active": 0}]
+    return board
+
+
+def test_step_dir_plant_with_enable_and_reversed_axis():
+    plant = Plant(router(), start=(0, 0, 0))
+    names = ["x_step", "y_step", "z_step", "x_dir", "y_dir", "z_dir", "tool"]
+    levels = 0b010111  # STEP active low, Y's DIR the other way round
+    plant.attach(0, names, levels)
+
+    def put(tick, new):
+        nonlocal levels
+        plant.edges(tick, new, new ^ levels)
+        levels = new
+
+    def pulse(tick):
+        put(tick, levels & ~0b111)
+        put(tick + 25, levels | 0b111)
+
+    pulse(1000)
+    assert plant.position == [0, 0, 0]
+    assert plant.errors[0] == (1000, "x stepped while the drivers are disabled") and plant.error_count == 3
+    plant.output(1500, "enable", 0)
+    put(1600, levels ^ 0b111000)
+    pulse(2000)
+    assert plant.position == [1, 1, 1]
+    assert plant.error_count == 3
+
+
+def test_other_inputs():
+    plant = Plant(router(), start=(0, 0, 0))
+    assert plant.input(0, "stop") == 1
+    plant.set_input(0, "stop", True)
+    assert plant.input(0, "stop") == 0
+    with pytest.raises(ValueError):
+        plant.set_input(0, "lid", True)
+
+
+def test_mirrored_coil_motor():
+    board = dict(boards.load("plotter_2014"))
+    board["axes"] = [dict(axis, reversed=axis["name"] == "x") for axis in board["axes"]]
+    plant = Plant(board, start=(100, 100))
+    plant.attach(0, [f"{axis}_s{i}" for axis in "xy" for i in (1, 2, 3, 4)] + ["tool"], 0)
+    pins = Pins(plant)
+    pins.step(10, 1, 1)
+    assert plant.position == [99, 101]

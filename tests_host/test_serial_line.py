@@ -1,0 +1,150 @@
+"""Virtual serial lines: bytes pass as they are, and clients may come and go."""
+
+import os
+import socket
+import termios
+import time
+
+import pytest
+import serial
+
+from host_tools.failure import Failure
+from host_tools.serial_line import PtyLine, TcpLine, wait
+
+ALL_BYTES = bytes(range(256))
+
+
+def receive(line, count):
+    """Read until `count` bytes have come or two seconds are over."""
+    data = b""
+    end = time.monotonic() + 2
+    while len(data) < count and time.monotonic() < end:
+        wait([line], 5)
+        data += line.read()
+    return data
+
+
+@pytest.fixture(params=["pty", "tcp"])
+def line(request):
+    line = PtyLine() if request.param == "pty" else TcpLine(0)
+    yield line
+    line.close()
+
+
+def connect(line):
+    client = serial.serial_for_url(line.name, 57600, timeout=2)
+    line.read()
+    return client
+
+
+def test_every_byte_passes_both_ways(line):
+    with connect(line) as client:
+        client.write(ALL_BYTES)
+        assert receive(line, 256) == ALL_BYTES
+        line.write(ALL_BYTES)
+        assert client.read(256) == ALL_BYTES
+
+
+def test_nothing_to_read_does_not_wait(line):
+    started = time.monotonic()
+    assert line.read() == b""
+    with connect(line):
+        assert line.read() == b""
+    assert time.monotonic() - started < 1
+
+
+def test_what_is_said_to_nobody_is_lost(line):
+    line.write(b"lost")
+    line.read()
+    with connect(line) as client:
+        line.write(b"k")
+        assert client.read(1) == b"k"
+        line.write(b"unread")
+        client.write(b"x")
+        assert receive(line, 1) == b"x"
+    time.sleep(0.05)
+    for _ in range(3):
+        line.read()
+        line.write(b"lost")
+    with connect(line) as client:
+        client.timeout = 0.1
+        assert client.read(1) == b""
+        line.write(b"here")
+        assert client.read(4) == b"here"
+
+
+def test_bytes_written_just_before_leaving_arrive(line):
+    with connect(line) as client:
+        client.write(b"last words")
+        client.flush()
+    assert receive(line, 10) == b"last words"
+
+
+def test_wait_ends_early_when_a_byte_comes(line):
+    with connect(line) as client:
+        client.write(b"a")
+        started = time.monotonic()
+        wait([line], 2000)
+        assert time.monotonic() - started < 1 and receive(line, 1) == b"a"
+    for _ in range(3):
+        line.read()
+    started = time.monotonic()
+    wait([line], 30)
+    assert time.monotonic() - started >= 0.025, "a line without a client must not spin"
+
+
+def test_a_client_that_does_not_read_costs_nothing_but_its_answers(line):
+    with connect(line) as client:
+        for _ in range(3000):
+            line.write(b"0123456789" * 10)
+        client.write(b"still here")
+        assert receive(line, 10) == b"still here"
+
+
+def test_pty_is_raw_again_after_a_rude_client():
+    line = PtyLine()
+    slave = os.open(line.name, os.O_RDWR | os.O_NOCTTY)
+    assert line.read() == b""
+    modes = termios.tcgetattr(slave)
+    modes[3] |= termios.ECHO | termios.ICANON
+    modes[1] |= termios.OPOST | termios.ONLCR
+    termios.tcsetattr(slave, termios.TCSANOW, modes)
+    os.close(slave)
+    assert line.read() == b""
+    slave = os.open(line.name, os.O_RDWR | os.O_NOCTTY)
+    line.read()
+    line.write(b"a\nb")
+    assert os.read(slave, 10) == b"a\nb" and line.read() == b""
+    os.close(slave)
+    line.close()
+
+
+def test_symlink(tmp_path):
+    path = tmp_path / "plotter"
+    path.symlink_to("/nowhere")
+    line = PtyLine(path)
+    assert line.name == str(path) and os.path.realpath(path).startswith("/dev/")
+    other = PtyLine(path)
+    line.close()
+    assert path.is_symlink(), "another's link is left alone"
+    other.close()
+    assert not path.is_symlink()
+    path.write_text("precious")
+    with pytest.raises(Failure, match="cannot make the link .*plotter: File exists"):
+        PtyLine(path)
+    assert path.read_text() == "precious"
+
+
+def test_tcp_port_in_use_and_a_second_client():
+    line = TcpLine(0)
+    port = int(line.name.rpartition(":")[2])
+    with pytest.raises(Failure, match=f"cannot serve TCP port {port}"):
+        TcpLine(port)
+    first = connect(line)
+    with socket.create_connection(("127.0.0.1", port)) as second:
+        second.sendall(b"new")
+        assert receive(line, 3) == b"new"
+        line.write(b"k")
+        assert second.recv(1) == b"k"
+    first.close()
+    line.close()
