@@ -226,12 +226,21 @@ class Feeder:
         """Steps of each axis since power-up when `played` words have appeared on the pins: exact."""
         return self._walk(played)[0]
 
+    def _passed(self, played):
+        """The slot of the last checkpoint played. Changes nothing: an interrupt may be retiring meanwhile."""
+        number = self._oldest
+        while number != self._newest:
+            after = (number + 1) & COUNT_MASK
+            if ahead(played, self._mark_word[after % _CHECKPOINTS]) >= _HALF:
+                break
+            number = after
+        return number % _CHECKPOINTS
+
     def _walk(self, played):
         """(position, stepping words since the last checkpoint played)."""
-        self.retire(played)
         ring = self.ring
         axes = self.layout.axes
-        slot = self._oldest % _CHECKPOINTS
+        slot = self._passed(played)
         position = [self._mark_position[slot * axes + axis] for axis in range(axes)]
         word = self._mark_word[slot]
         before = self._mark_levels[slot]
@@ -256,11 +265,12 @@ class Feeder:
         return 1 if levels >> (self.layout.axes + axis) & 1 else -1
 
     def cancel(self, played):
-        """After the player has halted: drop all words not played and take their place as the truth.
+        """After the player has halted, and with `open` cleared: drop all words not played, take their place as truth.
 
         Returns (position, block, index): the block that was under way, if any, and how many of its dominant steps
         have been made, so that it can be taken up again. The planner keeps its blocks.
         """
+        self.retire(played)
         position, stepping = self._walk(played)
         slot = self._oldest % _CHECKPOINTS
         block = self.planner.playing()

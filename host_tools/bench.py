@@ -1,0 +1,112 @@
+"""`python -m host_tools.bench`: the measurements, printed as tables and written to docs/benchmarks.md.
+
+Each part of the document stands between two markers and is replaced when its bench has run; the text around it, with
+the method and what the figures mean, is kept by hand. `make bench ARGS=lines` runs one part.
+"""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+from host_tools.failure import Failure
+
+ROOT = Path(__file__).resolve().parent.parent
+DOCUMENT = ROOT / "docs" / "benchmarks.md"
+MICROPYTHON = Path(sys.executable).parent / "micropython"
+_TIMEOUT_S = 600
+
+
+def lines():
+    """Integer lines against floating-point lines, on the objects of 2014, under two interpreters."""
+    from host_tools.objects import objects
+
+    corners = "".join(
+        f"{name} {' '.join(f'{x} {y}' for _, x, y in points)}\n" for name, points in objects().items()
+    )
+    interpreters = {"CPython": sys.executable}
+    if MICROPYTHON.exists():
+        interpreters["MicroPython"] = MICROPYTHON
+    results = {name: _run_lines(program, corners) for name, program in interpreters.items()}
+    header = ["object", "points", "steps"]
+    for name in results:
+        header += [f"{name} µs", "float µs", "better"]
+    rows = []
+    for name in next(iter(results.values())):
+        points, steps = next(iter(results.values()))[name][:2]
+        row = [name, points, steps]
+        for result in results.values():
+            integer_us, float_us = result[name][3:]
+            row += [integer_us, float_us, f"{100 * (float_us / integer_us - 1):.1f} %"]
+        rows.append(row)
+    means = ["mean", "", ""]
+    for result in results.values():
+        integer_us, float_us = (sum(row[place] for row in result.values()) for place in (3, 4))
+        means += [round(integer_us / len(result)), round(float_us / len(result)),
+                  f"{100 * (float_us / integer_us - 1):.1f} %"]
+    return header, [*rows, means]
+
+
+def _run_lines(program, corners):
+    """{object: [points, steps, float steps, integer µs, float µs]} as tests_host/bench_lines.py measures them."""
+    folders = [str(ROOT / "firmware"), str(ROOT / "tests_host")]
+    environment = {
+        **os.environ,
+        "MICROPYPATH": ":".join(folders),
+        "PYTHONPATH": ":".join([*folders, str(ROOT / "host_tools" / "shims")]),
+    }
+    script = ROOT / "tests_host" / "bench_lines.py"
+    done = subprocess.run([program, script], input=corners, env=environment, capture_output=True, text=True,
+                          timeout=_TIMEOUT_S)
+    if done.returncode:
+        raise Failure(f"{script.name} under {program}: {done.stderr.strip().splitlines()[-1]}")
+    return {name: [int(number) for number in numbers] for name, *numbers in map(str.split, done.stdout.splitlines())}
+
+
+PARTS = {"lines": lines}
+
+
+def markdown(header, rows):
+    """A table for the document: text to the left, figures to the right."""
+    text = [f"| {' | '.join(str(cell) for cell in row)} |" for row in [header, ["---", *["---:"] * (len(header) - 1)],
+                                                                        *rows]]
+    return "\n".join(text)
+
+
+def replace(document, part, table):
+    """`document` with the part between `<!-- bench:PART -->` and `<!-- /bench:PART -->` replaced."""
+    pattern = re.compile(rf"(<!-- bench:{part} -->\n).*?(<!-- /bench:{part} -->)", re.DOTALL)
+    if not pattern.search(document):
+        raise Failure(f"{DOCUMENT.name} has no place for the bench {part!r}")
+    return pattern.sub(lambda found: f"{found[1]}{table}\n{found[2]}", document)
+
+
+def show(title, header, rows):
+    from rich.console import Console
+    from rich.table import Column, Table
+
+    table = Table(*[Column(head, justify="right" if place else "left") for place, head in enumerate(header)],
+                  title=title)
+    for row in rows:
+        table.add_row(*(str(cell) for cell in row))
+    Console().print(table)
+
+
+def main(wanted):
+    unknown = set(wanted) - set(PARTS)
+    if unknown:
+        raise Failure(f"no bench {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
+    for part in wanted or PARTS:
+        header, rows = PARTS[part]()
+        show(part, header, rows)
+        DOCUMENT.write_text(replace(DOCUMENT.read_text(), part, markdown(header, rows)))
+    print(f"written to {DOCUMENT.relative_to(ROOT)}")
+
+
+if __name__ == "__main__":
+    try:
+        main(sys.argv[1:])
+    except Failure as failure:
+        print(f"bench: {failure}", file=sys.stderr)
+        sys.exit(1)

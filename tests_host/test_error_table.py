@@ -1,0 +1,14 @@
+"""docs/errors.md lists exactly the numbers and texts of the firmware's table."""
+
+import re
+from pathlib import Path
+
+from passo.protocols import errors
+
+DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "errors.md"
+
+
+def test_the_document_is_the_table():
+    rows = re.findall(r"^\| (\d+) \| (.*) \|$", DOCUMENT.read_text(), re.MULTILINE)
+    wanted = [(str(number), errors.text(number)) for number in errors.numbers()]
+    assert rows == wanted, "docs/errors.md should hold:\n" + "\n".join(f"| {n} | {text} |" for n, text in wanted)
