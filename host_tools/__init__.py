@@ -1,7 +1,7 @@
 """The `passo` command and the tools behind it. Runs on CPython only.
 
-Importing this package puts the stand-ins of `host_tools/shims` on the module path, so that the firmware's modules, which
-import `micropython`, load on a PC as they are.
+Importing this package puts the stand-ins of `host_tools/shims` on the module path, so that the firmware's modules,
+which import `micropython`, load on a PC as they are.
 """
 
 import sys

@@ -1,0 +1,36 @@
+"""The `passo` command: registers the verbs, each of which lives in its own module."""
+
+import sys
+
+import typer
+
+from host_tools.draw import draw
+from host_tools.emulate import emulate
+from host_tools.failure import Failure
+from host_tools.plot import plot
+from host_tools.ports import ports
+from host_tools.send import send
+from host_tools.virtual_board import board
+
+app = typer.Typer(
+    help="Passo: a motion controller for stepper machines. Draw, send, watch, and try it all on a virtual board.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+)
+
+for _verb in (board, emulate, draw, send, plot, ports):
+    app.command()(_verb)
+
+
+def main():
+    """Run `passo`; a Failure is one line on stderr and exit status 1."""
+    try:
+        app()
+    except Failure as failure:
+        print(f"passo: {failure}", file=sys.stderr)
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,188 @@
+"""`passo draw`: an SVG file, drawn by the plotter."""
+
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+EXAMPLES = """Draw an SVG file on the plotter.
+
+Examples:
+
+    passo draw map.svg --port /dev/ttyACM0
+
+    passo draw map.svg --port /dev/ttyACM0 --fit --margin 20
+
+    passo draw map.svg --scale 0.5 --origin 30,40 --dry-run --preview map.png
+
+    passo draw map.svg --port /dev/ttyACM0 --continue
+
+It is drawn in its real size where that fits, otherwise just so small that it does, in the middle of the table.
+Ctrl-C stops the machine, pen up, and --continue with the same options goes on from there.
+"""
+
+
+def draw(
+    file: Path = typer.Argument(..., help="The SVG file."),
+    port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
+    board: str = typer.Option("plotter_2014", help="Board by name, or the path of a board file."),
+    baud: int = typer.Option(57600, help="Bits per second of a serial port."),
+    fit: bool = typer.Option(False, "--fit", help="Enlarge or reduce to fill the table within the margin."),
+    scale: Optional[float] = typer.Option(None, help="Factor of the real size, e.g. 0.5."),
+    origin: Optional[str] = typer.Option(None, metavar="X,Y", help="Place of the lower left corner, in mm."),
+    margin: float = typer.Option(10.0, help="Margin kept free on the table, in mm."),
+    tolerance: float = typer.Option(0.1, min=0.01, max=1.0, help="How finely curves are followed, in mm."),
+    layer: Optional[list[int]] = typer.Option(None, help="Draw this layer only; may be given more than once."),
+    crop: bool = typer.Option(True, "--crop/--no-crop", help="Leave out what lies outside the SVG's page."),
+    speed: Optional[int] = typer.Option(None, min=1, max=65535, help="Drawing speed, in the board file's unit."),
+    points: int = typer.Option(1000, min=2, max=60000, help="Most points of an object sent before it is drawn."),
+    home: bool = typer.Option(True, "--home/--no-home", help="Seek the origin before drawing."),
+    resume: bool = typer.Option(False, "--continue", help="Go on with a drawing that was broken off."),
+    journal: Optional[Path] = typer.Option(None, help="Where progress is kept; default FILE.svg.journal."),
+    dry_run: bool = typer.Option(False, "--dry-run", help="Say what would be drawn; needs no port."),
+    preview: Optional[Path] = typer.Option(None, metavar="PNG", help="Write a picture of what would be drawn."),
+    log: Optional[Path] = typer.Option(None, help="Save the conversation on the wire to this file."),
+    timeout: float = typer.Option(3.0, min=0.5, help="Seconds an answer may take."),
+):
+    from rich.console import Console
+
+    from host_tools import boards, drawing
+    from host_tools.journal import Journal
+
+    machine = boards.load(board)
+    options = drawing.Options(margin, fit, scale, _corner(origin), tolerance, crop, tuple(layer or ()))
+    plan = drawing.load(file, machine, options)
+    console = Console()
+    _describe(console, plan, machine, speed)
+    if preview:
+        from host_tools import plot
+
+        plot.save(preview, plot.strokes_of_lines(plan.lines, plan.steps_per_mm), file.name)
+    if dry_run:
+        return
+    record = Journal(journal or Journal.beside(file), plan.digest(points), points)
+    if resume:
+        record.resume()
+    _draw(console, plan, machine, record, port, baud, speed, home, log, timeout)
+
+
+draw.__doc__ = EXAMPLES
+
+
+def _corner(text):
+    if text is None:
+        return None
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise Failure(f"--origin wants two lengths in mm, as in 30,40, not {text!r}") from None
+    return x, y
+
+
+def _describe(console, plan, machine, speed):
+    from rich.markup import escape
+
+    from host_tools import estimate
+
+    down, up = plan.lengths_mm()
+    times = estimate.Estimate(machine, speed)
+    total = sum(times.object_s(plan.objects(sys.maxsize)[0]))
+    console.print(f"[bold]{escape(plan.name)}[/bold] at {plan.scale * 100:.1f} % of its real size")
+    (width, height), (left, bottom) = plan.size_mm, plan.origin_mm
+    console.print(f"  {width:.1f} × {height:.1f} mm, corner at {left:.1f}, {bottom:.1f}")
+    console.print(f"  {len(plan.lines)} lines, {plan.points()} points")
+    console.print(f"  pen down {down / 1000:.2f} m, pen up {up / 1000:.2f} m, about {estimate.clock(total)}")
+    for note in plan.notes:
+        console.print(f"  [yellow]{escape(note)}[/yellow]")
+
+
+def _draw(console, plan, machine, record, port, baud, speed, home, log, timeout):
+    from host_tools import ports
+    from host_tools.job import Broken, Job
+    from host_tools.plotter_client import Cancelled, PlotterClient
+
+    begun = time.monotonic()
+    with PlotterClient(port or ports.only(), baud, timeout, log) as client:
+        before = signal.signal(signal.SIGINT, lambda *_: client.cancel())
+        try:
+            _prepare(client, speed, home)
+            job = Job(client, plan.objects(record.most), record)
+            with _Progress(console, job, machine, speed) as progress:
+                job.run(progress)
+        except Broken as broken:
+            raise Failure(f"{broken}, pen up; go on with the same command and --continue ({record.path})") from None
+        except Cancelled:
+            client.stop()
+            raise Failure("stopped before drawing began") from None
+        finally:
+            signal.signal(signal.SIGINT, before)
+        record.finish()
+        console.print(
+            f"drawn in {time.monotonic() - begun:.0f} s: {client.packets} packets, {client.resends} sent again"
+        )
+
+
+def _prepare(client, speed, home):
+    status = client.request()
+    if status["state"] not in ("idle", "alarm"):
+        raise Failure("the machine is moving; stop it first: passo send STOP")
+    client.stop()  # drops points that a program before left unfinished
+    if home:
+        client.origin()
+    if speed is not None:
+        client.speed(speed)
+
+
+class _Progress:
+    """A bar that fills with the estimated time, and the time left by the pace kept so far."""
+
+    def __init__(self, console, job, machine, speed):
+        from rich.progress import BarColumn, Progress, TextColumn
+
+        from host_tools import estimate
+
+        self._clock = estimate.clock
+        times = estimate.Estimate(machine, speed)
+        self._spans = [times.object_s(points) for points in job.objects]
+        self._totals = [sum(span) for span in self._spans]
+        self._client = job.client
+        self._begun = time.monotonic()
+        self._points = sum(len(points) for points in job.objects)
+        self._counts = [len(points) for points in job.objects]
+        start = (job.journal.object, job.journal.drawn) if job.journal else (0, 0)
+        self._first = self._done(*start)
+        self._bar = Progress(
+            TextColumn("drawing"),
+            BarColumn(),
+            TextColumn("{task.percentage:3.0f} %"),
+            TextColumn("{task.description}"),
+            console=console,
+        )
+        self._task = self._bar.add_task("", total=max(sum(self._totals), 1e-9))
+        self(*start)
+
+    def __enter__(self):
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_):
+        self._bar.stop()
+
+    def __call__(self, number, drawn):
+        done = self._done(number, drawn)
+        left = sum(self._totals) - done
+        gained = done - self._first
+        if gained > 5:
+            left *= (time.monotonic() - self._begun) / gained
+        points = sum(self._counts[:number]) + drawn
+        text = f"{points}/{self._points} points, {self._client.resends} sent again, {self._clock(left)} left"
+        self._bar.update(self._task, completed=done, description=text)
+
+    def _done(self, number, drawn):
+        done = sum(self._totals[:number])
+        return done + sum(self._spans[number][:drawn]) if number < len(self._spans) else done

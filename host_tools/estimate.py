@@ -1,0 +1,44 @@
+"""How long a drawing takes, before it is drawn: the lines at their speed, plus the pen's delays.
+
+    times = Estimate(board, speed=None)     # None: the board file's default speed
+    sum(times.object_s(points))             # seconds, one figure a point
+
+A speed of half periods paces the steps of the longer axis, as the table of 2014 did; a speed in steps/s is that along
+the path, in steps of X.
+"""
+
+import math
+
+from host_tools import boards
+
+
+class Estimate:
+    def __init__(self, board, speed=None):
+        rule = board["speed"]
+        value = rule["default"] if speed is None else speed
+        self._half_periods = rule["unit"] == "half_period_us"
+        self._step_s = (2 * value + rule.get("overhead_us", 0)) / 1e6 if self._half_periods else 1 / value
+        x_per_mm, y_per_mm = boards.steps_per_mm(board)
+        self._y_in_x = x_per_mm / y_per_mm
+        tool = board["tool"]
+        self._delay_s = {True: tool.get("on_ms", 0) / 1000, False: tool.get("off_ms", 0) / 1000}
+
+    def object_s(self, points, start=(0, 0), pen=False):
+        """Seconds that each of [(pen_down, x, y), ...] takes from the one before it, beginning at `start`."""
+        seconds = []
+        x, y = start
+        for down, to_x, to_y in points:
+            delay = self._delay_s[down] if down != pen else 0.0
+            seconds.append(self._length(to_x - x, to_y - y) * self._step_s + delay)
+            pen, x, y = down, to_x, to_y
+        return seconds
+
+    def _length(self, dx, dy):
+        return max(abs(dx), abs(dy)) if self._half_periods else math.hypot(dx, dy * self._y_in_x)
+
+
+def clock(seconds):
+    """A duration as h:mm:ss or m:ss."""
+    whole = max(0, round(seconds))
+    hours, minutes = divmod(whole // 60, 60)
+    return f"{hours}:{minutes:02d}:{whole % 60:02d}" if hours else f"{minutes}:{whole % 60:02d}"

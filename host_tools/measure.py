@@ -1,0 +1,106 @@
+"""What a trace says of a drawing: its steps, its time, and how far it strays from the ideal lines.
+
+    rows = read_trace("out/square.csv")
+    result = measure(rows, [(False, 1000, 1000), (True, 1400, 1000), ...])
+    result.deviation <= 0.5 and not result.faults
+
+The drawing is the end of the trace: its last sum(max(|dx|, |dy|)) stepping rows, as each of them steps the dominant
+axis of its line by one. Distances are taken on the minor axis, as Bresenham's rule does.
+"""
+
+import csv
+from dataclasses import dataclass, field
+
+from host_tools.failure import Failure
+
+_HEADER = ["t_us", "x", "y", "z", "a", "tool"]
+
+
+@dataclass
+class Row:
+    t_us: float
+    x: int
+    y: int
+    tool: int
+
+
+@dataclass
+class Result:
+    steps: int  # stepping words of the drawing
+    time_s: float  # from its first step to the last row, the pen's arrivals included
+    first: int  # index of the row before the drawing's first step
+    deviation: float  # largest distance from the ideal line, in steps on the minor axis
+    faults: list = field(default_factory=list)  # what differs from the commanded points, in words
+
+
+def read_trace(path):
+    """The rows of a trace CSV. Raises Failure with the line that is wrong."""
+    try:
+        with open(path, newline="", encoding="utf-8") as file:
+            reader = csv.reader(file)
+            if next(reader, None) != _HEADER:
+                raise Failure(f"{path} is not a trace: its first line should be {','.join(_HEADER)}")
+            return [_row(path, reader.line_num, fields) for fields in reader]
+    except OSError as error:
+        raise Failure(f"cannot read trace {path}: {error.strerror}") from error
+
+
+def _row(path, line, fields):
+    try:
+        t_us, x, y, _, _, tool = fields
+        return Row(float(t_us), int(x), int(y), int(tool))
+    except ValueError as error:
+        raise Failure(f"{path}, line {line}: not a row of a trace") from error
+
+
+def measure(rows, points, start=(0, 0)):
+    """Compare the end of a trace with the object [(pen_down, x, y), ...] drawn from `start`."""
+    legs = []
+    place = start
+    for pen_down, x, y in points:
+        legs.append((place, (x, y), pen_down))
+        place = (x, y)
+    steps = sum(_dominant(a, b) for a, b, _ in legs)
+    walk = [index for index in range(1, len(rows)) if _place(rows[index]) != _place(rows[index - 1])]
+    if len(walk) < steps:
+        return Result(len(walk), 0.0, 0, 0.0, [f"{len(walk)} steps in the trace, {steps} commanded"])
+    walk = walk[len(walk) - steps :]
+    result = Result(steps, 0.0, 0, 0.0)
+    if walk:
+        result.first = walk[0] - 1
+        before = _place(rows[result.first])
+        if before != start:
+            result.faults.append(f"begins at {before}, not at {start}")
+        result.time_s = (rows[-1].t_us - rows[walk[0]].t_us) / 1e6
+    if _place(rows[-1]) != place:
+        result.faults.append(f"ends at {_place(rows[-1])}, not at {place}")
+    if rows[-1].tool:
+        result.faults.append("ends with the pen down")
+    done = 0
+    for number, (a, b, pen_down) in enumerate(legs, 1):
+        count = _dominant(a, b)
+        _follow([rows[index] for index in walk[done : done + count]], a, b, pen_down, number, result)
+        done += count
+    return result
+
+
+def _follow(rows, a, b, pen_down, number, result):
+    """Check the rows of one line, from a to b."""
+    dx, dy = b[0] - a[0], b[1] - a[1]
+    longer = max(abs(dx), abs(dy))
+    for row in rows:
+        across = abs((row.y - a[1]) * dx - (row.x - a[0]) * dy)
+        result.deviation = max(result.deviation, across / longer)
+        if bool(row.tool) != pen_down:
+            result.faults.append(f"point {number}: the pen is {'up' if pen_down else 'down'} at {_place(row)}")
+            return
+    if rows and _place(rows[-1]) != b:
+        result.faults.append(f"point {number}: reached {_place(rows[-1])}, not {b}")
+
+
+def _dominant(a, b):
+    return max(abs(b[0] - a[0]), abs(b[1] - a[1]))
+
+
+def _place(row):
+    return row.x, row.y

@@ -1,0 +1,107 @@
+"""`passo plot`: a picture of a path: pen down dark, pen up light, axes in mm, start and end marked."""
+
+from pathlib import Path
+from typing import Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+_DOWN = "#1a1a2e"
+_UP = "#9cc3e6"
+
+
+def plot(
+    trace: Path = typer.Argument(..., help="A trace CSV, as passo board --trace writes it."),
+    out: Optional[Path] = typer.Option(None, "-o", "--out", help="The picture; default TRACE.png."),
+    board: str = typer.Option("plotter_2014", help="Board that says how many steps a millimetre has."),
+    steps_per_mm: Optional[str] = typer.Option(None, metavar="N[,M]", help="Instead of --board; N for X, M for Y."),
+):
+    """Draw the path of a trace.
+
+    Examples:
+
+        passo plot out/contours.csv
+
+        passo plot job.csv -o job.png --steps-per-mm 48,83
+    """
+    from host_tools.measure import read_trace
+
+    scale = _scale(steps_per_mm, board)
+    out = out or trace.with_suffix(".png")
+    save(out, strokes_of_trace(read_trace(trace), scale), trace.stem)
+    print(out)
+
+
+def _scale(text, board):
+    from host_tools import boards
+
+    if text is None:
+        return boards.steps_per_mm(boards.load(board))
+    try:
+        numbers = [float(part) for part in text.split(",")]
+    except ValueError:
+        numbers = []
+    if len(numbers) not in (1, 2) or min(numbers) <= 0:
+        raise Failure(f"--steps-per-mm wants one or two numbers above 0, as in 10 or 48,83, not {text!r}")
+    return numbers[0], numbers[-1]
+
+
+def strokes_of_trace(rows, steps_per_mm):
+    """[(pen_down, [(x, y), ...] in mm), ...] of a trace's rows; a tool other than 0 is down."""
+    strokes = []
+    for row in rows:
+        place = (row.x / steps_per_mm[0], row.y / steps_per_mm[1])
+        if strokes and strokes[-1][0] == bool(row.tool):
+            strokes[-1][1].append(place)
+        else:
+            strokes.append((bool(row.tool), [strokes[-1][1][-1], place] if strokes else [place]))
+    return strokes
+
+
+def strokes_of_lines(lines, steps_per_mm):
+    """The same of polylines in steps, drawn from 0;0 in their order."""
+    strokes = []
+    pen = (0.0, 0.0)
+    for line in lines:
+        places = [(x / steps_per_mm[0], y / steps_per_mm[1]) for x, y in line]
+        strokes += [(False, [pen, places[0]]), (True, places)]
+        pen = places[-1]
+    return strokes
+
+
+def save(path, strokes, title):
+    """Write the picture of `strokes` to `path`. Raises Failure if there are none or it cannot be written."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    from matplotlib.collections import LineCollection
+
+    if not strokes:
+        raise Failure("an empty path has no picture")
+    figure, axes = plt.subplots(figsize=(9, 8), layout="constrained")
+    for pen_down, color, width in ((False, _UP, 0.6), (True, _DOWN, 0.9)):
+        lines = [places for down, places in strokes if down == pen_down]
+        axes.add_collection(
+            LineCollection(lines, colors=color, linewidths=width, capstyle="round", joinstyle="round",
+                           label="pen down" if pen_down else "pen up")
+        )
+    start, end = strokes[0][1][0], strokes[-1][1][-1]
+    axes.plot(*start, "o", color="#2a9d3f", markersize=8, label=f"start {start[0]:.1f}, {start[1]:.1f}")
+    axes.plot(*end, "s", color="#d03030", markersize=7, label=f"end {end[0]:.1f}, {end[1]:.1f}")
+    axes.autoscale()
+    axes.margins(0.04)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("x in mm")
+    axes.set_ylabel("y in mm")
+    axes.set_title(title)
+    axes.grid(color="#e6e6e6", linewidth=0.5)
+    axes.set_axisbelow(True)
+    figure.legend(loc="outside lower center", ncols=4, frameon=False)
+    try:
+        figure.savefig(path, dpi=130)
+    except (OSError, ValueError) as error:
+        raise Failure(f"cannot write {path}: {error}") from error
+    finally:
+        plt.close(figure)

@@ -1,0 +1,302 @@
+"""From SVG files to points in steps, and `passo draw` itself against the virtual board."""
+
+import math
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy
+import pytest
+import shapely
+import svgelements
+from scipy.spatial import KDTree
+
+from host_tools import boards, contours, drawing
+from host_tools.drawing import Options
+from host_tools.failure import Failure
+
+ROOT = Path(__file__).resolve().parent.parent
+BOARD = boards.load("plotter_2014")
+NEAR_MM = 0.5
+
+
+def svg(tmp_path, body, attributes='width="100mm" height="100mm" viewBox="0 0 100 100"'):
+    path = tmp_path / "a.svg"
+    path.write_text(f'<svg xmlns="http://www.w3.org/2000/svg" {attributes}><g stroke="black">{body}</g></svg>')
+    return path
+
+
+def outline_samples(path, every_mm, mm_per_px):
+    """Points along every outline of the file, in px, one array a segment: svgelements' own curves, not vpype's."""
+    arrays = []
+    parsed = svgelements.SVG.parse(str(path))
+    for element in parsed.elements(lambda item: isinstance(item, svgelements.Shape)):
+        for segment in svgelements.Path(element):
+            if isinstance(segment, svgelements.Move) or segment.start is None or segment.end is None:
+                continue
+            count = max(9, math.ceil(segment.length(error=1e-4) * mm_per_px / every_mm) + 1)
+            arrays.append(numpy.asarray(segment.npoint(numpy.linspace(0, 1, count)), dtype=float).reshape(-1, 2))
+    return arrays, (parsed.width, parsed.height)
+
+
+def farthest_mm(points, lines):
+    """The largest distance of `points` from the nearest of `lines`, arrays of points each; at most 0.1 mm too large
+    where that is small, because the lines are sampled every 0.2 mm."""
+    joined = [shapely.linestrings(numpy.concatenate((line, line[-1:]))) for line in lines]  # a line may be one point
+    samples = shapely.get_coordinates(shapely.segmentize(joined, 0.2))
+    return KDTree(samples).query(points)[0].max()
+
+
+def drawn_and_outlines(path, options):
+    """Drawn lines in mm, and the outlines' points and lines where the machine should have put them."""
+    plan = drawing.load(path, BOARD, options)
+    drawn = [numpy.array(line) / 10 for line in plan.lines]
+    arrays, (width, height) = outline_samples(path, 1.0, plan.mm_per_px)
+    left, bottom = plan.corner_px
+    points, lines = [], []
+    for array in arrays:
+        inside = numpy.ones(len(array), dtype=bool)
+        if options.crop:
+            inside = (array >= 0).all(axis=1) & (array <= (width, height)).all(axis=1)
+        placed = numpy.column_stack((array[:, 0] - left, bottom - array[:, 1])) * plan.mm_per_px + plan.origin_mm
+        points.append(placed[inside])
+        lines.append(placed)
+    return plan, drawn, numpy.concatenate(points), lines
+
+
+FILES = [
+    "cncjs_jsdc", "vpype_300_beziers", "vpype_900_quad_beziers", "vpype_all_shapes", "vpype_arc_with_rotate",
+    "vpype_few_beziers", "vpype_multilayer_by_attributes", "vpype_no_size_viewbox", "vpype_plotter",
+]
+
+
+@pytest.mark.parametrize("options", [Options(), Options(fit=True, crop=False)], ids=["page", "fit"])
+@pytest.mark.parametrize("name", FILES)
+def test_real_files_are_drawn_within_half_a_millimetre(corpus, name, options):
+    plan, drawn, outline, outlines = drawn_and_outlines(corpus / f"{name}.svg", options)
+    assert farthest_mm(outline, drawn) <= NEAR_MM
+    inked = shapely.get_coordinates(shapely.segmentize([shapely.linestrings(line) for line in drawn], 2))
+    assert farthest_mm(inked, outlines) <= NEAR_MM
+    xs, ys = zip(*(point for line in plan.lines for point in line))
+    assert 0 <= min(xs) and max(xs) <= 4000 and 0 <= min(ys) and max(ys) <= 3000
+
+
+def test_every_real_svg_is_tried(corpus):
+    assert sorted(path.stem for path in corpus.glob("*.svg")) == sorted(FILES + ["vpype_empty"])
+
+
+def test_an_empty_file_is_a_clear_error(corpus):
+    with pytest.raises(Failure, match="vpype_empty.svg: nothing to draw: the file has no lines"):
+        drawing.load(corpus / "vpype_empty.svg", BOARD)
+
+
+@pytest.mark.parametrize("body, message", [
+    ("<text>Passo</text>", "convert the text to paths"),
+    ('<line x1="200" y1="200" x2="300" y2="200"/>', "outside the page"),
+    ("", "no lines, curves or shapes"),
+])
+def test_nothing_to_draw_says_why(tmp_path, body, message):
+    with pytest.raises(Failure, match=message):
+        drawing.load(svg(tmp_path, body), BOARD)
+
+
+def test_no_svg_is_a_clear_error(tmp_path):
+    with pytest.raises(Failure, match="no file"):
+        drawing.load(tmp_path / "none.svg", BOARD)
+    (tmp_path / "b.svg").write_text("G1 X10")
+    with pytest.raises(Failure, match="not an SVG file"):
+        drawing.load(tmp_path / "b.svg", BOARD)
+
+
+def test_real_size_is_kept_where_it_fits_and_y_points_up(tmp_path):
+    path = svg(tmp_path, '<path d="M10 10 H30 V50"/>')
+    plan = drawing.load(path, BOARD, Options(origin=(20, 30)))
+    assert plan.scale == 1
+    assert plan.lines in ([[(200, 700), (400, 700), (400, 300)]], [[(400, 300), (400, 700), (200, 700)]])
+
+
+def test_placement_options(tmp_path):
+    path = svg(tmp_path, '<rect x="10" y="10" width="80" height="60"/>')
+    assert drawing.load(path, BOARD).origin_mm == pytest.approx((160, 120))
+    fitted = drawing.load(path, BOARD, Options(fit=True, margin=20))
+    assert fitted.size_mm == pytest.approx((260 * 80 / 60, 260))
+    half = drawing.load(path, BOARD, Options(scale=0.5))
+    assert half.size_mm == pytest.approx((40, 30))
+    with pytest.raises(Failure, match="leaves the table of 400 × 300 mm"):
+        drawing.load(path, BOARD, Options(scale=10))
+    with pytest.raises(Failure, match="leaves the table"):
+        drawing.load(path, BOARD, Options(origin=(330, 0)))
+    with pytest.raises(Failure, match="margin"):
+        drawing.load(path, BOARD, Options(margin=150))
+
+
+def test_what_is_too_large_is_reduced_and_says_so(tmp_path):
+    page = 'width="1000mm" height="1000mm" viewBox="0 0 1000 1000"'
+    path = svg(tmp_path, '<rect x="0" y="0" width="1000" height="1000"/>', page)
+    plan = drawing.load(path, BOARD)
+    assert plan.size_mm == pytest.approx((280, 280))
+    assert "drawn at 28.0 %" in plan.notes[0]
+
+
+def test_layers_are_drawn_in_their_order_or_alone(tmp_path):
+    path = tmp_path / "layers.svg"
+    path.write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="100mm" height="100mm" viewBox="0 0 100 100">'
+        '<g id="layer2"><path d="M0 90 H10"/></g><g id="layer1"><path d="M0 10 H20"/></g></svg>'
+    )
+    lengths = [abs(line[0][0] - line[1][0]) for line in drawing.load(path, BOARD).lines]
+    assert lengths == [200, 100]
+    assert len(drawing.load(path, BOARD, Options(layers=(2,))).lines) == 1
+    with pytest.raises(Failure, match="no layer 3; it has 1, 2"):
+        drawing.load(path, BOARD, Options(layers=(3,)))
+
+
+def test_lines_are_joined_ordered_and_free_of_repeats(tmp_path):
+    rows = "".join(f'<path d="M{x} {y} h10"/>' for y in range(0, 100, 5) for x in (20, 0, 10, 30))
+    plan = drawing.load(svg(tmp_path, rows), BOARD)
+    assert len(plan.lines) == 20
+    down, up = plan.lengths_mm()
+    assert down == pytest.approx(800)
+    assert up < 330  # the way there, and 5 mm from each row to the next
+    for line in plan.lines:
+        assert all(a != b for a, b in zip(line, line[1:]))
+
+
+def test_a_dot_stays_a_dot(tmp_path):
+    plan = drawing.load(svg(tmp_path, '<path d="M10 10 l0.001 0"/>'), BOARD)
+    assert len(plan.lines) == 1 and len(plan.lines[0]) == 2 and plan.lines[0][0] == plan.lines[0][1]
+
+
+@pytest.mark.parametrize("most", [2, 3, 7, 50, 1000])
+def test_objects_hold_every_line_and_no_more_points_than_asked(tmp_path, most):
+    body = '<circle cx="50" cy="50" r="40"/>' + "".join(f'<path d="M{x} 5 v6 h2"/>' for x in range(0, 90, 9))
+    plan = drawing.load(svg(tmp_path, body), BOARD)
+    objects = plan.objects(most)
+    assert max(len(points) for points in objects) <= most
+    assert all(not points[0][0] for points in objects)
+    wanted = [pair for line in plan.lines for pair in zip(line, line[1:])]
+    assert [(a[1:], b[1:]) for points in objects for a, b in zip(points, points[1:]) if b[0]] == wanted
+
+
+def test_the_digest_tells_drawings_and_places_apart(tmp_path):
+    path = svg(tmp_path, '<circle cx="50" cy="50" r="40"/>')
+    digest = drawing.load(path, BOARD).digest(1000)
+    assert drawing.load(path, BOARD).digest(1000) == digest
+    assert drawing.load(path, BOARD, Options(origin=(1, 1))).digest(1000) != digest
+    assert drawing.load(path, BOARD).digest(10) != digest
+
+
+def test_the_contour_map_is_a_real_drawing(tmp_path):
+    contours.save(tmp_path / "map.svg")
+    plan = drawing.load(tmp_path / "map.svg", BOARD)
+    assert plan.points() >= 5000
+    assert plan.scale == 1
+    assert plan.size_mm[0] < 380 and plan.size_mm[1] < 280
+
+
+@pytest.fixture
+def start():
+    """Starts `passo …` as a process of its own; ends those still running after the test."""
+    environment = {**os.environ, "PYTHONPATH": f"{ROOT}:{ROOT / 'firmware'}"}
+    processes = []
+
+    def run(*words, **options):
+        command = [sys.executable, "-m", "host_tools.cli", *map(str, words)]
+        process = subprocess.Popen(command, env=environment, text=True, stdout=subprocess.PIPE,
+                                   stderr=subprocess.PIPE, **options)
+        processes.append(process)
+        return process
+
+    yield run
+    for process in processes:
+        if process.poll() is None:
+            process.send_signal(signal.SIGTERM)
+        process.communicate(timeout=10)
+
+
+def port_of(process):
+    return re.match(r"port: (\S+)", process.stdout.readline()).group(1)
+
+
+def ink(trace):
+    """Every place that the pen touched, in order, from the rows of a trace."""
+    from host_tools.measure import read_trace
+
+    return [(row.x, row.y) for row in read_trace(trace) if row.tool]
+
+
+def test_a_drawing_broken_off_by_ctrl_c_is_continued(tmp_path, start):
+    path = svg(tmp_path, "".join(f'<path d="M0 {y} h40"/>' for y in range(0, 24, 3)))
+    options = ["--speed", "200", "--origin", "5,5"]
+    whole, parts = tmp_path / "whole.csv", tmp_path / "parts.csv"
+
+    board = start("board", "--time", "fast", "--start", "30,20", "--trace", whole)
+    assert start("draw", path, "--port", port_of(board), *options).wait(60) == 0
+    board.send_signal(signal.SIGTERM)
+    assert board.wait(10) == 0
+
+    board = start("board", "--time", "real", "--start", "30,20", "--trace", parts)
+    port = port_of(board)
+    first = start("draw", path, "--port", port, *options)
+    deadline = time.monotonic() + 30
+    while parts.read_text().count(",1000\n") < 900 and time.monotonic() < deadline:
+        time.sleep(0.1)
+    first.send_signal(signal.SIGINT)
+    assert first.wait(10) == 1
+    assert "go on with the same command and --continue" in first.communicate()[1]
+
+    moved = start("draw", path, "--port", port, "--speed", "200", "--origin", "6,5", "--continue")
+    assert moved.wait(20) == 1
+    assert "cannot continue: the drawing or its placement" in moved.communicate()[1]
+
+    assert start("draw", path, "--port", port, *options, "--continue").wait(60) == 0
+    board.send_signal(signal.SIGTERM)
+    assert board.wait(10) == 0
+    assert not Path(str(path) + ".journal").exists()
+
+    wanted, done = ink(whole), ink(parts)
+    assert set(done) == set(wanted)
+    assert len(wanted) - 20 <= len(done) < len(wanted) + 500  # no more than one line drawn a second time
+
+
+def test_send_shows_the_conversation_of_2014(start):
+    board = start("board", "--time", "fast", "--start", "30,20")
+    port = port_of(board)
+    packets = ["REQUEST", "ORIGIN", "SPEED 1000", "MOVE 644 314", "LINE 644 454", "6c 03 74 01 c6 aa", "END", "STATUS"]
+    output, errors = start("send", "--port", port, *packets).communicate(timeout=30)
+    assert errors == ""
+    lines = output.splitlines()
+    for sent, received in [
+        ("REQUEST [114, 0, 0, 0, 0, 114]", "REQUEST_OK [107]"),
+        ("ORIGIN [111, 0, 0, 0, 0, 111]", "ORIGIN_OK [111]"),
+        ("SPEED [115, 3, -24, 0, 0, 94]", "SPEED_OK [115]"),
+        ("MOVE [109, 2, -124, 1, 58, 46]", "NEXT [110]"),
+        ("LINE [108, 2, -124, 1, -58, -71]", "NEXT [110]"),
+        ("LINE [108, 3, 116, 1, -58, -86]", "NEXT [110]"),
+        ("END [101, 0, 0, 0, 0, 101]", "DONE [100]"),
+    ]:
+        assert any(sent in line and line.endswith(f"Received: {received}") for line in lines), sent
+    assert "STATUS idle at 884, 454, 3 points drawn" in lines[-1]
+
+    refused = start("send", "--port", port, "--timeout", "0.5", "LINE 5000 0")
+    assert refused.wait(20) == 1
+    assert "error 104" in refused.communicate()[1]
+
+
+@pytest.mark.parametrize("words, message", [
+    (["send", "--port", "/dev/nowhere", "REQUEST"], "cannot open port /dev/nowhere"),
+    (["send", "--port", "x", "JUMP"], "'JUMP' is no packet"),
+    (["send", "--port", "x", "MOVE 1"], "MOVE wants 2 numbers from 0 to 65535, not 1"),
+    (["draw", "none.svg", "--dry-run"], "no file none.svg"),
+    (["draw", "none.svg", "--dry-run", "--board", "nix"], "unknown board 'nix'; known are"),
+    (["plot", "none.csv"], "cannot read trace none.csv"),
+])
+def test_errors_are_one_line_and_a_non_zero_exit(start, words, message):
+    process = start(*words)
+    output, errors = process.communicate(timeout=30)
+    assert process.returncode == 1
+    assert message in errors and len(errors.splitlines()) == 1
