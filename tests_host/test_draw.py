@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy
 import pytest
-import shapely
 import svgelements
 from scipy.spatial import KDTree
 
@@ -43,11 +42,17 @@ def outline_samples(path, every_mm, mm_per_px):
     return arrays, (parsed.width, parsed.height)
 
 
+def sampled(line, every_mm):
+    """The points of a polyline, and points in between, at most `every_mm` apart."""
+    along = numpy.concatenate(([0], numpy.cumsum(numpy.hypot(*numpy.diff(line, axis=0).T))))
+    places = numpy.union1d(along, numpy.arange(0, along[-1], every_mm))
+    return numpy.column_stack([numpy.interp(places, along, line[:, axis]) for axis in (0, 1)])
+
+
 def farthest_mm(points, lines):
     """The largest distance of `points` from the nearest of `lines`, arrays of points each; at most 0.1 mm too large
     where that is small, because the lines are sampled every 0.2 mm."""
-    joined = [shapely.linestrings(numpy.concatenate((line, line[-1:]))) for line in lines]  # a line may be one point
-    samples = shapely.get_coordinates(shapely.segmentize(joined, 0.2))
+    samples = numpy.concatenate([sampled(line, 0.2) for line in lines])
     return KDTree(samples).query(points)[0].max()
 
 
@@ -79,7 +84,7 @@ FILES = [
 def test_real_files_are_drawn_within_half_a_millimetre(corpus, name, options):
     plan, drawn, outline, outlines = drawn_and_outlines(corpus / f"{name}.svg", options)
     assert farthest_mm(outline, drawn) <= NEAR_MM
-    inked = shapely.get_coordinates(shapely.segmentize([shapely.linestrings(line) for line in drawn], 2))
+    inked = numpy.concatenate([sampled(line, 2) for line in drawn])
     assert farthest_mm(inked, outlines) <= NEAR_MM
     xs, ys = zip(*(point for line in plan.lines for point in line))
     assert 0 <= min(xs) and max(xs) <= 4000 and 0 <= min(ys) and max(ys) <= 3000
