@@ -110,7 +110,8 @@ def _draw(console, plan, machine, record, port, baud, speed, home, log, timeout)
     with PlotterClient(port or ports.only(), baud, timeout, log) as client:
         before = signal.signal(signal.SIGINT, lambda *_: client.cancel())
         try:
-            _prepare(client, speed, home)
+            with console.status("homing" if home else "preparing"):
+                _prepare(client, speed, home)
             job = Job(client, plan.objects(record.most), record)
             with _Progress(console, job, machine, speed) as progress:
                 job.run(progress)

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from passo.drives import unipolar
 from passo.motion import line
 from passo.motion.line import MAX_STEPS
-from passo.steps import feeder, ring, timed
+from passo.steps import feeder, pace, ring, timed
 from passo.steps.word import COUNT_MASK
 from rig import DRIVES, LEAST_TICKS, Rig
 from small_int import Small
@@ -28,12 +28,29 @@ class SmallList(list):
         super().__setitem__(index, Small(value))
 
 
+class SmallView:
+    """Stands for memoryview of a SmallList."""
+
+    def __init__(self, items, first=0):
+        self._items = items
+        self._first = first
+
+    def __getitem__(self, index):
+        if isinstance(index, slice):
+            return SmallView(self._items, self._first + index.start)
+        return self._items[self._first + index]
+
+    def __setitem__(self, index, value):
+        self._items[self._first + index] = value
+
+
 @pytest.fixture(autouse=True, scope="module")
 def narrow():
     """Every array that the interrupt code reads or writes is narrow."""
     patch = pytest.MonkeyPatch()
-    for module in (line, feeder, ring, timed):
+    for module in (line, feeder, pace, ring, timed):
         patch.setattr(module, "array", SmallList)
+    patch.setattr(line, "memoryview", SmallView, raising=False)
     yield
     patch.undo()
 

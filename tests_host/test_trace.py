@@ -121,7 +121,8 @@ def test_vcd_reads_back(tmp_path):
     path = tmp_path / "t.vcd"
     board = dict(boards.load("plotter_2014"))
     board["drive"] = {"kind": "step_dir", "pulse_us": 3, "step_active": 0}
-    board["axes"] = [dict(axis, pins=[2 * i + 2, 2 * i + 3]) for i, axis in enumerate(board["axes"])]
+    board["axes"] = [dict(axis, pins=[2 + i, 4 + i]) for i, axis in enumerate(board["axes"])]
+    board["tool"]["pin"] = 6
     board["outputs"] = [{"name": "enable", "pin": 20, "active": 0}]
     machine = VirtualMachine(board, start=(30, 20), bounce_ms=2, vcd=path)
     assert machine.ask(packet("o")) == b"o"

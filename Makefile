@@ -1,0 +1,45 @@
+# `make run` and `make test` set up what they need: .venv holds the project and its tools.
+
+PYTHON ?= python3
+VENV = .venv
+BIN = $(VENV)/bin
+STAMP = $(VENV)/.installed
+
+.DEFAULT_GOAL := help
+.PHONY: help venv run test bench build flash emulate clean
+
+help:  ## this list
+	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
+	@echo
+	@echo 'build and flash take BOARD=name (a file of boards/), flash PORT=/dev/ttyACM0 and DRY=1; test takes ARGS=...'
+
+venv: $(STAMP)  ## make .venv and install the project into it
+
+$(STAMP): pyproject.toml
+	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test]'
+	@touch $@
+
+run: $(STAMP)  ## draw on the virtual board; pictures and traces in out/
+	$(BIN)/python -m host_tools.run
+
+test: $(STAMP)  ## all tests, under CPython and MicroPython, with coverage
+	$(BIN)/python -m pytest -n 2 --cov --cov-report=term $(ARGS)
+
+bench: $(STAMP)  ## the slower measurements
+	$(BIN)/python -m host_tools.bench $(ARGS)
+
+build: $(STAMP)  ## compile the firmware of BOARD into build/BOARD
+	@test -n '$(BOARD)' || { echo 'which board? make build BOARD=plotter_2014' >&2; exit 2; }
+	$(BIN)/passo build --board $(BOARD)
+
+flash: $(STAMP)  ## copy the firmware of BOARD to the board on PORT; DRY=1 only prints
+	@test -n '$(BOARD)' || { echo 'which board? make flash BOARD=plotter_2014 PORT=/dev/ttyACM0' >&2; exit 2; }
+	$(BIN)/passo flash --board $(BOARD) $(if $(PORT),--port $(PORT)) $(if $(DRY),--dry-run)
+
+emulate: $(STAMP)  ## the firmware on an emulated Pico; ARGS='--board NAME --tcp 5001'
+	$(BIN)/passo emulate $(ARGS)
+
+clean:  ## remove what was made, except .venv
+	rm -rf out build .pytest_cache .hypothesis .coverage .coverage.* *.egg-info
+	find . -path ./$(VENV) -prune -o -name __pycache__ -type d -exec rm -rf {} +

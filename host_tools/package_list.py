@@ -1,0 +1,33 @@
+"""Writes package.json, the list by which `mip` installs the firmware's package over the network.
+
+    python -m host_tools.package_list
+
+The list holds every module that runs on some chip; mip fetches paths without a scheme from beside package.json.
+"""
+
+import json
+import tomllib
+
+from host_tools.build import ROOT, module_files, runs_on
+
+PACKAGE = ROOT / "package.json"
+
+
+def package():
+    """What package.json should hold."""
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    files = [path.as_posix() for path in module_files() if runs_on(path)]
+    return {"urls": [[path, f"firmware/{path}"] for path in files], "deps": [], "version": version}
+
+
+def text():
+    """package.json with one module a line."""
+    rows = [f"    {json.dumps(row)}" for row in package()["urls"]]
+    return '{\n  "urls": [\n%s\n  ],\n  "deps": [],\n  "version": %s\n}\n' % (
+        ",\n".join(rows),
+        json.dumps(package()["version"]),
+    )
+
+
+if __name__ == "__main__":
+    PACKAGE.write_text(text(), encoding="utf-8")

@@ -1,0 +1,117 @@
+"""`passo build`: what goes to a board and what does not."""
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from host_tools import boards, build
+from host_tools.failure import Failure
+
+MODULES = {
+    "main.py": "import passo.app\n",
+    "passo/__init__.py": "",
+    "passo/app.py": "from passo.protocols import errors\n",
+    "passo/motion/line.py": "def line():\n    return 1\n",
+    "passo/ports/virtual.py": "",
+    "passo/ports/pins.py": "",
+    "passo/ports/rp2_pio.py": "",
+    "passo/ports/esp32.py": "",
+    "passo/protocols/__init__.py": "",
+    "passo/protocols/errors.py": "",
+    "passo/protocols/plotter.py": "from passo.protocols.packets import sum\n",
+    "passo/protocols/packets.py": "def sum():\n    return 0\n",
+    "passo/protocols/torch.py": "",
+    "passo/protocols/grbl/words.py": "",
+}
+
+
+@pytest.fixture
+def firmware(tmp_path):
+    folder = tmp_path / "firmware"
+    for name, source in MODULES.items():
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(source)
+    return folder
+
+
+def board_file(tmp_path, chip="rp2040", protocol="plotter"):
+    path = tmp_path / "bench.py"
+    path.write_text(f'"""A board."""\n\nBOARD = {{"chip": "{chip}", "links": [{{"protocol": "{protocol}"}}]}}\n')
+    return str(path)
+
+
+def built_files(out):
+    return sorted(path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file())
+
+
+ALWAYS = ["board.py", "main.py", "passo/__init__.mpy", "passo/app.mpy", "passo/files.txt", "passo/motion/line.mpy"]
+ROOMS = ["passo/ports/pins.mpy", "passo/protocols/__init__.mpy", "passo/protocols/errors.mpy"]
+PLOTTER = ["passo/protocols/packets.mpy", "passo/protocols/plotter.mpy"]
+
+
+@pytest.mark.parametrize(
+    "chip, protocol, more",
+    [
+        ("rp2040", "plotter", ["passo/ports/rp2_pio.mpy"] + PLOTTER),
+        ("rp2350", "torch", ["passo/ports/rp2_pio.mpy", "passo/protocols/torch.mpy"]),
+        ("esp32", "grbl", ["passo/ports/esp32.mpy", "passo/protocols/grbl/words.mpy"]),
+        ("esp32c3", "torch", ["passo/ports/esp32.mpy", "passo/protocols/torch.mpy"]),
+    ],
+)
+def test_only_what_the_board_needs(tmp_path, firmware, chip, protocol, more):
+    out = tmp_path / "out"
+    build.build_tree(board_file(tmp_path, chip, protocol), out, firmware=firmware)
+    assert built_files(out) == sorted(ALWAYS + ROOMS + more)
+
+
+def test_the_file_list_names_every_module(tmp_path, firmware):
+    out = tmp_path / "out"
+    build.build_tree(board_file(tmp_path), out, firmware=firmware)
+    listed = (out / "passo" / "files.txt").read_text().split()
+    assert listed == [name for name in built_files(out) if name.endswith(".mpy")]
+
+
+def test_an_older_build_is_cleared(tmp_path, firmware):
+    out = tmp_path / "out"
+    (out / "passo").mkdir(parents=True)
+    (out / "passo" / "gone.mpy").write_text("old")
+    (out / "notes.txt").write_text("mine")
+    build.build_tree(board_file(tmp_path), out, firmware=firmware)
+    assert "passo/gone.mpy" not in built_files(out)
+    assert "notes.txt" in built_files(out)
+
+
+def test_tracebacks_will_name_the_module(tmp_path, firmware):
+    out = tmp_path / "out"
+    build.build_tree(board_file(tmp_path), out, firmware=firmware)
+    assert b"passo/motion/line.py" in (out / "passo" / "motion" / "line.mpy").read_bytes()
+
+
+def test_faults_are_one_line(tmp_path, firmware):
+    out = tmp_path / "out"
+    with pytest.raises(Failure, match="unknown chip 'z80'; known are rp2040"):
+        build.build_tree(board_file(tmp_path, chip="z80"), out, firmware=firmware)
+    with pytest.raises(Failure, match="there is no protocol morse"):
+        build.build_tree(board_file(tmp_path, protocol="morse"), out, firmware=firmware)
+    with pytest.raises(Failure, match="unknown board 'nosuch'"):
+        build.build_tree("nosuch", out, firmware=firmware)
+    (firmware / "passo" / "app.py").write_text("x = \n")
+    with pytest.raises(Failure, match="passo/app.py:1: invalid syntax"):
+        build.build_tree(board_file(tmp_path), out, firmware=firmware)
+
+
+def test_a_module_that_does_not_compile_is_named(tmp_path, firmware):
+    (firmware / "passo" / "app.py").write_text("import micropython\n\n\n@micropython.viper\ndef f(x: str):\n    pass\n")
+    with pytest.raises(Failure, match="passo/app.py does not compile for armv6m: .*unknown type"):
+        build.build_tree(board_file(tmp_path), tmp_path / "out", firmware=firmware)
+
+
+@pytest.mark.parametrize("name", boards.names())
+def test_every_board_builds(tmp_path, name):
+    app = typer.Typer()
+    app.command()(build.build)
+    result = CliRunner().invoke(app, ["--board", name, "--out", str(tmp_path)])
+    assert result.exit_code == 0, result.output
+    assert "bytes in all" in result.output
+    assert not list(tmp_path.rglob("virtual*"))
+    assert (tmp_path / "board.py").read_text() == boards.path(name).read_text()

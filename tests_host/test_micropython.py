@@ -1,0 +1,63 @@
+"""Every check module also holds under real MicroPython (the unix port): the same functions, another generator."""
+
+import os
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+TESTS = Path(__file__).resolve().parent
+ROOT = TESTS.parent
+MODULE_PATH = (ROOT / "firmware", TESTS, ROOT)
+MICROPYTHON = Path(sys.executable).parent / "micropython"
+MODULES = sorted(path.stem for path in TESTS.glob("check_*.py"))
+TIMEOUT_S = 300
+
+needs_micropython = pytest.mark.skipif(not MICROPYTHON.exists(), reason=f"there is no {MICROPYTHON}")
+
+
+def micro_run(folders, *arguments):
+    """Run micro_runner.py under MicroPython with `folders` on its module path."""
+    path = ":".join(str(folder) for folder in folders)
+    return subprocess.run(
+        [MICROPYTHON, TESTS / "micro_runner.py", *arguments],
+        env={**os.environ, "MICROPYPATH": path},
+        capture_output=True,
+        text=True,
+        timeout=TIMEOUT_S,
+    )
+
+
+@needs_micropython
+@pytest.mark.parametrize("module", MODULES)
+def test_checks_under_micropython(module):
+    result = micro_run(MODULE_PATH, module)
+    assert result.returncode == 0, f"{module} under MicroPython:\n{result.stdout}{result.stderr}"
+
+
+@needs_micropython
+def test_a_failing_check_is_reported(tmp_path):
+    (tmp_path / "check_wrong.py").write_text(
+        'CASES = {"check_small": (("steps", 0, 1000),)}\n\n\n'
+        "def check_small(steps):\n    assert steps < 900\n\n\ndef check_fine():\n    pass\n"
+    )
+    result = micro_run((tmp_path, TESTS), "check_wrong")
+    assert result.returncode == 1
+    assert re.search(r"FAILED check_small\(steps=(9\d\d|1000)\), run \d+\n", result.stdout), result.stdout
+    assert "AssertionError" in result.stdout
+    assert re.search(r"2 checks, \d+ runs, 1 failed\n$", result.stdout)
+
+
+@needs_micropython
+def test_a_module_without_checks_fails(tmp_path):
+    (tmp_path / "check_none.py").write_text("")
+    assert micro_run((tmp_path, TESTS), "check_none").returncode == 1
+
+
+@pytest.mark.parametrize("module", MODULES)
+def test_checks_also_run_under_cpython(module):
+    """A check module without a test file would go unnoticed by hypothesis and by the coverage."""
+    sources = [path.read_text(encoding="utf-8") for path in TESTS.glob("test_*.py")]
+    assert any(f"make_tests({module})" in source for source in sources), f"no test file says make_tests({module})"

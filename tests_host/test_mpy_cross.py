@@ -1,0 +1,56 @@
+"""Every firmware file compiles for every instruction set that a board may have."""
+
+from concurrent.futures import ThreadPoolExecutor
+
+from host_tools.build import FIRMWARE, compile_module
+
+ARM = ("armv6m", "armv7emsp")
+ARCHITECTURES = ARM + ("xtensawin", "rv32imc")
+# Thumb machine code has one room, and only these compile it.
+KERNEL, KERNEL_ROOM, KERNEL_ARCHITECTURES = "@micropython.asm_thumb", "passo/ports/rp2", ARM
+
+FILES = sorted(path.relative_to(FIRMWARE) for path in FIRMWARE.rglob("*.py"))
+
+
+def has_kernel(path):
+    return KERNEL in (FIRMWARE / path).read_text(encoding="utf-8")
+
+
+def compiled_size(path, architecture, folder):
+    """Bytes of the compiled file, or None where it holds machine code of another processor."""
+    if has_kernel(path) and architecture not in KERNEL_ARCHITECTURES:
+        return None
+    target = folder / architecture / path.with_suffix(".mpy")
+    compile_module(FIRMWARE / path, target, architecture, path)
+    return target.stat().st_size
+
+
+def test_every_file_compiles(tmp_path, show):
+    jobs = [(path, architecture) for path in FILES for architecture in ARCHITECTURES]
+    with ThreadPoolExecutor(2) as pool:
+        sizes = dict(zip(jobs, pool.map(lambda job: compiled_size(*job, tmp_path), jobs)))
+    rows = [(path.as_posix(), [sizes[path, name] for name in ARCHITECTURES]) for path in FILES]
+    rows.append(("bytes in all", [sum(sizes[path, name] or 0 for path in FILES) for name in ARCHITECTURES]))
+    show("firmware compiled, in bytes", table(rows))
+
+
+def table(rows):
+    width = max(len(name) for name, _ in rows)
+    lines = [" " * width + "".join(name.rjust(11) for name in ARCHITECTURES)]
+    for name, sizes in rows:
+        lines.append(name.ljust(width) + "".join(("-" if size is None else str(size)).rjust(11) for size in sizes))
+    return "\n".join(lines)
+
+
+def test_machine_code_keeps_to_its_room():
+    assert [path for path in FILES if has_kernel(path) and not path.as_posix().startswith(KERNEL_ROOM)] == []
+
+
+def test_native_and_viper_code_compiles(tmp_path):
+    source = tmp_path / "kernel.py"
+    source.write_text(
+        "import micropython\n\n\n@micropython.viper\ndef fill(words: ptr32, count: int):\n"
+        "    for i in range(count):\n        words[i] = i\n\n\n@micropython.native\ndef twice(x):\n    return 2 * x\n"
+    )
+    for architecture in ARCHITECTURES:
+        compile_module(source, tmp_path / f"{architecture}.mpy", architecture, "kernel.py")

@@ -1,0 +1,56 @@
+"""What is declared is what is there: package.json's modules of a board, pyproject.toml's dependencies."""
+
+import ast
+import json
+import re
+import sys
+import tomllib
+from importlib.metadata import packages_distributions
+
+from host_tools import package_list
+
+OWN = {"passo", "host_tools", "boards", "micropython"}
+
+
+def test_package_list():
+    listed = json.loads(package_list.PACKAGE.read_text(encoding="utf-8"))
+    assert listed == package_list.package(), "write it anew: python -m host_tools.package_list"
+
+
+def test_the_file_is_as_written():
+    assert json.loads(package_list.text()) == package_list.package()
+
+
+def test_every_listed_file_is_there():
+    for _, source in json.loads(package_list.PACKAGE.read_text(encoding="utf-8"))["urls"]:
+        assert (package_list.ROOT / source).is_file(), source
+
+
+def imported(folder):
+    """Names of the packages that the files of a folder import, anywhere in them."""
+    found = set()
+    for path in folder.rglob("*.py"):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import):
+                found |= {alias.name.split(".")[0] for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and node.level == 0:
+                found.add(node.module.split(".")[0])
+    return found - set(sys.stdlib_module_names) - OWN
+
+
+def plain(name):
+    return re.sub(r"[-_.]+", "-", name).lower()
+
+
+def test_every_import_of_the_host_tools_is_declared():
+    project = tomllib.loads((package_list.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    declared = {plain(re.match(r"[\w.-]+", line)[0]) for line in project["dependencies"] + extras(project)}
+    owners = packages_distributions()
+    missing = {
+        name for name in imported(package_list.ROOT / "host_tools") if not declared & set(map(plain, owners.get(name, [])))
+    }
+    assert not missing, f"imported, but not a dependency in pyproject.toml: {', '.join(sorted(missing))}"
+
+
+def extras(project):
+    return [line for lines in project["optional-dependencies"].values() for line in lines]
