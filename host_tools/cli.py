@@ -4,9 +4,11 @@ import sys
 
 import typer
 
+from host_tools.build import build
 from host_tools.draw import draw
 from host_tools.emulate import emulate
 from host_tools.failure import Failure
+from host_tools.flash import flash
 from host_tools.plot import plot
 from host_tools.ports import ports
 from host_tools.send import send
@@ -19,7 +21,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-for _verb in (board, emulate, draw, send, plot, ports):
+for _verb in (board, emulate, draw, send, plot, ports, build, flash):
     app.command()(_verb)
 
 

@@ -92,7 +92,7 @@ def check_longest(dy, index):
     line.begin((MAX_STEPS, dy))
     line.seek(index)
     rise = 2 * abs(dy)
-    assert rise * MAX_RUN + 4 * MAX_STEPS < 1 << 31
+    assert rise + 4 * MAX_STEPS < 1 << 30
     line.walk(OUT, 0, MAX_RUN)
     assert line.made[0] == MAX_RUN
     assert line.made[1] == line.offset(1, index + MAX_RUN) - line.offset(1, index)

@@ -6,6 +6,8 @@ The table below is the whole format. A rule is (type, default, least, most); a d
 be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
+from passo.steps.wiring import word_pins
+
 
 class BoardError(Exception):
     """The board file is wrong: one line that says where, and what would be right."""
@@ -16,7 +18,13 @@ _PIN = (int, MUST, 0, 48)
 _PINS = (list, MUST, 1, 6)
 _BIT = (int, 1, 0, 1)
 
-_INPUT = {"name": (str, MUST, 1, 16), "pin": _PIN, "active": _BIT, "pull": ("up", "down", "none")}
+_INPUT = {
+    "name": (str, MUST, 1, 16),
+    "pin": _PIN,
+    "active": _BIT,
+    "pull": ("up", "down", "none"),
+    "halt": (bool, False, 0, 1),  # becoming active stops the machine at once: emergency stop, limit switch
+}
 _OUTPUT = {"name": (str, MUST, 1, 16), "pin": _PIN, "active": _BIT}
 _AXIS = {
     "name": (str, MUST, 1, 1),
@@ -67,6 +75,7 @@ _LINK = {
 _BOARD = {
     "name": (str, MUST, 1, 32),
     "chip": ("rp2040", "rp2350", "esp32"),
+    "player": ("pio", "timer"),  # rp2 chips: PIO wants consecutive pins; an interrupt for every word serves any pins
     "drive": _DRIVE,
     "axes": [_AXIS, 1, 4],
     "tool": _TOOL,
@@ -88,6 +97,7 @@ def check(board):
     """The board with its defaults. Raises BoardError at the first thing wrong."""
     board = _section("the board file", board, _BOARD)
     _check_pins(board)
+    _check_order(board)
     _check_homing(board)
     if board["drive"]["kind"] == "pbl3770a" and board["drive"]["mode"] == "wave":
         raise BoardError("drive.mode: a pbl3770a has no wave drive; 'half' or 'full'")
@@ -180,6 +190,17 @@ def _check_pins(board):
         if pin in owners:
             raise BoardError("pin %d is claimed by %s and by %s" % (pin, owners[pin], who))
         owners[pin] = who
+
+
+def _check_order(board):
+    if board["chip"] == "esp32" or board["player"] != "pio":
+        return
+    pins = word_pins(board)
+    if pins != list(range(pins[0], pins[0] + len(pins))):
+        order = "all STEPs, all DIRs, tool" if board["drive"]["kind"] == "step_dir" else "the axes' coils in order, tool"
+        raise BoardError(
+            "PIO pins not consecutive: %s must be on neighbouring pins, not %s; or set player to 'timer'" % (order, pins)
+        )
 
 
 def _check_homing(board):

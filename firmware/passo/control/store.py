@@ -1,29 +1,43 @@
-"""The object being received: points kept as five bytes each, first in, first out, in one block of memory."""
+"""The object being received: points kept as five bytes each, first in, first out. Memory is taken as it is needed."""
 
 from micropython import const
 
 _POINT = const(5)
+_CHUNK = const(256)  # points of one piece of memory: a board rarely has room for all in one
 
 
 class Store:
-    """A ring of points (x, y, tool), x and y 0 … 65535 steps."""
+    """A ring of points (x, y, tool), x and y 0 … 65535 steps. `capacity`: how many at most."""
 
     def __init__(self, capacity):
         self.capacity = capacity
-        self._bytes = bytearray(_POINT * capacity)
-        self._first = 0
-        self.count = 0
-
-    def free(self):
-        return self.capacity - self.count
+        self.clear()
 
     def clear(self):
+        """Forget all points, and give back their memory."""
+        self._chunks = [None] * ((self.capacity + _CHUNK - 1) // _CHUNK)
         self._first = self.count = 0
+
+    def free(self):
+        """How many more points there is room for; 0 also when no memory is left for the next one."""
+        if self.count < self.capacity:
+            try:
+                self._chunk((self._first + self.count) % self.capacity)
+            except MemoryError:
+                return 0
+        return self.capacity - self.count
+
+    def _chunk(self, index):
+        chunk = self._chunks[index // _CHUNK]
+        if chunk is None:
+            chunk = self._chunks[index // _CHUNK] = bytearray(_POINT * _CHUNK)
+        return chunk
 
     def put(self, x, y, tool):
         """Append a point. The caller has seen that free() > 0."""
-        at = (self._first + self.count) % self.capacity * _POINT
-        data = self._bytes
+        index = (self._first + self.count) % self.capacity
+        data = self._chunk(index)
+        at = index % _CHUNK * _POINT
         data[at] = 1 if tool else 0
         data[at + 1] = x >> 8
         data[at + 2] = x & 255
@@ -33,8 +47,8 @@ class Store:
 
     def take(self):
         """The oldest point, as (x, y, tool); it leaves the store."""
-        at = self._first * _POINT
-        data = self._bytes
+        data = self._chunk(self._first)
+        at = self._first % _CHUNK * _POINT
         self._first = (self._first + 1) % self.capacity
         self.count -= 1
         return data[at + 1] << 8 | data[at + 2], data[at + 3] << 8 | data[at + 4], data[at] == 1

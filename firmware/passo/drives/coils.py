@@ -8,6 +8,28 @@ modulo the table's length: after a stop it is found again from the position alon
 """
 
 
+def apply_plain(words, at, count, axes, width, last, tables, phases):  # ISR: no allocation
+    """Turn words[at : at + count] from the step form into pin levels. `tables`: each axis's table of `last` + 1 phases,
+    one after the other; `phases`: where each axis stands."""
+    low = (1 << width * axes) - 1
+    for i in range(at, at + count):
+        word = words[i]
+        levels = 0
+        for axis in range(axes):
+            phase = phases[axis]
+            if word >> axis & 1:
+                phase = phase + (1 if word >> (axes + axis) & 1 else -1) & last
+                phases[axis] = phase
+            levels |= tables[axis * (last + 1) + phase] << axis * width
+        words[i] = (word & ~low) | levels
+
+
+try:
+    from passo.drives.coils_viper import apply
+except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
+    apply = apply_plain
+
+
 class CoilDrive:
     def __init__(self, axes, table, width, hold=None, reversed_mask=0):
         """`table`: levels of `width` pins a phase, its length a power of two; `hold`: the same phases at the standstill
@@ -20,6 +42,7 @@ class CoilDrive:
         self._steps = (1 << axes) - 1
         self._table = [self._order(table, reversed_mask >> axis & 1) for axis in range(axes)]
         self._hold = [self._order(hold or table, reversed_mask >> axis & 1) for axis in range(axes)]
+        self._tables = b"".join(self._table)
         self._phase = bytearray(axes)
 
     @staticmethod
@@ -32,18 +55,7 @@ class CoilDrive:
 
     def apply(self, words, at, count):  # ISR: no allocation
         """Turn words[at : at + count] from the step form into this drive's pin levels; the tool bit and time stay."""
-        width = self.width
-        low = (1 << width * self.axes) - 1
-        for i in range(at, at + count):
-            word = words[i]
-            levels = 0
-            for axis in range(self.axes):
-                phase = self._phase[axis]
-                if word >> axis & 1:
-                    phase = phase + (1 if word >> (self.axes + axis) & 1 else -1) & self._last
-                    self._phase[axis] = phase
-                levels |= self._table[axis][phase] << axis * width
-            words[i] = (word & ~low) | levels
+        apply(words, at, count, self.axes, self.width, self._last, self._tables, self._phase)
 
     def levels(self):
         """The levels that hold all motors where they are, at running current."""

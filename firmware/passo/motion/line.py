@@ -12,10 +12,53 @@ A line has at most MAX_STEPS dominant steps, so that no product here reaches 2³
 """
 
 from array import array
+
+import micropython
 from micropython import const
 
 MAX_STEPS = const(2_097_151)  # 2²¹ − 1
-MAX_RUN = const(255)  # most steps one walk() may take: rise · MAX_RUN stays below 2³⁰
+MAX_RUN = const(500)  # most steps one walk() may take
+
+# A walker's state, in one array for the sake of its twin in machine code.
+_AXES = const(0)
+_DOMINANT = const(1)
+_FALL = const(2)  # twice the dominant steps: what a step takes off an axis's decision
+_NEGATIVE = const(3)
+_RISE = const(4)  # three numbers an axis, axes times the first, then the second, then the third:
+#   rise: twice its steps, what every dominant step adds to its decision
+#   decision, with the fall added so that it is never negative: a step is due above the fall
+#   made: its signed steps since the feeder last cleared them
+
+
+def walk_plain(out, at, count, state):  # ISR: no allocation
+    """Write the masks of the next `count` ≥ 1 dominant steps to out[at:], and add each axis's signed steps to `made`."""
+    axes = state[_AXES]
+    dominant = state[_DOMINANT]
+    fall = state[_FALL]
+    for i in range(at, at + count):
+        out[i] = 1 << dominant
+    for axis in range(axes):
+        rise = state[_RISE + axis]
+        steps = 0
+        if axis == dominant:
+            steps = count
+        elif rise:
+            bit = 1 << axis
+            decision = state[_RISE + axes + axis]
+            for i in range(at, at + count):
+                if decision > fall:
+                    out[i] |= bit
+                    decision -= fall
+                    steps += 1
+                decision += rise
+            state[_RISE + axes + axis] = decision
+        state[_RISE + 2 * axes + axis] += -steps if state[_NEGATIVE] >> axis & 1 else steps
+
+
+try:
+    from passo.motion.line_viper import walk
+except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
+    walk = walk_plain
 
 
 class Line:
@@ -24,14 +67,14 @@ class Line:
     def __init__(self, axes):
         self.axes = axes
         self.total = self.left = self.moving = self.negative = 0
-        self.made = array("i", [0] * axes)  # signed steps of each axis since the feeder last cleared them
         self._deltas = array("i", [0] * axes)
-        self._decision = array("i", [0] * axes)
-        self._dominant = 0
+        self._state = array("i", [axes] + [0] * (3 + 3 * axes))
+        self.made = memoryview(self._state)[_RISE + 2 * axes :]  # signed steps since the feeder last cleared them
 
     def begin(self, deltas):
         """Start on the vector `deltas`, in steps. Raises ValueError above MAX_STEPS."""
-        total = 0
+        state = self._state
+        total = dominant = 0
         moving = negative = 0
         for axis in range(self.axes):
             steps = deltas[axis]
@@ -42,15 +85,20 @@ class Line:
                 steps = -steps
             if steps > total:
                 total = steps
-                self._dominant = axis
+                dominant = axis
             self._deltas[axis] = steps
         if total > MAX_STEPS:
             raise ValueError("a line of more than %d steps" % MAX_STEPS)
         self.total = self.left = total
         self.moving = moving
         self.negative = negative
+        state[_DOMINANT] = dominant
+        state[_FALL] = 2 * total
+        state[_NEGATIVE] = negative
         for axis in range(self.axes):
-            self._decision[axis] = 2 * self._deltas[axis] - total
+            rise = 2 * self._deltas[axis]
+            state[_RISE + axis] = rise
+            state[_RISE + self.axes + axis] = rise + total
 
     def seek(self, index):
         """Stand before dominant step `index` (0 … total), as if that many had been walked."""
@@ -58,8 +106,8 @@ class Line:
             raise ValueError("no step %d in a line of %d" % (index, self.total))
         self.left = self.total - index
         for axis in range(self.axes):
-            rise = 2 * self._deltas[axis]
-            self._decision[axis] = rise * (index + 1) - self.total - 2 * self.total * self._steps(axis, index)
+            decision = 2 * self._deltas[axis] * (index + 1) + self.total - 2 * self.total * self._steps(axis, index)
+            self._state[_RISE + self.axes + axis] = decision
 
     def offset(self, axis, index):
         """Signed steps of `axis` after `index` dominant steps: the line's place in closed form."""
@@ -71,29 +119,8 @@ class Line:
             return 0
         return (2 * self._deltas[axis] * index + self.total - 1) // (2 * self.total)
 
+    @micropython.native
     def walk(self, out, at, count):  # ISR: no allocation
         """Write the masks of the next `count` (≤ left, ≤ MAX_RUN) dominant steps to out[at:]; add them to `made`."""
-        dominant = self._dominant
-        fall = 2 * self.total
-        for i in range(at, at + count):
-            out[i] = 1 << dominant
-        for axis in range(self.axes):
-            rise = 2 * self._deltas[axis]
-            steps = count
-            if axis != dominant:
-                steps = 0
-                if rise:
-                    steps = self._walk_minor(out, at, count, axis, rise, fall)
-            self.made[axis] += -steps if self.negative >> axis & 1 else steps
+        walk(out, at, count, self._state)
         self.left -= count
-
-    def _walk_minor(self, out, at, count, axis, rise, fall):  # ISR: no allocation
-        bit = 1 << axis
-        before = decision = self._decision[axis]
-        for i in range(at, at + count):
-            if decision > 0:
-                out[i] |= bit
-                decision -= fall
-            decision += rise
-        self._decision[axis] = decision
-        return (rise * count + before - decision) // fall

@@ -4,6 +4,7 @@ A segment is never cut inside a dominant interval: where steps are further apart
 is exact: the ticks that do not divide by its steps are spread over all of it.
 """
 
+import micropython
 from micropython import const
 
 from passo.motion.line import MAX_RUN
@@ -24,6 +25,7 @@ class Ramp:
         self._total = block.walker.total
         self._carry = 0
 
+    @micropython.native
     def cut(self, left):  # ISR: no allocation
         """The next segment of a walker that has `left` ≥ 1 dominant steps before its end or its next corner."""
         steps = SEGMENT_TICKS // self._each or 1

@@ -29,7 +29,8 @@ try:
 except ImportError:  # MicroPython's clock is monotonic only as far as the system's is
     from time import time_ns as wall_ns
 
-from passo.ports.virtual_player import Player, inverted_pins, word_times
+from passo.ports.virtual_player import Player
+from passo.steps.wiring import inverted_pins, word_times
 from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 
 TICK_NS = 80

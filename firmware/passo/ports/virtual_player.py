@@ -4,31 +4,7 @@ The port calls `run(until)` with ticks that only grow; each edge goes to the wor
 The world may stop or halt the player from inside that call, as a limit switch wired to its interrupt would.
 """
 
-from passo.steps.word import COUNT_MASK, us_to_ticks
-
-COIL_WORD_TICKS = us_to_ticks(4)  # the shortest word without a pulse: what a real player needs for one
-
-
-def word_times(board):
-    """(ticks of a pulse, ticks of the shortest word): a pulse is as long low as it is high."""
-    drive = board["drive"]
-    if drive["kind"] != "step_dir":
-        return 0, COIL_WORD_TICKS
-    pulse_ticks = us_to_ticks(drive.get("pulse_us", 2))
-    return pulse_ticks, max(2 * pulse_ticks, COIL_WORD_TICKS)
-
-
-def inverted_pins(board, layout):
-    """Mask of the player's pins whose electrical level is the opposite of the word's."""
-    axes = board["axes"]
-    mask = 0 if board["tool"].get("active", 1) else layout.tool_mask
-    if layout.kind == "step_dir":
-        if not board["drive"].get("step_active", 1):
-            mask |= layout.step_mask
-        for axis in range(len(axes)):
-            if axes[axis].get("reversed", False):
-                mask |= 1 << (layout.axes + axis)
-    return mask
+from passo.steps.word import COUNT_MASK
 
 
 class Player:

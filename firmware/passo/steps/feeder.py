@@ -6,21 +6,27 @@ It fills by time, so that what it has committed to is never more than a few mill
 segment it leaves a checkpoint: words, ticks and position so far. Position is the last checkpoint played plus the words
 played since, never a walk over more than one segment. Words count as free only up to that checkpoint.
 
-`fill` and all it calls may run in an interrupt: they allocate nothing and every integer stays below 2³⁰. The rest
-belongs to the main loop.
+`fill` and all it calls may run in an interrupt: they allocate nothing and every integer stays below 2³⁰. They are
+compiled to machine code, because the interpreter's time a segment, not the steps, is what a board has least of. The
+rest belongs to the main loop.
 """
 
 from array import array
+
+import micropython
 from micropython import const
 
 from passo.motion.block import FREE, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.ramp import Ramp
-from passo.steps.pace import pace, repay
+from passo.steps import pace
+from passo.steps.pace import new_terms, repay, set_terms
+from passo.steps.position import advance
 from passo.steps.word import COUNT_MASK, HOLD_TICKS, ahead
 
 _CHECKPOINTS = const(256)
 _HALF = const(0x10000000)
+_COUNT = const(0x1FFFFFFF)  # COUNT_MASK, known to the compiler
 _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
 
 
@@ -35,7 +41,9 @@ class Feeder:
         self.setup_ticks = setup_ticks
         self.min_word_ticks = min_word_ticks
         self._ramp = Ramp()
+        self._terms = new_terms()
         axes = layout.axes
+        self._none = array("i", [0] * axes)  # no steps made
         self._position = array("i", [0] * axes)  # after the last word made, steps since power-up
         self._mark_word = array("i", [0] * _CHECKPOINTS)
         self._mark_ticks = array("i", [0] * _CHECKPOINTS)
@@ -59,11 +67,12 @@ class Feeder:
         self._ticks = 0
         self._oldest = 0  # the last checkpoint played: a mark number, for ever, modulo 2²⁹
         self._newest = 0
-        self._leave_mark(played, 0, True)
+        self._leave_mark(played, True, self._none)
         self._oldest = self._newest
 
     # --- filling: may run in an interrupt
 
+    @micropython.native
     def fill(self, played, lead_ticks):  # ISR: no allocation
         """Make words until `lead_ticks` are ahead of the word count `played`, or nothing is released, or no room."""
         if not self.open:
@@ -74,23 +83,29 @@ class Feeder:
         if self._block is not None and self._oldest == self._newest:
             self.late += 1
         oldest = self._oldest % _CHECKPOINTS
-        while (self._ticks - self._mark_ticks[oldest]) & COUNT_MASK < lead_ticks:
+        while (self._ticks - self._mark_ticks[oldest]) & _COUNT < lead_ticks:
             if not self._segment():
                 return
 
+    @micropython.native
     def retire(self, played):  # ISR: no allocation
         """Give back the room, and the blocks, of all segments that have been played to their end."""
         while self._oldest != self._newest:
-            number = (self._oldest + 1) & COUNT_MASK
+            number = (self._oldest + 1) & _COUNT
             slot = number % _CHECKPOINTS
-            if ahead(played, self._mark_word[slot]) >= _HALF:
+            if (played - self._mark_word[slot]) & _COUNT >= _HALF:
                 return
             self._oldest = number
             if self._mark_ends[slot]:
                 self.planner.retire()
 
+    @micropython.native
     def _segment(self):  # ISR: no allocation
-        if ahead(self._newest, self._oldest) >= _CHECKPOINTS - 1 or self._room() < _ROOM:
+        oldest = self._oldest
+        if (self._newest - oldest) & _COUNT >= _CHECKPOINTS - 1:
+            return False
+        ring = self.ring
+        if (ring.head - self._mark_word[oldest % _CHECKPOINTS]) & _COUNT > ring.size - _ROOM:
             return False
         if self._block is None and not self._fetch():
             return False
@@ -103,10 +118,7 @@ class Feeder:
             self._line(block.walker)
         return True
 
-    def _room(self):  # ISR: no allocation
-        ring = self.ring
-        return ring.size - ahead(ring.head, self._mark_word[self._oldest % _CHECKPOINTS])
-
+    @micropython.native
     def _fetch(self):  # ISR: no allocation
         block = self.planner.next()
         if block is None:
@@ -121,6 +133,7 @@ class Feeder:
             self._ramp.begin(block)
         return True
 
+    @micropython.native
     def _line(self, walker):  # ISR: no allocation
         ramp = self._ramp
         ramp.cut(walker.left)
@@ -131,30 +144,29 @@ class Feeder:
             ticks = HOLD_TICKS
         self._turn(walker)
         ring = self.ring
-        each = ticks // steps
-        rest = ticks % steps
+        set_terms(self._terms, steps, ticks, self._levels, self.layout.bits)
         made = 0
-        carry = 0
         while made < steps:
             at = (ring.head + made) & ring.mask
             run = min(steps - made, ring.size - at)
             walker.walk(ring.words, at, run)
-            carry = pace(ring.words, at, run, self._levels, self.layout.bits, each, rest, steps, carry)
-            self._settle(at, run)
+            pace.pace(ring.words, at, run, self._terms)
+            if self._debt or self.drive is not None:
+                self._settle(at, run)
             made += run
-        self._advance(walker)
         self._index += steps
-        self._finish(steps, ticks, walker.left == 0 and not self._wait)
+        self._finish(steps, ticks, walker.left == 0 and not self._wait, walker.made)
 
+    @micropython.native
     def _free(self, walker):  # ISR: no allocation
         self._turn(walker)
         ring = self.ring
         at = ring.head & ring.mask
         count = walker.walk(ring.words, at, min(MAX_RUN, ring.size - at), self._levels, self.layout.bits)
         self._settle(at, count)
-        self._advance(walker)
-        self._finish(count, walker.ticks if count else 0, not walker.active())
+        self._finish(count, walker.ticks if count else 0, not walker.active(), walker.made)
 
+    @micropython.native
     def _hold(self):  # ISR: no allocation
         ticks = min(self._wait, HOLD_TICKS)
         self._wait -= ticks
@@ -163,8 +175,9 @@ class Feeder:
         ring.words[at] = ticks << self.layout.bits | self._levels
         self._settle(at, 1)
         block = self._block
-        self._finish(1, ticks, not self._wait and (block.kind == WAIT or block.walker.left == 0))
+        self._finish(1, ticks, not self._wait and (block.kind == WAIT or block.walker.left == 0), self._none)
 
+    @micropython.native
     def _turn(self, walker):  # ISR: no allocation
         """Set the directions that differ, as a stepless word of the set-up time, owed by the intervals that follow."""
         layout = self.layout
@@ -181,6 +194,7 @@ class Feeder:
             self._debt += self.setup_ticks
             self._ticks = (self._ticks + self.setup_ticks) & COUNT_MASK
 
+    @micropython.native
     def _settle(self, at, count):  # ISR: no allocation
         """Take what is owed off words[at : at + count] and give them their drive's levels."""
         words = self.ring.words
@@ -191,33 +205,30 @@ class Feeder:
         if self.drive is not None:
             self.drive.apply(words, at, count)
 
-    def _advance(self, walker):  # ISR: no allocation
-        """Add the steps the walker made to the position; both wrap at ±2²⁸, for axes that turn for ever."""
-        made = walker.made
-        position = self._position
-        for axis in range(self.layout.axes):
-            position[axis] = ((position[axis] + made[axis] + _HALF) & COUNT_MASK) - _HALF
-            made[axis] = 0
-
-    def _finish(self, count, ticks, ends):  # ISR: no allocation
+    @micropython.native
+    def _finish(self, count, ticks, ends, made):  # ISR: no allocation
+        """Publish a segment of `count` words, with a checkpoint behind it."""
         ring = self.ring
-        self._ticks = (self._ticks + ticks) & COUNT_MASK
-        self._leave_mark((ring.head + count) & COUNT_MASK, self._index, ends)
-        ring.publish(count)
+        head = (ring.head + count) & _COUNT
+        self._ticks = (self._ticks + ticks) & _COUNT
+        self._leave_mark(head, ends, made)
+        ring.head = head
         if ends:
             self._block = None
 
-    def _leave_mark(self, word, index, ends):  # ISR: no allocation
-        number = (self._newest + 1) & COUNT_MASK
+    @micropython.native
+    def _leave_mark(self, word, ends, made):  # ISR: no allocation
+        number = (self._newest + 1) & _COUNT
         slot = number % _CHECKPOINTS
-        axes = self.layout.axes
+        ring = self.ring
+        layout = self.layout
+        axes = layout.axes
         self._mark_word[slot] = word
         self._mark_ticks[slot] = self._ticks
-        self._mark_index[slot] = index
-        self._mark_ends[slot] = 1 if ends else 0
-        self._mark_levels[slot] = self.ring.words[(word - 1) & self.ring.mask] & self.layout.levels_mask
-        for axis in range(axes):
-            self._mark_position[slot * axes + axis] = self._position[axis]
+        self._mark_index[slot] = self._index
+        self._mark_ends[slot] = ends
+        self._mark_levels[slot] = ring.words[(word - 1) & ring.mask] & layout.levels_mask
+        advance(self._position, made, self._mark_position, slot * axes, axes)
         self._newest = number
 
     # --- asking and stopping: main loop only
@@ -227,8 +238,11 @@ class Feeder:
         return self._walk(played)[0]
 
     def _passed(self, played):
-        """The slot of the last checkpoint played. Changes nothing: an interrupt may be retiring meanwhile."""
+        """The slot of the last checkpoint played. Changes nothing: an interrupt may be retiring meanwhile, and may have
+        gone beyond `played` since that was read; then it is one of those already retired."""
         number = self._oldest
+        while ahead(played, self._mark_word[number % _CHECKPOINTS]) >= _HALF:
+            number = (number - 1) & COUNT_MASK
         while number != self._newest:
             after = (number + 1) & COUNT_MASK
             if ahead(played, self._mark_word[after % _CHECKPOINTS]) >= _HALF:

@@ -4,18 +4,53 @@
 A segment that runs over the end of the ring is paced in two calls; the second goes on with the first one's carry.
 """
 
+from array import array
 
-def pace(words, at, count, base, bits, each, rest, over, carry):  # ISR: no allocation
-    """Turn the masks in words[at : at + count] into words: `base` is ORed to their levels, `each` ticks and a share of
-    `rest` / `over` to their time. Returns the carry for the next call."""
+import micropython
+from micropython import const
+
+# The terms of a segment, in one array for the sake of the twin in machine code.
+SHORT = const(0)  # a word of the shorter interval, without its mask
+TICK = const(1)  # one tick in a word
+REST = const(2)  # rest / over: the share of the intervals that are a tick longer
+OVER = const(3)
+CARRY = const(4)
+
+
+def new_terms():
+    return array("i", [0] * 5)
+
+
+@micropython.native
+def set_terms(terms, steps, ticks, base, bits):  # ISR: no allocation
+    """For a segment of `steps` that last `ticks`, `base` being ORed to their levels."""
+    terms[SHORT] = ticks // steps << bits | base
+    terms[TICK] = 1 << bits
+    terms[REST] = ticks % steps
+    terms[OVER] = steps
+    terms[CARRY] = 0
+
+
+def pace_plain(words, at, count, terms):  # ISR: no allocation
+    """Turn the masks in words[at : at + count], count ≥ 1, into words."""
+    short = terms[SHORT]
+    rest = terms[REST]
+    over = terms[OVER]
+    carry = terms[CARRY]
     for i in range(at, at + count):
-        ticks = each
+        word = short | words[i]
         carry += rest
         if carry >= over:
             carry -= over
-            ticks += 1
-        words[i] = ticks << bits | base | words[i]
-    return carry
+            word += terms[TICK]
+        words[i] = word
+    terms[CARRY] = carry
+
+
+try:
+    from passo.steps.pace_viper import pace
+except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
+    pace = pace_plain
 
 
 def repay(words, at, count, bits, debt, least):  # ISR: no allocation

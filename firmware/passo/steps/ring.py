@@ -19,7 +19,8 @@ class Ring:
             raise ValueError("the ring's size must be a power of two")
         self.size = size
         self.mask = size - 1
-        self.words = array("I", bytearray(4 * size))
+        self.words = array("I", range(size))  # made in one piece: a board has no second room of this size to copy from
+        self.words[self.mask] = 0  # the levels before the first word
         self.head = 0
 
     def publish(self, count):  # ISR: no allocation

@@ -1,0 +1,40 @@
+"""Runs the machine of /board.py. Ways to the REPL: BOOTSEL or the input "repl" held at the start, Ctrl-C."""
+
+import sys
+
+from passo.app import App
+from passo.control.boardfile import BoardError, check
+
+if sys.platform == "esp32":
+    from passo.ports.esp32 import Port, Start
+else:
+    from passo.ports.rp2.port import Port
+    from passo.ports.rp2.start import Start
+
+
+def main():
+    try:
+        from board import BOARD
+    except Exception as error:
+        print("board.py cannot be read: %s: %s" % (type(error).__name__, error))
+        BOARD = None
+    start = Start(BOARD)
+    start.history()
+    if BOARD is None or not start.wanted():
+        return
+    app = port = error = None
+    try:
+        board = check(BOARD)
+        port = Port(board)
+        app = App(board, port)
+        start.run(app, port)
+    except BoardError as wrong:
+        print("board.py is wrong:", wrong)
+    except KeyboardInterrupt:
+        print("stopped")
+    except Exception as crash:
+        error = crash
+    start.end(app, port, error)
+
+
+main()

@@ -1,0 +1,48 @@
+"""Addresses that differ between the RP2040 and the RP2350, and register writes at start-up. Datasheets: 2.19.6 (GPIO),
+3.7 (PIO), 2.5.7 (DMA), 2.4.8 (NVIC) of the RP2040's; 9.11, 11.7, 12.6.10, 3.7 of the RP2350's."""
+
+import sys
+
+import machine
+from machine import Pin, mem8, mem32
+
+RP2350 = "RP2350" in sys.implementation._machine
+IO_BANK0 = 0x40028000 if RP2350 else 0x40014000
+WATCHDOG = 0x400D8000 if RP2350 else 0x40058000
+BUSY = 1 << (26 if RP2350 else 24)  # of a DMA channel's control register
+_OUT_OVER = 12 if RP2350 else 8
+_IN_OVER = 16
+_INVERT = 1
+_CLEAR = 0x3000  # alias of a register that clears the bits written
+_NVIC_PRIORITY = 0xE000E400
+_TIMER_IRQ_3 = 3  # what machine.Timer runs in
+
+TICKS_PER_S = 12_500_000
+
+
+def cycles_per_tick():
+    """System clocks of one tick. Raises ValueError where the clock is no multiple of the tick's."""
+    clock = machine.freq()
+    if clock % TICKS_PER_S or not 6 <= clock // TICKS_PER_S <= 32:
+        raise ValueError("the system clock must be a multiple of 12.5 MHz up to 400 MHz, not %d Hz" % clock)
+    return clock // TICKS_PER_S
+
+
+def give_to_pio(pin, block, invert):
+    """Connect `pin` to PIO `block`, its output inverted if asked, in one write: it sees no level in between."""
+    Pin(pin, Pin.IN)
+    mem32[IO_BANK0 + 8 * pin + 4] = 6 + block | (_INVERT << _OUT_OVER if invert else 0)
+
+
+def invert_input(pin):
+    """Let everything on the chip but its edge interrupts see the opposite of the pin."""
+    mem32[IO_BANK0 + 8 * pin + 4] = mem32[IO_BANK0 + 8 * pin + 4] | _INVERT << _IN_OVER
+
+
+def yield_timers():
+    """Timer interrupts give way to all others: to halting pins, to the serial ports, to USB."""
+    mem32[_NVIC_PRIORITY + (_TIMER_IRQ_3 & ~3)] = mem32[_NVIC_PRIORITY + (_TIMER_IRQ_3 & ~3)] & 0xFFFFFF | 0xC0 << 24
+
+
+def stop_watchdog():
+    mem32[WATCHDOG + _CLEAR] = 1 << 30

@@ -1,0 +1,71 @@
+"""Serial lines: a UART with its own buffers, or the USB port's console made clean for bytes.
+
+A UART's bytes are taken off its FIFO (32 bytes) by an interrupt that the feeder's gives way to, into a buffer that lasts
+longer than any garbage collection. Reading never blocks; writing blocks only when the buffer to send is full.
+"""
+
+import sys
+from select import POLLIN, poll
+
+import micropython
+from machine import UART, Pin
+from micropython import const
+
+_RECEIVE_BYTES = const(1024)  # 89 ms at 115 200 baud
+_SEND_BYTES = const(256)
+_MOST = const(64)  # bytes read from USB in one go
+_INTERRUPT = const(3)  # Ctrl-C
+
+
+class UartLine:
+    def __init__(self, link):
+        """`link` of the board file; its port is "uart0" or "uart1"."""
+        self._uart = UART(
+            int(link["port"][4:]),
+            link["baud"],
+            tx=Pin(link["tx"]),
+            rx=Pin(link["rx"]),
+            rxbuf=_RECEIVE_BYTES,
+            txbuf=_SEND_BYTES,
+        )
+
+    def any(self):
+        return self._uart.any()
+
+    def read(self):
+        """All bytes that have come, b"" if none."""
+        return self._uart.read() or b""
+
+    def write(self, data):
+        self._uart.write(data)
+
+    def close(self):
+        self._uart.deinit()
+
+
+class UsbLine:
+    """The console's USB port. Ctrl-C is a byte like any other, except as the Enter and Ctrl-C with which tools ask for
+    the REPL: these two bytes first after a second's silence end the program by KeyboardInterrupt."""
+
+    def __init__(self):
+        self._poll = poll()
+        self._poll.register(sys.stdin, POLLIN)
+        self._in = sys.stdin.buffer
+        self._out = sys.stdout.buffer
+        micropython.kbd_intr(-1)
+
+    def any(self):
+        return bool(self._poll.poll(0))
+
+    def read(self):
+        """Bytes that have come, at most 64, b"" if none."""
+        data = b""
+        while len(data) < _MOST and self._poll.poll(0):
+            data += self._in.read(1)
+        return data
+
+    def write(self, data):
+        self._out.write(data)
+
+    def close(self):
+        micropython.kbd_intr(_INTERRUPT)

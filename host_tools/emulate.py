@@ -1,0 +1,135 @@
+"""`passo emulate`: the firmware as it is flashed, on an emulated Pico, with a machine wired to its pins."""
+
+import signal
+import time
+from pathlib import Path
+from typing import Annotated, List, Optional
+
+import typer
+
+from host_tools.failure import Failure
+from host_tools.virtual_board import _pairs, _positions, _summary
+
+SLICE_US = 2000  # how long the emulated Pico runs before its lines are served again
+LAG_S = 0.1  # behind the wall clock by more than this is given up, not caught up with
+IDLE_MS = 20
+FLUSH_S = 0.5
+
+
+def emulate(
+    board: Annotated[
+        str, typer.Option(help="Board file of a Pico: a name of boards/, or the path of a .py file.")
+    ] = "plotter_2014",
+    uart0: Annotated[Optional[Path], typer.Option(metavar="PATH", help="A symlink to the pty of UART0.")] = None,
+    uart1: Annotated[Optional[Path], typer.Option(metavar="PATH", help="A symlink to the pty of UART1.")] = None,
+    tcp: Annotated[
+        Optional[int], typer.Option(min=0, max=65535, help="Serve the USB serial port on TCP. 0: any free port.")
+    ] = None,
+    blank: Annotated[bool, typer.Option("--blank", help="A Pico without files, to be flashed over --tcp.")] = False,
+    trace: Annotated[
+        Optional[Path], typer.Option(metavar="FILE.csv", help="Write where the machine is, step by step.")
+    ] = None,
+    vcd: Annotated[
+        Optional[Path], typer.Option(metavar="FILE.vcd", help="Write the pins, for GTKWave or PulseView.")
+    ] = None,
+    start: Annotated[
+        Optional[str], typer.Option(metavar="X,Y", help="Where the head stands, in steps from the origin (random).")
+    ] = None,
+    bounce_ms: Annotated[int, typer.Option(min=0, max=1000, help="Barriers chatter this long after a change.")] = 0,
+    fault: Annotated[
+        Optional[List[str]], typer.Option(metavar="INPUT=dead|stuck[@MS]", help="A barrier that fails, from MS on.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of all that is random: start and chatter.")] = 0,
+):
+    """Run the firmware on an emulated Pico, and a machine with it.
+
+    Prints the ports to open: `port: PATH` for UART0 (the first link), `usb: URL` for the USB serial port. It keeps to
+    the wall clock where it can; a busy Pico is emulated about 25 times slower than it is. SIGUSR1 presses the reset
+    button. Ends on SIGTERM or Ctrl-C.
+
+    Examples:
+
+        passo emulate --uart0 /tmp/plotter --trace job.csv
+
+        passo emulate --blank --tcp 5001, then: make flash BOARD=plotter_2014 PORT=socket://localhost:5001
+    """
+    from host_tools.emulator.machine import EmulatedMachine
+    from passo.control.boardfile import BoardError
+
+    options = {
+        "start": _positions(start),
+        "bounce_ms": bounce_ms,
+        "faults": _pairs("--fault", fault, None),
+        "seed": seed,
+    }
+    try:
+        machine = EmulatedMachine(board, {} if blank else None, trace, vcd, **options)
+    except (BoardError, ValueError) as error:
+        raise Failure(f"board {board}: {error}") from error
+    except OSError as error:
+        raise Failure(f"cannot write {error.filename}: {error.strerror}") from error
+    try:
+        serve(machine, {0: uart0, 1: uart1}, tcp)
+    finally:
+        machine.close()
+    _summary(machine.plant)
+
+
+def serve(machine, symlinks, tcp):
+    """Run until SIGTERM or SIGINT, with a pty for each UART that a link uses and a socket for USB."""
+    from host_tools.serial_line import PtyLine, TcpLine
+
+    stopped = []
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stopped.append(True))
+    pressed = []
+    signal.signal(signal.SIGUSR1, lambda *_: pressed.append(True))
+    ptys, usb = {}, None
+    try:
+        for name in machine.uart_links():
+            ptys[name] = PtyLine(symlinks[machine.uart_number(name)])
+        if tcp is not None:
+            usb = TcpLine(tcp)
+        machine.boot()
+        for index, (name, line) in enumerate(ptys.items()):
+            print(f"port: {line.name}" if index == 0 else f"port {name}: {line.name}", flush=True)
+        if usb is not None:
+            print(f"usb: {usb.name}", flush=True)
+        _loop(machine, ptys, usb, stopped, pressed)
+    finally:
+        for line in [*ptys.values(), *([usb] if usb else [])]:
+            line.close()
+
+
+def _loop(machine, ptys, usb, stopped, pressed):
+    from host_tools.serial_line import wait
+
+    lines = [*ptys.values(), *([usb] if usb else [])]
+    zero = time.monotonic() - machine.now_ms() / 1000  # wall time at emulated time 0
+    flush_at = 0
+    while not stopped:
+        if pressed:
+            pressed.clear()
+            machine.pico.press_reset()
+        for name, line in ptys.items():
+            data = line.read()
+            if data:
+                machine.send(data, name)
+        if usb is not None:
+            machine.pico.usb.write(usb.read())
+        machine.pico.run(SLICE_US)
+        for name, line in ptys.items():
+            if machine.received(name):
+                line.write(machine.take(name))
+        said = machine.pico.console.take()
+        if usb is not None and said:
+            usb.write(said)
+        now = time.monotonic()
+        if now >= flush_at:
+            machine.flush()
+            flush_at = now + FLUSH_S
+        ahead = zero + machine.now_ms() / 1000 - now
+        if ahead > 0:
+            wait(lines, min(IDLE_MS, ahead * 1000))
+        elif ahead < -LAG_S:
+            zero = now - machine.now_ms() / 1000

@@ -1,0 +1,19 @@
+"""Time on the emulated chip: whole cycles of its 125 MHz clock.
+
+rp2040py counts nanoseconds in a float. A cycle is 8 ns, so whole cycles are exact there; every alarm that the patches
+set is rounded up to one, which keeps the processor in step with them.
+"""
+
+CYCLE_NS = 8
+CYCLES_PER_US = 125
+CYCLES_PER_TICK = 10
+
+
+def now(clock):
+    """Cycles since power-on, sleep included."""
+    return int(clock.nanos * 0.125 + 0.5)
+
+
+def delay_ns(nanoseconds):
+    """The nanoseconds of the whole cycles that `nanoseconds` begin."""
+    return -(-nanoseconds // CYCLE_NS) * CYCLE_NS

@@ -1,0 +1,159 @@
+"""A whole machine: the firmware of a board file on an emulated Pico, its pins wired to a plant.
+
+    machine = EmulatedMachine("plotter_2014", start=(300, 200))
+    machine.boot()
+    machine.ask(packet)                     # over UART0 at the board file's baud rate
+    machine.plant.position, machine.trace.rows(), machine.plant.errors
+
+It has the methods of `host_tools.virtual_machine.VirtualMachine`, in emulated time. `board` is a name, the path of a
+board file, or a dict. `files` replaces the firmware ({} is a blank Pico, None the compiled firmware of the board).
+"""
+
+import tempfile
+from functools import lru_cache
+from pathlib import Path
+
+from host_tools import boards
+from host_tools.build import build_tree
+from host_tools.emulator.cycles import CYCLES_PER_TICK
+from host_tools.emulator.filesystem import folder_files
+from host_tools.emulator.homing import HomingWatch
+from host_tools.emulator.pico import EmulatedPico
+from host_tools.emulator.wiring import Wiring
+from host_tools.failure import Failure
+from host_tools.plant import Plant
+from host_tools.trace import Trace
+from passo.control.boardfile import check
+
+STAND_STILL_MS = 600_000
+QUIET_MS = 100  # without an edge or a byte: longer than any pause of a machine that is under way
+LAST_TICKS = 12_500_000  # the machine is watched for another second after the power has gone
+
+
+@lru_cache(maxsize=8)
+def firmware_files(board):
+    """{path: bytes} of the compiled firmware of a board, by name or path."""
+    with tempfile.TemporaryDirectory() as folder:
+        build_tree(board, Path(folder))
+        return folder_files(folder)
+
+
+def written(board):
+    """The files of a board given as a dict; `BOARD = {…}` stands in board.py."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "board.py"
+        path.write_text(f"BOARD = {board!r}\n", encoding="utf-8")
+        return firmware_files.__wrapped__(str(path))
+
+
+class EmulatedMachine:
+    def __init__(self, board="plotter_2014", files=None, trace=True, vcd=None, uf2=None, leave_out=(), **plant_options):
+        loaded = board if isinstance(board, dict) else boards.load(board)
+        if loaded.get("chip") != "rp2040":
+            raise Failure(f"an RP2040 is emulated, and the board file is for {loaded.get('chip')}")
+        self.board = check(loaded)
+        if files is None:
+            files = written(board) if isinstance(board, dict) else firmware_files(str(board))
+        self.pico = EmulatedPico(files=files or None, uf2=uf2, leave_out=leave_out)
+        self.plant = Plant(self.board, **plant_options)
+        self._files = []
+        self.trace = None
+        if trace is not None:
+            self.trace = Trace(None if trace is True else trace, self.plant)
+            self._files.append(self.trace)
+        world = self.plant
+        if vcd is not None:
+            from host_tools.vcd import VcdTap
+
+            world = VcdTap(vcd, self.board, self.plant)
+            self._files.append(world)
+        self.wiring = Wiring(self.pico, self.board, world, self.plant)
+        self._links = {link["name"]: link for link in self.board["links"]}
+        self._first = self.board["links"][0]["name"]
+        self._watches = {name: HomingWatch(link["protocol"], self._homed) for name, link in self._links.items()}
+        for name in self.uart_links():
+            self.wire(name).listeners.append(self._watches[name].answered)
+
+    def uart_links(self):
+        """Names of the links on UARTs."""
+        return [name for name, link in self._links.items() if link["port"].startswith("uart")]
+
+    def wire(self, link=None):
+        """The `Wire` of a link, the first one unless named."""
+        return self.pico.uart(self.uart_number(link or self._first))
+
+    def uart_number(self, link):
+        return int(self._links[link]["port"][4:])
+
+    def _homed(self):
+        if self.trace:
+            self.trace.rezero(self.plant.position)
+
+    # --- time
+
+    def boot(self):
+        """Switch on, and run until USB is up, which is before main.py starts."""
+        self.pico.boot()
+        return self
+
+    def now_ms(self):
+        return self.pico.now_us / 1000
+
+    def run_ms(self, milliseconds):
+        self.pico.run(milliseconds * 1000)
+
+    def run_until(self, condition, limit_ms=60_000, slice_us=1000):
+        """Run until condition() holds, asked once a slice. Raises TimeoutError after `limit_ms` of emulated time."""
+        if not self.pico.run_until(condition, limit_ms * 1000, slice_us):
+            raise TimeoutError(f"not within {limit_ms} emulated ms")
+
+    def settle(self, limit_ms=STAND_STILL_MS):
+        """Run until the machine and its links have been still for a while."""
+        end = self.now_ms() + limit_ms
+        before = None
+        while before != (before := self._activity()):
+            if self.now_ms() >= end:
+                raise TimeoutError(f"not still within {limit_ms} emulated ms")
+            self.run_ms(QUIET_MS)
+
+    def _activity(self):
+        wires = [self.wire(name) for name in self.uart_links()]
+        return self.wiring.edge_count, [(wire.pending, wire.count) for wire in wires]
+
+    # --- links
+
+    def send(self, data, link=None):
+        """Put bytes on a link's wire."""
+        name = link or self._first
+        self._watches[name].asked(data)
+        self.wire(name).feed(data, self._links[name]["baud"])
+
+    def received(self, link=None):
+        """All that the board has said on a link; stays there until `take`."""
+        return bytes(self.wire(link).sent)
+
+    def take(self, link=None):
+        """What the board has said since the last `take`."""
+        return self.wire(link).drain()
+
+    def ask(self, data, answers=1, limit_ms=STAND_STILL_MS, link=None):
+        """Send bytes and return the answer, once it has `answers` bytes."""
+        self.take(link)
+        self.send(data, link)
+        self.run_until(lambda: len(self.wire(link).sent) >= answers, limit_ms)
+        return self.take(link)
+
+    # --- the end
+
+    def flush(self):
+        for file in self._files:
+            file.flush()
+
+    def close(self):
+        """Take the power away, let the pen come up, and close the files."""
+        try:
+            self.wiring.unplug()
+            self.plant.run(self.pico.cycle // CYCLES_PER_TICK + LAST_TICKS)
+        finally:
+            while self._files:
+                self._files.pop().close()

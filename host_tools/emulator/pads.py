@@ -1,0 +1,89 @@
+"""Patch: pads with two sides. An output reads back what it drives, and lets go at a reset.
+
+In rp2040py a pin reads only what the outside drives, so `Pin.value()` of an output, and a state machine that watches
+one, see nothing; a reset lets no listener know; and setting an input raises an edge also where the level is the same.
+
+    pads.drive(5, 1)                # the world outside drives GPIO5 high; None lets go, and the pull decides
+    pads.listen(2, heard)           # heard(gpio, state) at each change of what the chip drives: 0, 1 or RELEASED
+"""
+
+RELEASED = 2
+PINS = 30
+
+
+class Pads:
+    def __init__(self, chip, loop_back=True):
+        self._chip = chip
+        self._outside = {}  # {gpio: level} that the world drives
+        self._driven = set()  # pins that the chip drives
+        self._listeners = {}
+        self._loop_back = loop_back
+        for pin in chip.gpio:
+            pin.add_listener(self._changed(pin))
+
+    def listen(self, gpio, heard):
+        self._listeners.setdefault(gpio, []).append(heard)
+
+    def state(self, gpio):
+        """What the chip drives: 0, 1 or RELEASED."""
+        return min(int(self._chip.gpio[gpio].value), RELEASED)
+
+    def drive(self, gpio, level):
+        if level is None:
+            self._outside.pop(gpio, None)
+        else:
+            self._outside[gpio] = bool(level)
+        if gpio not in self._driven:
+            self._let_go(self._chip.gpio[gpio])
+
+    def after_reset(self):
+        """The chip's outputs have let go."""
+        for gpio in sorted(self._driven):
+            pin = self._chip.gpio[gpio]
+            pin._driven, pin._raw_input_value = gpio in self._outside, self._outside.get(gpio, False)
+        let_go, self._driven = sorted(self._driven), set()
+        for gpio in let_go:
+            self._tell(gpio, RELEASED)
+
+    def _changed(self, pin):
+        gpio = pin.index
+
+        def heard(state, _):
+            if state > 1:
+                if gpio in self._driven:
+                    self._driven.discard(gpio)
+                    self._let_go(pin)
+                    self._tell(gpio, RELEASED)
+                return
+            self._driven.add(gpio)
+            if self._loop_back:
+                self._set(pin, bool(state))
+            self._tell(gpio, int(state))
+
+        return heard
+
+    def _tell(self, gpio, state):
+        for heard in self._listeners.get(gpio, ()):
+            heard(gpio, state)
+
+    def _let_go(self, pin):
+        level = self._outside.get(pin.index)
+        if level is not None:
+            self._set(pin, level)
+            return
+        up, down = pin.pullup_enabled, pin.pulldown_enabled
+        if up == down or up == bool(pin._raw_input_value):
+            pin._driven = False  # the level stays
+        else:
+            self._set(pin, up)
+            pin._driven = False
+
+    def _set(self, pin, level):
+        if pin._driven and pin._raw_input_value == level:
+            return
+        pios = self._chip.pio
+        for pio in pios:
+            pio.input_changes()
+        pin.set_input_value(level)
+        for pio in pios:
+            pio.input_changed()

@@ -1,0 +1,91 @@
+"""What rp2040py 0.3.6 does otherwise than the chip, and is put right here: one function a fault.
+
+    apply(chip, leave_out=("uart",))
+
+Each takes the emulated chip. The larger ones have a module of their own, which also says what is wrong: `uart`, `pio`;
+the pads and the USB port belong to `pico.EmulatedPico`, with switches of the same kind.
+
+Not modelled, here or there: the flash cache (all flash reads take one cycle more than RAM, none misses), the time of
+exception entry and exit, bus contention, the second core, the two-cycle synchroniser of inputs, and the time that
+flash takes to erase (milliseconds here, tens of them on silicon). Timings are therefore a lower bound.
+"""
+
+from host_tools.emulator import pio as pio_patch
+from host_tools.emulator.uart import Pl011
+
+PERIPHERAL_CLOCK_HZ = 48_000_000
+_PACING_REGISTERS = {0x3B: "_timer0", 0x3C: "_timer1", 0x3D: "_timer2", 0x3E: "_timer3"}
+_DMA_WRITE_ONLY = (0x430, 0x440, 0x444)  # MULTI_CHAN_TRIGGER, FIFO_LEVELS, CHAN_ABORT
+_PWM_DREQ = 24
+
+
+def peripheral_clock(chip):
+    """MicroPython runs the UARTs from the 48 MHz of the USB PLL; rp2040py assumes 125 MHz, so baud rates are off."""
+    chip.clk_peri = PERIPHERAL_CLOCK_HZ
+
+
+def uart(chip):
+    """See the module `uart`."""
+    for index, base in enumerate((0x40034, 0x40038)):
+        chip.uart[index] = chip.peripherals[base] = Pl011(chip.uart[index])
+
+
+def pio(chip):
+    """See the module `pio`."""
+    pio_patch.install(chip)
+
+
+def dma_pacing(chip):
+    """A pacing timer makes X/Y transfers a cycle; rp2040py has the fraction upside down, and the fourth timer worse."""
+    dma = chip.dma
+
+    def microseconds(request):
+        value = getattr(dma, _PACING_REGISTERS.get(request, ""), 0)
+        x, y = value >> 16, value & 0xFFFF
+        return y / x * 1e6 / chip.clk_sys if x and y else 0
+
+    dma.get_timer = microseconds
+
+
+def dma_write_only(chip):
+    """Write-only registers read as 0, so that setting one bit of CHAN_ABORT aborts one channel, not all of them."""
+    stock = chip.dma.read_uint32
+    chip.dma.read_uint32 = lambda offset: 0 if offset in _DMA_WRITE_ONLY else stock(offset)
+
+
+def pwm_request(chip):
+    """A PWM slice asks DMA for one transfer a wrap; in rp2040py the request stays on after the first."""
+    pwm = chip.pwm
+
+    def wrapped(index):
+        pwm._int_raw |= 1 << index
+        pwm.check_interrupts()
+        chip.dma.set_dreq(_PWM_DREQ + index)
+        chip.dma.clear_dreq(_PWM_DREQ + index)
+
+    pwm.channel_interrupt = wrapped
+
+
+def timer_alarms(chip):
+    """A timer alarm fires as the count reaches it; rp2040py rounds the wait down, and is up to 1 µs early."""
+    timer = chip.timer
+    stock = timer.write_uint32
+
+    def write(offset, value):
+        stock(offset, value)
+        if 0x10 <= offset <= 0x1C:
+            micros = timer._micros()
+            whole = int(micros)
+            wait = (value - whole & 0xFFFFFFFF) - (micros - whole)
+            timer.alarms[offset - 0x10 >> 2].clock_alarm.schedule(max(0.0, wait * 1000))
+
+    timer.write_uint32 = write
+
+
+ALL = (peripheral_clock, uart, pio, dma_pacing, dma_write_only, pwm_request, timer_alarms)
+
+
+def apply(chip, leave_out=()):
+    for patch in ALL:
+        if patch.__name__ not in leave_out:
+            patch(chip)

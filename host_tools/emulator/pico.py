@@ -1,0 +1,180 @@
+"""One emulated Pico with MicroPython, driven in emulated time.
+
+    pico = EmulatedPico(files={"main.py": b"..."})
+    pico.boot()                         # until USB is up
+    pico.run(500_000)                   # half a second
+    pico.exec("print(1)")               # over the raw REPL
+    edges = pico.edges(2)               # [(cycle, state), …] of GPIO2 from now on; RELEASED is an undriven pin
+    pico.drive(5, 0)                    # the world pulls GPIO5 low
+    wire = pico.uart(0)                 # wire.feed(b"…") at the wire's pace; wire.drain() is what the Pico sent
+    pico.hard_reset(); pico.power_cycle()
+
+`files` is {path: bytes} or a folder of the PC; `image` a whole file system, as `image()` gives it. With neither the
+Pico is blank, as it comes out of its bag. `leave_out` names patches not to apply (see `patches`).
+"""
+
+from host_tools.emulator import binary, cycles, filesystem, patches
+from host_tools.emulator.console import Console
+from host_tools.emulator.pads import Pads
+from host_tools.emulator.usb import UsbPort
+from host_tools.emulator.wire import Wire
+
+SLICE_US = 1000
+BOOT_LIMIT_US = 5_000_000
+
+
+class EmulatedPico:
+    def __init__(self, files=None, image=None, uf2=None, leave_out=()):
+        binary.load_emulator()
+        self._uf2 = uf2 or binary.find_uf2()
+        self._leave_out = leave_out
+        if files is not None:
+            image = filesystem.make_image(files if isinstance(files, dict) else filesystem.folder_files(files))
+        self._build(image)
+
+    def _build(self, image):
+        from rp2040py.boards import BOARDS, resolve_firmware
+        from rp2040py.device import MicroPythonDevice
+        from rp2040py.execute_batch import execute_batch
+        from rp2040py.utils.logging import LogLevel
+
+        board = resolve_firmware(BOARDS["pico"], "micropython", str(self._uf2))
+        self._device = MicroPythonDevice(board=board, log_level=LogLevel.ERROR)
+        self.chip = self._device.mcu
+        self._loop, self._execute = self._device.simulator, execute_batch
+        self._clock = self.chip.clock
+        self._halted = False
+        patches.apply(self.chip, self._leave_out)
+        self.pads = Pads(self.chip, "loop_back" not in self._leave_out)
+        self.usb = UsbPort(self._device.cdc, "usb" not in self._leave_out)
+        self.usb.on_reset = self.pads.after_reset
+        self.console = Console(self)
+        self._wires = {}
+        if image is not None:
+            start = filesystem.FLASH_OFFSET
+            self.chip.flash[start : start + len(image)] = image
+
+    # --- time
+
+    @property
+    def cycle(self):
+        """Cycles of the 125 MHz clock since power-on, sleep and resets included."""
+        return cycles.now(self._clock)
+
+    @property
+    def now_us(self):
+        """Microseconds since power-on, a float."""
+        return self._clock.nanos / 1000
+
+    def at(self, cycle, action):
+        """Call `action()` at a cycle; returns the alarm, which has `cancel()`."""
+        alarm = self._clock.create_alarm(action)
+        alarm.schedule(max(0.0, cycle * cycles.CYCLE_NS - self._clock.nanos))
+        return alarm
+
+    def run(self, us):
+        """Let `us` microseconds pass, or less if something calls `stop`."""
+        loop = self._loop
+        reached = []
+
+        def end():
+            reached.append(True)
+            loop.stopped = True
+
+        alarm = self.at(self.cycle + round(us * cycles.CYCLES_PER_US), end)
+        self._halted = False
+        while not reached and not self._halted:
+            loop.stopped = False
+            self._execute(loop, 1)
+        alarm.cancel()
+
+    def stop(self):
+        """End `run` after the instruction under way; for listeners."""
+        self._halted = self._loop.stopped = True
+
+    def run_until(self, condition, limit_us, slice_us=SLICE_US):
+        """Run until condition() holds, asked once a slice; whether it came to hold within the limit."""
+        end = self.cycle + limit_us * cycles.CYCLES_PER_US
+        while not condition():
+            if self.cycle >= end:
+                return False
+            self.run(slice_us)
+        return True
+
+    # --- power
+
+    def boot(self, limit_us=BOOT_LIMIT_US):
+        """Switch on, and run until USB is up. Raises TimeoutError."""
+        from rp2040py.memory_map import FLASH_START_ADDRESS
+
+        self.chip.core.pc = FLASH_START_ADDRESS
+        self._await_usb(self.usb.connections, limit_us)
+        return self
+
+    def press_reset(self):
+        """The reset button (the RUN pin): the Pico starts anew as time passes."""
+        self._device.hard_reset()
+
+    def hard_reset(self, limit_us=BOOT_LIMIT_US):
+        """Press the reset button, and run until USB is up again. Raises TimeoutError."""
+        before = self.usb.connections
+        self.press_reset()
+        self._await_usb(before, limit_us)
+
+    def await_reset(self, limit_us=BOOT_LIMIT_US):
+        """Run until the Pico has reset itself and USB is up again. Raises TimeoutError."""
+        self._await_usb(self.usb.connections, limit_us)
+
+    def power_cycle(self):
+        """Take the power away and give it back: only the flash survives. Wires and listeners are to be made anew."""
+        self._build(self.image())
+        return self.boot()
+
+    def _await_usb(self, before, limit_us):
+        if not self.run_until(lambda: self.usb.connections > before, limit_us):
+            raise TimeoutError(f"USB did not come up within {limit_us / 1e6:g} s of emulated time")
+
+    def hold_bootsel(self, held):
+        """The BOOTSEL button: it pulls the flash's chip select down."""
+        select = self.chip.qspi[1]
+        if held:
+            select.set_input_value(False)
+        else:
+            select.release_input()
+
+    # --- files
+
+    def image(self):
+        """The file system as it is in the flash now."""
+        start = filesystem.FLASH_OFFSET
+        return bytes(self.chip.flash[start : start + filesystem.BLOCKS * filesystem.BLOCK_BYTES])
+
+    def files(self):
+        """{path: bytes} of the file system."""
+        return filesystem.read_image(self.image())
+
+    # --- pins and lines
+
+    def exec(self, code, **limits):
+        """Run code over the raw REPL; see `Console.exec`."""
+        return self.console.exec(code, **limits)
+
+    def soft_reset(self):
+        self.console.soft_reset()
+
+    def edges(self, gpio, log=None):
+        """A list that gets (cycle, 0, 1 or pads.RELEASED) at each change of what the Pico drives on a pin."""
+        log = [] if log is None else log
+        clock = self._clock
+        self.pads.listen(gpio, lambda _, state: log.append((cycles.now(clock), state)))
+        return log
+
+    def drive(self, gpio, level):
+        """The world drives a pin to 0 or 1, or lets it go (None: the pad's own pull decides)."""
+        self.pads.drive(gpio, level)
+
+    def uart(self, index):
+        """The other end of a UART; the same object each time."""
+        if index not in self._wires:
+            self._wires[index] = Wire(self, self.chip.uart[index])
+        return self._wires[index]

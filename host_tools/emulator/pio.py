@@ -1,0 +1,212 @@
+"""Patch: PIO blocks that run by the clock.
+
+rp2040py steps a PIO block once after each instruction of the processor, at most one PIO instruction a time, and writes
+time off while the processor sleeps; it ignores FIFO joining, and shows pins that an executed instruction sets only at
+the next step. Here an alarm of the clock is set for the next PIO instruction, so that each happens at its own cycle,
+also in the middle of a long processor instruction or of a sleep.
+
+A delay loop (`jmp(x_dec, …)` to itself, or with `jmp(pin, …)`, `nop` and the other counter in it) is run through in one
+go: its counters and its due time are moved to its last turn. Whoever looks or meddles before that (a register access,
+an edge on its pin) finds it at the turn where it would be. So a program costs what it does, not how long it waits.
+"""
+
+from rp2040py.peripherals.pio import RPPIO
+from rp2040py.utils.fifo import FIFO
+
+from host_tools.emulator import cycles
+
+_NEVER = 1 << 60
+_CONTROL, _MEMORY, _MACHINES = 0x00, 0x48, 0xC8
+_MACHINE_SIZE, _MACHINES_END = 0x18, 0x128
+_SHIFT_CONTROL, _INSTRUCTION = 0x08, 0x10  # of one machine
+_JOIN_SEND, _JOIN_RECEIVE = 1 << 30, 1 << 31
+_NOP = 0xA042
+_LOOP_INSTRUCTIONS = 4
+_ALWAYS, _PIN = 0, 6  # conditions of jmp
+_COUNTERS = {2: "x", 4: "y"}  # conditions that count down
+
+
+class TimedPio(RPPIO):
+    # The emulator's loop steps blocks that are not stopped. This one is never its business; the block's own flag lies
+    # beneath, in the compiled class.
+    stopped = True
+    skipping = True  # run through delay loops ahead
+
+    def __init__(self, chip, name, first_irq, index):
+        self._chip = chip
+        self._clock = chip.clock
+        self._alarm = chip.clock.create_alarm(self._due)
+        self._origin = cycles.now(chip.clock)  # the cycle at which the block's own count is 0
+        self._skips = [None] * 4  # of each machine: (first due, turn, turns, counters, end, lasting), in 1/256 cycles
+        self._loops = {}  # (machine, address): what `_find_loop` found there
+        self._running = False
+
+    # --- the bus
+
+    def read_uint32(self, offset):
+        self.catch_up(_MACHINES <= offset < _MACHINES_END)
+        value = super().read_uint32(offset)
+        self._plan()
+        return value
+
+    def write_uint32(self, offset, value):
+        configures = offset == _CONTROL or _MEMORY <= offset < _MACHINES_END
+        self.catch_up(configures)
+        if configures and offset != _CONTROL:
+            self._loops.clear()
+        super().write_uint32(offset, value)
+        if _MACHINES <= offset < _MACHINES_END:
+            machine, register = divmod(offset - _MACHINES, _MACHINE_SIZE)
+            if register == _SHIFT_CONTROL:
+                self._join(self.machines[machine])
+            elif register == _INSTRUCTION:
+                self.check_changed_pins()
+        self._plan()
+
+    def reset(self):
+        super().reset()
+        self._origin = cycles.now(self._clock)
+        self._skips = [None] * 4
+        self._loops.clear()
+        self._alarm.cancel()
+
+    def _join(self, machine):
+        """FIFOs are four words each, or eight and none; changing that empties them."""
+        send, receive = bool(machine.shift_ctrl & _JOIN_SEND), bool(machine.shift_ctrl & _JOIN_RECEIVE)
+        sizes = (0, 0) if send and receive else (8, 0) if send else (0, 8) if receive else (4, 4)
+        if (machine.tx_fifo.size, machine.rx_fifo.size) == sizes:
+            return
+        machine.tx_fifo, machine.rx_fifo = FIFO(sizes[0]), FIFO(sizes[1])
+        dma = self._chip.dma
+        (dma.set_dreq if sizes[0] else dma.clear_dreq)(machine.dreq_tx)
+        dma.clear_dreq(machine.dreq_rx)
+        self.check_interrupts()
+
+    # --- time
+
+    def input_changes(self):
+        """To be called before the level of an input changes, and `input_changed` after it."""
+        if not self._running:
+            self.catch_up(any(skip and not skip[5] for skip in self._skips))
+
+    def input_changed(self):
+        self._plan()
+
+    def _due(self):
+        self.catch_up(False)
+        self._plan()
+
+    def catch_up(self, unwind):
+        """Run what is due by now; `unwind`: put delay loops that were run through ahead back to where they are now."""
+        if self._running:
+            return
+        self._running = True
+        now = cycles.now(self._clock) - self._origin << 8
+        if unwind:
+            self._unwind(now)
+        while self.next_due_fp <= now:
+            self.cycle_fp = self.next_due_fp
+            self.advance(0)
+        self.cycle_fp = now
+        self._running = False
+
+    def _unwind(self, now):
+        if not any(self._skips):
+            return
+        for index, skip in enumerate(self._skips):
+            if skip is None:
+                continue
+            self._skips[index] = None
+            first, turn, turns, counters, end, _ = skip
+            left = turns - min(turns, max(0, (now - first) // turn))
+            if left:
+                machine = self.machines[index]
+                for counter in counters:
+                    setattr(machine, counter, getattr(machine, counter) + left)
+                machine.next_due_fp = end - left * turn
+        self.recompute_due()
+
+    def _plan(self):
+        """Set the alarm for the next instruction, after running through delay loops that begin here."""
+        if self._running:
+            return
+        due = self.next_due_fp
+        if due >= _NEVER:
+            self._alarm.cancel()
+            return
+        for machine in self.machines if self.skipping else ():
+            if machine.enabled and not machine.waiting and machine.next_due_fp == due:
+                self._skip(machine)
+        due = self.next_due_fp
+        at_ns = (self._origin + (due + 255 >> 8)) * cycles.CYCLE_NS
+        self._alarm.schedule(max(0.0, at_ns - self._clock.nanos))
+
+    # --- delay loops
+
+    def _skip(self, machine):
+        index = machine.index
+        skip = self._skips[index]
+        if skip is not None:
+            if machine.next_due_fp <= skip[4]:
+                return  # its last turn is still to come
+            self._skips[index] = None
+        key = index, machine.pc
+        loop, lasting = self._loops.get(key) or self._find_loop(machine)
+        if lasting:
+            self._loops[key] = loop, lasting
+        if loop is None or machine.exec_valid:
+            return
+        counters, turn = loop
+        values = [getattr(machine, counter) for counter in counters]
+        turns = values[0]
+        if turns < 2 or min(values) < turns:
+            return
+        for counter, value in zip(counters, values):
+            setattr(machine, counter, value - turns)
+        first = machine.next_due_fp
+        machine.next_due_fp = end = first + turns * turn
+        self._skips[index] = first, turn, turns, counters, end, lasting
+        self.recompute_due()
+
+    def _find_loop(self, machine):
+        """((counters, 1/256 cycles a turn) or None, whether that holds until the machine is configured anew).
+
+        The first counter is the one whose jump closes the loop.
+        """
+        if machine.sideset_count:
+            return None, True  # side-set pins may change in its first turn
+        start = pc = machine.pc
+        closing, others, turn, lasting = None, [], 0, True
+        for _ in range(_LOOP_INSTRUCTIONS):
+            code = self.instructions[pc]
+            following = machine.wrap_bottom if pc == machine.wrap_top else pc + 1 & 31
+            turn += (1 + (code >> 8 & 31)) * machine.div_fp
+            if code >> 13 == 0:
+                condition, target = code >> 5 & 7, code & 31
+                if condition == _ALWAYS:
+                    following = target
+                elif condition == _PIN:
+                    lasting = False
+                    if self._chip.gpio[machine.jmp_pin].input_value:
+                        following = target
+                elif condition not in _COUNTERS:
+                    return None, lasting
+                elif target == following:
+                    others.append(_COUNTERS[condition])  # counts, and goes on either way
+                elif closing is None:
+                    closing, following = _COUNTERS[condition], target
+                else:
+                    return None, lasting
+            elif code & 0xE0FF != _NOP:
+                return None, lasting
+            pc = following
+            if pc == start:
+                counters = (closing, *others)
+                found = closing is not None and len(set(counters)) == len(counters)
+                return ((counters, turn) if found else None), lasting
+        return None, lasting
+
+
+def install(chip):
+    for index, (base, old) in enumerate(zip((0x50200, 0x50300), list(chip.pio))):
+        chip.pio[index] = chip.peripherals[base] = TimedPio(chip, old.name, old.first_irq, index)

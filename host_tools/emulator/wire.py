@@ -1,0 +1,71 @@
+"""The other end of an emulated Pico's UART.
+
+    wire = Wire(pico, pico.chip.uart[0])
+    wire.feed(b"...", 57600)    # each byte arrives a character's time after the one before
+    wire.drain()                # what the Pico has sent since the last drain; each byte counts once its stop bit is out
+    wire.lost                   # bytes that came while the Pico's FIFO was full
+
+The baud rate of `feed` is the wire's; it is not compared with what the Pico has set.
+"""
+
+from collections import deque
+
+from host_tools.emulator import cycles
+
+BITS_A_BYTE = 10
+
+
+class Wire:
+    def __init__(self, pico, uart):
+        self.sent = bytearray()  # by the Pico, not yet drained
+        self.stamps = []  # cycles at which the bytes of `sent` were out
+        self.count = 0  # bytes sent in all
+        self.listeners = []  # each called with a byte that is out
+        self._pico = pico
+        self._uart = uart
+        self._coming = deque()  # (cycle, byte)
+        self._free_at = 0  # cycle at which the last byte fed is over
+        uart.on_byte = self._out
+
+    @property
+    def lost(self):
+        return self._uart.overruns
+
+    @property
+    def pending(self):
+        """Bytes fed that have not yet arrived."""
+        return len(self._coming)
+
+    def feed(self, data, baud):
+        """Put bytes on the wire, behind those fed before; returns the cycle at which the last one will have arrived."""
+        start = max(self._pico.cycle, self._free_at)
+        character = BITS_A_BYTE * 125_000_000
+        idle = not self._coming
+        for number, value in enumerate(data, 1):
+            self._coming.append((start + number * character // baud, value))
+        self._free_at = start + len(data) * character // baud
+        if idle and self._coming:
+            self._plan()
+        return self._free_at
+
+    def drain(self):
+        data = bytes(self.sent)
+        self.sent.clear()
+        self.stamps.clear()
+        return data
+
+    def _plan(self):
+        self._pico.at(self._coming[0][0], self._arrive)
+
+    def _arrive(self):
+        _, value = self._coming.popleft()
+        self._uart.feed_byte(value)
+        if self._coming:
+            self._plan()
+
+    def _out(self, value):
+        self.sent.append(value)
+        self.stamps.append(cycles.now(self._pico.chip.clock))
+        self.count += 1
+        for heard in self.listeners:
+            heard(value)

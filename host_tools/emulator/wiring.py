@@ -1,0 +1,92 @@
+"""The wires between an emulated Pico and a plant.
+
+    wiring = Wiring(pico, board, world)         # world: a Plant, or a VcdTap before one
+
+The world sees electrical levels, by tick (ten cycles). A pin that the Pico does not drive rests at its inactive level,
+as a driver's own pull resistor would hold it. Edges less than a tick apart are one event, as they are for motors.
+"""
+
+from host_tools.emulator import cycles
+from passo.app import make_drive
+from passo.steps.wiring import inverted_pins, word_pins
+
+SETTLE_CYCLES = 9  # edges of one tick at 125 MHz, from wherever they start
+
+
+class Wiring:
+    """`board` as `passo.control.boardfile.check` returns it."""
+
+    def __init__(self, pico, board, world, plant):
+        layout = make_drive(board)[0]
+        self._pico = pico
+        self._clock = pico.chip.clock
+        self._world = world
+        self._rest = inverted_pins(board, layout)  # levels of pins that nobody drives
+        self._levels = self._seen = self._rest
+        self._since = None  # tick of the first edge that the world has not been told of
+        self.edge_count = 0
+        self._flush_alarm = self._clock.create_alarm(self._flush)
+        self._event_alarm = self._clock.create_alarm(self._event)
+        self._inputs = {item["name"]: item["pin"] for item in board["inputs"]}
+        self._outputs = {item["pin"]: (item["name"], 1 - item["active"]) for item in board["outputs"]}
+        world.attach(self.tick, layout.pin_names, self._rest)
+        self._bits = {gpio: 1 << bit for bit, gpio in enumerate(word_pins(board))}
+        for gpio in self._bits:
+            pico.pads.listen(gpio, self._heard)
+        for gpio, (name, _) in self._outputs.items():
+            pico.pads.listen(gpio, self._heard_output)
+        self._inner = plant.pins  # told of changes before
+        plant.pins = self
+        for name, gpio in self._inputs.items():
+            pico.drive(gpio, world.input(self.tick, name))
+
+    @property
+    def tick(self):
+        return cycles.now(self._clock) // cycles.CYCLES_PER_TICK
+
+    def unplug(self):
+        """The Pico lets go of every pin, as without power."""
+        self._levels = self._rest
+        self._flush()
+
+    def changed(self, tick, name, level):
+        """The plant says that an input has changed."""
+        if self._inner is not None:
+            self._inner.changed(tick, name, level)
+        self._pico.drive(self._inputs[name], level)
+
+    def _heard(self, gpio, state):
+        bit = self._bits[gpio]
+        level = bit if state == 1 else 0 if state == 0 else self._rest & bit
+        levels = self._levels & ~bit | level
+        if levels != self._levels:
+            if self._since is None:
+                self._since = self.tick
+                self._flush_alarm.schedule(SETTLE_CYCLES * cycles.CYCLE_NS)
+            self._levels = levels
+
+    def _flush(self):
+        tick, self._since = self._since, None
+        changed = self._levels ^ self._seen
+        if changed:
+            self._seen = self._levels
+            self.edge_count += 1
+            self._world.edges(self.tick if tick is None else tick, self._levels, changed)
+            self._plan()
+
+    def _heard_output(self, gpio, state):
+        self._flush()
+        name, inactive = self._outputs[gpio]
+        self._world.output(self.tick, name, state if state < 2 else inactive)
+
+    def _event(self):
+        self._flush()
+        self._world.run(self.tick)
+        self._plan()
+
+    def _plan(self):
+        due = self._world.next_event()
+        if due is None:
+            self._event_alarm.cancel()
+        else:
+            self._event_alarm.schedule(max(0.0, due * cycles.CYCLES_PER_TICK * cycles.CYCLE_NS - self._clock.nanos))

@@ -1,0 +1,116 @@
+"""`passo emulate` as a program: a blank Pico behind a TCP port, as mpremote sees it, and how it ends."""
+
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+import serial
+from emulated import uf2  # noqa: F401
+from test_board_command import environment
+
+COMMAND = [sys.executable, "-m", "host_tools.cli", "emulate"]
+
+
+class Emulator:
+    """A running `passo emulate`; `ports` maps "port" and "usb" to what it printed."""
+
+    def __init__(self, uf2, *options):
+        self.process = subprocess.Popen(
+            [*COMMAND, *map(str, options)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=dict(environment(), PASSO_UF2=str(uf2)),
+        )
+        self.ports = {}
+        for _ in range(2 if "--tcp" in options else 1):
+            name, _, value = self.process.stdout.readline().strip().partition(": ")
+            assert value, self.process.stderr.read()
+            self.ports[name] = value
+
+    def mpremote(self, *arguments, timeout=60):
+        """What mpremote printed. Raises CalledProcessError."""
+        command = [sys.executable, "-m", "mpremote", "connect", self.ports["usb"], *map(str, arguments)]
+        return subprocess.run(command, check=True, capture_output=True, text=True, timeout=timeout).stdout
+
+    def end(self, number=signal.SIGTERM):
+        """(exit status, seconds it took, stderr)"""
+        started = time.monotonic()
+        self.process.send_signal(number)
+        _, errors = self.process.communicate(timeout=20)
+        return self.process.returncode, time.monotonic() - started, errors
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.communicate()
+
+
+BLINK = """
+from machine import Pin
+import time
+for i in range(8):
+    Pin(10, Pin.OUT).toggle()
+    time.sleep_ms(100)
+"""
+
+
+def test_a_blank_pico_for_mpremote(uf2, tmp_path):
+    script, trace, link = tmp_path / "blink.py", tmp_path / "t.csv", tmp_path / "plotter"
+    script.write_text(BLINK)
+    options = "--blank", "--tcp", 0, "--uart0", link, "--trace", trace, "--vcd", tmp_path / "t.vcd", "--start", "9,9"
+    with Emulator(uf2, *options) as emulator:
+        assert emulator.ports["port"] == str(link) and link.exists()
+        assert re.fullmatch(r"socket://127\.0\.0\.1:\d+", emulator.ports["usb"])
+        emulator.mpremote("cp", script, ":", "+", "exec", "x = 1")
+        assert "blink.py" in emulator.mpremote("fs", "ls")
+        emulator.mpremote("resume", "exec", "import blink")
+        uart = "from machine import UART, Pin; u = UART(0, 57600, tx=Pin(0), rx=Pin(1)); u.write(b'here')"
+        emulator.mpremote("exec", uart)  # a wire without a listener
+        with serial.Serial(str(link), timeout=20) as client:
+            emulator.mpremote("resume", "exec", "u.write(b'here')")
+            assert client.read(4) == b"here"
+            client.write(b"there")
+            read = "import time; time.sleep_ms(20); print(u.read())"
+            assert emulator.mpremote("resume", "exec", read) == "b'there'\n"
+        emulator.mpremote("reset")
+        time.sleep(1)
+        assert emulator.mpremote("exec", "import machine; print(machine.reset_cause())") == "3\n"
+        emulator.process.send_signal(signal.SIGUSR1)
+        time.sleep(1)
+        assert emulator.mpremote("exec", "import machine; print(machine.reset_cause())") == "1\n"
+        status, seconds, errors = emulator.end()
+    assert (status, errors) == (0, "") and seconds < 2.0
+    assert not os.path.lexists(link)
+    rows = trace.read_text().splitlines()
+    assert [row.split(",")[-1] for row in rows[1:]] == ["0", "1000", "0", "1000", "0", "1000", "0", "1000", "0"]
+    assert (tmp_path / "t.vcd").read_text().count("#") > 4
+
+
+@pytest.mark.parametrize(
+    "options, text",
+    [
+        (("--board", "nosuch"), "unknown board 'nosuch'"),
+        (("--blank", "--start", "9999,0"), "not between the hard ends"),
+        (("--blank", "--trace", "/nosuch/t.csv"), "cannot write /nosuch/t.csv"),
+        (("--blank", "--uart0", "/nosuch/link"), "cannot make the link /nosuch/link"),
+    ],
+)
+def test_one_clear_line(uf2, options, text):
+    environ = dict(environment(), PASSO_UF2=str(uf2))
+    done = subprocess.run([*COMMAND, *options], capture_output=True, text=True, timeout=60, env=environ)
+    assert done.returncode == 1 and done.stdout == ""
+    assert text in done.stderr and done.stderr.count("\n") == 1, done.stderr
+
+
+def test_without_a_binary():
+    environ = dict(environment(), PASSO_UF2="/nosuch/pico.uf2")
+    done = subprocess.run([*COMMAND, "--blank"], capture_output=True, text=True, timeout=60, env=environ)
+    assert done.returncode == 1 and done.stderr == "passo: PASSO_UF2 names /nosuch/pico.uf2, which is no file\n"

@@ -1,0 +1,43 @@
+"""The step words of a job made on the emulated Pico: the same digest as under CPython, with the heap to spare."""
+
+import tempfile
+from pathlib import Path
+
+import pytest
+from emulated import uf2  # noqa: F401
+
+from host_tools import boards, objects
+from host_tools.build import compile_module, selected
+from host_tools.emulator.pico import EmulatedPico
+from test_digest import GOLDEN, ROOT, TESTS, job_of
+
+LIMIT_US = 30_000_000
+
+
+def compiled(sources):
+    """{path.mpy: bytes} of {path: source file}, compiled for the RP2040."""
+    files = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for path, source in sources.items():
+            target = Path(folder) / "module.mpy"
+            compile_module(source, target, "armv6m", path)
+            files[str(Path(path).with_suffix(".mpy"))] = target.read_bytes()
+    return files
+
+
+@pytest.mark.parametrize("name", ["triangle"])
+def test_the_pico_makes_the_words_of_the_golden_file(uf2, name, show):
+    firmware = selected(boards.load("plotter_2014"))
+    sources = {path.as_posix(): ROOT / "firmware" / path for path in firmware}
+    files = compiled({**sources, "digest.py": TESTS / "digest.py"})
+    files["boards/__init__.py"] = b""
+    files["boards/plotter_2014.py"] = boards.path("plotter_2014").read_bytes()
+    files["job.bin"] = job_of([objects.objects()[name]])
+    pico = EmulatedPico(files=files, uf2=uf2).boot()
+    before = pico.cycle
+    # Collecting often while the modules load keeps the heap in one piece: the store wants 50 000 bytes of it.
+    code = "import gc\ngc.threshold(16000)\nimport digest\ndigest.main(['job.bin'])"
+    said = pico.exec(code, limit_us=LIMIT_US).split()
+    golden = dict(line.split(" ", 1) for line in GOLDEN.read_text().splitlines())
+    assert " ".join(said) == golden[name]
+    show(f"digest of {name} on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
