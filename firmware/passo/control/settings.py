@@ -64,7 +64,7 @@ def _table(board):
         ENABLE_INVERT: ("enable_invert", 0, 0, 0, 1),
         LIMIT_INVERT: ("limit_invert", 0, 0, 0, 1),
         PROBE_INVERT: ("probe_invert", 0, 0, 0, 1),
-        REPORT: ("report_mask", 0, 1, 0, 3),
+        REPORT: ("report_mask", 0, 1, 0, 255),
         JUNCTION: ("junction_deviation", 3, board["planning"]["junction_um"], 0, 10_000),
         ARC: ("arc_tolerance", 3, board["planning"]["arc_um"], 0, 10_000),
         INCHES: ("report_inches", 0, 0, 0, 1),
@@ -97,6 +97,7 @@ class Settings:
         self._board = board
         self._journal = journal
         self._board_travel = [axis["travel_steps"] for axis in board["axes"]]
+        self._board_high_end = board["homing"]["high_end"] if board["homing"] else ""
         self._max_steps_s = max_steps_s
         self._table = _table(board)
         self.numbers = sorted(self._table)
@@ -226,6 +227,19 @@ class Settings:
             if TRAVEL + number in self._changed or STEPS + number in self._changed:
                 travel_steps = self.value(TRAVEL + number) * self.value(STEPS + number) // 1_000_000
             axes[number]["travel_steps"] = travel_steps
+        if self._board["homing"]:
+            self._board["homing"]["high_end"] = self._high_ends()
+            self._board["homing"]["debounce_ms"] = self.value(HOMING_DEBOUNCE)
+
+    def _high_ends(self):
+        """Names of the axes that home at their high end: the board file's, turned round by $23."""
+        names = ""
+        for number in range(len(self._board["axes"])):
+            name = self._board["axes"][number]["name"]
+            turned = self.value(HOMING_DIRECTION) >> number & 1
+            if name in self._board["homing"]["sensors"] and (name in self._board_high_end) != bool(turned):
+                names += name
+        return names
 
     # --- what the machine asks
 
