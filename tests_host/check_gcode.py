@@ -291,10 +291,10 @@ def check_arcs():
 def check_everything_else():
     shop = Shop()
     assert kinds(shop.do(b"M3 S500")) == [commands.SPINDLE]
-    assert shop.gcode.commands[0].power == 500 and shop.gcode.commands[0].value == 3 and shop.gcode.commands[0].tool
+    assert shop.gcode.commands[0].power == 500000 and shop.gcode.commands[0].value == 3 and shop.gcode.commands[0].tool
     assert kinds(shop.do(b"M3 S500")) == []
     assert kinds(shop.do(b"M8 S600 G1 X1 F100")) == [commands.SPINDLE, commands.COOLANT, commands.LINE]
-    assert shop.gcode.commands[1].value == 1 and shop.gcode.commands[2].tool and shop.gcode.commands[2].power == 600
+    assert shop.gcode.commands[1].value == 1 and shop.gcode.commands[2].tool and shop.gcode.commands[2].power == 600000
     assert kinds(shop.do(b"M7")) == [commands.COOLANT] and shop.gcode.commands[0].value == 3
     assert kinds(shop.do(b"M9")) == [commands.COOLANT] and shop.gcode.commands[0].value == 0
     assert kinds(shop.do(b"G4 P1.25")) == [commands.DWELL] and shop.gcode.commands[0].value == 1_250_000
@@ -317,9 +317,9 @@ def check_laser():
     (spindle,) = shop.do(b"M4 S1000")
     assert not spindle.tool
     (line,) = shop.do(b"G1 X1 F100")
-    assert line.tool and line.power == 1000 and line.dynamic
+    assert line.tool and line.power == 1000000 and line.dynamic
     (line,) = shop.do(b"X2 S300")
-    assert line.tool and line.power == 300
+    assert line.tool and line.power == 300000
     (line,) = shop.do(b"X3 S0")
     assert not line.tool and line.power == 0
     (line,) = shop.do(b"G0 X4 S300")[-1:]

@@ -312,7 +312,7 @@ class Program:
         number, feed = tag if isinstance(tag, tuple) else (0, 0)
         report["number"] = number
         report["feed"] = feed
-        report["power"] = min(self.power * self.overrides[2] // 100, 1000)
+        report["power"] = min(self.power * self.overrides[2] // 100, 1_000_000)
         report["spindle"] = self.spindle
         report["coolant"] = self.coolant
         report["overrides"] = tuple(self.overrides)

@@ -177,7 +177,7 @@ class GCode(Motions):
     def _spindle_command(self, spindle, rpm, motion):
         command = Command(commands.SPINDLE, value=spindle)
         lit = spindle != 5 and rpm > 0
-        command.power = min(rpm * 1000 // self.max_rpm, 1000) if lit else 0
+        command.power = min(rpm * 1_000_000 // self.max_rpm, 1_000_000) if lit else 0
         command.tool = lit and not (self.laser and (spindle == 4 or motion not in _CUTTING))
         return command
 

@@ -63,7 +63,7 @@ class Motions(Reader):
         self._cutting = 100 <= motion <= 300
         self._lit = spindle != 5 and rpm > 0 and (self._cutting or not self.laser)
         self._dynamic = self.laser and spindle == 4
-        self._power = min(rpm * 1000 // self.max_rpm, 1000) if self._lit else 0
+        self._power = min(rpm * 1_000_000 // self.max_rpm, 1_000_000) if self._lit else 0
 
     def _move(self, kind, place, feed):
         """Append the motion to `place`; from then on it starts there."""

@@ -107,7 +107,7 @@ class Status:
             text += "|Bf:%d,%d" % (report["blocks"], report["bytes"])
         if report["number"]:
             text += "|Ln:%d" % report["number"]
-        text += "|FS:%s,%d" % (rate(report["feed"], inches), rounded(report["power"] * max_rpm, 1_000_000))
+        text += "|FS:%s,%d" % (rate(report["feed"], inches), rounded(report["power"] * max_rpm, 1_000_000_000))
         if report["pins"]:
             text += "|Pn:" + report["pins"]
         return text + self._now_and_then(report, gcode, offset, inches) + ">\r\n"
