@@ -172,10 +172,10 @@ def check_overrides():
     ):
         machine.put(data)
         machine.turns(2)
-        assert ",".join([str(part) for part in machine.controller.program.overrides]) == shown
+        assert ",".join([str(part) for part in machine.controller.tools.overrides]) == shown
     machine.put(b"\x91\x96\x9a")
     machine.do("M30")
-    assert machine.controller.program.overrides == [100, 100, 100]
+    assert machine.controller.tools.overrides == [100, 100, 100]
 
 
 def check_real_time_bytes_inside_lines():
@@ -185,7 +185,7 @@ def check_real_time_bytes_inside_lines():
     said = machine.turns(3)
     assert answers(said) == ["ok"] and len([line for line in said if line.startswith("<")]) == 1
     machine.settle()
-    assert machine.controller.position() == [320, 0, 0] and machine.controller.program.overrides[0] == 110
+    assert machine.controller.position() == [320, 0, 0] and machine.controller.tools.overrides[0] == 110
 
 
 SQUARE = ["G1 X%d.%d Y%d F4000" % (5 + i % 7, i % 10, i % 5) for i in range(150)] + ["G1 X1 Y2 Z-1"]
@@ -268,6 +268,39 @@ def check_hold_and_resume():
     assert len(path) == len(other.world.path) == 2560
     for one, two in zip(path, other.world.path):
         assert one[1:4] == two[1:4]
+
+
+def check_arcs_are_walked():
+    """Circles in every plane, clockwise and not, more than a turn and as a helix: on their circle and to their end."""
+    for line, plane, centre, radius, end in (
+        ("G2 X0 Y0 I2 F3000", (0, 1), (640, 0), 640, (0, 0, 0)),
+        ("G3 X2 Y2 J2 F3000", (0, 1), (0, 640), 640, (640, 640, 0)),
+        ("G3 X0 Y0 J2 Z1 P3 F3000", (0, 1), (0, 640), 640, (0, 0, 400)),
+        ("G2 X3 Y1 R-2 F3000", (0, 1), None, 640, (960, 320, 0)),
+    ):
+        machine = Machine().ready()
+        machine.world.path = []
+        machine.do(line)
+        machine.settle()
+        assert tuple(machine.controller.position()) == end
+        if centre is None:
+            continue
+        for _, x, y, z, _ in machine.world.path:
+            place = (x - 3000, y - 2500, z + 1800)
+            across, along = place[plane[0]] - centre[0], place[plane[1]] - centre[1]
+            assert (radius - 1) ** 2 <= across * across + along * along <= (radius + 1) ** 2, (line, place)
+
+
+def check_arcs_stay_inside():
+    machine = home(Machine())
+    machine.do("G0 X10 Y10")
+    machine.settle()
+    assert "ALARM:2" in machine.ask("G3 X10 Y10 J-10.1 F1000")
+    machine.put(b"\x18")
+    machine.turns(3)
+    machine.do("$X", "G3 X10 Y10 J-5 F3000", "G2 X10 Y20 R10 F3000")
+    machine.settle()
+    assert machine.controller.position() == [3200, 6400, 0]
 
 
 def check_hold_at_rest():

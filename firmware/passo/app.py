@@ -48,6 +48,7 @@ def open_protocol(link, board, controller, shared):
             raise BoardError("link %s: grbl wants axes x, y, z in this order, not %s" % (link["name"], axes))
         if "offsets" not in shared:
             shared["offsets"] = Offsets(len(axes), controller.settings)
+        controller.program.accelerates = True
         if controller.settings.value(HOMING):
             controller.lock()
         return Grbl(axes, shared["offsets"], controller.settings, controller)

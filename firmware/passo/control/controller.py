@@ -18,6 +18,7 @@ from passo.control.objects import Objects
 from passo.control.pauses import Pauses
 from passo.control.program import Program
 from passo.control.queue import Queue
+from passo.control.tools import Tools
 from passo.protocols import commands, errors
 from passo.protocols.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
 
@@ -45,7 +46,8 @@ class Controller:
         self.queue = Queue(board, planner, feeder, player)
         self.objects = Objects(board, self.queue, self)
         self.pauses = Pauses(self.queue, self, port)
-        self.program = Program(board, self.queue, self, planner, port)
+        self.program = Program(board, self.queue, self, planner)
+        self.tools = Tools(board, self.queue, self, planner, port)
         self.inputs = Inputs(board, settings, self, port)
         self._homing = None
         if board["homing"]:
@@ -64,7 +66,7 @@ class Controller:
             commands.CHECK: self._check,
             commands.SLEEP: self._sleep,
         }
-        for part in (self.objects, self.program, self.pauses):
+        for part in (self.objects, self.program, self.tools, self.pauses):
             self._handlers.update(part.handlers())
 
     # --- the face towards the app
@@ -233,6 +235,7 @@ class Controller:
             "blocks": self.queue.room(),
         }
         self.program.report(report)
+        self.tools.report(report)
         self.log.last = 0
         return self.accepted(command, report)
 
@@ -278,7 +281,7 @@ class Controller:
         self.checking = self.sleeping = False
         self.arrest()
         self._forget()
-        self.program.restart()
+        self.tools.restart()
         if alarm:
             self.fail(alarm)
         self._events.append(Event(RESTARTED, None, self.alarm))
@@ -307,7 +310,7 @@ class Controller:
 
     def _sleep(self, command):
         self.shut_down()
-        self.program.restart()
+        self.tools.restart()
         self.sleeping = True
         self.notice(errors.NOTICE_SLEEPING)
         return self.accepted(command)

@@ -93,7 +93,7 @@ class Pauses:
             if self._was_lit:
                 self._queue.rest(True)
                 self._resume_ms += self._queue.tool_ms(True)
-                machine.program.show_outputs(True)
+                machine.tools.show_outputs(True)
         return machine.accepted(command)
 
     def _cancel_jog(self, command):
@@ -104,11 +104,11 @@ class Pauses:
     def _toggle(self, command):
         machine = self._machine
         if command.value == commands.SPINDLE_STOP:
-            if self.kind == "hold" and self._stood and machine.program.spindle != 5:
+            if self.kind == "hold" and self._stood and machine.tools.spindle != 5:
                 self._was_lit = not self._was_lit
                 self._queue.rest(self._was_lit)
         elif machine.state in ("idle", "run", "hold"):
-            machine.program.set_coolant(machine.program.coolant ^ command.value)
+            machine.tools.set_coolant(machine.tools.coolant ^ command.value)
         return machine.accepted(command)
 
     # --- what goes on over many turns
@@ -125,9 +125,9 @@ class Pauses:
         elif not self._stood:
             self._stood = True
             self._was_lit = self._queue.lit()
-            if self._was_lit and (self.kind == "door" or self._machine.program.laser()):
+            if self._was_lit and (self.kind == "door" or self._machine.tools.laser()):
                 self._queue.rest(False)
-                self._machine.program.show_outputs(False)
+                self._machine.tools.show_outputs(False)
         elif self._resume_ms is not None and (now_ms - self._resume_ms) & COUNT_MASK < COUNT_MASK // 2:
             self.clear()
             self._queue.hold(False)

@@ -1,4 +1,4 @@
-"""Motion as it comes: lines, arcs, jogs, probing, dwell, pauses, spindle and coolant, overrides.
+"""Motion as it comes: lines, arcs, jogs, probing, dwell and pauses.
 
 Everything is in steps and nanometres a second; no language's units or modes are known here.
 """
@@ -6,40 +6,31 @@ Everything is in steps and nanometres a second; no language's units or modes are
 from micropython import const
 
 from passo.control import settings as table
-from passo.motion.integers import length_nm
+from passo.control.extent import farthest
 from passo.motion.line import MAX_STEPS
+from passo.motion.profile import Limits
 from passo.protocols import commands, errors
 from passo.steps.word import TICKS_PER_S
 
 LATER = const(-1)
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
-OFF = const(5)  # spindle
-_LOWEST, _HIGHEST = 10, 200  # of feed and spindle override, per cent
 _PROBE_AWAY = const(1)
 _PROBE_MAY_MISS = const(2)
 
 
 class Program:
-    def __init__(self, board, queue, machine, planner, port):
+    def __init__(self, board, queue, machine, planner):
         self._axes = board["axes"]
         self._queue = queue
         self._machine = machine
         self._planner = planner
-        self._port = port
-        self._outputs = [item["name"] for item in board["outputs"]]
         self.jogging = False
         self._active = False  # motion has been queued and has not come to its end
         self._fresh = False  # motion was queued since the last turn
         self._limits_of = None  # the settings' version that the planner knows
         self._touch = None  # where the probe changed
         self._command = None  # what _ticks works on
-        self._restart()
-
-    def _restart(self):
-        self.overrides = [100, 100, 100]  # feed, rapid, spindle
-        self.spindle = OFF
-        self.power = 0
-        self.coolant = 0
+        self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
 
     def handlers(self):
         return {
@@ -50,27 +41,19 @@ class Program:
             commands.DWELL: self._dwell,
             commands.SYNC: self._sync,
             commands.PAUSE: self._pause,
-            commands.SPINDLE: self._turn_spindle,
-            commands.COOLANT: self._cool,
-            commands.OVERRIDE: self._override,
         }
 
     def active(self):
         return self._active
 
+    def moved(self):
+        """Something has been queued."""
+        self._active = self._fresh = True
+
     def clear(self):
         """All motion has been dropped."""
         self.jogging = self._active = self._fresh = False
         self._touch = None
-
-    def restart(self):
-        """As after power-up, outputs too."""
-        self._restart()
-        self.set_coolant(0)
-        self.show_outputs(False)
-
-    def laser(self):
-        return self._machine.settings.value(table.LASER)
 
     # --- motion
 
@@ -89,10 +72,11 @@ class Program:
 
     def _begin(self, command):
         if self._queue.room() < _BLOCKS_A_MOTION:
-            self._queue.flush()
             return LATER
-        self._queue_motion(command)
-        self._active = self._fresh = True
+        error = self._queue_motion(command)
+        if error:
+            return error
+        self.moved()
         return self._machine.accepted(command)
 
     def _jog(self, command):
@@ -121,25 +105,61 @@ class Program:
         machine = self._machine
         if not machine.settings.value(table.SOFT_LIMITS) or not machine.homed:
             return True
-        return self._queue.inside(command.target)
+        if not self._queue.inside(command.target):
+            return False
+        if command.kind != commands.ARC:
+            return True
+        for place in farthest(self._queue.target, command):
+            if not self._queue.inside(place):
+                return False
+        return True
 
     def _queue_motion(self, command):
+        """0, or why the planner cannot."""
         self._command = command
-        self._queue.line(command.target, self._ticks, command.tool, (command.number, command.feed))
+        tag = command.number
+        try:
+            if command.kind != commands.ARC:
+                rapid = not command.feed and not command.per_min
+                self._queue.line(command.target, self._ticks, command.tool, tag, rapid)
+                return 0
+            plane = command.first, command.second, 3 - command.first - command.second
+            if plane[2] >= len(self._axes):
+                plane = plane[0], plane[1], -1
+            ticks = self._minute_ticks(command) if command.per_min else 0
+            self._queue.arc(
+                command.target, plane, command.centre, command.clockwise, command.turns - 1, command.feed, ticks,
+                command.tool, tag,
+            )
+        except ValueError:
+            return errors.RADIUS if command.kind == commands.ARC else errors.TARGET
+        return 0
 
     def _ticks(self, deltas):
-        """How long a line lasts: at its feed, but no axis faster than it may."""
+        """How long a line lasts at its feed. The planner sees to it that no axis is faster than it may."""
         command = self._command
-        settings = self._machine.settings
-        least = 1
-        for axis in range(len(deltas)):
-            steps_m = settings.value(table.STEPS + axis) * settings.value(table.SPEED + axis)  # 10⁻⁶ × steps/min
-            least = max(least, abs(deltas[axis]) * 60_000_000 * TICKS_PER_S // steps_m)
         if command.per_min:
-            return max(least, 60_000 * TICKS_PER_S // command.per_min)
-        if not command.feed:
-            return least * 100 // self.overrides[1]
-        return max(least, self._queue.ticks_at(deltas, command.feed * self.overrides[0] // 100 or 1))
+            return self._minute_ticks(command)
+        return self._queue.ticks_at(deltas, command.feed) if command.feed else 1
+
+    def _minute_ticks(self, command):
+        return 60_000 * TICKS_PER_S // command.per_min
+
+    def _set_limits(self):
+        """Hand the settings to the planner, which takes them only while it is empty."""
+        settings = self._machine.settings
+        if self._limits_of == settings.version or not self.accelerates or not self._queue.still():
+            return
+        self._limits_of = settings.version
+        axes = range(len(self._axes))
+        self._planner.limits(
+            Limits(
+                [settings.value(table.STEPS + axis) for axis in axes],
+                [settings.value(table.SPEED + axis) * 50 // 3 or 1 for axis in axes],
+                [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
+                settings.value(table.JUNCTION) * 1000,
+            )
+        )
 
     # --- probing
 
@@ -165,7 +185,10 @@ class Program:
             machine.fail(errors.ALARM_PROBE_STATE)
             return 0
         self._touch = None
-        self._queue_motion(command)
+        error = self._queue_motion(command)
+        if error:
+            machine.command = None
+            return error
         self._queue.flush()
         self._active = True
         return 0
@@ -197,7 +220,7 @@ class Program:
         self._queue.flush()
         return False
 
-    def _gate(self):
+    def gate(self):
         """0, LATER, or the error of a command that waits for the motion before it."""
         machine = self._machine
         if machine.alarm or machine.sleeping:
@@ -207,16 +230,16 @@ class Program:
         return 0
 
     def _sync(self, command):
-        return self._gate() or self._machine.accepted(command)
+        return self.gate() or self._machine.accepted(command)
 
     def _dwell(self, command):
         machine = self._machine
-        result = self._gate()
+        result = self.gate()
         if result:
             return result
         if machine.checking or not command.value:
             return machine.accepted(command)
-        self._queue.wait((command.value + 999) // 1000, (0, 0))
+        self._queue.wait((command.value + 999) // 1000, 0)
         self._queue.flush()
         self._active = True
         machine.command = command
@@ -224,7 +247,7 @@ class Program:
 
     def _pause(self, command):
         machine = self._machine
-        result = self._gate()
+        result = self.gate()
         if result:
             return result
         if machine.checking:
@@ -232,64 +255,6 @@ class Program:
         machine.command = command
         machine.pauses.pause()
         return 0
-
-    # --- spindle, coolant, overrides
-
-    def _turn_spindle(self, command):
-        machine = self._machine
-        laser = self.laser()
-        if machine.alarm or machine.sleeping:
-            return errors.LOCKED
-        if laser:
-            if machine.command is not None or self._queue.room() < _BLOCKS_A_MOTION:
-                return LATER
-        else:
-            result = self._gate()
-            if result:
-                return result
-        if not machine.checking:
-            self.spindle = command.value
-            self.power = command.power if command.value != OFF else 0
-            self._put("reverse", command.value == 4)
-            if command.tool != self._queue.tool:
-                self._queue.set_tool(command.tool, (0, 0))
-                self._active = self._fresh = True
-                if not laser:
-                    self._queue.flush()
-                    machine.command = command
-                    return 0
-        return machine.accepted(command)
-
-    def _cool(self, command):
-        result = self._gate()
-        if result:
-            return result
-        if not self._machine.checking:
-            self.set_coolant(command.value)
-        return self._machine.accepted(command)
-
-    def set_coolant(self, value):
-        self.coolant = value
-        self._put("flood", value & 1)
-        self._put("mist", value & 2)
-
-    def show_outputs(self, on):
-        """The spindle's direction, off while the tool is off in a pause."""
-        self._put("reverse", on and self.spindle == 4)
-
-    def _put(self, name, on):
-        if name in self._outputs:
-            self._port.output(name, bool(on))
-
-    def _override(self, command):
-        which = command.value
-        if which == commands.ALL:
-            self.overrides = [100, 100, 100]
-        elif command.power:
-            self.overrides[which] = command.power
-        else:
-            self.overrides[which] = max(_LOWEST, min(_HIGHEST, self.overrides[which] + command.feed))
-        return self._machine.accepted(command)
 
     # --- what goes on over many turns
 
@@ -299,20 +264,16 @@ class Program:
             self._poll_probe()
         elif (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE)) and self._queue.still():
             machine.finish()
-        if self._queue.waiting and not self._fresh:
-            self._queue.flush()
+        if self._queue.waiting and not self._fresh and self._queue.playing() is None:
+            self._queue.start()  # nothing moves and nothing more is coming: a moving machine fetches on its own
+        self._set_limits()
         self._fresh = False
         if self._active and self._queue.still():
             self._active = False
 
     def report(self, report):
-        """What the status report says of motion and tool."""
+        """What the status report says of motion."""
         block = self._queue.playing()
-        tag = block.tag if block is not None else None
-        number, feed = tag if isinstance(tag, tuple) else (0, 0)
-        report["number"] = number
-        report["feed"] = feed
-        report["power"] = min(self.power * self.overrides[2] // 100, 1_000_000)
-        report["spindle"] = self.spindle
-        report["coolant"] = self.coolant
-        report["overrides"] = tuple(self.overrides)
+        moving = block is not None and block.walker is not None
+        report["number"] = block.tag if moving and self._active else 0
+        report["feed"] = block.speed * self._planner.percent[block.rapid] // 100 if moving else 0

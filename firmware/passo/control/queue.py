@@ -43,11 +43,17 @@ class Queue:
 
     def standing(self):
         """True when a hold has come to its stand."""
-        return self._feeder.hold and not self._player.busy()
+        return self._feeder.standing() and not self._player.busy()
 
     def flush(self):
         self.waiting = False
         self._planner.flush()
+
+    def start(self):
+        """Begin to move: what is queued may still be followed by more, without a stand in between."""
+        start = getattr(self._planner, "start", self._planner.flush)
+        start()
+        self.waiting = not self._planner.empty()
 
     def inside(self, target):
         """True where `target` is within the machine's travel."""
@@ -85,13 +91,28 @@ class Queue:
             ms -= part
         self.waiting = True
 
-    def line(self, target, ticks, tool, tag):
-        """Go to `target` (the first axes) in ticks(deltas). A tool that takes no time changes as the line begins."""
+    def line(self, target, ticks, tool, tag, rapid=False):
+        """Go to `target` (the first axes) in ticks(deltas). Raises ValueError where the planner cannot."""
+        self._change_tool(tool, tag)
+        deltas = self.deltas(target)
+        self._planner.line(deltas, ticks(deltas), tool, tag, rapid)
+        self._reach(deltas)
+
+    def arc(self, target, plane, centre, clockwise, turns, nm_s, ticks, tool, tag):
+        """Go to `target` on a circle about `centre` (steps from here, in the plane): at `nm_s`, or in `ticks` where they
+        are not 0. Raises ValueError where the planner cannot."""
+        self._change_tool(tool, tag)
+        deltas = self.deltas(target)
+        self._planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag)
+        self._reach(deltas)
+
+    def _change_tool(self, tool, tag):
+        """A tool that takes no time changes as the motion begins."""
         if tool != self.tool and self.tool_ms(tool):
             self.set_tool(tool, tag)
         self.tool = tool
-        deltas = self.deltas(target)
-        self._planner.line(deltas, ticks(deltas), tool, tag)
+
+    def _reach(self, deltas):
         self.target = [at + by for at, by in zip(self.target, deltas)]
         self.waiting = True
 

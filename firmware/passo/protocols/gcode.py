@@ -18,10 +18,11 @@ from passo.protocols.gcode_codes import (
 )
 from passo.protocols.gcode_motion import Motions
 from passo.protocols.gcode_reader import NONE, Refused
-from passo.protocols.gcode_words import F, M_CODES, S, rounded
+from passo.protocols.gcode_words import F, M_CODES, N, S, X, rounded
 
 _JOG_GROUPS = (NON_MODAL, DISTANCE, UNITS)
 _CUTTING = (100, 200, 300)
+_NEVER = (None, None, None)
 
 
 class GCode(Motions):
@@ -31,6 +32,7 @@ class GCode(Motions):
         self.ended = False  # the line was the programme's last
         self.laser = False
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
+        self._plain_mask = self._axis_mask | 1 << F | 1 << N
         self.reset()
 
     def reset(self):
@@ -54,6 +56,7 @@ class GCode(Motions):
     def forget_place(self):
         """Take the machine's word for where it stands: after a change of steps/mm, too."""
         self._steps = [None] * self.axes
+        self._same = _NEVER  # (motion, spindle, speed) that _prepare() was last called for by _plain()
 
     def end_programme(self):
         """What M2 and M30 put back."""
@@ -74,6 +77,8 @@ class GCode(Motions):
             return error
         self._settle()
         try:
+            if not jog and self._plain():
+                return 0
             self._find_codes()
             if jog:
                 self._jog()
@@ -84,8 +89,45 @@ class GCode(Motions):
             return refusal.args[0]
         return 0
 
+    def _plain(self):
+        """The most frequent line, G0 or G1 with axes and perhaps F or N, dealt with in short: True if it was one."""
+        words = self.words
+        have = words.have
+        motion = self.motion
+        if words.count:
+            motion = words.codes[0]
+            if words.count > 1 or motion > 100:
+                return False
+        feed = self.feed
+        if motion not in (0, 100) or not have & self._axis_mask or have & ~self._plain_mask or not self.per_minute:
+            return False
+        self._left = have
+        self._inches = self.inches
+        if have & 1 << F:
+            feed = rounded(self._length(F), 60)
+        if motion and not feed:
+            return False
+        number = self._line_number() if have & 1 << N else 0
+        position = self.position
+        place = position[:]
+        offsets = self.offsets
+        for axis in range(self.axes):
+            if have >> X + axis & 1:
+                value = words.inches_nm(X + axis) if self.inches else words.fixed(X + axis, 6)
+                place[axis] = value + (offsets.of(self.system, axis) if self.absolute else position[axis])
+        if self._same[0] != motion or self._same[1] != self.spindle or self._same[2] != self.rpm:
+            self._same = (motion, self.spindle, self.rpm)
+            self._prepare(motion, feed, 0, number, self.spindle, self.rpm)
+        self._per_min, self._number = 0, number
+        self._move(commands.LINE, place, feed if motion else 0)
+        self.position = place
+        self._steps = self.commands[0].target
+        self.number, self.motion, self.feed = number, motion, feed
+        return True
+
     def _line(self):
         found = self._found
+        self._same = _NEVER
         number = self._line_number()
         non_modal = found[NON_MODAL]
         motion = self.motion if found[MOTION] == NONE else found[MOTION]
@@ -164,6 +206,7 @@ class GCode(Motions):
         feed = rounded(self._length(F), 60) if self._take(F) else 0
         if not feed:
             raise Refused(errors.NO_FEED)
+        self._same = _NEVER
         self._prepare(0, feed, 0, number, self.spindle, self.rpm)
         place = self._target(found[NON_MODAL] == 5300)
         if self._left:
