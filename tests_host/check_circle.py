@@ -55,7 +55,8 @@ class Walk:
         self.deltas = list(deltas)
         self.sign = -1 if clockwise else 1
         self.plan = array("i", [0] * PLAN)
-        self.path, self.swept = plan(self.plan, plane, center, deltas, clockwise, turns)
+        path, self.swept = plan(self.plan, plane, center, deltas, clockwise, turns)
+        self.path = path / 1024
         self.tail = max(abs(self.plan[TAIL_A]), abs(self.plan[TAIL_B]))
         circle = Circle(3)
         circle.load(self.plan)
@@ -107,7 +108,7 @@ def hold_against_circle(walk, third=1.0):
             assert abs(z - rise * min(max(turned / swept, 0), 1)) <= third
     assert farthest < 0.51
     assert walk.tail or abs(turned - swept) * walk.radius < 1
-    assert abs(walk.length - walk.path) < 2.5
+    assert abs(walk.length - walk.path) < 1.5
 
 
 def fewest(walk):

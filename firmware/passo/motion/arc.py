@@ -11,10 +11,12 @@ from passo.motion.circle import (
     AXIS_Z,
     DIAGONAL,
     FINE,
+    LEADS,
     MAX_RADIUS,
     MAX_SLOPE,
     MIRROR,
     PATH,
+    PATH_FINE,
     RADIUS,
     REGION,
     SHIFT,
@@ -73,8 +75,7 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0):
     """Work out the arc from here to `deltas` (all axes) about `center` (the plane's two, from here).
 
     `plane`: (a, b, third axis or -1); counter-clockwise is from a to b. `turns` full ones come on top; an end in the same
-    direction as the start is one full turn. Returns (length along the circle, with that of the last short line; angle swept,
-    2⁻³² turn). Raises ValueError for a radius of 0 or above MAX_RADIUS or an arc of more than 2²⁸ steps, and TooSteep.
+    direction as the start is one full turn. Returns (length along the circle, with that of the last short line, in 2⁻¹⁰ steps; angle swept, 2⁻³² turn). Raises ValueError for a radius of 0 or above MAX_RADIUS or an arc of more than 2²⁸ steps, and TooSteep.
     """
     sign = -1 if clockwise else 1
     x, y = -center[0], -center[1] * sign
@@ -108,25 +109,29 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0):
     swept = _rise(square, place[0]) - _rise(square, u) + quarters * QUARTER if steps else 0
     shift = _shift(square)
     radius = isqrt(square << 2 * shift)
-    path = arc_length(radius, swept)  # SHIFT fraction bits
+    corner = QUARTER - _rise(square, across - 1) - _rise(square, inside)
+    turned = path = arc_length(radius, swept)  # SHIFT fraction bits
+    ratio = (abs(z) << (30 + shift)) // turned if turned else 0
+    if steps and ratio >> 15 < LEADS:  # a word's time passes after its step: the last one's too
+        path += arc_length(radius, _next(square, inside, across, place[0], corner))
+        path -= arc_length(radius, _next(square, inside, across, u, corner))
     extra = max(abs(tail[0]), abs(tail[1]), 0 if steps else abs(z))
     whole = (path >> shift) + extra
     if whole >= MOST_STEPS:
         raise ValueError("an arc of more than %d steps" % MOST_STEPS)
-    if steps and abs(z) << shift > MAX_SLOPE * path:
+    if steps and abs(z) << shift > MAX_SLOPE * turned:
         raise TooSteep("a helix of more than %d steps along one of its circle's" % MAX_SLOPE)
-    ratio = (abs(z) << (30 + shift)) // path if steps else 0
-    corner = QUARTER - _rise(square, across - 1) - _rise(square, inside)
     into[AXIS_A], into[AXIS_B], into[AXIS_Z] = plane
     into[MIRROR] = 1 if clockwise else 0
     into[REGION], into[U], into[W] = region, u, w
     into[RADIUS], into[SHIFT] = radius, shift
     into[D], into[E], into[STEPS] = inside, across, steps
-    into[DIAGONAL] = arc_length(isqrt(square << 2 * FINE), corner)
+    into[DIAGONAL] = arc_length(isqrt(square << 2 * FINE), corner) if steps else 0
     into[Z_STEPS], into[Z_HIGH], into[Z_LOW] = z if steps else 0, ratio >> 15, ratio & 0x7FFF
     into[TAIL_A], into[TAIL_B], into[TAIL_Z] = tail[0], tail[1] * sign, 0 if steps else z
     into[PATH] = whole
-    return whole, swept
+    into[PATH_FINE] = ((path << FINE) >> shift) & ((1 << FINE) - 1)
+    return whole << 10 | into[PATH_FINE] >> 10, swept
 
 
 def _steps(square, inside, across, u, w, end_u, quarters):
@@ -138,6 +143,13 @@ def _steps(square, inside, across, u, w, end_u, quarters):
     if not steps:
         return 0, (u, w)
     return steps, (end_u, inside if end_u == -across else nearest(square, end_u))
+
+
+def _next(square, inside, across, u, corner):
+    """Angle of the step that follows `u`."""
+    if u >= inside or u <= -across:
+        return corner
+    return _rise(square, u + 1) - _rise(square, u)
 
 
 def _tail(region, place, end_x, end_y):

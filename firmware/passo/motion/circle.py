@@ -33,6 +33,7 @@ from passo.motion.line import MAX_RUN
 
 MAX_RADIUS = const(0x100000)  # 2²⁰ steps
 MAX_SLOPE = const(128)  # most steps of the third axis along one step of the circle
+LEADS = const(22_938)  # Z_HIGH from which the third axis dominates somewhere: 0.7 steps a step
 FINE = const(20)  # fraction bits of a length here
 COARSE = const(10)  # and of the lengths told to the ramp
 _ONE = const(1 << 20)
@@ -40,10 +41,11 @@ _Z_BITS = const(21)
 _Z_ONE = const(1 << 21)
 
 # The plan: what arc.plan() works out for the walker, small integers only.
-PLAN = const(20)
+PLAN = const(21)
 AXIS_A, AXIS_B, AXIS_Z, MIRROR, REGION, U, W = 0, 1, 2, 3, 4, 5, 6
 RADIUS, SHIFT, D, E, STEPS, DIAGONAL = 7, 8, 9, 10, 11, 12
 Z_STEPS, Z_HIGH, Z_LOW, TAIL_A, TAIL_B, TAIL_Z, PATH = 13, 14, 15, 16, 17, 18, 19
+PATH_FINE = 20
 
 
 def divide(value, by, bits):  # ISR: no allocation
@@ -66,7 +68,7 @@ class Circle:
         self.axes = axes
         self.left = 0  # words to the end of the run
         self.words = self.path = 0  # of the run: words, and length in 2⁻¹⁰ steps along the circle
-        self.to_go = 0  # whole steps of path from the run's beginning to the arc's end
+        self.to_go = self.fine = 0  # path from the run's beginning to the arc's end: to_go − fine / 2²⁰
         self.total = 0  # steps of the circle and of the last line
         self._u_axis = self._w_axis = 0  # the dominant axis of the run, and the other
         self.moving = self.negative = 0
@@ -85,11 +87,12 @@ class Circle:
         self._steps = mine[STEPS]  # circle steps to come after this run
         self._z = abs(mine[Z_STEPS])  # steps of the third axis to come after this run
         self._z_sum = _Z_ONE >> 1
-        self._sixty_fourths = self._fine = self._coarse = 0  # what rounding has left over
+        self._sixty_fourths = self._coarse = 0  # what rounding has left over
         self._tail = mine[TAIL_A] or mine[TAIL_B] or mine[TAIL_Z]
         tail = max(abs(mine[TAIL_A]), abs(mine[TAIL_B]), abs(mine[TAIL_Z]))
         self.total = mine[STEPS] + tail
-        self.to_go = mine[PATH]
+        self.to_go = mine[PATH] + 1
+        self.fine = _ONE - mine[PATH_FINE]
         self._used = 0  # length of the run before, 2⁻²⁰
         self._next = -1  # length of the next step: not known yet
         self._run()
@@ -116,13 +119,18 @@ class Circle:
             index -= count
         return other.made[axis]
 
+    def last(self):  # ISR: no allocation
+        """True in the arc's last run."""
+        return not self._steps and not self._tail
+
     # --- planning a run
 
     def _run(self):  # ISR: no allocation
         """Set up the next run; `left` stays 0 where there is none."""
         plan = self._plan
-        self.to_go -= (self._used + self._fine) >> FINE
-        self._fine = (self._used + self._fine) & (_ONE - 1)
+        self.fine += self._used
+        self.to_go -= self.fine >> FINE
+        self.fine &= _ONE - 1
         self._used = 0
         if not self._steps:
             self._run_tail()
@@ -149,9 +157,12 @@ class Circle:
         else:
             self._next = self._measure(root, u + count, 1)
         self._steps -= count
+        # A word's time passes after its step: a run lasts from its first step to the first one of the next. Where the
+        # third axis leads, time is its own.
         self._used = length
-        # A word's time passes after its step: a run lasts from its first step to the first one of the next.
-        self._begin(count, self._climb(length), length - before + self._next)
+        if plan[Z_HIGH] < LEADS:
+            self._used += self._next - before
+        self._begin(count, self._climb(length), self._used)
 
     def _begin(self, count, z, length):  # ISR: no allocation
         """A run of `count` circle steps and `z` steps of the third axis that lasts as long as `length` of path."""
@@ -207,6 +218,7 @@ class Circle:
         self.left = self.words = words
         self.path = words << COARSE
         self.to_go = words
+        self.fine = 0
         self._count = -1
         self._fall = 2 * words
         self._rise, self._decision = 2 * abs(a), 2 * abs(a) - words

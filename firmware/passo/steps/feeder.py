@@ -13,7 +13,7 @@ belongs to the main loop.
 from array import array
 from micropython import const
 
-from passo.motion.block import FREE, WAIT
+from passo.motion.block import ARC, FREE, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.ramp import Ramp
 from passo.steps.pace import pace, repay
@@ -53,6 +53,8 @@ class Feeder:
 
     def _reset(self, played):
         self._block = None
+        self._ramp.stall()
+        self._stood = False
         self._index = 0
         self._wait = 0
         self._debt = 0
@@ -69,14 +71,20 @@ class Feeder:
         if not self.open:
             return
         self.retire(played)
-        if self.hold:
+        if self.standing():
+            self._stood = True
             return
-        if self._block is not None and self._oldest == self._newest:
+        if self._block is not None and self._oldest == self._newest and not self._stood:
             self.late += 1
+        self._stood = False
         oldest = self._oldest % _CHECKPOINTS
         while (self._ticks - self._mark_ticks[oldest]) & COUNT_MASK < lead_ticks:
             if not self._segment():
                 return
+
+    def standing(self):  # ISR: no allocation
+        """True when a hold has come to its stand; the words already made may still be playing."""
+        return self.hold and not self._ramp.moving()
 
     def retire(self, played):  # ISR: no allocation
         """Give back the room, and the blocks, of all segments that have been played to their end."""
@@ -92,7 +100,9 @@ class Feeder:
     def _segment(self):  # ISR: no allocation
         if ahead(self._newest, self._oldest) >= _CHECKPOINTS - 1 or self._room() < _ROOM:
             return False
-        if self._block is None and not self._fetch():
+        if self.standing() or self._block is None and not self._fetch():
+            return False
+        if self.standing():
             return False
         block = self._block
         if self._wait:
@@ -100,7 +110,7 @@ class Feeder:
         elif block.kind == FREE:
             self._free(block.walker)
         else:
-            self._line(block.walker)
+            return self._line(block.walker)
         return True
 
     def _room(self):  # ISR: no allocation
@@ -108,7 +118,7 @@ class Feeder:
         return ring.size - ahead(ring.head, self._mark_word[self._oldest % _CHECKPOINTS])
 
     def _fetch(self):  # ISR: no allocation
-        block = self.planner.next()
+        block = self.planner.next(self._ramp.moving())
         if block is None:
             return False
         self._block = block
@@ -117,15 +127,22 @@ class Feeder:
         self._levels = self._levels & ~tool | (tool if block.tool else 0)
         if block.kind == WAIT:
             self._wait = block.ticks
-        elif block.kind != FREE:
+            self._ramp.stall()
+        elif block.kind == FREE:
+            self._ramp.stall()
+        else:
+            if block.kind == ARC:
+                block.walker.load(block.plan)
             self._ramp.begin(block)
         return True
 
     def _line(self, walker):  # ISR: no allocation
         ramp = self._ramp
-        ramp.cut(walker.left)
+        ramp.cut(walker.left, self.planner.percent[self._block.rapid], self.hold)
         steps = ramp.steps
         ticks = ramp.ticks
+        if not steps:
+            return False
         if ticks > HOLD_TICKS and steps == 1:
             self._wait = ticks - HOLD_TICKS
             ticks = HOLD_TICKS
@@ -145,6 +162,7 @@ class Feeder:
         self._advance(walker)
         self._index += steps
         self._finish(steps, ticks, walker.left == 0 and not self._wait)
+        return True
 
     def _free(self, walker):  # ISR: no allocation
         self._turn(walker)
