@@ -139,9 +139,9 @@ def check_stop_anywhere(turns):
         machine.ask("LINE" if pen else "MOVE", x, y)
     machine.send("END")
     machine.turns(turns)
-    answer = machine.ask("STOP")
-    assert answer == b"d"
-    assert machine.turns(200) == b""
+    finished = machine.app.controller.command is None
+    answer = machine.ask("STOP") + machine.turns(200)
+    assert answer in ((b"d",) if finished else (b"d", b"dd"))  # two where the drawing ends while STOP is on its way
     status = machine.status()
     place = [machine.table.place[axis] - zero[axis] for axis in range(2)]
     assert machine.table.pen == 0

@@ -587,6 +587,20 @@ def check_check_mode():
     assert machine.ask("$C") == ["error:8"]
 
 
+def check_pins_follow_the_settings():
+    """Direction and enable turned round with the next start, the drivers' release at once."""
+    machine = Machine().ready()
+    machine.do("$3=1", "$4=1", "$1=30")
+    again = Machine(slots=machine.slots).ready()
+    again.do("G0 X1 Y1")
+    assert again.world.outputs["enable"] == 1
+    again.settle()
+    assert [again.world.place[0] - 3000, again.world.place[1] - 2500] == [-320, 320]
+    assert again.controller.position() == [320, 320, 0]
+    again.turns(200)
+    assert again.world.outputs["enable"] == 0
+
+
 def check_sleep():
     machine = Machine().ready()
     machine.do("M3 S100")

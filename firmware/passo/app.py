@@ -14,7 +14,7 @@ from passo.control.boardfile import BoardError, check
 from passo.control.controller import LATER, Controller
 from passo.control.journal import Journal, MemorySlots
 from passo.control.motors import Motors
-from passo.control.settings import HOMING, Settings
+from passo.control.settings import ENABLE_INVERT, HOMING, Settings
 from passo.drives import pbl3770a, step_dir, unipolar
 from passo.drives.coils import CoilDrive
 from passo.motion.planner import Planner
@@ -96,6 +96,8 @@ class App:
         self.port = port
         self.layout, drive, off_levels = make_drive(board)
         self.ring = Ring()
+        settings = Settings(board, Journal(slots or MemorySlots()))
+        port.board = board  # pins follow the settings
         self.player = port.player(self.ring, self.layout)
         self.planner = Planner(self.layout.axes)
         least = self.player.min_word_ticks
@@ -104,8 +106,9 @@ class App:
         self.feeder = Feeder(self.ring, self.layout, self.planner, drive, setup and max(setup, least), least)
         self.interrupt = port.feed_from_interrupt(self.feeder, self.player)
         motors = Motors(port, self.player, self.layout, drive, off_levels, board)
+        motors.enable_inverted = bool(settings.value(ENABLE_INVERT))
         motors.release()
-        settings = Settings(board, Journal(slots or MemorySlots()), TICKS_PER_S // (2 * least))
+        settings.max_steps_s = TICKS_PER_S // (2 * least)
         self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port, settings)
         shared = {}
         self.links = []

@@ -6,7 +6,7 @@
     settings.save()                  # where something has changed; never while the machine moves
     settings.put("G54", "0,0,0")     # texts beside the numbers: offsets, start-up lines
 
-Numbers are grbl 1.1's. Those with decimals are held in thousandths. What was never changed is not kept, so that a new
+What pins do ($0, $3, $4) changes with the next start, all else at once. Numbers are grbl 1.1's. Those with decimals are held in thousandths. What was never changed is not kept, so that a new
 board file shows; what this firmware does not know is kept for the one that does.
 """
 
@@ -97,8 +97,10 @@ class Settings:
         self._board = board
         self._journal = journal
         self._board_travel = [axis["travel_steps"] for axis in board["axes"]]
+        self._board_reversed = [axis["reversed"] for axis in board["axes"]]
+        self._board_release_ms = board["idle_release_ms"]
         self._board_high_end = board["homing"]["high_end"] if board["homing"] else ""
-        self._max_steps_s = max_steps_s
+        self.max_steps_s = max_steps_s
         self._table = _table(board)
         self.numbers = sorted(self._table)
         self._changed = {}
@@ -154,7 +156,7 @@ class Settings:
         if number in (STEPS + axis, SPEED + axis):
             steps = value if number < SPEED else self.value(STEPS + axis)
             speed = value if number >= SPEED else self.value(SPEED + axis)
-            if steps * speed > self._max_steps_s * 60_000_000:
+            if steps * speed > self.max_steps_s * 60_000_000:
                 return errors.STEP_RATE
         return 0
 
@@ -223,10 +225,19 @@ class Settings:
         axes = self._board["axes"]
         for number in range(len(axes)):
             axes[number]["steps_per_m"] = self.value(STEPS + number)
+            turned = bool(self.value(DIRECTION_INVERT) >> number & 1)
+            axes[number]["reversed"] = self._board_reversed[number] != turned
             travel_steps = self._board_travel[number]
             if TRAVEL + number in self._changed or STEPS + number in self._changed:
                 travel_steps = self.value(TRAVEL + number) * self.value(STEPS + number) // 1_000_000
             axes[number]["travel_steps"] = travel_steps
+        if IDLE_DELAY in self._changed:
+            delay_ms = self._changed[IDLE_DELAY]
+            self._board["idle_release_ms"] = 0 if delay_ms == 255 else max(delay_ms, 1)
+        else:
+            self._board["idle_release_ms"] = self._board_release_ms
+        if PULSE_US in self._changed:
+            self._board["drive"]["pulse_us"] = self._changed[PULSE_US]
         if self._board["homing"]:
             self._board["homing"]["high_end"] = self._high_ends()
             self._board["homing"]["debounce_ms"] = self.value(HOMING_DEBOUNCE)
