@@ -273,9 +273,9 @@ def check_hold_and_resume():
 def check_arcs_are_walked():
     """Circles in every plane, clockwise and not, more than a turn and as a helix: on their circle and to their end."""
     for line, plane, centre, radius, end in (
-        ("G2 X0 Y0 I2 F3000", (0, 1), (640, 0), 640, (0, 0, 0)),
-        ("G3 X2 Y2 J2 F3000", (0, 1), (0, 640), 640, (640, 640, 0)),
-        ("G3 X0 Y0 J2 Z1 P3 F3000", (0, 1), (0, 640), 640, (0, 0, 400)),
+        ("G2 X0 Y0 I.5 F900", (0, 1), (160, 0), 160, (0, 0, 0)),
+        ("G3 X.5 Y.5 J.5 F900", (0, 1), (0, 160), 160, (160, 160, 0)),
+        ("G3 X0 Y0 J.5 Z1 P3 F900", (0, 1), (0, 160), 160, (0, 0, 400)),
         ("G2 X3 Y1 R-2 F3000", (0, 1), None, 640, (960, 320, 0)),
     ):
         machine = Machine().ready()
@@ -695,7 +695,9 @@ def check_noise_is_answered_line_by_line(seed):
     random = Random(seed)
     machine = Machine().ready()
     quiet = bytes([byte for byte in random.bytes(300) if byte not in (0x3F, 0x21, 0x7E, 0x18) and byte < 0x80])
-    quiet = quiet.replace(b"\r", b"").replace(b"$", b"")[:110] + b"\n"
+    for byte in b"\rMm$":  # pauses and settings apart
+        quiet = quiet.replace(bytes((byte,)), b"")
+    quiet = quiet[:110] + b"\n"
     machine.put(quiet)
     said = []
     for _ in range(40):
