@@ -108,7 +108,7 @@ def hold_against_circle(walk, third=1.0):
             assert abs(z - rise * min(max(turned / swept, 0), 1)) <= third
     assert farthest < 0.51
     assert walk.tail or abs(turned - swept) * walk.radius < 1
-    assert abs(walk.length - walk.path) < 1.5
+    assert abs(walk.length - walk.path) < 0.75
 
 
 def fewest(walk):

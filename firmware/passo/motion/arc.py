@@ -98,9 +98,12 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0):
         elif end_u < u:
             end_u = u
     quarters += 4 * turns
+    if quarters and end_u == -across:  # where a region begins the one before it ends
+        quarters -= 1
+        end_u = inside
     steps, place = _steps(square, inside, across, u, w, end_u, quarters)
     tail = _tail((region + quarters) & 3 if steps else region, place, end_x, end_y)
-    if steps > 1 and end_u - 1 >= (-across if quarters else u) and (tail[0] or tail[1]):
+    if steps > 1 and end_u - 1 >= (1 - across if quarters else u) and (tail[0] or tail[1]):
         less, before = _steps(square, inside, across, u, w, end_u - 1, quarters)
         other = _tail((region + quarters) & 3, before, end_x, end_y)
         if less + max(abs(other[0]), abs(other[1])) < steps + max(abs(tail[0]), abs(tail[1])):

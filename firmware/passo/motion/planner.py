@@ -223,7 +223,10 @@ class Planner:
         return min(block.speed * self.percent[block.rapid] // 100, block.fastest)
 
     def _look_back(self, all):
-        """Set the exits of the blocks that may still change, from the newest back; `all`: even if nothing changes."""
+        """Raise the exits of the blocks that may still change, from the newest back, as far as one does; `all`: of all.
+
+        An exit is never lowered, what is under way may count on it: the ramp itself slows down to a lower override.
+        """
         number = self._added
         count = min((number - self._frozen) & _COUNT, LOOK_AHEAD)
         size = len(self._pool)
@@ -236,10 +239,11 @@ class Planner:
                 if block.corner is not None and block.corner < square:
                     square = block.corner
                 square = min(square, block.exit + block.reach)
-            if square == before.exit and not all:
+            if square > before.exit:
+                before.exit = square
+                before.leave = square_in_units(before, square)
+            elif not all:
                 return
-            before.exit = square
-            before.leave = square_in_units(before, square) if before.gain else 0
             number -= 1
             count -= 1
 

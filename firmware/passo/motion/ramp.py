@@ -27,6 +27,7 @@ from passo.motion.line import MAX_RUN
 
 SEGMENT_TICKS = const(12_500)  # 1 ms
 FAR = const(0x1FFFFFFF)  # 2²⁹ − 1: the most q a segment may gain
+HIGHEST = const(0x3FFFFFFF)
 _V_BITS = const(7)  # fraction bits of a speed; with them it has 22 at most
 
 
@@ -146,6 +147,8 @@ class Ramp:
         if each < 0x80000:
             ticks = (whole * part >> 7) + (fraction * part >> 24)
             ticks += ((fraction >> 7) * each >> 10) + ((fraction & 127) * each >> 17)
+        elif each < 0x800000:
+            ticks = fraction * (each >> 10) >> 7
         else:
             ticks = (fraction >> 7) * (each >> 10)
         return (whole * each + ticks) or 1
@@ -212,7 +215,7 @@ class Ramp:
         if aim > leave:
             if togo < 0:
                 aim = leave
-            elif togo < FAR // gain:
+            elif togo + (1 if part else 0) <= HIGHEST // gain:
                 room = self._gained(gain, togo, part)
                 if room < aim - leave:
                     aim = leave + room
