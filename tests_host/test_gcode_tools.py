@@ -80,7 +80,7 @@ def test_keys(board, job):
         panel = stream.Panel(client, [(1, b"")])
         client.command("G1X50F3000")
         panel.key("p")
-        board.until(lambda: board.app.controller.state == "hold")
+        board.until(board.app.controller.pauses.standing)
         assert "Hold" in fields_of("<Hold:0|MPos:0,0,0>")["state"] and "line 0" in panel.text()
         panel.key("r")
         board.until(lambda: board.app.controller.state == "idle")
