@@ -86,10 +86,10 @@ class Machine:
             walker = ramp._walker
             cut(left, percent, hold)
             if ramp.steps:
-                path = ramp.steps
+                path = int(ramp.steps)
                 if ramp._arc:
-                    path = walker.path * ramp.steps / walker.words / 1024
-                self.segments.append((self.number, path, ramp.ticks))
+                    path = int(walker.path) * int(ramp.steps) / int(walker.words) / 1024
+                self.segments.append((self.number, path, int(ramp.ticks)))
 
         ramp.cut = listen_cut
         ramp.begin = listen_begin

@@ -192,7 +192,9 @@ class Ramp:
         if self._arc:
             walker = self._walker
             path = self._arc_path(steps, walker)
-            change = self._gained(gain, path >> 17, path & 0x1FFFF)
+            change = FAR
+            if path >> 17 <= FAR // gain:
+                change = self._gained(gain, path >> 17, path & 0x1FFFF)
             done = divide(walker.path * self._done, walker.words, 7) + (walker.fine >> 3)
             togo = walker.to_go - (done >> 17)
             part = -done & 0x1FFFF
@@ -220,10 +222,9 @@ class Ramp:
                 if room < aim - leave:
                     aim = leave + room
         # The peak in between, and the time.
-        peak = q + (change + aim - q >> 1)
         high = q if q > cap else cap
-        if peak > high:
-            peak = high
+        half = change + (aim - q) >> 1
+        peak = high if half > high - q else q + half
         if peak < aim:
             peak = aim
         if peak < q:
@@ -277,7 +278,10 @@ class Ramp:
         return whole + rest // speed
 
     def _loss(self, block, fast, change):  # ISR: no allocation
-        """Ticks that a change of speed up to `fast` costs, against having that speed all along: t · change / 2·fast."""
+        """Ticks that a change of speed up to `fast` costs, against having that speed all along: t · change / 2·fast.
+
+        Rounded up: never more acceleration than allowed.
+        """
         ratio = divide(change, fast, 14)  # ≤ 2¹⁴
         shift = block.time_shift + _V_BITS
         while change >= 0x8000:
@@ -289,5 +293,5 @@ class Ramp:
         else:
             ticks = ticks << -shift if ticks < FAR >> -shift else FAR
         if ticks < 0x8000:
-            return ticks * ratio >> 15
-        return (ticks >> 15) * ratio + ((ticks & 0x7FFF) * ratio >> 15)
+            return (ticks * ratio >> 15) + 1
+        return (ticks >> 15) * ratio + ((ticks & 0x7FFF) * ratio >> 15) + 1
