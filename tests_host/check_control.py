@@ -181,7 +181,7 @@ def check_commands_wait_while_drawing():
         answers += machine.turns(1)
     answers += machine.turns(100)
     assert answers == b"dsnd"
-    assert machine.app.controller.speed == 900
+    assert machine.app.controller.objects.speed == 900
 
 
 def check_an_object_longer_than_the_store():

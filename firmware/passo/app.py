@@ -13,12 +13,14 @@ from micropython import const
 
 from passo.control.boardfile import BoardError, check
 from passo.control.controller import LATER, Controller
+from passo.control.journal import Journal, MemorySlots
 from passo.control.motors import Motors
+from passo.control.settings import ENABLE_INVERT, HOMING, Settings
 from passo.drives import pbl3770a, step_dir, unipolar
 from passo.drives.coils import CoilDrive
 from passo.motion.planner import Planner
 from passo.protocols import errors
-from passo.protocols.commands import IMMEDIATE
+from passo.protocols.commands import IMMEDIATE, RESET, RESTARTED, Event
 from passo.steps.feeder import Feeder
 from passo.steps.ring import Ring
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
@@ -26,17 +28,31 @@ from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 LEAD_TICKS = const(30 * 12_500)  # from a main loop
 _WAITING = const(64)  # commands of one link that may wait for their turn
 
-PROTOCOLS = ("plotter",)
+PROTOCOLS = ("plotter", "grbl")
 
 
-def open_protocol(link, board):
-    """The protocol of a link of the board file; only what is named is loaded."""
+def open_protocol(link, board, controller, shared):
+    """The protocol of a link of the board file; only what is named is loaded. `shared`: what links of one language
+    have in common, a dict."""
     name = link["protocol"]
     if name == "plotter":
         from passo.protocols.plotter import Plotter
 
         sign = 1 if board["jog"]["up"][1] == "+" else -1
         return Plotter(link["idle_gap_ms"], (0, sign) if board["jog"]["up"][0] == "y" else (sign, 0))
+    if name == "grbl":
+        from passo.protocols.gcode_offsets import Offsets
+        from passo.protocols.grbl import Grbl
+
+        axes = "".join([axis["name"] for axis in board["axes"]])[:3]
+        if axes not in ("x", "xy", "xyz"):
+            raise BoardError("link %s: grbl wants axes x, y, z in this order, not %s" % (link["name"], axes))
+        if "offsets" not in shared:
+            shared["offsets"] = Offsets(len(axes), controller.settings)
+        controller.program.accelerates = True
+        if controller.settings.value(HOMING):
+            controller.lock()
+        return Grbl(axes, shared["offsets"], controller.settings, controller)
     raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
 
 
@@ -72,14 +88,17 @@ class Link:
 
 
 class App:
-    def __init__(self, board, port, protocols=None):
-        """`protocols` may name another protocol for a link: {link name: protocol}. Raises BoardError."""
+    def __init__(self, board, port, protocols=None, slots=None):
+        """`protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the settings are kept,
+        None: nowhere. Raises BoardError."""
         self.board = board = check(board)
         for link in board["links"]:
             link["protocol"] = (protocols or {}).get(link["name"], link["protocol"])
         self.port = port
         self.layout, drive, off_levels = make_drive(board)
         self.ring = Ring()
+        settings = Settings(board, Journal(slots or MemorySlots()))
+        port.board = board  # pins follow the settings
         self.player = port.player(self.ring, self.layout)
         gc.collect()  # so that what is small fills the gaps and leaves room in one piece for what is large
         self.planner = Planner(self.layout.axes)
@@ -89,10 +108,17 @@ class App:
         self.feeder = Feeder(self.ring, self.layout, self.planner, drive, setup and max(setup, least), least)
         self.interrupt = port.feed_from_interrupt(self.feeder, self.player)
         motors = Motors(port, self.player, self.layout, drive, off_levels, board)
+        motors.enable_inverted = bool(settings.value(ENABLE_INVERT))
         motors.release()
         gc.collect()
-        self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port)
-        self.links = [Link(link, port.serial(link), open_protocol(link, board)) for link in board["links"]]
+        settings.max_steps_s = TICKS_PER_S // (2 * least)
+        self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port, settings)
+        shared = {}
+        self.links = []
+        for link in board["links"]:
+            protocol = open_protocol(link, board, self.controller, shared)
+            self.links.append(Link(link, port.serial(link), protocol))
+        self._push(Event(RESTARTED, None, self.controller.alarm))
 
     def _check_speed(self, least):
         """Every speed the board file allows must leave the player its shortest word."""
@@ -107,11 +133,7 @@ class App:
         for link in self.links:
             self._receive(link, now_ms)
         self.controller.poll()
-        for event in self.controller.take_events():
-            link = event.command.link
-            answer = link.protocol.reply(event)
-            if answer:
-                link.serial.write(answer)
+        self._answer()
         self.feeder.open = self.controller.may_feed()
         if not self.interrupt and self.feeder.open:
             self.feeder.fill(self.player.played(), LEAD_TICKS)
@@ -121,19 +143,43 @@ class App:
         """poll(), then let time pass."""
         self.poll()
         controller = self.controller
-        self.port.wait(controller.busy(), controller.state == "home")
+        self.port.wait(controller.busy(), controller.fine())
 
     def _receive(self, link, now_ms):
+        """What waits comes first, then what the line brings. Each command is answered before the next is asked for."""
+        while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
+            link.waiting.pop(0)
+            self._answer()
         for command in link.protocol.feed(link.serial.read(), now_ms):
             command.link = link
-            if command.kind in IMMEDIATE:
-                self.controller.accept(command)
+            if command.kind == RESET:
+                for other in self.links:
+                    other.waiting = []
+            if command.kind in IMMEDIATE or not link.waiting:
+                if self.controller.accept(command) == LATER:
+                    link.waiting.append(command)
             elif len(link.waiting) < _WAITING:
                 link.waiting.append(command)
             else:
                 self.controller.refuse(command, errors.TOO_MANY_WAITING)
-        while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
-            link.waiting.pop(0)
+            self._answer()
+
+    def _answer(self):
+        for event in self.controller.take_events():
+            if event.command is None:
+                self._push(event)
+                continue
+            link = event.command.link
+            answer = link.protocol.reply(event) if link else b""
+            if answer:
+                link.serial.write(answer)
+
+    def _push(self, event):
+        """What the machine says unasked, to every link."""
+        for link in self.links:
+            said = link.protocol.push(event)
+            if said:
+                link.serial.write(said)
 
     def stop(self):
         """Halt, tool off, motors without current."""

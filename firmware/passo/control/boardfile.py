@@ -32,6 +32,8 @@ _AXIS = {
     "steps_per_m": (int, MUST, 1, 100_000_000),
     "travel_steps": (int, MUST, 1, 2_000_000),
     "reversed": (bool, False, 0, 1),
+    "max_mm_min": (int, 6000, 1, 900_000),
+    "accel_mm_s2": (int, 500, 1, 900_000),
 }
 _DRIVE = {
     "kind": ("step_dir", "unipolar", "pbl3770a"),
@@ -54,6 +56,15 @@ _HOMING = {
     "pull_off_steps": (int, MUST, 1, 10_000),
     "debounce_ms": (int, 5, 0, 100),
     "required": (bool, False, 0, 1),
+    "order": (str, "", 0, 4),  # names of the axes, first to last; "": as the board file has them
+    "high_end": (str, "", 0, 4),  # names of the axes that home at the positive end of their travel
+}
+_PLANNING = {"junction_um": (int, 10, 0, 10_000), "arc_um": (int, 2, 0, 10_000)}
+_SPINDLE = {
+    "max_rpm": (int, 1000, 1, 900_000),
+    "min_rpm": (int, 0, 0, 900_000),
+    "pwm": (bool, False, 0, 1),  # the tool's output takes any power, not just on and off
+    "laser": (bool, False, 0, 1),
 }
 _SPEED = {
     "unit": ("steps_per_s", "half_period_us"),
@@ -83,12 +94,14 @@ _BOARD = {
     "outputs": [_OUTPUT, 0, 16],
     "homing": _HOMING,
     "speed": _SPEED,
+    "planning": _PLANNING,
+    "spindle": _SPINDLE,
     "jog": _JOG,
     "idle_release_ms": (int, 5000, 0, 3_600_000),  # 0: never
     "store_points": (int, 3000, 10, 100_000),
     "links": [_LINK, 1, 4],
 }
-_OPTIONAL = ("homing", "jog")
+_OPTIONAL = ("homing", "jog", "planning", "spindle")
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 
@@ -214,3 +227,9 @@ def _check_homing(board):
             raise BoardError("homing.sensors: there is no axis %r" % axis)
         if sensor not in inputs:
             raise BoardError("homing.sensors.%s: there is no input %r" % (axis, sensor))
+    for key in ("order", "high_end"):
+        for axis in homing[key]:
+            if axis not in homing["sensors"]:
+                raise BoardError("homing.%s: axis %r has no sensor" % (key, axis))
+    if homing["order"] and len(set(homing["order"])) != len(homing["sensors"]):
+        raise BoardError("homing.order: every axis with a sensor once, not %r" % homing["order"])

@@ -1,66 +1,73 @@
-"""The machine's owner: checks every command before anything moves, holds state and position, queues the blocks.
+"""The machine's owner: checks every command before anything moves, holds state and position, answers.
 
     result = controller.accept(command)    # 0: done or begun; LATER: ask again; a number of errors: refused
     controller.poll()                      # once a main loop turn
     for event in controller.take_events(): …
 
-Positions are steps from the origin, which is where the head stands after homing (before it: where it was switched on).
+Positions are steps from machine position zero, which is where the head stands after homing (before it: where it was
+switched on). What is done is shared out: `queue` hands motion to the planner, `objects` draws stored objects, `program`
+carries out motion as it comes, `pauses` holds and resumes, `inputs` watches switches.
 """
 
 from micropython import const
 
 from passo.control.homing import RUNNING, Homing
+from passo.control.inputs import Inputs
 from passo.control.log import Log
-from passo.control.store import Store
-from passo.motion.integers import NM_PER_M, length_nm
+from passo.control.objects import Objects
+from passo.control.pauses import Pauses
+from passo.control.program import Program
+from passo.control.queue import Queue
+from passo.control.tools import Tools
 from passo.protocols import commands, errors
-from passo.protocols.commands import ACCEPTED, FINISHED, REFUSED, Event
-from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
+from passo.protocols.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
 
 LATER = const(-1)
-_BLOCKS_A_POINT = const(2)  # a change of the tool, and the line
+# The machine came to its stand as it should: where it is remains known.
+_ORDERLY = (errors.ALARM_SOFT_LIMIT, errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED)
 
 
 class Controller:
-    def __init__(self, board, planner, feeder, player, motors, port):
+    def __init__(self, board, planner, feeder, player, motors, port, settings):
         self._board = board
         self._planner = planner
         self._feeder = feeder
         self._player = player
         self._motors = motors
         self._port = port
+        self.settings = settings
         self._axes = board["axes"]
-        self._steps_per_m = [axis["steps_per_m"] for axis in self._axes]
         self.log = Log()
-        self.store = Store(board["store_points"])
-        self._homing = None
-        if board["homing"]:
-            self._homing = Homing(board["homing"], self._axes, self, port.input)
         self.homed = False
         self.alarm = 0
-        self.drawn = 0  # points of the object drawn so far
-        self.speed = board["speed"]["default"]
-        self._origin = [0] * len(self._axes)
-        self._target = [0] * len(self._axes)  # where the queue will end
-        self._tool = False  # the tool bit at the queue's end
-        self._taken = 0  # points taken from the store for this object
-        self._drawing = False
-        self._jogging = False
+        self.checking = False  # commands are only checked
+        self.sleeping = False
+        self.command = None  # the long command under way
+        self.queue = Queue(board, planner, feeder, player)
+        self.objects = Objects(board, self.queue, self)
+        self.pauses = Pauses(self.queue, self, port)
+        self.program = Program(board, self.queue, self, planner)
+        self.tools = Tools(board, self.queue, self, planner, port)
+        self.inputs = Inputs(board, settings, self, port)
+        self._homing = None
+        if board["homing"]:
+            self._homing = Homing(board["homing"], self._axes, self, self.inputs.read, settings.homing)
         self._lifting = False  # homing waits for the tool
-        self._command = None  # the long command under way
         self._events = []
         self._late = 0
         self._handlers = {
             commands.BAD: self._bad,
-            commands.HELLO: self._hello,
+            commands.HELLO: self.accepted,
             commands.STATUS: self._status,
             commands.STOP: self._stop,
             commands.HOME: self._home,
-            commands.SPEED: self._set_speed,
-            commands.POINT: self._point,
-            commands.DRAW: self._draw,
-            commands.JOG: self._jog,
+            commands.RESET: self._reset,
+            commands.UNLOCK: self._unlock,
+            commands.CHECK: self._check,
+            commands.SLEEP: self._sleep,
         }
+        for part in (self.objects, self.program, self.tools, self.pauses):
+            self._handlers.update(part.handlers())
 
     # --- the face towards the app
 
@@ -68,22 +75,47 @@ class Controller:
     def state(self):
         if self.alarm:
             return "alarm"
-        if self._busy_with(commands.HOME):
+        if self.sleeping:
+            return "sleep"
+        if self.busy_with(commands.HOME):
             return "home"
-        if self._jogging:
+        if self.pauses.kind:
+            return self.pauses.kind
+        if self.checking:
+            return "check"
+        if self.program.jogging:
             return "jog"
-        return "run" if self._drawing or self._command else "idle"
+        return "run" if self.objects.drawing or self.command or self.program.active() else "idle"
+
+    @property
+    def target(self):
+        """Where the queue will end, in steps."""
+        return self.queue.target
+
+    @property
+    def steps_per_m(self):
+        return [axis["steps_per_m"] for axis in self._axes]
+
+    @property
+    def blocks(self):
+        """How many blocks can be queued now."""
+        return self.queue.room()
 
     def busy(self):
         """True while something moves, waits or is about to: time matters."""
-        if self._busy_with(commands.HOME) or not self._planner.empty() or self._player.busy():
+        if self.pauses.standing():
+            return False
+        if self.busy_with(commands.HOME) or not self.queue.still():
             return True
-        return self._drawing and (self.store.count > 0 or self._command is not None)
+        return self.objects.busy()
+
+    def fine(self):
+        """True while inputs decide where the machine stops: turns of the main loop should be short."""
+        return self.busy_with(commands.HOME) or self.busy_with(commands.PROBE)
 
     def position(self):
-        """Steps of each axis from the origin, exact at this moment."""
-        place = self._feeder.position(self._player.played())
-        return [place[axis] - self._origin[axis] for axis in range(len(place))]
+        """Steps of each axis from machine zero, exact at this moment."""
+        return self.queue.position()
 
     def accept(self, command):
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
@@ -104,157 +136,192 @@ class Controller:
         return events
 
     def poll(self):
-        """One turn: goes on with homing or drawing, ends what has ended, minds the motors' current."""
+        """One turn: goes on with homing, drawing and programme, ends what has ended, minds the motors' current."""
         now_ms = self._port.machine_ms()
-        if self._busy_with(commands.HOME):
+        self.inputs.poll(now_ms)
+        if self.busy_with(commands.HOME):
             self._poll_homing(now_ms)
-        elif self._drawing:
-            self._poll_drawing()
+        elif self.objects.drawing:
+            self.objects.poll()
+        self.program.poll()
+        self.pauses.poll(now_ms)
         self._poll_end()
         if self._feeder.late != self._late:
             self._late = self._feeder.late
             self._note(errors.WORDS_LATE)
-        self._motors.poll(now_ms, not self._planner.empty() or self._player.busy(), self._tool)
+        if self.settings.dirty and self.queue.still():
+            self.settings.save()
+        self._motors.poll(now_ms, not self.sleeping and not self.still(), self.queue.tool)
 
     def may_feed(self):
         """True when the motors are ready for the words of what is queued."""
         return self._motors.ready(self._port.machine_ms())
 
-    def fail(self, number):
-        """Alarm: stop at once, tool off, motors released; only homing leads out of it."""
-        self.shut_down()
-        self.alarm = number
-        self._note(number)
+    def lock(self):
+        """Nothing moves until the machine is homed or unlocked."""
+        self.alarm = errors.ALARM_LOCKED
 
     def shut_down(self):
         """Stop at once, forget all work, outputs safe. The position is no longer known."""
         self.arrest()
-        self.store.clear()
-        self._drawing = self._jogging = False
-        self._command = None
+        self._forget()
         self.homed = False
         self._motors.release()
+
+    # --- the face towards the parts: also `command`, `state`, `settings`, `checking` and the parts themselves
+
+    def accepted(self, command, value=None):
+        self._events.append(Event(ACCEPTED, command, 0, value))
+        return 0
+
+    def finish(self, value=None):
+        """The long command has done what it was asked."""
+        command = self.command
+        self.command = None
+        self._events.append(Event(FINISHED, command, 0, value))
+
+    def busy_with(self, kind):
+        return self.command is not None and self.command.kind == kind
+
+    def unready(self):
+        """0, or why nothing may move now."""
+        if self.alarm or self.sleeping:
+            return errors.LOCKED
+        homing = self._board["homing"]
+        return errors.NOT_HOMED if homing and homing["required"] and not self.homed else 0
+
+    def notice(self, number):
+        self._events.append(Event(NOTICE, None, number))
+
+    def press(self, name):
+        """A button: "hold", "resume" or "reset"."""
+        kind = {"hold": commands.HOLD, "resume": commands.RESUME, "reset": commands.RESET}[name]
+        self._handlers[kind](Command(kind))
+
+    def fail(self, number):
+        """Alarm: stop, tool off. Only homing, or the user's word for it, leads out of it."""
+        command = self.command
+        if number in _ORDERLY:
+            self.pauses.drop()
+            self._forget()
+        elif number == errors.ALARM_HARD_LIMIT or number == errors.ALARM_RESET:
+            self.arrest()
+            self._forget()
+            self.homed = False
+        else:
+            self.shut_down()
+        self.alarm = number
+        self._note(number)
+        self._events.append(Event(ALARM, None, number))
+        if number in errors.NEED_RESET:
+            self.notice(errors.NOTICE_RESET_TO_CONTINUE)
+        if command is not None:
+            self._events.append(Event(REFUSED, command, errors.LOCKED))
 
     # --- commands
 
     def _bad(self, command):
         return command.error
 
-    def _hello(self, command):
-        return self._accepted(command)
-
     def _status(self, command):
         report = {
             "state": self.state,
             "error": self.alarm or self.log.last,
             "position": self.position(),
-            "drawn": self._count_drawn() & 0xFFFF,
-            "free": self.store.free(),
+            "drawn": self.objects.count_drawn() & 0xFFFF,
+            "free": self.objects.store.free(),
+            "substate": self.pauses.substate(),
+            "pins": self.inputs.pins(),
+            "blocks": self.queue.room(),
         }
+        self.program.report(report)
+        self.tools.report(report)
         self.log.last = 0
-        return self._accepted(command, report)
+        return self.accepted(command, report)
 
     def _stop(self, command):
-        if self._busy_with(commands.STOP):
-            self._finish()
-        if self._busy_with(commands.HOME):
+        if self.busy_with(commands.STOP):
+            self.finish()
+        if self.busy_with(commands.HOME):
             self.homed = False
         self.arrest()
-        self.store.clear()
-        self._drawing = self._jogging = False
-        self._lift()
-        self._planner.flush()
-        self._command = command
+        self._forget()
+        self.objects.lift()
+        self.queue.flush()
+        self.command = command
         return 0
 
     def _home(self, command):
         if self._homing is None:
             return errors.NO_HOMING
-        if self.state not in ("idle", "alarm"):
+        if self.alarm in errors.NEED_RESET:
+            return errors.LOCKED
+        if self.inputs.door_open():
+            return errors.DOOR_OPEN
+        if self.state not in ("idle", "alarm") or not self.queue.still():
             return LATER
-        self.store.clear()
+        self.objects.store.clear()
         self.alarm = 0
         self.homed = False
-        self._command = command
-        self._lift()
-        self._planner.flush()
+        self.command = command
+        self.objects.lift()
+        self.queue.flush()
         self._lifting = True
         return 0
 
-    def _set_speed(self, command):
-        limits = self._board["speed"]
-        if not limits["min"] <= command.value <= limits["max"]:
-            return errors.SPEED_RANGE
-        if self.state != "idle":
-            return self._locked() or LATER
-        self.speed = command.value
-        return self._accepted(command)
+    def _reset(self, command):
+        alarm = 0
+        if self.busy_with(commands.HOME):
+            alarm = errors.ALARM_HOMING_RESET
+        elif not self.queue.still() and not self.pauses.standing():
+            alarm = errors.ALARM_RESET
+        elif self.sleeping or self.alarm in errors.NEED_RESET:
+            self.alarm = errors.ALARM_LOCKED
+        self.command = None
+        self.checking = self.sleeping = False
+        self.arrest()
+        self._forget()
+        self.tools.restart()
+        if alarm:
+            self.fail(alarm)
+        self._events.append(Event(RESTARTED, None, self.alarm))
+        return self.accepted(command)
 
-    def _point(self, command):
-        refusal = self._locked()
-        if refusal:
-            return refusal
-        if not self._inside(command.target):
-            return errors.TRAVEL
-        if self._command is not None or self._jogging:
-            return LATER
-        if not self.store.free():
-            self._drawing = True
-            return LATER
-        if not self.store.count and not self._drawing:
-            self._taken = self.drawn = 0
-        x, y = command.target
-        self.store.put(x, y, command.tool)
-        return self._accepted(command)
-
-    def _draw(self, command):
-        refusal = self._locked()
-        if refusal:
-            return refusal
-        if self._command is not None or self._jogging:
-            return LATER
-        self._command = command
-        self._drawing = True
-        return 0
-
-    def _jog(self, command):
-        refusal = self._locked()
-        if refusal:
-            return refusal
-        if self._drawing or self._command is not None or self.store.count:
-            return errors.BUSY
-        steps = self._board["jog"]["steps"]
-        target = [self._target[axis] + steps * command.target[axis] for axis in range(len(command.target))]
-        if not self._inside(target):
-            return errors.JOG_TRAVEL
-        if not self._planner.room():
-            return LATER
-        self._jogging = True
-        self._line_to(target, self._tool, 0)
-        self._planner.flush()
-        return self._accepted(command)
-
-    def _accepted(self, command, value=None):
-        self._events.append(Event(ACCEPTED, command, 0, value))
-        return 0
-
-    def _locked(self):
-        if self.alarm:
+    def _unlock(self, command):
+        if self.alarm in errors.NEED_RESET:
             return errors.LOCKED
-        homing = self._board["homing"]
-        return errors.NOT_HOMED if homing and homing["required"] and not self.homed else 0
+        if self.alarm:
+            if self.inputs.door_open():
+                return errors.DOOR_OPEN
+            self.alarm = 0
+            self.notice(errors.NOTICE_UNLOCKED)
+        return self.accepted(command)
 
-    def _inside(self, target):
-        for axis in range(len(target)):
-            if not 0 <= target[axis] <= self._axes[axis]["travel_steps"]:
-                return False
-        return True
+    def _check(self, command):
+        if command.value:
+            if self.state != "idle":
+                return errors.BUSY
+            self.checking = True
+            self.notice(errors.NOTICE_CHECK_ON)
+            return self.accepted(command)
+        self.notice(errors.NOTICE_CHECK_OFF)
+        self.accepted(command)
+        return self._reset(command)
 
-    def _busy_with(self, kind):
-        return self._command is not None and self._command.kind == kind
+    def _sleep(self, command):
+        self.shut_down()
+        self.tools.restart()
+        self.sleeping = True
+        self.notice(errors.NOTICE_SLEEPING)
+        return self.accepted(command)
 
     def _note(self, number, who=None):
         self.log.add(self._port.machine_ms(), number, who)
+
+    def _forget(self):
+        self.objects.clear()
+        self.program.clear()
+        self.command = None
 
     # --- what goes on over many turns
 
@@ -266,97 +333,36 @@ class Controller:
             return
         result = self._homing.poll(now_ms)
         if result == 0:
-            self._origin = self._feeder.position(self._player.played())
-            self._target = [0] * len(self._axes)
+            self.queue.set_origin()
             self.homed = True
-            self._finish()
+            self.finish()
         elif result != RUNNING:
             self.fail(result)
 
-    def _poll_drawing(self):
-        while self.store.count and self._planner.room() >= _BLOCKS_A_POINT:
-            x, y, tool = self.store.take()
-            self._taken += 1
-            self._line_to((x, y), tool, self._taken)
-        if not self.store.count:
-            if self._command is not None and self._planner.room():
-                self._lift()
-            self._planner.flush()
-
     def _poll_end(self):
-        if self.store.count or not self._planner.empty() or self._player.busy():
+        if self.objects.store.count or not self.queue.still():
             return
-        if self._jogging:
-            self._jogging = False
-        elif self._busy_with(commands.DRAW) or self._busy_with(commands.STOP):
-            if self._drawing:
-                self.drawn = self._taken
-            self._drawing = False
-            self._finish()
-
-    def _finish(self):
-        command = self._command
-        self._command = None
-        self._events.append(Event(FINISHED, command))
-
-    def _count_drawn(self):
-        if not self._drawing:
-            return self.drawn
-        block = self._planner.playing()
-        if block is None and self._planner.empty():
-            return self._taken
-        return self.drawn if block is None else max(block.tag - 1, self.drawn)
-
-    # --- queueing motion
-
-    def _lift(self):
-        """Tool off at the end of the queue, and time for it to get there."""
-        if self._tool:
-            self._set_tool(False, self._taken + 1)
-
-    def _set_tool(self, on, tag):
-        self._tool = on
-        ms = self._board["tool"]["on_ms" if on else "off_ms"]
-        self._planner.wait(max(ms * TICKS_PER_MS, 2 * self._feeder.min_word_ticks), on, tag)
-
-    def _line_to(self, target, tool, tag):
-        if tool != self._tool:
-            self._set_tool(tool, tag)
-        deltas = [0] * len(self._axes)
-        for axis in range(len(target)):
-            deltas[axis] = target[axis] - self._target[axis]
-            self._target[axis] = target[axis]
-        self._planner.line(deltas, self._ticks(deltas), tool, tag)
-
-    def _ticks(self, deltas):
-        """How long the line lasts at the speed set, in the board file's sense of speed."""
-        speed = self._board["speed"]
-        if speed["unit"] == "half_period_us":
-            each_us = 2 * self.speed + speed["overhead_us"]
-            return max([abs(delta) for delta in deltas]) * each_us * TICKS_PER_MS // 1000
-        return length_nm(deltas, self._steps_per_m) * TICKS_PER_S * self._steps_per_m[0] // (self.speed * NM_PER_M)
+        self.program.jogging = False
+        if self.busy_with(commands.DRAW) or self.busy_with(commands.STOP):
+            self.objects.end()
+            self.finish()
 
     # --- the mover that homing uses
 
     def travel(self, axis, steps, steps_s):
         """Set out on `steps` along one axis, travel limits aside."""
-        deltas = [0] * len(self._axes)
-        deltas[axis] = steps
-        self._planner.line(deltas, abs(steps) * TICKS_PER_S // steps_s, False, 0)
-        self._planner.flush()
+        self.queue.travel(axis, steps, steps_s)
 
     def arrest(self):
         """Stop inside the word under way, drop everything queued; the tool is off. The position stays exact."""
-        self._feeder.open = False
-        self._player.halt()
-        position, _, _ = self._feeder.cancel(self._player.played())
-        self.drawn = self._count_drawn()
-        self._planner.clear()
-        self._tool = False
-        self._target = [position[axis] - self._origin[axis] for axis in range(len(position))]
+        self.queue.halt()
+        self.queue.position()
+        self.objects.drawn = self.objects.count_drawn()
+        self.queue.drop()
+        self.pauses.clear()
 
     def still(self):
-        return self._planner.empty() and not self._player.busy()
+        return self.queue.still()
 
     def place(self, axis):
         return self._feeder.position(self._player.played())[axis]

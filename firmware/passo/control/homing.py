@@ -17,24 +17,34 @@ RUNNING = -1
 
 
 class Homing:
-    def __init__(self, config, axes, mover, read):
+    def __init__(self, config, axes, mover, read, speeds):
         """`config`: the board file's homing; `axes`: its axes; `mover`: travel(axis, steps, steps_s), arrest(),
-        still() and place(axis); `read(name)`: an input's active state."""
+        still() and place(axis); `read(name)`: an input's active state; `speeds(axis)`: seek and locate speed in
+        steps/s, and the pull-off in steps."""
         self._config = config
+        self._axes = axes
         self._mover = mover
+        self._read = read
+        self._speeds = speeds
         self._order = []
-        for number in range(len(axes)):
-            name = axes[number]["name"]
-            if name in config["sensors"]:
-                sensor = config["sensors"][name]
-                self._order.append((number, axes[number]["travel_steps"], self._sensor(sensor, read)))
         self._phases = (self._leave, self._seek, self._pull_off, self._locate, self._pull_off)
         self._stage = 0
 
-    def _sensor(self, name, read):
-        return Sensor(lambda: read(name), self._config["debounce_ms"])
+    def _axis_order(self):
+        names = [axis["name"] for axis in self._axes]
+        order = self._config["order"] or [name for name in names if name in self._config["sensors"]]
+        return [names.index(name) for name in order]
+
+    def _sensor(self, name):
+        return Sensor(lambda: self._read(name), self._config["debounce_ms"])
 
     def start(self, now_ms):
+        """Begin, with the settings as they are now."""
+        self._order = []  # (axis, its travel in steps, its sensor)
+        for number in self._axis_order():
+            axis = self._axes[number]
+            sensor = self._sensor(self._config["sensors"][axis["name"]])
+            self._order.append((number, axis["travel_steps"], sensor))
         self._stage = 0
         self._now_ms = now_ms
         self._enter()
@@ -63,6 +73,8 @@ class Homing:
         phase = self._stage % len(self._phases)
         if phase == 0:
             sensor.restart(self._now_ms)
+        self._away = -1 if self._axes[axis]["name"] in self._config["high_end"] else 1
+        self._seek_steps_s, self._locate_steps_s, self._pull_off_steps = self._speeds(axis)
         self._phases[phase](axis, travel, sensor)
 
     # A phase sets out on its longest way and says what ends it: `_until` is the sensor's state that does (None: only
@@ -71,23 +83,27 @@ class Homing:
     def _leave(self, axis, travel, sensor):
         self._until = False
         self._alarm = errors.ALARM_SENSOR_STUCK
-        self._mover.travel(axis, self._leave_limit(travel) if sensor.active else 0, self._config["seek_steps_s"])
+        self._go(axis, self._leave_limit(travel) if sensor.active else 0, self._seek_steps_s)
 
     def _seek(self, axis, travel, sensor):
         self._until = True
         self._alarm = errors.ALARM_SENSOR_DEAD
-        self._mover.travel(axis, -(travel + 2 * self._leave_limit(travel)), self._config["seek_steps_s"])
+        self._go(axis, -(travel + 2 * self._leave_limit(travel)), self._seek_steps_s)
 
     def _pull_off(self, axis, travel, sensor):
         self._until = None
         self._alarm = errors.ALARM_SENSOR_STUCK
-        origin = sensor.edge + self._config["pull_off_steps"]
-        self._mover.travel(axis, origin - self._mover.place(axis), self._config["seek_steps_s"])
+        gone = (self._mover.place(axis) - sensor.edge) * self._away
+        self._go(axis, self._pull_off_steps - gone, self._seek_steps_s)
 
     def _locate(self, axis, travel, sensor):
         self._until = True
         self._alarm = errors.ALARM_SENSOR_DEAD
-        self._mover.travel(axis, -3 * self._config["pull_off_steps"], self._config["locate_steps_s"])
+        self._go(axis, -3 * self._pull_off_steps, self._locate_steps_s)
 
     def _leave_limit(self, travel):
-        return max(travel // 10, 5 * self._config["pull_off_steps"])
+        return max(travel // 10, 5 * self._pull_off_steps)
+
+    def _go(self, axis, steps, steps_s):
+        """Set out on `steps` away from the sensor's end."""
+        self._mover.travel(axis, steps * self._away, steps_s)

@@ -20,7 +20,8 @@ class Motors:
         self._off_levels = off_levels
         self._enable = "enable" in [output["name"] for output in board["outputs"]]
         self._hold_ms = board["drive"]["hold_ms"]
-        self._release_ms = board["idle_release_ms"]
+        self.enable_inverted = False
+        self._board = board  # its idle_release_ms may change
         self._since_ms = 0
         self.state = RELEASED
         self._tool = False  # as it was when the last motion ended: waking must not move it
@@ -38,7 +39,8 @@ class Motors:
         idle_ms = (now_ms - self._since_ms) & _TIME_MASK
         if self.state == RUNNING and idle_ms >= self._hold_ms:
             self._set(HOLDING)
-        if self.state == HOLDING and self._release_ms and idle_ms >= self._release_ms:
+        release_ms = self._board["idle_release_ms"]
+        if self.state == HOLDING and release_ms and idle_ms >= release_ms:
             self._set(RELEASED)
 
     def ready(self, now_ms):
@@ -53,7 +55,7 @@ class Motors:
     def _set(self, state):
         self.state = state
         if self._enable:
-            self._port.output("enable", state != RELEASED)
+            self._port.output("enable", (state != RELEASED) != self.enable_inverted)
         if self._drive is None:
             return
         levels = (self._drive.levels, self._drive.holding, self._off)[state]()

@@ -1,4 +1,4 @@
-"""The queue of blocks between the controller and the feeder, and the rule by which they are let go.
+"""The queue of blocks between the controller and the feeder, the rule by which they are let go, and their speeds.
 
     retired          fetched                     added          all count for ever, modulo 2²⁹
        |  being played  |  look-ahead: may change  |
@@ -8,28 +8,56 @@ A block is released to the feeder only when the look-ahead is full, or everythin
 job gives the same ticks however fast it arrived. A fetched block stays in its place until its last word has been
 played, because a hold may come back to it.
 
+Without limits() every block keeps its programmed speed from first to last. With them each block also has the speed at
+which it may be left: that of the corner, and no more than what the blocks behind it, the last of which ends at rest, can slow
+down from. Adding a block runs back over the look-ahead, only as far as something changes, and never over blocks that
+may have been released: what a block does depends on the LOOK_AHEAD − 1 that follow it, however many have come. The way up needs no
+pass: the ramp speeds up as it can.
+
+    planner.limits(Limits(steps_per_m, speeds, accelerations, junction_deviation))
+    planner.line((400, 30, 0), ticks, tool=True)
+    planner.arc((0, 200, 10), (0, 1, 2), (0, 100), speed_nm_s=20_000_000, tool=True)
+    planner.override(120)
+    planner.flush()
+
 The main loop adds and flushes; the feeder, in an interrupt, fetches and retires.
 """
 
+from array import array
 from micropython import const
 
-from passo.motion.block import FREE, LINE, WAIT, Block
+from passo.motion import arc
+from passo.motion.block import ARC, FREE, LINE, WAIT, Block
+from passo.motion.circle import PLAN, Circle
+from passo.motion.integers import NM_PER_M, isqrt
+from passo.motion.profile import TICKS_PER_S, set_units, square_in_units
 
 LOOK_AHEAD = const(64)
 IN_FLIGHT = const(64)
 _COUNT = const(0x1FFFFFFF)
 LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
+FEED_PERCENT = (10, 200)
+RAPID_PERCENT = (1, 100)
 
 
 class Planner:
     def __init__(self, axes):
         self.axes = axes
+        self.percent = array("i", [100, 100])  # overrides: of the feed, of rapid motion
         self._pool = [Block(axes) for _ in range(LOOK_AHEAD + IN_FLIGHT)]
+        self._circle = Circle(axes)  # walked by one block at a time
+        self._limits = None
         self.clear()
+
+    def limits(self, limits):
+        """Accelerate within `limits` (profile.Limits) from now on; None: not at all. Only while nothing is queued."""
+        self._limits = limits
 
     def clear(self):
         """Forget every block. Only while the feeder is stopped."""
-        self._added = self._flushed = self._fetched = self._retired = 0
+        self._added = self._flushed = self._fetched = self._retired = self._frozen = 0
+        self._before = None  # the last block queued, where motion may go through to the next without a stand
+        self._heading = None  # its direction at its end
 
     def room(self):
         """How many more blocks can be queued now."""
@@ -39,10 +67,13 @@ class Planner:
         """True when every block has been played to its last word."""
         return self._added == self._retired
 
-    def line(self, deltas, ticks, tool, tag=None):
+    # --- adding
+
+    def line(self, deltas, ticks, tool, tag=None, rapid=False):
         """Queue the line `deltas` (steps), to last `ticks` at its programmed speed. A line of no steps is no block.
 
-        Raises ValueError where it has too many steps, or steps further apart than LONGEST_TICKS.
+        `rapid`: the override of rapid motion counts for it. An axis's limit makes it slower. Raises ValueError where it
+        has too many steps, or steps further apart than LONGEST_TICKS.
         """
         block = self._pool[self._added % len(self._pool)]
         line = block.line
@@ -53,9 +84,57 @@ class Planner:
             raise ValueError("steps more than 43 s apart")
         block.kind = LINE
         block.walker = line
+        block.rapid = 1 if rapid else 0
+        heading = None
+        if self._limits:
+            length, heading = self._limits.vector(deltas)
+            fastest = self._limits.along(self._limits.speeds, heading)
+            acceleration = self._limits.along(self._limits.accelerations, heading)
+            ticks = self._speeds(block, line.total << 10, max(ticks, 1), length, fastest, acceleration, heading)
+        else:
+            block.gain = 0
         block.ticks = max(ticks // line.total, 1)
         block.ticks_rest = ticks % line.total
-        self._add(block, tool, tag)
+        self._add(block, tool, tag, heading)
+
+    def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=None, rapid=False):
+        """Queue an arc or helix from here to `deltas` (steps, all axes) about `center` (steps from here, in the plane).
+
+        `plane`: (a, b, third axis or -1), counter-clockwise is from a to b; `turns`: full ones on top. Its speed along
+        the path, or the `ticks` it lasts at that. On arcs v²/R stays within the weaker axis's acceleration. An arc too
+        short for a step is no block. Raises ValueError for what cannot be walked as a circle: the plane's axes with
+        different steps/mm, a radius of 0 or above 2²⁰ steps; arc.TooSteep for too steep a helix. Use chords() there.
+        """
+        steps_per_m = self._limits.steps_per_m if self._limits else None
+        if steps_per_m is None:
+            raise ValueError("an arc needs limits(), for its length")
+        if steps_per_m[plane[0]] != steps_per_m[plane[1]]:
+            raise ValueError("the plane's axes differ in steps/mm")
+        block = self._pool[self._added % len(self._pool)]
+        if block.plan is None:
+            block.plan = array("i", [0] * PLAN)
+        path, _ = arc.plan(block.plan, plane, center, deltas, clockwise, turns)
+        if not path:
+            if max([abs(delta) for delta in deltas]):
+                self.line(deltas, ticks or 1, tool, tag, rapid)
+            return
+        flat = path * NM_PER_M // (steps_per_m[plane[0]] << 10)
+        rise = deltas[plane[2]] * NM_PER_M // steps_per_m[plane[2]] if plane[2] >= 0 else 0
+        length = isqrt(flat * flat + rise * rise)
+        if not ticks:
+            ticks = length * TICKS_PER_S // speed_nm_s
+        if (ticks << 10) // path > LONGEST_TICKS:
+            raise ValueError("steps more than 43 s apart")
+        block.kind = ARC
+        block.walker = self._circle
+        block.rapid = 1 if rapid else 0
+        fastest, acceleration = self._arc_limits(plane, center, flat, rise, length)
+        start = self._tangent(plane, center, (0, 0), clockwise, flat, rise, length)
+        end = self._tangent(plane, center, (deltas[plane[0]], deltas[plane[1]]), clockwise, flat, rise, length)
+        ticks = self._speeds(block, path, max(ticks, 1), length, fastest, acceleration, start)
+        block.ticks = max((ticks << 10) // path, 1)
+        block.ticks_rest = ((ticks << 10) % path << 7) // path
+        self._add(block, tool, tag, end)
 
     def wait(self, ticks, tool, tag=None):
         """Queue `ticks` (1 … LONGEST_TICKS) without a step, the tool bit as given from their start."""
@@ -64,31 +143,120 @@ class Planner:
         block.walker = None
         block.ticks = ticks
         block.ticks_rest = 0
-        self._add(block, tool, tag)
+        block.gain = 0
+        self._add(block, tool, tag, None)
 
     def free(self, walker, tool, tag=None):
         """Queue axes that run independently: `walker` is a steps.timed.Timed with its axes set."""
         block = self._pool[self._added % len(self._pool)]
         block.kind = FREE
         block.walker = walker
-        self._add(block, tool, tag)
+        block.gain = 0
+        self._add(block, tool, tag, None)
 
-    def _add(self, block, tool, tag):
+    def _add(self, block, tool, tag, heading):
         block.tool = tool
         block.tag = tag
         block.first = 0
+        block.leave = block.exit = 0
+        self._before = block if block.gain else None
+        self._heading = heading
         self._added = (self._added + 1) & _COUNT
+        if self._before:
+            self._look_back(False)
 
     def flush(self):
-        """Nothing more is coming for now: release all that is queued."""
-        self._flushed = self._added
+        """Nothing more is coming for now: release all that is queued. The last block ends at rest."""
+        self._flushed = self._frozen = self._added
+        self._before = None
 
-    def next(self):  # ISR: no allocation
-        """The next block released, or None."""
+    def override(self, percent, rapid=None):
+        """Feed at `percent` (10 … 200) of the programmed speed, rapid motion at `rapid` percent, from now on."""
+        self.percent[0] = max(FEED_PERCENT[0], min(percent, FEED_PERCENT[1]))
+        if rapid is not None:
+            self.percent[1] = max(RAPID_PERCENT[0], min(rapid, RAPID_PERCENT[1]))
+        self._look_back(True)
+
+    # --- speeds
+
+    def _speeds(self, block, steps, ticks, length, fastest, acceleration, heading):
+        """Set the block's speeds and its ramp; returns its ticks, more of them where an axis's limit asks for it."""
+        speed = length * TICKS_PER_S // ticks or 1
+        if speed > fastest:
+            speed = fastest
+            ticks = -(-length * TICKS_PER_S // speed)
+        block.speed = speed
+        block.fastest = fastest
+        before = self._before
+        set_units(block, steps, ticks, length, acceleration, before)
+        block.corner = 0
+        if before is not None:
+            block.corner = self._limits.corner(self._heading, heading)
+        return ticks
+
+    def _arc_limits(self, plane, center, flat, rise, length):
+        """(highest speed, acceleration) along the path of an arc."""
+        limits = self._limits
+        radius = isqrt((center[0] * center[0] + center[1] * center[1]) << 20) * NM_PER_M // limits.steps_per_m[plane[0]] >> 10
+        weaker = min(limits.accelerations[plane[0]], limits.accelerations[plane[1]])
+        speed = min(limits.speeds[plane[0]], limits.speeds[plane[1]], isqrt(weaker * radius)) * length // flat
+        acceleration = weaker * length // flat
+        if rise:
+            speed = min(speed, limits.speeds[plane[2]] * length // abs(rise))
+            acceleration = min(acceleration, limits.accelerations[plane[2]] * length // abs(rise))
+        return speed or 1, acceleration or 1
+
+    def _tangent(self, plane, center, place, clockwise, flat, rise, length):
+        """Direction of the arc at `place`, of 2³⁰."""
+        x, y = place[0] - center[0], place[1] - center[1]
+        radius = isqrt((x * x + y * y) << 20) or 1
+        sign = -1 if clockwise else 1
+        heading = [0] * self.axes
+        heading[plane[0]] = -sign * (y << 40) // radius * flat // length
+        heading[plane[1]] = sign * (x << 40) // radius * flat // length
+        if plane[2] >= 0:
+            heading[plane[2]] = (rise << 30) // length
+        return heading
+
+    def _cap(self, block):
+        """The speed that the programme and the override ask for in `block`."""
+        return min(block.speed * self.percent[block.rapid] // 100, block.fastest)
+
+    def _look_back(self, all):
+        """Raise the exits of the blocks that may still change, from the newest back, as far as one does; `all`: of all.
+
+        An exit is never lowered, what is under way may count on it: the ramp itself slows down to a lower override.
+        """
+        number = self._added
+        count = min((number - self._frozen) & _COUNT, LOOK_AHEAD)
+        size = len(self._pool)
+        while count > 1:
+            block = self._pool[(number - 1) % size]
+            before = self._pool[(number - 2) % size]
+            square = 0
+            if block.gain and before.gain:
+                square = min(self._cap(block), self._cap(before)) ** 2
+                if block.corner is not None and block.corner < square:
+                    square = block.corner
+                square = min(square, block.exit + block.reach)
+            if square > before.exit:
+                before.exit = square
+                before.leave = square_in_units(before, square)
+            elif not all:
+                return
+            number -= 1
+            count -= 1
+
+    # --- fetching: may run in an interrupt
+
+    def next(self, moving=False):  # ISR: no allocation
+        """The next block released, or None. To a machine that is `moving` any block is released: it cannot stop here."""
         fetched = self._fetched
-        if fetched == self._flushed and (self._added - fetched) & _COUNT < LOOK_AHEAD:
+        if fetched == self._added:
             return None
         if fetched == self._flushed:
+            if (self._added - fetched) & _COUNT < LOOK_AHEAD and not moving:
+                return None
             self._flushed = (fetched + 1) & _COUNT
         self._fetched = (fetched + 1) & _COUNT
         return self._pool[fetched % len(self._pool)]

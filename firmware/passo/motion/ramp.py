@@ -1,39 +1,301 @@
 """Cuts a block into segments of about a millisecond: how many dominant steps, and how many ticks they last.
 
-A segment is never cut inside a dominant interval: where steps are further apart it is one step long. The block's total
-is exact: the ticks that do not divide by its steps are spread over all of it.
+A segment is never cut inside a dominant interval: where steps are further apart it is one step long. At programmed speed a
+line's total is exact: the ticks that do not divide by its steps are spread over all of it.
+
+With acceleration the ramp carries q, the square of the speed, in units of the block's own (see profile.py), because along
+the path q is linear: it gains at most `gain` a step. Each segment's end takes the largest q that
+
+    - the block's speed and the override allow, or, in a hold, the least that can be reached
+    - still leaves room to slow down to the block's planned exit, `leave`
+
+      q ^      _________            A segment's time is exact for the trapezoid inside it: its steps at peak
+        |     /         \\           speed, and what getting from v₁ to the peak and on to v₂ costs more,
+        |    /           \\          t·(peak − v) / 2·peak each, t being the time that change of speed takes.
+        |___/_____________\\___ path
+
+    v₁                     v₂
+
+Everything here may run in an interrupt: no allocation, no integer of 2³⁰.
 """
 
 import micropython
 from micropython import const
 
+from passo.motion.block import ARC
+from passo.motion.circle import divide
 from passo.motion.line import MAX_RUN
 
 SEGMENT_TICKS = const(12_500)  # 1 ms
+FAR = const(0x1FFFFFFF)  # 2²⁹ − 1: the most q a segment may gain
+HIGHEST = const(0x3FFFFFFF)
+_V_BITS = const(7)  # fraction bits of a speed; with them it has 22 at most
 
 
 class Ramp:
-    """Constant speed. After cut(), `steps` and `ticks` hold the segment."""
+    """After cut(), `steps` and `ticks` hold the segment."""
 
     def __init__(self):
         self.steps = self.ticks = 0
+        self._block = None
+        self._walker = None
+        self._q = 0  # where the next segment begins, in the block's units
         self._each = self._rest = self._total = self._carry = 0
+        self._steady = True
+        self._arc = False
+        self._done = 0  # words of the arc's run cut so far
+        self._part = 0
+        self._speed = 0  # v of _q, _V_BITS fraction bits
+
+    def stall(self):  # ISR: no allocation
+        """The machine stands: what comes next begins at rest."""
+        self._q = self._speed = 0
+
+    def moving(self):  # ISR: no allocation
+        """True when the next segment begins at a speed above zero that was reached by acceleration."""
+        return self._q > 0
 
     def begin(self, block):  # ISR: no allocation
+        """Take up `block` at the speed the last one ended with."""
+        self._block = block
+        self._walker = block.walker
         self._each = block.ticks
         self._rest = block.ticks_rest
         self._total = block.walker.total
         self._carry = 0
+        self._arc = block.kind == ARC
+        self._done = 0
+        self._steady = not block.gain
+        if self._steady:
+            self._q = self._speed = 0
+            return
+        speed = self._speed
+        shift = block.ratio_shift
+        while speed >= 0x8000:
+            speed >>= 1
+            shift -= 1
+        speed *= block.ratio  # 15 bits by 14
+        most = block.limit << _V_BITS
+        if shift >= 0:
+            speed >>= shift
+        else:
+            speed = speed << -shift if speed < most >> -shift else most
+        if speed > most:
+            speed = most
+        self._speed = speed
+        whole = speed >> _V_BITS
+        self._q = whole * whole + (2 * whole * (speed & 127) >> _V_BITS)
 
     @micropython.native
-    def cut(self, left):  # ISR: no allocation
-        """The next segment of a walker that has `left` ≥ 1 dominant steps before its end or its next corner."""
-        steps = SEGMENT_TICKS // self._each or 1
+    def cut(self, left, percent=100, hold=False):  # ISR: no allocation
+        """The next segment of a walker that has `left` ≥ 1 dominant steps before its end or its next corner.
+
+        `percent` of the programmed speed is wanted; with `hold` none at all. `steps` is 0 where the machine stands.
+        """
+        if self._steady:
+            self._cut_steady(left, hold)
+        else:
+            self._cut_ramp(left, percent, hold)
+
+    @micropython.native
+    def _cut_steady(self, left, hold):  # ISR: no allocation
+        self.steps = 0
+        if hold:
+            return
+        if self._arc:
+            walker = self._walker
+            steps = self._arc_steps(left, walker, self._each, 0)
+            self.ticks = self._path_ticks(self._arc_path(steps, walker), self._each, self._rest)
+        else:
+            steps = SEGMENT_TICKS // self._each or 1
+            if steps > left:
+                steps = left
+            if steps > MAX_RUN:
+                steps = MAX_RUN
+            self.ticks = self._nominal(steps)
+        self.steps = steps
+
+    @micropython.native
+    def _nominal(self, steps):  # ISR: no allocation
+        carry = self._carry + steps * self._rest
+        self._carry = carry % self._total
+        return steps * self._each + carry // self._total
+
+    def _arc_steps(self, left, walker, each, most):  # ISR: no allocation
+        """How many words of the arc's run last about a millisecond at `each` ticks a step of path."""
+        if walker.left == walker.words:
+            self._done = 0
+        path = walker.path or 1
+        steps = SEGMENT_TICKS // each << 10
+        if steps >= path:
+            steps = left
+        else:
+            steps = steps * walker.words // path
+        if most and steps * path > (most << 10) * walker.words:
+            steps = (most << 10) * walker.words // path
         if steps > left:
             steps = left
         if steps > MAX_RUN:
             steps = MAX_RUN
-        carry = self._carry + steps * self._rest
+        return steps or 1
+
+    def _arc_path(self, steps, walker):  # ISR: no allocation
+        """Path of the next `steps` words, in 2⁻¹⁷ steps; counts them as done."""
+        self._done += steps
+        return divide(walker.path * steps, walker.words, 7)
+
+    def _path_ticks(self, path, each, part):  # ISR: no allocation
+        """Ticks of `path` (2⁻¹⁷ steps) at each + part / 128 a step."""
+        whole = path >> 17
+        fraction = path & 0x1FFFF
+        if each < 0x80000:
+            ticks = (whole * part >> 7) + (fraction * part >> 24)
+            ticks += ((fraction >> 7) * each >> 10) + ((fraction & 127) * each >> 17)
+        elif each < 0x800000:
+            ticks = fraction * (each >> 10) >> 7
+        else:
+            ticks = (fraction >> 7) * (each >> 10)
+        return (whole * each + ticks) or 1
+
+    # --- with acceleration
+
+    def _cut_ramp(self, left, percent, hold):  # ISR: no allocation
+        block = self._block
+        q = self._q
+        cap = block.top * percent // 100
+        if cap > block.limit:
+            cap = block.limit
+        cap *= cap
+        self.steps = 0
+        if hold:
+            cap = 0
+            if not q:
+                return
+        gain = block.gain
+        most = FAR // gain or 1
+        if most > MAX_RUN:
+            most = MAX_RUN
+        # How many steps: a millisecond of them at this speed, one from rest.
+        each = 0
+        steps = 1
+        if q:
+            each = self._step_ticks(block.span, self._speed)
+            if self._arc:
+                steps = self._arc_steps(left, self._walker, each, most)
+            else:
+                steps = SEGMENT_TICKS // each or 1
+                if steps > most:
+                    steps = most
+                if steps > left:
+                    steps = left
+                if steps > MAX_RUN:
+                    steps = MAX_RUN
+        elif self._arc:
+            steps = self._arc_steps(left, self._walker, SEGMENT_TICKS, most)
+        # How fast at its end.
+        if self._arc:
+            walker = self._walker
+            path = self._arc_path(steps, walker)
+            change = FAR
+            if path >> 17 <= FAR // gain:
+                change = self._gained(gain, path >> 17, path & 0x1FFFF)
+            done = divide(walker.path * self._done, walker.words, 7) + (walker.fine >> 3)
+            togo = walker.to_go - (done >> 17)
+            part = -done & 0x1FFFF
+            if part:
+                togo -= 1
+            if steps == walker.left and walker.last():
+                togo = part = 0
+        else:
+            path = steps << 17
+            change = steps * gain
+            togo = left - steps
+            part = 0
+        if change > FAR:
+            change = FAR
+        if q < cap:
+            aim = cap if cap - q <= change else q + change
+        else:
+            aim = cap if q - cap <= change else q - change
+        leave = block.leave
+        if aim > leave:
+            if togo < 0:
+                aim = leave
+            elif togo + (1 if part else 0) <= HIGHEST // gain:
+                room = self._gained(gain, togo, part)
+                if room < aim - leave:
+                    aim = leave + room
+        # The peak in between, and the time.
+        high = q if q > cap else cap
+        half = change + (aim - q) >> 1
+        peak = high if half > high - q else q + half
+        if peak < aim:
+            peak = aim
+        if peak < q:
+            peak = q
+        if peak < 1:
+            peak = 1
+        after = self._root(aim)
+        top = block.top
+        if q == aim == peak and percent == 100 and q == top * top and not self._arc:
+            self.ticks = self._nominal(steps)
+        else:
+            fast = self._root(peak)
+            each = self._step_ticks(block.span, fast)
+            ticks = self._path_ticks(path, each, self._part)
+            if fast != self._speed:
+                ticks += self._loss(block, fast, fast - self._speed)
+            if fast != after:
+                ticks += self._loss(block, fast, fast - after)
+            self.ticks = ticks
+        self._q = aim
+        self._speed = after
         self.steps = steps
-        self.ticks = steps * self._each + carry // self._total
-        self._carry = carry % self._total
+
+    def _gained(self, gain, steps, part):  # ISR: no allocation
+        """gain · (steps + part / 2¹⁷)."""
+        if not part:
+            return steps * gain
+        return steps * gain + (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
+
+    def _root(self, q):  # ISR: no allocation
+        """√q with _V_BITS fraction bits."""
+        if q < 1:
+            return 0
+        root = (self._speed >> _V_BITS) or 0x2000
+        better = (root + q // root) >> 1
+        while better > root + 1 or better < root - 1:
+            root = better
+            better = (root + q // root) >> 1
+        root = better
+        while root * root > q:
+            root -= 1
+        return (root << _V_BITS) + ((q - root * root) << _V_BITS - 1) // root
+
+    def _step_ticks(self, span, speed):  # ISR: no allocation
+        """span·64 / speed: the ticks of a step at `speed`; what is left over, in 128ths, goes to `_part`."""
+        whole = span // speed
+        rest = (span % speed) << 6
+        part = rest % speed
+        self._part = (part << _V_BITS) // speed
+        whole = whole << 6 if whole < 0x800000 else FAR
+        return whole + rest // speed
+
+    def _loss(self, block, fast, change):  # ISR: no allocation
+        """Ticks that a change of speed up to `fast` costs, against having that speed all along: t · change / 2·fast.
+
+        Rounded up: never more acceleration than allowed.
+        """
+        ratio = divide(change, fast, 14)  # ≤ 2¹⁴
+        shift = block.time_shift + _V_BITS
+        while change >= 0x8000:
+            change >>= 1
+            shift -= 1
+        ticks = change * block.time  # 15 bits by 15
+        if shift >= 0:
+            ticks >>= shift
+        else:
+            ticks = ticks << -shift if ticks < FAR >> -shift else FAR
+        if ticks < 0x8000:
+            return (ticks * ratio >> 15) + 1
+        return (ticks >> 15) * ratio + ((ticks & 0x7FFF) * ratio >> 15) + 1

@@ -2,6 +2,8 @@
 
 A protocol turns bytes into Commands and Events into bytes; the controller turns Commands into Events. What a protocol
 could not understand is a Command too, BAD with the number of the error, so that it is logged and answered like others.
+
+Places are steps of each axis from machine position zero; speeds are nanometres a second along the path.
 """
 
 from micropython import const
@@ -15,12 +17,40 @@ SPEED = const(5)  # `value`: drawing speed, in the unit of the board file
 POINT = const(6)  # `target` in steps from the origin, `tool`: append to the stored object
 DRAW = const(7)  # draw the stored object to its end, then clear it
 JOG = const(8)  # `target`: direction of each axis, −1, 0 or +1; the distance is the board file's
+LINE = const(9)  # to `target` at `feed`
+ARC = const(10)  # to `target` at `feed`, about a centre: see Motion
+JOG_TO = const(11)  # as LINE, only from rest or behind another jog; JOG_CANCEL drops it
+PROBE = const(12)  # as LINE, until the probe changes; `value`: bit 0 until contact is lost, bit 1 a miss is no alarm
+DWELL = const(13)  # `value` microseconds after everything before it has ended; 0: only that
+PAUSE = const(14)  # everything before it ends, then the machine waits for RESUME
+SPINDLE = const(15)  # `value`: 3 clockwise, 4 counter-clockwise, 5 off; `power` in millionths of the most, `tool`: lit now
+COOLANT = const(16)  # `value`: bit 0 flood, bit 1 mist
+HOLD = const(17)  # come to a stand on the path
+RESUME = const(18)  # go on after HOLD, PAUSE or DOOR
+DOOR = const(19)  # as HOLD, the tool off as well
+JOG_CANCEL = const(20)
+RESET = const(21)  # stop now, forget everything queued
+UNLOCK = const(22)  # leave the alarm without homing
+OVERRIDE = const(23)  # `value`: one of FEED … ALL below, `power`: the percentage, or 0 and `feed`: the change of it
+TOGGLE = const(24)  # while moving: `value` as COOLANT, toggled; SPINDLE_STOP in a hold
+CHECK = const(25)  # `value` 1: commands are only checked from now on; 0: they are carried out again
+SLEEP = const(26)  # everything off until RESET
+SYNC = const(27)  # nothing but an answer, once everything before it has ended
 
-IMMEDIATE = (BAD, HELLO, STATUS, STOP)  # never wait behind another command
+IMMEDIATE = (BAD, HELLO, STATUS, STOP, HOLD, RESUME, DOOR, JOG_CANCEL, RESET, OVERRIDE, TOGGLE)  # never wait for others
+
+FEED = const(0)
+RAPID = const(1)
+POWER = const(2)
+ALL = const(3)
+SPINDLE_STOP = const(4)  # TOGGLE
 
 ACCEPTED = const(0)
 REFUSED = const(1)  # `error` says why; nothing moved
 FINISHED = const(2)  # a command that takes time has done what it was asked
+ALARM = const(3)  # pushed to every link, `command` None: `error` is the alarm's number
+NOTICE = const(4)  # pushed to every link, `command` None: `error` is one of the notices of errors.py
+RESTARTED = const(5)  # pushed to every link after a RESET, `command` None
 
 
 class Command:
@@ -30,7 +60,31 @@ class Command:
         self.value = value
         self.tool = tool
         self.error = error
+        self.power = 0
+        self.feed = 0
         self.link = None  # set by the app: where the answer goes
+
+
+class Motion(Command):
+    """LINE, ARC, JOG_TO, PROBE.
+
+    `feed` 0 is as fast as the axes may; `per_min`, where not 0, is the time instead: the motion lasts a minute /
+    per_min × 1000. `tool` and `power` hold from the motion's start, `dynamic`: power follows the speed. `number` is the
+    line of the programme. Arcs lie in the plane of the axes `first` and `second`; `centre` is the vector from the
+    start to the centre in steps, the third axis goes in proportion to the swept angle, `turns` is 1 for up to a whole
+    turn, and one more for each turn beyond it.
+    """
+
+    def __init__(self, kind, target=None):
+        Command.__init__(self, kind, target)
+        self.per_min = 0
+        self.dynamic = False
+        self.number = 0
+        self.first = 0
+        self.second = 1
+        self.clockwise = False
+        self.centre = (0, 0)
+        self.turns = 1
 
 
 class Event:

@@ -171,7 +171,13 @@ class Plotter:
         return _ON_ACCEPTED.get(command.kind, b"")
 
 
+    def push(self, event):
+        """The board never speaks unasked."""
+        return b""
+
+
 STATES = ("idle", "run", "home", "jog", "alarm", "hold")
+_SHOWN_AS = {"door": "hold", "check": "idle", "sleep": "alarm"}  # states that the language has no number for
 
 
 def status_bytes(report):
@@ -179,7 +185,8 @@ def status_bytes(report):
     a place left of the origin as 0."""
     fields = [max(0, min(65535, place)) for place in report["position"][:2]]
     fields += [report["drawn"], min(report["free"], 65535)]
-    body = bytearray((COMMANDS["STATUS"], STATES.index(report["state"]), report["error"]))
+    state = _SHOWN_AS.get(report["state"], report["state"])
+    body = bytearray((COMMANDS["STATUS"], STATES.index(state), report["error"]))
     for field in fields:
         body.append(field >> 8 & 255)
         body.append(field & 255)

@@ -16,7 +16,7 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion.block import FREE, WAIT
+from passo.motion.block import ARC, FREE, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.ramp import Ramp
 from passo.steps import pace
@@ -61,6 +61,8 @@ class Feeder:
 
     def _reset(self, played):
         self._block = None
+        self._ramp.stall()
+        self._stood = False
         self._index = 0
         self._wait = 0
         self._debt = 0
@@ -78,14 +80,21 @@ class Feeder:
         if not self.open:
             return
         self.retire(played)
-        if self.hold:
+        if self.standing():
+            self._stood = True
             return
-        if self._block is not None and self._oldest == self._newest:
+        if self._block is not None and self._oldest == self._newest and not self._stood:
             self.late += 1
+        self._stood = False
         oldest = self._oldest % _CHECKPOINTS
         while (self._ticks - self._mark_ticks[oldest]) & _COUNT < lead_ticks:
             if not self._segment():
                 return
+
+    @micropython.native
+    def standing(self):  # ISR: no allocation
+        """True when a hold has come to its stand; the words already made may still be playing."""
+        return self.hold and not self._ramp.moving()
 
     @micropython.native
     def retire(self, played):  # ISR: no allocation
@@ -107,7 +116,9 @@ class Feeder:
         ring = self.ring
         if (ring.head - self._mark_word[oldest % _CHECKPOINTS]) & _COUNT > ring.size - _ROOM:
             return False
-        if self._block is None and not self._fetch():
+        if self.standing() or self._block is None and not self._fetch():
+            return False
+        if self.standing():
             return False
         block = self._block
         if self._wait:
@@ -115,12 +126,12 @@ class Feeder:
         elif block.kind == FREE:
             self._free(block.walker)
         else:
-            self._line(block.walker)
+            return self._line(block.walker)
         return True
 
     @micropython.native
     def _fetch(self):  # ISR: no allocation
-        block = self.planner.next()
+        block = self.planner.next(self._ramp.moving())
         if block is None:
             return False
         self._block = block
@@ -129,16 +140,23 @@ class Feeder:
         self._levels = self._levels & ~tool | (tool if block.tool else 0)
         if block.kind == WAIT:
             self._wait = block.ticks
-        elif block.kind != FREE:
+            self._ramp.stall()
+        elif block.kind == FREE:
+            self._ramp.stall()
+        else:
+            if block.kind == ARC:
+                block.walker.load(block.plan)
             self._ramp.begin(block)
         return True
 
     @micropython.native
     def _line(self, walker):  # ISR: no allocation
         ramp = self._ramp
-        ramp.cut(walker.left)
+        ramp.cut(walker.left, self.planner.percent[self._block.rapid], self.hold)
         steps = ramp.steps
         ticks = ramp.ticks
+        if not steps:
+            return False
         if ticks > HOLD_TICKS and steps == 1:
             self._wait = ticks - HOLD_TICKS
             ticks = HOLD_TICKS
@@ -156,6 +174,7 @@ class Feeder:
             made += run
         self._index += steps
         self._finish(steps, ticks, walker.left == 0 and not self._wait, walker.made)
+        return True
 
     @micropython.native
     def _free(self, walker):  # ISR: no allocation

@@ -1,0 +1,39 @@
+"""How far an arc reaches beyond its ends."""
+
+from passo.motion.integers import isqrt
+
+_DIRECTIONS = ((1, 0), (0, 1), (-1, 0), (0, -1))
+
+
+def farthest(start, arc):
+    """The places on `arc` (a Motion from `start`) that lie farthest out along the axes of its plane, to the nearest step.
+    """
+    i, j = arc.centre
+    radius = (isqrt(4 * (i * i + j * j)) + 1) // 2
+    centre = start[arc.first] + i, start[arc.second] + j
+    end = arc.target[arc.first] - centre[0], arc.target[arc.second] - centre[1]
+    begin = (-i, -j)
+    if arc.clockwise:
+        begin, end = end, begin
+    places = []
+    for direction in _DIRECTIONS:
+        if arc.turns > 1 or swept(begin, direction, end):
+            place = list(arc.target)
+            place[arc.first] = centre[0] + radius * direction[0]
+            place[arc.second] = centre[1] + radius * direction[1]
+            places.append(place)
+    return places
+
+
+def swept(begin, direction, end):
+    """True if `direction` lies on the way from `begin` counter-clockwise to `end`; a way of nothing is a whole turn."""
+    turn = cross(begin, end)
+    if not turn and begin[0] * end[0] + begin[1] * end[1] > 0:
+        return True
+    if turn >= 0:
+        return cross(begin, direction) >= 0 and cross(direction, end) >= 0
+    return not (cross(end, direction) > 0 and cross(direction, begin) > 0)
+
+
+def cross(one, two):
+    return one[0] * two[1] - one[1] * two[0]

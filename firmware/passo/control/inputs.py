@@ -1,0 +1,98 @@
+"""The switches beside homing's work: limits, probe, safety door and buttons, by the names of the board file's inputs.
+
+    limit_x …  or whatever homing.sensors names for the axis     probe     door     hold  resume  reset
+"""
+
+from passo.control import settings as table
+from passo.control.sensor import Sensor
+from passo.protocols import errors
+
+_BUTTONS = ("reset", "hold", "resume")
+_LETTERS = "RHS"
+
+
+class Inputs:
+    def __init__(self, board, settings, machine, port):
+        self._settings = settings
+        self._machine = machine
+        self._port = port
+        names = [item["name"] for item in board["inputs"]]
+        self.has_probe = "probe" in names
+        self._has_door = "door" in names
+        homing = board["homing"]
+        found = []
+        for axis in board["axes"]:
+            name = homing["sensors"].get(axis["name"]) if homing else None
+            name = name or "limit_" + axis["name"]
+            if name in names:
+                found.append((axis["name"].upper(), name))
+        self._limit_names = [name for _, name in found]
+        self._limits = [(letter, name, self._sensor(name)) for letter, name in found]
+        self._buttons = [(name, self._sensor(name)) for name in _BUTTONS if name in names]
+        self._door = self._sensor("door") if self._has_door else None
+        self.hit = ""  # the limit that raised the last alarm
+
+    def _sensor(self, name):
+        return Sensor(lambda: self.read(name), self._settings.value(table.HOMING_DEBOUNCE))
+
+    def read(self, name):
+        """True while the input is active; the settings can turn limits and probe round."""
+        active = self._port.input(name)
+        if name == "probe":
+            return active != bool(self._settings.value(table.PROBE_INVERT))
+        if name in self._limit_names:
+            return active != bool(self._settings.value(table.LIMIT_INVERT))
+        return active
+
+    def touched(self):
+        return self.has_probe and self.read("probe")
+
+    def door_open(self):
+        return self._has_door and self.read("door")
+
+    def pins(self):
+        """Letters of what is active, as the status report has them: XYZ limits, P D H R S."""
+        text = "".join([letter for letter, name, _ in self._limits if self.read(name)])
+        if self.touched():
+            text += "P"
+        if self.door_open():
+            text += "D"
+        pressed = [name for name, _ in self._buttons if self.read(name)]
+        for name, letter in (("hold", "H"), ("reset", "R"), ("resume", "S")):
+            if name in pressed:
+                text += letter
+        return text
+
+    def limit_active(self):
+        """True while any limit switch is."""
+        for _, name, _ in self._limits:
+            if self.read(name):
+                return True
+        return False
+
+    def poll(self, now_ms):
+        machine = self._machine
+        if self._door is not None:
+            before = self._door.active
+            self._door.sample(now_ms, 0)
+            if self._door.active and not before:
+                machine.pauses.open_door()
+        for name, sensor in self._buttons:
+            before = sensor.active
+            sensor.sample(now_ms, 0)
+            if sensor.active and not before:
+                machine.press(name)
+        self._poll_limits(now_ms)
+
+    def _poll_limits(self, now_ms):
+        if not self._settings.value(table.HARD_LIMITS):
+            return
+        machine = self._machine
+        moving = not machine.fine() and not machine.still()
+        for letter, _, sensor in self._limits:
+            before = sensor.active
+            sensor.sample(now_ms, 0)
+            if moving and sensor.active and not before:
+                self.hit = letter
+                machine.fail(errors.ALARM_HARD_LIMIT)
+                return

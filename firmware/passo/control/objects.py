@@ -1,0 +1,140 @@
+"""Drawing stored objects: points are kept as they come, drawn at END, or while they arrive where there are too many."""
+
+from micropython import const
+
+from passo.control.store import Store
+from passo.motion.integers import NM_PER_M, length_nm
+from passo.protocols import commands, errors
+from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
+
+LATER = const(-1)
+_BLOCKS_A_POINT = const(2)  # a change of the tool, and the line
+
+
+class Objects:
+    def __init__(self, board, queue, machine):
+        """`machine`: the controller; see its face towards its parts."""
+        self._board = board
+        self._queue = queue
+        self._machine = machine
+        self._steps_per_m = [axis["steps_per_m"] for axis in board["axes"]]
+        self.store = Store(board["store_points"])
+        self.speed = board["speed"]["default"]
+        self.drawn = 0  # points of the object drawn so far
+        self._taken = 0  # points taken from the store for this object
+        self.drawing = False
+
+    def handlers(self):
+        return {
+            commands.SPEED: self._set_speed,
+            commands.POINT: self._point,
+            commands.DRAW: self._draw,
+            commands.JOG: self._jog,
+        }
+
+    def clear(self):
+        """Forget the object."""
+        self.store.clear()
+        self.drawing = False
+
+    def busy(self):
+        return self.drawing and (self.store.count > 0 or self._machine.command is not None)
+
+    # --- commands
+
+    def _set_speed(self, command):
+        limits = self._board["speed"]
+        if not limits["min"] <= command.value <= limits["max"]:
+            return errors.SPEED_RANGE
+        if self._machine.state != "idle":
+            return self._machine.unready() or LATER
+        self.speed = command.value
+        return self._machine.accepted(command)
+
+    def _point(self, command):
+        machine = self._machine
+        refusal = machine.unready()
+        if refusal:
+            return refusal
+        if not self._queue.inside(command.target):
+            return errors.TRAVEL
+        if machine.command is not None or machine.program.active():
+            return LATER
+        if not self.store.free():
+            self.drawing = True
+            return LATER
+        if not self.store.count and not self.drawing:
+            self._taken = self.drawn = 0
+        x, y = command.target
+        self.store.put(x, y, command.tool)
+        return machine.accepted(command)
+
+    def _draw(self, command):
+        machine = self._machine
+        refusal = machine.unready()
+        if refusal:
+            return refusal
+        if machine.command is not None or machine.program.active():
+            return LATER
+        machine.command = command
+        self.drawing = True
+        return 0
+
+    def _jog(self, command):
+        machine = self._machine
+        refusal = machine.unready()
+        if refusal:
+            return refusal
+        if self.drawing or machine.command is not None or self.store.count:
+            return errors.BUSY
+        queue = self._queue
+        steps = self._board["jog"]["steps"]
+        target = [queue.target[axis] + steps * command.target[axis] for axis in range(len(command.target))]
+        if not queue.inside(target):
+            return errors.JOG_TRAVEL
+        if not queue.room():
+            return LATER
+        machine.program.jogging = True
+        queue.line(target, self._ticks, queue.tool, 0)
+        queue.flush()
+        return machine.accepted(command)
+
+    # --- drawing
+
+    def poll(self):
+        queue = self._queue
+        while self.store.count and queue.room() >= _BLOCKS_A_POINT:
+            x, y, tool = self.store.take()
+            self._taken += 1
+            queue.line((x, y), self._ticks, tool, self._taken)
+        if not self.store.count:
+            if self._machine.command is not None and queue.room():
+                self.lift()
+            queue.flush()
+
+    def end(self):
+        """The object is drawn to its end."""
+        if self.drawing:
+            self.drawn = self._taken
+        self.drawing = False
+
+    def lift(self):
+        """Tool off at the end of the queue, and time for it to get there."""
+        if self._queue.tool:
+            self._queue.set_tool(False, self._taken + 1)
+
+    def count_drawn(self):
+        if not self.drawing:
+            return self.drawn
+        block = self._queue.playing()
+        if block is None and self._queue.empty():
+            return self._taken
+        return self.drawn if block is None else max(block.tag - 1, self.drawn)
+
+    def _ticks(self, deltas):
+        """How long the line lasts at the speed set, in the board file's sense of speed."""
+        speed = self._board["speed"]
+        if speed["unit"] == "half_period_us":
+            each_us = 2 * self.speed + speed["overhead_us"]
+            return max([abs(delta) for delta in deltas]) * each_us * TICKS_PER_MS // 1000
+        return length_nm(deltas, self._steps_per_m) * TICKS_PER_S * self._steps_per_m[0] // (self.speed * NM_PER_M)

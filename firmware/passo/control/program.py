@@ -1,0 +1,279 @@
+"""Motion as it comes: lines, arcs, jogs, probing, dwell and pauses.
+
+Everything is in steps and nanometres a second; no language's units or modes are known here.
+"""
+
+from micropython import const
+
+from passo.control import settings as table
+from passo.control.extent import farthest
+from passo.motion.line import MAX_STEPS
+from passo.motion.profile import Limits
+from passo.protocols import commands, errors
+from passo.steps.word import TICKS_PER_S
+
+LATER = const(-1)
+_BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
+_PROBE_AWAY = const(1)
+_PROBE_MAY_MISS = const(2)
+
+
+class Program:
+    def __init__(self, board, queue, machine, planner):
+        self._axes = board["axes"]
+        self._queue = queue
+        self._machine = machine
+        self._planner = planner
+        self.jogging = False
+        self._active = False  # motion has been queued and has not come to its end
+        self._fresh = False  # motion was queued since the last turn
+        self._limits_of = None  # the settings' version that the planner knows
+        self._touch = None  # where the probe changed
+        self._command = None  # what _ticks works on
+        self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
+
+    def handlers(self):
+        return {
+            commands.LINE: self._motion,
+            commands.ARC: self._motion,
+            commands.JOG_TO: self._jog,
+            commands.PROBE: self._probe,
+            commands.DWELL: self._dwell,
+            commands.SYNC: self._sync,
+            commands.PAUSE: self._pause,
+        }
+
+    def active(self):
+        return self._active
+
+    def moved(self):
+        """Something has been queued."""
+        self._active = self._fresh = True
+
+    def clear(self):
+        """All motion has been dropped."""
+        self.jogging = self._active = self._fresh = False
+        self._touch = None
+
+    # --- motion
+
+    def _motion(self, command):
+        error = self._unready(command)
+        if error:
+            return error
+        machine = self._machine
+        if not self._reachable(command):
+            machine.fail(errors.ALARM_SOFT_LIMIT)
+            return errors.JOG_TRAVEL
+        if machine.checking:
+            self._queue.target = command.target[:]
+            return machine.accepted(command)
+        return self._begin(command)
+
+    def _begin(self, command):
+        if self._queue.room() < _BLOCKS_A_MOTION:
+            return LATER
+        error = self._queue_motion(command)
+        if error:
+            return error
+        self.moved()
+        return self._machine.accepted(command)
+
+    def _jog(self, command):
+        error = self._unready(command)
+        if error and error != LATER:
+            return error
+        if self._machine.state not in ("idle", "jog") or self._machine.pauses.dropping:
+            return LATER if self._machine.pauses.dropping else errors.BUSY
+        if not self._reachable(command):
+            return errors.JOG_TRAVEL
+        result = self._begin(command)
+        self.jogging = self.jogging or result == 0
+        return result
+
+    def _unready(self, command):
+        """0, LATER, or why this motion cannot be."""
+        machine = self._machine
+        if machine.alarm or machine.sleeping:
+            return errors.LOCKED
+        if machine.command is not None or machine.objects.drawing or machine.pauses.dropping:
+            return LATER
+        longest = max([abs(by) for by in self._queue.deltas(command.target)])
+        return errors.TARGET if longest > MAX_STEPS else 0
+
+    def _reachable(self, command):
+        machine = self._machine
+        if not machine.settings.value(table.SOFT_LIMITS) or not machine.homed:
+            return True
+        if not self._queue.inside(command.target):
+            return False
+        if command.kind != commands.ARC:
+            return True
+        for place in farthest(self._queue.target, command):
+            if not self._queue.inside(place):
+                return False
+        return True
+
+    def _queue_motion(self, command):
+        """0, or why the planner cannot."""
+        self._command = command
+        tag = command.number
+        try:
+            if command.kind != commands.ARC:
+                rapid = not command.feed and not command.per_min
+                self._queue.line(command.target, self._ticks, command.tool, tag, rapid)
+                return 0
+            plane = command.first, command.second, 3 - command.first - command.second
+            if plane[2] >= len(self._axes):
+                plane = plane[0], plane[1], -1
+            ticks = self._minute_ticks(command) if command.per_min else 0
+            self._queue.arc(
+                command.target, plane, command.centre, command.clockwise, command.turns - 1, command.feed, ticks,
+                command.tool, tag,
+            )
+        except ValueError:
+            return errors.RADIUS if command.kind == commands.ARC else errors.TARGET
+        return 0
+
+    def _ticks(self, deltas):
+        """How long a line lasts at its feed. The planner sees to it that no axis is faster than it may."""
+        command = self._command
+        if command.per_min:
+            return self._minute_ticks(command)
+        return self._queue.ticks_at(deltas, command.feed) if command.feed else 1
+
+    def _minute_ticks(self, command):
+        return 60_000 * TICKS_PER_S // command.per_min
+
+    def _set_limits(self):
+        """Hand the settings to the planner, which takes them only while it is empty."""
+        settings = self._machine.settings
+        if self._limits_of == settings.version or not self.accelerates or not self._queue.still():
+            return
+        self._limits_of = settings.version
+        axes = range(len(self._axes))
+        self._planner.limits(
+            Limits(
+                [settings.value(table.STEPS + axis) for axis in axes],
+                [settings.value(table.SPEED + axis) * 50 // 3 or 1 for axis in axes],
+                [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
+                settings.value(table.JUNCTION) * 1000,
+            )
+        )
+
+    # --- probing
+
+    def _probe(self, command):
+        machine = self._machine
+        error = self._unready(command)
+        if error:
+            return error
+        if not machine.inputs.has_probe:
+            return errors.NO_PROBE
+        if not self._settled():
+            return LATER
+        machine.command = command
+        if machine.checking:
+            machine.finish((self._queue.position(), False))
+            return 0
+        if not self._reachable(command):
+            machine.command = None
+            machine.fail(errors.ALARM_SOFT_LIMIT)
+            return errors.JOG_TRAVEL
+        if machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
+            machine.finish((self._queue.position(), False))
+            machine.fail(errors.ALARM_PROBE_STATE)
+            return 0
+        self._touch = None
+        error = self._queue_motion(command)
+        if error:
+            machine.command = None
+            return error
+        self._queue.flush()
+        self._active = True
+        return 0
+
+    def _poll_probe(self):
+        machine = self._machine
+        command = machine.command
+        queue = self._queue
+        if self._touch is None and machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
+            self._touch = queue.position()
+            machine.pauses.drop()
+        elif self._touch is None and queue.still():
+            machine.finish((queue.position(), False))
+            if not command.value & _PROBE_MAY_MISS:
+                machine.fail(errors.ALARM_PROBE_MISSED)
+
+    def dropped(self):
+        """A hold has come to its stand, and what was queued behind it is gone."""
+        if self._touch is not None and self._machine.busy_with(commands.PROBE):
+            self._machine.finish((self._touch, True))
+        self.clear()
+
+    # --- what waits for the motion before it
+
+    def _settled(self):
+        """True when everything before has ended; asks for it to end."""
+        if self._queue.still():
+            return True
+        self._queue.flush()
+        return False
+
+    def gate(self):
+        """0, LATER, or the error of a command that waits for the motion before it."""
+        machine = self._machine
+        if machine.alarm or machine.sleeping:
+            return errors.LOCKED
+        if machine.command is not None or machine.objects.drawing or not self._settled():
+            return LATER
+        return 0
+
+    def _sync(self, command):
+        return self.gate() or self._machine.accepted(command)
+
+    def _dwell(self, command):
+        machine = self._machine
+        result = self.gate()
+        if result:
+            return result
+        if machine.checking or not command.value:
+            return machine.accepted(command)
+        self._queue.wait((command.value + 999) // 1000, 0)
+        self._queue.flush()
+        self._active = True
+        machine.command = command
+        return 0
+
+    def _pause(self, command):
+        machine = self._machine
+        result = self.gate()
+        if result:
+            return result
+        if machine.checking:
+            return machine.accepted(command)
+        machine.command = command
+        machine.pauses.pause()
+        return 0
+
+    # --- what goes on over many turns
+
+    def poll(self):
+        machine = self._machine
+        if machine.busy_with(commands.PROBE):
+            self._poll_probe()
+        elif (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE)) and self._queue.still():
+            machine.finish()
+        if self._queue.waiting and not self._fresh and self._queue.playing() is None:
+            self._queue.start()  # nothing moves and nothing more is coming: a moving machine fetches on its own
+        self._set_limits()
+        self._fresh = False
+        if self._active and self._queue.still():
+            self._active = False
+
+    def report(self, report):
+        """What the status report says of motion."""
+        block = self._queue.playing()
+        moving = block is not None and block.walker is not None
+        report["number"] = block.tag if moving and self._active else 0
+        report["feed"] = block.speed * self._planner.percent[block.rapid] // 100 if moving else 0

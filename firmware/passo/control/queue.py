@@ -1,0 +1,170 @@
+"""What has been handed to the planner: where it ends, whether the tool is on there, and how to drop it.
+
+Places are steps of each axis from machine position zero.
+"""
+
+from passo.motion.integers import NM_PER_M, length_nm
+from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
+
+_LONGEST_MS = 80_000  # of one wait: the planner's limit is 85 s
+
+
+class Queue:
+    def __init__(self, board, planner, feeder, player):
+        self._board = board
+        self._axes = board["axes"]
+        self._planner = planner
+        self._feeder = feeder
+        self._player = player
+        self._origin = [0] * len(self._axes)
+        self.target = [0] * len(self._axes)  # where the queue will end
+        self.tool = False  # the tool bit at the queue's end
+        self.waiting = False  # something is queued that has not been released to the feeder yet
+
+    def position(self):
+        """Where the machine is, exact at this moment."""
+        place = self._feeder.position(self._player.played())
+        return [place[axis] - self._origin[axis] for axis in range(len(place))]
+
+    def set_origin(self):
+        """Machine zero is here. Only at a stand, with nothing queued."""
+        self._origin = self._feeder.position(self._player.played())
+        self.target = [0] * len(self._axes)
+
+    def room(self):
+        return self._planner.room()
+
+    def empty(self):
+        return self._planner.empty()
+
+    def still(self):
+        """True when everything queued has been played to its last tick."""
+        return self._planner.empty() and not self._player.busy()
+
+    def standing(self):
+        """True when a hold has come to its stand."""
+        return self._feeder.standing() and not self._player.busy()
+
+    def flush(self):
+        self.waiting = False
+        self._planner.flush()
+
+    def start(self):
+        """Begin to move: what is queued may still be followed by more, without a stand in between."""
+        start = getattr(self._planner, "start", self._planner.flush)
+        start()
+        self.waiting = not self._planner.empty()
+
+    def inside(self, target):
+        """True where `target` is within the machine's travel."""
+        for axis in range(len(target)):
+            low, high = self.reach(axis)
+            if not low <= target[axis] <= high:
+                return False
+        return True
+
+    def reach(self, axis):
+        """(lowest, highest) place of an axis. One that homes at its high end has its zero there."""
+        config = self._axes[axis]
+        homing = self._board["homing"]
+        if homing and config["name"] in homing["high_end"]:
+            return -config["travel_steps"], 0
+        return 0, config["travel_steps"]
+
+    # --- adding
+
+    def tool_ms(self, on):
+        return self._board["tool"]["on_ms" if on else "off_ms"]
+
+    def set_tool(self, on, tag):
+        """Tool on or off at the queue's end, and the time it takes."""
+        self.tool = on
+        ms = self.tool_ms(on)
+        self._planner.wait(max(ms * TICKS_PER_MS, 2 * self._feeder.min_word_ticks), on, tag)
+        self.waiting = True
+
+    def wait(self, ms, tag):
+        """Stand still for a while. Needs room for ms // 80 000 + 1 blocks."""
+        while ms > 0:
+            part = min(ms, _LONGEST_MS)
+            self._planner.wait(part * TICKS_PER_MS, self.tool, tag)
+            ms -= part
+        self.waiting = True
+
+    def line(self, target, ticks, tool, tag, rapid=False):
+        """Go to `target` (the first axes) in ticks(deltas). Raises ValueError where the planner cannot."""
+        self._change_tool(tool, tag)
+        deltas = self.deltas(target)
+        self._planner.line(deltas, ticks(deltas), tool, tag, rapid)
+        self._reach(deltas)
+
+    def arc(self, target, plane, centre, clockwise, turns, nm_s, ticks, tool, tag):
+        """Go to `target` on a circle about `centre` (steps from here, in the plane): at `nm_s`, or in `ticks` where they
+        are not 0. Raises ValueError where the planner cannot."""
+        self._change_tool(tool, tag)
+        deltas = self.deltas(target)
+        self._planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag)
+        self._reach(deltas)
+
+    def _change_tool(self, tool, tag):
+        """A tool that takes no time changes as the motion begins."""
+        if tool != self.tool and self.tool_ms(tool):
+            self.set_tool(tool, tag)
+        self.tool = tool
+
+    def _reach(self, deltas):
+        self.target = [at + by for at, by in zip(self.target, deltas)]
+        self.waiting = True
+
+    def deltas(self, target):
+        deltas = [0] * len(self._axes)
+        for axis in range(len(target)):
+            deltas[axis] = target[axis] - self.target[axis]
+        return deltas
+
+    def travel(self, axis, steps, steps_s):
+        """Set out on `steps` along one axis, travel limits aside; the target is the caller's affair."""
+        deltas = [0] * len(self._axes)
+        deltas[axis] = steps
+        self._planner.line(deltas, abs(steps) * TICKS_PER_S // steps_s, False, 0)
+        self.flush()
+
+    def ticks_at(self, deltas, nm_s):
+        """How long a line lasts at a speed along the path."""
+        return length_nm(deltas, [axis["steps_per_m"] for axis in self._axes]) * TICKS_PER_S // nm_s
+
+    # --- stopping
+
+    def halt(self):
+        """Stop inside the word under way, the tool off; drop() is to follow."""
+        self._feeder.open = False
+        self._player.halt()
+
+    def drop(self):
+        """Drop everything, after halt() or at the stand of a hold. The position stays exact."""
+        position, _, _ = self._feeder.cancel(self._player.played())
+        self._planner.clear()
+        self.tool = self.waiting = False
+        self._feeder.hold = False
+        self.target = [position[axis] - self._origin[axis] for axis in range(len(position))]
+
+    def playing(self):
+        """The block under way, or None."""
+        return self._planner.playing()
+
+    def hold(self, on):
+        self._feeder.hold = on
+
+    def lit(self):
+        """True while the tool's bit is on at the pins."""
+        return bool(self._levels() & self._feeder.layout.tool_mask)
+
+    def _levels(self):
+        ring = self._feeder.ring
+        return ring.words[(self._player.played() - 1) & ring.mask] & self._feeder.layout.levels_mask
+
+    def rest(self, tool):
+        """Tool on or off while the machine stands and nothing plays."""
+        layout = self._feeder.layout
+        levels = self._levels() & ~(layout.pulse_mask | layout.tool_mask)
+        self._player.rest(levels | (layout.tool_mask if tool else 0))

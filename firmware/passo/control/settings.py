@@ -1,0 +1,268 @@
+"""The settings by number and name: typed, bounded, with the board file's values as defaults, kept across power cuts.
+
+    settings = Settings(board, Journal(FileSlots("/settings")))
+    settings.value(110)              # 500000: $110 in thousandths
+    settings.change(110, 600_000)    # 0, or the number of an error; the board dict follows
+    settings.save()                  # where something has changed; never while the machine moves
+    settings.put("G54", "0,0,0")     # texts beside the numbers: offsets, start-up lines
+
+What pins do ($0, $3, $4) changes with the next start, all else at once. Numbers are grbl 1.1's. Those with decimals are held in thousandths. What was never changed is not kept, so that a new
+board file shows; what this firmware does not know is kept for the one that does.
+"""
+
+from micropython import const
+
+from passo.protocols import errors
+
+_LONGEST_TEXT = const(80)
+
+PULSE_US = const(0)
+IDLE_DELAY = const(1)
+STEP_INVERT = const(2)
+DIRECTION_INVERT = const(3)
+ENABLE_INVERT = const(4)
+LIMIT_INVERT = const(5)
+PROBE_INVERT = const(6)
+REPORT = const(10)
+JUNCTION = const(11)
+ARC = const(12)
+INCHES = const(13)
+SOFT_LIMITS = const(20)
+HARD_LIMITS = const(21)
+HOMING = const(22)
+HOMING_DIRECTION = const(23)
+HOMING_LOCATE = const(24)
+HOMING_SEEK = const(25)
+HOMING_DEBOUNCE = const(26)
+HOMING_PULL_OFF = const(27)
+MAX_RPM = const(30)
+MIN_RPM = const(31)
+LASER = const(32)
+STEPS = const(100)
+SPEED = const(110)
+ACCELERATION = const(120)
+TRAVEL = const(130)
+
+
+def _table(board):
+    """{number: (name, decimals, default, least, most)}; lengths in mm, speeds in mm/min."""
+    axes = board["axes"]
+    mask = (1 << len(axes)) - 1
+    homing = board["homing"]
+    spindle = board["spindle"]
+    steps_per_m = axes[0]["steps_per_m"]
+    seek, locate, pull_off = 500_000, 25_000, 1_000
+    if homing:
+        seek = homing["seek_steps_s"] * 60_000_000 // steps_per_m
+        locate = homing["locate_steps_s"] * 60_000_000 // steps_per_m
+        pull_off = homing["pull_off_steps"] * 1_000_000 // steps_per_m
+    table = {
+        PULSE_US: ("step_pulse_us", 0, board["drive"]["pulse_us"], 3, 100),
+        IDLE_DELAY: ("idle_delay_ms", 0, 255, 0, 255),
+        STEP_INVERT: ("step_invert", 0, 0, 0, mask),
+        DIRECTION_INVERT: ("direction_invert", 0, 0, 0, mask),
+        ENABLE_INVERT: ("enable_invert", 0, 0, 0, 1),
+        LIMIT_INVERT: ("limit_invert", 0, 0, 0, 1),
+        PROBE_INVERT: ("probe_invert", 0, 0, 0, 1),
+        REPORT: ("report_mask", 0, 1, 0, 255),
+        JUNCTION: ("junction_deviation", 3, board["planning"]["junction_um"], 0, 10_000),
+        ARC: ("arc_tolerance", 3, board["planning"]["arc_um"], 0, 10_000),
+        INCHES: ("report_inches", 0, 0, 0, 1),
+        SOFT_LIMITS: ("soft_limits", 0, 1 if homing else 0, 0, 1),
+        HARD_LIMITS: ("hard_limits", 0, 0, 0, 1),
+        HOMING: ("homing", 0, 1 if homing else 0, 0, 1 if homing else 0),
+        HOMING_DIRECTION: ("homing_direction", 0, 0, 0, mask),
+        HOMING_LOCATE: ("homing_locate", 3, locate, 1, 999_999_999),
+        HOMING_SEEK: ("homing_seek", 3, seek, 1, 999_999_999),
+        HOMING_DEBOUNCE: ("homing_debounce_ms", 0, homing["debounce_ms"] if homing else 5, 0, 1000),
+        HOMING_PULL_OFF: ("homing_pull_off", 3, pull_off, 1, 1_000_000),
+        MAX_RPM: ("spindle_max", 3, spindle["max_rpm"] * 1000, 1, 999_999_999),
+        MIN_RPM: ("spindle_min", 3, spindle["min_rpm"] * 1000, 0, 999_999_999),
+        LASER: ("laser", 0, 1 if spindle["laser"] else 0, 0, 1),
+    }
+    for number in range(len(axes)):
+        axis = axes[number]
+        name = axis["name"]
+        travel_um = -(-axis["travel_steps"] * 1_000_000 // axis["steps_per_m"])
+        table[STEPS + number] = (name + "_steps_mm", 3, axis["steps_per_m"], 1, 100_000_000)
+        table[SPEED + number] = (name + "_max", 3, axis["max_mm_min"] * 1000, 1, 999_999_999)
+        table[ACCELERATION + number] = (name + "_acceleration", 3, axis["accel_mm_s2"] * 1000, 1, 999_999_999)
+        table[TRAVEL + number] = (name + "_travel", 3, travel_um, 1, 999_999_999)
+    return table
+
+
+class Settings:
+    def __init__(self, board, journal, max_steps_s=1_000_000):
+        """`board`: a checked board, which follows the settings from now on. `max_steps_s`: what the player can step."""
+        self._board = board
+        self._journal = journal
+        self._board_travel = [axis["travel_steps"] for axis in board["axes"]]
+        self._board_reversed = [axis["reversed"] for axis in board["axes"]]
+        self._board_release_ms = board["idle_release_ms"]
+        self._board_high_end = board["homing"]["high_end"] if board["homing"] else ""
+        self.max_steps_s = max_steps_s
+        self._table = _table(board)
+        self.numbers = sorted(self._table)
+        self._changed = {}
+        self._texts = {}
+        self.dirty = False
+        self.version = 0  # goes up with each change of a number
+        self._load(journal.read() or "")
+        self.damaged = journal.damaged
+        self._apply()
+
+    # --- numbers
+
+    def value(self, number):
+        """As an integer; in thousandths where places() is 3. KeyError where there is none."""
+        if number in self._changed:
+            return self._changed[number]
+        return self._table[number][2]
+
+    def name(self, number):
+        return self._table[number][0]
+
+    def places(self, number):
+        """Decimals of a setting, 0 or 3; None where there is no such setting."""
+        rule = self._table.get(number)
+        return rule[1] if rule else None
+
+    def change(self, number, value):
+        """0, or why not. The change is not saved yet."""
+        error = self._refusal(number, value)
+        if error:
+            return error
+        self._changed[number] = value
+        self._touch()
+        return 0
+
+    def _refusal(self, number, value):
+        if number not in self._table:
+            return errors.STATEMENT
+        _, _, _, least, most = self._table[number]
+        if value < 0:
+            return errors.NEGATIVE
+        if number == PULSE_US and value < 3:
+            return errors.STEP_PULSE
+        if number == HOMING and value and not most:
+            return errors.NO_HOMING
+        if number == SOFT_LIMITS and value and not self.value(HOMING):
+            return errors.LIMITS_NEED_HOMING
+        if number == LASER and value and not self._board["spindle"]["pwm"]:
+            return errors.LASER_WITHOUT_PWM
+        if not least <= value <= most:
+            return errors.SETTING_RANGE
+        axis = number % 10
+        if number in (STEPS + axis, SPEED + axis):
+            steps = value if number < SPEED else self.value(STEPS + axis)
+            speed = value if number >= SPEED else self.value(SPEED + axis)
+            if steps * speed > self.max_steps_s * 60_000_000:
+                return errors.STEP_RATE
+        return 0
+
+    def _touch(self):
+        self.dirty = True
+        self.version += 1
+        self._apply()
+
+    # --- texts
+
+    def get(self, key):
+        """The text kept under `key`, or None."""
+        return self._texts.get(key)
+
+    def put(self, key, text):
+        """Keep a text of at most 80 characters, none of them a line's end. Raises ValueError for others."""
+        if len(text) > _LONGEST_TEXT or "\n" in text or "=" in key:
+            raise ValueError("no text to keep")
+        if self._texts.get(key) != text:
+            self._texts[key] = text
+            self.dirty = True
+
+    # --- all of them
+
+    def restore(self, numbers, texts):
+        """Back to the board file's values: of all `numbers`, and of all `texts`."""
+        if numbers:
+            self._changed = {}
+        if texts:
+            self._texts = {}
+        self._touch()
+
+    def save(self):
+        """Write what has changed. Only while the machine stands still. 0, or MEMORY."""
+        if self.dirty:
+            try:
+                self._journal.write(self._dump())
+            except OSError:
+                return errors.MEMORY
+            self.dirty = False
+        return 0
+
+    def _dump(self):
+        lines = ["%d=%d" % (number, self._changed[number]) for number in sorted(self._changed)]
+        lines += ["%s=%s" % (key, self._texts[key]) for key in sorted(self._texts)]
+        return "\n".join(lines)
+
+    def _load(self, text):
+        for line in text.split("\n"):
+            key, _, value = line.partition("=")
+            if not key:
+                continue
+            try:
+                number, amount = int(key), int(value)
+            except ValueError:
+                self._texts[key] = value
+                continue
+            rule = self._table.get(number)
+            if rule is None:
+                self._texts[key] = value
+            elif rule[3] <= amount <= rule[4]:
+                self._changed[number] = amount
+
+    def _apply(self):
+        """Hand the values that the board file also has to the board dict."""
+        axes = self._board["axes"]
+        for number in range(len(axes)):
+            axes[number]["steps_per_m"] = self.value(STEPS + number)
+            turned = bool(self.value(DIRECTION_INVERT) >> number & 1)
+            axes[number]["reversed"] = self._board_reversed[number] != turned
+            travel_steps = self._board_travel[number]
+            if TRAVEL + number in self._changed or STEPS + number in self._changed:
+                travel_steps = self.value(TRAVEL + number) * self.value(STEPS + number) // 1_000_000
+            axes[number]["travel_steps"] = travel_steps
+        if IDLE_DELAY in self._changed:
+            delay_ms = self._changed[IDLE_DELAY]
+            self._board["idle_release_ms"] = 0 if delay_ms == 255 else max(delay_ms, 1)
+        else:
+            self._board["idle_release_ms"] = self._board_release_ms
+        if PULSE_US in self._changed:
+            self._board["drive"]["pulse_us"] = self._changed[PULSE_US]
+        if self._board["homing"]:
+            self._board["homing"]["high_end"] = self._high_ends()
+            self._board["homing"]["debounce_ms"] = self.value(HOMING_DEBOUNCE)
+
+    def _high_ends(self):
+        """Names of the axes that home at their high end: the board file's, turned round by $23."""
+        names = ""
+        for number in range(len(self._board["axes"])):
+            name = self._board["axes"][number]["name"]
+            turned = self.value(HOMING_DIRECTION) >> number & 1
+            if name in self._board["homing"]["sensors"] and (name in self._board_high_end) != bool(turned):
+                names += name
+        return names
+
+    # --- what the machine asks
+
+    def homing(self, axis):
+        """(seek and locate speed in steps/s, pull-off in steps) of an axis: the board file's, where unchanged."""
+        board = self._board["homing"]
+        steps_per_m = self.value(STEPS + axis)
+        seek, locate, pull_off = board["seek_steps_s"], board["locate_steps_s"], board["pull_off_steps"]
+        if HOMING_SEEK in self._changed:
+            seek = self._changed[HOMING_SEEK] * steps_per_m // 60_000_000
+        if HOMING_LOCATE in self._changed:
+            locate = self._changed[HOMING_LOCATE] * steps_per_m // 60_000_000
+        if HOMING_PULL_OFF in self._changed:
+            pull_off = self._changed[HOMING_PULL_OFF] * steps_per_m // 1_000_000
+        return max(seek, 1), max(locate, 1), max(pull_off, 1)

@@ -1,0 +1,109 @@
+"""What a programme switches beside motion: the spindle or laser, coolant, and the overrides."""
+
+from micropython import const
+
+from passo.control import settings as table
+from passo.protocols import commands, errors
+
+LATER = const(-1)
+OFF = const(5)  # spindle
+_BLOCKS = const(2)  # room for a change of the tool
+_LOWEST, _HIGHEST = 10, 200  # of feed and spindle override, per cent
+
+
+class Tools:
+    def __init__(self, board, queue, machine, planner, port):
+        self._queue = queue
+        self._machine = machine
+        self._planner = planner
+        self._port = port
+        self._outputs = [item["name"] for item in board["outputs"]]
+        self._restart()
+
+    def _restart(self):
+        self.overrides = [100, 100, 100]  # feed, rapid, spindle
+        self.spindle = OFF
+        self.power = 0  # millionths
+        self.coolant = 0
+        self._planner.override(100, 100)
+
+    def restart(self):
+        """As after power-up, outputs too."""
+        self._restart()
+        self.set_coolant(0)
+        self.show_outputs(False)
+
+    def handlers(self):
+        return {
+            commands.SPINDLE: self._turn_spindle,
+            commands.COOLANT: self._cool,
+            commands.OVERRIDE: self._override,
+        }
+
+    def laser(self):
+        return self._machine.settings.value(table.LASER)
+
+    def _turn_spindle(self, command):
+        machine = self._machine
+        laser = self.laser()
+        if machine.alarm or machine.sleeping:
+            return errors.LOCKED
+        if laser:
+            if machine.command is not None or self._queue.room() < _BLOCKS:
+                return LATER
+        else:
+            result = machine.program.gate()
+            if result:
+                return result
+        if not machine.checking:
+            self.spindle = command.value
+            self.power = command.power if command.value != OFF else 0
+            self._put("reverse", command.value == 4)
+            if command.tool != self._queue.tool:
+                self._queue.set_tool(command.tool, 0)
+                machine.program.moved()
+                if not laser:
+                    self._queue.flush()
+                    machine.command = command
+                    return 0
+        return machine.accepted(command)
+
+    def _cool(self, command):
+        machine = self._machine
+        result = machine.program.gate()
+        if result:
+            return result
+        if not machine.checking:
+            self.set_coolant(command.value)
+        return machine.accepted(command)
+
+    def set_coolant(self, value):
+        self.coolant = value
+        self._put("flood", value & 1)
+        self._put("mist", value & 2)
+
+    def show_outputs(self, on):
+        """The spindle's direction, off while the tool is off in a pause."""
+        self._put("reverse", on and self.spindle == 4)
+
+    def _put(self, name, on):
+        if name in self._outputs:
+            self._port.output(name, bool(on))
+
+    def _override(self, command):
+        which = command.value
+        if which == commands.ALL:
+            self.overrides = [100, 100, 100]
+        elif command.power:
+            self.overrides[which] = command.power
+        else:
+            self.overrides[which] = max(_LOWEST, min(_HIGHEST, self.overrides[which] + command.feed))
+        self._planner.override(self.overrides[0], self.overrides[1])
+        return self._machine.accepted(command)
+
+    def report(self, report):
+        """What the status report says of spindle, coolant and overrides."""
+        report["power"] = min(self.power * self.overrides[2] // 100, 1_000_000)
+        report["spindle"] = self.spindle
+        report["coolant"] = self.coolant
+        report["overrides"] = tuple(self.overrides)

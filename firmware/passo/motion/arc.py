@@ -1,0 +1,168 @@
+"""What the walker of an arc needs to know beforehand, worked out with big integers, once a block.
+
+    path, turned = plan(into, plane, center, deltas, clockwise, turns)
+
+Vectors are in steps, the plane's axes have equal steps/mm. `into` is an array of circle.PLAN integers.
+"""
+
+from passo.motion.circle import (
+    AXIS_A,
+    AXIS_B,
+    AXIS_Z,
+    DIAGONAL,
+    FINE,
+    LEADS,
+    MAX_RADIUS,
+    MAX_SLOPE,
+    MIRROR,
+    PATH,
+    PATH_FINE,
+    RADIUS,
+    REGION,
+    SHIFT,
+    STEPS,
+    TAIL_A,
+    TAIL_B,
+    TAIL_Z,
+    U,
+    W,
+    Z_HIGH,
+    Z_LOW,
+    Z_STEPS,
+    D,
+    E,
+)
+from passo.motion.cordic import QUARTER, arc_length, vector
+from passo.motion.integers import isqrt
+
+MOST_STEPS = 1 << 28  # of path in one arc
+
+
+class TooSteep(ValueError):
+    """The third axis would take more than MAX_SLOPE steps along one step of the circle."""
+
+
+def region_of(x, y, leaving):
+    """(region, u, w) of a point on a counter-clockwise arc; one on a diagonal belongs to the region being left or entered."""
+    for region in range(4):
+        u, w = ((y, x), (-x, y), (-y, -x), (x, -y))[region]
+        if w > abs(u) or w > 0 and w == (u if leaving else -u):
+            return region, u, w
+    raise ValueError("a radius of 0")
+
+
+def point_of(region, u, w):
+    """The point (x, y) that region_of() takes apart."""
+    return ((w, u), (-u, w), (-w, -u), (u, -w))[region]
+
+
+def nearest(square, u):
+    """The w whose u² + w² is nearest to `square`."""
+    w = isqrt(max(square - u * u, 0))
+    below = square - u * u - w * w
+    return w + 1 if 2 * w + 1 - below < below else w
+
+
+def _rise(square, u):
+    """asin(u / R) in 2⁻³² turn, signed."""
+    if u * u >= square:
+        return QUARTER if u > 0 else -QUARTER
+    angle, _ = vector(isqrt((square - u * u) << 40), u << 20)
+    return angle - (1 << 32) if angle > QUARTER else angle
+
+
+def plan(into, plane, center, deltas, clockwise=False, turns=0):
+    """Work out the arc from here to `deltas` (all axes) about `center` (the plane's two, from here).
+
+    `plane`: (a, b, third axis or -1); counter-clockwise is from a to b. `turns` full ones come on top; an end in the same
+    direction as the start is one full turn. Returns (length along the circle, with that of the last short line, in 2⁻¹⁰ steps; angle swept, 2⁻³² turn). Raises ValueError for a radius of 0 or above MAX_RADIUS or an arc of more than 2²⁸ steps, and TooSteep.
+    """
+    sign = -1 if clockwise else 1
+    x, y = -center[0], -center[1] * sign
+    end_x, end_y = deltas[plane[0]] - center[0], (deltas[plane[1]] - center[1]) * sign
+    square = x * x + y * y
+    if not 0 < square <= MAX_RADIUS * MAX_RADIUS:
+        raise ValueError("an arc of radius 0 or of more than %d steps" % MAX_RADIUS)
+    if not end_x and not end_y:
+        raise ValueError("an arc that ends at its centre")
+    inside = isqrt(square >> 1)
+    across = nearest(square, inside)
+    region, u, w = region_of(x, y, False)
+    last, end_u, _ = region_of(end_x, end_y, True)
+    end_u = max(min(end_u, inside), -across)
+    quarters = (last - region) & 3
+    if not quarters:
+        cross = x * end_y - y * end_x
+        if cross < 0 or cross == 0 and x * end_x + y * end_y > 0:
+            quarters = 4
+        elif end_u < u:
+            end_u = u
+    quarters += 4 * turns
+    if quarters and end_u == -across:  # where a region begins the one before it ends
+        quarters -= 1
+        end_u = inside
+    steps, place = _steps(square, inside, across, u, w, end_u, quarters)
+    tail = _tail((region + quarters) & 3 if steps else region, place, end_x, end_y)
+    if steps > 1 and end_u - 1 >= (1 - across if quarters else u) and (tail[0] or tail[1]):
+        less, before = _steps(square, inside, across, u, w, end_u - 1, quarters)
+        other = _tail((region + quarters) & 3, before, end_x, end_y)
+        if less + max(abs(other[0]), abs(other[1])) < steps + max(abs(tail[0]), abs(tail[1])):
+            steps, place, tail = less, before, other
+    z = deltas[plane[2]] if plane[2] >= 0 else 0
+    swept = _rise(square, place[0]) - _rise(square, u) + quarters * QUARTER if steps else 0
+    shift = _shift(square)
+    radius = isqrt(square << 2 * shift)
+    corner = QUARTER - _rise(square, across - 1) - _rise(square, inside)
+    turned = path = arc_length(radius, swept)  # SHIFT fraction bits
+    ratio = (abs(z) << (30 + shift)) // turned if turned else 0
+    if steps and ratio >> 15 < LEADS:  # a word's time passes after its step: the last one's too
+        path += arc_length(radius, _next(square, inside, across, place[0], corner))
+        path -= arc_length(radius, _next(square, inside, across, u, corner))
+    extra = max(abs(tail[0]), abs(tail[1]), 0 if steps else abs(z))
+    whole = (path >> shift) + extra
+    if whole >= MOST_STEPS:
+        raise ValueError("an arc of more than %d steps" % MOST_STEPS)
+    if steps and abs(z) << shift > MAX_SLOPE * turned:
+        raise TooSteep("a helix of more than %d steps along one of its circle's" % MAX_SLOPE)
+    into[AXIS_A], into[AXIS_B], into[AXIS_Z] = plane
+    into[MIRROR] = 1 if clockwise else 0
+    into[REGION], into[U], into[W] = region, u, w
+    into[RADIUS], into[SHIFT] = radius, shift
+    into[D], into[E], into[STEPS] = inside, across, steps
+    into[DIAGONAL] = arc_length(isqrt(square << 2 * FINE), corner) if steps else 0
+    into[Z_STEPS], into[Z_HIGH], into[Z_LOW] = z if steps else 0, ratio >> 15, ratio & 0x7FFF
+    into[TAIL_A], into[TAIL_B], into[TAIL_Z] = tail[0], tail[1] * sign, 0 if steps else z
+    into[PATH] = whole
+    into[PATH_FINE] = ((path << FINE) >> shift) & ((1 << FINE) - 1)
+    return whole << 10 | into[PATH_FINE] >> 10, swept
+
+
+def _steps(square, inside, across, u, w, end_u, quarters):
+    """(steps of the circle to the end's region and `end_u`, (u, w) there)."""
+    if quarters:
+        steps = inside - u + (quarters - 1) * (inside + across) + end_u + across
+    else:
+        steps = end_u - u
+    if not steps:
+        return 0, (u, w)
+    return steps, (end_u, inside if end_u == -across else nearest(square, end_u))
+
+
+def _next(square, inside, across, u, corner):
+    """Angle of the step that follows `u`."""
+    if u >= inside or u <= -across:
+        return corner
+    return _rise(square, u + 1) - _rise(square, u)
+
+
+def _tail(region, place, end_x, end_y):
+    x, y = point_of(region, place[0], place[1])
+    return end_x - x, end_y - y
+
+
+def _shift(square):
+    """Fraction bits that bring the radius to 2²⁸ … 2²⁹."""
+    shift = 0
+    while square << 2 * (shift + 1) < 1 << 58:
+        shift += 1
+    return shift

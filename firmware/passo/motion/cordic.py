@@ -1,0 +1,121 @@
+"""Angles and rotations in shifts and adds: CORDIC (J. E. Volder, IRE Trans. Electronic Computers EC-8, 1959).
+
+    angle, radius = vector(x, y)              # polar form
+    x, y = rotate(x, y, angle)                # about 0;0, counter-clockwise
+    x, y = end_point((cx, cy), (rx, ry), sweep)
+
+An angle is an integer of 2⁻³² turn; a negative one is clockwise and several turns are allowed. One iteration more
+halves what is left of the angle, so a radius of b bits takes b + 3 of them, and the vector carries GUARD bits below the
+step. What remains is an angle of less than 2⁻⁽ᵇ⁺²⁾, a quarter of a step, and then the rounding of each coordinate to a
+whole step: the result is within one step of the true point for every radius and angle (0.5·√2 + 0.25 + 2⁻¹⁰ = 0.96).
+
+Big integers are welcome here: it is called once a block.
+"""
+
+from micropython import const
+
+ANGLE_BITS = const(32)
+TURN = 1 << 32
+QUARTER = 1 << 30
+GUARD = const(16)  # bits below one step: rounding of up to 50 shifts stays under 2⁻¹⁰
+_FINE = const(8)  # angles are kept in 2⁻⁴⁰ turn inside
+_FINEST = const(36)
+
+# The constants below are computed from the definition at import: atan(2⁻ⁱ) by Gregory's series, π by Machin's formula.
+_SCALE = 1 << 64
+
+
+def _atan_of_inverse(n):
+    """atan(1/n), n ≥ 2, in units of 2⁻⁶⁴."""
+    total = power = _SCALE // n
+    k = 3
+    while power:
+        power //= n * n
+        total += power // k if k & 2 == 0 else -(power // k)
+        k += 2
+    return total
+
+
+PI_64 = 4 * (4 * _atan_of_inverse(5) - _atan_of_inverse(239))
+
+
+def _table():
+    """atan(2⁻ⁱ) in 2⁻⁴⁰ turn, and the inverse of the product of √(1 + 2⁻²ⁱ) in 2⁻⁴⁰."""
+    angles = [1 << 37]
+    for i in range(1, _FINEST):
+        angles.append(((_atan_of_inverse(1 << i) << 40) + PI_64) // (2 * PI_64))
+    square = 1 << 80
+    for i in range(_FINEST):
+        square = (square << 2 * i) // ((1 << 2 * i) + 1)
+    root = 1 << 40
+    while root * root > square:  # Newton's iteration from above
+        root = (root + square // root) >> 1
+    return tuple(angles), root
+
+
+_ANGLES, _INVERSE_GAIN = _table()
+
+
+def _bits(value):
+    count = 0
+    while value:
+        value >>= 1
+        count += 1
+    return count
+
+
+def rotate(x, y, angle, fraction=0):
+    """(x, y) turned about 0;0 by `angle`, rounded to integers of 2⁻ᶠʳᵃᶜᵗⁱᵒⁿ of the unit of x and y."""
+    iterations = min(_bits(abs(x) | abs(y)) + 3 + fraction, _FINEST)
+    angle &= TURN - 1
+    quarters = (angle + (QUARTER >> 1)) // QUARTER
+    rest = (angle - quarters * QUARTER) << _FINE  # within an eighth of a turn of zero
+    for _ in range(quarters & 3):
+        x, y = -y, x
+    shift = GUARD + fraction
+    x <<= shift
+    y <<= shift
+    for i in range(iterations):
+        if rest >= 0:
+            x, y = x - (y >> i), y + (x >> i)
+            rest -= _ANGLES[i]
+        else:
+            x, y = x + (y >> i), y - (x >> i)
+            rest += _ANGLES[i]
+    half = 1 << (39 + GUARD)
+    return (x * _INVERSE_GAIN + half) >> (40 + GUARD), (y * _INVERSE_GAIN + half) >> (40 + GUARD)
+
+
+def vector(x, y):
+    """(angle, 0 … 2³² − 1, and length) of the vector (x, y). The angle is within 2⁻³¹ turn; that of 0;0 is 0."""
+    if not x and not y:
+        return 0, 0
+    quarters = 0
+    while x <= 0 or abs(y) > x:
+        x, y = y, -x
+        quarters += 1
+    raise_bits = max(48 - _bits(x), GUARD)
+    x <<= raise_bits
+    y <<= raise_bits
+    angle = 0
+    for i in range(_FINEST):
+        if y >= 0:
+            x, y = x + (y >> i), y - (x >> i)
+            angle += _ANGLES[i]
+        else:
+            x, y = x - (y >> i), y + (x >> i)
+            angle -= _ANGLES[i]
+    angle = (angle + (1 << (_FINE - 1))) >> _FINE
+    length = (x * _INVERSE_GAIN + (1 << (39 + raise_bits))) >> (40 + raise_bits)
+    return (angle + quarters * QUARTER) & (TURN - 1), length
+
+
+def end_point(center, radius, sweep):
+    """Where an arc ends that starts at center + radius and sweeps `sweep`: (x, y) within one step of the true point."""
+    x, y = rotate(radius[0], radius[1], sweep)
+    return center[0] + x, center[1] + y
+
+
+def arc_length(radius, angle):
+    """Length of the arc of `angle` (2⁻³² turn) on `radius`, in the radius's unit, rounded."""
+    return (radius * angle * 2 * PI_64 + (1 << 95)) >> 96

@@ -1,0 +1,238 @@
+"""G-code as grbl 1.1 understands it: one line in, modal state and commands out.
+
+    gcode = GCode("xyz", offsets, machine)
+    error = gcode.interpret(b"G1 X10 F600")     # 0: everything was right, and gcode.commands says what to do
+    gcode.commands                              # a list that the next line overwrites, its commands too
+
+A line is parsed whole and checked whole before anything of it counts; one that is refused changes nothing. Order of
+execution is that of RS274/NGC (NIST IR 6556, table 8). Lengths are nanometres, speeds nanometres a second, both exact
+for what a line can say in millimetres, or in inches to five decimals. `machine` has `target`, where the queue will end
+in steps, and `steps_per_m` of each axis: whatever moved the machine meanwhile, the next line starts from there.
+"""
+
+from passo.protocols import commands, errors
+from passo.protocols.commands import Command
+from passo.protocols.gcode_codes import (
+    AXIS_COMMANDS, COOLING, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PLANE, RETURN, STOPPING, SYSTEM,
+    TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
+)
+from passo.protocols.gcode_motion import Motions
+from passo.protocols.gcode_reader import NONE, Refused
+from passo.protocols.gcode_words import F, M_CODES, N, S, X, rounded
+
+_JOG_GROUPS = (NON_MODAL, DISTANCE, UNITS)
+_CUTTING = (100, 200, 300)
+_NEVER = (None, None, None)
+
+
+class GCode(Motions):
+    def __init__(self, axes, offsets, machine):
+        """`axes`: the names of the machine's axes in their order, the first three of "xyz" at most."""
+        Motions.__init__(self, len(axes), offsets, machine)
+        self.ended = False  # the line was the programme's last
+        self.laser = False
+        self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
+        self._plain_mask = self._axis_mask | 1 << F | 1 << N
+        self.reset()
+
+    def reset(self):
+        """The modal state after power-up. Work offsets are the offsets' own affair."""
+        self.motion = 0
+        self.plane = 17
+        self.inches = False
+        self.absolute = True
+        self.per_minute = True  # G94
+        self.feed = 0
+        self.system = 0
+        self.spindle = 5
+        self.rpm = 0
+        self.coolant = 0
+        self.tool = 0
+        self.number = 0
+        self.initial = True  # G98
+        self.cycle = (0, 0)  # G81: the plane to come back to, and the hole's bottom
+        self.forget_place()
+
+    def forget_place(self):
+        """Take the machine's word for where it stands: after a change of steps/mm, too."""
+        self._steps = [None] * self.axes
+        self._same = _NEVER  # (motion, spindle, speed) that _prepare() was last called for by _plain()
+
+    def end_programme(self):
+        """What M2 and M30 put back."""
+        self.motion = 100
+        self.plane = 17
+        self.absolute = self.per_minute = self.initial = True
+        self.system = 0
+        self.spindle = 5
+        self.coolant = 0
+
+    def interpret(self, line, jog=False):
+        """Understand `line` (bytes). 0, or the number of the error that refuses it; `commands` is empty then.
+        `jog`: the line follows `$J=`."""
+        self.commands = []
+        self.ended = False
+        error = self.words.scan(line)
+        if error:
+            return error
+        self._settle()
+        try:
+            if not jog and self._plain():
+                return 0
+            self._find_codes()
+            if jog:
+                self._jog()
+            else:
+                self._line()
+        except Refused as refusal:
+            self.commands = []
+            return refusal.args[0]
+        return 0
+
+    def _plain(self):
+        """The most frequent line, G0 or G1 with axes and perhaps F or N, dealt with in short: True if it was one."""
+        words = self.words
+        have = words.have
+        motion = self.motion
+        if words.count:
+            motion = words.codes[0]
+            if words.count > 1 or motion > 100:
+                return False
+        feed = self.feed
+        if motion not in (0, 100) or not have & self._axis_mask or have & ~self._plain_mask or not self.per_minute:
+            return False
+        self._left = have
+        self._inches = self.inches
+        if have & 1 << F:
+            feed = rounded(self._length(F), 60)
+        if motion and not feed:
+            return False
+        number = self._line_number() if have & 1 << N else 0
+        position = self.position
+        place = position[:]
+        offsets = self.offsets
+        for axis in range(self.axes):
+            if have >> X + axis & 1:
+                value = words.inches_nm(X + axis) if self.inches else words.fixed(X + axis, 6)
+                place[axis] = value + (offsets.of(self.system, axis) if self.absolute else position[axis])
+        if self._same[0] != motion or self._same[1] != self.spindle or self._same[2] != self.rpm:
+            self._same = (motion, self.spindle, self.rpm)
+            self._prepare(motion, feed, 0, number, self.spindle, self.rpm)
+        self._per_min, self._number = 0, number
+        self._move(commands.LINE, place, feed if motion else 0)
+        self.position = place
+        self._steps = self.commands[0].target
+        self.number, self.motion, self.feed = number, motion, feed
+        return True
+
+    def _line(self):
+        found = self._found
+        self._same = _NEVER
+        number = self._line_number()
+        non_modal = found[NON_MODAL]
+        motion = self.motion if found[MOTION] == NONE else found[MOTION]
+        self._inches = self.inches if found[UNITS] == NONE else found[UNITS] == 2000
+        self._absolute = self.absolute if found[DISTANCE] == NONE else found[DISTANCE] == 9000
+        self._plane = self.plane if found[PLANE] == NONE else found[PLANE] // 100
+        self._system = self.system if found[SYSTEM] == NONE else found[SYSTEM] // 100 - 54
+        self._initial = self.initial if found[RETURN] == NONE else found[RETURN] == 9800
+        axis_words = self._left & self._axis_mask
+        moves = found[MOTION] in AXIS_COMMANDS or (not self._axis_command and axis_words)
+        per_minute = self.per_minute if found[FEED_MODE] == NONE else found[FEED_MODE] == 9400
+        feed, per_min = self._read_feed(per_minute, moves and motion not in (0, G80))
+        rpm = self.words.fixed(S, 3) if self._take(S) else self.rpm
+        tool = self._read_tool()
+        spindle = self.spindle if found[TURNING] == NONE else (found[TURNING] - M_CODES) // 100
+        coolant = self._read_coolant(found[COOLING])
+        dwell = self._read_dwell() if non_modal == 400 else None
+        self._prepare(0 if non_modal in (2800, 3000) else motion, feed, per_min, number, spindle, rpm)
+        cycle = self.cycle
+        offsets = place = None
+        if found[TOOL_LENGTH] != NONE:
+            offsets = self._read_tool_length(found[TOOL_LENGTH])
+        elif non_modal in (1000, 2810, 3010, 9200, 9210):
+            offsets = self._read_offsets(non_modal, axis_words)
+        if non_modal == 5300 and motion not in (0, 100):
+            raise Refused(errors.MACHINE_COORDINATES)
+        if non_modal in (2800, 3000):
+            place = self._go_home(non_modal // 100, axis_words)
+        elif moves:
+            place, cycle = self._read_motion(motion, axis_words, non_modal == 5300)
+        if self._left:
+            unused = motion == G80 and self._left & self._axis_mask
+            raise Refused(errors.AXIS_WORDS_UNUSED if unused else errors.WORDS_UNUSED)
+
+        # Everything is right: from here on it counts. The motion's commands are there already; what goes before is put
+        # before them.
+        before = []
+        turned = spindle != self.spindle or rpm != self.rpm and spindle != 5
+        if turned and not (self.laser and self._cutting and self.commands and spindle == self.spindle):
+            before.append(self._spindle_command(spindle, rpm, motion))
+        if found[TOOL_CHANGE] != NONE:
+            before.append(Command(commands.PAUSE))
+        if coolant != self.coolant:
+            before.append(Command(commands.COOLANT, value=coolant))
+        if dwell is not None:
+            before.append(Command(commands.DWELL, value=dwell))
+        if before:
+            self.commands = before + self.commands
+        if offsets:
+            offsets[0](*offsets[1:])
+        if place:
+            self.position = place
+            self._steps = self.commands[-1].target
+        self.number = number
+        self.motion, self.plane, self.inches, self.absolute = motion, self._plane, self._inches, self._absolute
+        self.per_minute, self.feed, self.rpm, self.tool = per_minute, feed if per_minute else 0, rpm, tool
+        self.spindle, self.coolant, self.system = spindle, coolant, self._system
+        self.initial, self.cycle = self._initial, cycle
+        if found[STOPPING] != NONE:
+            self._stop_programme(found[STOPPING] - M_CODES)
+
+    def _jog(self):
+        found = self._found
+        for group in range(GROUPS):
+            if found[group] != NONE and group not in _JOG_GROUPS:
+                raise Refused(errors.JOG_WORDS)
+        if found[NON_MODAL] not in (NONE, 5300):
+            raise Refused(errors.JOG_WORDS)
+        number = self._line_number()
+        axis_words = self._left & self._axis_mask
+        if not axis_words:
+            raise Refused(errors.NO_AXIS_WORDS)
+        self._inches = self.inches if found[UNITS] == NONE else found[UNITS] == 2000
+        self._absolute = self.absolute if found[DISTANCE] == NONE else found[DISTANCE] == 9000
+        self._system = self.system
+        feed = rounded(self._length(F), 60) if self._take(F) else 0
+        if not feed:
+            raise Refused(errors.NO_FEED)
+        self._same = _NEVER
+        self._prepare(0, feed, 0, number, self.spindle, self.rpm)
+        place = self._target(found[NON_MODAL] == 5300)
+        if self._left:
+            raise Refused(errors.WORDS_UNUSED)
+        self._move(commands.JOG_TO, place, feed)
+        self.position = place
+        self._steps = self.commands[-1].target
+
+    # --- the rest of a line
+
+    def _spindle_command(self, spindle, rpm, motion):
+        command = Command(commands.SPINDLE, value=spindle)
+        lit = spindle != 5 and rpm > 0
+        command.power = min(rpm * 1_000_000 // self.max_rpm, 1_000_000) if lit else 0
+        command.tool = lit and not (self.laser and (spindle == 4 or motion not in _CUTTING))
+        return command
+
+    def _stop_programme(self, code):
+        if code in (0, 100):
+            self.commands.append(Command(commands.PAUSE))
+            return
+        self.end_programme()
+        self.ended = True
+        self.commands.append(Command(commands.SPINDLE, value=5))
+        self.commands.append(Command(commands.COOLANT))
+        overrides = Command(commands.OVERRIDE, value=commands.ALL)
+        overrides.power = 100
+        self.commands.append(overrides)
+        self.commands.append(Command(commands.SYNC))

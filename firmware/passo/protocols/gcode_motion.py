@@ -1,0 +1,186 @@
+"""The motions of a line of G-code: lines, arcs, probing, the canned cycle, from words to commands in steps."""
+
+from micropython import const
+
+from passo.protocols import commands, errors
+from passo.protocols.commands import Motion
+from passo.protocols.gcode_arc import centre_of, check_centre
+from passo.protocols.gcode_codes import G80, G81
+from passo.protocols.gcode_reader import Reader, Refused
+from passo.protocols.gcode_words import I, L, P, R, X, Z, rounded
+
+NM_PER_M = 1_000_000_000
+MAX_STEPS = const(0x1FFFFFFF)
+_PLANES = {17: (0, 1), 18: (2, 0), 19: (1, 2)}
+
+
+class Motions(Reader):
+    def __init__(self, axes, offsets, machine):
+        Reader.__init__(self, axes, offsets)
+        self.machine = machine
+        self.commands = []
+        self.position = [0] * axes  # machine coordinates
+        self._steps = [0] * axes
+        self._moves = [Motion(commands.LINE) for _ in range(2)]  # used again line after line
+
+    # --- where the machine is
+
+    def _settle(self):
+        target = self.machine.target
+        steps = self._steps
+        for axis in range(self.axes):
+            if steps[axis] != target[axis]:
+                steps[axis] = target[axis]
+                self.position[axis] = rounded(target[axis] * NM_PER_M, self.machine.steps_per_m[axis])
+
+    def _to_steps(self, place):
+        steps = []
+        for axis in range(self.axes):
+            steps.append(rounded(place[axis] * self.machine.steps_per_m[axis], NM_PER_M))
+            if not -MAX_STEPS <= steps[axis] <= MAX_STEPS:
+                raise Refused(errors.TARGET)
+        return steps
+
+    def _target(self, machine_coordinates):
+        """Where the axis words lead, in machine coordinates."""
+        place = self.position[:]
+        for axis in range(self.axes):
+            if self._take(X + axis):
+                value = self._length(X + axis)
+                if machine_coordinates:
+                    place[axis] = value
+                elif self._absolute:
+                    place[axis] = value + self.offsets.of(self._system, axis)
+                else:
+                    place[axis] += value
+        return place
+
+    # --- motion
+
+    def _prepare(self, motion, feed, per_min, number, spindle, rpm):
+        """What every motion of this line has in common."""
+        self._feed, self._per_min, self._number = feed, per_min, number
+        self._cutting = 100 <= motion <= 300
+        self._lit = spindle != 5 and rpm > 0 and (self._cutting or not self.laser)
+        self._dynamic = self.laser and spindle == 4
+        self._power = min(rpm * 1_000_000 // self.max_rpm, 1_000_000) if self._lit else 0
+
+    def _move(self, kind, place, feed):
+        """Append the motion to `place`; from then on it starts there."""
+        at = len(self.commands)
+        command = self._moves[at] if at < len(self._moves) else Motion(kind)
+        command.kind = kind
+        command.target = self._to_steps(place)
+        command.feed = feed
+        command.per_min = self._per_min if feed else 0
+        command.number = self._number
+        command.tool = self._lit
+        command.power = self._power
+        command.dynamic = self._dynamic
+        self.commands.append(command)
+        return command
+
+    def _read_motion(self, motion, axis_words, machine_coordinates):
+        """(where the motion ends, the canned cycle's heights). None, where the line has nothing to move."""
+        cycle = self.cycle
+        if motion == G80:
+            raise Refused(errors.AXIS_WORDS_UNUSED)
+        if motion >= 200 and not axis_words:
+            raise Refused(errors.NO_AXIS_WORDS)
+        if not axis_words:
+            return None, cycle
+        if motion == G81:
+            return self._drill()
+        if motion in (200, 300):
+            return self._arc(motion == 200), cycle
+        place = self._target(machine_coordinates)
+        if motion > 300:
+            if place == self.position:
+                raise Refused(errors.TARGET)
+            command = self._move(commands.PROBE, place, self._feed or 1)
+            command.value = (1 if motion >= 3840 else 0) | (2 if motion in (3830, 3850) else 0)
+        else:
+            self._move(commands.LINE, place, (self._feed or 1) if motion else 0)
+        return place, cycle
+
+    def _arc(self, clockwise):
+        first, second = _PLANES[self._plane]
+        if max(first, second) >= self.axes:
+            raise Refused(errors.UNSUPPORTED)
+        if not self._left >> X & (1 << first | 1 << second):
+            raise Refused(errors.NO_AXIS_IN_PLANE)
+        start = self.position
+        place = self._target(False)
+        across, along = place[first] - start[first], place[second] - start[second]
+        if self._take(R):
+            error, i, j = centre_of(across, along, self._length(R), clockwise)
+        elif self._left >> I & (1 << first | 1 << second):
+            i = self._length(I + first) if self._take(I + first) else 0
+            j = self._length(I + second) if self._take(I + second) else 0
+            error = check_centre(across, along, i, j)
+        else:
+            error = errors.NO_CENTRE
+        turns = 1
+        if not error and self._take(P):
+            turns = self.words.fixed(P, 0)
+            if turns < 1 or self.words.fixed(P, 3) != turns * 1000:
+                error = errors.NOT_INTEGER
+        if error:
+            raise Refused(error)
+        command = self._move(commands.ARC, place, self._feed or 1)
+        centre = start[:]
+        centre[first] += i
+        centre[second] += j
+        centre = self._to_steps(centre)
+        command.first, command.second, command.clockwise, command.turns = first, second, clockwise, turns
+        command.centre = (centre[first] - self._steps[first], centre[second] - self._steps[second])
+        return place
+
+    def _go_home(self, number, axis_words):
+        """G28, G30: by way of the axis words, if there are any; then only those axes go on."""
+        stored = self.offsets.homes[number]
+        place = stored[:]
+        if axis_words:
+            between = self._target(False)
+            self._move(commands.LINE, between, 0)
+            place = between[:]
+            for axis in range(self.axes):
+                if axis_words >> X + axis & 1:
+                    place[axis] = stored[axis]
+        self._move(commands.LINE, place, 0)
+        return place
+
+    def _drill(self):
+        """G81: rapid above the hole, rapid to R, feed to Z, rapid back. An extension."""
+        if self.axes < 3:
+            raise Refused(errors.UNSUPPORTED)
+        has_depth = self._left >> Z & 1
+        place = self._target(False)
+        start = self.position
+        above, bottom = self.cycle
+        if self._take(R):
+            above = self._length(R) + (self.offsets.of(self._system, 2) if self._absolute else start[2])
+        elif self.motion != G81:
+            raise Refused(errors.VALUE_MISSING)
+        if has_depth:
+            bottom = place[2] if self._absolute else above + place[2] - start[2]
+        elif self.motion != G81:
+            raise Refused(errors.VALUE_MISSING)
+        times = self.words.fixed(L, 0) if self._take(L) else 1
+        if not 1 <= times <= 100 or bottom > above:
+            raise Refused(errors.TARGET)
+        height = max(start[2], above)
+        across, along = place[0] - start[0], place[1] - start[1]
+        here = [start[0], start[1], height]
+        if height != start[2]:
+            self._move(commands.LINE, here, 0)
+        for hole in range(times):
+            if not hole or not self._absolute:
+                here = [here[0] + across, here[1] + along, here[2]]
+            self._move(commands.LINE, here, 0)
+            self._move(commands.LINE, [here[0], here[1], above], 0)
+            self._move(commands.LINE, [here[0], here[1], bottom], self._feed or 1)
+            here = [here[0], here[1], height if self._initial else above]
+            self._move(commands.LINE, here, 0)
+        return here, (above, bottom)
+

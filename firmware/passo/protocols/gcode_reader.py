@@ -1,0 +1,151 @@
+"""What a line of G-code says, word by word: codes by modal group, values in nanometres. Each word is taken once."""
+
+from micropython import const
+
+from passo.protocols import errors
+from passo.protocols.gcode_codes import AXIS_COMMANDS, GROUP_OF, GROUPS, why_unknown
+from passo.protocols.gcode_words import F, L, M_CODES, N, P, R, T, X, Z, Words, rounded
+
+MAX_LINE = const(10_000_000)
+MAX_TOOL = const(255)
+NONE = const(-1)
+
+
+class Refused(Exception):
+    """The line is refused with the error number that is its argument."""
+
+
+class Reader:
+    def __init__(self, axes, offsets):
+        self.axes = axes
+        self.offsets = offsets
+        self.words = Words()
+        self._axis_mask = ((1 << axes) - 1) << X
+        self._found = [NONE] * GROUPS
+        self._left = 0
+        self._inches = False
+
+    # --- reading the line: `_left` has the words that no command has taken yet
+
+    def _find_codes(self):
+        words = self.words
+        found = self._found
+        for group in range(GROUPS):
+            found[group] = NONE
+        axis_command = False
+        for place in range(words.count):
+            code = words.codes[place]
+            group = GROUP_OF.get(code, NONE)
+            if group == NONE:
+                raise Refused(why_unknown(code))
+            if code in AXIS_COMMANDS:
+                if axis_command:
+                    raise Refused(errors.TWO_AXIS_COMMANDS)
+                axis_command = True
+            if found[group] != NONE:
+                raise Refused(errors.SAME_GROUP)
+            found[group] = code
+        if words.have & ~self._axis_mask & 7 << X:
+            raise Refused(errors.UNSUPPORTED)
+        self._axis_command = axis_command
+        self._left = words.have
+
+    def _take(self, letter):
+        """True if the word is there; no other command may have it then."""
+        if not self._left >> letter & 1:
+            return False
+        self._left &= ~(1 << letter)
+        return True
+
+    def _length(self, letter):
+        return self.words.inches_nm(letter) if self._inches else self.words.fixed(letter, 6)
+
+    def _line_number(self):
+        if not self._take(N):
+            return 0
+        number = self.words.fixed(N, 0)
+        if number > MAX_LINE:
+            raise Refused(errors.LINE_NUMBER)
+        return number
+
+    # --- values
+
+    def _read_feed(self, per_minute, wants):
+        """(feed in nm/s, thousandths of 1/minute): one of them, the other 0. `wants`: the motion needs it."""
+        if not per_minute:
+            if not self._take(F):
+                if wants:
+                    raise Refused(errors.NO_FEED)
+                return 0, 0
+            per_min = self.words.fixed(F, 3)
+            if wants and not per_min:
+                raise Refused(errors.NO_FEED)
+            return 0, per_min
+        feed = rounded(self._length(F), 60) if self._take(F) else self.feed
+        if wants and not feed:
+            raise Refused(errors.NO_FEED)
+        return feed, 0
+
+    def _read_tool(self):
+        if not self._take(T):
+            return self.tool
+        tool = self.words.fixed(T, 0)
+        if tool > MAX_TOOL:
+            raise Refused(errors.TOOL_NUMBER)
+        return tool
+
+    def _read_coolant(self, code):
+        if code == NONE:
+            return self.coolant
+        return (self.coolant | 2, self.coolant | 1, 0)[(code - M_CODES) // 100 - 7]
+
+    def _read_dwell(self):
+        if not self._take(P):
+            raise Refused(errors.VALUE_MISSING)
+        return self.words.fixed(P, 6)
+
+    def _take_axes(self, places, value):
+        """A copy of `places` with value(axis, its word) where the line has the axis's word."""
+        changed = places[:]
+        for axis in range(self.axes):
+            if self._take(X + axis):
+                changed[axis] = value(axis, self._length(X + axis))
+        return changed
+
+    def _read_tool_length(self, code):
+        if code == 4900:
+            return self.offsets.set_tool, 0
+        if self._left & self._axis_mask != 1 << Z:
+            raise Refused(errors.TOOL_LENGTH_AXIS)
+        self._take(Z)
+        return self.offsets.set_tool, self._length(Z)
+
+    def _read_offsets(self, code, axis_words):
+        offsets = self.offsets
+        if code in (2810, 3010):
+            return offsets.set_home, code // 100, self.position[:]
+        if code == 9210:
+            return offsets.set_shift, [0] * self.axes
+        if not axis_words:
+            raise Refused(errors.NO_AXIS_WORDS)
+        if code == 9200:
+            return offsets.set_shift, self._take_axes(
+                offsets.shift,
+                lambda axis, value: self.position[axis] - offsets.of(self._system, axis) + offsets.shift[axis] - value,
+            )
+        if not self._take(P) or not self._take(L):
+            raise Refused(errors.VALUE_MISSING)
+        number = self.words.fixed(P, 0)
+        if number > 6:
+            raise Refused(errors.NO_SUCH_SYSTEM)
+        system = number - 1 if number else self._system
+        how = self.words.fixed(L, 0)
+        if how not in (2, 20) or self.words.has(R):
+            raise Refused(errors.UNSUPPORTED)
+        old = offsets.systems[system]
+        if how == 2:
+            return offsets.set_system, system, self._take_axes(old, lambda axis, value: value)
+        return offsets.set_system, system, self._take_axes(
+            old, lambda axis, value: self.position[axis] - offsets.of(system, axis) + old[axis] - value
+        )
+

@@ -1,0 +1,163 @@
+"""Cuts a line of G-code into words, bytes to integers, in one pass and without allocating.
+
+    words = Words()
+    error = words.scan(b"G1 X-1.25 (left) F300")   # 0
+    words.codes[0]                                  # 100: G1, in hundredths; M codes from M_CODES on
+    words.fixed(X, 6)                               # -1250000: the value in millionths
+
+Blanks are dropped wherever they stand, `(…)` and `;…` are comments, `/` is ignored, small letters are capitals. A
+number has at most nine digits that count; further decimals are dropped.
+"""
+
+from array import array
+from micropython import const
+
+from passo.protocols import errors
+
+LONGEST = const(80)  # characters of a line, blanks and comments aside
+M_CODES = const(1_000_000)
+_CODES = const(40)  # G and M words a line of 80 characters can hold
+_NINE_DIGITS = const(100_000_000)
+
+F, G, I, J, K, L, M, N, P, R, S, T, X, Y, Z = [ord(letter) - 65 for letter in "FGIJKLMNPRSTXYZ"]
+_POWERS = tuple([10**exponent for exponent in range(20)])
+
+
+def _mask(letters):
+    mask = 0
+    for letter in letters:
+        mask |= 1 << ord(letter) - 65
+    return mask
+
+
+_KNOWN = _mask("FGIJKLMNPRSTXYZ")
+_NEVER_NEGATIVE = _mask("FNPST")
+
+
+class Words:
+    def __init__(self):
+        self.have = 0  # mask of the letters that have a value, A is bit 0; G and M are not among them
+        self.codes = array("i", [0] * _CODES)
+        self.count = 0  # of codes
+        self._mantissa = array("i", [0] * 26)
+        self._decimals = bytearray(26)
+
+    def has(self, letter):
+        return self.have >> letter & 1
+
+    def scan(self, line):
+        """Read a line. 0, or the number of the first error; then the words mean nothing."""
+        self.have = self.count = 0
+        letter = -1
+        value = digits = decimals = sign = 0
+        comment = 0  # the character that began it
+        point = False
+        for byte in line:
+            if byte <= 32 or byte == 47:
+                continue
+            if comment:
+                if byte == 41 and comment == 40:  # ")" ends what "(" began; nothing ends ";"
+                    comment = 0
+                continue
+            if byte == 40 or byte == 59:
+                comment = byte
+                continue
+            if 48 <= byte <= 57:
+                if letter < 0:
+                    return errors.LETTER
+                digits = 1
+                if value < _NINE_DIGITS:
+                    value = value * 10 + byte - 48
+                    if point:
+                        decimals += 1
+                elif not point:
+                    return errors.NUMBER
+            elif byte == 46:
+                if point or letter < 0:
+                    return errors.LETTER if letter < 0 else errors.NUMBER
+                point = True
+            elif byte == 45 or byte == 43:
+                if letter < 0:
+                    return errors.LETTER
+                if digits or point or sign:
+                    return errors.NUMBER
+                sign = 44 - byte
+            else:
+                if letter >= 0:
+                    error = self._keep(letter, -value if sign < 0 else value, digits, decimals)
+                    if error:
+                        return error
+                letter = (byte & 0xDF) - 65
+                if not 0 <= letter < 26 or byte < 65:
+                    return errors.LETTER
+                value = digits = decimals = sign = 0
+                point = False
+        return self._keep(letter, -value if sign < 0 else value, digits, decimals) if letter >= 0 else 0
+
+    def _keep(self, letter, value, digits, decimals):
+        if not digits:
+            return errors.NUMBER
+        bit = 1 << letter
+        if letter == G or letter == M:
+            return self._keep_code(letter, value, decimals)
+        if not bit & _KNOWN:
+            return errors.UNSUPPORTED
+        if bit & self.have:
+            return errors.REPEATED_WORD
+        if value < 0 and bit & _NEVER_NEGATIVE:
+            return errors.NEGATIVE
+        self.have |= bit
+        self._mantissa[letter] = value
+        self._decimals[letter] = decimals
+        return 0
+
+    def _keep_code(self, letter, value, decimals):
+        if decimals:
+            if decimals > 2:
+                if value % _POWERS[decimals - 2]:
+                    return errors.UNSUPPORTED
+                value //= _POWERS[decimals - 2]
+            elif decimals == 1:
+                value *= 10
+        else:
+            value *= 100
+        if not 0 <= value < M_CODES or self.count == _CODES:
+            return errors.UNSUPPORTED
+        self.codes[self.count] = value + M_CODES if letter == M else value
+        self.count += 1
+        return 0
+
+    def fixed(self, letter, places):
+        """The value of a word in units of 10⁻ᵖˡᵃᶜᵉˢ, rounded to the nearest, halves away from zero."""
+        value = self._mantissa[letter]
+        places -= self._decimals[letter]
+        return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
+
+    def inches_nm(self, letter):
+        """The value of a word in inches, in nanometres: exact to five decimals."""
+        places = 5 - self._decimals[letter]
+        value = self._mantissa[letter] * 254
+        return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
+
+
+def length(line):
+    """Characters of a line that count: blanks and comments do not."""
+    count = comment = 0
+    for byte in line:
+        if byte <= 32 or byte == 47:
+            continue
+        if comment:
+            if byte == 41 and comment == 40:
+                comment = 0
+        elif byte == 40 or byte == 59:
+            comment = byte
+        else:
+            count += 1
+    return count
+
+
+def rounded(value, by):
+    """value / by, `by` > 0, rounded to the nearest, halves away from zero."""
+    if value < 0:
+        return -((by // 2 - value) // by)
+    return (by // 2 + value) // by

@@ -1,0 +1,272 @@
+"""The language of grbl 1.1 on one link: lines in, one `ok` or `error:N` a line out, in order.
+
+    grbl = Grbl("xyz", offsets, settings, machine)
+    for command in grbl.feed(serial.read(), now_ms):    # a generator: it goes on where reply() has left it
+        ... event ...
+        serial.write(grbl.reply(event))                 # before the next command is asked for
+    serial.write(grbl.push(event))                      # what the machine says unasked
+
+Real-time bytes are taken out as they come and never wait. Of everything else one command is under way at a time: the
+next line is not looked at before the one before it is answered, so each is understood in the state its forerunner left.
+
+    bytes ─► _peel ─► lines ─► GCode or System ─► commands ─► controller ─► events ─► reply
+                └────► real-time commands ───────────────────────▲
+
+A sender may have 128 bytes under way. Lines beyond that are kept too while there is room; a line that found none is
+answered by error:11 and nothing of it is done.
+"""
+
+from micropython import const
+
+from passo.protocols import commands, errors, grbl_report
+from passo.protocols.commands import ACCEPTED, ALARM, NOTICE, REFUSED, RESTARTED, Command
+from passo.protocols.gcode import GCode
+from passo.protocols.gcode_words import LONGEST, length, rounded
+from passo.protocols.grbl_report import RX_BYTES, Status
+from passo.protocols.grbl_system import System, answer
+
+NM_PER_M = 1_000_000_000
+_ROOM = const(1024)  # bytes of lines that are kept
+_RAW = const(256)  # of one line, comments included
+_ALARMS = const(200)  # errors.py has alarms that much higher
+_LASER = const(32)
+_MAX_RPM = const(30)
+
+_RESET = const(0x18)
+_REAL_TIME = {
+    0x3F: (commands.STATUS, 0, 0),
+    0x21: (commands.HOLD, 0, 0),
+    0x7E: (commands.RESUME, 0, 0),
+    0x84: (commands.DOOR, 0, 0),
+    0x85: (commands.JOG_CANCEL, 0, 0),
+    0x9E: (commands.TOGGLE, commands.SPINDLE_STOP, 0),
+    0xA0: (commands.TOGGLE, 1, 0),
+    0xA1: (commands.TOGGLE, 2, 0),
+    0x95: (commands.OVERRIDE, commands.RAPID, 100),
+    0x96: (commands.OVERRIDE, commands.RAPID, 50),
+    0x97: (commands.OVERRIDE, commands.RAPID, 25),
+}
+for _first, _which in ((0x90, commands.FEED), (0x99, commands.POWER)):
+    _REAL_TIME[_first] = (commands.OVERRIDE, _which, 100)
+    for _byte, _change in ((1, 10), (2, -10), (3, 1), (4, -1)):
+        _REAL_TIME[_first + _byte] = (commands.OVERRIDE, _which, _change * 1000)
+# Changes are a thousand times what they change, so that +100 is not taken for 100 %.
+
+
+def real_time(byte):
+    """The command of a real-time byte, or None."""
+    if byte == _RESET:
+        return Command(commands.RESET)
+    found = _REAL_TIME.get(byte)
+    if found is None:
+        return None
+    kind, value, amount = found
+    command = Command(kind, value=value)
+    if abs(amount) >= 1000:
+        command.feed = amount // 1000
+    else:
+        command.power = amount
+    return command
+
+
+class Grbl:
+    def __init__(self, axes, offsets, settings, machine):
+        """`axes`: names; `settings`: control's; `machine`: the controller's face: target, steps_per_m, state, blocks."""
+        self.gcode = GCode(axes, offsets, machine)
+        self._settings = settings
+        self._machine = machine
+        self._system = System(self.gcode, settings, machine, machine.blocks)
+        self._status = Status()
+        self._configure()
+        self._forget()
+
+    def _forget(self):
+        self._lines = []  # bytes, a number of lines that were too long, or a start-up line as text
+        self._held = 0  # bytes in them
+        self._part = b""  # of a line
+        self._spoilt = False  # the line under way is too long
+        self._after_return = False
+        self._under_way = None  # the command that an answer is awaited for
+        self._rest = []  # of its line's commands
+        self._start_line = None  # the line under way is a start-up line
+
+    def _configure(self):
+        settings = self._settings
+        self._version = settings.version
+        self.gcode.laser = bool(settings.value(_LASER))
+        self.gcode.max_rpm = settings.value(_MAX_RPM)
+        self.gcode.forget_place()
+
+    # --- bytes to commands
+
+    def feed(self, data, now_ms):
+        """Commands, each to be answered by reply() before the next is asked for."""
+        if data:
+            if max(data) > 0x7D or b"?" in data or b"!" in data or b"\x18" in data:
+                for command in self._peel(data):
+                    yield command
+            else:
+                self._receive(data)
+        while self._under_way is None:
+            if not self._rest:
+                if not self._lines:
+                    return
+                self._rest = self._understand(self._next_line())
+            self._under_way = self._rest.pop(0)
+            yield self._under_way
+
+    def _peel(self, data):
+        """Take the real-time bytes out; those from 0x80 on are never anything else."""
+        plain = bytearray()
+        asked = False
+        for byte in data:
+            command = real_time(byte) if byte > 0x7D or byte < 0x40 else None
+            if command is None:
+                if byte < 0x80:
+                    plain.append(byte)
+            elif command.kind == commands.RESET:
+                plain = bytearray()
+                self._forget()
+                yield command
+            elif command.kind != commands.STATUS:
+                yield command
+            elif not asked:
+                asked = True
+                yield command
+        self._receive(bytes(plain))
+
+    def _receive(self, data):
+        if self._after_return and data[:1] == b"\n":
+            data = data[1:]
+        if data:
+            self._after_return = data[-1] == 13
+        pieces = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
+        for piece in pieces[:-1]:
+            self._add(piece)
+            self._end_line()
+        self._add(pieces[-1])
+
+    def _add(self, piece):
+        if len(self._part) + len(piece) > _RAW or self._held + len(self._part) + len(piece) > _ROOM:
+            self._spoilt = True
+            self._part = b""
+        elif piece and not self._spoilt:
+            self._part = self._part + piece if self._part else piece
+
+    def _end_line(self):
+        if not self._spoilt:
+            self._held += len(self._part) + 1
+            self._lines.append(self._part)
+        elif self._lines and isinstance(self._lines[-1], int):
+            self._lines[-1] += 1
+        else:
+            self._lines.append(1)
+        self._part = b""
+        self._spoilt = False
+
+    def _next_line(self):
+        """The oldest line, which leaves the queue; None for one that was too long."""
+        line = self._lines[0]
+        if isinstance(line, int):
+            if line > 1:
+                self._lines[0] = line - 1
+            else:
+                self._lines.pop(0)
+            return None
+        self._lines.pop(0)
+        if isinstance(line, bytes):
+            self._held -= len(line) + 1
+        return line
+
+    # --- lines to commands
+
+    def _understand(self, line):
+        """The commands of a line, one at least."""
+        self._start_line = None
+        if self._version != self._settings.version:
+            self._configure()
+        if line is None or len(line) > LONGEST and length(line) > LONGEST:
+            return [Command(commands.BAD, error=errors.LINE_TOO_LONG)]
+        if isinstance(line, str):
+            self._start_line = line
+            line = line.encode()
+        if b"$" in line and line.strip()[:1] == b"$":
+            result = self._system.execute(plain_text(line))
+        elif not line.strip() or line.strip() == b"%":
+            result = answer("")
+        elif self._machine.state in ("alarm", "jog", "sleep"):
+            result = errors.LOCKED if length(line) else answer("")
+        else:
+            result = self.gcode.interpret(line) or self.gcode.commands or answer("")
+        return [Command(commands.BAD, error=result)] if isinstance(result, int) else result
+
+    # --- events to bytes
+
+    def reply(self, event):
+        """The bytes that tell the sender of `event`."""
+        command = event.command
+        if command.kind == commands.STATUS:
+            return self._status_text(event.value).encode() if event.kind == ACCEPTED else b""
+        if command is not self._under_way:
+            return b""
+        self._under_way = None
+        text = getattr(command, "text", "")
+        if event.kind == REFUSED:
+            self._rest = []
+            self.gcode.forget_place()
+            return (text + self._answer("error:%d" % event.error)).encode()
+        if command.kind == commands.PROBE:
+            text += self._probed(event.value)
+        if command.kind == commands.HOME:
+            self._lines = self._system.start_lines() + self._lines
+        if not self._rest or self._rest[0].kind == commands.RESET:
+            if self.gcode.ended and command.kind == commands.SYNC:
+                text += grbl_report.message(grbl_report.PROGRAMME_END)
+            text += self._answer("ok")
+        return text.encode()
+
+    def _answer(self, text):
+        if self._start_line is not None:
+            text = ">%s:%s" % (self._start_line, text)
+        return text + "\r\n"
+
+    def push(self, event):
+        """The bytes of what the machine says unasked."""
+        if event.kind == ALARM:
+            return b"ALARM:%d\r\n" % (event.error - _ALARMS) if event.error > _ALARMS else b""
+        if event.kind == NOTICE:
+            return grbl_report.message(grbl_report.NOTICES[event.error]).encode()
+        if event.kind != RESTARTED:
+            return b""
+        self._forget()
+        self.gcode.reset()
+        self.gcode.offsets.reset()
+        self._configure()
+        self._status.reset()
+        text = grbl_report.BANNER
+        if event.error:
+            text += grbl_report.message(grbl_report.NOTICES[errors.NOTICE_LOCKED])
+        else:
+            self._lines = self._system.start_lines()
+        return text.encode()
+
+    def _nm(self, axis, steps):
+        return rounded(steps * NM_PER_M, self._machine.steps_per_m[axis])
+
+    def _probed(self, value):
+        position, touched = value
+        system = self._system
+        system.probed = [self._nm(axis, position[axis]) for axis in range(self.gcode.axes)]
+        system.touched = touched
+        return grbl_report.probe(system.probed, touched, system.inches())
+
+    def _status_text(self, report):
+        settings = self._settings
+        report["bytes"] = max(0, RX_BYTES - self._held - len(self._part))
+        values = settings.value(10), settings.value(13), settings.value(_MAX_RPM)
+        return self._status.text(report, self.gcode, self._nm, values)
+
+
+def plain_text(line):
+    """A `$` line as text, capitals, without blanks; what is no ASCII is left out."""
+    return "".join([chr(byte) for byte in line if 32 < byte < 127]).upper()

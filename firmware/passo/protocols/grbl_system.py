@@ -1,0 +1,136 @@
+"""The `$` lines of the grbl language: settings, parameters, and what is asked of the machine beside motion.
+
+    result = system.execute("$110=500")     # an error's number, or the commands to carry out; the first carries text
+
+Letters are capitals and blanks are gone already.
+"""
+
+from passo.protocols import commands, errors, grbl_report
+from passo.protocols.commands import Command
+from passo.protocols.gcode_words import X, Words
+
+_QUIET = ("idle", "alarm", "check")
+_INCHES = 13
+_START_LINES = ("N0", "N1")
+INFO = "I"
+
+
+def answer(text):
+    """A command whose only purpose is that `text` is said in its turn."""
+    command = Command(commands.HELLO)
+    command.text = text
+    return [command]
+
+
+class System:
+    def __init__(self, gcode, settings, machine, blocks):
+        self._gcode = gcode
+        self._settings = settings
+        self._machine = machine
+        self._blocks = blocks
+        self._words = Words()
+        self.probed = [0] * gcode.axes
+        self.touched = False
+
+    def inches(self):
+        return self._settings.value(_INCHES)
+
+    def execute(self, line):
+        state = self._machine.state
+        if line == "$":
+            return answer(grbl_report.HELP + "\r\n")
+        if line == "$$":
+            return answer(self._all()) if state not in ("run", "hold") else errors.BUSY
+        if line == "$G":
+            return answer(grbl_report.modes(self._gcode, self.inches()))
+        if line == "$C":
+            return [Command(commands.CHECK, value=0 if state == "check" else 1)]
+        if line == "$X":
+            return [Command(commands.UNLOCK)]
+        if line[1:2] == "J":
+            return self._jog(line, state)
+        if state not in _QUIET:
+            return errors.BUSY
+        if line == "$#":
+            return answer(grbl_report.parameters(self._gcode, self.probed, self.touched, self.inches()))
+        if line == "$H":
+            return [Command(commands.HOME)] if self._settings.value(22) else errors.HOMING_OFF
+        if line == "$SLP":
+            return [Command(commands.SLEEP)]
+        if line == "$I":
+            return answer(self._info())
+        if line[:3] == "$I=":
+            return self._keep(INFO, line[3:])
+        if line[:5] == "$RST=":
+            return self._restore(line[5:])
+        if line[:2] == "$N":
+            return self._start_lines(line, state)
+        return self._change(line)
+
+    def _jog(self, line, state):
+        if state not in ("idle", "jog"):
+            return errors.BUSY
+        if line[2:3] != "=":
+            return errors.STATEMENT
+        error = self._gcode.interpret(line[3:].encode(), True)
+        return error or self._gcode.commands
+
+    def _all(self):
+        return "".join(["$%d=%s\r\n" % (number, self._show(number)) for number in self._settings.numbers])
+
+    def _show(self, number):
+        return grbl_report.decimal(self._settings.value(number), self._settings.places(number))
+
+    def _info(self):
+        text = self._settings.get(INFO) or ""
+        version = "[VER:%s.%s:%s]\r\n" % (grbl_report.VERSION, grbl_report.DATE, text)
+        return version + "[OPT:VMZ,%d,%d]\r\n" % (self._blocks, grbl_report.RX_BYTES)
+
+    def _keep(self, key, text):
+        try:
+            self._settings.put(key, text)
+        except ValueError:
+            return errors.START_LINE_TOO_LONG
+        return self._settings.save() or answer("")
+
+    def _restore(self, what):
+        if what not in ("$", "#", "*"):
+            return errors.STATEMENT
+        self._settings.restore(what != "#", what != "$")
+        if what != "$":
+            self._gcode.offsets.load()
+        error = self._settings.save()
+        return error or answer(grbl_report.message(grbl_report.RESTORING)) + [Command(commands.RESET)]
+
+    def _start_lines(self, line, state):
+        if line == "$N":
+            kept = ["$%s=%s\r\n" % (key, self._settings.get(key) or "") for key in _START_LINES]
+            return answer("".join(kept))
+        key, equals, text = line[1:].partition("=")
+        if key not in _START_LINES or not equals:
+            return errors.STATEMENT
+        if state != "idle":
+            return errors.BUSY
+        error = self._gcode.interpret(text.encode())
+        if error:
+            return error
+        made = self._gcode.commands
+        kept = self._keep(key, text)
+        return kept if isinstance(kept, int) else kept + made
+
+    def start_lines(self):
+        """What is carried out after a reset and after homing."""
+        return [line for line in [self._settings.get(key) for key in _START_LINES] if line]
+
+    def _change(self, line):
+        key, equals, text = line[1:].partition("=")
+        if not equals or not key or [letter for letter in key if letter not in "0123456789"]:
+            return errors.STATEMENT
+        places = self._settings.places(int(key))
+        if places is None:
+            return errors.STATEMENT
+        words = self._words
+        error = words.scan(b"X" + text.encode())
+        if error or words.count or words.have != 1 << X:
+            return errors.NUMBER
+        return self._settings.change(int(key), words.fixed(X, places)) or self._settings.save() or answer("")

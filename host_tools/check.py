@@ -1,0 +1,88 @@
+"""`passo check`: a job of G-code on the virtual board: errors by line, bounds, time, speeds, a picture."""
+
+from pathlib import Path
+from typing import Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+_MOST_SHOWN = 20  # errors
+
+
+def check(
+    file: Path = typer.Argument(..., help="The G-code."),
+    board: str = typer.Option("router_3axis", help="Board file: a name of boards/, or the path of a .py file."),
+    out: Optional[Path] = typer.Option(None, "-o", "--out", help="A picture of the path and the speed along it."),
+):
+    """Run a job on the virtual board and say what it would do.
+
+    Every line goes through the real firmware, and every step through its pins. Exit status 1 if a line was refused.
+
+    Examples:
+
+        passo check part.gcode
+
+        passo check part.gcode --board boards/mine.py -o part.png
+    """
+    from host_tools import gcode_file
+    from host_tools.virtual_job import VirtualJob
+
+    job = VirtualJob(board)
+    job.run(gcode_file.read(file))
+    for line in summary(job):
+        print(line)
+    if out:
+        picture(out, job, file.name)
+        print(out)
+    for number, text, what in job.errors[:_MOST_SHOWN]:
+        typer.echo(f"{file}:{number}: {text}: {what}", err=True)
+    if job.errors:
+        raise Failure(f"{file}: {len(job.errors)} lines would be refused; the first is line {job.errors[0][0]}")
+
+
+def summary(job):
+    """What the job would do, in lines of text."""
+    from host_tools.gcode_file import clock
+
+    yield f"time    {clock(job.seconds)} ({job.seconds:.1f} s), {job.track.steps} words with a step"
+    for number, axis in enumerate(job.board["axes"]):
+        low, high = job.low[number], job.high[number]
+        travel = axis["travel_steps"] / job.steps_per_mm[number]
+        note = "" if high - low <= travel else f"  MORE THAN THE TRAVEL of {travel:.1f}"
+        fastest = job.track.fastest[number]
+        yield f"{axis['name'].upper()}       {low:9.3f} … {high:9.3f} mm, up to {fastest:.0f} mm/min{note}"
+
+
+def picture(path, job, title):
+    """The path seen from above, and the speed along it over time."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    from matplotlib.collections import LineCollection
+
+    figure, (above, below) = plt.subplots(
+        2, 1, figsize=(9, 10), layout="constrained", gridspec_kw={"height_ratios": [3, 1]}
+    )
+    for lowered, color, width in ((False, "#9cc3e6", 0.6), (True, "#1a1a2e", 0.9)):
+        lines = [[place[:2] for place in places] for kind, places in job.track.strokes if kind == lowered]
+        label = "tool on, or below Z0" if lowered else "above"
+        above.add_collection(LineCollection(lines, colors=color, linewidths=width, label=label))
+    above.autoscale()
+    above.set_aspect("equal", adjustable="datalim")
+    above.set_title(title)
+    above.set_xlabel("x in mm")
+    above.set_ylabel("y in mm")
+    above.grid(color="#e6e6e6", linewidth=0.5)
+    above.legend(loc="upper right")
+    below.plot(*zip(*(job.track.samples or [(0, 0)])), color="#1a1a2e", linewidth=0.7)
+    below.set_xlabel("s")
+    below.set_ylabel("mm/min along the path")
+    below.grid(color="#e6e6e6", linewidth=0.5)
+    try:
+        figure.savefig(path, dpi=120)
+    except (OSError, ValueError) as error:
+        raise Failure(f"cannot write {path}: {error}") from error
+    finally:
+        plt.close(figure)

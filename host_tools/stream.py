@@ -1,0 +1,137 @@
+"""`passo stream`: a G-code file to a controller that speaks grbl."""
+
+import contextlib
+import select
+import sys
+import time
+from pathlib import Path
+from typing import Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+_STATUS_S = 0.25
+
+
+def stream(
+    file: Path = typer.Argument(..., help="The G-code."),
+    port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
+    baud: int = typer.Option(115200, help="Bits per second of a serial port."),
+    flow: str = typer.Option("count", help="count: keep the receive buffer full; ok: one line at a time."),
+    home: bool = typer.Option(False, help="Home the machine first."),
+    unlock: bool = typer.Option(False, help="Leave an alarm without homing first."),
+    log: Optional[Path] = typer.Option(None, help="Save the conversation on the wire to this file."),
+    timeout: float = typer.Option(5.0, min=0.1, help="Seconds an answer may take."),
+):
+    """Send a G-code file and show how far it is. Stops at the first error and says which line.
+
+    Keys while it runs: p pause, r resume, a abort (also Ctrl-C). The machine comes to a stand before anything is dropped.
+
+    Examples:
+
+        passo stream part.gcode --home
+
+        passo stream part.gcode --port /dev/ttyACM0 --flow ok --log wire.log
+    """
+    from host_tools import gcode_file, ports
+    from host_tools.grbl_client import GrblClient
+
+    if flow not in ("count", "ok"):
+        raise Failure(f"--flow is count or ok, not {flow!r}")
+    lines = gcode_file.read(file)
+    with GrblClient(port or ports.only(), baud, timeout, log) as client:
+        client.connect()
+        if home:
+            client.command("$H", 600)
+        elif unlock:
+            client.command("$X")
+        if client.ask_status()["state"] == "Alarm":
+            raise Failure("the machine is in alarm; give --home or --unlock")
+        with Panel(client, lines) as panel:
+            for number in client.stream(lines, flow == "count", panel.turn):
+                panel.done(number)
+            client.wait_idle(panel.turn)
+        print(f"{file}: {len(lines)} lines in {gcode_file.clock(panel.seconds())}")
+
+
+class Aborted(Failure):
+    """The operator ended the job."""
+
+
+class Panel:
+    """The line on the screen and the keys below it."""
+
+    def __init__(self, client, lines):
+        self._client = client
+        self._total = len(lines)
+        self._done = 0
+        self._line = 0
+        self._begun = time.monotonic()
+        self._paused_s = 0.0
+        self._paused_at = None
+        self._asked = 0.0
+        self._keys = contextlib.ExitStack()
+
+    def __enter__(self):
+        if sys.stdin.isatty():
+            import termios
+            import tty
+
+            before = termios.tcgetattr(sys.stdin)
+            self._keys.callback(termios.tcsetattr, sys.stdin, termios.TCSADRAIN, before)
+            tty.setcbreak(sys.stdin)
+        return self
+
+    def __exit__(self, kind, *_):
+        self._keys.close()
+        if sys.stderr.isatty():
+            print(file=sys.stderr)
+        if kind is KeyboardInterrupt:
+            self._client.halt()
+            raise Aborted(f"aborted at line {self._line}") from None
+
+    def seconds(self):
+        """How long the job has been moving."""
+        now = time.monotonic() if self._paused_at is None else self._paused_at
+        return now - self._begun - self._paused_s
+
+    def done(self, number):
+        self._done += 1
+        self._line = number
+
+    def turn(self):
+        """Keys, and the screen now and then."""
+        if sys.stdin.isatty() and select.select([sys.stdin], [], [], 0)[0]:
+            self.key(sys.stdin.read(1))
+        now = time.monotonic()
+        if now - self._asked >= _STATUS_S:
+            self._asked = now
+            self._client.real_time(b"?")
+            if sys.stderr.isatty():
+                print("\r\x1b[K" + self.text(), end="", file=sys.stderr, flush=True)
+
+    def key(self, key):
+        if key == "p":
+            self._client.real_time(b"!")
+            self._paused_at = self._paused_at or time.monotonic()
+        elif key == "r":
+            self._client.real_time(b"~")
+            if self._paused_at is not None:
+                self._paused_s += time.monotonic() - self._paused_at
+                self._paused_at = None
+        elif key == "a":
+            self._client.halt()
+            raise Aborted(f"aborted at line {self._line}")
+
+    def text(self):
+        from host_tools.gcode_file import clock
+
+        status = self._client.status
+        share = self._done / self._total
+        left = clock(self.seconds() / share * (1 - share)) if share > 0.01 else "–"
+        place = status.get("MPos") or status.get("WPos") or ""
+        return (
+            f"{share:4.0%} line {self._line}  {status.get('state', '')} {place}  "
+            f"{clock(self.seconds())} gone, {left} left  (p pause, r resume, a abort)"
+        )

@@ -1,0 +1,178 @@
+"""A job of G-code on the virtual port, as fast as it can: what it would do, without a machine around it.
+
+    job = VirtualJob("router_3axis")
+    job.run([(1, b"G21"), (2, b"G1X10F600")])
+    job.seconds, job.low, job.high, job.errors
+
+It starts at machine zero, unlocked, soft limits off: where the job's box lies on a machine is for the caller to judge.
+Pauses for the operator are resumed at once.
+"""
+
+from host_tools import boards
+from host_tools.failure import Failure
+
+TICKS_PER_S = 12_500_000
+WINDOW = 120  # bytes under way
+SPEED_TICKS = TICKS_PER_S // 50  # speeds are measured over 20 ms
+_LIMITLESS_TURNS = 2_000_000  # without an answer: 4 hours of a dwell
+
+
+class Track:
+    """The world of a board that nothing is wired to but its motors: follows their pins."""
+
+    def __init__(self, layout, drive, steps_per_mm):
+        self._layout = layout
+        self._drive = drive
+        axes = layout.axes
+        self._steps_per_mm = steps_per_mm
+        self._before = drive.levels() if drive else 0
+        self.place = [0] * axes
+        self.low = [0] * axes
+        self.high = [0] * axes
+        self.steps = 0
+        self.last_tick = 0
+        self.strokes = [(False, [tuple([0.0] * axes)])]
+        self.fastest = [0.0] * axes  # mm/min
+        self.samples = []  # (seconds, mm/min along the path)
+        self._window = (0, tuple(self.place))
+
+    def attach(self, tick, names, levels):
+        pass
+
+    def edges(self, tick, levels, changed):
+        layout = self._layout
+        lit = bool(levels & layout.tool_mask)
+        moved = False
+        for axis in range(layout.axes):
+            if self._drive is not None:
+                step = self._drive.moved(axis, self._before, levels & (layout.tool_mask - 1))
+            elif (changed & levels) >> axis & 1:
+                step = 1 if levels >> (layout.axes + axis) & 1 else -1
+            else:
+                continue
+            if step:
+                self.place[axis] += step
+                self.low[axis] = min(self.low[axis], self.place[axis])
+                self.high[axis] = max(self.high[axis], self.place[axis])
+                moved = True
+        if self._drive is not None:
+            self._before = levels & (layout.tool_mask - 1)
+        if moved:
+            self.steps += 1
+            self.last_tick = tick
+            self._draw(lit)
+            if tick - self._window[0] >= SPEED_TICKS:
+                self._measure(tick)
+
+    def _draw(self, lit):
+        """Append the place to the picture; every step would be too many, so only each tenth of a millimetre."""
+        here = tuple(place / scale for place, scale in zip(self.place, self._steps_per_mm))
+        kind, places = self.strokes[-1]
+        lowered = lit or len(here) > 2 and here[2] < 0
+        if kind != lowered:
+            self.strokes.append((lowered, [places[-1], here]))
+        elif max(abs(a - b) for a, b in zip(here, places[-1])) >= 0.1:
+            places.append(here)
+
+    def _measure(self, tick):
+        began, place = self._window
+        minutes = (tick - began) / TICKS_PER_S / 60
+        moved = [(now - then) / scale for now, then, scale in zip(self.place, place, self._steps_per_mm)]
+        for axis, along in enumerate(moved):
+            self.fastest[axis] = max(self.fastest[axis], abs(along) / minutes)
+        self.samples.append((tick / TICKS_PER_S, sum(along * along for along in moved) ** 0.5 / minutes))
+        self._window = (tick, tuple(self.place))
+
+    def output(self, tick, name, level):
+        pass
+
+    def run(self, tick):
+        pass
+
+    def next_event(self):
+        return None
+
+
+class VirtualJob:
+    def __init__(self, board, changes=()):
+        """`changes`: $ lines carried out first, as text. Raises Failure where the board has no link for G-code."""
+        from passo.app import App, make_drive
+        from passo.control.boardfile import BoardError, check
+        from passo.ports.virtual import VirtualPort
+
+        try:
+            checked = check(boards.load(board))
+        except BoardError as error:
+            raise Failure(str(error)) from error
+        self.board = checked
+        layout, drive, _ = make_drive(checked)
+        self.steps_per_mm = [axis["steps_per_m"] / 1000 for axis in checked["axes"]]
+        self.track = Track(layout, drive, self.steps_per_mm)
+        resting = {item["name"]: 1 - item["active"] for item in checked["inputs"]}
+        self.track.input = lambda tick, name: resting[name]
+        checked["links"] = [{**checked["links"][0], "protocol": "grbl"}]
+        self._port = VirtualPort(checked, self.track)
+        self._app = App(checked, self._port)
+        self._line = self._port.serial(checked["links"][0])
+        self.errors = []  # (line of the file, its text, what was wrong)
+        self.seconds = 0.0
+        self._line.incoming += b"$X\n$20=0\n" + b"".join(change.encode() + b"\n" for change in changes)
+        for _ in range(50):
+            self._app.turn()
+        self._line.outgoing = b""
+
+    def run(self, lines, progress=None):
+        """Carry out [(number, bytes)] to the end of their motion. `progress(number)` is called now and then."""
+        waiting = list(reversed(lines))
+        under_way = []
+        idle_turns = 0
+        while waiting or under_way:
+            while waiting and sum(len(line) + 1 for _, line in under_way) + len(waiting[-1][1]) < WINDOW:
+                number, line = waiting.pop()
+                under_way.append((number, line))
+                self._line.incoming += line + b"\n"
+            self._turn()
+            idle_turns += 1
+            for said in self._said():
+                idle_turns = 0
+                self._answer(said, under_way)
+            if idle_turns > _LIMITLESS_TURNS:
+                raise Failure(f"line {under_way[0][0]} was never answered")
+            if progress and under_way:
+                progress(under_way[0][0])
+        while not self._app.controller.queue.still():
+            self._turn()
+        self.seconds = self.track.last_tick / TICKS_PER_S
+
+    def _turn(self):
+        if self._app.controller.state == "hold":
+            self._line.incoming += b"~"
+        self._app.turn()
+
+    def _said(self):
+        data = self._line.outgoing
+        self._line.outgoing = b""
+        return data.decode().split("\r\n")
+
+    def _answer(self, said, under_way):
+        from passo.protocols import errors
+
+        if said.startswith("ALARM:"):
+            self.errors.append((under_way[0][0] if under_way else 0, "", f"alarm {said[6:]}"))
+            self._line.incoming += b"\x18$X\n"
+        if said == "ok" or said.startswith("error:"):
+            if not under_way:
+                return
+            number, line = under_way.pop(0)
+            if said != "ok":
+                code = int(said[6:])
+                self.errors.append((number, line.decode(), f"error {code}, {errors.text(code)}"))
+
+    @property
+    def low(self):
+        """Least place of each axis in mm."""
+        return [place / scale for place, scale in zip(self.track.low, self.steps_per_mm)]
+
+    @property
+    def high(self):
+        return [place / scale for place, scale in zip(self.track.high, self.steps_per_mm)]

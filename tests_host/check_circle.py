@@ -1,0 +1,228 @@
+"""Arcs: every step within one step of the ideal circle, the helix's third axis of linear, fewest words, exact ends."""
+
+from array import array
+from math import atan2, cos, pi, sin, sqrt
+
+from draws import Random
+from passo.motion.arc import TooSteep, plan
+from passo.motion.circle import MAX_RADIUS, PLAN, TAIL_A, TAIL_B, Circle
+from passo.motion.line import MAX_RUN
+
+TURN = 2 * pi
+CASES = {
+    "check_every_radius": (("first", 1, 20), ("seed", "seed")),
+    "check_large_radius": (("radius", 2000, 40_000), ("seed", "seed")),
+    "check_speed": (("radius", 3, 3000), ("seed", "seed")),
+    "check_helix": (("radius", 1, 700), ("rise", -100_000, 100_000), ("seed", "seed")),
+    "check_seek": (("radius", 1, 300), ("rise", -300, 300), ("part", 0, 1000), ("seed", "seed")),
+    "check_end_off_the_circle": (("radius", 1, 300), ("dx", -5, 5), ("dy", -5, 5), ("seed", "seed")),
+}
+RUNS = {"check_every_radius": 20, "check_large_radius": 4, "check_speed": 25, "check_helix": 40, "check_seek": 20}
+OUT = array("I", bytearray(4 * MAX_RUN))
+
+
+def about(radius, angle):
+    """The whole-step vector next to a polar one; never 0;0."""
+    x = int(radius * cos(angle) + 1000.5 + MAX_RADIUS) - 1000 - MAX_RADIUS
+    y = int(radius * sin(angle) + 1000.5 + MAX_RADIUS) - 1000 - MAX_RADIUS
+    return (x, y) if x or y else (1, 0)
+
+
+def draw_arc(radius, seed, rise=0):
+    """(plane, centre, deltas, clockwise, turns) of a random arc of about `radius`."""
+    random = Random(seed)
+    start = about(radius, random.between(0, 6283) / 1000)
+    true = sqrt(start[0] ** 2 + start[1] ** 2)
+    end = about(true, random.between(0, 6283) / 1000)
+    if random.between(0, 5) == 0:
+        end = start
+    planes = ((0, 1, 2), (2, 0, 1), (1, 2, 0))
+    plane = random.choice(planes)
+    deltas = [0, 0, 0]
+    deltas[plane[0]] = end[0] - start[0]
+    deltas[plane[1]] = end[1] - start[1]
+    deltas[plane[2]] = rise
+    turns = random.choice((0, 0, 0, 1, 3)) if radius < 300 else 0
+    return plane, (-start[0], -start[1]), deltas, random.choice((False, True)), turns
+
+
+class Walk:
+    """A whole arc walked, and what the plan promised."""
+
+    def __init__(self, plane, center, deltas, clockwise, turns):
+        self.plane = plane
+        self.center = center
+        self.deltas = list(deltas)
+        self.sign = -1 if clockwise else 1
+        self.plan = array("i", [0] * PLAN)
+        path, self.swept = plan(self.plan, plane, center, deltas, clockwise, turns)
+        self.path = path / 1024
+        self.tail = max(abs(self.plan[TAIL_A]), abs(self.plan[TAIL_B]))
+        circle = Circle(3)
+        circle.load(self.plan)
+        self.masks = bytearray()
+        self.runs = []  # (words, negative, path of a word in steps, dominant axis)
+        self.length = 0
+        while circle.left:
+            count = min(circle.left, MAX_RUN)
+            self.runs.append((count, circle.negative, circle.path / circle.words / 1024, circle._u_axis))
+            self.length += self.runs[-1][2] * count
+            circle.walk(OUT, 0, count)
+            self.masks.extend(bytes([OUT[i] for i in range(count)]))
+        self.made = list(circle.made)
+        self.radius = sqrt(center[0] ** 2 + center[1] ** 2)
+
+    def places(self):
+        """(x, y, z, run) relative to the centre after every word; the plane's axes first."""
+        place = [0, 0, 0]
+        a, b, z = self.plane
+        word = 0
+        for run in self.runs:
+            for _ in range(run[0]):
+                for axis in range(3):
+                    if self.masks[word] >> axis & 1:
+                        place[axis] += -1 if run[1] >> axis & 1 else 1
+                word += 1
+                yield place[a] - self.center[0], place[b] - self.center[1], place[z], run
+        assert place == self.deltas == self.made
+
+
+def hold_against_circle(walk, third=1.0):
+    """Every step of `walk` within one step of the circle; the third axis within `third` of linear in the angle."""
+    swept = walk.swept * TURN / (1 << 32)
+    rise = walk.deltas[walk.plane[2]]
+    turned = 0.0
+    before = atan2(-walk.center[1], -walk.center[0])
+    left = len(walk.masks) - walk.tail
+    farthest = 0.0
+    for x, y, z, _ in walk.places():
+        left -= 1
+        if left < 0:
+            continue
+        farthest = max(farthest, abs(sqrt(x * x + y * y) - walk.radius))
+        angle = atan2(y, x)
+        step = (angle - before + 3 * pi) % TURN - pi
+        before = angle
+        turned += step * walk.sign
+        if rise and swept:
+            assert abs(z - rise * min(max(turned / swept, 0), 1)) <= third
+    assert farthest < 0.51
+    assert walk.tail or abs(turned - swept) * walk.radius < 1
+    assert abs(walk.length - walk.path) < 0.75
+
+
+def fewest(walk):
+    """Words an arc of these ends cannot do without: in every region the dominant axis's way."""
+    return walk.plan[11] + walk.tail
+
+
+def check_every_radius(first, seed):
+    """Called with 1 … 20, that is every radius from 1 to 2000."""
+    for radius in range(first, 2001, 20 * 5):
+        walk = Walk(*draw_arc(radius, seed + radius))
+        hold_against_circle(walk)
+        assert len(walk.masks) == fewest(walk)
+
+
+def check_large_radius(radius, seed):
+    walk = Walk(*draw_arc(radius, seed, rise=radius // 3))
+    hold_against_circle(walk)
+    assert len(walk.masks) == fewest(walk)
+
+
+def check_full_circles():
+    """Every radius to 40, from every one of 16 directions, both ways: closes exactly, symmetrical, in fewest words."""
+    for radius in range(1, 41):
+        for direction in range(16):
+            start = about(radius, direction * TURN / 16)
+            for clockwise in (False, True):
+                walk = Walk((0, 1, 2), (-start[0], -start[1]), (0, 0, 0), clockwise, 0)
+                hold_against_circle(walk)
+                assert walk.made == [0, 0, 0] and not walk.tail
+                square = start[0] ** 2 + start[1] ** 2
+                inside = max([d for d in range(radius + 2) if 2 * d * d <= square])
+                assert len(walk.masks) >= 8 * inside
+                assert len(walk.masks) <= 8 * inside + 8
+
+
+def foot(walk, x, y, u_is_y):
+    """Angle of the foot on the ideal circle that shares the dominant coordinate, in the walk's own sense."""
+    if u_is_y:
+        y = max(min(y, walk.radius), -walk.radius)
+        return atan2(y, sqrt(walk.radius**2 - y * y) * (1 if x > 0 else -1)) * walk.sign
+    x = max(min(x, walk.radius), -walk.radius)
+    return atan2(sqrt(walk.radius**2 - x * x) * (1 if y > 0 else -1), x) * walk.sign
+
+
+def check_speed(radius, seed):
+    """A word's share of the time is the true arc from its foot to the next word's, octant changes included: 1 %."""
+    walk = Walk(*draw_arc(radius, seed))
+    worst = 0.0
+    before = None
+    left = len(walk.masks) - walk.tail
+    for x, y, _, run in walk.places():
+        if left > 0:
+            here = foot(walk, x, y, run[3] == walk.plane[1])
+            if before is not None:
+                arc = ((here - before + 3 * pi) % TURN - pi) * walk.radius
+                worst = max(worst, abs(each / arc - 1))
+            before = here
+            each = run[2]
+        left -= 1
+    assert worst < 0.01, worst
+
+
+def check_helix(radius, rise, seed):
+    """Any rise: where the third axis dominates, the circle keeps step with it."""
+    arc = draw_arc(radius, seed, rise)
+    try:
+        walk = Walk(*arc)
+    except TooSteep:
+        return
+    slope = abs(rise) / max(walk.path - walk.tail, 1)
+    hold_against_circle(walk, 1.0 if slope < 0.7 else 0.5 + 1.5 * slope)
+    assert len(walk.masks) >= max(abs(rise), walk.plan[11])
+
+
+def check_seek(radius, rise, part, seed):
+    """An arc taken up at any word goes on exactly as it would have."""
+    arc = draw_arc(radius, seed, rise)
+    try:
+        walk = Walk(*arc)
+    except TooSteep:
+        return
+    index = len(walk.masks) * part // 1000
+    circle = Circle(3)
+    circle.load(walk.plan)
+    circle.seek(index)
+    place = [circle.offset(axis, index) for axis in range(3)]
+    later = bytearray()
+    while circle.left:
+        count = min(circle.left, MAX_RUN)
+        circle.walk(OUT, 0, count)
+        later.extend(bytes([OUT[i] for i in range(count)]))
+    assert later == walk.masks[index:]
+    assert [place[axis] + circle.made[axis] for axis in range(3)] == walk.deltas
+
+
+def check_end_off_the_circle(radius, dx, dy, seed):
+    """An end that is not on the circle is hit all the same, by a line no longer than it is off."""
+    plane, center, deltas, clockwise, turns = draw_arc(radius, seed)
+    deltas[plane[0]] += dx
+    deltas[plane[1]] += dy
+    if deltas[plane[0]] == center[0] and deltas[plane[1]] == center[1]:
+        return
+    walk = Walk(plane, center, deltas, clockwise, turns)
+    for _ in walk.places():
+        pass
+    assert walk.tail <= 2 * max(abs(dx), abs(dy)) + 3
+
+
+def check_what_is_refused():
+    into = array("i", [0] * PLAN)
+    for center, deltas in (((0, 0), (0, 0, 0)), ((MAX_RADIUS + 1, 0), (0, 0, 0)), ((5, 0), (5, 0, 0))):
+        try:
+            plan(into, (0, 1, 2), center, deltas)
+        except ValueError:
+            continue
+        raise AssertionError("accepted")

@@ -1,0 +1,38 @@
+"""Chords of an ellipse: within a quarter of a step before rounding, ends exact, the third axis linear."""
+
+from math import atan2, cos, pi, sin, sqrt
+
+from passo.motion.ellipse import chords
+
+CASES = {
+    "check_chords": (
+        ("radius", 1, 3000), ("start", 0, 6283), ("end", 0, 6283), ("clockwise", 0, 1), ("turns", 0, 2), ("rise", -900, 900),
+    ),
+}
+STEPS_PER_M = (48_000, 83_000, 100_000)
+
+
+def check_chords(radius, start, end, clockwise, turns, rise):
+    """`radius` in 1/48 mm; X has 48 steps/mm, Y 83, as on the welding torch."""
+    first = [int(radius * cos(start / 1000)), int(radius * 83 / 48 * sin(start / 1000))]
+    if not (first[0] or first[1]):
+        return
+    true = sqrt((first[0] / 48) ** 2 + (first[1] / 83) ** 2)
+    last = [int(true * 48 * cos(end / 1000)), int(true * 83 * sin(end / 1000))]
+    if not (last[0] or last[1]):
+        return
+    deltas = (last[0] - first[0], last[1] - first[1], rise)
+    place = [first[0], first[1], 0]
+    off = abs(sqrt((last[0] / 48) ** 2 + (last[1] / 83) ** 2) - true) * 83
+    turned = 0.0
+    all_chords = list(chords(deltas, (0, 1, 2), (-first[0], -first[1]), STEPS_PER_M, bool(clockwise), turns))
+    for chord in all_chords:
+        before = atan2(place[1] / 83, place[0] / 48)
+        place = [place[axis] + chord[axis] for axis in range(3)]
+        assert abs(sqrt((place[0] / 48) ** 2 + (place[1] / 83) ** 2) - true) * 83 <= 0.71 * 83 / 48 + off
+        step = (atan2(place[1] / 83, place[0] / 48) - before + 3 * pi) % (2 * pi) - pi
+        turned += step
+    assert place == [last[0], last[1], rise]
+    if radius > 48:
+        angle = (abs(turned) - 2 / (true * 48)) / len(all_chords)  # the ends of the whole are rounded too
+        assert true * 83 * angle * angle / 8 <= 0.25

@@ -1,0 +1,452 @@
+"""G-code: every code, every error number, exact units, and lines that nobody would write."""
+
+from passo.protocols import commands, errors, gcode_words
+from passo.protocols.gcode import GCode
+from passo.protocols import gcode_arc
+from passo.protocols.gcode_arc import centre_of, isqrt
+from passo.protocols.gcode_offsets import Offsets
+from passo.protocols.gcode_words import F, X, Y, Words
+from draws import Random
+
+ALPHABET = b"GMXYZIJKFSPLRTN0123456789.-+ ();/$gmxyz"
+GOOD = (
+    b"G1 X1.5 Y-2 F300", b"G2 X2 Y0 I1 J0 F100", b"G38.2 Z-5 F50", b"G92 X0 Y0", b"G10 L20 P1 X0 Y0 Z0", b"G4 P0.5",
+    b"M3 S1000", b"G28 X0", b"G81 X1 Y2 Z-3 R1 F100", b"G53 G0 X0", b"G43.1 Z1", b"G55", b"M30", b"G93 G1 X1 F2",
+)
+CASES = {
+    "check_millimetres_are_exact": (("value", -999_999_999, 999_999_999), ("decimals", 0, 9)),
+    "check_inches_are_exact": (("value", -9_999_999, 9_999_999), ("decimals", 0, 5)),
+    "check_mutated_lines": (("seed", "seed"),),
+    "check_noise": (("line", "bytes", 90),),
+    "check_root": (("value", 0, 1 << 59),),
+    "check_arc_centres": (
+        ("x", -5_000_000, 5_000_000), ("y", -5_000_000, 5_000_000), ("more", 100, 9_000_000), ("way", 0, 3),
+    ),
+}
+RUNS = {"check_mutated_lines": 400, "check_noise": 400}
+
+
+class Memory:
+    """What keeps the offsets."""
+
+    def __init__(self):
+        self.kept = {}
+
+    def get(self, key):
+        return self.kept.get(key)
+
+    def put(self, key, text):
+        self.kept[key] = text
+
+
+class Machine:
+    """Does at once what it is told: 250 steps/mm, on Z 400."""
+
+    def __init__(self):
+        self.target = [0, 0, 0]
+        self.steps_per_m = [250_000, 250_000, 400_000]
+
+
+class Shop:
+    """A parser with a machine that obeys it."""
+
+    def __init__(self):
+        self.machine = Machine()
+        self.memory = Memory()
+        self.gcode = GCode("xyz", Offsets(3, self.memory), self.machine)
+
+    def do(self, *lines):
+        """Interpret and carry out; the commands of the last line."""
+        for line in lines:
+            error = self.gcode.interpret(line)
+            assert error == 0, (line, error, errors.text(error))
+            for command in self.gcode.commands:
+                if command.kind in (commands.LINE, commands.ARC, commands.PROBE, commands.JOG_TO):
+                    self.machine.target = command.target[:]
+        return self.gcode.commands
+
+    def at(self):
+        """Where the machine stands, in steps."""
+        return tuple(self.machine.target)
+
+    def state(self):
+        """All that a refused line must leave as it is."""
+        code = self.gcode
+        offsets = code.offsets
+        return (
+            code.motion, code.plane, code.inches, code.absolute, code.per_minute, code.feed, code.system, code.spindle,
+            code.rpm, code.coolant, code.tool, code.number, code.initial, code.cycle, tuple(code.position),
+            str(offsets.systems), str(offsets.homes), str(offsets.shift), offsets.tool,
+        )
+
+
+# (lines before, line, number of the error)
+ERRORS = (
+    ((), b"10", errors.LETTER),
+    ((), b"-X1", errors.LETTER),
+    ((), b"X1%", errors.LETTER),
+    ((), b".5", errors.LETTER),
+    ((), b"X1 \x7f", errors.LETTER),
+    ((), b"G", errors.NUMBER),
+    ((), b"G1 X F100", errors.NUMBER),
+    ((), b"X1.2.3", errors.NUMBER),
+    ((), b"X--1", errors.NUMBER),
+    ((), b"X1-1", errors.NUMBER),
+    ((), b"X.", errors.NUMBER),
+    ((), b"X1234567890", errors.NUMBER),
+    ((), b"F-1", errors.NEGATIVE),
+    ((), b"S-1", errors.NEGATIVE),
+    ((), b"T-1", errors.NEGATIVE),
+    ((), b"N-1", errors.NEGATIVE),
+    ((), b"G4 P-1", errors.NEGATIVE),
+    ((), b"G5", errors.UNSUPPORTED),
+    ((), b"G-1", errors.UNSUPPORTED),
+    ((), b"M48", errors.UNSUPPORTED),
+    ((), b"M107", errors.UNSUPPORTED),
+    ((), b"G1 E4 F100", errors.UNSUPPORTED),
+    ((), b"G1 A4 F100", errors.UNSUPPORTED),
+    ((), b"G38.1 X1 F100", errors.UNSUPPORTED),
+    ((), b"G43 H1", errors.UNSUPPORTED),
+    ((), b"G10 L3 P1 X0", errors.UNSUPPORTED),
+    ((), b"G10 L2 P1 X0 R30", errors.UNSUPPORTED),
+    ((), b"G17 G18", errors.SAME_GROUP),
+    ((), b"G20 G21", errors.SAME_GROUP),
+    ((), b"G90 G91", errors.SAME_GROUP),
+    ((), b"G93 G94", errors.SAME_GROUP),
+    ((), b"G54 G55", errors.SAME_GROUP),
+    ((), b"G4 P1 G53", errors.SAME_GROUP),
+    ((), b"G0 G80", errors.SAME_GROUP),
+    ((), b"M3 M4", errors.SAME_GROUP),
+    ((), b"M7 M8", errors.SAME_GROUP),
+    ((), b"M0 M30", errors.SAME_GROUP),
+    ((), b"G1 X1", errors.NO_FEED),
+    ((), b"G1", errors.NO_FEED),
+    ((), b"G2 X1 I1", errors.NO_FEED),
+    ((), b"G38.2 X1", errors.NO_FEED),
+    ((), b"G1 X1 F0", errors.NO_FEED),
+    ((b"G93 G1 X1 F2",), b"X2", errors.NO_FEED),
+    ((b"F100", b"G93"), b"G1 X1", errors.NO_FEED),
+    ((b"G93 G1 X1 F2",), b"G94 X2", errors.NO_FEED),
+    ((), b"G1.5 X1 F100", errors.NOT_INTEGER),
+    ((), b"G21.5", errors.NOT_INTEGER),
+    ((), b"M3.2", errors.NOT_INTEGER),
+    ((), b"G2 X2 I1 P1.5 F100", errors.NOT_INTEGER),
+    ((), b"G0 G1 X1 F100", errors.TWO_AXIS_COMMANDS),
+    ((), b"G0 X1 G92", errors.TWO_AXIS_COMMANDS),
+    ((), b"G28 G92 X1", errors.TWO_AXIS_COMMANDS),
+    ((), b"G43.1 Z1 G1 X1 F100", errors.TWO_AXIS_COMMANDS),
+    ((), b"X1 X2", errors.REPEATED_WORD),
+    ((), b"N1 N1", errors.REPEATED_WORD),
+    ((), b"G92", errors.NO_AXIS_WORDS),
+    ((), b"G10 L2 P1", errors.NO_AXIS_WORDS),
+    ((), b"G38.2 F100", errors.NO_AXIS_WORDS),
+    ((), b"G2 I1 F100", errors.NO_AXIS_WORDS),
+    ((), b"N10000001", errors.LINE_NUMBER),
+    ((), b"G4", errors.VALUE_MISSING),
+    ((), b"G10 X1", errors.VALUE_MISSING),
+    ((), b"G10 L2 X1", errors.VALUE_MISSING),
+    ((), b"G10 P1 X1", errors.VALUE_MISSING),
+    ((), b"G81 X1 Z-1 F100", errors.VALUE_MISSING),
+    ((), b"G81 X1 R1 F100", errors.VALUE_MISSING),
+    ((), b"G59.1", errors.NO_SUCH_SYSTEM),
+    ((), b"G59.3", errors.NO_SUCH_SYSTEM),
+    ((), b"G10 L2 P7 X0", errors.NO_SUCH_SYSTEM),
+    ((), b"G53 G2 X1 I1 F100", errors.MACHINE_COORDINATES),
+    ((b"G80",), b"G53 X1", errors.MACHINE_COORDINATES),
+    ((), b"G80 X1", errors.AXIS_WORDS_UNUSED),
+    ((b"G80",), b"X1", errors.AXIS_WORDS_UNUSED),
+    ((), b"G2 Z1 I1 F100", errors.NO_AXIS_IN_PLANE),
+    ((), b"G18 G2 Y1 I1 F100", errors.NO_AXIS_IN_PLANE),
+    ((), b"G2 X2 I7 F100", errors.TARGET),
+    ((), b"G2 X0 R1 F100", errors.TARGET),
+    ((), b"G2 X0 I0 F100", errors.TARGET),
+    ((), b"G38.2 X0 F100", errors.TARGET),
+    ((), b"G0 X999999999", errors.TARGET),
+    ((), b"G81 X1 Z2 R1 F100", errors.TARGET),
+    ((), b"G2 X10 R4 F100", errors.RADIUS),
+    ((), b"G2 X1 F100", errors.NO_CENTRE),
+    ((), b"G18 G2 X1 J1 F100", errors.NO_CENTRE),
+    ((), b"G1 X1 F100 P2", errors.WORDS_UNUSED),
+    ((), b"L2", errors.WORDS_UNUSED),
+    ((), b"G0 X1 I1", errors.WORDS_UNUSED),
+    ((), b"G2 X2 I1 K1 F100", errors.WORDS_UNUSED),
+    ((), b"G2 X2 R1 I1 F100", errors.WORDS_UNUSED),
+    ((), b"G43.1 X1", errors.TOOL_LENGTH_AXIS),
+    ((), b"G43.1", errors.TOOL_LENGTH_AXIS),
+    ((), b"G43.1 X1 Z1", errors.TOOL_LENGTH_AXIS),
+    ((), b"T256", errors.TOOL_NUMBER),
+)
+JOG_ERRORS = (
+    (b"X1", errors.NO_FEED),
+    (b"F100", errors.NO_AXIS_WORDS),
+    (b"G1 X1 F100", errors.JOG_WORDS),
+    (b"M3 X1 F100", errors.JOG_WORDS),
+    (b"G92 X1 F100", errors.JOG_WORDS),
+    (b"G17 X1 F100", errors.JOG_WORDS),
+    (b"G93 X1 F100", errors.JOG_WORDS),
+    (b"X1 F100 S100", errors.WORDS_UNUSED),
+    (b"X1 F100 I1", errors.WORDS_UNUSED),
+    (b"X1 F-100", errors.NEGATIVE),
+)
+
+
+def check_every_error():
+    for before, line, number in ERRORS:
+        shop = Shop()
+        shop.do(*before)
+        state = shop.state()
+        error = shop.gcode.interpret(line)
+        assert error == number, (line, error, number)
+        assert shop.gcode.commands == []
+        assert shop.state() == state, line
+
+
+def check_every_jog_error():
+    for line, number in JOG_ERRORS:
+        shop = Shop()
+        state = shop.state()
+        assert shop.gcode.interpret(line, True) == number, line
+        assert shop.gcode.commands == [] and shop.state() == state
+
+
+# (lines, steps of X, Y, Z at the end): 250 steps/mm, on Z 400
+PLACES = (
+    ((b"G0 X1 Y-2 Z3",), (250, -500, 1200)),
+    ((b"g0x1y-2z3",), (250, -500, 1200)),
+    ((b"G0 X 1 . 5 (to the right) Y0 ; and so on",), (375, 0, 0)),
+    ((b"/G0 X1",), (250, 0, 0)),
+    ((b"G00 X01.50000000000001",), (375, 0, 0)),
+    ((b"G1 F100 X1", b"Y1", b"Z1"), (250, 250, 400)),
+    ((b"G91 G0 X1", b"X1", b"G90 Y1"), (500, 250, 0)),
+    ((b"G20 G0 X1",), (6350, 0, 0)),
+    ((b"G20 G91 G0 X.001", b"X.001"), (13, 0, 0)),
+    ((b"G54 G10 L2 P1 X10", b"G0 X1"), (2750, 0, 0)),
+    ((b"G10 L2 P2 X10", b"G0 X1", b"G55 X1"), (2750, 0, 0)),
+    ((b"G10 L2 P0 Y10", b"G0 Y1"), (0, 2750, 0)),
+    ((b"G0 X5", b"G10 L20 P1 X1", b"G0 X2"), (1500, 0, 0)),
+    ((b"G0 X5", b"G92 X0", b"G0 X1"), (1500, 0, 0)),
+    ((b"G0 X5", b"G92 X0", b"G92.1", b"G0 X1"), (250, 0, 0)),
+    ((b"G10 L2 P1 X10", b"G92 X3", b"G53 G0 X1"), (250, 0, 0)),
+    ((b"G43.1 Z1", b"G0 Z1"), (0, 0, 800)),
+    ((b"G43.1 Z1", b"G0 Z1", b"G49", b"Z1"), (0, 0, 400)),
+    ((b"G0 X3 Y3", b"G28.1", b"G0 X9 Y9", b"G28"), (750, 750, 0)),
+    ((b"G0 X3 Y3", b"G30.1", b"G0 X9 Y9", b"G30 X0"), (750, 2250, 0)),
+    ((b"G0 X3 Y3 Z3", b"G91 G28 Z1"), (750, 750, 0)),
+    ((b"G2 X2 Y0 I1 F100",), (500, 0, 0)),
+    ((b"G3 X2 Y0 R1 Z1 F100",), (500, 0, 400)),
+    ((b"G18 G2 X2 Z0 I1 F100",), (500, 0, 0)),
+    ((b"G19 G3 Y2 Z0 J1 F100",), (0, 500, 0)),
+    ((b"G81 X1 Y1 Z-1 R1 F100",), (250, 250, 400)),
+    ((b"G0 Z5", b"G99 G81 X1 Y1 Z-1 R1 F100", b"X2"), (500, 250, 400)),
+    ((b"G0 Z5", b"G98 G81 X1 Y1 Z-1 R1 F100"), (250, 250, 2000)),
+    ((b"G91 G81 X1 Z-2 R1 L3 F100",), (750, 0, 400)),
+    ((b"G80", b"G0 X1"), (250, 0, 0)),
+    ((b"G17 G21 G40 G49 G54 G61 G80 G90 G91.1 G94 M5 M9", b"G0 X1"), (250, 0, 0)),
+    ((b"", b"(nothing)", b";", b"G"[:0]), (0, 0, 0)),
+)
+
+
+def check_places():
+    for lines, place in PLACES:
+        shop = Shop()
+        shop.do(*lines)
+        assert shop.at() == place, (lines, shop.at())
+
+
+def kinds(made):
+    return [command.kind for command in made]
+
+
+def check_motion_words():
+    shop = Shop()
+    (line,) = shop.do(b"N12 G1 X1 F600")
+    assert (line.kind, line.feed, line.number, line.tool) == (commands.LINE, 10_000_000, 12, False)
+    (line,) = shop.do(b"G0 X2")
+    assert line.feed == 0 and line.number == 0
+    (line,) = shop.do(b"G93 G1 X3 F2.5")
+    assert line.per_min == 2500
+    (line,) = shop.do(b"G20 G94 X1 F60")
+    assert line.feed == 25_400_000 and line.per_min == 0
+    for line, value in ((b"G38.2 X2", 0), (b"G38.3 X3", 2), (b"G38.4 X4", 1), (b"G38.5 X5", 3)):
+        (probe,) = shop.do(line)
+        assert (probe.kind, probe.value) == (commands.PROBE, value)
+
+
+def check_arcs():
+    shop = Shop()
+    (arc,) = shop.do(b"G2 X2 Y0 I1 J0 F100")
+    assert (arc.first, arc.second, arc.clockwise, arc.centre, arc.turns) == (0, 1, True, (250, 0), 1)
+    (arc,) = shop.do(b"G3 X2 Y0 J-1")
+    assert (arc.clockwise, arc.centre, arc.target) == (False, (0, -250), [500, 0, 0])
+    (arc,) = shop.do(b"G3 X2 Y0 Z3 I1 P4")
+    assert arc.turns == 4 and arc.target == [500, 0, 1200]
+    (arc,) = shop.do(b"G18 G2 X2 Z5 K1")
+    assert (arc.first, arc.second, arc.centre) == (2, 0, (400, 0))
+    (arc,) = shop.do(b"G17 G2 X3 Y1 R1")
+    assert arc.centre == (250, 0)
+    (arc,) = shop.do(b"G3 X3 Y0 R-.5")
+    assert arc.centre == (0, -125)
+
+
+def check_everything_else():
+    shop = Shop()
+    assert kinds(shop.do(b"M3 S500")) == [commands.SPINDLE]
+    assert shop.gcode.commands[0].power == 500000 and shop.gcode.commands[0].value == 3 and shop.gcode.commands[0].tool
+    assert kinds(shop.do(b"M3 S500")) == []
+    assert kinds(shop.do(b"M8 S600 G1 X1 F100")) == [commands.SPINDLE, commands.COOLANT, commands.LINE]
+    assert shop.gcode.commands[1].value == 1 and shop.gcode.commands[2].tool and shop.gcode.commands[2].power == 600000
+    assert kinds(shop.do(b"M7")) == [commands.COOLANT] and shop.gcode.commands[0].value == 3
+    assert kinds(shop.do(b"M9")) == [commands.COOLANT] and shop.gcode.commands[0].value == 0
+    assert kinds(shop.do(b"G4 P1.25")) == [commands.DWELL] and shop.gcode.commands[0].value == 1_250_000
+    for line in (b"M0", b"M1", b"T1 M6"):
+        assert kinds(shop.do(line)) == [commands.PAUSE]
+    assert shop.gcode.tool == 1
+    assert kinds(shop.do(b"G0 X5 M0")) == [commands.LINE, commands.PAUSE]
+    shop.do(b"G91 G55 G20 G93 G18")
+    made = kinds(shop.do(b"M2"))
+    assert made == [commands.SPINDLE, commands.COOLANT, commands.OVERRIDE, commands.SYNC] and shop.gcode.ended
+    code = shop.gcode
+    assert (code.motion, code.absolute, code.system, code.per_minute, code.plane) == (100, True, 0, True, 17)
+    assert (code.spindle, code.coolant, code.inches) == (5, 0, True)
+
+
+def check_laser():
+    """The beam is lit on cutting motions only, and a change of power does not stop the machine."""
+    shop = Shop()
+    shop.gcode.laser = True
+    (spindle,) = shop.do(b"M4 S1000")
+    assert not spindle.tool
+    (line,) = shop.do(b"G1 X1 F100")
+    assert line.tool and line.power == 1000000 and line.dynamic
+    (line,) = shop.do(b"X2 S300")
+    assert line.tool and line.power == 300000
+    (line,) = shop.do(b"X3 S0")
+    assert not line.tool and line.power == 0
+    (line,) = shop.do(b"G0 X4 S300")[-1:]
+    assert not line.tool and line.power == 0
+    made = shop.do(b"M3 G1 X5")
+    assert kinds(made) == [commands.SPINDLE, commands.LINE] and made[0].tool and not made[1].dynamic
+    (line,) = shop.do(b"G28")
+    assert not line.tool
+
+
+def check_jogs_leave_the_modes():
+    shop = Shop()
+    shop.do(b"G1 X1 F100")
+    assert shop.gcode.interpret(b"G91 G20 X1 F10", True) == 0
+    (jog,) = shop.gcode.commands
+    assert jog.kind == commands.JOG_TO and jog.target == [6600, 0, 0] and jog.feed == 4_233_333
+    assert (shop.gcode.absolute, shop.gcode.inches, shop.gcode.motion) == (True, False, 100)
+    assert shop.gcode.feed == rate(100)
+
+
+def rate(mm_min):
+    return (mm_min * 1_000_000 + 30) // 60
+
+
+def check_the_machine_may_be_moved_by_others():
+    shop = Shop()
+    shop.do(b"G0 X1.0001")
+    shop.do(b"G91 X1")
+    assert shop.at() == (500, 0, 0)
+    shop.machine.target = [25, 0, 0]
+    shop.do(b"X1")
+    assert shop.at() == (275, 0, 0)
+
+
+def check_offsets_are_kept():
+    shop = Shop()
+    shop.do(b"G0 X1 Y2 Z3", b"G10 L20 P3 X0 Y0", b"G28.1", b"G10 L2 P6 Z-1.5")
+    again = Offsets(3, shop.memory)
+    assert again.systems[2] == [1_000_000, 2_000_000, 0] and again.systems[5] == [0, 0, -1_500_000]
+    assert again.homes[28] == [1_000_000, 2_000_000, 3_000_000] and again.homes[30] == [0, 0, 0]
+    shop.memory.put("G54", "1,x,3")
+    shop.memory.put("G55", "7")
+    again.load()
+    assert again.systems[0] == [0, 0, 0] and again.systems[1] == [7, 0, 0]
+
+
+def check_millimetres_are_exact(value, decimals):
+    words = Words()
+    text = number(value, decimals)
+    assert words.scan(b"X" + text.encode() + b"F1") == 0
+    if decimals <= 6:
+        assert words.fixed(X, 6) == value * 10 ** (6 - decimals)
+    else:
+        by = 10 ** (decimals - 6)
+        assert abs(words.fixed(X, 6) * by - value) * 2 <= by
+    assert words.fixed(F, 0) == 1 and not words.has(Y)
+
+
+def check_inches_are_exact(value, decimals):
+    words = Words()
+    assert words.scan(b"X" + number(value, decimals).encode()) == 0
+    assert words.inches_nm(X) * 10**decimals == value * 25_400_000
+
+
+def number(value, decimals):
+    """`value` / 10 ** decimals as text."""
+    digits = str(abs(value))
+    digits = "0" * (decimals + 1 - len(digits)) + digits
+    text = digits[: len(digits) - decimals] + "." + digits[len(digits) - decimals :]
+    return "-" + text if value < 0 else text
+
+
+def check_root(value):
+    root = isqrt(value)
+    assert root * root <= value < (root + 1) * (root + 1)
+
+
+def check_arc_centres(x, y, more, way):
+    """Centres by radius lie as far from the start as from the end, on the side that makes the arc short or long."""
+    clockwise = bool(way & 1)
+    chord = isqrt(x * x + y * y)
+    if not chord:
+        assert centre_of(x, y, more, clockwise)[0] == errors.TARGET
+        return
+    radius = chord // 2 + more
+    error, i, j = centre_of(x, y, -radius if way & 2 else radius, clockwise)
+    assert error == 0 and gcode_arc.check_centre(x, y, i, j) == 0
+    assert abs(isqrt(i * i + j * j) - radius) <= 2
+    left = x * j - y * i  # > 0: the centre lies left of the chord
+    if abs(left) > 4 * chord:
+        assert (left > 0) == ((not clockwise) == (not way & 2))
+
+
+def check_mutated_lines(seed):
+    """No exception, and what is refused changes nothing."""
+    random = Random(seed)
+    shop = Shop()
+    for _ in range(4):
+        line = bytearray(random.choice(GOOD))
+        for _ in range(random.between(0, 4)):
+            at = random.between(0, len(line) - 1)
+            change = random.between(0, 2)
+            if change == 0:
+                line[at] = random.choice(ALPHABET)
+            elif change == 1:
+                line = line[:at] + bytes((random.choice(ALPHABET),)) + line[at:]
+            elif len(line) > 1:
+                line = line[:at] + line[at + 1 :]
+        obey(shop, bytes(line))
+
+
+def check_noise(line):
+    obey(Shop(), line)
+
+
+def obey(shop, line):
+    state = shop.state()
+    error = shop.gcode.interpret(line)
+    if error:
+        assert shop.gcode.commands == [] and shop.state() == state
+        assert errors.text(error) != "error %d" % error
+    for command in shop.gcode.commands:
+        if command.target:
+            shop.machine.target = command.target[:]
+            assert max([abs(steps) for steps in command.target]) < 1 << 29
+
+
+def check_length_counts_what_stays():
+    for line, count in ((b"G1 X1", 4), (b"(all of this) G1;and this", 2), (b" /\t", 0), (b"a(b(c)d", 2), (b"x" * 81, 81)):
+        assert gcode_words.length(line) == count

@@ -1,0 +1,57 @@
+"""The router's firmware in a thread of its own, its first link on a pseudo-terminal, for programs that open a port.
+
+    running = Running()
+    serial.Serial(running.line.name) …
+    running.until(lambda: running.position() == [0, 0, 0])
+    running.close()
+"""
+
+import threading
+import time
+
+from boards.router_3axis import BOARD
+from host_tools.serial_line import PtyLine, wait
+from passo.app import App
+from passo.control.boardfile import check
+from passo.ports.virtual import MemoryLine, VirtualPort
+from router import World
+
+LIMIT_S = 30
+
+
+class Running:
+    """`line.name` is the port to open; `mode` is that of the virtual port."""
+
+    def __init__(self, mode="real"):
+        self.world = World()
+        board = check(BOARD)
+        self.line = PtyLine()
+        lines = {"pc": self.line, "usb": MemoryLine()}
+        port = VirtualPort(board, self.world, mode, lines, lambda ms: wait([self.line], ms))
+        self.app = App(board, port)
+        self._stop = False
+        self.failed = None
+        self._thread = threading.Thread(target=self._loop, daemon=True)
+        self._thread.start()
+
+    def _loop(self):
+        try:
+            while not self._stop:
+                self.app.turn()
+        except Exception as error:  # shown by the test that waits for it
+            self.failed = error
+
+    def until(self, condition, limit_s=LIMIT_S):
+        deadline = time.monotonic() + limit_s
+        while not condition():
+            assert self.failed is None, self.failed
+            assert time.monotonic() < deadline, self.app.controller.state
+            time.sleep(0.01)
+
+    def close(self):
+        self._stop = True
+        self._thread.join()
+        self.line.close()
+
+    def position(self):
+        return list(self.app.controller.position())

@@ -1,0 +1,143 @@
+"""`passo stream`, `passo check` and `passo settings` against the firmware of the router."""
+
+import pytest
+
+from host_tools import check, gcode_file, settings, stream
+from host_tools.failure import Failure
+from host_tools.grbl_client import GrblClient, Refused, fields_of
+from host_tools.virtual_job import VirtualJob
+from running_router import Running
+
+SQUARE = b"""%
+(a square) G21 G90
+G1 X20 Y0 F6000 ; first side
+Y20
+
+X0
+N7 Y0
+G2 X0 Y0 I5 J0
+M30
+%
+"""
+
+
+@pytest.fixture
+def board():
+    running = Running("fast")
+    yield running
+    running.close()
+
+
+@pytest.fixture
+def job(tmp_path):
+    path = tmp_path / "job.gcode"
+    path.write_bytes(SQUARE)
+    return path
+
+
+def test_lines_of_a_file(job):
+    lines = gcode_file.read(job)
+    assert lines[0] == (2, b"G21G90") and lines[1] == (3, b"G1X20Y0F6000") and lines[-1] == (9, b"M30")
+    assert gcode_file.clock(59.6) == "1:00" and gcode_file.clock(3661) == "1:01:01"
+    with pytest.raises(Failure, match="cannot read"):
+        gcode_file.read(job.with_name("none"))
+    job.write_bytes(b"; nothing\n")
+    with pytest.raises(Failure, match="no line"):
+        gcode_file.read(job)
+
+
+@pytest.mark.parametrize("flow", ["ok", "count"])
+def test_stream(board, job, flow, capsys):
+    stream.stream(job, board.line.name, 115200, flow, False, True, None, 5.0)
+    assert board.position() == [0, 0, 0] and board.world.steps > 4 * 6400
+    assert "7 lines" in capsys.readouterr().out
+
+
+def test_stream_stops_at_the_first_error(board, job):
+    job.write_bytes(b"G1 X5 F3000\nX10\n\nG1 Q7\nX50\nX60\n")
+    with pytest.raises(Refused, match="line 4, G1Q7: error 20") as failure:
+        stream.stream(job, board.line.name, 115200, "count", False, True, None, 5.0)
+    assert failure.value.number == 4
+    board.until(lambda: board.app.controller.state == "idle")
+    assert board.position()[0] <= 60 * 320 and board.app.controller.queue.still()
+
+
+def test_stream_wants_an_unlocked_machine(board, job):
+    with pytest.raises(Failure, match="alarm"):
+        stream.stream(job, board.line.name, 115200, "ok", False, False, None, 5.0)
+
+
+def test_stream_tells_an_alarm(board, job):
+    job.write_bytes(b"G1 X5 F3000\nX-1\nX7\n")
+    with pytest.raises(Refused, match="line 2: alarm 2"):
+        stream.stream(job, board.line.name, 115200, "ok", True, False, None, 5.0)
+
+
+def test_keys(board, job):
+    with GrblClient(board.line.name) as client:
+        client.connect()
+        client.command("$X")
+        panel = stream.Panel(client, [(1, b"")])
+        client.command("G1X50F3000")
+        panel.key("p")
+        board.until(board.app.controller.pauses.standing)
+        assert "Hold" in fields_of("<Hold:0|MPos:0,0,0>")["state"] and "line 0" in panel.text()
+        panel.key("r")
+        board.until(lambda: board.app.controller.state == "idle")
+        client.command("G1X0")
+        with pytest.raises(stream.Aborted):
+            panel.key("a")
+        assert not board.app.controller.alarm
+
+
+def test_nobody_answers(tmp_path, job):
+    with pytest.raises(Failure, match="cannot open"):
+        stream.stream(job, str(tmp_path / "port"), 115200, "ok", False, False, None, 5.0)
+    with pytest.raises(Failure, match="count or ok"):
+        stream.stream(job, "x", 115200, "xon", False, False, None, 5.0)
+
+
+def test_check(job, tmp_path, capsys):
+    picture = tmp_path / "job.png"
+    check.check(job, "router_3axis", picture)
+    said = capsys.readouterr().out
+    assert "0.000 …    20.000 mm" in said and picture.stat().st_size > 10_000
+    job.write_bytes(SQUARE + b"G1 Q1\nM99\n")
+    with pytest.raises(Failure, match="2 lines would be refused; the first is line 11"):
+        check.check(job, "router_3axis", None)
+
+
+def test_check_measures_time():
+    job = VirtualJob("router_3axis")
+    job.run([(1, b"G1X10F600"), (2, b"G4P2"), (3, b"X20M0"), (4, b"X0")])
+    assert 1 + 2 + 1 + 2 < job.seconds < 6.5 and not job.errors
+    assert job.low == [0, 0, 0] and job.high == [20, 0, 0]
+    assert 590 <= job.track.fastest[0] <= 612
+
+
+def test_settings_round_trip(board, tmp_path, capsys):
+    file = tmp_path / "kept.txt"
+    with GrblClient(board.line.name) as client:
+        client.connect()
+        client.command("$X")
+        for line in ("$110=1234.5", "$N0=G54", "G10L2P2X1Y-2.5", "$13=0"):
+            client.command(line)
+    settings.settings("backup", file, board.line.name, 115200)
+    with GrblClient(board.line.name) as client:
+        client.command("$RST=*")
+    settings.settings("restore", file, board.line.name, 115200)
+    assert "3 of" in capsys.readouterr().out
+    settings.settings("show", None, board.line.name, 115200)
+    said = capsys.readouterr().out
+    assert "$110=1234.500" in said and "$N0=G54" in said and "G10L2P2X1.000Y-2.500Z0.000" in said
+
+
+def test_settings_refuses(tmp_path):
+    file = tmp_path / "kept.txt"
+    file.write_text("$110=1\nhello\n")
+    with pytest.raises(Failure, match="line 2"):
+        settings.settings("restore", file, "x", 115200)
+    with pytest.raises(Failure, match="FILE"):
+        settings.settings("backup", None, "x", 115200)
+    with pytest.raises(Failure, match="show, backup or restore"):
+        settings.settings("erase", None, "x", 115200)

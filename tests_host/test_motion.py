@@ -1,0 +1,33 @@
+"""check_motion under CPython, by hypothesis."""
+
+import check_motion
+from properties import make_tests
+
+globals().update(make_tests(check_motion))
+
+
+def test_no_integer_outgrows_a_board():
+    """The ramp on Small integers, over programs of every kind, with overrides."""
+    from check_motion import Machine
+    from draws import Random
+    from small_int import Small
+
+    numbers = "ticks ticks_rest top limit gain span time time_shift ratio ratio_shift leave".split()
+    for seed in range(60):
+        machine = Machine(seed, ("mixed", "tiny", "arcs", "lines", "reversals")[seed % 5], 6)
+        ramp = machine.rig.feeder._ramp
+        begin = ramp.begin
+
+        def begin_small(block, begin=begin):
+            for name in numbers:
+                setattr(block, name, Small(getattr(block, name)))
+            begin(block)
+
+        ramp.begin = begin_small
+        random = Random(seed)
+
+        def each(machine, random=random):
+            if random.between(0, 3) == 0:
+                machine.rig.planner.override(random.choice((10, 100, 200)))
+
+        machine.run(each if seed % 2 else None)
