@@ -43,7 +43,8 @@ class TooSteep(ValueError):
 
 
 def region_of(x, y, leaving):
-    """(region, u, w) of a point on a counter-clockwise arc; one on a diagonal belongs to the region being left or entered."""
+    """(region, u, w) of a point on a counter-clockwise arc; one on a diagonal belongs to the region being left or
+    entered."""
     for region in range(4):
         u, w = ((y, x), (-x, y), (-y, -x), (x, -y))[region]
         if w > abs(u) or w > 0 and w == (u if leaving else -u):
@@ -74,8 +75,11 @@ def _rise(square, u):
 def plan(into, plane, center, deltas, clockwise=False, turns=0):
     """Work out the arc from here to `deltas` (all axes) about `center` (the plane's two, from here).
 
-    `plane`: (a, b, third axis or -1); counter-clockwise is from a to b. `turns` full ones come on top; an end in the same
-    direction as the start is one full turn. Returns (length along the circle, with that of the last short line, in 2⁻¹⁰ steps; angle swept, 2⁻³² turn). Raises ValueError for a radius of 0 or above MAX_RADIUS or an arc of more than 2²⁸ steps, and TooSteep.
+    `plane`: (a, b, third axis or -1); counter-clockwise is from a to b. `turns` full ones come on top; an end in
+    the same
+    direction as the start is one full turn. Returns (length along the circle, with that of the last short line,
+    in 2⁻¹⁰ steps; angle swept, 2⁻³² turn). Raises ValueError for a radius of 0 or above MAX_RADIUS or an arc of
+    more than 2²⁸ steps, and TooSteep.
     """
     sign = -1 if clockwise else 1
     x, y = -center[0], -center[1] * sign

@@ -2,7 +2,8 @@
 
 The midpoint circle (J. E. Bresenham, Comm. ACM 20(2), 1977; its midpoint form by M. L. V. Pitteway and J. R. Van Aken):
 the plane's dominant axis steps every time, the other when that brings x² + y² − R² nearer to zero. The decision stays
-within R, so no product reaches 2³⁰ for radii to MAX_RADIUS, and a step is at most half a step off the ideal circle along the
+within R, so no product reaches 2³⁰ for radii to MAX_RADIUS, and a step is at most half a step off the ideal circle
+along the
 minor axis. Centre and start are whole steps, R is the start's distance; the end is hit by a last short line if need be.
 
 The circle is seen as four regions, each a quarter about an axis direction. In a region the path is `u`, the dominant
@@ -263,7 +264,8 @@ class Circle:
         return count if count > 0 else 1
 
     def _climb(self, length):  # ISR: no allocation
-        """Steps of the third axis that belong to `length` (2⁻²⁰) of path: the ratio has 30 fraction bits, nothing is lost."""
+        """Steps of the third axis that belong to `length` (2⁻²⁰) of path: the ratio has 30 fraction bits,
+        nothing is lost."""
         plan = self._plan
         if not plan[Z_STEPS]:
             return 0

@@ -3,7 +3,8 @@
     for deltas in chords(deltas, (0, 1, 2), center, steps_per_m):
         planner.line(deltas, …)
 
-In steps such an arc is part of an ellipse. A chord stays within ¼ step of it before its ends are rounded to whole steps; the third
+In steps such an arc is part of an ellipse. A chord stays within ¼ step of it before its ends are rounded to whole
+steps; the third
 axis is linear in the swept angle. Big integers, once a chord.
 """
 

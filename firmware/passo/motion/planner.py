@@ -9,9 +9,11 @@ job gives the same ticks however fast it arrived. A fetched block stays in its p
 played, because a hold may come back to it.
 
 Without limits() every block keeps its programmed speed from first to last. With them each block also has the speed at
-which it may be left: that of the corner, and no more than what the blocks behind it, the last of which ends at rest, can slow
+which it may be left: that of the corner, and no more than what the blocks behind it, the last of which ends at rest,
+can slow
 down from. Adding a block runs back over the look-ahead, only as far as something changes, and never over blocks that
-may have been released: what a block does depends on the LOOK_AHEAD − 1 that follow it, however many have come. The way up needs no
+may have been released: what a block does depends on the LOOK_AHEAD − 1 that follow it, however many have come. The
+way up needs no
 pass: the ramp speeds up as it can.
 
     planner.limits(Limits(steps_per_m, speeds, accelerations, junction_deviation))
@@ -197,7 +199,8 @@ class Planner:
     def _arc_limits(self, plane, center, flat, rise, length):
         """(highest speed, acceleration) along the path of an arc."""
         limits = self._limits
-        radius = isqrt((center[0] * center[0] + center[1] * center[1]) << 20) * NM_PER_M // limits.steps_per_m[plane[0]] >> 10
+        steps = isqrt((center[0] * center[0] + center[1] * center[1]) << 20)  # of 2⁻¹⁰
+        radius = steps * NM_PER_M // limits.steps_per_m[plane[0]] >> 10
         weaker = min(limits.accelerations[plane[0]], limits.accelerations[plane[1]])
         speed = min(limits.speeds[plane[0]], limits.speeds[plane[1]], isqrt(weaker * radius)) * length // flat
         acceleration = weaker * length // flat
@@ -250,7 +253,8 @@ class Planner:
     # --- fetching: may run in an interrupt
 
     def next(self, moving=False):  # ISR: no allocation
-        """The next block released, or None. To a machine that is `moving` any block is released: it cannot stop here."""
+        """The next block released, or None. To a machine that is `moving` any block is released: it cannot
+        stop here."""
         fetched = self._fetched
         if fetched == self._added:
             return None

@@ -64,7 +64,8 @@ class Limits:
 
 
 def set_units(block, steps, ticks, length, acceleration, before):
-    """Fill in the ramp's numbers of `block`: `steps` of path, in 2⁻¹⁰; `ticks` long, `length` nm; `before`: the block before or None.
+    """Fill in the ramp's numbers of `block`: `steps` of path, in 2⁻¹⁰; `ticks` long, `length` nm; `before`: the
+    block before or None.
 
     `block.speed` and `block.fastest` are set. A block too slow for the ramp's units keeps its speed throughout.
     """

@@ -1,9 +1,11 @@
 """Cuts a block into segments of about a millisecond: how many dominant steps, and how many ticks they last.
 
-A segment is never cut inside a dominant interval: where steps are further apart it is one step long. At programmed speed a
+A segment is never cut inside a dominant interval: where steps are further apart it is one step long. At programmed
+speed a
 line's total is exact: the ticks that do not divide by its steps are spread over all of it.
 
-With acceleration the ramp carries q, the square of the speed, in units of the block's own (see profile.py), because along
+With acceleration the ramp carries q, the square of the speed, in units of the block's own (see profile.py), because
+along
 the path q is linear: it gains at most `gain` a step. Each segment's end takes the largest q that
 
     - the block's speed and the override allow, or, in a hold, the least that can be reached
