@@ -5,6 +5,7 @@ import sys
 import typer
 
 from host_tools.build import build
+from host_tools.check import check
 from host_tools.draw import draw
 from host_tools.emulate import emulate
 from host_tools.failure import Failure
@@ -12,6 +13,8 @@ from host_tools.flash import flash
 from host_tools.plot import plot
 from host_tools.ports import ports
 from host_tools.send import send
+from host_tools.settings import settings
+from host_tools.stream import stream
 from host_tools.virtual_board import board
 
 app = typer.Typer(
@@ -21,7 +24,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-for _verb in (board, emulate, draw, send, plot, ports, build, flash):
+for _verb in (board, emulate, draw, send, stream, check, settings, plot, ports, build, flash):
     app.command()(_verb)
 
 

@@ -22,7 +22,7 @@ def micro_run(folders, *arguments):
     """Run micro_runner.py under MicroPython with `folders` on its module path."""
     path = ":".join(str(folder) for folder in folders)
     return subprocess.run(
-        [MICROPYTHON, TESTS / "micro_runner.py", *arguments],
+        [MICROPYTHON, "-X", "heapsize=64m", TESTS / "micro_runner.py", *arguments],
         env={**os.environ, "MICROPYPATH": path},
         capture_output=True,
         text=True,

@@ -37,6 +37,7 @@ MAX_SLOPE = const(128)  # most steps of the third axis along one step of the cir
 LEADS = const(22_938)  # Z_HIGH from which the third axis dominates somewhere: 0.7 steps a step
 FINE = const(20)  # fraction bits of a length here
 COARSE = const(10)  # and of the lengths told to the ramp
+_LONGEST = const(255)  # most words of a run, so that no product here reaches 2³⁰
 _ONE = const(1 << 20)
 _Z_BITS = const(21)
 _Z_ONE = const(1 << 21)
@@ -247,7 +248,7 @@ class Circle:
         if ends < 1:
             return 1
         ratio = (w << 6) // (slope + 1)
-        count = MAX_RUN
+        count = _LONGEST
         if ratio < 1024:
             count = 3 * (ratio * w >> 14)  # w² / 85u
         if count > w >> 3:
@@ -255,8 +256,8 @@ class Circle:
         steep = plan[Z_HIGH] >> 15  # whole steps of the third axis a step
         if steep and count * (steep + 1) > 320:
             count = 320 // (steep + 1)
-        if count > MAX_RUN:
-            count = MAX_RUN
+        if count > _LONGEST:
+            count = _LONGEST
         if u >= 0 and count > 3:
             count -= (count >> 3) + 1  # the slope grows on the way
         if count > ends:

@@ -47,7 +47,7 @@ class Limits:
     def corner(self, before, after):
         """Square of the speed at which the corner between two directions may be passed.
 
-        Junction deviation (S. K. Jeon's, of grbl): the speed on a circle that touches both lines and comes within the
+        Junction deviation (S. K. Jeon, 2011): the speed on a circle that touches both lines and comes within the
         deviation of the corner, v² = a·δ·s / (1 − s), s the sine of half the angle between the lines; a is the weakest
         axis's acceleration along the change of direction. None: there is no corner.
         """

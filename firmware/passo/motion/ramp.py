@@ -29,6 +29,7 @@ from passo.motion.circle import divide
 from passo.motion.line import MAX_RUN
 
 SEGMENT_TICKS = const(12_500)  # 1 ms
+_MAX_RAMP = const(255)  # most steps of a segment whose speed may change, so that no product here reaches 2³⁰
 FAR = const(0x1FFFFFFF)  # 2²⁹ − 1: the most q a segment may gain
 HIGHEST = const(0x3FFFFFFF)
 _V_BITS = const(7)  # fraction bits of a speed; with them it has 22 at most
@@ -175,8 +176,8 @@ class Ramp:
                 return
         gain = block.gain
         most = FAR // gain or 1
-        if most > MAX_RUN:
-            most = MAX_RUN
+        if most > _MAX_RAMP:
+            most = _MAX_RAMP
         # How many steps: a millisecond of them at this speed, one from rest.
         each = 0
         steps = 1
@@ -190,8 +191,8 @@ class Ramp:
                     steps = most
                 if steps > left:
                     steps = left
-                if steps > MAX_RUN:
-                    steps = MAX_RUN
+                if steps > _MAX_RAMP:
+                    steps = _MAX_RAMP
         elif self._arc:
             steps = self._arc_steps(left, self._walker, SEGMENT_TICKS, most)
         # How fast at its end.
