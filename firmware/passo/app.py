@@ -106,6 +106,9 @@ class App:
         now_ms = self.port.link_ms()
         for link in self.links:
             self._receive(link, now_ms)
+        tripped = self.port.tripped()
+        if tripped and not self.controller.alarm:
+            self.controller.fail(errors.ALARM_HALT_INPUT, tripped)
         self.controller.poll()
         for event in self.controller.take_events():
             link = event.command.link

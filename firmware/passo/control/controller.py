@@ -120,11 +120,11 @@ class Controller:
         """True when the motors are ready for the words of what is queued."""
         return self._motors.ready(self._port.machine_ms())
 
-    def fail(self, number):
-        """Alarm: stop at once, tool off, motors released; only homing leads out of it."""
+    def fail(self, number, who=None):
+        """Alarm: stop at once, tool off, motors released; only homing leads out of it. `who`: for the log."""
         self.shut_down()
         self.alarm = number
-        self._note(number)
+        self._note(number, who)
 
     def shut_down(self):
         """Stop at once, forget all work, outputs safe. The position is no longer known."""

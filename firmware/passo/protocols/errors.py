@@ -20,6 +20,7 @@ NOT_HOMED = const(107)
 TOO_MANY_WAITING = const(108)
 WORDS_LATE = const(109)
 
+ALARM_HALT_INPUT = const(201)
 ALARM_SENSOR_STUCK = const(208)
 ALARM_SENSOR_DEAD = const(209)
 
@@ -37,6 +38,7 @@ _TEXTS = {
     NOT_HOMED: "the board file wants the machine homed before it draws",
     TOO_MANY_WAITING: "too many commands sent without waiting for their answers",
     WORDS_LATE: "steps were not computed in time: the motion paused, no step was lost",
+    ALARM_HALT_INPUT: "an emergency stop or limit input became active",
     ALARM_SENSOR_STUCK: "homing: a sensor stays active though the head has left it",
     ALARM_SENSOR_DEAD: "homing: a sensor was not found within the travel",
 }
