@@ -90,6 +90,9 @@ class Sink:
     def input(self, name):
         return False
 
+    def tripped(self):
+        return None
+
     def output(self, name, on):
         pass
 

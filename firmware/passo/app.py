@@ -132,6 +132,9 @@ class App:
         now_ms = self.port.link_ms()
         for link in self.links:
             self._receive(link, now_ms)
+        tripped = self.port.tripped()
+        if tripped and not self.controller.alarm:
+            self.controller.fail(errors.ALARM_HARD_LIMIT, tripped)
         self.controller.poll()
         self._answer()
         self.feeder.open = self.controller.may_feed()

@@ -198,8 +198,8 @@ class Controller:
         kind = {"hold": commands.HOLD, "resume": commands.RESUME, "reset": commands.RESET}[name]
         self._handlers[kind](Command(kind))
 
-    def fail(self, number):
-        """Alarm: stop, tool off. Only homing, or the user's word for it, leads out of it."""
+    def fail(self, number, who=None):
+        """Alarm: stop, tool off. Only homing, or the user's word for it, leads out of it. `who`: for the log."""
         command = self.command
         if number in _ORDERLY:
             self.pauses.drop()
@@ -211,7 +211,7 @@ class Controller:
         else:
             self.shut_down()
         self.alarm = number
-        self._note(number)
+        self._note(number, who)
         self._events.append(Event(ALARM, None, number))
         if number in errors.NEED_RESET:
             self.notice(errors.NOTICE_RESET_TO_CONTINUE)

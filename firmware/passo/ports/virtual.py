@@ -59,8 +59,11 @@ class VirtualPort:
         self._sleep = sleep
         self._player = None
         self._inputs = {}
+        self._halting = []
         for entry in board.get("inputs", ()):
             self._inputs[entry["name"]] = entry.get("active", 1)
+            if entry.get("halt", False):
+                self._halting.append(entry["name"])
         self._outputs = {}
         for entry in board.get("outputs", ()):
             self._outputs[entry["name"]] = entry.get("active", 1)
@@ -85,6 +88,13 @@ class VirtualPort:
     def input(self, name):
         """True while the input is in its active state."""
         return self.world.input(self.now, name) == self._inputs[name]
+
+    def tripped(self):
+        """The name of a halting input that is active, or None. They are looked at once a turn."""
+        for name in self._halting:
+            if self.input(name):
+                return name
+        return None
 
     def output(self, name, on):
         """Switch an output of the board file on or off."""

@@ -128,7 +128,7 @@ _TEXTS = {
     SETTING_RANGE: "the value is outside the setting's range",
     NO_PROBE: "the board file names no probe",
     ALARM_LOCKED: "locked: where the machine stands is not known until it is homed",
-    ALARM_HARD_LIMIT: "a limit switch was hit: the position may be lost",
+    ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit: the position may be lost",
     ALARM_SOFT_LIMIT: "the target lies outside the machine's travel: nothing moved, the position is kept",
     ALARM_RESET: "reset while moving: the position may be lost",
     ALARM_PROBE_STATE: "the probe was not in the state it must begin in",

@@ -11,7 +11,7 @@ runs to the tables. No interrupt takes part: the hand-over costs a few clocks, h
 Which words have been played is read off the hardware: A's read address says how far it has got in the ring; the FIFO's
 level and the word pulled but not yet on the pins (the state machine's address tells) are still to come.
 
-At 125 MHz `start` takes 40 µs, `played` 15 µs, `halt` stops the pins 5 µs after it is called. None allocates.
+At 125 MHz `start` takes 15 µs (90 from a standstill), `played` 12 µs. Nothing here allocates after the constructor.
 """
 
 from array import array
@@ -19,7 +19,6 @@ from array import array
 import micropython
 import rp2
 import uctypes
-from machine import Pin
 from micropython import const
 
 from passo.ports.rp2 import chip, programs

@@ -179,7 +179,8 @@ class Port:
         if self._trip is None and feeder.open:
             player = self._player
             feeder.fill(player.played(), _LEAD_TICKS)
-            player.start()
+            if self._trip is None:
+                player.start()
             if self._trip is not None:  # it came while the player was being set going
                 player.halt()
 

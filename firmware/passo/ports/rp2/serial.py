@@ -6,6 +6,7 @@ longer than any garbage collection. Reading never blocks; writing blocks only wh
 
 import sys
 from select import POLLIN, poll
+from time import ticks_diff, ticks_ms
 
 import micropython
 from machine import UART, Pin
@@ -15,6 +16,8 @@ _RECEIVE_BYTES = const(1024)  # 89 ms at 115 200 baud
 _SEND_BYTES = const(256)
 _MOST = const(64)  # bytes read from USB in one go
 _INTERRUPT = const(3)  # Ctrl-C
+_ESCAPE = b"\r\x03"  # what mpremote begins with
+_SILENCE_MS = const(1000)
 
 
 class UartLine:
@@ -52,16 +55,23 @@ class UsbLine:
         self._poll.register(sys.stdin, POLLIN)
         self._in = sys.stdin.buffer
         self._out = sys.stdout.buffer
+        self._heard_ms = ticks_ms()
         micropython.kbd_intr(-1)
 
     def any(self):
         return bool(self._poll.poll(0))
 
     def read(self):
-        """Bytes that have come, at most 64, b"" if none."""
+        """Bytes that have come, at most 64, b"" if none. Raises KeyboardInterrupt when the REPL is asked for."""
         data = b""
         while len(data) < _MOST and self._poll.poll(0):
             data += self._in.read(1)
+        if data:
+            now_ms = ticks_ms()
+            silent_ms = ticks_diff(now_ms, self._heard_ms)
+            self._heard_ms = now_ms
+            if silent_ms >= _SILENCE_MS and data.startswith(_ESCAPE):
+                raise KeyboardInterrupt
         return data
 
     def write(self, data):
