@@ -1,6 +1,9 @@
 """Runs the machine of /board.py. Ways to the REPL: BOOTSEL or the input "repl" held at the start, Ctrl-C."""
 
+import gc
 import sys
+
+gc.threshold(16_000)  # collect while importing, so that what stays lies close together and leaves room in one piece
 
 from passo.app import App
 from passo.control.boardfile import BoardError, check

@@ -86,7 +86,7 @@ def test_conversation_homing_and_squares_are_those_of_the_virtual_board(make_mac
     took_ms, path = converse(machine)
     on_virtual_ms, expected = converse(VirtualMachine(BOARD, start=START))
     assert path == expected
-    assert abs(took_ms - on_virtual_ms) < 20
+    assert 0 <= took_ms - on_virtual_ms < 100  # the path's time is exact; taking five packets and waking are the chip's
     status = status_from(machine.ask(packet(COMMANDS["STATUS"]), 12))
     assert (status["state"], status["error"], status["x"], status["y"]) == ("idle", 0, 600, 300)
     assert machine.plant.errors == [] and machine.wire().lost == 0

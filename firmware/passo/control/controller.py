@@ -356,7 +356,6 @@ class Controller:
     def arrest(self):
         """Stop inside the word under way, drop everything queued; the tool is off. The position stays exact."""
         self.queue.halt()
-        self.queue.position()
         self.objects.drawn = self.objects.count_drawn()
         self.queue.drop()
         self.pauses.clear()

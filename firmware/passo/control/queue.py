@@ -139,6 +139,7 @@ class Queue:
         """Stop inside the word under way, the tool off; drop() is to follow."""
         self._feeder.open = False
         self._player.halt()
+        self._feeder.retire(self._player.played())
 
     def drop(self):
         """Drop everything, after halt() or at the stand of a hold. The position stays exact."""
