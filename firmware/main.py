@@ -7,6 +7,7 @@ gc.threshold(16_000)  # collect while importing, so that what stays lies close t
 
 from passo.app import App
 from passo.control.boardfile import BoardError, check
+from passo.control.journal import FileSlots
 
 if sys.platform == "esp32":
     from passo.ports.esp32 import Port, Start
@@ -29,7 +30,7 @@ def main():
     try:
         board = check(BOARD)
         port = Port(board)
-        app = App(board, port)
+        app = App(board, port, slots=FileSlots("settings"))
         start.run(app, port)
     except BoardError as wrong:
         print("board.py is wrong:", wrong)
