@@ -1,19 +1,14 @@
 """Runs the machine of /board.py. Ways to the REPL: BOOTSEL or the input "repl" held at the start, Ctrl-C."""
 
 import gc
-import sys
 
 gc.threshold(16_000)  # collect while importing, so that what stays lies close together and leaves room in one piece
 
 from passo.app import App
 from passo.control.boardfile import BoardError, check
 from passo.control.journal import FileSlots
-
-if sys.platform == "esp32":
-    from passo.ports.esp32 import Port, Start
-else:
-    from passo.ports.rp2.port import Port
-    from passo.ports.rp2.start import Start
+from passo.ports.rp2.port import Port
+from passo.ports.rp2.start import Start
 
 
 def main():

@@ -50,6 +50,7 @@ _PLAYING = const(17)  # 0 still, 1 playing, 2 the last word ends
 _ARMED = const(18)  # words of the ring that stand in the table, modulo 2²⁹
 _SLOT = const(19)  # the table's end mark
 _PLAYED = const(20)  # words played, while not playing
+_HELD = const(21)
 
 
 class PioPlayer:
@@ -70,7 +71,7 @@ class PioPlayer:
         self._dma = [rp2.DMA() for _ in range(3)]
         channels = [0x50000000 + 0x40 * dma.channel for dma in self._dma]
         out = base | layout.bits << 20
-        self._state = array("I", [0] * 21)
+        self._state = array("I", [0] * 22)
         for index, value in (
             (_PIO, pio), (_SM, pio + 0xC8 + 0x18 * number), (_A, channels[0]), (_B, channels[1]), (_C, channels[2]),
             (_COUNTS, counts), (_ADDRESSES, counts + 4 * _RUNS), (_WORDS, uctypes.addressof(ring.words)),
@@ -98,12 +99,18 @@ class PioPlayer:
             (b, state[_ADDRESSES], 0x14, c.channel),  # A's address, which does not start it
             (c, state[_COUNTS], 0x1C, c.channel),  # A's length, which does, unless it is 0
         ):
-            ctrl = dma.pack_ctrl(size=2, inc_write=False, high_pri=True, ring_size=_RUNS_RING, ring_sel=False, chain_to=after)
+            ctrl = dma.pack_ctrl(
+                size=2, inc_write=False, high_pri=True, ring_size=_RUNS_RING, ring_sel=False, chain_to=after
+            )
             dma.config(read=table, write=channel_a + register, count=1, ctrl=ctrl)
 
     def start(self):  # ISR: no allocation
         """Play from the ring what is published there; call it again when there is more."""
         _append(self._state, self._ring.head)
+
+    def hold(self, on):  # ISR: no allocation
+        """While held, start() does nothing: not even one that was under way when an interrupt halted the player."""
+        self._state[_HELD] = on
 
     def stop(self):
         """Play no further word after the one under way."""
@@ -296,6 +303,8 @@ def _resume(state: ptr32):
 
 @micropython.viper
 def _append(state: ptr32, head: int):
+    if state[_HELD]:
+        return
     if state[_PLAYING] != 1:
         _resume(state)
     counts = ptr32(state[_COUNTS])

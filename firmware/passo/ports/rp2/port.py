@@ -136,6 +136,8 @@ class Port:
         if self._feeder is not None:
             self._feeder.open = False  # until the caller has put things in order
         self._trip = None
+        if self._player is not None:
+            self._player.hold(False)
         return trip.name
 
     def wait(self, busy, fine=False):
@@ -179,12 +181,10 @@ class Port:
         if self._trip is None and feeder.open:
             player = self._player
             feeder.fill(player.played(), _LEAD_TICKS)
-            if self._trip is None:
-                player.start()
-            if self._trip is not None:  # it came while the player was being set going
-                player.halt()
+            player.start()
 
     def trip(self, item):  # ISR: no allocation
-        if self._player is not None:
-            self._player.halt()
         self._trip = item
+        if self._player is not None:
+            self._player.hold(True)
+            self._player.halt()

@@ -38,6 +38,7 @@ _SPIN = const(12)  # turns of the loop that a pulse lasts, some twenty cycles ea
 _PLAYING = const(13)
 _GIVEN = const(14)  # words given to the state machine, modulo 2²⁹
 _PLAYED = const(15)
+_HELD = const(16)
 
 
 class TimerPlayer:
@@ -63,7 +64,7 @@ class TimerPlayer:
         pulses = 0
         for bit in range(layout.bits):
             pulses |= (layout.pulse_mask >> bit & 1) << pins[bit]
-        self._state = array("I", [0] * 16)
+        self._state = array("I", [0] * 17)
         for index, value in (
             (_PIO, pio), (_SM, pio + 0xC8 + 0x18 * number), (_NUMBER, number), (_WORDS, uctypes.addressof(ring.words)),
             (_MASK, ring.mask), (_BITS, layout.bits), (_TABLES, uctypes.addressof(self._tables)), (_ALL, 0),
@@ -113,6 +114,10 @@ class TimerPlayer:
         """Play from the ring what is published there; call it again when there is more."""
         _start(self._state, self._ring.head)
 
+    def hold(self, on):  # ISR: no allocation
+        """While held, start() does nothing: not even one that was under way when an interrupt halted the player."""
+        self._state[_HELD] = on
+
     def stop(self):
         """Play no further word after the one under way."""
         _stop(self._state)
@@ -152,6 +157,8 @@ def _show(state: ptr32, levels: int):
 @micropython.viper
 def _start(state: ptr32, head: int):
     number = state[_NUMBER]
+    if state[_HELD]:
+        return
     if state[_PLAYING] == 0:
         _still(state)
         state[_GIVEN] = state[_PLAYED]
