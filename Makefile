@@ -4,6 +4,8 @@ PYTHON ?= python3
 VENV = .venv
 BIN = $(VENV)/bin
 STAMP = $(VENV)/.installed
+# On the emulated Pico, whose interpreter a coverage measurement would slow down for nothing.
+PICO_TESTS = $(wildcard tests_host/test_pico_*.py)
 
 .DEFAULT_GOAL := help
 .PHONY: help venv run test bench build flash emulate clean
@@ -24,7 +26,8 @@ run: $(STAMP)  ## draw on the virtual board; pictures and traces in out/
 	$(BIN)/python -m host_tools.run
 
 test: $(STAMP)  ## all tests, under CPython and MicroPython, with coverage
-	$(BIN)/python -m pytest -n 2 --cov --cov-report=term $(ARGS)
+	$(BIN)/python -m pytest -n 2 --cov --cov-report=term --ignore-glob='*/test_pico_*' $(ARGS)
+	$(BIN)/python -m pytest -n 2 -o faulthandler_timeout=900 $(PICO_TESTS)
 
 bench: $(STAMP)  ## the slower measurements
 	$(BIN)/python -m host_tools.bench $(ARGS)

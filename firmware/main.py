@@ -4,10 +4,7 @@ import gc
 
 gc.threshold(16_000)  # collect while importing, so that what stays lies close together and leaves room in one piece
 
-from passo.app import App
 from passo.control.boardfile import BoardError, check
-from passo.control.journal import FileSlots
-from passo.ports.rp2.port import Port
 from passo.ports.rp2.start import Start
 
 
@@ -17,12 +14,16 @@ def main():
     except Exception as error:
         print("board.py cannot be read: %s: %s" % (type(error).__name__, error))
         BOARD = None
-    start = Start(BOARD)
+    start = Start(BOARD)  # safe outputs first: the rest takes a second or two to load
     start.history()
     if BOARD is None or not start.wanted():
         return
     app = port = error = None
     try:
+        from passo.app import App
+        from passo.control.journal import FileSlots
+        from passo.ports.rp2.port import Port
+
         board = check(BOARD)
         port = Port(board)
         app = App(board, port, slots=FileSlots("settings"))
