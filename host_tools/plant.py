@@ -51,7 +51,7 @@ class Plant:
         )
         self._parts = [*self.barriers.values(), self._solenoid]
         self._decoders = []
-        self._drive_mask = self._tool_mask = 0
+        self._tool_mask = 0
 
     def _build_carriages(self, start):
         axes = self._board["axes"]
@@ -99,7 +99,6 @@ class Plant:
         bit = {name: number for number, name in enumerate(names)}
         inverted = 0 if drive.get("step_active", 1) else sum(1 << bit[name] for name in names if name.endswith("_step"))
         self._decoders = []
-        self._drive_mask = 0
         for axis in self._board["axes"]:
             name = axis["name"]
             if kind == "step_dir":
@@ -112,7 +111,6 @@ class Plant:
             else:
                 decoder = Pbl3770a(mode, bit[name + "_ph_a"], 0, self.report)
             self._decoders.append(decoder)
-            self._drive_mask |= decoder.mask
         # What a coil motor mounted the other way round makes of the same sequence.
         mirrored = [kind != "step_dir" and axis.get("reversed", False) for axis in self._board["axes"]]
         self._signs = [-1 if turned else 1 for turned in mirrored]

@@ -21,7 +21,6 @@ class VcdTap:
         self._file = open(path, "w", encoding="ascii", newline="\n")
         self._writer = VCDWriter(self._file, timescale="1 ns", version="passo board", date="", check_values=False)
         self._plant = plant
-        self._now = 0
         self._pins = []
         self._others = {}
         for item in board.get("outputs", ()):

@@ -63,13 +63,6 @@ class Inputs:
                 text += letter
         return text
 
-    def limit_active(self):
-        """True while any limit switch is."""
-        for _, name, _ in self._limits:
-            if self.read(name):
-                return True
-        return False
-
     def poll(self, now_ms):
         machine = self._machine
         if self._door is not None:
@@ -89,10 +82,10 @@ class Inputs:
             return
         machine = self._machine
         moving = not machine.fine() and not machine.still()
-        for letter, _, sensor in self._limits:
+        for letter, name, sensor in self._limits:
             before = sensor.active
             sensor.sample(now_ms, 0)
             if moving and sensor.active and not before:
                 self.hit = letter
-                machine.fail(errors.ALARM_HARD_LIMIT)
+                machine.fail(errors.ALARM_HARD_LIMIT, name)
                 return

@@ -39,7 +39,6 @@ class CoilDrive:
         self.axes = axes
         self.width = width
         self._mask = (1 << width) - 1
-        self._steps = (1 << axes) - 1
         self._table = [self._order(table, reversed_mask >> axis & 1) for axis in range(axes)]
         self._hold = [self._order(hold or table, reversed_mask >> axis & 1) for axis in range(axes)]
         self._tables = b"".join(self._table)

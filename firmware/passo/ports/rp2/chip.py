@@ -4,7 +4,7 @@
 import sys
 
 import machine
-from machine import Pin, mem8, mem32
+from machine import Pin, mem32
 
 RP2350 = "RP2350" in sys.implementation._machine
 IO_BANK0 = 0x40028000 if RP2350 else 0x40014000
