@@ -62,7 +62,8 @@ def turned_square(degrees, side, x, y):
 
 
 def converse(machine):
-    """The conversation of 2014, then the square turned by 30°; the rows of the trace after homing, without times."""
+    """The conversation of 2014, then the square turned by 30°: milliseconds from END to DONE of the first, microseconds
+    from its first step to its last, and the rows of the trace after homing, without times."""
     for question, answer in LOG_2014[:2]:
         assert machine.ask(bytes.fromhex(question)) == answer, question
     homed = len(machine.trace.rows())
@@ -71,21 +72,24 @@ def converse(machine):
     begun = machine.now_ms()
     assert machine.ask(bytes.fromhex(LOG_2014[-1][0])) == b"d"
     took_ms = machine.now_ms() - begun
+    steps = [row[0] for before, row in zip(machine.trace.rows()[homed:], machine.trace.rows()[homed + 1 :])
+             if before[1:3] != row[1:3]]
     assert machine.ask(packet(COMMANDS["SPEED"], SPEED)) == b"s"
     for index, (x, y) in enumerate(turned_square(30, 60, 600, 300)):
         assert machine.ask(packet(COMMANDS["LINE" if index else "MOVE"], x, y)) == b"n"
     assert machine.ask(packet(COMMANDS["END"])) == b"d"
     machine.run_ms(100)
-    return took_ms, [row[1:] for row in machine.trace.rows()[homed:]]
+    return took_ms, steps[-1] - steps[0], [row[1:] for row in machine.trace.rows()[homed:]]
 
 
 def test_conversation_homing_and_squares_are_those_of_the_virtual_board(make_machine, show):
     machine = make_machine(BOARD, start=START)
     up_ms = until_up(machine)
     machine.ask(packet(COMMANDS["STATUS"]), 12)  # clears what a question asked too early has left behind
-    took_ms, path = converse(machine)
-    on_virtual_ms, expected = converse(VirtualMachine(BOARD, start=START))
+    took_ms, drawing_us, path = converse(machine)
+    on_virtual_ms, expected_us, expected = converse(VirtualMachine(BOARD, start=START))
     assert path == expected
+    assert abs(drawing_us - expected_us) < 1
     assert 0 <= took_ms - on_virtual_ms < 100  # the path's time is exact; taking five packets and waking are the chip's
     status = status_from(machine.ask(packet(COMMANDS["STATUS"]), 12))
     assert (status["state"], status["error"], status["x"], status["y"]) == ("idle", 0, 600, 300)
