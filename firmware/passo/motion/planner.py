@@ -212,11 +212,11 @@ class Planner:
     def _tangent(self, plane, center, place, clockwise, flat, rise, length):
         """Direction of the arc at `place`, of 2³⁰."""
         x, y = place[0] - center[0], place[1] - center[1]
-        radius = isqrt((x * x + y * y) << 20) or 1
+        radius = isqrt((x * x + y * y) << 40) or 1  # so fine that the direction's length is 1 to 10⁻⁶, on any radius
         sign = -1 if clockwise else 1
         heading = [0] * self.axes
-        heading[plane[0]] = -sign * (y << 40) // radius * flat // length
-        heading[plane[1]] = sign * (x << 40) // radius * flat // length
+        heading[plane[0]] = -sign * (y << 50) // radius * flat // length
+        heading[plane[1]] = sign * (x << 50) // radius * flat // length
         if plane[2] >= 0:
             heading[plane[2]] = (rise << 30) // length
         return heading
