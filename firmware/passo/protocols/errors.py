@@ -1,4 +1,5 @@
-"""Every error and alarm by number: one table for the firmware, the host tools and the documents.
+"""Every error and alarm by number: one table for the firmware, the host tools and the documents. What they
+mean stands in `error_texts`, which a board loads only when somebody asks.
 
 Numbers up to 199 are errors: a command was refused and nothing moved. From 200 they are alarms: the machine stopped
 and must be homed. Where grbl 1.1 has a number for the same thing it is that number, its alarms 200 higher.
@@ -78,74 +79,18 @@ NOTICE_DOOR = const(6)
 NOTICE_LIMITS = const(7)
 NOTICE_SLEEPING = const(8)
 
-_TEXTS = {
-    NONE: "no error",
-    LETTER: "a word begins with a letter, and none stands there",
-    NUMBER: "a word's number is missing or is no number",
-    STATEMENT: "there is no such $ command or setting",
-    NEGATIVE: "a value below zero where it must not be",
-    HOMING_OFF: "homing is switched off: set $22=1",
-    STEP_PULSE: "the step pulse must last 3 µs or more",
-    MEMORY: "the settings could not be read: the board file's hold",
-    BUSY: "the machine is busy: wait until it stands still",
-    LOCKED: "the machine is in alarm: home it first, or unlock it",
-    LIMITS_NEED_HOMING: "soft limits need homing: set $22=1 first",
-    LINE_TOO_LONG: "a line of more than 80 characters: nothing of it was done",
-    STEP_RATE: "steps/mm × speed is more than the board can step",
-    DOOR_OPEN: "the safety door is open",
-    START_LINE_TOO_LONG: "a start-up line or text is too long to be kept",
-    JOG_TRAVEL: "the jog would leave the machine's travel",
-    JOG_WORDS: "a jog takes axes and F, and G20 G21 G53 G90 G91 only",
-    LASER_WITHOUT_PWM: "laser mode needs an output with PWM",
-    UNSUPPORTED: "a word or command that is not supported",
-    SAME_GROUP: "two commands of the same modal group",
-    NO_FEED: "no feed rate: give F",
-    NOT_INTEGER: "a value must be a whole number",
-    TWO_AXIS_COMMANDS: "two commands want the axis words",
-    REPEATED_WORD: "a word stands twice",
-    NO_AXIS_WORDS: "the command needs an axis word",
-    LINE_NUMBER: "the line number is not within 0 … 10 000 000",
-    VALUE_MISSING: "the command needs a P or L word",
-    NO_SUCH_SYSTEM: "there is no such work coordinate system: G54 … G59",
-    MACHINE_COORDINATES: "G53 goes with G0 or G1 only",
-    AXIS_WORDS_UNUSED: "axis words that no command uses",
-    NO_AXIS_IN_PLANE: "the arc needs an axis word of its plane",
-    TARGET: "the target cannot be reached so",
-    RADIUS: "the arc's radius does not reach from start to target",
-    NO_CENTRE: "the arc needs R, or I, J, K of its plane",
-    WORDS_UNUSED: "words that no command uses",
-    TOOL_LENGTH_AXIS: "G43.1 takes Z only",
-    TOOL_NUMBER: "the tool number is above 255",
-    CHECKSUM: "a packet's checksum was wrong: it was asked for again",
-    UNKNOWN_COMMAND: "a packet with an unknown command byte",
-    BYTES_DROPPED: "an unfinished packet was dropped: it was asked for again",
-    TRAVEL: "the point lies outside the machine's travel",
-    SPEED_RANGE: "the speed is outside the range of the board file",
-    NO_HOMING: "the board file names no homing sensors",
-    NOT_HOMED: "the board file wants the machine homed before it draws",
-    TOO_MANY_WAITING: "too many commands sent without waiting for their answers",
-    WORDS_LATE: "steps were not computed in time: the motion paused, no step was lost",
-    SETTING_RANGE: "the value is outside the setting's range",
-    NO_PROBE: "the board file names no probe",
-    ALARM_LOCKED: "locked: where the machine stands is not known until it is homed",
-    ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit: the position may be lost",
-    ALARM_SOFT_LIMIT: "the target lies outside the machine's travel: nothing moved, the position is kept",
-    ALARM_RESET: "reset while moving: the position may be lost",
-    ALARM_PROBE_STATE: "the probe was not in the state it must begin in",
-    ALARM_PROBE_MISSED: "the probe met nothing on its way",
-    ALARM_HOMING_RESET: "homing was ended by a reset",
-    ALARM_HOMING_DOOR: "homing was ended by the safety door",
-    ALARM_SENSOR_STUCK: "homing: a sensor stays active though the head has left it",
-    ALARM_SENSOR_DEAD: "homing: a sensor was not found within the travel",
-    ALARM_TWO_MOTORS: "homing: the second motor's switch was not found",
-}
+
+def _texts():
+    from passo.protocols.error_texts import TEXTS
+
+    return TEXTS
 
 
 def text(number):
     """What error or alarm `number` means, in one line."""
-    return _TEXTS.get(number) or "error %d" % number
+    return _texts().get(number) or "error %d" % number
 
 
 def numbers():
     """All numbers of the table, in order."""
-    return sorted(_TEXTS)
+    return sorted(_texts())
