@@ -37,6 +37,7 @@ class Plant:
         self.trace = None  # told row(tick, position, tool) at each step and each arrival of the tool
         self.pins = None  # told changed(tick, name, level) at each change of an input
         self._board = board
+        self._power = 0 if (board.get("spindle") or {}).get("pwm") else 1000
         self._levels = {item["name"]: 1 - item.get("active", 1) for item in board.get("inputs", ())}
         self._enable = None
         for item in board.get("outputs", ()):
@@ -146,6 +147,12 @@ class Plant:
             self._solenoid.drive(tick, levels & self._tool_mask != self._tool_off)
             self._plan()
 
+    def power(self, tick, level):
+        """The tool's analogue power, which counts while the tool is on."""
+        self._power = level
+        if self._solenoid.value:
+            self._arrive(tick)
+
     def output(self, tick, name, level):
         if name == "enable":
             self.enabled = level == self._enable
@@ -200,7 +207,7 @@ class Plant:
         return carriage.move(tick, steps)
 
     def _arrive(self, tick):
-        self.tool = self._solenoid.value
+        self.tool = self._solenoid.value * self._power // 1000
         if self.trace is not None:
             self.trace.row(tick, self.position, self.tool)
 

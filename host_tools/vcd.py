@@ -27,6 +27,9 @@ class VcdTap:
             self._others[item["name"]] = self._wire(item["name"], 1 - item.get("active", 1))
         for item in board.get("inputs", ()):
             self._others[item["name"]] = self._wire(item["name"], plant.input(0, item["name"]))
+        self._power = None
+        if (board.get("spindle") or {}).get("pwm"):
+            self._power = self._writer.register_var(MODULE, "power", "integer", size=16, init=0)
         plant.pins = self
         self.run = plant.run
         self.next_event = plant.next_event
@@ -42,6 +45,11 @@ class VcdTap:
         for mask, wire in self._pins:
             if changed & mask:
                 self._change(tick, wire, 1 if levels & mask else 0)
+
+    def power(self, tick, level):
+        if self._power is not None:
+            self._change(tick, self._power, level)
+        self._plant.power(tick, level)
 
     def output(self, tick, name, level):
         self._change(tick, self._others[name], level)

@@ -29,6 +29,8 @@ class World:
         self.steps = 0
         self.tool = 0
         self.tool_changes = []  # (tick, on)
+        self.power_level = 0
+        self.burnt = None  # set it to []: (tick, x, y, power while the tool is on) at each step
         self.top = [0, 0, 0]
 
     def attach(self, tick, names, levels):
@@ -50,6 +52,12 @@ class World:
             self.steps += 1
             if self.path is not None:
                 self.path.append((tick, self.place[0], self.place[1], self.place[2], self.tool))
+
+            if self.burnt is not None:
+                self.burnt.append((tick, self.place[0], self.place[1], self.power_level if self.tool else 0))
+
+    def power(self, tick, level):
+        self.power_level = level
 
     def output(self, tick, name, level):
         self.outputs[name] = level

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from passo.drives import unipolar
 from passo.motion import line
 from passo.motion.line import MAX_STEPS
-from passo.steps import feeder, pace, ring, timed
+from passo.steps import feeder, pace, power, ring, timed
 from passo.steps.word import COUNT_MASK
 from rig import DRIVES, LEAST_TICKS, Rig
 from small_int import Small
@@ -48,7 +48,7 @@ class SmallView:
 def narrow():
     """Every array that the interrupt code reads or writes is narrow."""
     patch = pytest.MonkeyPatch()
-    for module in (line, feeder, pace, ring, timed):
+    for module in (line, feeder, pace, power, ring, timed):
         patch.setattr(module, "array", SmallList)
     patch.setattr(line, "memoryview", SmallView, raising=False)
     yield

@@ -63,7 +63,9 @@ _PLANNING = {"junction_um": (int, 10, 0, 10_000), "arc_um": (int, 2, 0, 10_000)}
 _SPINDLE = {
     "max_rpm": (int, 1000, 1, 900_000),
     "min_rpm": (int, 0, 0, 900_000),
-    "pwm": (bool, False, 0, 1),  # the tool's output takes any power, not just on and off
+    "pwm": (bool, False, 0, 1),  # the tool takes any power, not just on and off, by a signal of its own:
+    "pin": (int, -1, -1, 48),
+    "pwm_hz": (int, 5000, 10, 100_000),
     "laser": (bool, False, 0, 1),
 }
 _SPEED = {
@@ -175,6 +177,8 @@ def claimed_pins(board):
         for pin in axis["pins"]:
             claims.append((pin, "axis %s" % axis["name"]))
     claims.append((board["tool"]["pin"], "tool"))
+    if board["spindle"]["pwm"]:
+        claims.append((board["spindle"]["pin"], "spindle's power"))
     for item in board["inputs"]:
         claims.append((item["pin"], "input %s" % item["name"]))
     for item in board["outputs"]:

@@ -43,7 +43,7 @@ class Controller:
         self.checking = False  # commands are only checked
         self.sleeping = False
         self.command = None  # the long command under way
-        self.queue = Queue(board, planner, feeder, player)
+        self.queue = Queue(board, planner, feeder, player, port)
         self.objects = Objects(board, self.queue, self)
         self.pauses = Pauses(self.queue, self, port)
         self.program = Program(board, self.queue, self, planner)
@@ -145,6 +145,7 @@ class Controller:
             self.objects.poll()
         self.program.poll()
         self.pauses.poll(now_ms)
+        self.tools.poll()
         self._poll_end()
         if self._feeder.late != self._late:
             self._late = self._feeder.late

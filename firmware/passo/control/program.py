@@ -7,6 +7,7 @@ from micropython import const
 
 from passo.control import settings as table
 from passo.control.extent import farthest
+from passo.control.tools import thousandths
 from passo.motion.line import MAX_STEPS
 from passo.motion.profile import Limits
 from passo.protocols import commands, errors
@@ -117,6 +118,7 @@ class Program:
     def _queue_motion(self, command):
         """0, or why the planner cannot."""
         self._command = command
+        self._queue.set_power(thousandths(command.power), command.dynamic)
         tag = command.number
         try:
             if command.kind != commands.ARC:
@@ -276,4 +278,4 @@ class Program:
         block = self._queue.playing()
         moving = block is not None and block.walker is not None
         report["number"] = block.tag if moving and self._active else 0
-        report["feed"] = block.speed * self._planner.percent[block.rapid] // 100 if moving else 0
+        report["feed"] = self._queue.pace()

@@ -10,14 +10,18 @@ _LONGEST_MS = 80_000  # of one wait: the planner's limit is 85 s
 
 
 class Queue:
-    def __init__(self, board, planner, feeder, player):
+    def __init__(self, board, planner, feeder, player, port):
         self._board = board
         self._axes = board["axes"]
         self._planner = planner
         self._feeder = feeder
         self._player = player
+        self.analogue = feeder.ring.power
+        self._port = port if board["spindle"]["pwm"] else None  # where power() goes
         self._origin = [0] * len(self._axes)
         self.target = [0] * len(self._axes)  # where the queue will end
+        self._rested = None  # the tool bit that rest() has shown, and the words played then
+        self._rested_at = 0
         self.tool = False  # the tool bit at the queue's end
         self.waiting = False  # something is queued that has not been released to the feeder yet
 
@@ -139,15 +143,47 @@ class Queue:
         """Stop inside the word under way, the tool off; drop() is to follow."""
         self._feeder.open = False
         self._player.halt()
+        self._rested = False
+        self._rested_at = self._player.played()
+        self.power(0)
         self._feeder.retire(self._player.played())
 
     def drop(self):
         """Drop everything, after halt() or at the stand of a hold. The position stays exact."""
         position, _, _ = self._feeder.cancel(self._player.played())
         self._planner.clear()
+        self._planner.power = 0
+        self.power(0)
         self.tool = self.waiting = False
         self._feeder.hold = False
         self.target = [position[axis] - self._origin[axis] for axis in range(len(position))]
+
+    def set_power(self, power, dynamic):
+        """Analogue power, 0 … 1000, of all that is added from now on; `dynamic`: in proportion to the speed."""
+        self._planner.power = power
+        self._planner.dynamic = dynamic
+
+    def dynamic(self):
+        """The power of what is under way, or was last, follows the speed."""
+        block = self._planner.playing()
+        return self._planner.dynamic if block is None else block.dynamic
+
+    def power(self, level):
+        """Show a power at once, where there is an output for it."""
+        if self._port is not None:
+            self._port.power(level)
+
+    def restore_power(self):
+        """Show the power of the last mark, as it counts now; at a stand it is none where it follows the speed."""
+        self.power(0 if self.dynamic() and not self._player.busy() else self.analogue.level)
+
+    def pace(self):
+        """The speed along the path at this moment, in nm/s."""
+        block = self._planner.playing()
+        pace = self._feeder.pace(self._player.played())
+        if block is None or block.walker is None or not pace:
+            return 0
+        return block.speed * pace // block.top if block.gain else block.speed
 
     def playing(self):
         """The block under way, or None."""
@@ -158,6 +194,8 @@ class Queue:
 
     def lit(self):
         """True while the tool's bit is on at the pins."""
+        if self._rested is not None and self._rested_at == self._player.played():
+            return self._rested
         return bool(self._levels() & self._feeder.layout.tool_mask)
 
     def _levels(self):
@@ -166,6 +204,12 @@ class Queue:
 
     def rest(self, tool):
         """Tool on or off while the machine stands and nothing plays."""
+        self._rested = tool
+        self._rested_at = self._player.played()
         layout = self._feeder.layout
         levels = self._levels() & ~(layout.pulse_mask | layout.tool_mask)
         self._player.rest(levels | (layout.tool_mask if tool else 0))
+        if tool:
+            self.restore_power()
+        else:
+            self.power(0)

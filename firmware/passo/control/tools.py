@@ -11,6 +11,11 @@ _BLOCKS = const(2)  # room for a change of the tool
 _LOWEST, _HIGHEST = 10, 200  # of feed and spindle override, per cent
 
 
+def thousandths(power):
+    """Of a power in millionths, at least 1 where it is not off."""
+    return max((power + 500) // 1000, 1) if power else 0
+
+
 class Tools:
     def __init__(self, board, queue, machine, planner, port):
         self._queue = queue
@@ -18,20 +23,35 @@ class Tools:
         self._planner = planner
         self._port = port
         self._outputs = [item["name"] for item in board["outputs"]]
+        self._settings_of = None  # the settings' version that the power's range is of
+        self._dark = False  # at a stand: a beam whose power follows the speed is off
         self._restart()
 
     def _restart(self):
         self.overrides = [100, 100, 100]  # feed, rapid, spindle
         self.spindle = OFF
         self.power = 0  # millionths
+        self._queue.set_power(0, False)
         self.coolant = 0
-        self._planner.override(100, 100)
+        self._override_all()
 
     def restart(self):
         """As after power-up, outputs too."""
         self._restart()
         self.set_coolant(0)
         self.show_outputs(False)
+
+    def poll(self):
+        """Once a turn: a beam whose power follows the speed is off while nothing moves."""
+        if self._settings_of != self._machine.settings.version:
+            self._settings_of = self._machine.settings.version
+            self._override_all()
+        if not self._queue.still():
+            self._dark = False
+        elif not self._dark:
+            self._dark = True
+            if self._queue.dynamic() and self._queue.lit():
+                self._queue.rest(False)
 
     def handlers(self):
         return {
@@ -58,6 +78,7 @@ class Tools:
         if not machine.checking:
             self.spindle = command.value
             self.power = command.power if command.value != OFF else 0
+            self._queue.set_power(thousandths(self.power), False)
             self._put("reverse", command.value == 4)
             if command.tool != self._queue.tool:
                 self._queue.set_tool(command.tool, 0)
@@ -66,6 +87,9 @@ class Tools:
                     self._queue.flush()
                     machine.command = command
                     return 0
+            elif not laser:
+                self._queue.analogue.set(thousandths(self.power))
+                self._queue.restore_power()
         return machine.accepted(command)
 
     def _cool(self, command):
@@ -98,12 +122,23 @@ class Tools:
             self.overrides[which] = command.power
         else:
             self.overrides[which] = max(_LOWEST, min(_HIGHEST, self.overrides[which] + command.feed))
-        self._planner.override(self.overrides[0], self.overrides[1])
+        self._override_all()
         return self._machine.accepted(command)
+
+    def _override_all(self):
+        self._planner.override(self.overrides[0], self.overrides[1])
+        settings = self._machine.settings
+        least = settings.value(table.MIN_RPM) * 1000 // settings.value(table.MAX_RPM)
+        self._queue.analogue.adjust(self.overrides[2], min(least, 999))
+        if self._queue.lit():
+            self._queue.restore_power()
 
     def report(self, report):
         """What the status report says of spindle, coolant and overrides."""
         report["power"] = min(self.power * self.overrides[2] // 100, 1_000_000)
+        if self.laser():
+            analogue = self._queue.analogue
+            report["power"] = min(analogue.value * self.overrides[2] // 100, 1000) * 1000 if self._queue.lit() else 0
         report["spindle"] = self.spindle
         report["coolant"] = self.coolant
         report["overrides"] = tuple(self.overrides)

@@ -24,6 +24,8 @@ class Block:
         self.ticks_rest = 0  # LINE: ticks that remain over all dominant steps, spread evenly; ARC: 128ths of a tick
         self.first = 0  # dominant step to begin at: not 0 where an interrupted block is resumed
         self.tag = None  # whatever the controller wants back when the block has been played
+        self.power = 0  # of the tool, 0 … 1000, at the programmed speed
+        self.dynamic = False  # power in proportion to the speed
         self.rapid = 0  # 1: the override for rapid motion counts, not that for the feed
         # Speed, in the block's own unit, which is the programmed speed / top; q is its square (profile.py).
         self.top = 0

@@ -45,6 +45,9 @@ RAPID_PERCENT = (1, 100)
 class Planner:
     def __init__(self, axes):
         self.axes = axes
+        self.power = 0  # of the blocks added from now on: see Block
+        self.dynamic = False
+        self._asked = 0  # the speed that the last line or arc was added with, before any limit
         self.percent = array("i", [100, 100])  # overrides: of the feed, of rapid motion
         self._pool = [Block(axes) for _ in range(LOOK_AHEAD + IN_FLIGHT)]
         self._circle = Circle(axes)  # walked by one block at a time
@@ -160,6 +163,10 @@ class Planner:
         block.tool = tool
         block.tag = tag
         block.first = 0
+        block.power = self.power
+        block.dynamic = self.dynamic
+        if self.dynamic and block.gain and self._asked > block.speed:
+            block.power = self.power * block.speed // self._asked
         block.leave = block.exit = 0
         self._before = block if block.gain else None
         self._heading = heading
@@ -183,7 +190,7 @@ class Planner:
 
     def _speeds(self, block, steps, ticks, length, fastest, acceleration, heading):
         """Set the block's speeds and its ramp; returns its ticks, more of them where an axis's limit asks for it."""
-        speed = length * TICKS_PER_S // ticks or 1
+        self._asked = speed = length * TICKS_PER_S // ticks or 1
         if speed > fastest:
             speed = fastest
             ticks = -(-length * TICKS_PER_S // speed)

@@ -40,6 +40,7 @@ class Ramp:
 
     def __init__(self):
         self.steps = self.ticks = 0
+        self.pace = 0  # the segment's mean speed in the block's units; -1: the programmed one
         self._block = None
         self._walker = None
         self._q = 0  # where the next segment begins, in the block's units
@@ -103,6 +104,7 @@ class Ramp:
     @micropython.native
     def _cut_steady(self, left, hold):  # ISR: no allocation
         self.steps = 0
+        self.pace = -1
         if hold:
             return
         if self._arc:
@@ -252,6 +254,7 @@ class Ramp:
                 ticks += self._loss(block, fast, fast - after)
             self.ticks = ticks
         self._q = aim
+        self.pace = self._speed + after >> _V_BITS + 1
         self._speed = after
         self.steps = steps
 

@@ -18,6 +18,7 @@ The world sees electrical pin levels, polarity included, and each change with it
     edges(tick, levels, changed)    the player's pins changed: all levels, and the mask of those that changed
     output(tick, name, level)       another output changed
     input(tick, name) -> level      what an input reads
+    power(tick, level)              the tool's analogue power changed, 0 … 1000; only where the world has this method
     run(tick)                       let the world's own events up to `tick` happen
     next_event() -> tick or None    when the next of them is due
 
@@ -100,6 +101,10 @@ class VirtualPort:
         """Switch an output of the board file on or off."""
         active = self._outputs[name]
         self.world.output(self.now, name, active if on else 1 - active)
+
+    def power(self, level):
+        """Show the tool's analogue power, 0 … 1000, at once."""
+        self._player.show_power(self.now, level)
 
     def machine_ms(self):
         return (self.now // TICKS_PER_MS) & COUNT_MASK

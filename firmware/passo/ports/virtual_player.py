@@ -22,6 +22,8 @@ class Player:
         self._pulse_ticks = pulse_ticks
         self._invert = invert
         self._edges = port.world.edges
+        self._power = getattr(port.world, "power", None)
+        self._shown = 0  # power
         self._levels = 0
         self._played = 0
         self._next = 0  # tick at which the word under way ends
@@ -59,6 +61,12 @@ class Player:
     def levels(self):
         """What the pins show, before polarity."""
         return self._levels
+
+    def show_power(self, tick, level):
+        """The tool's analogue power is `level`, 0 … 1000."""
+        if level != self._shown and self._power is not None:
+            self._shown = level
+            self._power(tick, level)
 
     def _put(self, tick, levels):
         changed = levels ^ self._levels
@@ -98,9 +106,16 @@ class Player:
         head = self._ring.head
         played = self._played
         tick = self._next
+        power = self._ring.power
+        marked = power.next()
         while tick < until and played != head:
             word = words[played & mask]
+            at = played
             played = (played + 1) & COUNT_MASK
+            if at == marked:
+                power.play(played)
+                marked = power.next()
+                self.show_power(tick, power.level)
             levels = word & levels_mask
             end = tick + (word >> bits)
             self.now = tick

@@ -50,10 +50,13 @@ class Feeder:
         self._mark_index = array("i", [0] * _CHECKPOINTS)  # dominant steps of its block made so far
         self._mark_ends = bytearray(_CHECKPOINTS)  # 1 where the segment is its block's last
         self._mark_levels = array("i", [0] * _CHECKPOINTS)
+        self._mark_pace = array("i", [0] * _CHECKPOINTS)  # as ramp.pace; 0 at a stand
         self._mark_position = array("i", [0] * (_CHECKPOINTS * axes))
         self.open = True  # the main loop closes it while the motors are not ready, or while it stops the machine
         self.hold = False  # set: come to a stand on the path; cleared: go on
         self.late = 0  # times the player ran dry inside a block
+        self._power = -1  # of the last mark put; -1: the next segment puts one in any case
+        self._pace = 0
         self._levels = 0  # step form of the levels now: directions and tool
         if drive is not None:
             ring.words[ring.mask] = drive.levels()  # the pins before the first word
@@ -63,6 +66,8 @@ class Feeder:
         self._block = None
         self._ramp.stall()
         self._stood = False
+        self._power = -1
+        self._pace = 0
         self._index = 0
         self._wait = 0
         self._debt = 0
@@ -80,8 +85,10 @@ class Feeder:
         if not self.open:
             return
         self.retire(played)
+        self.ring.power.play(played)
         if self.standing():
             self._stood = True
+            self._power = -1
             return
         if self._block is not None and self._oldest == self._newest and not self._stood:
             self.late += 1
@@ -138,11 +145,14 @@ class Feeder:
         self._index = block.first
         tool = self.layout.tool_mask
         self._levels = self._levels & ~tool | (tool if block.tool else 0)
+        self._power = -1
         if block.kind == WAIT:
             self._wait = block.ticks
             self._ramp.stall()
+            self._mark_power(block, 0)
         elif block.kind == FREE:
             self._ramp.stall()
+            self._mark_power(block, -1)
         else:
             if block.kind == ARC:
                 block.walker.load(block.plan)
@@ -160,6 +170,7 @@ class Feeder:
         if ticks > HOLD_TICKS and steps == 1:
             self._wait = ticks - HOLD_TICKS
             ticks = HOLD_TICKS
+        self._mark_power(self._block, ramp.pace)
         self._turn(walker)
         ring = self.ring
         set_terms(self._terms, steps, ticks, self._levels, self.layout.bits)
@@ -195,6 +206,17 @@ class Feeder:
         self._settle(at, 1)
         block = self._block
         self._finish(1, ticks, not self._wait and (block.kind == WAIT or block.walker.left == 0), self._none)
+
+    @micropython.native
+    def _mark_power(self, block, pace):  # ISR: no allocation
+        """The segment that follows has this mean speed: mark the power where it changes."""
+        self._pace = pace
+        power = block.power
+        if block.dynamic and pace >= 0:
+            power = power * pace // block.top if pace else 0
+        if power != self._power:
+            self._power = power
+            self.ring.power.put(self.ring.head, power)
 
     @micropython.native
     def _turn(self, walker):  # ISR: no allocation
@@ -246,6 +268,7 @@ class Feeder:
         self._mark_ticks[slot] = self._ticks
         self._mark_index[slot] = self._index
         self._mark_ends[slot] = ends
+        self._mark_pace[slot] = self._pace
         self._mark_levels[slot] = ring.words[(word - 1) & ring.mask] & layout.levels_mask
         advance(self._position, made, self._mark_position, slot * axes, axes)
         self._newest = number
@@ -255,6 +278,13 @@ class Feeder:
     def position(self, played):
         """Steps of each axis since power-up when `played` words have appeared on the pins: exact."""
         return self._walk(played)[0]
+
+    def pace(self, played):
+        """The mean speed of the segment under way, as ramp.pace; 0 where none is."""
+        slot = self._passed(played)
+        if slot == self._newest % _CHECKPOINTS:
+            return 0
+        return self._mark_pace[(slot + 1) % _CHECKPOINTS]
 
     def _passed(self, played):
         """The slot of the last checkpoint played. Changes nothing: an interrupt may be retiring meanwhile, and may have
@@ -311,6 +341,7 @@ class Feeder:
         if block is not None:
             index += block.first if self._mark_ends[slot] else self._mark_index[slot]
         self.ring.head = played
+        self.ring.power.clear()
         for axis in range(self.layout.axes):
             self._position[axis] = position[axis]
         if self.drive is not None:

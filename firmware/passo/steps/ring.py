@@ -10,6 +10,7 @@ any two statements sees a consistent ring. Nothing here allocates after the cons
 
 from array import array
 
+from passo.steps.power import Power
 from passo.steps.word import COUNT_MASK
 
 
@@ -22,6 +23,7 @@ class Ring:
         self.words = array("I", range(size))  # made in one piece: a board has no second room of this size to copy from
         self.words[self.mask] = 0  # the levels before the first word
         self.head = 0
+        self.power = Power()  # of the tool, by the words' numbers
 
     def publish(self, count):  # ISR: no allocation
         """Hand `count` words, written from `head` on, to the player."""

@@ -12,7 +12,7 @@ resets the chip after a second.
 
 from time import sleep_ms, ticks_diff, ticks_ms
 
-from machine import WDT, Pin, Timer
+from machine import PWM, WDT, Pin, Timer
 from micropython import const
 
 from passo.ports.rp2 import chip
@@ -65,6 +65,11 @@ class Port:
         for entry in board["outputs"]:
             active = entry["active"]
             self._outputs[entry["name"]] = (Pin(entry["pin"], Pin.OUT, value=1 - active), active)
+        self._pwm = None
+        spindle = board["spindle"]
+        if spindle["pwm"]:
+            self._pwm = PWM(Pin(spindle["pin"]), freq=spindle["pwm_hz"], duty_u16=0)
+        self._shown = 0  # power
         self._player = None
         self._feeder = None
         self._timer = None
@@ -119,6 +124,13 @@ class Port:
         """Switch an output of the board file on or off."""
         pin, active = self._outputs[name]
         pin.value(active if on else 1 - active)
+
+    def power(self, level):  # ISR: no allocation
+        """Show the tool's analogue power, 0 … 1000, at once."""
+        if level != self._shown:
+            self._shown = level
+            if self._pwm is not None:
+                self._pwm.duty_u16(level * 65535 // 1000)
 
     def machine_ms(self):
         return ticks_ms() & COUNT_MASK
@@ -182,9 +194,12 @@ class Port:
             player = self._player
             feeder.fill(player.played(), _LEAD_TICKS)
             player.start()
+            if self._pwm is not None:
+                self.power(feeder.ring.power.level)
 
     def trip(self, item):  # ISR: no allocation
         self._trip = item
         if self._player is not None:
             self._player.hold(True)
             self._player.halt()
+            self.power(0)

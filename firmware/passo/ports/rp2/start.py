@@ -29,7 +29,7 @@ class Start:
 
     def safe(self):
         """All outputs inactive and the tool off: drivers disabled. Takes what it can of a board file full of errors."""
-        for entry in self._entries("outputs") + [self._board.get("tool")]:
+        for entry in self._entries("outputs") + [self._board.get("tool"), self._board.get("spindle")]:
             try:
                 Pin(entry["pin"], Pin.OUT, value=1 - entry.get("active", 1))
             except (TypeError, KeyError, ValueError, AttributeError):
