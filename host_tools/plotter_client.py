@@ -79,6 +79,10 @@ class PlotterClient:
         """Set the drawing speed, 1 … 65535 in the unit of the board file."""
         self._deliver("SPEED", "SPEED_OK", value)
 
+    def hand_over(self, number=0):
+        """Link `number` of the board file commands from now on; 0: this one. Raises Refused while the machine moves."""
+        self._deliver("LINK", "LINK_OK", number)
+
     def point(self, pen_down, x, y):
         """Append a point (steps, 0 … 65535) to the object: LINE if the pen goes there down, else MOVE."""
         self._deliver("LINE" if pen_down else "MOVE", "NEXT", x, y)

@@ -11,7 +11,7 @@ import typer
 
 from host_tools.failure import Failure
 
-ARGUMENTS = {"LINE": 2, "MOVE": 2, "SPEED": 1}
+ARGUMENTS = {"LINE": 2, "MOVE": 2, "SPEED": 1, "LINK": 1}
 _HEX = re.compile(r"[0-9a-fA-F]{2}$")
 
 
@@ -34,8 +34,8 @@ def send(
 
         passo send
 
-    Names: REQUEST, LINE x y, MOVE x y, END, ORIGIN, SPEED n, UP, LEFT, DOWN, RIGHT, STOP, STATUS. Bytes in hex are
-    sent as they are. Without words, packets are read line by line.
+    Names: REQUEST, LINE x y, MOVE x y, END, ORIGIN, SPEED n, UP, LEFT, DOWN, RIGHT, STOP, STATUS, LINK n. Bytes in
+    hex are sent as they are. Without words, packets are read line by line.
     """
     from host_tools import ports
     from host_tools.plotter_client import PlotterClient
@@ -165,6 +165,7 @@ _ACTIONS = {
     "REQUEST": _done(lambda client: client.hello(), b"k"),
     "ORIGIN": _done(lambda client: client.origin(), b"o"),
     "SPEED": _done(lambda client, value: client.speed(value), b"s"),
+    "LINK": _done(lambda client, number: client.hand_over(number), b"t"),
     "MOVE": _done(lambda client, x, y: client.point(False, x, y), b"n"),
     "LINE": _done(lambda client, x, y: client.point(True, x, y), b"n"),
     "END": _done(lambda client: client.end(), b"d"),

@@ -740,11 +740,11 @@ def check_two_links_share_the_machine():
     machine.do("G10 L2 P1 X1", "G0 X5")
     machine.settle()
     usb.outgoing = b""
-    usb.incoming += b"G91 G0 X1\n"
+    usb.incoming += b"G91 G0 X1\n$LINK=0\nG91 G0 X1\n"
     machine.turns(1)
     machine.settle()
-    assert usb.outgoing == b"ok\r\n" and machine.controller.position() == [7 * 320, 0, 0]
-    machine.do("G0 X0")
+    assert usb.outgoing == b"error:112\r\n[MSG:Command handed over]\r\nok\r\nok\r\n" and machine.controller.position() == [7 * 320, 0, 0]
+    machine.do("$LINK=1", "G0 X0")
     machine.settle()
     assert machine.controller.position() == [320, 0, 0]
     machine.put(b"\x18")

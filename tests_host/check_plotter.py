@@ -3,7 +3,7 @@
 from passo.protocols import errors
 from passo.protocols import plotter
 from passo.protocols.commands import (
-    ACCEPTED, BAD, DRAW, FINISHED, HELLO, HOME, JOG, POINT, REFUSED, SPEED, STATUS, STOP, Command, Event,
+    ACCEPTED, BAD, DRAW, FINISHED, HAND_OVER, HELLO, HOME, JOG, POINT, REFUSED, SPEED, STATUS, STOP, Command, Event,
 )
 from passo.protocols.plotter import ANSWERS, COMMANDS, PACKET, Plotter, packet, status_bytes, status_from
 
@@ -63,7 +63,7 @@ def meaning(command):
 def check_every_command():
     kinds = {
         "REQUEST": HELLO, "LINE": POINT, "MOVE": POINT, "END": DRAW, "ORIGIN": HOME, "SPEED": SPEED, "UP": JOG,
-        "LEFT": JOG, "DOWN": JOG, "RIGHT": JOG, "STOP": STOP, "STATUS": STATUS,
+        "LEFT": JOG, "DOWN": JOG, "RIGHT": JOG, "STOP": STOP, "STATUS": STATUS, "LINK": HAND_OVER,
     }
     for name, code in COMMANDS.items():
         commands = feed_all(Plotter(GAP_MS), packet(code, 300, 7), 0)
@@ -85,6 +85,7 @@ def check_every_answer():
     assert answer(ACCEPTED, POINT) == b"n"
     assert answer(ACCEPTED, JOG) == b"n"
     assert answer(ACCEPTED, SPEED) == b"s"
+    assert answer(ACCEPTED, HAND_OVER) == b"t"
     assert answer(FINISHED, HOME, FINISHED) == b"o"
     assert answer(FINISHED, DRAW, FINISHED) == b"d"
     assert answer(FINISHED, STOP, FINISHED) == b"d"
@@ -92,7 +93,7 @@ def check_every_answer():
         assert answer(REFUSED, kind, REFUSED) == b""
     for error, reply in ((errors.CHECKSUM, b"r"), (errors.BYTES_DROPPED, b"r"), (errors.UNKNOWN_COMMAND, b"")):
         assert Plotter().reply(Event(REFUSED, Command(BAD, error=error), error)) == reply
-    assert sorted(ANSWERS) == sorted([ord(letter) for letter in "kndosr"])
+    assert sorted(ANSWERS) == sorted([ord(letter) for letter in "kndosrt"])
 
 
 def check_every_packet_in_any_chunks(points, chunk):

@@ -186,6 +186,33 @@ def test_two_links(tmp_path):
         assert board.end()[0] == 0
 
 
+def passo(*arguments):
+    command = [sys.executable, "-m", "host_tools.cli", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=30, env=environment())
+
+
+def test_the_command_is_handed_over_from_both_links(tmp_path):
+    path, usb = two_links(tmp_path), tmp_path / "usb"
+    options = "--board", path, "--link", f"usb={usb}", "--protocol", "usb=grbl"
+    with Board(*options, links=2) as board:
+        grbl = "link", "--protocol", "grbl", "--port", usb
+        plotter = "link", "--protocol", "plotter", "--port", board.port
+        assert passo(*grbl).stdout == "link 1, pc, commands\n"
+        assert passo(*grbl, 0).stdout == "link 2, usb, commands\n"
+        with serial.Serial(str(usb), timeout=5) as client:
+            client.write(b"$X\n")
+            assert client.read_until(b"ok\r\n").endswith(b"ok\r\n")
+        refused = passo("send", "--port", board.port, "SPEED 900")
+        assert refused.returncode == 1 and "error 112, another link commands the machine" in refused.stderr
+        assert passo(*plotter, 1).stdout == "link 1 commands\n"
+        assert passo("send", "--port", board.port, "SPEED 900", "LINK 2").returncode == 0
+        assert passo(*grbl).stdout == "link 2, usb, commands\n"
+        assert "no link of this number" in passo(*grbl, 3).stderr
+        assert "it has no word for that" in passo("link", "--protocol", "keys", "--port", usb).stderr
+        assert "the plotter's language cannot say" in passo(*plotter).stderr
+        assert board.end()[0] == 0
+
+
 def test_faults_of_the_machine_are_told_at_the_end():
     with Board("--time", "fast", "--start", "50,50", "--fault", "barrier_x=dead") as board:
         with board.open() as client:

@@ -80,7 +80,8 @@ def make_drive(board):
 class Link:
     """One serial line: its protocol, and the commands that wait for their turn."""
 
-    def __init__(self, config, serial, protocol):
+    def __init__(self, number, config, serial, protocol):
+        self.number = number  # in the board file, from 0
         self.name = config["name"]
         self.serial = serial
         self.protocol = protocol
@@ -117,7 +118,7 @@ class App:
         self.links = []
         for link in board["links"]:
             protocol = open_protocol(link, board, self.controller, shared)
-            self.links.append(Link(link, port.serial(link), protocol))
+            self.links.append(Link(len(self.links), link, port.serial(link), protocol))
         self._push(Event(RESTARTED, None, self.controller.alarm))
 
     def _check_speed(self, least):
@@ -150,6 +151,7 @@ class App:
 
     def _receive(self, link, now_ms):
         """What waits comes first, then what the line brings. Each command is answered before the next is asked for."""
+        self.controller.links.speaker = link.number
         while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
             link.waiting.pop(0)
             self._answer()

@@ -102,6 +102,7 @@ _BOARD = {
     "idle_release_ms": (int, 5000, 0, 3_600_000),  # 0: never
     "store_points": (int, 3000, 10, 100_000),
     "links": [_LINK, 1, 4],
+    "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _OPTIONAL = ("homing", "jog", "planning", "spindle")
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
@@ -114,6 +115,7 @@ def check(board):
     _check_pins(board)
     _check_order(board)
     _check_homing(board)
+    _check_links(board)
     if board["drive"]["kind"] == "pbl3770a" and board["drive"]["mode"] == "wave":
         raise BoardError("drive.mode: a pbl3770a has no wave drive; 'half' or 'full'")
     speed = board["speed"]
@@ -218,6 +220,14 @@ def _check_order(board):
         raise BoardError(
             "PIO pins not consecutive: %s must be on neighbouring pins, not %s; or set player to 'timer'" % (order, pins)
         )
+
+
+def _check_links(board):
+    names = [link["name"] for link in board["links"]]
+    if len(set(names)) != len(names):
+        raise BoardError("links: every name once, not %s" % ", ".join(names))
+    if board["commands"] and board["commands"] not in names:
+        raise BoardError("commands: there is no link %r; known are %s" % (board["commands"], ", ".join(names)))
 
 
 def _check_homing(board):

@@ -6,13 +6,14 @@
 
 Positions are steps from machine position zero, which is where the head stands after homing (before it: where it was
 switched on). What is done is shared out: `queue` hands motion to the planner, `objects` draws stored objects, `program`
-carries out motion as it comes, `pauses` holds and resumes, `inputs` watches switches.
+carries out motion as it comes, `pauses` holds and resumes, `inputs` watches switches, `links` knows who may command.
 """
 
 from micropython import const
 
 from passo.control.homing import RUNNING, Homing
 from passo.control.inputs import Inputs
+from passo.control.links import Links
 from passo.control.log import Log
 from passo.control.objects import Objects
 from passo.control.pauses import Pauses
@@ -49,6 +50,7 @@ class Controller:
         self.program = Program(board, self.queue, self, planner)
         self.tools = Tools(board, self.queue, self, planner, port)
         self.inputs = Inputs(board, settings, self, port)
+        self.links = Links(board, self)
         self._homing = None
         if board["homing"]:
             self._homing = Homing(board["homing"], self._axes, self, self.inputs.read, settings.homing)
@@ -66,7 +68,7 @@ class Controller:
             commands.CHECK: self._check,
             commands.SLEEP: self._sleep,
         }
-        for part in (self.objects, self.program, self.tools, self.pauses):
+        for part in (self.objects, self.program, self.tools, self.pauses, self.links):
             self._handlers.update(part.handlers())
 
     # --- the face towards the app
@@ -119,7 +121,7 @@ class Controller:
 
     def accept(self, command):
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
-        result = self._handlers[command.kind](command)
+        result = self.links.refusal(command) or self._handlers[command.kind](command)
         if result > 0:
             self.refuse(command, result)
         return result

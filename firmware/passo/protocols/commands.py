@@ -36,8 +36,10 @@ TOGGLE = const(24)  # while moving: `value` as COOLANT, toggled; SPINDLE_STOP in
 CHECK = const(25)  # `value` 1: commands are only checked from now on; 0: they are carried out again
 SLEEP = const(26)  # everything off until RESET
 SYNC = const(27)  # nothing but an answer, once everything before it has ended
+HAND_OVER = const(28)  # `value`: the number of the link that may command from now on, as the board file has them from 1; 0: this
 
-IMMEDIATE = (BAD, HELLO, STATUS, STOP, HOLD, RESUME, DOOR, JOG_CANCEL, RESET, OVERRIDE, TOGGLE)  # never wait for others
+# These never wait for others.
+IMMEDIATE = (BAD, HELLO, STATUS, STOP, HOLD, RESUME, DOOR, JOG_CANCEL, RESET, OVERRIDE, TOGGLE, HAND_OVER)
 
 FEED = const(0)
 RAPID = const(1)

@@ -51,6 +51,8 @@ TEXTS = {
     errors.WORDS_LATE: "steps were not computed in time: the motion paused, no step was lost",
     errors.SETTING_RANGE: "the value is outside the setting's range",
     errors.NO_PROBE: "the board file names no probe",
+    errors.COMMANDED_ELSEWHERE: "another link commands the machine: hand the command over first",
+    errors.NO_SUCH_LINK: "the board file has no link of this number",
     errors.ALARM_LOCKED: "locked: where the machine stands is not known until it is homed",
     errors.ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit: the position may be lost",
     errors.ALARM_SOFT_LIMIT: "the target lies outside the machine's travel: nothing moved, the position is kept",

@@ -55,6 +55,8 @@ TOO_MANY_WAITING = const(108)
 WORDS_LATE = const(109)
 SETTING_RANGE = const(110)
 NO_PROBE = const(111)
+COMMANDED_ELSEWHERE = const(112)
+NO_SUCH_LINK = const(113)
 
 ALARM_LOCKED = const(200)
 ALARM_HARD_LIMIT = const(201)
@@ -78,6 +80,7 @@ NOTICE_CHECK_OFF = const(5)
 NOTICE_DOOR = const(6)
 NOTICE_LIMITS = const(7)
 NOTICE_SLEEPING = const(8)
+NOTICE_HANDED_OVER = const(9)
 
 
 def _texts():

@@ -194,6 +194,8 @@ class Grbl:
             result = self._system.execute(plain_text(line))
         elif not line.strip() or line.strip() == b"%":
             result = answer("")
+        elif not self._machine.links.listening():
+            result = errors.COMMANDED_ELSEWHERE if length(line) else answer("")
         elif self._machine.state in ("alarm", "jog", "sleep"):
             result = errors.LOCKED if length(line) else answer("")
         else:

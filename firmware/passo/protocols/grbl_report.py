@@ -11,7 +11,7 @@ HELP = "[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x]"
 RX_BYTES = const(128)
 NOTICES = (
     "", "Reset to continue", "'$H'|'$X' to unlock", "Caution: Unlocked", "Enabled", "Disabled", "Check Door",
-    "Check Limits", "Sleeping",
+    "Check Limits", "Sleeping", "Command handed over",
 )  # fmt: skip
 PROGRAMME_END = "Pgm End"
 RESTORING = "Restoring defaults"
@@ -29,6 +29,11 @@ _NM_PER_TENTH_MIL = const(2540)
 
 def message(text):
     return "[MSG:%s]\r\n" % text
+
+
+def link(number, name):
+    """The line of $LINK: who may command."""
+    return "[LINK:%d,%s]\r\n" % (number, name)
 
 
 def decimal(value, places):

@@ -10,6 +10,7 @@ from passo.protocols.commands import Command
 from passo.protocols.gcode_words import X, Words
 
 _QUIET = ("idle", "alarm", "check")
+_QUERIES = ("$#", "$I", "$N")
 _INCHES = 13
 _START_LINES = ("N0", "N1")
 INFO = "I"
@@ -43,6 +44,10 @@ class System:
             return answer(self._all()) if state not in ("run", "hold") else errors.BUSY
         if line == "$G":
             return answer(grbl_report.modes(self._gcode, self.inches()))
+        if line[:5] == "$LINK":
+            return self._link(line[5:])
+        if line not in _QUERIES and not self._machine.links.listening():
+            return errors.COMMANDED_ELSEWHERE
         if line == "$C":
             return [Command(commands.CHECK, value=0 if state == "check" else 1)]
         if line == "$X":
@@ -74,6 +79,14 @@ class System:
             return errors.STATEMENT
         error = self._gcode.interpret(line[3:].encode(), True)
         return error or self._gcode.commands
+
+    def _link(self, text):
+        links = self._machine.links
+        if not text:
+            return answer(grbl_report.link(links.commander + 1, links.names[links.commander]))
+        if text[0] != "=" or text[1:] not in ("0", "1", "2", "3", "4"):
+            return errors.STATEMENT
+        return [Command(commands.HAND_OVER, value=int(text[1:]))]
 
     def _all(self):
         return "".join(["$%d=%s\r\n" % (number, self._show(number)) for number in self._settings.numbers])

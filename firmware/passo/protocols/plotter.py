@@ -12,14 +12,15 @@ No single byte lost, doubled or flipped can draw a wrong line, as long as the ho
   repeats its neighbour are held for `gap_ms`. If a seventh arrives that would make them another valid packet with one
   of the twins removed, nobody knows which was meant: they are dropped, and RESEND follows.
 
-STOP and STATUS are extensions: the board never sends them unasked.
+STOP, STATUS and LINK (the link of number X commands from now on; 0: this one) are extensions. The board never speaks
+unasked.
 """
 
 from micropython import const
 
 from passo.protocols import errors
 from passo.protocols.commands import (
-    ACCEPTED, BAD, DRAW, FINISHED, HELLO, HOME, JOG, POINT, SPEED, STATUS, STOP, Command,
+    ACCEPTED, BAD, DRAW, FINISHED, HAND_OVER, HELLO, HOME, JOG, POINT, SPEED, STATUS, STOP, Command,
 )
 
 RESYNC_MS = const(2000)
@@ -39,6 +40,7 @@ COMMANDS = {
     "RIGHT": 0x36,
     "STOP": 0x78,
     "STATUS": 0x3F,
+    "LINK": 0x74,
 }
 ANSWERS = {
     0x6B: "REQUEST_OK",
@@ -47,6 +49,7 @@ ANSWERS = {
     0x6F: "ORIGIN_OK",
     0x73: "SPEED_OK",
     0x72: "RESEND",
+    0x74: "LINK_OK",
 }
 STATUS_LENGTH = const(12)
 
@@ -57,7 +60,7 @@ _SIMPLE = {
     COMMANDS["STOP"]: STOP,
     COMMANDS["STATUS"]: STATUS,
 }
-_ON_ACCEPTED = {HELLO: b"k", POINT: b"n", JOG: b"n", SPEED: b"s"}
+_ON_ACCEPTED = {HELLO: b"k", POINT: b"n", JOG: b"n", SPEED: b"s", HAND_OVER: b"t"}
 _ON_FINISHED = {DRAW: b"d", HOME: b"o", STOP: b"d"}
 _RESEND = b"r"
 
@@ -149,6 +152,8 @@ class Plotter:
             return Command(POINT, target=(x, y), tool=code == COMMANDS["LINE"])
         if code == COMMANDS["SPEED"]:
             return Command(SPEED, value=x)
+        if code == COMMANDS["LINK"]:
+            return Command(HAND_OVER, value=x)
         return Command(BAD, error=errors.UNKNOWN_COMMAND)
 
     def _drop(self, error):

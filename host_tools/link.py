@@ -1,0 +1,67 @@
+"""`passo link`: which of a board's links may command, and handing the command over."""
+
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+BAUD = {"plotter": 57600, "grbl": 115200}
+
+
+def link(
+    number: Annotated[
+        Optional[int], typer.Argument(min=0, max=4, help="The link that may command from now on; 0: the one of --port.")
+    ] = None,
+    protocol: Annotated[str, typer.Option(help="What the link of --port speaks: plotter or grbl.")] = ...,
+    port: Annotated[
+        Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")
+    ] = None,
+    baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
+):
+    """Hand the command over the machine to another link of the board, or take it.
+
+    Links are numbered from 1 as the board file has them. Any link may ask, for itself or for another: also for one
+    whose language has no word for it. The machine has to stand still. Without a number, grbl says who commands.
+
+    Examples:
+
+        passo link 0 --protocol grbl --port /dev/ttyACM0        # this one commands
+
+        passo link 2 --protocol plotter --port /dev/ttyUSB0     # the second link of the board file commands
+
+        passo link --protocol grbl
+    """
+    from host_tools import ports
+
+    if protocol not in BAUD:
+        raise Failure(f"--protocol {protocol}: it has no word for that; ask on a link that speaks {' or '.join(BAUD)}")
+    port = port or ports.only()
+    baud = baud or BAUD[protocol]
+    if protocol == "grbl":
+        print(_grbl(port, baud, number))
+    elif number is None:
+        raise Failure("the plotter's language cannot say who commands; give the number of a link")
+    else:
+        print(_plotter(port, baud, number))
+
+
+def _grbl(port, baud, number):
+    from host_tools.grbl_client import GrblClient
+
+    with GrblClient(port, baud) as client:
+        if number is not None:
+            client.command(f"$LINK={number}")
+        told = [line for line in client.command("$LINK") if line.startswith("[LINK:")]
+    if not told:
+        raise Failure(f"{port} does not say who commands")
+    commander, name = told[0][6:-1].split(",", 1)
+    return f"link {commander}, {name}, commands"
+
+
+def _plotter(port, baud, number):
+    from host_tools.plotter_client import PlotterClient
+
+    with PlotterClient(port, baud) as client:
+        client.hand_over(number)
+    return f"link {number} commands" if number else "this link commands"

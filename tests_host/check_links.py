@@ -1,0 +1,195 @@
+"""Two links of different languages: one commands, the other may ask and make safe, and either can be handed the command."""
+
+from boards.plotter_2014 import BOARD as PLOTTER
+from boards.router_3axis import BOARD
+from passo.control.boardfile import BoardError, check
+from passo.protocols import errors
+from passo.protocols.plotter import COMMANDS, packet, status_from
+from router import Machine
+
+GRBL, DRAWER = {"name": "pc", "port": "uart0", "protocol": "grbl"}, {"name": "draw", "port": "usb", "protocol": "plotter"}
+CASES = {
+    "check_the_other_link_moves_nothing": (("lines", "list", 12, ("line", 0, 13)),),
+    "check_the_other_link_draws_nothing": (("packets", "list", 12, ("packet", 0, 10)),),
+}
+RUNS = {"check_the_other_link_moves_nothing": 12, "check_the_other_link_draws_nothing": 12}
+LINES = (
+    "G0 X9", "G1 Y5 F500", "$J=G91 X1 F100", "$H", "$X", "$C", "$SLP", "M3 S900", "G10 L2 P1 X1", "G92 X0", "$100=80", "$N0=G20",
+    "$I=me", "$RST=*",
+)  # fmt: skip
+PACKETS = ("LINE", "MOVE", "END", "ORIGIN", "SPEED", "UP", "LEFT", "DOWN", "RIGHT", "LINE", "MOVE")
+
+
+class Two:
+    """The router with grbl on one link and the plotter's language on the other."""
+
+    def __init__(self, *links, **changes):
+        self.machine = Machine(links=list(links or (GRBL, DRAWER)), jog={"steps": 10, "up": "y+"}, **changes)
+        self.controller = self.machine.controller
+        self.draw = self.machine.port.lines["draw"]
+        self.machine.turns()
+
+    def packet(self, name, x=0, y=0, turns=100_000):
+        """What the board says on the plotter's link; b"" if nothing within `turns`."""
+        self.draw.outgoing = b""
+        self.draw.incoming += packet(COMMANDS[name], x, y)
+        while turns and not self.draw.outgoing:
+            self.machine.app.turn()
+            turns -= 1
+        return self.draw.outgoing
+
+    def line(self, text):
+        """The answer to a line on grbl's link."""
+        return self.machine.ask(text)[-1]
+
+    def logged(self):
+        return [(number, who) for _, number, who in self.controller.log.entries]
+
+
+def check_the_first_link_commands():
+    two = Two()
+    assert two.line("$LINK") == "ok" and two.controller.links.commander == 0
+    assert two.line("$X") == "ok" and two.line("G0 X3") == "ok"
+    two.machine.settle()
+    assert two.packet("LINE", 100, 100, turns=50) == b""
+    assert two.logged() == [(errors.COMMANDED_ELSEWHERE, "draw")]
+    status = status_from(two.packet("STATUS"))
+    assert status["error"] == errors.COMMANDED_ELSEWHERE and status["x"] == 3 * 320 and status["state"] == "idle"
+    assert two.packet("REQUEST") == b"k"
+
+
+def check_the_board_file_names_another():
+    two = Two(commands="draw")
+    two.controller.alarm = 0
+    assert two.packet("SPEED", 900) == b"s"
+    assert two.line("G0 X1") == "error:%d" % errors.COMMANDED_ELSEWHERE
+    assert two.logged() == [(errors.COMMANDED_ELSEWHERE, "pc")]
+    for line in ("$$", "$G", "$#", "$I", "$N", "", "$LINK"):
+        assert two.line(line) == "ok", line
+    assert two.machine.ask("$LINK")[0] == "[LINK:2,draw]"
+    assert two.machine.status()["state"] == "Idle"
+
+
+def check_the_other_link_moves_nothing(lines):
+    """Nothing a line of the link that may not command says reaches pins, settings, offsets or modes."""
+    two = Two(commands="draw")
+    two.controller.alarm = 0
+    before = two.controller.settings._dump(), two.machine.ask("$#"), two.machine.ask("$G")
+    for line in lines:
+        assert two.line(LINES[line]) == "error:%d" % errors.COMMANDED_ELSEWHERE
+        assert two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "pc")
+    assert (two.controller.settings._dump(), two.machine.ask("$#"), two.machine.ask("$G")) == before
+    assert two.machine.world.steps == 0 and two.controller.state == "idle"
+    for byte in (b"~", b"\x91", b"\x9e", b"\xa0"):
+        entries = len(two.controller.log.entries)
+        two.machine.put(byte)
+        assert two.machine.turns(3) == []
+        assert len(two.controller.log.entries) == min(32, entries + 1)
+
+
+def check_the_other_link_draws_nothing(packets):
+    two = Two()
+    two.line("$X")
+    entries = 0
+    for index in packets:
+        assert two.packet(PACKETS[index], 500, 300, turns=30) == b""
+        entries += 1
+        assert two.logged() == entries * [(errors.COMMANDED_ELSEWHERE, "draw")]
+    assert two.machine.world.steps == 0 and two.controller.objects.store.count == 0
+
+
+def check_anybody_makes_it_safe():
+    """STOP, feed hold and reset work from the link that may not command."""
+    two = Two()
+    two.machine.do("$X", "G1 X20 F600")
+    while two.controller.position()[0] < 100:
+        two.machine.app.turn()
+    assert two.packet("STOP") == b"d" and two.controller.state == "idle"
+    assert 0 < two.controller.position()[0] < 20 * 320
+    place = two.controller.position()
+    assert two.packet("RIGHT", turns=30) == b"" and two.controller.position() == place
+    two = Two(commands="draw")
+    two.controller.alarm = 0
+    for x, y in ((2000, 0), (2000, 2000)):
+        assert two.packet("LINE", x, y) == b"n"
+    two.draw.incoming += packet(COMMANDS["END"])
+    while two.controller.position()[0] < 100:
+        two.machine.app.turn()
+    two.machine.put(b"!")
+    two.machine.turns(300)
+    assert two.machine.status()["state"] == "Hold:0"
+    two.machine.put(b"~")
+    two.machine.turns(100)
+    assert two.machine.status()["state"] == "Hold:0" and two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "pc")
+    two.machine.put(b"\x18")
+    two.machine.turns(3)
+    assert two.controller.state == "idle" and two.controller.links.commander == 1
+
+
+def check_handing_over():
+    two = Two()
+    two.machine.do("$X", "G0 X2")
+    assert two.packet("LINK", turns=20) == b"" and two.logged()[-1] == (errors.BUSY, "draw")  # while it moves
+    two.machine.settle()
+    two.machine.said()
+    assert two.packet("LINK") == b"t" and two.controller.links.commander == 1
+    assert two.machine.said() == ["[MSG:Command handed over]"]
+    assert two.line("G0 X1") == "error:%d" % errors.COMMANDED_ELSEWHERE
+    for x, y in ((100, 50), (0, 50)):
+        assert two.packet("LINE", x, y) == b"n"
+    assert two.packet("END") == b"d" and two.controller.position()[:2] == [0, 50]
+    assert two.packet("LINK", 1) == b"t" and two.controller.links.commander == 0  # given back
+    assert two.packet("UP", turns=30) == b""
+    two.machine.do("G91", "G0 X1")
+    two.machine.settle()
+    assert two.controller.position()[:2] == [320, 50]  # it knows where the other link has left the machine
+    two.machine.do("$LINK=2")
+    assert two.packet("UP") == b"n"
+    two.machine.settle()
+    two.machine.do("$LINK=0", "G0 X1")
+
+
+def check_a_link_that_is_not_there():
+    two = Two()
+    assert two.line("$LINK=3") == "error:%d" % errors.NO_SUCH_LINK
+    assert two.packet("LINK", 9, turns=20) == b"" and two.logged()[-1] == (errors.NO_SUCH_LINK, "draw")
+    for text in ("$LINK=", "$LINK=draw", "$LINKS"):
+        assert two.line(text) == "error:%d" % errors.STATEMENT
+    assert two.controller.links.commander == 0
+
+
+def check_what_waited_is_refused_after_the_hand_over():
+    """A command that was let in and waits its turn still needs the command when its turn comes."""
+    two = Two(commands="draw")
+    two.controller.alarm = 0
+    two.packet("LINE", 30_000, 0)
+    two.draw.incoming += packet(COMMANDS["END"]) + packet(COMMANDS["SPEED"], 900)
+    two.machine.turns(60)
+    assert two.machine.app.links[1].waiting
+    two.controller.links.commander = 0
+    two.draw.outgoing = b""
+    two.machine.settle()
+    two.machine.turns(20)
+    assert two.draw.outgoing == b"d" and two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "draw")
+
+
+def check_one_link_is_as_before():
+    for board in (BOARD, PLOTTER):
+        board = check(dict(board))
+        assert board["commands"] == ""
+
+
+def check_wrong_board_files():
+    for changes, words in (
+        ({"commands": "usb2"}, ("commands", "'usb2'", "pc, draw")),
+        ({"links": [GRBL, dict(DRAWER, name="pc")]}, ("links", "once", "pc, pc")),
+    ):
+        board = dict(BOARD, links=[GRBL, DRAWER])
+        board.update(changes)
+        try:
+            check(board)
+        except BoardError as error:
+            for word in words:
+                assert word in str(error), str(error)
+            continue
+        raise AssertionError("accepted")
