@@ -5,7 +5,7 @@ from math import atan2, cos, pi, sin, sqrt
 
 from draws import Random
 from passo.motion.arc import TooSteep, plan
-from passo.motion.circle import MAX_RADIUS, PLAN, TAIL_A, TAIL_B, Circle
+from passo.motion.circle import LEADS, MAX_RADIUS, PLAN, STEPS, TAIL_A, TAIL_B, TAIL_Z, Z_HIGH, Z_STEPS, Circle
 from passo.motion.line import MAX_RUN
 
 TURN = 2 * pi
@@ -57,7 +57,7 @@ class Walk:
         self.plan = array("i", [0] * PLAN)
         path, self.swept = plan(self.plan, plane, center, deltas, clockwise, turns)
         self.path = path / 1024
-        self.tail = max(abs(self.plan[TAIL_A]), abs(self.plan[TAIL_B]))
+        self.tail = max([abs(self.plan[i]) for i in (TAIL_A, TAIL_B, TAIL_Z)])  # words of the last line
         circle = Circle(3)
         circle.load(self.plan)
         self.masks = bytearray()
@@ -87,10 +87,13 @@ class Walk:
         assert place == self.deltas == self.made
 
 
-def hold_against_circle(walk, third=1.0):
-    """Every step of `walk` within one step of the circle; the third axis within `third` of linear in the angle."""
+def hold_against_circle(walk):
+    """Every step of `walk` within one step of the circle; the third axis within one step of linear in the angle, or, where
+    it is the dominant one, within one and a half steps of the circle's."""
     swept = walk.swept * TURN / (1 << 32)
-    rise = walk.deltas[walk.plane[2]]
+    rise = walk.deltas[walk.plane[2]] - walk.plan[TAIL_Z]
+    slope = abs(rise) / max(walk.path - walk.tail, 1)
+    third = 1.0 if slope < 0.7 else 0.5 + 1.5 * slope
     turned = 0.0
     before = atan2(-walk.center[1], -walk.center[0])
     left = len(walk.masks) - walk.tail
@@ -111,9 +114,20 @@ def hold_against_circle(walk, third=1.0):
     assert abs(walk.length - walk.path) < 0.75
 
 
-def fewest(walk):
-    """Words an arc of these ends cannot do without: in every region the dominant axis's way."""
-    return walk.plan[11] + walk.tail
+def hold_count(walk):
+    """No word could be spared: none steps one axis of the plane where the one before stepped the other."""
+    a, b = 1 << walk.plane[0], 1 << walk.plane[1]
+    rise = abs(walk.plan[Z_STEPS])
+    if walk.plan[Z_HIGH] >= LEADS:
+        assert max(rise, walk.plan[STEPS]) + walk.tail <= len(walk.masks) <= rise + walk.plan[STEPS] + walk.tail
+        return
+    assert len(walk.masks) == walk.plan[STEPS] + walk.tail
+    before = a | b
+    for mask in walk.masks[: walk.plan[STEPS]]:
+        mask &= a | b
+        corner = mask != before and mask != a | b != before
+        assert mask and not corner or walk.radius < 1.5  # the nearest way on a radius of √2 is a square
+        before = mask
 
 
 def check_every_radius(first, seed):
@@ -121,13 +135,13 @@ def check_every_radius(first, seed):
     for radius in range(first, 2001, 20 * 5):
         walk = Walk(*draw_arc(radius, seed + radius))
         hold_against_circle(walk)
-        assert len(walk.masks) == fewest(walk)
+        hold_count(walk)
 
 
 def check_large_radius(radius, seed):
     walk = Walk(*draw_arc(radius, seed, rise=radius // 3))
     hold_against_circle(walk)
-    assert len(walk.masks) == fewest(walk)
+    hold_count(walk)
 
 
 def check_full_circles():
@@ -179,9 +193,8 @@ def check_helix(radius, rise, seed):
         walk = Walk(*arc)
     except TooSteep:
         return
-    slope = abs(rise) / max(walk.path - walk.tail, 1)
-    hold_against_circle(walk, 1.0 if slope < 0.7 else 0.5 + 1.5 * slope)
-    assert len(walk.masks) >= max(abs(rise), walk.plan[11])
+    hold_against_circle(walk)
+    hold_count(walk)
 
 
 def check_seek(radius, rise, part, seed):

@@ -118,12 +118,14 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0):
     radius = isqrt(square << 2 * shift)
     corner = QUARTER - _rise(square, across - 1) - _rise(square, inside)
     turned = path = arc_length(radius, swept)  # SHIFT fraction bits
+    extra = max(abs(tail[0]), abs(tail[1])) << shift
+    tail_z = _share(z, extra, turned)
+    z -= tail_z
     ratio = (abs(z) << (30 + shift)) // turned if turned else 0
     if steps and ratio >> 15 < LEADS:  # a word's time passes after its step: the last one's too
         path += arc_length(radius, _next(square, inside, across, place[0], corner))
         path -= arc_length(radius, _next(square, inside, across, u, corner))
-    extra = max(abs(tail[0]), abs(tail[1]), 0 if steps else abs(z))
-    whole = (path >> shift) + extra
+    whole = (path >> shift) + (extra >> shift or abs(tail_z))
     if whole >= MOST_STEPS:
         raise ValueError("an arc of more than %d steps" % MOST_STEPS)
     if steps and abs(z) << shift > MAX_SLOPE * turned:
@@ -134,8 +136,8 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0):
     into[RADIUS], into[SHIFT] = radius, shift
     into[D], into[E], into[STEPS] = inside, across, steps
     into[DIAGONAL] = arc_length(isqrt(square << 2 * FINE), corner) if steps else 0
-    into[Z_STEPS], into[Z_HIGH], into[Z_LOW] = z if steps else 0, ratio >> 15, ratio & 0x7FFF
-    into[TAIL_A], into[TAIL_B], into[TAIL_Z] = tail[0], tail[1] * sign, 0 if steps else z
+    into[Z_STEPS], into[Z_HIGH], into[Z_LOW] = z, ratio >> 15, ratio & 0x7FFF
+    into[TAIL_A], into[TAIL_B], into[TAIL_Z] = tail[0], tail[1] * sign, tail_z
     into[PATH] = whole
     into[PATH_FINE] = ((path << FINE) >> shift) & ((1 << FINE) - 1)
     return whole << 10 | into[PATH_FINE] >> 10, swept
@@ -162,6 +164,14 @@ def _next(square, inside, across, u, corner):
 def _tail(region, place, end_x, end_y):
     x, y = point_of(region, place[0], place[1])
     return end_x - x, end_y - y
+
+
+def _share(z, extra, turned):
+    """The third axis's whole steps on the last line, `extra` long behind `turned` along the circle: it does not stand."""
+    if not turned:
+        return z
+    share = abs(z) * extra // (turned + extra)
+    return -share if z < 0 else share
 
 
 def _shift(square):

@@ -218,8 +218,8 @@ class Circle:
         a, b, z = plan[TAIL_A], plan[TAIL_B], plan[TAIL_Z]
         words = max(abs(a), abs(b), abs(z))
         self.left = self.words = words
-        self.path = words << COARSE
-        self.to_go = words
+        self.to_go = max(abs(a), abs(b)) or words
+        self.path = self.to_go << COARSE
         self.fine = 0
         self._count = -1
         self._fall = 2 * words

@@ -30,7 +30,7 @@ from micropython import const
 
 from passo.motion import arc
 from passo.motion.block import ARC, FREE, LINE, WAIT, Block
-from passo.motion.circle import PLAN, Circle
+from passo.motion.circle import PLAN, STEPS, Circle
 from passo.motion.integers import NM_PER_M, isqrt
 from passo.motion.profile import TICKS_PER_S, set_units, square_in_units
 
@@ -119,9 +119,9 @@ class Planner:
         if block.plan is None:
             block.plan = array("i", [0] * PLAN)
         path, _ = arc.plan(block.plan, plane, center, deltas, clockwise, turns)
-        if not path:
-            if max([abs(delta) for delta in deltas]):
-                self.line(deltas, ticks or 1, tool, tag, rapid)
+        if not block.plan[STEPS]:  # too short for a step along the circle
+            length, _ = self._limits.vector(deltas)
+            self.line(deltas, ticks or length * TICKS_PER_S // speed_nm_s, tool, tag, rapid)
             return
         flat = path * NM_PER_M // (steps_per_m[plane[0]] << 10)
         rise = deltas[plane[2]] * NM_PER_M // steps_per_m[plane[2]] if plane[2] >= 0 else 0
