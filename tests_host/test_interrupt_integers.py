@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passo.drives import unipolar
-from passo.motion import line
+from passo.motion import line, track
 from passo.motion.line import MAX_STEPS
-from passo.steps import feeder, pace, power, ring, timed
+from passo.steps import feeder, pace, power, ring, timed, track_walker
 from passo.steps.word import COUNT_MASK
 from rig import DRIVES, LEAST_TICKS, Rig
 from small_int import Small
@@ -48,7 +48,7 @@ class SmallView:
 def narrow():
     """Every array that the interrupt code reads or writes is narrow."""
     patch = pytest.MonkeyPatch()
-    for module in (line, feeder, pace, power, ring, timed):
+    for module in (line, feeder, pace, power, ring, timed, track, track_walker):
         patch.setattr(module, "array", SmallList)
     patch.setattr(line, "memoryview", SmallView, raising=False)
     yield
@@ -126,6 +126,42 @@ def test_axes_that_turn_for_ever():
     rig.planner.free(axes, False)
     rig.planner.flush()
     assert sum(play(rig, 10) for _ in range(60)) > 1000
+
+
+@given(
+    st.lists(
+        st.one_of(
+            st.builds(track.run, st.integers(1, 7), st.integers(0, 7), st.integers(1, track.MOST)),
+            st.builds(track.mark, st.sampled_from((track.WAIT, track.TOOL, track.SPEED)), st.integers(1, track.MOST)),
+        ),
+        min_size=1,
+        max_size=30,
+    ),
+    st.booleans(),
+)
+@settings(max_examples=40)
+def test_no_track_reaches_a_wide_integer(items, backward):
+    rig = small_rig("step_dir")
+    path = track.Track(3, 64)
+    path.clear(1)
+    for item in items:
+        path.append(Small(item))
+    lengths = SmallList("i", [0] + [0x3FC00000] * 7)
+    walker = track_walker.TrackWalker(path, lengths, SmallList("i", [0x1FFFFFFF] * 2))
+    walker.rewind()
+    if backward:
+        walker.cell = path.end
+        walker.place = path.total
+    for _ in range(4):
+        walker.gap = Small(0)
+        walker.begin(backward)
+        rig.planner.clear()
+        rig.planner.track(walker)
+        rig.planner.flush()
+        for _ in range(5):
+            play(rig, 10)
+            walker.gap = Small(min(walker.gap, 3000))
+        rig.feeder.cancel(rig.played)
 
 
 def test_the_stand_in_would_notice():

@@ -11,6 +11,7 @@ LINE = const(0)
 WAIT = const(1)
 FREE = const(2)  # axes that run independently of each other
 ARC = const(3)
+TRACK = const(4)  # a path written down step by step
 
 
 class Block:
@@ -18,11 +19,11 @@ class Block:
         self.line = Line(axes)
         self.plan = None  # ARC: what the circle's walker is loaded with; made when first needed
         self.kind = WAIT
-        self.walker = None  # what the feeder walks: `line`, the planner's circle or its independent axes
+        self.walker = None  # what the feeder walks: `line`, the planner's circle, independent axes, a track's walker
         self.tool = False  # the tool bit from this block's first word on
         self.ticks = 0  # WAIT: its length; others: whole ticks a dominant step, of an arc: a step of path
         self.ticks_rest = 0  # LINE: ticks that remain over all dominant steps, spread evenly; ARC: 128ths of a tick
-        self.first = 0  # dominant step to begin at: not 0 where an interrupted block is resumed
+        self.first = 0  # dominant step to begin at: not 0 where an interrupted block is resumed; TRACK: place
         self.tag = None  # whatever the controller wants back when the block has been played
         self.power = 0  # of the tool, 0 … 1000, at the programmed speed
         self.dynamic = False  # power in proportion to the speed

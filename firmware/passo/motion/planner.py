@@ -29,7 +29,7 @@ from array import array
 from micropython import const
 
 from passo.motion import arc
-from passo.motion.block import ARC, FREE, LINE, WAIT, Block
+from passo.motion.block import ARC, FREE, LINE, TRACK, WAIT, Block
 from passo.motion.circle import PLAN, STEPS, Circle
 from passo.motion.integers import NM_PER_M, isqrt
 from passo.motion.profile import TICKS_PER_S, set_units, square_in_units
@@ -158,6 +158,16 @@ class Planner:
         block.walker = walker
         block.gain = 0
         self._add(block, tool, tag, None)
+
+    def track(self, walker, tag=None):
+        """Queue a walk over a track: `walker` is a steps.track_walker.TrackWalker that has begun. It has the tool too."""
+        block = self._pool[self._added % len(self._pool)]
+        block.kind = TRACK
+        block.speed = 0  # the walker knows it
+        block.walker = walker
+        block.gain = 0
+        self._add(block, walker.tool, tag, None)
+        block.first = walker.place
 
     def _add(self, block, tool, tag, heading):
         block.tool = tool

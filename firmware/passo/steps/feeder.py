@@ -16,7 +16,7 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion.block import ARC, FREE, WAIT
+from passo.motion.block import ARC, FREE, TRACK, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.ramp import Ramp
 from passo.steps import pace
@@ -47,7 +47,7 @@ class Feeder:
         self._position = array("i", [0] * axes)  # after the last word made, steps since power-up
         self._mark_word = array("i", [0] * _CHECKPOINTS)
         self._mark_ticks = array("i", [0] * _CHECKPOINTS)
-        self._mark_index = array("i", [0] * _CHECKPOINTS)  # dominant steps of its block made so far
+        self._mark_index = array("i", [0] * _CHECKPOINTS)  # dominant steps of its block made so far; of a track, the place
         self._mark_ends = bytearray(_CHECKPOINTS)  # 1 where the segment is its block's last
         self._mark_levels = array("i", [0] * _CHECKPOINTS)
         self._mark_pace = array("i", [0] * _CHECKPOINTS)  # as ramp.pace; 0 at a stand
@@ -132,6 +132,8 @@ class Feeder:
             self._hold()
         elif block.kind == FREE:
             self._free(block.walker)
+        elif block.kind == TRACK:
+            return self._track(block.walker)
         else:
             return self._line(block.walker)
         return True
@@ -150,7 +152,7 @@ class Feeder:
             self._wait = block.ticks
             self._ramp.stall()
             self._mark_power(block, 0)
-        elif block.kind == FREE:
+        elif block.kind == FREE or block.kind == TRACK:
             self._ramp.stall()
             self._mark_power(block, -1)
         else:
@@ -195,6 +197,22 @@ class Feeder:
         count = walker.walk(ring.words, at, min(MAX_RUN, ring.size - at), self._levels, self.layout.bits)
         self._settle(at, count)
         self._finish(count, walker.ticks if count else 0, not walker.active(), walker.made)
+
+    @micropython.native
+    def _track(self, walker):  # ISR: no allocation
+        if not walker.ready():
+            self._stood = True  # there is no more yet: no word comes late
+            return False
+        tool = self.layout.tool_mask
+        self._levels = self._levels & ~tool | (tool if walker.tool else 0)
+        self._turn(walker)
+        ring = self.ring
+        at = ring.head & ring.mask
+        count = walker.walk(ring.words, at, min(MAX_RUN, ring.size - at), self._levels, self.layout.bits)
+        self._settle(at, count)
+        self._index = walker.place
+        self._finish(count, walker.ticks, not walker.active(), walker.made)
+        return True
 
     @micropython.native
     def _hold(self):  # ISR: no allocation
@@ -320,6 +338,22 @@ class Feeder:
             word = (word + 1) & COUNT_MASK
         return position, stepping
 
+    def _along(self, block, slot, stepping):
+        """How far `block` is, `stepping` words after the checkpoint in `slot`."""
+        if block is None:
+            return stepping
+        start = block.first if self._mark_ends[slot] else self._mark_index[slot]
+        if block.kind == TRACK and block.walker.backward:
+            stepping = -stepping
+        return (start + stepping) & COUNT_MASK
+
+    def place(self, played):
+        """The place on the track under way when `played` words have appeared on the pins; None where there is none."""
+        block = self.planner.playing()
+        if block is None or block.kind != TRACK:
+            return None
+        return self._along(block, self._passed(played), self._walk(played)[1])
+
     def _moved(self, axis, before, levels):
         if self.drive is not None:
             return self.drive.moved(axis, before, levels)
@@ -331,15 +365,12 @@ class Feeder:
         """After the player has halted, and with `open` cleared: drop all words not played, take their place as truth.
 
         Returns (position, block, index): the block that was under way, if any, and how many of its dominant steps
-        have been made, so that it can be taken up again. The planner keeps its blocks.
+        have been made (of a track: the place), so that it can be taken up again. The planner keeps its blocks.
         """
         self.retire(played)
         position, stepping = self._walk(played)
-        slot = self._oldest % _CHECKPOINTS
         block = self.planner.playing()
-        index = stepping
-        if block is not None:
-            index += block.first if self._mark_ends[slot] else self._mark_index[slot]
+        index = self._along(block, self._oldest % _CHECKPOINTS, stepping)
         self.ring.head = played
         self.ring.power.clear()
         for axis in range(self.layout.axes):

@@ -1,0 +1,149 @@
+"""A track: a path written down step by step, which can be walked both ways from any place.
+
+    track = Track(3, cells=1024)
+    track.clear()
+    track.append(run(0b011, 0b010, 500))    # 500 times: x a step forward and y a step back at once
+    track.append(mark(WAIT, 2000))
+
+An item is one integer below 2³⁰. `count << 8 | negative << 4 | mask` is a run of equal single steps: of the axes in
+`mask`, those in `negative` backwards. Where the mask is 0 it is a mark, `value << 8 | kind << 4`:
+
+    WAIT     stand for `value` milliseconds; walking backward it is skipped
+    TOOL     bit 0: the tool from here on; bit 1, which append() adds: the tool up to here
+    SPEED    mm/min along the path, from here on
+    WAS      mm/min up to here: append() puts one before each SPEED, it is no unit of its own
+    STATION  the walk ends here; what for, `value` tells the track's owner; walking backward it is skipped
+
+A *place* is the number of units before it: every single step is one, and every mark. Equal runs are merged.
+
+The items lie in a ring of cells. A closed track is complete. An open one, `ring` set, goes on growing, and forgets its
+oldest items when the cells are used up. One producer, the main loop, one reader, which may be an interrupt: a cell is
+written before `end` counts it. Cells and places count modulo 2²⁹.
+"""
+
+from array import array
+from micropython import const
+
+WAIT = const(1)
+TOOL = const(2)
+SPEED = const(3)
+WAS = const(4)
+STATION = const(5)
+MOST = const(0x3FFFFF)  # of a count or a value
+COUNT = const(0x1FFFFFFF)
+
+
+def run(mask, negative, count=1):
+    """`count` (1 … MOST) single steps."""
+    return count << 8 | negative << 4 | mask
+
+
+def mark(kind, value=0):
+    """A mark with a value of 0 … MOST."""
+    return value << 8 | kind << 4
+
+
+def units(item):
+    """How many units an item is."""
+    if item & 15:
+        return item >> 8
+    return 0 if item >> 4 & 15 == WAS else 1
+
+
+class Track:
+    def __init__(self, axes, cells):
+        """`cells`: how many items it holds, rounded down to a power of two."""
+        size = 1
+        while 2 * size <= cells:
+            size *= 2
+        self.size = size
+        self.mask = size - 1
+        self.items = array("i", bytearray(4 * size))
+        self.axes = axes
+        self.at = [0] * axes  # steps from the start to the end, of each axis
+        self.low = [0] * axes  # the farthest it gets
+        self.high = [0] * axes
+        self.clear()
+
+    def clear(self, speed=0, ring=False):
+        """Forget everything. `speed` (mm/min) is in force at the start; `ring`: the oldest items may be forgotten."""
+        self.first = self.end = 0  # cells
+        self.start = 0  # place of the first cell
+        self.total = 0  # place of the end
+        self.speed_before = speed  # in force at the start
+        self.speed = speed  # in force at the end
+        self.tool = 0
+        self.ring = ring
+        self.open = ring  # more may come
+        for axis in range(self.axes):
+            self.at[axis] = self.low[axis] = self.high[axis] = 0
+
+    def used(self):
+        """Cells in use."""
+        return (self.end - self.first) & COUNT
+
+    def append(self, item):
+        """Add an item. False where there is no room: nothing has been added then."""
+        if item & 15:
+            return self._append_run(item)
+        kind = item >> 4 & 15
+        if kind == SPEED:
+            if not self._make_room(2):
+                return False
+            self._put(mark(WAS, self.speed))
+            self.speed = item >> 8
+        elif not self._make_room(1):
+            return False
+        if kind == TOOL:
+            item |= self.tool << 9
+            self.tool = item >> 8 & 1
+        self._put(item)
+        self.total = (self.total + 1) & COUNT
+        return True
+
+    def _append_run(self, item):
+        count = item >> 8
+        merged = False
+        if self.end != self.first:
+            last = (self.end - 1) & self.mask
+            before = self.items[last]
+            if (before ^ item) & 255 == 0 and (before >> 8) + count <= MOST:
+                self.items[last] = before + (count << 8)
+                merged = True
+        if not merged:
+            if not self._make_room(1):
+                return False
+            self._put(item)
+        self.total = (self.total + count) & COUNT
+        for axis in range(self.axes):
+            if item >> axis & 1:
+                at = self.at[axis] + (-count if item >> 4 + axis & 1 else count)
+                self.at[axis] = at
+                if at < self.low[axis]:
+                    self.low[axis] = at
+                elif at > self.high[axis]:
+                    self.high[axis] = at
+        return True
+
+    def _make_room(self, count):
+        if self.used() + count <= self.size:
+            return True
+        if not self.ring:
+            return False
+        while self.used() + count > self.size:
+            self.start = (self.start + units(self.items[self.first & self.mask])) & COUNT
+            self.first = (self.first + 1) & COUNT
+        return True
+
+    def _put(self, item):
+        self.items[self.end & self.mask] = item
+        self.end = (self.end + 1) & COUNT
+
+    def correct_speed(self, cell, speed):
+        """From `cell` on to the next SPEED, `speed` is what was in force: known only once the walk has come there."""
+        while cell != self.end:
+            if self.items[cell & self.mask] >> 4 & 15 == WAS and not self.items[cell & self.mask] & 15:
+                self.items[cell & self.mask] = mark(WAS, speed)
+                return
+            cell = (cell + 1) & COUNT
+        self.speed = speed

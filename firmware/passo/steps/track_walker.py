@@ -1,0 +1,359 @@
+"""Walks a track of single steps, forward or backward from any place, and turns it into words as it goes.
+
+    walker = TrackWalker(track, lengths, tool_ticks=(0, 0))
+    walker.rewind()
+    walker.begin()                      # or begin(backward=True); begin(most=1) goes one unit
+    planner.track(walker)
+
+A step is followed by its own period: its length along the path over the speed, in whole microseconds. 12½ ticks are a
+microsecond; half a tick left over goes to the next step, so that the mean is exact. `set_speed` may be called at any
+time: the interval under way lasts no longer than a new one would.
+
+A walk ends at `most` units, at the track's end, at its start, or before a STATION, which only pass_station() passes.
+At the end of an open track it goes on as soon as there is more. Its place is exact as the words made have it; the
+feeder knows how many of them have played.
+
+What a segment may hold: the intervals of steps in the same directions, in about a millisecond, up to the next mark; or
+a piece of a wait. Marks are passed between segments, so that within one the place advances by one a stepping word.
+"""
+
+from array import array
+
+import micropython
+from micropython import const
+
+from passo.motion.track import COUNT, SPEED, STATION, TOOL, WAIT, WAS
+from passo.steps.word import HOLD_TICKS, TICKS_PER_MS
+
+_SEGMENT_TICKS = const(12_500)
+_COUNT = const(0x1FFFFFFF)
+_HALF = const(0x10000000)
+_LONGEST_US = const(40_000_000)
+ENDLESS = const(-1)
+
+
+class TrackWalker:
+    def __init__(self, track, lengths, tool_ticks):
+        """`lengths`: for each mask of axes how far a step goes, in nm × 60 and below 2³⁰; `tool_ticks`: what (off, on)
+        take."""
+        self.track = track
+        self.made = array("i", [0] * track.axes)  # signed steps since the feeder last cleared them
+        self.moving = self.negative = 0  # masks of the next run
+        self.ticks = 0  # length of the segment that walk() wrote
+        self.tool = False
+        self.left = 0  # 0: the walk has come to its end, once the gap is over
+        self.gap = 0  # ticks until the next step may come
+        self.wait_ms = 0  # of the wait under way
+        self.backward = False
+        self.place = 0
+        self.cell = 0
+        self.speed = 0  # mm/min
+        self._done = 0  # units of the cell's item that lie behind, seen forward
+        self._togo = ENDLESS
+        self._dry = False  # an open track has nothing more just now
+        self._lengths = lengths
+        self._each = array("i", [0] * len(lengths))  # half ticks a step
+        self._half = 0  # half a tick carried on
+        self._wanted = 0  # a speed that takes effect with the next segment
+        self._tool_ticks = tool_ticks
+
+    # --- main loop, while the feeder is not walking
+
+    def rewind(self):
+        """Stand at the start of the track, the tool off."""
+        track = self.track
+        self.cell = track.first
+        self.place = track.start
+        self._done = self._togo = self.left = 0
+        self.wait_ms = 0
+        self.tool = False
+        self._dry = False
+        self._wanted = 0
+        self._take_speed(track.speed_before)
+
+    def begin(self, backward=False, most=ENDLESS, lit=None):
+        """Set out from where it stands. `lit`: the tool as it is now; None: as it should be."""
+        if backward:
+            self.wait_ms = 0
+        if self._wanted:
+            self._change_speed()
+        self.backward = backward
+        self.left = 1
+        self._togo = most
+        if lit is not None and lit != self.tool and self.gap < self._tool_ticks[self.tool]:
+            self.gap = self._tool_ticks[self.tool]
+        if not self.wait_ms:
+            self._arrive()
+
+    def pass_station(self):
+        """Go past the STATION the walk has come to, and return its value; None where there is none."""
+        track = self.track
+        if self.cell == track.end or self._done:
+            return None
+        item = track.items[self.cell & track.mask]
+        if item & 255 != STATION << 4:
+            return None
+        self._done = 1
+        self.place = (self.place + 1) & COUNT
+        return item >> 8
+
+    def seek(self, place):
+        """Stand at `place`, the tool and the speed as they are there; the next step comes a period later.
+
+        Raises ValueError where the track has no such place."""
+        self.gap = 0
+        while self.place != place:
+            ahead = (place - self.place) & COUNT
+            backward = ahead >= _HALF
+            self.begin(backward, COUNT + 1 - ahead if backward else ahead)
+            if self.gap:
+                self.gap = 0  # behind a change of the tool, which is passed
+            elif self.wait_ms:
+                self.wait_ms = 0
+                self._step_over()
+            elif self.left and not self._dry:
+                self._advance(min(self._in_run(), self._togo))
+            elif self.place != place and self.pass_station() is None:
+                raise ValueError("no place %d on the track" % place)
+        self.left = 0
+        self.gap = self._each[self.moving] >> 1
+
+    def at_start(self):
+        """True where there is nothing behind."""
+        return self.cell == self.track.first and not self._done
+
+    def at_end(self):
+        """True where there is nothing ahead."""
+        track = self.track
+        if self.cell == track.end:
+            return True
+        item = track.items[self.cell & track.mask]
+        return (self.cell + 1) & COUNT == track.end and self._done == (item >> 8 if item & 15 else 1)
+
+    # --- at any time
+
+    def set_speed(self, mm_min):
+        """Go on at `mm_min` ≥ 1 along the path, up to the next SPEED."""
+        self._wanted = mm_min
+
+    def step_us(self, mask):
+        """Period of a step of the axes in `mask` at the speed in force, whole microseconds."""
+        return self._period_us(mask, self._wanted or self.speed)
+
+    # --- the feeder's: may run in an interrupt
+
+    @micropython.native
+    def active(self):  # ISR: no allocation
+        """True while words of this walk are still to come."""
+        return self.left or self.gap
+
+    @micropython.native
+    def ready(self):  # ISR: no allocation
+        """True unless the walk has to wait for more to come."""
+        if self._dry:
+            self._arrive()
+        return not self._dry or self.gap > 0
+
+    @micropython.native
+    def walk(self, words, at, room, base, bits):  # ISR: no allocation
+        """Write at most `room` words to words[at:], about a millisecond. Returns how many; 0 at the end of the walk."""
+        if self._wanted:
+            self._change_speed()
+        self.ticks = 0
+        if self.gap:
+            gap = self.gap
+            if gap > HOLD_TICKS:
+                gap = HOLD_TICKS if gap >= 2 * HOLD_TICKS else gap >> 1
+            self.gap -= gap
+            if not self.gap and not self.wait_ms:
+                self._arrive()
+            return self._stand(words, at, gap, base, bits)
+        if self.wait_ms:
+            return self._wait(words, at, base, bits)
+        if not self.left or self._dry:
+            return 0
+        return self._steps(words, at, room, base, bits)
+
+    @micropython.native
+    def _stand(self, words, at, ticks, base, bits):  # ISR: no allocation
+        words[at] = ticks << bits | base
+        self.ticks = ticks
+        return 1
+
+    @micropython.native
+    def _wait(self, words, at, base, bits):  # ISR: no allocation
+        part = self.wait_ms if self.wait_ms < 10 else 10
+        self.wait_ms -= part
+        if not self.wait_ms:
+            self._step_over()
+            self._arrive()
+        return self._stand(words, at, part * TICKS_PER_MS, base, bits)
+
+    @micropython.native
+    def _steps(self, words, at, room, base, bits):  # ISR: no allocation
+        count = ticks = 0
+        directions = base >> self.track.axes
+        half = self._half
+        while True:
+            mask = self.moving
+            each = self._each[mask]
+            steps = 1
+            if each <= 2 * HOLD_TICKS:
+                steps = 2 * (_SEGMENT_TICKS - ticks) // each + 1
+                left = self._in_run()
+                if steps > left:
+                    steps = left
+                if steps > room - count:
+                    steps = room - count
+                if self._togo >= 0 and steps > self._togo:
+                    steps = self._togo
+                levels = base | mask
+                for i in range(at + count, at + count + steps):
+                    half += each
+                    words[i] = half >> 1 << bits | levels
+                    ticks += half >> 1
+                    half &= 1
+            else:
+                half += each
+                self.gap = (half >> 1) - (HOLD_TICKS >> 1)
+                words[at + count] = HOLD_TICKS >> 1 << bits | base | mask
+                ticks += HOLD_TICKS >> 1
+                half &= 1
+            count += steps
+            self._make(steps)
+            self._advance(steps)
+            if self._in_run() and self._togo:
+                break
+            place = self.place
+            self._arrive()
+            if place != self.place or not self.left or self._dry or self.gap or self.wait_ms:
+                break
+            if ticks >= _SEGMENT_TICKS or count >= room:
+                break
+            if (directions ^ ~self.negative) & self.moving:
+                break
+        self._half = half
+        self.ticks = ticks
+        return count
+
+    @micropython.native
+    def _in_run(self):  # ISR: no allocation
+        """Steps to come of the run it is in."""
+        if self.backward:
+            return self._done
+        track = self.track
+        return (track.items[self.cell & track.mask] >> 8) - self._done
+
+    @micropython.native
+    def _make(self, steps):  # ISR: no allocation
+        for axis in range(self.track.axes):
+            if self.moving >> axis & 1:
+                self.made[axis] += -steps if self.negative >> axis & 1 else steps
+
+    @micropython.native
+    def _advance(self, steps):  # ISR: no allocation
+        if self.backward:
+            self._done -= steps
+            self.place = (self.place - steps) & _COUNT
+        else:
+            self._done += steps
+            self.place = (self.place + steps) & _COUNT
+        if self._togo > 0:
+            self._togo -= steps
+
+    @micropython.native
+    def _step_over(self):  # ISR: no allocation
+        """Pass the mark it stands before."""
+        if self.backward:
+            self._done = 1
+        else:
+            self._done = 0
+        self._advance(1)
+
+    @micropython.native
+    def _arrive(self):  # ISR: no allocation
+        """From the end of an item go on, over all marks that take no time, to the next run or wait, or to the end."""
+        track = self.track
+        items = track.items
+        self._dry = False
+        while not self.gap:
+            if self.backward:
+                if not self._done:
+                    if self.cell == track.first:
+                        self.left = 0
+                        return
+                    self.cell = (self.cell - 1) & _COUNT
+                    item = items[self.cell & track.mask]
+                    self._done = item >> 8 if item & 15 else 1
+            elif self.cell == track.end:
+                self._dry = track.open
+                if not self._dry:
+                    self.left = 0
+                return
+            item = items[self.cell & track.mask]
+            size = item >> 8 if item & 15 else 1
+            if not self.backward and self._done >= size:
+                if (self.cell + 1) & _COUNT == track.end:  # stay in it: it may still grow
+                    self._dry = track.open
+                    if not self._dry:
+                        self.left = 0
+                    return
+                self.cell = (self.cell + 1) & _COUNT
+                self._done = 0
+                continue
+            if item & 0xFF == WAS << 4:
+                self._done = 0 if self.backward else 1
+                if self.backward:
+                    self._take_speed(item >> 8)
+                continue
+            if not self._togo:
+                self.left = 0
+                return
+            if item & 15:
+                self.moving = item & 15
+                self.negative = item >> 4 & 15
+                if self.backward:
+                    self.negative ^= self.moving
+                return
+            if self._pass(item >> 4 & 15, item >> 8):
+                return
+
+    @micropython.native
+    def _pass(self, kind, value):  # ISR: no allocation
+        """Deal with a mark; True where the walk stays before it for now."""
+        if kind == TOOL:
+            tool = (value >> 1 if self.backward else value) & 1
+            if tool != self.tool:
+                self.tool = tool
+                self.gap = self._tool_ticks[tool]
+        elif not self.backward:
+            if kind == STATION:
+                self.left = 0
+                return True
+            if kind == SPEED:
+                self._take_speed(value)
+            elif kind == WAIT and value:
+                self.wait_ms = value
+                return True
+        self._step_over()
+        return False
+
+    @micropython.native
+    def _change_speed(self):  # ISR: no allocation
+        self._take_speed(self._wanted)
+        self._wanted = 0
+        if self.moving and self.gap and not self.wait_ms:
+            longest = self._each[self.moving] >> 1
+            if self.gap > longest:
+                self.gap = longest
+
+    @micropython.native
+    def _take_speed(self, mm_min):  # ISR: no allocation
+        self.speed = mm_min
+        for mask in range(1, len(self._each)):
+            self._each[mask] = self._period_us(mask, mm_min) * 25
+
+    @micropython.native
+    def _period_us(self, mask, mm_min):  # ISR: no allocation
+        period_us = (self._lengths[mask] + (mm_min >> 1)) // mm_min
+        return period_us if period_us < _LONGEST_US else _LONGEST_US

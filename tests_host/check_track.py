@@ -1,0 +1,341 @@
+"""Tracks: every unit once and in its order, both ways and from any place; periods exact; the place known at any word."""
+
+from draws import Random
+from passo.motion.track import COUNT, MOST, SPEED, STATION, TOOL, WAIT, Track, mark, run, units
+from passo.steps.track_walker import ENDLESS, TrackWalker
+from passo.steps.word import HOLD_TICKS
+from rig import Rig
+
+CASES = {
+    "check_there_and_back": (("seed", "seed"),),
+    "check_turned_round_anywhere": (("seed", "seed"),),
+    "check_halted_anywhere": (("seed", "seed"),),
+    "check_window": (("seed", "seed"),),
+    "check_periods": (("mm_min", 1, 3000), ("mask", 1, 7)),
+}
+RUNS = {name: 8 for name in CASES}
+
+# Steps of 12.5 µm, as on 80 steps/mm: nm × 60, by how many axes step at once.
+LENGTHS = [0] + [(12500, 17678, 21651)[(bin(mask).count("1")) - 1] * 60 for mask in range(1, 8)]
+TOOL_TICKS = (2_000, 300_000)
+
+
+def new_track(cells=1024, tool_ticks=TOOL_TICKS):
+    track = Track(3, cells)
+    track.clear(3000)
+    return track, TrackWalker(track, LENGTHS, tool_ticks)
+
+
+def random_items(random, count, speeds=(1200, 3000, 6000)):
+    items = []
+    for _ in range(count):
+        kind = random.between(0, 9)
+        if kind == 0:
+            items.append(mark(TOOL, random.between(0, 1)))
+        elif kind == 1:
+            items.append(mark(SPEED, random.choice(speeds)))
+        elif kind == 2:
+            items.append(mark(WAIT, random.choice((0, 1, 9, 10, 25))))
+        else:
+            mask = random.between(1, 7)
+            items.append(run(mask, random.between(0, 7) & mask, random.choice((1, 1, 2, 3, 7, 60))))
+    return items
+
+
+def moves_of(items):
+    """[(place before it, moves, tool, speed)] of every single step, in order."""
+    place = tool = 0
+    speed = 3000
+    steps = []
+    for item in items:
+        if item & 15:
+            moves = [0, 0, 0]
+            for axis in range(3):
+                if item >> axis & 1:
+                    moves[axis] = -1 if item >> 4 + axis & 1 else 1
+            for _ in range(item >> 8):
+                steps.append((place, moves, tool, speed))
+                place += 1
+        else:
+            if item >> 4 & 15 == TOOL:
+                tool = item >> 8 & 1
+            elif item >> 4 & 15 == SPEED:
+                speed = item >> 8
+            place += 1
+    return steps
+
+
+def opposite(steps):
+    return [(place, [-move for move in moves], tool, speed) for place, moves, tool, speed in steps][::-1]
+
+
+class Ride:
+    """A track on the bench, and what its words did."""
+
+    def __init__(self, track, walker):
+        self.rig = Rig("step_dir", 3)
+        self.track = track
+        self.walker = walker
+        self.tick = 0
+        self.steps = []  # (tick, moves, tool)
+        self.at = [0, 0, 0]
+
+    def play(self, words):
+        axes = 3
+        for ticks, levels in words:
+            assert ticks <= HOLD_TICKS
+            if levels & 7:
+                moves = [0, 0, 0]
+                for axis in range(axes):
+                    if levels >> axis & 1:
+                        moves[axis] = 1 if levels >> axes + axis & 1 else -1
+                        self.at[axis] += moves[axis]
+                self.steps.append((self.tick, moves, levels >> 2 * axes & 1))
+            self.tick += ticks
+
+    def go(self, backward=False, most=ENDLESS, fills=1 << 20, lead=100_000):
+        """Walk on; after `fills` fills it is held, and taken off at its stand."""
+        rig = self.rig
+        self.walker.begin(backward, most, bool(rig.feeder._levels & rig.layout.tool_mask))
+        rig.planner.track(self.walker)
+        rig.planner.flush()
+        while not rig.planner.empty() and fills:
+            self.play(rig.take(lead))
+            rig.feeder.retire(rig.played)
+            fills -= 1
+        if not rig.planner.empty():
+            rig.feeder.hold = True
+            self.play(rig.take(lead))
+            assert rig.feeder.standing()
+            assert rig.feeder.place(rig.played) == self.walker.place
+            position, block, place = rig.feeder.cancel(rig.played)
+            assert place == self.walker.place and position == self.at
+            rig.planner.clear()
+            rig.feeder.hold = False
+
+    def check(self, steps, first=0):
+        """The steps from `first` on were these, in the tool and at the periods they should have."""
+        made = self.steps[first:]
+        assert [(moves, tool) for _, moves, tool in made] == [(moves, tool) for _, moves, tool, _ in steps]
+
+
+def fill(track, items):
+    for item in items:
+        assert track.append(item)
+    track.open = False
+    assert track.total == sum([units(item) for item in items])
+
+
+def check_there_and_back(seed):
+    random = Random(seed)
+    items = random_items(random, 60)
+    steps = moves_of(items)
+    track, walker = new_track()
+    fill(track, items)
+    walker.rewind()
+    ride = Ride(track, walker)
+    ride.go()
+    ride.check(steps)
+    assert walker.place == track.total and walker.at_end()
+    for before, after, step in zip(ride.steps, ride.steps[1:], steps):
+        mask = sum([1 << axis for axis in range(3) if step[1][axis]])
+        period = (LENGTHS[mask] + step[3] // 2) // step[3]
+        assert after[0] - before[0] >= period * 25 // 2 - 64  # less only by the change of direction before it
+    gone = len(ride.steps)
+    ride.go(backward=True)
+    ride.check(opposite(steps), gone)
+    assert walker.place == 0 and walker.at_start() and ride.at == [0, 0, 0]
+
+
+def check_turned_round_anywhere(seed):
+    """Whatever is done at random places, every step has the tool and the moves of its place, and the end is the end."""
+    random = Random(seed)
+    items = random_items(random, 40)
+    steps = moves_of(items)
+    track, walker = new_track()
+    fill(track, items)
+    walker.rewind()
+    ride = Ride(track, walker)
+    for _ in range(30):
+        before = walker.place
+        gone = len(ride.steps)
+        backward = random.between(0, 1) == 1
+        most = random.choice((ENDLESS, ENDLESS, 1, 2, 5))
+        ride.go(backward, most, random.between(1, 5), random.choice((10_000, 100_000)))
+        low, high = min(before, walker.place), max(before, walker.place)
+        part = [step for step in steps if low <= step[0] < high]
+        ride.check(opposite(part) if backward else part, gone)
+        assert most == ENDLESS or high - low <= most
+    gone = len(ride.steps)
+    rest = [step for step in steps if step[0] >= walker.place]
+    ride.go()
+    ride.check(rest, gone)
+    gaps = [after[0] - before[0] for before, after in zip(ride.steps, ride.steps[1:])]
+    assert min(gaps or [9999]) >= (LENGTHS[1] + 3000) // 6000 * 25 // 2 - 64  # no step ever came too early
+
+
+def check_halted_anywhere(seed):
+    """After a halt inside the words, the place is that of the steps which have appeared, and seek() goes there."""
+    random = Random(seed)
+    items = random_items(random, 30)
+    steps = moves_of(items)
+    track, walker = new_track()
+    fill(track, items)
+    for backward in (False, True):
+        walker.rewind()
+        if backward:
+            walker.seek(track.total)
+        ride = Ride(track, walker)
+        rig = ride.rig
+        walker.begin(backward)
+        rig.planner.track(walker)
+        rig.planner.flush()
+        for _ in range(random.between(0, 6)):
+            ride.play(rig.take())
+        rig.feeder.fill(rig.played, 375_000)
+        made = (rig.ring.head - rig.played) & COUNT
+        if made:
+            part = random.between(0, made)
+            for _ in range(part):
+                word = rig.ring.words[rig.played & rig.ring.mask]
+                ride.play([(word >> rig.layout.bits, word & rig.layout.levels_mask)])
+                rig.played = (rig.played + 1) & COUNT
+        shown = rig.feeder.place(rig.played)
+        block = rig.planner.playing()
+        position, _, place = rig.feeder.cancel(rig.played)
+        rig.planner.clear()
+        assert position == ride.at
+        if block is None:
+            continue
+        assert place == shown
+        walker.seek(place)
+        done = opposite(steps)[: len(ride.steps)] if backward else steps[: len(ride.steps)]
+        ride.check(done)
+        gone = len(ride.steps)
+        rest = [step for step in steps if step[0] >= place]
+        ride.go()
+        ride.check(rest, gone)
+
+
+def check_window(seed):
+    """An open track is walked as it comes, goes on where it was dry, and forgets only what lies far behind."""
+    random = Random(seed)
+    items = random_items(random, 150)
+    track, walker = new_track(64)
+    track.clear(3000, ring=True)
+    walker.rewind()
+    ride = Ride(track, walker)
+    rig = ride.rig
+    walker.begin()
+    rig.planner.track(walker)
+    rig.planner.flush()
+    queue = items[:]
+    while queue:
+        while queue and (track.end - walker.cell) & COUNT < track.size // 2 and random.between(0, 9):
+            assert track.append(queue.pop(0))
+        ride.play(rig.take(random.choice((10_000, 100_000))))
+        rig.feeder.retire(rig.played)
+    track.open = False
+    while not rig.planner.empty():
+        ride.play(rig.take())
+        rig.feeder.retire(rig.played)
+    steps = moves_of(items)
+    ride.check(steps)
+    gone = len(ride.steps)
+    ride.go(backward=True)
+    assert walker.place == track.start and walker.at_start()
+    ride.check(opposite([step for step in steps if step[0] >= walker.place]), gone)
+
+
+def check_dry_is_not_late():
+    track, walker = new_track()
+    track.clear(3000, ring=True)
+    track.append(run(1, 0, 3))
+    walker.rewind()
+    ride = Ride(track, walker)
+    walker.begin()
+    ride.rig.planner.track(walker)
+    ride.rig.planner.flush()
+    for _ in range(5):
+        ride.play(ride.rig.take())
+    late = ride.rig.feeder.late
+    for _ in range(5):
+        ride.play(ride.rig.take())
+    assert ride.rig.feeder.late == late and len(ride.steps) == 3
+    track.append(run(1, 0, 2))
+    ride.play(ride.rig.take())
+    assert len(ride.steps) == 5 and not ride.rig.planner.empty()
+
+
+def check_periods(mm_min, mask):
+    """Whole microseconds, each within a tick, and exact in the mean: 12½ ticks are a microsecond."""
+    track, walker = new_track()
+    fill(track, [mark(SPEED, mm_min), run(mask, 0, 41)])
+    walker.rewind()
+    ride = Ride(track, walker)
+    ride.go()
+    period_us = (LENGTHS[mask] + mm_min // 2) // mm_min
+    assert walker.step_us(mask) == period_us
+    for count in range(41):
+        assert abs(2 * (ride.steps[count][0] - ride.steps[0][0]) - 25 * period_us * count) <= 130 - (count == 0)
+    assert ride.steps[40][0] - ride.steps[0][0] in (500 * period_us, 500 * period_us - 63)
+
+
+def check_live_speed():
+    """A new speed is felt by the next segment, and cuts a long interval short."""
+    track, walker = new_track()
+    fill(track, [mark(SPEED, 1), run(1, 0, 4)])  # 0.75 s a step
+    walker.rewind()
+    ride = Ride(track, walker)
+    walker.begin()
+    ride.rig.planner.track(walker)
+    ride.rig.planner.flush()
+    ride.play(ride.rig.take(200_000))
+    walker.set_speed(1000)
+    while not ride.rig.planner.empty():
+        ride.play(ride.rig.take(200_000))
+        ride.rig.feeder.retire(ride.rig.played)
+    gaps = [after[0] - before[0] for before, after in zip(ride.steps, ride.steps[1:])]
+    assert gaps[0] < 400_000 and gaps[1:] == [9375, 9375]
+
+
+def check_stations():
+    track, walker = new_track()
+    fill(track, [run(1, 0, 5), mark(STATION, 7), run(1, 0, 3)])
+    walker.rewind()
+    ride = Ride(track, walker)
+    ride.go()
+    assert len(ride.steps) == 5 and not walker.at_end()
+    ride.go()
+    assert len(ride.steps) == 5
+    assert walker.pass_station() == 7 and walker.pass_station() is None
+    ride.go()
+    assert len(ride.steps) == 8 and walker.place == 9
+    ride.go(backward=True)
+    assert len(ride.steps) == 16 and walker.place == 0
+
+
+def check_full():
+    track, walker = new_track(5)
+    assert track.size == 4
+    assert track.append(run(1, 0, MOST)) and track.append(run(1, 0, 1)) and track.append(run(2, 0))
+    assert not track.append(mark(SPEED, 100)) and track.used() == 3
+    assert track.append(mark(WAIT, 100)) and not track.append(run(1, 0))
+    assert track.append(run(2, 0)) is False and track.total == MOST + 3
+    assert track.at == [MOST + 1, 1, 0]
+
+
+def check_speed_found_late():
+    """What the operator chose at a station is in force there when the walk comes back."""
+    track, walker = new_track()
+    fill(track, [run(1, 0, 2), mark(STATION, 0), run(1, 0, 2), mark(SPEED, 600), run(1, 0, 2)])
+    walker.rewind()
+    ride = Ride(track, walker)
+    ride.go()
+    walker.pass_station()
+    track.correct_speed(walker.cell, 1500)
+    walker.set_speed(1500)
+    ride.go()
+    assert walker.speed == 600
+    ride.go(backward=True, most=4)
+    assert walker.speed == 1500
