@@ -5,7 +5,7 @@ from math import atan2, cos, pi, sin, sqrt
 
 from draws import Random
 from passo.motion.arc import TooSteep, plan
-from passo.motion.circle import LEADS, MAX_RADIUS, PLAN, STEPS, TAIL_A, TAIL_B, TAIL_Z, Z_HIGH, Z_STEPS, Circle
+from passo.motion.circle import COARSE, LEADS, MAX_RADIUS, PLAN, STEPS, TAIL_A, TAIL_B, TAIL_Z, Z_HIGH, Z_STEPS, Circle
 from passo.motion.line import MAX_RUN
 
 TURN = 2 * pi
@@ -65,7 +65,7 @@ class Walk:
         self.length = 0
         while circle.left:
             count = min(circle.left, MAX_RUN)
-            self.runs.append((count, circle.negative, circle.path / circle.words / 1024, circle._u_axis))
+            self.runs.append((count, circle.negative, circle.path / circle.words / (1 << COARSE), circle._u_axis))
             self.length += self.runs[-1][2] * count
             circle.walk(OUT, 0, count)
             self.masks.extend(bytes([OUT[i] for i in range(count)]))

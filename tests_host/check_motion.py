@@ -10,6 +10,7 @@ from check_circle import about
 from draws import Random
 from passo.motion.arc import TooSteep
 from passo.motion.block import ARC, LINE
+from passo.motion.circle import COARSE
 from passo.motion.planner import Planner
 from passo.motion.profile import Limits
 from passo.steps.word import TICKS_PER_S
@@ -88,7 +89,7 @@ class Machine:
             if ramp.steps:
                 path = int(ramp.steps)
                 if ramp._arc:
-                    path = int(walker.path) * int(ramp.steps) / int(walker.words) / 1024
+                    path = int(walker.path) * int(ramp.steps) / int(walker.words) / (1 << COARSE)
                 self.segments.append((self.number, path, int(ramp.ticks)))
 
         ramp.cut = listen_cut
@@ -109,7 +110,9 @@ class Machine:
         self.place = [self.place[axis] + move[1][axis] for axis in range(3)]
         if planner._added != before:
             block = planner._pool[before % len(planner._pool)]
-            steps = block.walker.total if move[0] == LINE else block.plan[19] + block.plan[20] / (1 << 20)
+            if block.kind == LINE:  # an arc too short for a step along the circle, too
+                move = (LINE, move[1], move[2])
+            steps = block.walker.total if block.kind == LINE else block.plan[19] + block.plan[20] / (1 << 20)
             self.facts.append(self._facts(move, block, steps))
 
     def _facts(self, move, block, steps):

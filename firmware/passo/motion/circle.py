@@ -36,7 +36,7 @@ MAX_RADIUS = const(0x100000)  # 2²⁰ steps
 MAX_SLOPE = const(128)  # most steps of the third axis along one step of the circle
 LEADS = const(22_938)  # Z_HIGH from which the third axis dominates somewhere: 0.7 steps a step
 FINE = const(20)  # fraction bits of a length here
-COARSE = const(10)  # and of the lengths told to the ramp
+COARSE = const(13)  # and of the lengths told to the ramp
 _LONGEST = const(255)  # most words of a run, so that no product here reaches 2³⁰
 _ONE = const(1 << 20)
 _Z_BITS = const(21)
@@ -69,7 +69,7 @@ class Circle:
     def __init__(self, axes):
         self.axes = axes
         self.left = 0  # words to the end of the run
-        self.words = self.path = 0  # of the run: words, and length in 2⁻¹⁰ steps along the circle
+        self.words = self.path = 0  # of the run: words, and length in 2⁻¹³ steps along the circle
         self.to_go = self.fine = 0  # path from the run's beginning to the arc's end: to_go − fine / 2²⁰
         self.total = 0  # steps of the circle and of the last line
         self._u_axis = self._w_axis = 0  # the dominant axis of the run, and the other

@@ -25,7 +25,7 @@ import micropython
 from micropython import const
 
 from passo.motion.block import ARC
-from passo.motion.circle import divide
+from passo.motion.circle import COARSE, divide
 from passo.motion.line import MAX_RUN
 
 SEGMENT_TICKS = const(12_500)  # 1 ms
@@ -131,13 +131,13 @@ class Ramp:
         if walker.left == walker.words:
             self._done = 0
         path = walker.path or 1
-        steps = SEGMENT_TICKS // each << 10
+        steps = SEGMENT_TICKS // each << COARSE
         if steps >= path:
             steps = left
         else:
             steps = steps * walker.words // path
-        if most and steps * path > (most << 10) * walker.words:
-            steps = (most << 10) * walker.words // path
+        if most and steps * path > (most << COARSE) * walker.words:
+            steps = (most << COARSE) * walker.words // path
         if steps > left:
             steps = left
         if steps > MAX_RUN:
@@ -147,7 +147,7 @@ class Ramp:
     def _arc_path(self, steps, walker):  # ISR: no allocation
         """Path of the next `steps` words, in 2⁻¹⁷ steps; counts them as done."""
         self._done += steps
-        return divide(walker.path * steps, walker.words, 7)
+        return divide(walker.path * steps, walker.words, 17 - COARSE)
 
     def _path_ticks(self, path, each, part):  # ISR: no allocation
         """Ticks of `path` (2⁻¹⁷ steps) at each + part / 128 a step."""
@@ -204,7 +204,7 @@ class Ramp:
             change = FAR
             if path >> 17 <= FAR // gain:
                 change = self._gained(gain, path >> 17, path & 0x1FFFF)
-            done = divide(walker.path * self._done, walker.words, 7) + (walker.fine >> 3)
+            done = divide(walker.path * self._done, walker.words, 17 - COARSE) + (walker.fine >> 3)
             togo = walker.to_go - (done >> 17)
             part = -done & 0x1FFFF
             if part:
