@@ -39,18 +39,20 @@ class Carriage:
 
 
 class Barrier:
-    """A slotted optical barrier: broken, which is the active state, while the carriage is at `edge` or below.
+    """A slotted optical barrier or a limit switch: broken, which is the active state, while the carriage is at `edge`
+    or below; at `edge` or above, where it is at the `high` end.
 
     After each change it may chatter for up to `bounce_ticks`. `fault`: "dead" never reads active, "stuck" always does;
     "dead@MS" and "stuck@MS" from that virtual millisecond on.
     """
 
-    def __init__(self, name, edge, position, bounce_ticks, fault, random):
+    def __init__(self, name, edge, position, bounce_ticks, fault, random, high=False):
         self.name = name
-        self.edge = edge
-        self.beam = position <= edge  # what the carriage does to it
+        self.last = edge - 1 if high else edge  # the last place on the low side
+        self.below = position <= self.last
+        self._high = high
         self.due = NEVER
-        self._reading = self.beam  # what it makes of that, chatter included
+        self._reading = self.below != high  # what it makes of that, chatter included
         self._chatter = []  # ticks of the false edges to come, last one first
         self._bounce_ticks = bounce_ticks
         self._random = random
@@ -63,8 +65,8 @@ class Barrier:
 
     def cross(self, tick):
         """The carriage crossed the edge."""
-        self.beam = not self.beam
-        self._reading = self.beam
+        self.below = not self.below
+        self._reading = self.below != self._high
         pairs = self._random.randint(1, CHATTER) if self._bounce_ticks else 0
         times = {tick + self._random.randint(1, self._bounce_ticks) for _ in range(2 * pairs)}
         if len(times) % 2:

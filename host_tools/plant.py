@@ -5,8 +5,8 @@
 
 Motor decoders turn pins back into steps, carriages travel between hard ends, slotted barriers watch them, and the
 pen's solenoid takes its time. Times are ticks of 80 ns. Positions are steps from the *nominal* origin: where a head
-would stand after homing on a barrier that switches exactly at its edge. Whatever a real machine could not have
-followed is recorded in `errors`.
+would stand after homing on a barrier that switches exactly at its edge; an axis that homes at its high end has its
+barrier there. Whatever a real machine could not have followed is recorded in `errors`.
 
 The board file gives axes, drive, polarity, travel and pen delays; what it cannot know comes as options:
 
@@ -58,11 +58,14 @@ class Plant:
         axes = self._board["axes"]
         if start is not None and len(start) != len(axes):
             raise ValueError(f"start: {len(axes)} positions are wanted, one an axis, not {len(start)}")
-        pull_off = (self._board.get("homing") or {}).get("pull_off_steps", 0)
+        homing = self._board.get("homing") or {}
+        pull_off, high_end = homing.get("pull_off_steps", 0), homing.get("high_end", "")
         self.carriages = []
         for i, axis in enumerate(axes):
             margin = axis["steps_per_m"] * MARGIN_MM // 1000
             low, high = -pull_off - margin, axis["travel_steps"] + margin
+            if axis["name"] in high_end:
+                low, high = -high, -low
             at = self._random.randint(low, high) if start is None else start[i]
             if not low <= at <= high:
                 raise ValueError(f"start: {axis['name']} {at} is not between the hard ends {low} and {high}")
@@ -75,13 +78,15 @@ class Plant:
         self.barriers = {}
         self._watching = [None] * len(names)  # the barrier of each axis
         for axis, sensor in homing.get("sensors", {}).items():
+            high = axis in homing.get("high_end", "")
             barrier = Barrier(
                 sensor,
-                -homing["pull_off_steps"],
+                homing["pull_off_steps"] if high else -homing["pull_off_steps"],
                 self.position[names.index(axis)],
                 bounce_ms * TICKS_PER_MS,
                 faults.pop(sensor, None),
                 random.Random(self._random.random()),
+                high,
             )
             self.barriers[sensor] = barrier
             self._watching[names.index(axis)] = barrier
@@ -138,7 +143,7 @@ class Plant:
                 if steps and self._move(tick, carriage, steps * sign):
                     moved = True
                     self.position[i] = at = carriage.position
-                    if barrier is not None and (at <= barrier.edge) != barrier.beam:
+                    if barrier is not None and (at <= barrier.last) != barrier.below:
                         barrier.cross(tick)
                         self._show(tick, barrier)
         if moved and self.trace is not None:

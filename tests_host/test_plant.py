@@ -8,6 +8,7 @@ from host_tools import boards
 from host_tools.decoders import Pbl3770a, StepDir, Unipolar
 from host_tools.parts import Barrier, Solenoid
 from host_tools.plant import Plant
+from host_tools.virtual_machine import VirtualMachine
 
 MS = 12_500
 
@@ -207,6 +208,28 @@ def test_barrier_follows_the_carriage():
     b.cross(20)
     assert not b.active(20)
     assert barrier(position=0).active(0) and barrier(position=-5).active(0)
+
+
+def test_switch_at_the_high_end():
+    b = Barrier("b", 640, 100, 0, None, random.Random(1), high=True)
+    assert not b.active(0) and b.last == 639
+    b.cross(10)
+    assert b.active(10)
+    assert Barrier("b", 640, 640, 0, None, random.Random(1), high=True).active(0)
+
+
+@pytest.mark.parametrize("start", [(-600, 100, -32000), None])
+def test_the_router_homes_on_its_own_switches(start):
+    """X and Y at their low ends, Z at the top, from anywhere; then the whole travel is there."""
+    machine = VirtualMachine("router_3axis", start=start, bounce_ms=2, seed=3)
+    machine.run_ms(20)
+    assert machine.ask(b"$H\n", 4).endswith(b"ok\r\n")
+    assert machine.plant.position == machine.app.controller.position() == [0, 0, 0]
+    machine.send(b"G0 X30 Y20 Z-80\nG0 X0 Y0 Z0\n")
+    machine.settle()
+    assert machine.plant.position == [0, 0, 0]
+    # A sensor that trips cuts short the pulse under way, if there is one.
+    assert {text for _, text in machine.plant.errors} <= {"STEP pulse too short"}
 
 
 def test_barrier_bounces_and_settles():
