@@ -39,6 +39,18 @@ def check_both_ends_of_lines():
     machine.turns(3)
     machine.put(b"\nG4P0\n")
     assert machine.turns(3) == ["ok"]
+    for data in (b"G4P0\r", b"\n", b"\n", b"\r", b"\n\n"):
+        machine.put(data)
+        machine.turns(1)
+    machine.put(b"\n")
+    machine.turns(3)
+    machine.said()
+    machine.put(b"\r")
+    said = machine.turns(2)
+    for _ in range(2):
+        machine.put(b"\n")
+        said += machine.turns(2)
+    assert said == ["ok"] * 2
 
 
 def check_settings_lines():

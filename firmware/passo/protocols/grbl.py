@@ -136,10 +136,11 @@ class Grbl:
         self._receive(bytes(plain))
 
     def _receive(self, data):
-        if self._after_return and data[:1] == b"\n":
-            data = data[1:]
         if data:
+            again = self._after_return and data[0] == 10  # the second byte of \r\n
             self._after_return = data[-1] == 13
+            if again:
+                data = data[1:]
         pieces = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
         for piece in pieces[:-1]:
             self._add(piece)
