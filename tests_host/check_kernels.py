@@ -12,6 +12,7 @@ CASES = {
     "check_pace": (("seed", "seed"), ("count", 1, 500)),
     "check_apply": (("seed", "seed"), ("axes", 1, 2), ("width", "choice", 4, 6)),
     "check_advance": (("seed", "seed"), ("axes", 1, 4)),
+    "check_tally": (("seed", "seed"), ("axes", 1, 4)),
 }
 LONGEST = 2_000_000
 
@@ -75,3 +76,16 @@ def check_advance(seed, axes):
     position.advance(same[0], same[1], same[2], 3, axes)
     assert (place, made, marks) == same
     assert list(made) == [0] * axes
+
+
+def check_tally(seed, axes):
+    """Also over the ends of the ring and of the count."""
+    random = Random(seed)
+    words = array("I", [random.between(0, 0x3FFFFFFF) for _ in range(64)])
+    first = random.between(0, 0x1FFFFFFF)
+    until = (first + random.between(0, 64)) & 0x1FFFFFFF
+    place = array("i", [random.between(-(1 << 28), (1 << 28) - 1) for _ in range(axes)])
+    same = array("i", place)
+    stepping = position.tally_plain(words, 63, first, until, axes, place)
+    assert position.tally(words, 63, first, until, axes, same) == stepping
+    assert place == same

@@ -196,7 +196,10 @@ def check_position_at_every_word(drive, moves, each):
         levels = rig.ring.words[rig.played & rig.ring.mask] & rig.layout.levels_mask
         rig.played = (rig.played + 1) & COUNT_MASK
         for axis in range(2):
-            seen[axis] += rig.feeder._moved(axis, before, levels)
+            if rig.drive:
+                seen[axis] += rig.drive.moved(axis, before, levels)
+            elif levels >> axis & 1:
+                seen[axis] += 1 if levels >> 2 + axis & 1 else -1
         before = levels
         assert rig.feeder.position(rig.played) == seen
     assert seen == place

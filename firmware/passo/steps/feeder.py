@@ -21,13 +21,15 @@ from passo.motion.line import MAX_RUN
 from passo.motion.ramp import Ramp
 from passo.steps import pace
 from passo.steps.pace import new_terms, repay, set_terms
-from passo.steps.position import advance
+from passo.steps.position import advance, tally
 from passo.steps.word import COUNT_MASK, HOLD_TICKS, ahead
 
 _CHECKPOINTS = const(256)
 _HALF = const(0x10000000)
 _COUNT = const(0x1FFFFFFF)  # COUNT_MASK, known to the compiler
-_ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
+# Words the longest segment needs, with a change of direction before it; and as many again twice, so that what the main
+# loop reads back (`_walk`) still stands there when the interrupt has retired that segment meanwhile.
+_ROOM = 3 * (MAX_RUN + 2)
 
 
 class Feeder:
@@ -322,21 +324,24 @@ class Feeder:
         ring = self.ring
         axes = self.layout.axes
         slot = self._passed(played)
-        position = [self._mark_position[slot * axes + axis] for axis in range(axes)]
+        position = array("i", [self._mark_position[slot * axes + axis] for axis in range(axes)])
         word = self._mark_word[slot]
+        if self.drive is None:
+            stepping = tally(ring.words, ring.mask, word, played, axes, position)
+            return list(position), stepping
         before = self._mark_levels[slot]
         stepping = 0
         while word != played:
             levels = ring.words[word & ring.mask] & self.layout.levels_mask
             moved = False
             for axis in range(axes):
-                step = self._moved(axis, before, levels)
+                step = self.drive.moved(axis, before, levels)
                 position[axis] += step
                 moved = moved or step
             stepping += 1 if moved else 0
             before = levels
             word = (word + 1) & COUNT_MASK
-        return position, stepping
+        return list(position), stepping
 
     def _along(self, block, slot, stepping):
         """How far `block` is, `stepping` words after the checkpoint in `slot`."""
@@ -353,13 +358,6 @@ class Feeder:
         if block is None or block.kind != TRACK:
             return None
         return self._along(block, self._passed(played), self._walk(played)[1])
-
-    def _moved(self, axis, before, levels):
-        if self.drive is not None:
-            return self.drive.moved(axis, before, levels)
-        if not levels >> axis & 1:
-            return 0
-        return 1 if levels >> (self.layout.axes + axis) & 1 else -1
 
     def cancel(self, played):
         """After the player has halted, and with `open` cleared: drop all words not played, take their place as truth.
