@@ -15,6 +15,7 @@ Pico is blank, as it comes out of its bag. `leave_out` names patches not to appl
 
 from host_tools.emulator import binary, cycles, filesystem, patches
 from host_tools.emulator.console import Console
+from host_tools.emulator.loop import Loop
 from host_tools.emulator.pads import Pads
 from host_tools.emulator.usb import UsbPort
 from host_tools.emulator.wire import Wire
@@ -35,16 +36,15 @@ class EmulatedPico:
     def _build(self, image):
         from rp2040py.boards import BOARDS, resolve_firmware
         from rp2040py.device import MicroPythonDevice
-        from rp2040py.execute_batch import execute_batch
         from rp2040py.utils.logging import LogLevel
 
         board = resolve_firmware(BOARDS["pico"], "micropython", str(self._uf2))
         self._device = MicroPythonDevice(board=board, log_level=LogLevel.ERROR)
         self.chip = self._device.mcu
-        self._loop, self._execute = self._device.simulator, execute_batch
         self._clock = self.chip.clock
         self._halted = False
         patches.apply(self.chip, self._leave_out)
+        self._loop = Loop(self.chip)
         self.pads = Pads(self.chip, "loop_back" not in self._leave_out)
         self.usb = UsbPort(self._device.cdc, "usb" not in self._leave_out)
         self.usb.on_reset = self.pads.after_reset
@@ -79,18 +79,17 @@ class EmulatedPico:
 
         def end():
             reached.append(True)
-            loop.stopped = True
+            loop.ended = True
 
         alarm = self.at(self.cycle + round(us * cycles.CYCLES_PER_US), end)
         self._halted = False
         while not reached and not self._halted:
-            loop.stopped = False
-            self._execute(loop, 1)
+            loop.run()
         alarm.cancel()
 
     def stop(self):
         """End `run` after the instruction under way; for listeners."""
-        self._halted = self._loop.stopped = True
+        self._halted = self._loop.ended = True
 
     def run_until(self, condition, limit_us, slice_us=SLICE_US):
         """Run until condition() holds, asked once a slice; whether it came to hold within the limit."""

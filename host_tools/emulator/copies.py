@@ -1,0 +1,51 @@
+"""Try something on a copy: an emulated Pico takes a minute to load its firmware and a few milliseconds to fork.
+
+    steps = on_a_copy(lambda: run_and_count(pico))      # pico stays as it was
+
+The work is done in a forked process and its result comes back pickled. Only where the system can fork.
+"""
+
+import os
+import pickle
+import sys
+import traceback
+
+
+class CopyFailed(Exception):
+    """The work raised; the text is its traceback."""
+
+
+def on_a_copy(work):
+    """What `work()` returns in a copy of this process. Raises CopyFailed where it raises."""
+    sys.stdout.flush()
+    sys.stderr.flush()
+    reading, writing = os.pipe()
+    child = os.fork()
+    if not child:
+        os.close(reading)
+        _work(work, writing)
+    os.close(writing)
+    with os.fdopen(reading, "rb") as pipe:
+        data = pipe.read()
+    _, status = os.waitpid(child, 0)
+    if not data:
+        raise CopyFailed(f"the copy ended without a result, status {status}")
+    failed, result = pickle.loads(data)
+    if failed:
+        raise CopyFailed(result)
+    return result
+
+
+def _work(work, writing):
+    """Never returns."""
+    try:
+        try:
+            data = pickle.dumps((False, work()))
+        except BaseException:  # also pytest's, which are no Exceptions
+            data = pickle.dumps((True, traceback.format_exc()))
+        with os.fdopen(writing, "wb") as pipe:
+            pipe.write(data)
+        sys.stdout.flush()
+        sys.stderr.flush()
+    finally:
+        os._exit(0)

@@ -1,0 +1,50 @@
+"""What rp2040py's compiled loop is given to run.
+
+After each instruction that loop asks every PIO block whether it is stopped. Ours always are (see `pio`), and asking
+costs a sixth of all time. So the loop finds a chip without PIO blocks when it begins, and before the first instruction
+they are back: the two attributes that it reads then, in this order, see to that.
+
+    loop = Loop(chip)
+    loop.run()                  # some milliseconds of wall time, or until loop.ended is set
+"""
+
+
+class Loop:
+    __slots__ = ("_blocks", "_chip", "_execute", "clock", "ended")
+
+    def __init__(self, chip):
+        from rp2040py.execute_batch import execute_batch
+
+        self._chip = chip
+        self._blocks = chip.pio
+        self._execute = execute_batch
+        self.clock = chip.clock
+        self.ended = False
+
+    def run(self):
+        self.ended = False
+        self.__class__ = _Beginning
+        try:
+            self._execute(self, 1)
+        finally:
+            self._chip.pio = self._blocks
+
+
+class _Beginning(Loop):
+    __slots__ = ()
+
+    @property
+    def rp2040(self):
+        self._chip.pio = []
+        return self._chip
+
+    @property
+    def stopped(self):
+        self._chip.pio = self._blocks
+        self.__class__ = _Running
+        return self.ended
+
+
+class _Running(Loop):
+    __slots__ = ()
+    stopped = Loop.ended  # the slot itself: read after every instruction
