@@ -1,7 +1,7 @@
 """Serial lines: a UART with its own buffers, or the USB port's console made clean for bytes.
 
-A UART's bytes are taken off its FIFO (32 bytes) by an interrupt that the feeder's gives way to, into a buffer that lasts
-longer than any garbage collection. Reading never blocks; writing blocks only when the buffer to send is full.
+A UART's bytes are taken off its FIFO by an interrupt, into a buffer that lasts longer than any garbage collection.
+Reading never blocks; writing blocks only when the buffer to send is full.
 """
 
 import sys

@@ -1,0 +1,159 @@
+"""What the ports of all chips share: inputs and outputs, power, heartbeat, watchdog, and one turn of the feeder.
+
+A chip's Port adds the player, and the timer whose interrupt calls _feed(). If the main loop has not turned for 200 ms
+the feeder comes to a stand, and the watchdog, once it runs, resets the chip after a second.
+"""
+
+from time import sleep_ms, ticks_diff, ticks_ms
+
+from machine import PWM, WDT, Pin
+from micropython import const
+
+from passo.ports.serial_lines import UartLine, UsbLine
+from passo.steps.word import COUNT_MASK
+
+_HEARTBEAT_MS = const(200)
+_WATCHDOG_MS = const(1000)
+_PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN, "none": None}
+
+
+class Input:
+    """A pin, and the level at which it is active. A halting one acts in its own interrupt."""
+
+    def __init__(self, entry, port):
+        self.name = entry["name"]
+        self.number = entry["pin"]
+        self.pin = Pin(self.number, Pin.IN, _PULLS[entry["pull"]])
+        self.level = entry["active"]
+        self._port = port
+        if entry["halt"]:
+            port.watch(self.pin, self._tripped, Pin.IRQ_RISING if self.level else Pin.IRQ_FALLING)
+
+    def active(self):
+        return self.pin.value() == self.level
+
+    def _tripped(self, pin):  # ISR: no allocation
+        # A spike of noise is over by now: then nothing has happened.
+        if pin.value() == self.level:
+            self._port.trip(self)
+
+
+class ChipPort:
+    def __init__(self, board, lead_ticks):
+        """`board` is checked. Outputs go to their inactive level here. `lead_ticks`: how far ahead words are made."""
+        self._board = board
+        self._lead_ticks = lead_ticks
+        self._outputs = {}
+        for entry in board["outputs"]:
+            active = entry["active"]
+            self._outputs[entry["name"]] = (Pin(entry["pin"], Pin.OUT, value=1 - active), active)
+        self._pwm = None
+        spindle = board["spindle"]
+        if spindle["pwm"]:
+            self._pwm = PWM(Pin(spindle["pin"]), freq=spindle["pwm_hz"], duty_u16=0)
+        self._shown = 0  # power
+        self._player = None
+        self._feeder = None
+        self._timer = None
+        self._watchdog = None
+        self._trip = None  # the halting input that has stopped the player, until the main loop has been told
+        self._beat_ms = ticks_ms()
+        self._stalled = False  # the feeder holds because the main loop has not turned
+        self._lines = []
+        self._inputs = {}
+        for entry in board["inputs"]:
+            self._inputs[entry["name"]] = Input(entry, self)
+        self._halting = [self._inputs[entry["name"]] for entry in board["inputs"] if entry["halt"]]
+
+    # --- what the contract of ports asks for
+
+    def serial(self, link):
+        line = UsbLine() if link["port"] == "usb" else UartLine(link)
+        self._lines.append(line)
+        return line
+
+    def input(self, name):
+        """True while the input is in its active state."""
+        return self._inputs[name].active()
+
+    def output(self, name, on):
+        """Switch an output of the board file on or off."""
+        pin, active = self._outputs[name]
+        pin.value(active if on else 1 - active)
+
+    def power(self, level):  # ISR: no allocation
+        """Show the tool's analogue power, 0 … 1000, at once."""
+        if level != self._shown:
+            self._shown = level
+            if self._pwm is not None:
+                self._pwm.duty_u16(level * 65535 // 1000)
+
+    def machine_ms(self):
+        return ticks_ms() & COUNT_MASK
+
+    link_ms = machine_ms
+
+    def tripped(self):
+        """The name of the halting input that stopped the player since the last call, or is active now; or None."""
+        trip = self._trip
+        for item in self._halting:
+            if item.active():
+                trip = item
+        if trip is None:
+            return None
+        if self._feeder is not None:
+            self._feeder.open = False  # until the caller has put things in order
+        self._trip = None
+        if self._player is not None:
+            self._player.hold(False)
+        return trip.name
+
+    def wait(self, busy, fine=False):
+        """End a turn of the main loop: sleep briefly, unless bytes are waiting."""
+        self._beat_ms = ticks_ms()
+        if self._stalled:
+            self._stalled = False
+            self._feeder.hold = False
+        if self._watchdog is not None:
+            self._watchdog.feed()
+        for line in self._lines:
+            if line.any():
+                return
+        sleep_ms(1 if busy else 2)
+
+    # --- what start.py asks for
+
+    def guard(self):
+        """Start the watchdog: from now on the main loop has to turn."""
+        if self._watchdog is None:
+            self._watchdog = WDT(timeout=_WATCHDOG_MS)
+
+    def close(self):
+        """Stop all interrupts and let go of the lines; the outputs stay as they are."""
+        if self._timer is not None:
+            self._timer.deinit()
+        for item in self._halting:
+            item.pin.irq(None)
+        for line in self._lines:
+            line.close()
+
+    # --- interrupts
+
+    def _feed(self, timer):  # ISR: no allocation
+        feeder = self._feeder
+        if ticks_diff(ticks_ms(), self._beat_ms) > _HEARTBEAT_MS and not feeder.hold:
+            self._stalled = True
+            feeder.hold = True
+        if self._trip is None and feeder.open:
+            player = self._player
+            feeder.fill(player.played(), self._lead_ticks)
+            player.start()
+            if self._pwm is not None:
+                self.power(feeder.ring.power.level)
+
+    def trip(self, item):  # ISR: no allocation
+        self._trip = item
+        if self._player is not None:
+            self._player.hold(True)
+            self._player.halt()
+            self.power(0)
