@@ -4,8 +4,14 @@ import gc
 
 gc.threshold(16_000)  # collect while importing, so that what stays lies close together and leaves room in one piece
 
-from passo.control.boardfile import BoardError, check
-from passo.ports.rp2.start import Start
+from passo.control.board_error import BoardError
+from passo.ports.rp2.start import Start, forget
+
+
+def checked(board):
+    from passo.control.boardfile import check
+
+    return check(board)
 
 
 def main():
@@ -20,11 +26,14 @@ def main():
         return
     app = port = error = None
     try:
+        board = checked(BOARD)
+        BOARD = None
+        forget("board")
+        forget("passo.control.boardfile")
         from passo.app import App
         from passo.control.journal import FileSlots
         from passo.ports.rp2.port import Port
 
-        board = check(BOARD)
         port = Port(board)
         app = App(board, port, slots=FileSlots("settings"))
         start.run(app, port)

@@ -39,7 +39,7 @@ class Machine:
             world = VcdTap(vcd, self.board, self.plant)
             self._files.append(world)
         self.port = VirtualPort(self.board, world, mode, lines, sleep)
-        self.app = App(loaded, self.port, protocols)
+        self.app = App(check(loaded), self.port, protocols)
         self._homing = False
 
     def turn(self):

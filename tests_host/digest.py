@@ -10,6 +10,7 @@ import hashlib
 import sys
 
 from passo.app import App
+from passo.control.boardfile import check
 from passo.protocols.plotter import PACKET
 from passo.steps.word import COUNT_MASK
 
@@ -108,7 +109,7 @@ class Sink:
 def digest(board, job):
     """Play `job` (a file of packets, open for reading) on `board`; returns the Sink."""
     port = Sink()
-    app = App(board, port)
+    app = App(check(board), port)
     while True:
         port.incoming = job.read(PACKET)
         if not port.incoming:

@@ -92,7 +92,7 @@ class Machine:
         self.world = world or World()
         self.port = VirtualPort(board, self.world)
         self.slots = slots or MemorySlots()
-        self.app = App(board, self.port, None, self.slots)
+        self.app = App(check(board), self.port, None, self.slots)
         self.controller = self.app.controller
         self.line = self.port.lines["pc"]
 

@@ -79,7 +79,7 @@ class Machine:
         board.update(changes)
         self.table = table or Table()
         self.port = VirtualPort(board, self.table)
-        self.app = App(board, self.port)
+        self.app = App(check(board), self.port)
         self.line = self.port.lines["pc"]
 
     def send(self, name, x=0, y=0):

@@ -24,7 +24,9 @@ MAY_IMPORT = {
     "ports": ("passo.steps", "passo.drives"),
     "web": ("passo.control",),
     "app": ("passo",),
-    "main": ("passo.app", "passo.control.boardfile", "passo.control.journal", "passo.ports", "board"),
+    "main": (
+        "passo.app", "passo.control.boardfile", "passo.control.board_error", "passo.control.journal", "passo.ports", "board",
+    ),
 }
 
 INTEGER_ROOMS = ("motion", "steps")

@@ -11,13 +11,11 @@ knows every room.
 import gc
 from micropython import const
 
-from passo.control.boardfile import BoardError, check
+from passo.control.board_error import BoardError
 from passo.control.controller import LATER, Controller
 from passo.control.journal import Journal, MemorySlots
 from passo.control.motors import Motors
 from passo.control.settings import ENABLE_INVERT, HOMING, Settings
-from passo.drives import pbl3770a, step_dir, unipolar
-from passo.drives.coils import CoilDrive
 from passo.motion.planner import Planner
 from passo.protocols import errors
 from passo.protocols.commands import IMMEDIATE, RESET, RESTARTED, Event
@@ -29,6 +27,7 @@ LEAD_TICKS = const(30 * 12_500)  # from a main loop
 _WAITING = const(64)  # commands of one link that may wait for their turn
 
 PROTOCOLS = ("plotter", "grbl")
+_STORED = ("plotter",)  # those that only have stored objects drawn: the rest of the control is not loaded for them
 
 
 def open_protocol(link, board, controller, shared):
@@ -62,8 +61,15 @@ def make_drive(board):
     names = [axis["name"] for axis in board["axes"]]
     count = len(names)
     if kind == "step_dir":
+        from passo.drives import step_dir
+
         return Layout(kind, count, 2 * count, step_dir.pin_names(names), (1 << count) - 1), None, 0
-    motors = unipolar if kind == "unipolar" else pbl3770a
+    from passo.drives.coils import CoilDrive
+
+    if kind == "unipolar":
+        from passo.drives import unipolar as motors
+    else:
+        from passo.drives import pbl3770a as motors
     mode = board["drive"]["mode"]
     backwards = 0
     for axis in range(count):
@@ -90,9 +96,9 @@ class Link:
 
 class App:
     def __init__(self, board, port, protocols=None, slots=None):
-        """`protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the settings are kept,
+        """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the settings are kept,
         None: nowhere. Raises BoardError."""
-        self.board = board = check(board)
+        self.board = board
         for link in board["links"]:
             link["protocol"] = (protocols or {}).get(link["name"], link["protocol"])
         self.port = port
@@ -113,7 +119,10 @@ class App:
         motors.release()
         gc.collect()
         settings.max_steps_s = TICKS_PER_S // (2 * least)
-        self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port, settings)
+        streamed = bool([link for link in board["links"] if link["protocol"] not in _STORED])
+        self.controller = Controller(
+            board, self.planner, self.feeder, self.player, motors, port, settings, streamed
+        )
         shared = {}
         self.links = []
         for link in board["links"]:

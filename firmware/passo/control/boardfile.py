@@ -6,12 +6,8 @@ The table below is the whole format. A rule is (type, default, least, most); a d
 be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
+from passo.control.board_error import BoardError
 from passo.steps.wiring import word_pins
-
-
-class BoardError(Exception):
-    """The board file is wrong: one line that says where, and what would be right."""
-
 
 MUST = ...
 _PIN = (int, MUST, 0, 48)

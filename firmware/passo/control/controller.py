@@ -11,25 +11,25 @@ carries out motion as it comes, `pauses` holds and resumes, `inputs` watches swi
 
 from micropython import const
 
+from passo.control.absent import Absent
 from passo.control.homing import RUNNING, Homing
 from passo.control.inputs import Inputs
 from passo.control.links import Links
 from passo.control.log import Log
 from passo.control.objects import Objects
-from passo.control.pauses import Pauses
-from passo.control.program import Program
 from passo.control.queue import Queue
-from passo.control.tools import Tools
 from passo.protocols import commands, errors
 from passo.protocols.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
 
 LATER = const(-1)
+_PAUSING = ("hold", "resume", "door")  # inputs
 # The machine came to its stand as it should: where it is remains known.
 _ORDERLY = (errors.ALARM_SOFT_LIMIT, errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED)
 
 
 class Controller:
-    def __init__(self, board, planner, feeder, player, motors, port, settings):
+    def __init__(self, board, planner, feeder, player, motors, port, settings, streamed=True):
+        """`streamed`: some language asks for motion as it comes, not only for stored objects."""
         self._board = board
         self._planner = planner
         self._feeder = feeder
@@ -46,9 +46,8 @@ class Controller:
         self.command = None  # the long command under way
         self.queue = Queue(board, planner, feeder, player, port)
         self.objects = Objects(board, self.queue, self)
-        self.pauses = Pauses(self.queue, self, port)
-        self.program = Program(board, self.queue, self, planner)
-        self.tools = Tools(board, self.queue, self, planner, port)
+        self.pauses = self.program = self.tools = Absent()
+        self._load(streamed, planner)
         self.inputs = Inputs(board, settings, self, port)
         self.links = Links(board, self)
         self._homing = None
@@ -70,6 +69,20 @@ class Controller:
         }
         for part in (self.objects, self.program, self.tools, self.pauses, self.links):
             self._handlers.update(part.handlers())
+
+    def _load(self, streamed, planner):
+        """The parts that not every board has memory for."""
+        board = self._board
+        if streamed:
+            from passo.control.program import Program
+            from passo.control.tools import Tools
+
+            self.program = Program(board, self.queue, self, planner)
+            self.tools = Tools(board, self.queue, self, planner, self._port)
+        if streamed or [item for item in board["inputs"] if item["name"] in _PAUSING]:
+            from passo.control.pauses import Pauses
+
+            self.pauses = Pauses(self.queue, self, self._port)
 
     # --- the face towards the app
 
@@ -121,7 +134,8 @@ class Controller:
 
     def accept(self, command):
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
-        result = self.links.refusal(command) or self._handlers[command.kind](command)
+        handler = self._handlers.get(command.kind)
+        result = self.links.refusal(command) or (handler(command) if handler else errors.UNKNOWN_COMMAND)
         if result > 0:
             self.refuse(command, result)
         return result

@@ -25,6 +25,7 @@ class Program:
         self._queue = queue
         self._machine = machine
         self._planner = planner
+        planner.load_arcs()
         self.jogging = False
         self._active = False  # motion has been queued and has not come to its end
         self._fresh = False  # motion was queued since the last turn

@@ -13,6 +13,8 @@ FREE = const(2)  # axes that run independently of each other
 ARC = const(3)
 TRACK = const(4)  # a path written down step by step
 
+COARSE = const(13)  # fraction bits of the lengths that an arc's walker tells the ramp
+
 
 class Block:
     def __init__(self, axes):

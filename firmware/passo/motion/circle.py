@@ -30,13 +30,14 @@ Runs follow from the geometry alone: speed, hold and resume never change the pat
 from array import array
 from micropython import const
 
+from passo.motion.block import COARSE
+from passo.motion.integers import divide
 from passo.motion.line import MAX_RUN
 
 MAX_RADIUS = const(0x100000)  # 2²⁰ steps
 MAX_SLOPE = const(128)  # most steps of the third axis along one step of the circle
 LEADS = const(22_938)  # Z_HIGH from which the third axis dominates somewhere: 0.7 steps a step
 FINE = const(20)  # fraction bits of a length here
-COARSE = const(13)  # and of the lengths told to the ramp
 _LONGEST = const(255)  # most words of a run, so that no product here reaches 2³⁰
 _ONE = const(1 << 20)
 _Z_BITS = const(21)
@@ -48,19 +49,6 @@ AXIS_A, AXIS_B, AXIS_Z, MIRROR, REGION, U, W = 0, 1, 2, 3, 4, 5, 6
 RADIUS, SHIFT, D, E, STEPS, DIAGONAL = 7, 8, 9, 10, 11, 12
 Z_STEPS, Z_HIGH, Z_LOW, TAIL_A, TAIL_B, TAIL_Z, PATH = 13, 14, 15, 16, 17, 18, 19
 PATH_FINE = 20
-
-
-def divide(value, by, bits):  # ISR: no allocation
-    """value · 2ᵇⁱᵗˢ // by, the quotient below 2³⁰, for 0 < by < 2²²."""
-    quotient = value // by
-    rest = value % by
-    while bits > 0:
-        some = bits if bits < 8 else 8
-        rest <<= some
-        quotient = (quotient << some) + rest // by
-        rest %= by
-        bits -= some
-    return quotient
 
 
 class Circle:

@@ -1,4 +1,4 @@
-"""Integer mathematics that MicroPython's `math` lacks. Big integers are welcome here: it is called once a block."""
+"""Integer mathematics that MicroPython's `math` lacks. Big integers are welcome, but in divide(): once a block."""
 
 NM_PER_M = 1_000_000_000
 
@@ -26,3 +26,16 @@ def length_nm(deltas, steps_per_m):
         along = abs(delta) * NM_PER_M // resolution
         total += along * along
     return isqrt(total)
+
+
+def divide(value, by, bits):  # ISR: no allocation
+    """value · 2ᵇⁱᵗˢ // by, the quotient below 2³⁰, for 0 < by < 2²²."""
+    quotient = value // by
+    rest = value % by
+    while bits > 0:
+        some = bits if bits < 8 else 8
+        rest <<= some
+        quotient = (quotient << some) + rest // by
+        rest %= by
+        bits -= some
+    return quotient

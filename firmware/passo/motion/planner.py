@@ -28,9 +28,7 @@ The main loop adds and flushes; the feeder, in an interrupt, fetches and retires
 from array import array
 from micropython import const
 
-from passo.motion import arc
 from passo.motion.block import ARC, FREE, LINE, TRACK, WAIT, Block
-from passo.motion.circle import PLAN, STEPS, Circle
 from passo.motion.integers import NM_PER_M, isqrt
 from passo.motion.profile import TICKS_PER_S, set_units, square_in_units
 
@@ -50,13 +48,20 @@ class Planner:
         self._asked = 0  # the speed that the last line or arc was added with, before any limit
         self.percent = array("i", [100, 100])  # overrides: of the feed, of rapid motion
         self._pool = [Block(axes) for _ in range(LOOK_AHEAD + IN_FLIGHT)]
-        self._circle = Circle(axes)  # walked by one block at a time
+        self._circle = None  # walked by one block at a time; made when first needed
         self._limits = None
         self.clear()
 
     def limits(self, limits):
         """Accelerate within `limits` (profile.Limits) from now on; None: not at all. Only while nothing is queued."""
         self._limits = limits
+
+    def load_arcs(self):
+        """Make ready for arcs; arc() does it where nobody has. They take a good part of a board's memory."""
+        if self._circle is None:
+            from passo.motion.circle import Circle
+
+            self._circle = Circle(self.axes)
 
     def clear(self):
         """Forget every block. Only while the feeder is stopped."""
@@ -110,11 +115,15 @@ class Planner:
         short for a step is no block. Raises ValueError for what cannot be walked as a circle: the plane's axes with
         different steps/mm, a radius of 0 or above 2²⁰ steps; arc.TooSteep for too steep a helix. Use chords() there.
         """
+        from passo.motion import arc
+        from passo.motion.circle import PLAN, STEPS
+
         steps_per_m = self._limits.steps_per_m if self._limits else None
         if steps_per_m is None:
             raise ValueError("an arc needs limits(), for its length")
         if steps_per_m[plane[0]] != steps_per_m[plane[1]]:
             raise ValueError("the plane's axes differ in steps/mm")
+        self.load_arcs()
         block = self._pool[self._added % len(self._pool)]
         if block.plan is None:
             block.plan = array("i", [0] * PLAN)

@@ -24,8 +24,8 @@ Everything here may run in an interrupt: no allocation, no integer of 2³⁰.
 import micropython
 from micropython import const
 
-from passo.motion.block import ARC
-from passo.motion.circle import COARSE, divide
+from passo.motion.block import ARC, COARSE
+from passo.motion.integers import divide
 from passo.motion.line import MAX_RUN
 
 SEGMENT_TICKS = const(12_500)  # 1 ms

@@ -20,36 +20,49 @@ REPORT = "crash.txt"
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN}
 
 
+def forget(name):
+    """Give back the memory of a module that only the start needs."""
+    package, _, module = name.rpartition(".")
+    del sys.modules[name]
+    if package:
+        delattr(sys.modules[package], module)
+
+
+def _entries(board, key):
+    entries = board.get(key)
+    return list(entries) if isinstance(entries, (list, tuple)) else []
+
+
 class Start:
     def __init__(self, board):
         alloc_emergency_exception_buf(100)
-        self._board = board if isinstance(board, dict) else {}
+        board = board if isinstance(board, dict) else {}
+        outputs = _entries(board, "outputs") + [board.get("tool"), board.get("spindle")]
+        self._outputs = outputs  # whatever stands there: it may be a board file full of errors
+        self._ways_out = [
+            entry for entry in _entries(board, "inputs") if isinstance(entry, dict) and entry.get("name") == "repl"
+        ]
         self._since_ms = ticks_ms()
         self.safe()
 
     def safe(self):
-        """All outputs inactive and the tool off: drivers disabled. Takes what it can of a board file full of errors."""
-        for entry in self._entries("outputs") + [self._board.get("tool"), self._board.get("spindle")]:
+        """All outputs inactive and the tool off: drivers disabled."""
+        for entry in self._outputs:
             try:
                 Pin(entry["pin"], Pin.OUT, value=1 - entry.get("active", 1))
             except (TypeError, KeyError, ValueError, AttributeError):
                 continue  # the board file's check will say what is wrong
-
-    def _entries(self, key):
-        entries = self._board.get(key)
-        return list(entries) if isinstance(entries, (list, tuple)) else []
 
     def wanted(self):
         """False where the REPL is asked for instead of the app."""
         if rp2.bootsel_button():
             print("BOOTSEL is held: no app, the REPL")
             return False
-        for entry in self._entries("inputs"):
-            if isinstance(entry, dict) and entry.get("name") == "repl":
-                pin = Pin(entry["pin"], Pin.IN, _PULLS.get(entry.get("pull", "up")))
-                if pin.value() == entry.get("active", 1):
-                    print("input repl is active: no app, the REPL")
-                    return False
+        for entry in self._ways_out:
+            pin = Pin(entry["pin"], Pin.IN, _PULLS.get(entry.get("pull", "up")))
+            if pin.value() == entry.get("active", 1):
+                print("input repl is active: no app, the REPL")
+                return False
         return True
 
     def history(self):
