@@ -109,13 +109,15 @@ class Machine:
                 return
         self.place = [self.place[axis] + move[1][axis] for axis in range(3)]
         if planner._added != before:
-            block = planner._pool[before % len(planner._pool)]
-            if block.kind == LINE:  # an arc too short for a step along the circle, too
+            steps = max([abs(delta) for delta in move[1]])
+            if planner._last.kind == LINE:  # an arc too short for a step along the circle, too
                 move = (LINE, move[1], move[2])
-            steps = block.walker.total if block.kind == LINE else block.plan[19] + block.plan[20] / (1 << 20)
-            self.facts.append(self._facts(move, block, steps))
+            else:
+                plan = planner._walkers[before % len(planner._walkers)]
+                steps = plan[19] + plan[20] / (1 << 20)
+            self.facts.append(self._facts(move, steps))
 
-    def _facts(self, move, block, steps):
+    def _facts(self, move, steps):
         """(length, steps, speed, acceleration, corner): worked out in floats from the settings alone, but for an arc's length."""
         mm = [delta / (per_m / 1000) for delta, per_m in zip(move[1], self.steps_per_m)]
         speeds = [speed / MM for speed in self.speeds]

@@ -4,6 +4,7 @@ from array import array
 
 from passo.motion.block import LINE
 from passo.motion.integers import length_nm
+from passo.motion.line import Line
 from passo.motion.planner import LOOK_AHEAD
 from passo.steps.pace import new_terms, pace, repay, set_terms
 from passo.steps.ring import Ring
@@ -250,7 +251,8 @@ def check_cancel_and_take_up(dx, dy, part, each):
         assert seen == [3 + dx, dy - 2]
         return
     offset = (0, 0) if block.tag == 1 else (3, -2)
-    line = block.line
+    line = Line(2)
+    line.begin((3, -2) if block.tag == 1 else (dx, dy))
     assert [offset[axis] + line.offset(axis, index) for axis in range(2)] == seen
 
 

@@ -9,7 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passo.drives import unipolar
-from passo.motion import line, track
+from passo.motion import line, planner, track
+from passo.motion.block import Block
 from passo.motion.line import MAX_STEPS
 from passo.steps import feeder, pace, power, ring, timed, track_walker
 from passo.steps.word import COUNT_MASK
@@ -48,7 +49,7 @@ class SmallView:
 def narrow():
     """Every array that the interrupt code reads or writes is narrow."""
     patch = pytest.MonkeyPatch()
-    for module in (line, feeder, pace, power, ring, timed, track, track_walker):
+    for module in (line, planner, feeder, pace, power, ring, timed, track, track_walker):
         patch.setattr(module, "array", SmallList)
     patch.setattr(line, "memoryview", SmallView, raising=False)
     yield
@@ -57,13 +58,11 @@ def narrow():
 
 def small_rig(drive, axes=3):
     rig = Rig(drive, axes)
-    planner = rig.planner
-    for block in planner._pool:
-        block.__class__ = SmallBlock
+    rig.planner._under_way.__class__ = SmallBlock
     return rig
 
 
-class SmallBlock(type(Rig().planner._pool[0])):
+class SmallBlock(Block):
     def __setattr__(self, name, value):
         super().__setattr__(name, Small(value) if type(value) is int else value)
 

@@ -71,13 +71,14 @@ class Line:
         self._state = array("i", [axes] + [0] * (3 + 3 * axes))
         self.made = memoryview(self._state)[_RISE + 2 * axes :]  # signed steps since the feeder last cleared them
 
-    def begin(self, deltas):
-        """Start on the vector `deltas`, in steps. Raises ValueError above MAX_STEPS."""
+    @micropython.native
+    def begin(self, deltas, at=0):  # ISR: no allocation
+        """Start on the vector deltas[at : at + axes], in steps. Raises ValueError above MAX_STEPS."""
         state = self._state
         total = dominant = 0
         moving = negative = 0
         for axis in range(self.axes):
-            steps = deltas[axis]
+            steps = deltas[at + axis]
             if steps:
                 moving |= 1 << axis
             if steps < 0:

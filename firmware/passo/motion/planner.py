@@ -26,14 +26,17 @@ The main loop adds and flushes; the feeder, in an interrupt, fetches and retires
 """
 
 from array import array
+
 from micropython import const
 
-from passo.motion.block import ARC, FREE, LINE, TRACK, WAIT, Block
+from passo.motion.block import ARC, FREE, LINE, ROW, TRACK, WAIT, Block, leave_of, set_leave
 from passo.motion.integers import NM_PER_M, isqrt
+from passo.motion.line import MAX_STEPS, Line
 from passo.motion.profile import TICKS_PER_S, set_units, square_in_units
 
 LOOK_AHEAD = const(64)
 IN_FLIGHT = const(64)
+_SIZE = const(128)  # both
 _COUNT = const(0x1FFFFFFF)
 LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 FEED_PERCENT = (10, 200)
@@ -47,9 +50,23 @@ class Planner:
         self.dynamic = False
         self._asked = 0  # the speed that the last line or arc was added with, before any limit
         self.percent = array("i", [100, 100])  # overrides: of the feed, of rapid motion
-        self._pool = [Block(axes) for _ in range(LOOK_AHEAD + IN_FLIGHT)]
-        self._circle = None  # walked by one block at a time; made when first needed
+        self._stride = ROW + axes
+        self._rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
+        self._walkers = [None] * _SIZE  # of ARC the circle's plan, made when first needed; of FREE and TRACK what is walked
+        self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
+        self._circle = None  # made when first needed
+        self._under_way = Block()  # the one fetched last
+        self._playing = Block()
+        self._new = Block()  # being added
+        self._last = Block()  # the one before it
+        self._passing = Block()  # where a pass is
         self._limits = None
+        # For the passes, in nm/s and their squares.
+        self._speeds = [0] * _SIZE  # as programmed
+        self._fastest = [0] * _SIZE  # what the axes allow there
+        self._corners = [0] * _SIZE  # what the corner at its beginning allows, squared; None: there is none
+        self._reaches = [0] * _SIZE  # what the whole block can gain or lose, squared
+        self._exits = [0] * _SIZE  # at its end, as planned, squared
         self.clear()
 
     def limits(self, limits):
@@ -71,7 +88,7 @@ class Planner:
 
     def room(self):
         """How many more blocks can be queued now."""
-        return len(self._pool) - ((self._added - self._retired) & _COUNT)
+        return _SIZE - ((self._added - self._retired) & _COUNT)
 
     def empty(self):
         """True when every block has been played to its last word."""
@@ -79,35 +96,38 @@ class Planner:
 
     # --- adding
 
-    def line(self, deltas, ticks, tool, tag=None, rapid=False):
+    def line(self, deltas, ticks, tool, tag=0, rapid=False):
         """Queue the line `deltas` (steps), to last `ticks` at its programmed speed. A line of no steps is no block.
 
         `rapid`: the override of rapid motion counts for it. An axis's limit makes it slower. Raises ValueError where it
         has too many steps, or steps further apart than LONGEST_TICKS.
         """
-        block = self._pool[self._added % len(self._pool)]
-        line = block.line
-        line.begin(deltas)
-        if not line.total:
+        total = max([abs(delta) for delta in deltas])
+        if not total:
             return
-        if ticks // line.total > LONGEST_TICKS:
+        if total > MAX_STEPS:
+            raise ValueError("a line of more than %d steps" % MAX_STEPS)
+        if ticks // total > LONGEST_TICKS:
             raise ValueError("steps more than 43 s apart")
+        block = self._new
         block.kind = LINE
-        block.walker = line
         block.rapid = 1 if rapid else 0
         heading = None
         if self._limits:
             length, heading = self._limits.vector(deltas)
             fastest = self._limits.along(self._limits.speeds, heading)
             acceleration = self._limits.along(self._limits.accelerations, heading)
-            ticks = self._speeds(block, line.total << 10, max(ticks, 1), length, fastest, acceleration, heading)
+            ticks = self._set_speeds(block, total << 10, max(ticks, 1), length, fastest, acceleration, heading)
         else:
             block.gain = 0
-        block.ticks = max(ticks // line.total, 1)
-        block.ticks_rest = ticks % line.total
+        block.ticks = max(ticks // total, 1)
+        block.ticks_rest = ticks % total
+        at = self._added % _SIZE * self._stride + ROW
+        for axis in range(self.axes):
+            self._rows[at + axis] = deltas[axis]
         self._add(block, tool, tag, heading)
 
-    def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=None, rapid=False):
+    def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, rapid=False):
         """Queue an arc or helix from here to `deltas` (steps, all axes) about `center` (steps from here, in the plane).
 
         `plane`: (a, b, third axis or -1), counter-clockwise is from a to b; `turns`: full ones on top. Its speed along
@@ -124,11 +144,9 @@ class Planner:
         if steps_per_m[plane[0]] != steps_per_m[plane[1]]:
             raise ValueError("the plane's axes differ in steps/mm")
         self.load_arcs()
-        block = self._pool[self._added % len(self._pool)]
-        if block.plan is None:
-            block.plan = array("i", [0] * PLAN)
-        path, _ = arc.plan(block.plan, plane, center, deltas, clockwise, turns)
-        if not block.plan[STEPS]:  # too short for a step along the circle
+        plan = self._plan(PLAN)
+        path, _ = arc.plan(plan, plane, center, deltas, clockwise, turns)
+        if not plan[STEPS]:  # too short for a step along the circle
             length, _ = self._limits.vector(deltas)
             self.line(deltas, ticks or length * TICKS_PER_S // speed_nm_s, tool, tag, rapid)
             return
@@ -139,54 +157,65 @@ class Planner:
             ticks = length * TICKS_PER_S // speed_nm_s
         if (ticks << 10) // path > LONGEST_TICKS:
             raise ValueError("steps more than 43 s apart")
+        block = self._new
         block.kind = ARC
-        block.walker = self._circle
         block.rapid = 1 if rapid else 0
         fastest, acceleration = self._arc_limits(plane, center, flat, rise, length)
         start = self._tangent(plane, center, (0, 0), clockwise, flat, rise, length)
         end = self._tangent(plane, center, (deltas[plane[0]], deltas[plane[1]]), clockwise, flat, rise, length)
-        ticks = self._speeds(block, path, max(ticks, 1), length, fastest, acceleration, start)
+        ticks = self._set_speeds(block, path, max(ticks, 1), length, fastest, acceleration, start)
         block.ticks = max((ticks << 10) // path, 1)
         block.ticks_rest = ((ticks << 10) % path << 7) // path
         self._add(block, tool, tag, end)
 
-    def wait(self, ticks, tool, tag=None):
+    def _plan(self, size):
+        """An array of `size` for the plan of the next arc: what is walked is kept by the place in the queue."""
+        place = self._added % _SIZE
+        if not isinstance(self._walkers[place], array):
+            self._walkers[place] = array("i", bytearray(4 * size))
+        return self._walkers[place]
+
+    def wait(self, ticks, tool, tag=0):
         """Queue `ticks` (1 … LONGEST_TICKS) without a step, the tool bit as given from their start."""
-        block = self._pool[self._added % len(self._pool)]
+        block = self._new
         block.kind = WAIT
-        block.walker = None
         block.ticks = ticks
         block.ticks_rest = 0
         block.gain = 0
         self._add(block, tool, tag, None)
 
-    def free(self, walker, tool, tag=None):
+    def free(self, walker, tool, tag=0):
         """Queue axes that run independently: `walker` is a steps.timed.Timed with its axes set."""
-        block = self._pool[self._added % len(self._pool)]
+        block = self._new
         block.kind = FREE
-        block.walker = walker
         block.gain = 0
+        self._walkers[self._added % _SIZE] = walker
         self._add(block, tool, tag, None)
 
-    def track(self, walker, tag=None):
+    def track(self, walker, tag=0):
         """Queue a walk over a track: `walker` is a steps.track_walker.TrackWalker that has begun. It has the tool too."""
-        block = self._pool[self._added % len(self._pool)]
+        block = self._new
         block.kind = TRACK
-        block.speed = 0  # the walker knows it
-        block.walker = walker
         block.gain = 0
-        self._add(block, walker.tool, tag, None)
-        block.first = walker.place
+        place = self._added % _SIZE
+        self._walkers[place] = walker
+        self._speeds[place] = 0  # the walker knows it
+        self._add(block, walker.tool, tag, None, walker.place)
 
-    def _add(self, block, tool, tag, heading):
-        block.tool = tool
+    def _add(self, block, tool, tag, heading, first=0):
+        block.tool = 1 if tool else 0
         block.tag = tag
-        block.first = 0
+        block.first = first
         block.power = self.power
-        block.dynamic = self.dynamic
+        block.dynamic = 1 if self.dynamic else 0
         if self.dynamic and block.gain and self._asked > block.speed:
             block.power = self.power * block.speed // self._asked
-        block.leave = block.exit = 0
+        block.leave = 0
+        place = self._added % _SIZE
+        block.store(self._rows, place * self._stride)
+        self._exits[place] = 0
+        self._new = self._last  # it is filled again with the block after the next
+        self._last = block
         self._before = block if block.gain else None
         self._heading = heading
         self._added = (self._added + 1) & _COUNT
@@ -207,19 +236,19 @@ class Planner:
 
     # --- speeds
 
-    def _speeds(self, block, steps, ticks, length, fastest, acceleration, heading):
+    def _set_speeds(self, block, steps, ticks, length, fastest, acceleration, heading):
         """Set the block's speeds and its ramp; returns its ticks, more of them where an axis's limit asks for it."""
         self._asked = speed = length * TICKS_PER_S // ticks or 1
         if speed > fastest:
             speed = fastest
             ticks = -(-length * TICKS_PER_S // speed)
         block.speed = speed
-        block.fastest = fastest
         before = self._before
-        set_units(block, steps, ticks, length, acceleration, before)
-        block.corner = 0
-        if before is not None:
-            block.corner = self._limits.corner(self._heading, heading)
+        place = self._added % _SIZE
+        self._speeds[place] = speed
+        self._fastest[place] = fastest
+        self._reaches[place] = set_units(block, steps, ticks, length, fastest, acceleration, before)
+        self._corners[place] = 0 if before is None else self._limits.corner(self._heading, heading)
         return ticks
 
     def _arc_limits(self, plane, center, flat, rise, length):
@@ -247,9 +276,9 @@ class Planner:
             heading[plane[2]] = (rise << 30) // length
         return heading
 
-    def _cap(self, block):
-        """The speed that the programme and the override ask for in `block`."""
-        return min(block.speed * self.percent[block.rapid] // 100, block.fastest)
+    def _cap(self, place, rapid):
+        """The speed that the programme and the override ask for in the block at `place`."""
+        return min(self._speeds[place] * self.percent[rapid] // 100, self._fastest[place])
 
     def _look_back(self, all):
         """Raise the exits of the blocks that may still change, from the newest back, as far as one does; `all`: of all.
@@ -258,29 +287,43 @@ class Planner:
         """
         number = self._added
         count = min((number - self._frozen) & _COUNT, LOOK_AHEAD)
-        size = len(self._pool)
+        block = self._passing
+        block.load(self._rows, (number - 1) % _SIZE * self._stride)
+        gain, rapid = block.gain, block.rapid
         while count > 1:
-            block = self._pool[(number - 1) % size]
-            before = self._pool[(number - 2) % size]
+            place = (number - 1) % _SIZE
+            before = (number - 2) % _SIZE
+            block.load(self._rows, before * self._stride)
             square = 0
-            if block.gain and before.gain:
-                square = min(self._cap(block), self._cap(before)) ** 2
-                if block.corner is not None and block.corner < square:
-                    square = block.corner
-                square = min(square, block.exit + block.reach)
-            if square > before.exit:
-                before.exit = square
-                before.leave = square_in_units(before, square)
+            if gain and block.gain:
+                square = min(self._cap(place, rapid), self._cap(before, block.rapid)) ** 2
+                corner = self._corners[place]
+                if corner is not None and corner < square:
+                    square = corner
+                square = min(square, self._exits[place] + self._reaches[place])
+            if square > self._exits[before]:
+                self._exits[before] = square
+                self._set_leave((number - 2) & _COUNT, square_in_units(block, square, self._speeds[before]))
             elif not all:
                 return
+            gain, rapid = block.gain, block.rapid
             number -= 1
             count -= 1
+
+    def _set_leave(self, number, leave):
+        set_leave(self._rows, number % _SIZE * self._stride, leave)
+        while (number + 1) & _COUNT == self._fetched:  # it is under way: it need not slow down as much as it thought
+            self._under_way.leave = leave
+            if (number + 1) & _COUNT == self._fetched:
+                return
+            number = (self._fetched - 1) & _COUNT  # an interrupt has just gone on to another block
+            leave = leave_of(self._rows, number % _SIZE * self._stride)
 
     # --- fetching: may run in an interrupt
 
     def next(self, moving=False):  # ISR: no allocation
         """The next block released, or None. To a machine that is `moving` any block is released: it cannot
-        stop here."""
+        stop here. It is the same object each time, and its walker stands at its beginning."""
         fetched = self._fetched
         if fetched == self._added:
             return None
@@ -289,14 +332,36 @@ class Planner:
                 return None
             self._flushed = (fetched + 1) & _COUNT
         self._fetched = (fetched + 1) & _COUNT
-        return self._pool[fetched % len(self._pool)]
+        block = self._under_way
+        self._unpack(block, fetched % _SIZE)
+        if block.kind == LINE:
+            self._line.begin(self._rows, fetched % _SIZE * self._stride + ROW)
+        elif block.kind == ARC:
+            self._circle.load(self._walkers[fetched % _SIZE])
+        return block
+
+    def _unpack(self, block, place):  # ISR: no allocation
+        block.load(self._rows, place * self._stride)
+        kind = block.kind
+        if kind == LINE:
+            block.walker = self._line
+        elif kind == ARC:
+            block.walker = self._circle
+        else:
+            block.walker = None if kind == WAIT else self._walkers[place]
 
     def retire(self):  # ISR: no allocation
         """The oldest fetched block has been played to its last word."""
         self._retired = (self._retired + 1) & _COUNT
 
     def playing(self):
-        """The oldest block not yet played to its last word, or None."""
-        if self._retired == self._fetched:
+        """The oldest block not yet played to its last word, or None. The same object each time; where it is not the
+        one under way in the feeder, its walker is not its own any more."""
+        retired = self._retired
+        if retired == self._fetched:
             return None
-        return self._pool[self._retired % len(self._pool)]
+        place = retired % _SIZE
+        block = self._playing
+        self._unpack(block, place)
+        block.speed = self._speeds[place] if self._limits else 0
+        return block

@@ -63,26 +63,26 @@ class Limits:
         return acceleration * self.junction_deviation * half // (ONE - half)
 
 
-def set_units(block, steps, ticks, length, acceleration, before):
+def set_units(block, steps, ticks, length, fastest, acceleration, before):
     """Fill in the ramp's numbers of `block`: `steps` of path, in 2⁻¹⁰; `ticks` long, `length` nm; `before`: the
-    block before or None.
+    block before or None. Returns the square of the speed that the whole block can gain, in nm²/s².
 
-    `block.speed` and `block.fastest` are set. A block too slow for the ramp's units keeps its speed throughout.
+    `block.speed` is set. A block too slow for the ramp's units keeps its speed throughout.
     """
     top = min(TOP, MOST * steps // (ticks << 10))
     if top < LEAST_TOP:
         block.gain = 0
-        return
+        return 0
     speed = block.speed
     block.top = top
-    block.limit = max(min(FASTEST, 2 * top, top * block.fastest // speed), 1)
+    block.limit = max(min(FASTEST, 2 * top, top * fastest // speed), 1)
     block.span = (2 * ticks * top << 10) // steps
     block.gain = max(min((2 * acceleration * length * top * top << 10) // (steps * speed * speed), MOST), 2)
     block.time, block.time_shift = scaled(TICKS_PER_S * speed, top * acceleration, 15)
     block.ratio = block.ratio_shift = 0
     if before is not None and before.gain:
         block.ratio, block.ratio_shift = scaled(before.speed * top, before.top * speed, 14)
-    block.reach = block.gain * steps * speed * speed // (top * top << 10)
+    return block.gain * steps * speed * speed // (top * top << 10)
 
 
 def scaled(value, by, bits):
@@ -97,7 +97,7 @@ def scaled(value, by, bits):
     return value // by, shift
 
 
-def square_in_units(block, square):
-    """q of a square in nm²/s², in the units of `block`, from below."""
-    q = square * block.top * block.top // (block.speed * block.speed)
+def square_in_units(block, square, speed):
+    """q of a square in nm²/s², in the units of `block`, programmed for `speed`, from below."""
+    q = square * block.top * block.top // (speed * speed)
     return min(q, block.limit * block.limit)

@@ -16,7 +16,7 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion.block import ARC, FREE, TRACK, WAIT
+from passo.motion.block import FREE, TRACK, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.ramp import Ramp
 from passo.steps import pace
@@ -158,8 +158,6 @@ class Feeder:
             self._ramp.stall()
             self._mark_power(block, -1)
         else:
-            if block.kind == ARC:
-                block.walker.load(block.plan)
             self._ramp.begin(block)
         return True
 
