@@ -148,7 +148,7 @@ def digest_lines(board, job, counts=True):
     A line that has waited long enough is one for the operator: the pause is resumed.
     """
     port = Sink(counts)
-    app = App(board, port)
+    app = App(check(board), port)
     refused = 0
     line = b"$X"
     while line:
