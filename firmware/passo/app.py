@@ -55,6 +55,15 @@ def open_protocol(link, board, controller, shared):
     raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
 
 
+def independent(board, controller, shared):
+    """The part of the machine that runs axes on their own; the first language that wants it brings it."""
+    if "independent" not in shared:
+        from passo.control.independent import Independent
+
+        shared["independent"] = Independent(board, controller)
+    return shared["independent"]
+
+
 def make_drive(board):
     """(layout, drive, levels without current) of the board's motors; drive is None where the step form will do."""
     kind = board["drive"]["kind"]

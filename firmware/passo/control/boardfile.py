@@ -21,7 +21,7 @@ _INPUT = {
     "pull": ("up", "down", "none"),
     "halt": (bool, False, 0, 1),  # becoming active stops the machine at once: emergency stop, limit switch
 }
-_OUTPUT = {"name": (str, MUST, 1, 16), "pin": _PIN, "active": _BIT}
+_OUTPUT = {"name": (str, MUST, 1, 16), "pin": _PIN, "active": _BIT, "role": ("none", "ours", "theirs")}  # role: changeover.py
 _AXIS = {
     "name": (str, MUST, 1, 1),
     "pins": _PINS,  # coil drives: the coils in the drive's order; STEP/DIR: [STEP, DIR]
@@ -55,7 +55,7 @@ _HOMING = {
     "order": (str, "", 0, 4),  # names of the axes, first to last; "": as the board file has them
     "high_end": (str, "", 0, 4),  # names of the axes that home at the positive end of their travel
 }
-_PLANNING = {"junction_um": (int, 10, 0, 10_000), "arc_um": (int, 2, 0, 10_000)}
+_PLANNING = {"junction_um": (int, 10, 0, 10_000), "arc_um": (int, 2, 0, 10_000), "independent_ramps": (bool, False, 0, 1)}
 _SPINDLE = {
     "max_rpm": (int, 1000, 1, 900_000),
     "min_rpm": (int, 0, 0, 900_000),
@@ -95,6 +95,7 @@ _BOARD = {
     "planning": _PLANNING,
     "spindle": _SPINDLE,
     "jog": _JOG,
+    "changeover_ms": (int, 20, 0, 10_000),  # between releasing the relays of one controller and closing the other's
     "idle_release_ms": (int, 5000, 0, 3_600_000),  # 0: never
     "store_points": (int, 3000, 10, 100_000),
     "links": [_LINK, 1, 4],

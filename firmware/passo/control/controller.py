@@ -35,7 +35,7 @@ class Controller:
         self._feeder = feeder
         self._player = player
         self._motors = motors
-        self._port = port
+        self.port = port
         self.settings = settings
         self._axes = board["axes"]
         self.log = Log()
@@ -53,6 +53,7 @@ class Controller:
         self._homing = None
         if board["homing"]:
             self._homing = Homing(board["homing"], self._axes, self, self.inputs.read, settings.homing)
+        self._parts = []  # those that only some machines have: see add()
         self._lifting = False  # homing waits for the tool
         self._events = []
         self._late = 0
@@ -78,11 +79,16 @@ class Controller:
             from passo.control.tools import Tools
 
             self.program = Program(board, self.queue, self, planner)
-            self.tools = Tools(board, self.queue, self, planner, self._port)
+            self.tools = Tools(board, self.queue, self, planner, self.port)
         if streamed or [item for item in board["inputs"] if item["name"] in _PAUSING]:
             from passo.control.pauses import Pauses
 
-            self.pauses = Pauses(self.queue, self, self._port)
+            self.pauses = Pauses(self.queue, self, self.port)
+
+    def add(self, part):
+        """Take in a Part (part.py), which calls this itself as it is made."""
+        self._parts.append(part)
+        self._handlers.update(part.handlers())
 
     # --- the face towards the app
 
@@ -100,7 +106,8 @@ class Controller:
             return "check"
         if self.program.jogging:
             return "jog"
-        return "run" if self.objects.drawing or self.command or self.program.active() else "idle"
+        running = self.objects.drawing or self.command or self.program.active() or self.occupied()
+        return "run" if running else "idle"
 
     @property
     def target(self):
@@ -153,12 +160,14 @@ class Controller:
 
     def poll(self):
         """One turn: goes on with homing, drawing and programme, ends what has ended, minds the motors' current."""
-        now_ms = self._port.machine_ms()
+        now_ms = self.port.machine_ms()
         self.inputs.poll(now_ms)
         if self.busy_with(commands.HOME):
             self._poll_homing(now_ms)
         elif self.objects.drawing:
             self.objects.poll()
+        for part in self._parts:
+            part.poll()
         self.program.poll()
         self.pauses.poll(now_ms)
         self.tools.poll()
@@ -172,7 +181,10 @@ class Controller:
 
     def may_feed(self):
         """True when the motors are ready for the words of what is queued."""
-        return self._motors.ready(self._port.machine_ms())
+        for part in self._parts:
+            if not part.ready():
+                return False
+        return self._motors.ready(self.port.machine_ms())
 
     def lock(self):
         """Nothing moves until the machine is homed or unlocked."""
@@ -183,9 +195,11 @@ class Controller:
         self.arrest()
         self._forget()
         self.homed = False
+        for part in self._parts:
+            part.release()
         self._motors.release()
 
-    # --- the face towards the parts: also `command`, `state`, `settings`, `checking` and the parts themselves
+    # --- the face towards the parts: also `command`, `state`, `settings`, `checking`, `port` and the parts themselves
 
     def accepted(self, command, value=None):
         self._events.append(Event(ACCEPTED, command, 0, value))
@@ -206,6 +220,17 @@ class Controller:
             return errors.LOCKED
         homing = self._board["homing"]
         return errors.NOT_HOMED if homing and homing["required"] and not self.homed else 0
+
+    def occupied(self):
+        """True while one of the added parts has the axes to itself."""
+        for part in self._parts:
+            if part.active():
+                return True
+        return False
+
+    def tell(self, event):
+        """Hand an event to the link of its command."""
+        self._events.append(event)
 
     def notice(self, number):
         self._events.append(Event(NOTICE, None, number))
@@ -253,8 +278,14 @@ class Controller:
         }
         self.program.report(report)
         self.tools.report(report)
+        self._report_parts(report)
         self.log.last = 0
         return self.accepted(command, report)
+
+    def _report_parts(self, report):
+        for part in self._parts:
+            part.report(report)
+        return report
 
     def _stop(self, command):
         if self.busy_with(commands.STOP):
@@ -333,11 +364,13 @@ class Controller:
         return self.accepted(command)
 
     def _note(self, number, who=None):
-        self.log.add(self._port.machine_ms(), number, who)
+        self.log.add(self.port.machine_ms(), number, who)
 
     def _forget(self):
         self.objects.clear()
         self.program.clear()
+        for part in self._parts:
+            part.clear()
         self.command = None
 
     # --- what goes on over many turns
@@ -362,7 +395,7 @@ class Controller:
         self.program.jogging = False
         if self.busy_with(commands.DRAW) or self.busy_with(commands.STOP):
             self.objects.end()
-            self.finish()
+            self.finish(self._report_parts({}))
 
     # --- the mover that homing uses
 

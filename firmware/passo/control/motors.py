@@ -19,6 +19,7 @@ class Motors:
         self._drive = drive
         self._off_levels = off_levels
         self._enable = "enable" in [output["name"] for output in board["outputs"]]
+        self._wake_ms = _WAKE_MS if self._enable or drive is not None else 0  # what is not switched need not settle
         self._hold_ms = board["drive"]["hold_ms"]
         self.enable_inverted = False
         self._board = board  # its idle_release_ms may change
@@ -32,7 +33,7 @@ class Motors:
         if moving:
             self._since_ms = now_ms
             if self.state != RUNNING and not self._player.busy():
-                self._ready_ms = now_ms + (_WAKE_MS if self.state == RELEASED else 0)
+                self._ready_ms = now_ms + (self._wake_ms if self.state == RELEASED else 0)
                 self._set(RUNNING)
             return
         self._tool = tool

@@ -85,7 +85,7 @@ class Objects:
         refusal = machine.unready()
         if refusal:
             return refusal
-        if self.drawing or machine.command is not None or self.store.count:
+        if self.drawing or machine.command is not None or self.store.count or machine.occupied():
             return errors.BUSY
         queue = self._queue
         steps = self._board["jog"]["steps"]

@@ -85,7 +85,7 @@ class Program:
         error = self._unready(command)
         if error and error != LATER:
             return error
-        if self._machine.state not in ("idle", "jog") or self._machine.pauses.dropping:
+        if self._machine.state not in ("idle", "jog") or self._machine.pauses.dropping or self._machine.occupied():
             return LATER if self._machine.pauses.dropping else errors.BUSY
         if not self._reachable(command):
             return errors.JOG_TRAVEL
@@ -98,7 +98,7 @@ class Program:
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
-        if machine.command is not None or machine.objects.drawing or machine.pauses.dropping:
+        if machine.command is not None or machine.objects.drawing or machine.pauses.dropping or machine.occupied():
             return LATER
         longest = max([abs(by) for by in self._queue.deltas(command.target)])
         return errors.TARGET if longest > MAX_STEPS else 0

@@ -24,6 +24,7 @@ class Queue:
         self._rested_at = 0
         self.tool = False  # the tool bit at the queue's end
         self.waiting = False  # something is queued that has not been released to the feeder yet
+        self._walker = None  # of axes that run on their own
 
     def position(self):
         """Where the machine is, exact at this moment."""
@@ -133,6 +134,24 @@ class Queue:
         self._planner.line(deltas, abs(steps) * TICKS_PER_S // steps_s, False, 0)
         self.flush()
 
+    def independent(self):
+        """The walker of axes that run on their own: one for all."""
+        if self._walker is None:
+            from passo.steps.timed import Timed
+
+            self._walker = Timed(len(self._axes), self._feeder.min_word_ticks, self._feeder.setup_ticks)
+        return self._walker
+
+    def run(self, walker):
+        """Play `walker` from now on; the target is the caller's affair."""
+        walker.running = True
+        self._planner.free(walker, self.tool)
+        self.flush()
+
+    def settle(self):
+        """The queue ends where the machine stands. Only at a stand."""
+        self.target = self.position()
+
     def ticks_at(self, deltas, nm_s):
         """How long a line lasts at a speed along the path."""
         return length_nm(deltas, [axis["steps_per_m"] for axis in self._axes]) * TICKS_PER_S // nm_s
@@ -152,6 +171,8 @@ class Queue:
         """Drop everything, after halt() or at the stand of a hold. The position stays exact."""
         position, _, _ = self._feeder.cancel(self._player.played())
         self._planner.clear()
+        if self._walker is not None:
+            self._walker.clear()
         self._planner.power = 0
         self.power(0)
         self.tool = self.waiting = False

@@ -189,7 +189,9 @@ class Planner:
         block = self._new
         block.kind = FREE
         block.gain = 0
-        self._walkers[self._added % _SIZE] = walker
+        place = self._added % _SIZE
+        self._walkers[place] = walker
+        self._speeds[place] = 0  # each axis has its own
         self._add(block, tool, tag, None)
 
     def track(self, walker, tag=0):

@@ -37,6 +37,10 @@ CHECK = const(25)  # `value` 1: commands are only checked from now on; 0: they a
 SLEEP = const(26)  # everything off until RESET
 SYNC = const(27)  # nothing but an answer, once everything before it has ended
 HAND_OVER = const(28)  # `value`: the number of the link that may command from now on, as the board file has them from 1; 0: this
+RUN = const(29)  # axes run on their own from now on: see Run
+REST = const(30)  # the axes of the mask `value` come to a stand, the others run on
+ZERO = const(31)  # machine zero is here; only at a stand, and where homing has not found it
+CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
 
 # These never wait for others.
 IMMEDIATE = (BAD, HELLO, STATUS, STOP, HOLD, RESUME, DOOR, JOG_CANCEL, RESET, OVERRIDE, TOGGLE, HAND_OVER)
@@ -46,6 +50,11 @@ RAPID = const(1)
 POWER = const(2)
 ALL = const(3)
 SPINDLE_STOP = const(4)  # TOGGLE
+
+AT_REST = const(0)  # Run.when: refused while anything moves
+AS_JOG = const(1)  # or extends a jog of the same axes in the same directions
+LIVE = const(2)  # or changes what the axes named do, while others run on
+FOREVER = const(0x1FFFFFFF)  # steps of a Run without an end
 
 ACCEPTED = const(0)
 REFUSED = const(1)  # `error` says why; nothing moved
@@ -89,9 +98,22 @@ class Motion(Command):
         self.turns = 1
 
 
+class Run(Command):
+    """RUN. `steps` of each axis, signed, ±FOREVER, 0 to change its rate only, None to leave it alone; `rates` of each:
+    so many (steps, in so many milliseconds). `when` it may be: AT_REST, AS_JOG or LIVE. Of a live one the steps are added
+    to those to come, or take their place where the direction is the other one. FINISHED follows when all axes stand.
+    """
+
+    def __init__(self, steps, rates, when=AT_REST):
+        Command.__init__(self, RUN)
+        self.steps = steps
+        self.rates = rates
+        self.when = when
+
+
 class Event:
     def __init__(self, kind, command, error=0, value=None):
         self.kind = kind
         self.command = command
         self.error = error
-        self.value = value  # STATUS: the report
+        self.value = value  # STATUS, and the end of STOP: the report, or the part of it that tells of motion

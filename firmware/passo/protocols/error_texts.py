@@ -53,6 +53,7 @@ TEXTS = {
     errors.NO_PROBE: "the board file names no probe",
     errors.COMMANDED_ELSEWHERE: "another link commands the machine: hand the command over first",
     errors.NO_SUCH_LINK: "the board file has no link of this number",
+    errors.ZERO_IS_HOMED: "machine zero is where homing found it: it cannot be set elsewhere",
     errors.ALARM_LOCKED: "locked: where the machine stands is not known until it is homed",
     errors.ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit: the position may be lost",
     errors.ALARM_SOFT_LIMIT: "the target lies outside the machine's travel: nothing moved, the position is kept",

@@ -103,7 +103,10 @@ class Feeder:
     @micropython.native
     def standing(self):  # ISR: no allocation
         """True when a hold has come to its stand; the words already made may still be playing."""
-        return self.hold and not self._ramp.moving()
+        if not self.hold or self._ramp.moving():
+            return False
+        block = self._block
+        return block is None or block.kind != FREE or not block.walker.rolling()
 
     @micropython.native
     def retire(self, played):  # ISR: no allocation
@@ -133,7 +136,7 @@ class Feeder:
         if self._wait:
             self._hold()
         elif block.kind == FREE:
-            self._free(block.walker)
+            return self._free(block.walker)
         elif block.kind == TRACK:
             return self._track(block.walker)
         else:
@@ -191,12 +194,17 @@ class Feeder:
 
     @micropython.native
     def _free(self, walker):  # ISR: no allocation
-        self._turn(walker)
         ring = self.ring
         at = ring.head & ring.mask
-        count = walker.walk(ring.words, at, min(MAX_RUN, ring.size - at), self._levels, self.layout.bits)
+        room = min(MAX_RUN, ring.size - at)
+        count = walker.walk(ring.words, at, room, self._levels, self.layout.bits, self.hold)
+        ends = walker.ends()
+        if not count and not ends:
+            return False
+        self._levels = walker.levels
         self._settle(at, count)
-        self._finish(count, walker.ticks if count else 0, not walker.active(), walker.made)
+        self._finish(count, walker.ticks, ends, walker.made)
+        return True
 
     @micropython.native
     def _track(self, walker):  # ISR: no allocation

@@ -1,0 +1,82 @@
+"""Outputs that hand the motors from another controller to this one and back: relays, and lamps that show whose turn it is.
+
+    part = Changeover(board, controller)      # registers CONNECT with the controller
+    part.ours                                 # True: the motors are this board's
+
+The roles of the board file's outputs: "ours" is on while the motors are this board's, "theirs" while they are not. Break
+before make: all of them are released, and only `changeover_ms` later the ones wanted are switched on; nothing is stepped
+before that time has passed once more, for the relays to have closed. At the start, in an alarm and when the app ends
+the outputs of role "ours" are off, which is how a machine without power stands: with the other controller.
+"""
+
+from passo.control.part import Part
+from passo.protocols import commands, errors
+from passo.steps.word import COUNT_MASK
+
+
+class Changeover(Part):
+    def __init__(self, board, machine):
+        self._port = machine.port
+        self._machine = machine
+        self._pause_ms = board["changeover_ms"]
+        self._ours = [item["name"] for item in board["outputs"] if item["role"] == "ours"]
+        self._theirs = [item["name"] for item in board["outputs"] if item["role"] == "theirs"]
+        self.ours = False
+        self._made = True  # the outputs wanted are on
+        self._due_ms = None  # when the next phase begins
+        machine.add(self)
+        self._switch(False)
+
+    def handlers(self):
+        return {commands.CONNECT: self._connect}
+
+    def report(self, report):
+        report["ours"] = self.ours
+
+    def ready(self):
+        """True when steps may go out."""
+        return self._due_ms is None
+
+    def release(self):
+        """To the other controller, at once as far as this board's relays go: the safe state."""
+        if self.ours or not self._made:
+            self._switch(False)
+
+    def poll(self):
+        if self._machine.alarm or self._machine.sleeping:
+            self.release()
+        if self._due_ms is None or (self._port.machine_ms() - self._due_ms) & COUNT_MASK > COUNT_MASK // 2:
+            return
+        if self._made:
+            self._due_ms = None
+            return
+        self._made = True
+        self._put(self._ours if self.ours else self._theirs, True)
+        self._wait()
+
+    def _connect(self, command):
+        machine = self._machine
+        ours = bool(command.value)
+        if ours and (machine.alarm or machine.sleeping):
+            return errors.LOCKED
+        if machine.state not in ("idle", "alarm") or not machine.still():
+            return errors.BUSY
+        if ours != self.ours:
+            self._switch(ours)
+        return machine.accepted(command)
+
+    def _switch(self, ours):
+        """Break; poll() makes."""
+        self.ours = ours
+        self._made = False
+        self._put(self._ours, False)
+        self._put(self._theirs, False)
+        self._wait()
+
+    def _put(self, names, on):
+        for name in names:
+            self._port.output(name, on)
+
+    def _wait(self):
+        if self._ours or self._theirs:
+            self._due_ms = (self._port.machine_ms() + self._pause_ms) & COUNT_MASK

@@ -1,0 +1,126 @@
+"""A machine whose axes run on their own, on the virtual port: STEP/DIR or coils, each step recorded with its tick.
+
+    machine = FreeMachine()
+    machine.run((100, None), ((480, 1000), None))
+    machine.settle()
+    machine.steps[0]                    # [(tick, +1 or −1)] of axis 0, as its driver or its rotor made them
+
+Runs under CPython and MicroPython.
+"""
+
+from passo.app import App, make_drive
+from passo.control.boardfile import check
+from passo.control.independent import Independent
+from passo.ports.virtual import VirtualPort
+from passo.protocols.commands import AT_REST, RUN, STOP, Command, Run
+
+
+def board(kind="step_dir", **changes):
+    data = {
+        "name": "free",
+        "chip": "rp2040",
+        "drive": {"kind": kind, "pulse_us": 2, "setup_us": 5},
+        "axes": [
+            {"name": "x", "pins": [2, 4] if kind == "step_dir" else [2, 3, 4, 5], "steps_per_m": 48_000,
+             "travel_steps": 48_000, "max_mm_min": 60_000},
+            {"name": "y", "pins": [3, 5] if kind == "step_dir" else [6, 7, 8, 9], "steps_per_m": 83_000,
+             "travel_steps": 83_000, "max_mm_min": 60_000},
+        ],
+        "tool": {"pin": 6 if kind == "step_dir" else 10},
+        "speed": {"unit": "steps_per_s", "default": 480, "min": 1, "max": 20_000},
+        "idle_release_ms": 0,
+        "links": [{"name": "pc", "port": "uart0", "tx": 0, "rx": 1, "protocol": "plotter"}],
+    }
+    data.update(changes)
+    return data
+
+
+class Axes:
+    """The world: what the drivers or rotors do, from the pins alone."""
+
+    def __init__(self, data):
+        self.layout, self.drive, _ = make_drive(data)
+        self.steps = [[] for _ in range(self.layout.axes)]
+        self.turned = [0] * self.layout.axes  # tick of the last change of a DIR pin
+        self.shortest_setup = None
+        self.outputs = []
+        self._before = self.drive.levels() if self.drive else 0
+
+    def attach(self, tick, names, levels):
+        pass
+
+    def edges(self, tick, levels, changed):
+        axes = self.layout.axes
+        for axis in range(axes):
+            if self.drive is not None:
+                step = self.drive.moved(axis, self._before, levels)
+            else:
+                if changed >> (axes + axis) & 1:
+                    self.turned[axis] = tick
+                if not changed >> axis & 1 or not levels >> axis & 1:
+                    continue
+                setup = tick - self.turned[axis]
+                if self.turned[axis] and (self.shortest_setup is None or setup < self.shortest_setup):
+                    self.shortest_setup = setup
+                step = 1 if levels >> (axes + axis) & 1 else -1
+            if step:
+                self.steps[axis].append((tick, step))
+        self._before = levels
+
+    def output(self, tick, name, level):
+        self.outputs.append((tick, name, level))
+
+    def input(self, tick, name):
+        return 0
+
+    def run(self, tick):
+        pass
+
+    def next_event(self):
+        return None
+
+
+class FreeMachine:
+    def __init__(self, kind="step_dir", **changes):
+        data = check(board(kind, **changes))
+        self.world = Axes(data)
+        self.port = VirtualPort(data, self.world, "stepped")
+        self.app = App(data, self.port)
+        self.controller = self.app.controller
+        self.part = Independent(self.app.board, self.controller)
+        self.steps = self.world.steps
+        self.least = self.app.feeder.min_word_ticks
+        self.events = []
+
+    def accept(self, command):
+        command.link = self.app.links[0]
+        return self.controller.accept(command)
+
+    def run(self, steps, rates, when=AT_REST):
+        return self.accept(Run(steps, rates, when))
+
+    def stop(self):
+        return self.accept(Command(STOP))
+
+    def turn(self):
+        self.app.poll()
+        self.port.wait(self.controller.busy())
+
+    def poll(self, ticks=0):
+        """Let an exact number of ticks pass, turning at least every 8 ms."""
+        while ticks > 0:
+            self.app.poll()
+            part = min(ticks, 100_000)
+            self.port.advance(part)
+            ticks -= part
+
+    def settle(self):
+        for _ in range(100_000):
+            self.turn()
+            if self.controller.still() and not self.part.active():
+                return
+        raise AssertionError("it goes on and on")
+
+    def made(self):
+        """What the drivers have done, signed."""
+        return [sum([step for _, step in steps]) for steps in self.steps]
