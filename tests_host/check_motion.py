@@ -230,7 +230,7 @@ def hold_against_limits(machine, facts):
         speed = here / seconds
         grain = speed * 2 / ticks + 0.002 * min(top, 50)  # a tick, and the units of speed
         if steps != int(steps):
-            grain += 0.006 * speed  # over an arc's run the true length of a step changes
+            grain += (0.006 + 0.0005 / path) * speed  # over an arc's run the true length of a step changes
         assert speed <= top * 1.001 + grain, (number, speed, top)
         if before is None:
             change, allowed = speed, acceleration * seconds

@@ -26,6 +26,6 @@ def test_no_integer_outgrows_a_board():
             circle = Circle(3)
             circle._plan = [0] * PLAN
             circle.load([Small(value) for value in into])
-            for _ in range(400):
+            for _ in range(100):
                 if circle.left:
                     circle.walk(out, 0, min(int(circle.left), 255))

@@ -5,6 +5,8 @@ the plane's dominant axis steps every time, the other when that brings x² + y²
 within R, so no product reaches 2³⁰ for radii to MAX_RADIUS, and a step is at most half a step off the ideal circle
 along the
 minor axis. Centre and start are whole steps, R is the start's distance; the end is hit by a last short line if need be.
+A helix's third axis is within one step of linear in the swept angle (half a step of rounding, and what a diagonal step
+sweeps more than another), where it is itself the dominant axis within what it does on one and a half steps of the circle.
 
 The circle is seen as four regions, each a quarter about an axis direction. In a region the path is `u`, the dominant
 axis, counting up from −E to D, and `w`, the other axis, growing while u < 0 and shrinking after it. D is the last whole
@@ -152,7 +154,7 @@ class Circle:
         self._used = length
         if plan[Z_HIGH] < LEADS:
             self._used += self._next - before
-        self._begin(count, self._climb(length), self._used)
+        self._begin(count, self._climb(count, length), self._used)
 
     def _begin(self, count, z, length):  # ISR: no allocation
         """A run of `count` circle steps and `z` steps of the third axis that lasts as long as `length` of path."""
@@ -246,15 +248,21 @@ class Circle:
             count = 320 // (steep + 1)
         if count > _LONGEST:
             count = _LONGEST
-        if u >= 0 and count > 3:
-            count -= (count >> 3) + 1  # the slope grows on the way
+        if u >= 0 and count > 1:  # the slope grows on the way
+            if w < 8192:
+                most = w * w // (85 * u + 43 * count)
+                if count > most:
+                    count = most
+            else:
+                count -= count >> 4
         if count > ends:
             count = ends
         return count if count > 0 else 1
 
-    def _climb(self, length):  # ISR: no allocation
-        """Steps of the third axis that belong to `length` (2⁻²⁰) of path: the ratio has 30 fraction bits,
-        nothing is lost."""
+    def _climb(self, count, length):  # ISR: no allocation
+        """Steps of the third axis that belong to `count` steps of the circle, `length` (2⁻²⁰) of path: the ratio has 30
+        fraction bits, nothing is lost. Over a diagonal a step of the circle may be two long: the third axis makes up for
+        it later, so that it costs no word of its own."""
         plan = self._plan
         if not plan[Z_STEPS]:
             return 0
@@ -264,12 +272,16 @@ class Circle:
         climb = part * plan[Z_HIGH] + (part * plan[Z_LOW] >> 15)
         total = self._z_sum + climb
         steps = total >> _Z_BITS
+        over = total & (_Z_ONE - 1)
         if steps > self._z or not self._steps:
             climb += (self._z - steps) << _Z_BITS  # the end is exact
             steps = self._z
+        elif steps > count and plan[Z_HIGH] < LEADS:
+            over = total - (count << _Z_BITS)
+            steps = count
         self._z_start = self._z_sum
         self._z_climb = climb
-        self._z_sum = total & (_Z_ONE - 1)
+        self._z_sum = over
         self._z -= steps
         return steps
 
