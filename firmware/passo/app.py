@@ -24,9 +24,10 @@ from passo.steps.ring import Ring
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 LEAD_TICKS = const(30 * 12_500)  # from a main loop
+LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any moment, within 20 ms on the pins
 _WAITING = const(64)  # commands of one link that may wait for their turn
 
-PROTOCOLS = ("plotter", "grbl")
+PROTOCOLS = ("plotter", "grbl", "pulses")
 _STORED = ("plotter",)  # those that only have stored objects drawn: the rest of the control is not loaded for them
 
 
@@ -52,6 +53,16 @@ def open_protocol(link, board, controller, shared):
         if controller.settings.value(HOMING):
             controller.lock()
         return Grbl(axes, shared["offsets"], controller.settings, controller)
+    if name == "pulses":
+        from passo.protocols.pulses import Pulses
+
+        if not board["track"]:
+            raise BoardError("link %s: pulses wants the section track" % link["name"])
+        if "track" not in shared:
+            from passo.control.track import TrackPlayer
+
+            shared["track"] = TrackPlayer(board, controller)
+        return Pulses("".join([axis["name"] for axis in board["axes"]]), board["track"])
     raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
 
 
@@ -158,7 +169,7 @@ class App:
         self._answer()
         self.feeder.open = self.controller.may_feed()
         if not self.interrupt and self.feeder.open:
-            self.feeder.fill(self.player.played(), LEAD_TICKS)
+            self.feeder.fill(self.player.played(), LIVE_TICKS if self.controller.live() else LEAD_TICKS)
             self.player.start()
 
     def turn(self):

@@ -72,6 +72,16 @@ _SPEED = {
     "overhead_us": (int, 0, 0, 10_000),
 }
 _JOG = {"steps": (int, 10, 1, 100_000), "up": ("y+", "y-", "x+", "x-")}
+_TRACK = {
+    "interval_us": (int, 100, 1, 250_000),  # the least time between one pulse and the next: it makes the fastest speed
+    "default_mm_min": (int, 600, 1, 900_000),  # until the track says otherwise, and for moves by hand
+    "cells": (int, 4096, 256, 65_536),  # of memory, four bytes each: a run of equal steps takes one
+    "dry_run": (bool, False, 0, 1),  # the tool stays off
+    # The image of a parallel port in status reports, for its bits 7 to 0 (drives on, z pulse, z dir, y pulse, y dir,
+    # x pulse, x dir, tool): the bit each appears at, "-" none; "invert": the mask of those that appear inverted.
+    "port_bits": (str, "76543210", 8, 8),
+    "port_invert": (int, 0, 0, 255),
+}
 _LINK = {
     "name": (str, MUST, 1, 16),
     "port": (str, MUST, 1, 16),
@@ -96,12 +106,14 @@ _BOARD = {
     "spindle": _SPINDLE,
     "jog": _JOG,
     "changeover_ms": (int, 20, 0, 10_000),  # between releasing the relays of one controller and closing the other's
+    "track": _TRACK,  # paths of single steps
     "idle_release_ms": (int, 5000, 0, 3_600_000),  # 0: never
     "store_points": (int, 3000, 10, 100_000),
     "links": [_LINK, 1, 4],
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
-_OPTIONAL = ("homing", "jog", "planning", "spindle")
+_OPTIONAL = ("homing", "jog", "planning", "spindle", "track")
+_ABSENT = ("homing", "track")  # None where the board file has none
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 
@@ -113,6 +125,7 @@ def check(board):
     _check_order(board)
     _check_homing(board)
     _check_links(board)
+    _check_track(board)
     if board["drive"]["kind"] == "pbl3770a" and board["drive"]["mode"] == "wave":
         raise BoardError("drive.mode: a pbl3770a has no wave drive; 'half' or 'full'")
     speed = board["speed"]
@@ -136,7 +149,7 @@ def _value(where, data, key, rule):
         part = data.get(key)
         if part is None and key not in _OPTIONAL:
             raise BoardError("%s: missing" % where)
-        if part is None and key == "homing":
+        if part is None and key in _ABSENT:
             return None
         return _section(where, part or {}, rule)
     if isinstance(rule, list):
@@ -225,6 +238,18 @@ def _check_links(board):
         raise BoardError("links: every name once, not %s" % ", ".join(names))
     if board["commands"] and board["commands"] not in names:
         raise BoardError("commands: there is no link %r; known are %s" % (board["commands"], ", ".join(names)))
+
+
+def _check_track(board):
+    track = board["track"]
+    if track is None:
+        return
+    for axis in board["axes"]:
+        if axis["steps_per_m"] < 100:
+            raise BoardError("axis %s: a track wants 100 steps/m or more" % axis["name"])
+    bits = track["port_bits"].replace("-", "")
+    if len(set(bits)) != len(bits) or set(bits) - set("01234567"):
+        raise BoardError("track.port_bits: each of 0 … 7 once at most, and - for none, not %r" % track["port_bits"])
 
 
 def _check_homing(board):

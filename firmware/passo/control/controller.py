@@ -106,6 +106,8 @@ class Controller:
             return "check"
         if self.program.jogging:
             return "jog"
+        if self._held():
+            return "hold"
         running = self.objects.drawing or self.command or self.program.active() or self.occupied()
         return "run" if running else "idle"
 
@@ -130,6 +132,19 @@ class Controller:
         if self.busy_with(commands.HOME) or not self.queue.still():
             return True
         return self.objects.busy()
+
+    def live(self):
+        """True while what is under way may change at any moment: few words should lie ahead."""
+        for part in self._parts:
+            if part.live():
+                return True
+        return False
+
+    def _held(self):
+        for part in self._parts:
+            if part.held():
+                return True
+        return False
 
     def fine(self):
         """True while inputs decide where the machine stops: turns of the main loop should be short."""
@@ -231,6 +246,12 @@ class Controller:
     def tell(self, event):
         """Hand an event to the link of its command."""
         self._events.append(event)
+
+    def drives(self, on):
+        """The motors' current on until it is switched off, or off now."""
+        self._motors.keep = on
+        if not on:
+            self._motors.release()
 
     def notice(self, number):
         self._events.append(Event(NOTICE, None, number))

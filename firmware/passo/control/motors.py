@@ -22,6 +22,7 @@ class Motors:
         self._wake_ms = _WAKE_MS if self._enable or drive is not None else 0  # what is not switched need not settle
         self._hold_ms = board["drive"]["hold_ms"]
         self.enable_inverted = False
+        self.keep = False  # the current stays on until release()
         self._board = board  # its idle_release_ms may change
         self._since_ms = 0
         self.state = RELEASED
@@ -41,7 +42,7 @@ class Motors:
         if self.state == RUNNING and idle_ms >= self._hold_ms:
             self._set(HOLDING)
         release_ms = self._board["idle_release_ms"]
-        if self.state == HOLDING and release_ms and idle_ms >= release_ms:
+        if self.state == HOLDING and not self.keep and release_ms and idle_ms >= release_ms:
             self._set(RELEASED)
 
     def ready(self, now_ms):

@@ -13,6 +13,14 @@ class Part:
         """True while the axes are this part's alone."""
         return False
 
+    def held(self):
+        """True where it stands in the middle of its work, until somebody says what next."""
+        return False
+
+    def live(self):
+        """True while what is under way may change at any moment."""
+        return False
+
     def ready(self):
         """True when words may be played."""
         return True

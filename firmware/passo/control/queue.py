@@ -81,11 +81,14 @@ class Queue:
     def tool_ms(self, on):
         return self._board["tool"]["on_ms" if on else "off_ms"]
 
+    def tool_ticks(self, on):
+        """How long a change of the tool takes: never nothing, so that it shows."""
+        return max(self.tool_ms(on) * TICKS_PER_MS, 2 * self._feeder.min_word_ticks)
+
     def set_tool(self, on, tag):
         """Tool on or off at the queue's end, and the time it takes."""
         self.tool = on
-        ms = self.tool_ms(on)
-        self._planner.wait(max(ms * TICKS_PER_MS, 2 * self._feeder.min_word_ticks), on, tag)
+        self._planner.wait(self.tool_ticks(on), on, tag)
         self.waiting = True
 
     def wait(self, ms, tag):
@@ -133,6 +136,15 @@ class Queue:
         deltas[axis] = steps
         self._planner.line(deltas, abs(steps) * TICKS_PER_S // steps_s, False, 0)
         self.flush()
+
+    def track(self, walker):
+        """Walk a track, as its walker has begun to; settle() is to follow when it has been played."""
+        self._planner.track(walker)
+        self.flush()
+
+    def place(self):
+        """The place on the track under way, exact at this moment; None where there is none."""
+        return self._feeder.place(self._player.played())
 
     def independent(self):
         """The walker of axes that run on their own: one for all."""

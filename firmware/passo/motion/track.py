@@ -139,6 +139,16 @@ class Track:
         self.items[self.end & self.mask] = item
         self.end = (self.end + 1) & COUNT
 
+    def cut(self, cell, done, place):
+        """Forget what lies ahead of `place`, which is `done` units into `cell`."""
+        if done:
+            item = self.items[cell & self.mask]
+            if item & 15:
+                self.items[cell & self.mask] = done << 8 | item & 255
+            cell = (cell + 1) & COUNT
+        self.end = cell
+        self.total = place
+
     def correct_speed(self, cell, speed):
         """From `cell` on to the next SPEED, `speed` is what was in force: known only once the walk has come there."""
         while cell != self.end:

@@ -23,9 +23,11 @@ import micropython
 from micropython import const
 
 from passo.motion.track import COUNT, SPEED, STATION, TOOL, WAIT, WAS
-from passo.steps.word import HOLD_TICKS, TICKS_PER_MS
+from passo.steps.word import TICKS_PER_MS
 
 _SEGMENT_TICKS = const(12_500)
+_PIECE_MS = const(2)  # longest word: what lies ahead of the player stays short, and is never one word alone
+_PIECE = const(25_000)
 _COUNT = const(0x1FFFFFFF)
 _HALF = const(0x10000000)
 _LONGEST_US = const(40_000_000)
@@ -118,6 +120,10 @@ class TrackWalker:
         self.left = 0
         self.gap = self._each[self.moving] >> 1
 
+    def cut(self):
+        """Let the track end here."""
+        self.track.cut(self.cell, self._done, self.place)
+
     def at_start(self):
         """True where there is nothing behind."""
         return self.cell == self.track.first and not self._done
@@ -162,8 +168,8 @@ class TrackWalker:
         self.ticks = 0
         if self.gap:
             gap = self.gap
-            if gap > HOLD_TICKS:
-                gap = HOLD_TICKS if gap >= 2 * HOLD_TICKS else gap >> 1
+            if gap > _PIECE:
+                gap = _PIECE if gap >= 2 * _PIECE else gap >> 1
             self.gap -= gap
             if not self.gap and not self.wait_ms:
                 self._arrive()
@@ -182,7 +188,7 @@ class TrackWalker:
 
     @micropython.native
     def _wait(self, words, at, base, bits):  # ISR: no allocation
-        part = self.wait_ms if self.wait_ms < 10 else 10
+        part = self.wait_ms if self.wait_ms < _PIECE_MS else _PIECE_MS
         self.wait_ms -= part
         if not self.wait_ms:
             self._step_over()
@@ -198,7 +204,7 @@ class TrackWalker:
             mask = self.moving
             each = self._each[mask]
             steps = 1
-            if each <= 2 * HOLD_TICKS:
+            if each <= 2 * _PIECE:
                 steps = 2 * (_SEGMENT_TICKS - ticks) // each + 1
                 left = self._in_run()
                 if steps > left:
@@ -215,9 +221,9 @@ class TrackWalker:
                     half &= 1
             else:
                 half += each
-                self.gap = (half >> 1) - (HOLD_TICKS >> 1)
-                words[at + count] = HOLD_TICKS >> 1 << bits | base | mask
-                ticks += HOLD_TICKS >> 1
+                self.gap = (half >> 1) - (_PIECE >> 1)
+                words[at + count] = _PIECE >> 1 << bits | base | mask
+                ticks += _PIECE >> 1
                 half &= 1
             count += steps
             self._make(steps)

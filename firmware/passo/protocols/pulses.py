@@ -1,0 +1,458 @@
+"""The language of LPTControl (2009): files of one-letter pulse codes, and the control commands around them.
+
+A file is text; blanks and line ends between codes are ignored, anything not named here is an error:
+
+    A … Z     one step of each of a code's axes, see CODES
+    [ ]       drives on, off              ( )   tool on, off
+    *5000     wait 5000 ms                +2000 speed 2000 mm/min (+0: the operator sets one)
+    $ @       the fastest speed, the board file's
+
+Control commands stand in braces, which are no codes, and may come at any moment, between the bytes of a file too:
+
+    {load} {load 1234}     a file follows, of so many bytes: it is checked and kept, nothing moves
+    {stream} {stream 1234} a file follows and is played as it comes
+    {end}                  that was the file
+    {run} {run 5} {back} {pause} {stop} {step} {step back}
+    {return} {return back} {continue} {continue back}    after manual moves: the way they came, or from here
+    {repeat 5} {speed 1200} {jog x 100 y -50} {tool on} {drives off} {home} {unlock} {link} {?}
+
+Codes outside a file are streamed, too, until the line is quiet. Answers are lines:
+
+    ok                     done, or begun; after {end} `ok N`: so many commands
+    error:120              refused; of a file `error:120 line 3 column 7`, and nothing of it is left
+    end   start   speed    the file has been played, or played back to its start; the operator's speed is wanted
+    <…>                    to {?}: see status()
+    ready   alarm:201
+
+Flow control: a host has at most WINDOW bytes of a file under way. For every CREDIT of them that the board has taken in
+it sends one byte ACK, which is in no line. Bytes of control commands count for nothing.
+
+    pulses = Pulses("xyz", board["track"])
+    for command in pulses.feed(serial.read(), now_ms): …
+    frame("speed", 1200)        # b"{speed 1200}"
+"""
+
+import micropython
+from micropython import const
+
+from passo.protocols import errors
+from passo.protocols.commands import (
+    ACCEPTED, ALARM, BAD, FINISHED, HAND_OVER, HOLD, HOME, RESTARTED, STATUS, STOP, TRACK, TRACK_ABORT, TRACK_ADD,
+    TRACK_ASK, TRACK_CLOSE, TRACK_CONTINUE, TRACK_DEFAULT, TRACK_DRIVES, TRACK_FASTEST, TRACK_GO, TRACK_HAND_DRIVES,
+    TRACK_HAND_TOOL, TRACK_ITEMS, TRACK_JOG, TRACK_OPEN, TRACK_PACE, TRACK_PASSES, TRACK_RETURN, TRACK_SPEED,
+    TRACK_STEP, TRACK_TOOL, TRACK_WAIT, UNLOCK, Command,
+)  # fmt: skip
+
+WINDOW = const(512)
+CREDIT = const(64)
+ACK = b"\x06"
+WAIT_MS = (0, 3_600_000)
+SPEED_MM_MIN = (0, 900_000)
+QUIET_MS = const(1000)  # ends what was typed without {stream}
+CUT_MS = const(5000)  # a file that stops coming is cut off
+_LONGEST = const(80)  # of a control command
+_TIME_MASK = const(0x1FFFFFFF)
+
+# What each letter steps, from A on: bits 0 to 2 the axes x, y, z, bits 4 to 6 those of them that go backward.
+CODES = bytes((
+    0x01, 0x11, 0x02, 0x22, 0x04, 0x44,  # A X+, B X−, C Y+, D Y−, E Z+, F Z−
+    0x03, 0x23, 0x13, 0x33,  # G X+Y+, H X+Y−, I X−Y+, J X−Y−
+    0x05, 0x45, 0x15, 0x55,  # K X+Z+, L X+Z−, M X−Z+, N X−Z−
+    0x06, 0x46, 0x26, 0x66,  # O Y+Z+, P Y+Z−, Q Y−Z+, R Y−Z−
+    0x07, 0x47, 0x27, 0x67,  # S X+Y+Z+, T X+Y+Z−, U X+Y−Z+, V X+Y−Z−
+    0x17, 0x57, 0x37, 0x77,  # W X−Y+Z+, X X−Y+Z−, Y X−Y−Z+, Z X−Y−Z−
+))  # fmt: skip
+_MARKS = {
+    0x5B: 1 << 8 | TRACK_DRIVES << 4,  # [
+    0x5D: TRACK_DRIVES << 4,  # ]
+    0x28: 1 << 8 | TRACK_TOOL << 4,  # (
+    0x29: TRACK_TOOL << 4,  # )
+    0x24: TRACK_FASTEST << 4,  # $
+    0x40: TRACK_DEFAULT << 4,  # @
+}
+_BLANKS = b" \t\r\n"
+_PLAIN = {"pause": HOLD, "stop": STOP, "?": STATUS, "home": HOME, "unlock": UNLOCK}
+_VERBS = {"run": TRACK_GO, "step": TRACK_STEP, "return": TRACK_RETURN, "continue": TRACK_CONTINUE, "repeat": TRACK_PASSES}
+
+# What becomes of the bytes of files.
+_TYPED = const(0)  # no {load} or {stream} has been said
+_LOAD = const(1)
+_STREAM = const(2)
+_DROP = const(3)  # after an error, until the next control command or a quiet line
+
+
+def frame(*words):
+    """The bytes of a control command."""
+    return ("{" + " ".join([str(word) for word in words]) + "}").encode()
+
+
+def port_byte(step, tool, drives, config):
+    """The image of the parallel port while `step` (a byte of CODES, 0: none) is made; `config`: the section `track`."""
+    image = (0x80 if drives else 0) | (1 if tool else 0)
+    for axis in range(3):
+        if step >> axis & 1:
+            image |= 4 << 2 * axis
+            if not step >> 4 + axis & 1:
+                image |= 2 << 2 * axis
+    shown = 0
+    for bit in range(8):
+        place = config["port_bits"][7 - bit]
+        if place != "-" and (image ^ config["port_invert"]) >> bit & 1:
+            shown |= 1 << int(place)
+    return shown
+
+
+class Pulses:
+    def __init__(self, axes, config):
+        """`axes`: their names, at most three count; `config`: the section `track` of the board file."""
+        self._axes = axes[:3]
+        self._config = config
+        self._known = (1 << len(self._axes)) - 1
+        self._mode = _TYPED
+        self._frame = None  # the bytes of a control command so far
+        self._latest = 0
+        self._open = False  # TRACK_OPEN has been said, TRACK_CLOSE not yet
+        self._begin(0)
+
+    def _begin(self, size, fresh=False):
+        """A new file, of `size` bytes where that is not 0."""
+        self._size = size
+        self._fresh = fresh  # no byte of it has come
+        self._count = 0  # bytes of it so far
+        self._line = self._column = 1
+        self._items = []
+        self._taken = 0  # bytes since the last TRACK_ITEMS
+        self._under_way = 0  # bytes handed on and not answered
+        self._credit = 0
+        self._sign = 0  # the * or + whose number is coming
+        self._number = -1
+        self._sign_at = (1, 1)
+
+    # --- bytes to commands
+
+    def feed(self, data, now_ms):
+        """Commands in `data`, which may be empty: time alone ends what was typed, and finds files cut off."""
+        found = []
+        if data:
+            self._latest = now_ms
+            at = 0
+            while at < len(data):
+                if self._frame is not None:
+                    at = self._control(data, at, found)
+                elif data[at] == 0x7B:
+                    self._frame = b""
+                    at += 1
+                else:
+                    at = self._codes(data, at, found)
+            self._hand_on(found)
+        else:
+            silent_ms = (now_ms - self._latest) & _TIME_MASK
+            if silent_ms >= QUIET_MS:
+                self._quiet(silent_ms, found)
+        return found
+
+    def _quiet(self, silent_ms, found):
+        if self._frame is not None:
+            self._frame = None
+            found.append(Command(BAD, error=errors.NO_CONTROL))
+        elif self._mode == _DROP:
+            self._mode = _TYPED
+        elif self._mode == _TYPED:
+            if self._open:
+                self._close(found)
+        elif (self._mode == _LOAD or self._size) and silent_ms >= CUT_MS and not self._under_way:
+            self._fail(errors.CUT_OFF, found)  # the host may send, and does not
+
+    @micropython.native
+    def _codes(self, data, at, found):
+        """Bytes of a file, up to the next control command. Returns where it stopped."""
+        if self._fresh:
+            at = self._line_end(data, at)
+        known = self._known
+        items = self._items
+        while at < len(data):
+            byte = data[at]
+            if byte == 0x7B:
+                return at
+            at += 1
+            if self._mode == _DROP:
+                continue
+            self._count += 1
+            self._taken += 1
+            item = CODES[byte - 65] if 65 <= byte <= 90 else 0
+            if item and not self._sign and not item & 7 & ~known:
+                if items and items[-1] & 255 == item:
+                    items[-1] += 256
+                else:
+                    items.append(256 | item)
+                self._column += 1
+            else:
+                self._other(byte, item, found)
+                items = self._items
+            if self._taken >= CREDIT:
+                self._hand_on(found)
+                items = self._items
+        return at
+
+    def _line_end(self, data, at):
+        """The line end behind {load} is none of the file."""
+        while at < len(data) and self._fresh and data[at] in b"\r\n":
+            self._fresh = data[at] == 13
+            at += 1
+        self._fresh = self._fresh and at == len(data)
+        return at
+
+    def _other(self, byte, item, found):
+        """A byte that is no code, or stands behind a number."""
+        if self._sign:
+            if 48 <= byte <= 57:
+                self._digit(byte - 48, found)
+                self._column += 1
+                return
+            if not self._end_number(found):
+                return
+        if item and not item & 7 & ~self._known:
+            self._items.append(256 | item)
+        elif byte == 0x2A or byte == 0x2B:
+            self._sign = byte
+            self._number = -1
+            self._sign_at = (self._line, self._column)
+        elif byte in _MARKS:
+            self._items.append(_MARKS[byte])
+        elif byte == 10:
+            self._line += 1
+            self._column = 0
+            if not self._open:
+                self._begin(0)
+        elif byte not in _BLANKS:
+            self._fail(errors.NO_CODE, found)
+            return
+        self._column += 1
+
+    def _digit(self, digit, found):
+        most = (WAIT_MS if self._sign == 0x2A else SPEED_MM_MIN)[1]
+        self._number = max(self._number, 0) * 10 + digit
+        if self._number > most:
+            self._line, self._column = self._sign_at
+            self._fail(errors.NUMBER_RANGE, found)
+
+    def _end_number(self, found):
+        """False where there is none."""
+        if not self._sign:
+            return True
+        if self._number < 0:
+            self._line, self._column = self._sign_at
+            self._fail(errors.NUMBER_MISSING, found)
+            return False
+        kind = TRACK_WAIT if self._sign == 0x2A else TRACK_SPEED if self._number else TRACK_ASK
+        self._items.append(self._number << 8 | kind << 4)
+        self._sign = 0
+        return True
+
+    def _hand_on(self, found):
+        """What has been collected so far becomes a command."""
+        if not self._items and self._taken < CREDIT or self._mode == _DROP:
+            return
+        self._open_typed(found)
+        command = Command(TRACK_ADD, self._items, TRACK_ITEMS)
+        command.power = self._taken
+        self._under_way += self._taken
+        self._items = []
+        self._taken = 0
+        found.append(command)
+
+    def _open_typed(self, found):
+        if not self._open:
+            self._open = True
+            found.append(Command(TRACK_ADD, None, TRACK_OPEN, True))
+
+    def _fail(self, error, found):
+        """The file makes no sense from here on."""
+        self._open_typed(found)
+        self._mode = _DROP
+        self._open = False
+        self._items = []
+        self._sign = 0
+        found.append(Command(TRACK_ADD, (self._line, self._column), TRACK_ABORT, error=error))
+
+    def _close(self, found):
+        if not self._end_number(found):
+            return
+        if self._size and self._count != self._size:
+            self._fail(errors.CUT_OFF, found)
+            return
+        self._hand_on(found)
+        self._open = False
+        command = Command(TRACK_ADD, None, TRACK_CLOSE)
+        command.tool = self._mode == _TYPED  # nobody asked: there is no answer
+        self._mode = _TYPED
+        self._begin(0)
+        found.append(command)
+
+    # --- control commands
+
+    def _control(self, data, at, found):
+        end = data.find(b"}", at)
+        if end < 0:
+            self._frame = (self._frame + data[at:])[: _LONGEST + 1]
+            return len(data)
+        text = self._frame + data[at:end]
+        self._frame = None
+        try:
+            words = text.decode().split() if len(text) <= _LONGEST else []
+        except UnicodeError:
+            words = []
+        command = self._command(words, found)
+        if command is not None:
+            found.append(command)
+        return end + 1
+
+    def _command(self, words, found):
+        """The Command of a control command's words; None where it has been dealt with."""
+        verb = words[0] if words else ""
+        number = words[1] if len(words) == 2 else ""
+        value = int(number) if number.isdigit() and len(number) < 9 else -1
+        if verb in ("load", "stream") and (len(words) == 1 or value >= 0):
+            return self._open_file(verb == "stream", max(value, 0), found)
+        if verb == "end" and len(words) == 1:
+            if self._mode in (_LOAD, _STREAM):
+                self._close(found)
+                return None
+            return Command(BAD, error=errors.NO_TRACK)
+        if verb in _PLAIN and len(words) == 1:
+            if verb == "stop":
+                self._mode = _DROP
+                self._open = False
+                self._begin(0)
+            return Command(_PLAIN[verb])
+        command = None
+        if verb in _VERBS:
+            command = Command(TRACK, None, _VERBS[verb])
+            if number == "back" and verb in ("step", "return", "continue"):
+                command.tool = True
+            elif value >= 0 and verb in ("run", "repeat"):
+                command.power = value
+                if not value:
+                    return Command(BAD, error=errors.PASSES)
+            elif len(words) != 1 or verb == "repeat":
+                command = None
+        elif verb == "back" and len(words) == 1:
+            command = Command(TRACK, None, TRACK_GO, True)
+        elif verb == "speed" and value >= 0:
+            command = Command(TRACK, None, TRACK_PACE)
+            command.feed = value
+        elif verb in ("tool", "drives") and number in ("on", "off"):
+            kind = TRACK_HAND_TOOL if verb == "tool" else TRACK_HAND_DRIVES
+            command = Command(TRACK, None, kind, number == "on")
+        elif verb == "link" and (len(words) == 1 or value > 0):
+            command = Command(HAND_OVER, None, max(value, 0))
+        elif verb == "jog":
+            command = self._jog(words)
+        return command or Command(BAD, error=errors.NO_CONTROL)
+
+    def _open_file(self, stream, size, found):
+        if self._open:
+            self._mode = _DROP
+            self._open = False
+            found.append(Command(TRACK_ADD, (self._line, self._column), TRACK_ABORT, error=errors.CUT_OFF))
+        self._begin(size, True)
+        self._mode = _STREAM if stream else _LOAD
+        self._open = True
+        return Command(TRACK_ADD, None, TRACK_OPEN, stream)
+
+    def _jog(self, words):
+        target = [0] * len(self._axes)
+        if len(words) < 3 or len(words) % 2 == 0:
+            return None
+        for place in range(1, len(words), 2):
+            axis = self._axes.find(words[place])
+            number = words[place + 1]
+            digits = number[1:] if number[0] in "+-" else number
+            if axis < 0 or len(words[place]) != 1 or not digits.isdigit() or len(digits) > 6:
+                return None
+            target[axis] += int(number)
+        return Command(TRACK, target, TRACK_JOG)
+
+    # --- events to bytes
+
+    def reply(self, event):
+        command = event.command
+        if event.kind == FINISHED:
+            if command.kind == TRACK or command.kind == TRACK_ADD:
+                return (event.value + "\n").encode()
+            return b"ok\n"
+        if command.kind == TRACK_ADD:
+            return self._reply_to_file(event, command)
+        if event.kind != ACCEPTED:
+            return b"error:%d\n" % event.error
+        if command.kind == STATUS:
+            return status(event.value, self._config).encode()
+        return b"ok\n"
+
+    def _reply_to_file(self, event, command):
+        if event.kind == ACCEPTED:
+            if command.value == TRACK_ITEMS:
+                return self._acknowledge(command.power)
+            if command.value == TRACK_CLOSE:
+                return b"" if command.tool else b"ok %d\n" % event.value
+            return b"" if self._mode == _TYPED else b"ok\n"
+        if command.value == TRACK_ABORT:
+            return b"error:%d line %d column %d\n" % (event.error, command.target[0], command.target[1])
+        silent = self._mode == _DROP and command.value != TRACK_OPEN
+        self._mode = _DROP
+        self._open = False
+        return b"" if silent else b"error:%d\n" % event.error
+
+    def _acknowledge(self, count):
+        self._under_way -= count
+        self._credit += count
+        acks = self._credit // CREDIT
+        self._credit -= acks * CREDIT
+        return ACK * acks
+
+    def push(self, event):
+        """What is said unasked."""
+        if event.kind == ALARM:
+            return b"alarm:%d\n" % event.error
+        return b"ready\n" if event.kind == RESTARTED else b""
+
+
+def status(report, config):
+    """The line that answers {?}: `<state:run at:34 of:100 pass:1/5 going:+ speed:1000.2 wait:0 place:1,2,3 …>`.
+
+    at, of: commands of the file played, and in all; going: - backward; speed: mm/min, as the whole microseconds of a
+    period make it; wait: ms to go; place: steps; manual: units of manual moves; port: the port's image in hex, its
+    directions those of the step being made; ask: 1 where the operator's speed is wanted.
+    """
+    track = report["track"]
+    speed = track["speed"]
+    fields = (
+        ("state", report["state"]),
+        ("at", track["place"]),
+        ("of", track["total"]),
+        ("pass", "%d/%d" % (track["pass"], track["passes"])),
+        ("going", "-" if track["backward"] else "+"),
+        ("speed", "%d.%d" % (speed // 10, speed % 10)),
+        ("wait", track["wait_ms"]),
+        ("ask", 1 if track["asked"] else 0),
+        ("place", ",".join([str(place) for place in report["position"]])),
+        ("manual", track["manual"]),
+        ("tool", 1 if track["tool"] else 0),
+        ("drives", 1 if track["drives"] else 0),
+        ("port", "%02X" % port_byte(track["moving"] | track["negative"] << 4, track["tool"], track["drives"], config)),
+        ("room", track["room"]),
+        ("error", report["error"]),
+    )
+    return "<" + " ".join(["%s:%s" % field for field in fields]) + ">\n"
+
+
+def status_from(line):
+    """The fields of a status line as a dict of texts. Raises ValueError where it is none."""
+    line = line.strip()
+    if not (line.startswith("<state:") and line.endswith(">")):
+        raise ValueError("not a status line")
+    fields = {}
+    for field in line[1:-1].split(" "):
+        name, colon, value = field.partition(":")
+        fields[name] = value
+    return fields

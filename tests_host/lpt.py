@@ -1,0 +1,137 @@
+"""The router that LPTControl drove, on the virtual port: stepped, lines in memory, and what its steps did.
+
+    machine = Lpt()
+    machine.play("[ +1000 AAAA ]")
+    machine.world.path                  # [(tick, x, y, z, tool)]
+
+Small enough for MicroPython.
+"""
+
+from boards.lpt_router import BOARD
+from passo.app import App
+from passo.control.boardfile import check
+from passo.ports.virtual import VirtualPort
+from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame, status_from
+from router import World
+
+
+class Lpt:
+    def __init__(self, **track):
+        board = check(BOARD)
+        board["track"].update(track)
+        self.board = board
+        self.world = World((0, 0, 0))
+        self.world.switches["stop"] = 0
+        self.world.path = []
+        self.port = VirtualPort(board, self.world)
+        self.app = App(board, self.port)
+        self.track = self.app.controller._parts[0]
+        self.line = self.port.lines["pc"]
+        self.heard = ""
+        self.acks = 0
+        self.turn()
+        assert self.take() == ["ready"]
+
+    # --- the wire
+
+    def turn(self):
+        self.app.turn()
+        data = self.line.outgoing
+        self.line.outgoing = b""
+        self.acks += data.count(ACK)
+        self.heard += data.replace(ACK, b"").decode()
+
+    def take(self):
+        """The lines said since the last time."""
+        lines = self.heard.split("\n")
+        self.heard = lines.pop()
+        return lines
+
+    def put(self, data):
+        self.line.incoming += data if isinstance(data, bytes) else data.encode()
+
+    def until(self, wanted, turns=400_000):
+        """Turn until a line `wanted`, or that begins so, is said; returns all lines up to it."""
+        said = []
+        while turns:
+            said += self.take()
+            for line in said:
+                if line.startswith(wanted):
+                    return said
+            self.turn()
+            turns -= 1
+        raise AssertionError("no %r: %r" % (wanted, said))
+
+    def tell(self, *words):
+        """A control command that must be ok."""
+        self.put(frame(*words))
+        said = self.answer()
+        assert said[-1].startswith("ok"), (words, said)
+        return said
+
+    def answer(self):
+        """Lines up to the next ok or error."""
+        said = []
+        for _ in range(200_000):
+            said += self.take()
+            if said and (said[-1].startswith("ok") or said[-1].startswith("error")):
+                return said
+            self.turn()
+        raise AssertionError("no answer: %r" % said)
+
+    def ask(self, *words):
+        """The answer to a control command."""
+        self.put(frame(*words))
+        return self.answer()[-1]
+
+    def status(self):
+        self.put(frame("?"))
+        for line in self.until("<"):
+            if line.startswith("<"):
+                return status_from(line)
+
+    # --- files
+
+    def send(self, text, verb):
+        """A file with flow control; the answer to {end}, or the error that came before."""
+        data = text if isinstance(text, bytes) else text.encode()
+        self.tell(verb, len(data))
+        self.put(b"\n")
+        self.acks = 0
+        sent = 0
+        while sent < len(data):
+            room = WINDOW + self.acks * CREDIT - sent
+            if room:
+                self.put(data[sent : sent + room])
+                sent += len(data[sent : sent + room])
+            self.turn()
+            for line in self.take():
+                if line.startswith("error"):
+                    return line
+        return self.ask("end")
+
+    def load(self, text):
+        said = self.send(text, "load")
+        assert said.startswith("ok"), said
+        return int(said[3:])
+
+    def play(self, text, times=1):
+        """Load and run a file to its end."""
+        self.load(text)
+        self.tell("run", times)
+        self.until("end")
+
+    def run_ms(self, milliseconds):
+        end = self.port.now + milliseconds * 12_500
+        while self.port.now < end:
+            self.turn()
+
+    def settle(self):
+        """Until nothing moves."""
+        self.turn()
+        while self.track.live():
+            self.turn()
+
+    def picture(self):
+        """[(x, y, z, tool)] after each step."""
+        return [row[1:] for row in self.world.path]
