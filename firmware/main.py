@@ -1,11 +1,17 @@
 """Runs the machine of /board.py. Ways to the REPL: BOOTSEL or the input "repl" held at the start, Ctrl-C."""
 
 import gc
+import sys
 
 gc.threshold(16_000)  # collect while importing, so that what stays lies close together and leaves room in one piece
 
 from passo.control.board_error import BoardError
-from passo.ports.rp2.start import Start, forget
+from passo.ports.start import forget
+
+if sys.platform == "esp32":
+    from passo.ports.esp32.start import Start
+else:
+    from passo.ports.rp2.start import Start
 
 
 def checked(board):
@@ -30,11 +36,11 @@ def main():
         BOARD = None
         forget("board")
         forget("passo.control.boardfile")
+        forget("passo.control.chip_pins")
         from passo.app import App
         from passo.control.journal import FileSlots
-        from passo.ports.rp2.port import Port
 
-        port = Port(board)
+        port = start.port(board)
         app = App(board, port, slots=FileSlots("settings"))
         start.run(app, port)
     except BoardError as wrong:

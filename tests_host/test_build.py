@@ -106,6 +106,17 @@ def test_a_module_that_does_not_compile_is_named(tmp_path, firmware):
         build.build_tree(board_file(tmp_path), tmp_path / "out", firmware=firmware)
 
 
+@pytest.mark.parametrize(
+    "name, architecture",  # numbers of MicroPython's py/persistentcode.h
+    [("plotter_2014", 4), ("plotter_pico_w", 4), ("plotter_pico_2", 7), ("plotter_esp32", 10)],
+)
+def test_machine_code_is_the_chips(tmp_path, name, architecture):
+    build.build_tree(name, tmp_path)
+    assert (tmp_path / "passo" / "motion" / "line_viper.mpy").read_bytes()[2] >> 2 == architecture
+    families = {path.name for path in (tmp_path / "passo" / "ports").iterdir() if path.is_dir()}
+    assert families == {"esp32" if name == "plotter_esp32" else "rp2"}
+
+
 @pytest.mark.parametrize("name", boards.names())
 def test_every_board_builds(tmp_path, name):
     app = typer.Typer()

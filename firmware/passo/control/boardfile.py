@@ -7,6 +7,7 @@ be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
 from passo.control.board_error import BoardError
+from passo.control.chip_pins import check_link, check_pin
 from passo.steps.wiring import word_pins
 
 MUST = ...
@@ -93,7 +94,7 @@ _LINK = {
 }
 _BOARD = {
     "name": (str, MUST, 1, 32),
-    "chip": ("rp2040", "rp2350", "esp32"),
+    "chip": ("rp2040", "rp2350", "esp32", "esp32s2", "esp32s3", "esp32c3", "esp32c6"),
     "player": ("pio", "timer"),  # rp2 chips: PIO wants consecutive pins; an interrupt for every word serves any pins
     "drive": _DRIVE,
     "axes": [_AXIS, 1, 4],
@@ -219,10 +220,13 @@ def _check_pins(board):
         if pin in owners:
             raise BoardError("pin %d is claimed by %s and by %s" % (pin, owners[pin], who))
         owners[pin] = who
+        check_pin(board["chip"], pin, who, not who.startswith("input") and not who.endswith(" rx"))
+    for link in board["links"]:
+        check_link(board["chip"], link)
 
 
 def _check_order(board):
-    if board["chip"] == "esp32" or board["player"] != "pio":
+    if board["chip"].startswith("esp32") or board["player"] != "pio":
         return
     pins = word_pins(board)
     if pins != list(range(pins[0], pins[0] + len(pins))):

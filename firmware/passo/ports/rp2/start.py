@@ -1,108 +1,15 @@
-"""What surrounds the app on an RP2040: a safe start, ways back to the REPL, and what is left behind after a crash.
+"""The start on a Raspberry Pi Pico and its like."""
 
-    start = Start(board)            # a raw board file: outputs go safe here, whatever else may be wrong with it
-    if start.wanted():              # no: BOOTSEL or the input named "repl" is held, or the last run asked for the REPL
-        ...
-"""
-
-import os
-import sys
-from io import StringIO
-from time import ticks_diff, ticks_ms
-
-import machine
 import rp2
-from machine import Pin
-from micropython import alloc_emergency_exception_buf, const
 
-GRACE_MS = const(2000)  # after a reset, in which Ctrl-C still gives the REPL
-REPORT = "crash.txt"
-_PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN}
+from passo.ports import start
 
 
-def forget(name):
-    """Give back the memory of a module that only the start needs."""
-    package, _, module = name.rpartition(".")
-    del sys.modules[name]
-    if package:
-        delattr(sys.modules[package], module)
+class Start(start.Start):
+    def button(self):
+        return "BOOTSEL" if rp2.bootsel_button() else None
 
+    def port(self, board):
+        from passo.ports.rp2.port import Port
 
-def _entries(board, key):
-    entries = board.get(key)
-    return list(entries) if isinstance(entries, (list, tuple)) else []
-
-
-class Start:
-    def __init__(self, board):
-        alloc_emergency_exception_buf(100)
-        board = board if isinstance(board, dict) else {}
-        outputs = _entries(board, "outputs") + [board.get("tool"), board.get("spindle")]
-        self._outputs = outputs  # whatever stands there: it may be a board file full of errors
-        self._ways_out = [
-            entry for entry in _entries(board, "inputs") if isinstance(entry, dict) and entry.get("name") == "repl"
-        ]
-        self._since_ms = ticks_ms()
-        self.safe()
-
-    def safe(self):
-        """All outputs inactive and the tool off: drivers disabled."""
-        for entry in self._outputs:
-            try:
-                Pin(entry["pin"], Pin.OUT, value=1 - entry.get("active", 1))
-            except (TypeError, KeyError, ValueError, AttributeError):
-                continue  # the board file's check will say what is wrong
-
-    def wanted(self):
-        """False where the REPL is asked for instead of the app."""
-        if rp2.bootsel_button():
-            print("BOOTSEL is held: no app, the REPL")
-            return False
-        for entry in self._ways_out:
-            pin = Pin(entry["pin"], Pin.IN, _PULLS.get(entry.get("pull", "up")))
-            if pin.value() == entry.get("active", 1):
-                print("input repl is active: no app, the REPL")
-                return False
-        return True
-
-    def history(self):
-        """Print why the last run ended, if it did not end well."""
-        try:
-            with open(REPORT) as file:
-                print("the last run ended by:")
-                print(file.read())
-            os.rename(REPORT, "last_" + REPORT)
-        except OSError:
-            if machine.reset_cause() == machine.WDT_RESET:
-                print("the last run ended by: reset, by program or by the watchdog")
-
-    def run(self, app, port):
-        """Turn for ever; after the grace period the watchdog minds it."""
-        guarded = False
-        while True:
-            app.turn()
-            if not guarded and ticks_diff(ticks_ms(), self._since_ms) > GRACE_MS:
-                guarded = True
-                port.guard()
-
-    def end(self, app, port, error=None):
-        """Stop the machine, make all safe, and leave a report where there was an error. Nothing moves any more."""
-        try:
-            if app is not None:
-                app.stop()
-        finally:
-            if port is not None:
-                port.close()
-            self.safe()
-        if error is not None:
-            self._report(error)
-
-    def _report(self, error):
-        text = StringIO()
-        sys.print_exception(error, text)
-        print(text.getvalue())
-        try:
-            with open(REPORT, "w") as file:
-                file.write(text.getvalue())
-        except OSError as full:
-            print("no report written:", full)
+        return Port(board)

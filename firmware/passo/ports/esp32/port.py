@@ -1,0 +1,66 @@
+"""The port of the ESP32 family: its player, and the timer that feeds it.
+
+    port = Port(board)          # a checked board file
+    app = App(board, port)
+    while True:
+        app.turn()              # ends in port.wait()
+
+All callbacks are soft here: see timer_player.py for what that costs. A halting input acts once the main loop gets to
+it, usually within a millisecond, within some tens where memory is being collected: an emergency stop belongs into the
+drivers' power or enable line. Words are made every 5 ms, 30 ms ahead. The watchdog of this chip cannot be stopped: after
+the app's end a timer feeds it.
+"""
+
+from machine import Timer
+from micropython import const
+
+from passo.ports.chip_port import ChipPort
+from passo.ports.esp32.timer_player import TimerPlayer
+from passo.steps.wiring import inverted_pins, word_pins, word_times
+
+_FEED_MS = const(5)
+_LEAD_TICKS = const(30 * 12_500)
+_PLAYER_TIMER = const(0)
+_FEED_TIMER = const(1)
+_KEEP_MS = const(300)
+
+
+class Port(ChipPort):
+    def __init__(self, board):
+        """`board` is checked. Outputs go to their inactive level here."""
+        ChipPort.__init__(self, board, _LEAD_TICKS)
+
+    def watch(self, pin, handler, edge):
+        """Call `handler(pin)` soon after an edge."""
+        pin.irq(handler, edge)
+
+    def player(self, ring, layout):
+        """The player of `ring`. Once."""
+        board = self._board
+        pulse_ticks, least = word_times(board)
+        invert = inverted_pins(board, layout)
+        self._player = TimerPlayer(ring, layout, word_pins(board), pulse_ticks, least, invert, _PLAYER_TIMER)
+        return self._player
+
+    def feed_from_interrupt(self, feeder, player):
+        self._feeder = feeder
+        self._timer = Timer(_FEED_TIMER)
+        self._timer.init(mode=Timer.PERIODIC, period=_FEED_MS, callback=self._feed_and_look)
+        return True
+
+    def _feed_and_look(self, timer):
+        for item in self._halting:  # an edge is forgotten where too many callbacks are waiting
+            if self._trip is None and item.active():
+                self.trip(item)
+        self._feed(timer)
+
+    def close(self):
+        """Stop the callbacks; the watchdog, where it runs, is fed from now on. The outputs stay as they are."""
+        ChipPort.close(self)
+        if self._player is not None:
+            self._player.close()
+        if self._watchdog is not None:
+            self._timer.init(mode=Timer.PERIODIC, period=_KEEP_MS, callback=self._keep)
+
+    def _keep(self, timer):
+        self._watchdog.feed()

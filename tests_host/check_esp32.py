@@ -1,0 +1,402 @@
+"""The ESP32's port on a fake chip: the 2014 plotter's conversation, words and edges as on the virtual board, halts, stalls,
+heartbeat, watchdog; and board files that ask of a chip what it has not."""
+
+import fake_esp32
+from boards.plotter_2014 import BOARD as PICO
+from boards.plotter_esp32 import BOARD
+from check_control import copy
+from fake_esp32 import chip
+from passo.app import App
+from passo.control.boardfile import BoardError, check
+from passo.protocols import errors
+from passo.protocols.plotter import COMMANDS, packet, status_from
+from passo.steps.wiring import word_pins
+from passo.steps.word import Layout
+from table import Machine, Table
+
+CASES = {
+    "check_intervals": (
+        ("words", "list", 40, ("ticks", 2500, 60_000), ("levels", 0, 31)), ("stall_at", 0, 40), ("stall_us", 0, 30_000),
+    ),
+    "check_halt_anywhere": (("ms", 1, 1500),),
+}
+RUNS = {"check_intervals": 40, "check_halt_anywhere": 6}
+SQUARE = (("MOVE", 644, 314), ("LINE", 644, 454), ("LINE", 884, 454), ("LINE", 884, 314), ("LINE", 644, 314))
+EDGE_US = 25  # an edge's place against its word: the player's slack, and the clock's own questions
+
+
+class Board:
+    """The firmware on the fake chip, wired to the table."""
+
+    def __init__(self, board=None, table=None):
+        chip.reset()
+        self.board = check(board or BOARD)
+        self.port = fake_esp32.port.Port(self.board)
+        self.app = App(self.board, self.port)
+        self.player = self.app.player
+        self.table = table or Merging()
+        chip.name_inputs(self.board)
+        chip.wire(self.table, word_pins(self.board), self.app.layout)
+        self.uart = chip.uarts[2]
+
+    def turns(self, count):
+        for _ in range(count):
+            self.app.turn()
+
+    def ask(self, name, x=0, y=0, turns=100_000):
+        self.uart.incoming += packet(COMMANDS[name], x, y)
+        while turns and not self.uart.outgoing:
+            self.app.turn()
+            turns -= 1
+        data = self.uart.outgoing
+        self.uart.outgoing = b""
+        return data
+
+
+class Merging(Table):
+    """A word's pins change in two writes, a microsecond apart: one step for a rotor."""
+
+    _last = -1000
+
+    def edges(self, tick, levels, changed):
+        before = len(self.path) if self.path is not None else 0
+        Table.edges(self, tick, levels, changed)
+        if before and len(self.path) > before:
+            if tick - self._last < EDGE_US * 25 // 2:
+                self.path.pop(-2)
+            self._last = tick
+
+
+class Published:
+    """Collects the words that a feeder publishes from now on."""
+
+    def __init__(self, app):
+        self.words = []
+        ring = app.ring
+        publish = ring.publish
+
+        def spy(count):
+            for i in range(count):
+                self.words.append(ring.words[(ring.head + i) & ring.mask])
+            publish(count)
+
+        ring.publish = spy
+
+
+def square(machine, app):
+    """Home, draw the square; the words of it."""
+    answers = machine.ask("REQUEST") + machine.ask("ORIGIN") + machine.ask("SPEED", 1000)
+    published = Published(app)
+    machine.table.path = []
+    for name, x, y in SQUARE:
+        answers += machine.ask(name, x, y)
+    answers += machine.ask("END")
+    assert answers == b"kosnnnnnd"
+    return published.words
+
+
+def check_the_conversation_of_2014_is_that_of_the_virtual_board():
+    """Every answer, every word and every place; and each edge at its word's time."""
+    virtual = Machine()
+    wanted = square(virtual, virtual.app)
+    board = Board()
+    words = square(board, board.app)
+    assert words == wanted
+    assert board.table.path == virtual.table.path and len(board.table.path) >= 1404
+    assert board.app.controller.position() == [644, 314]
+    assert board.player.late == 0
+    due = first = 0
+    before = None
+    edges = settled(chip.edges)
+    at = len(edges) - changes(words, board.app.layout.levels_mask)
+    for word in words:
+        levels = word & board.app.layout.levels_mask
+        if before is not None and levels != before:
+            us, seen = edges[at]
+            first = first or us - due * 2 // 25
+            assert seen == levels and abs(us - first - due * 2 // 25) <= EDGE_US
+            at += 1
+        before = levels
+        due += word >> board.app.layout.bits
+    assert at == len(edges)
+
+
+def changes(words, mask):
+    return len([i for i in range(1, len(words)) if (words[i] ^ words[i - 1]) & mask])
+
+
+def settled(edges):
+    """The edges, those of one word taken together."""
+    kept = []
+    for i in range(len(edges)):
+        if i + 1 == len(edges) or edges[i + 1][0] - edges[i][0] > 5:
+            kept.append(edges[i])
+    return kept
+
+
+def bench(pins, pulse_ticks=0, invert=0):
+    """A player with a ring of its own, its levels on `pins`."""
+    from passo.steps.ring import Ring
+
+    chip.reset()
+    half = len(pins) // 2
+    layout = Layout("step_dir", half, 2 * half, ["p%d" % pin for pin in pins[:-1]], (1 << half) - 1)
+    ring = Ring()
+    player = fake_esp32.timer_player.TimerPlayer(ring, layout, pins, pulse_ticks, 100, invert)
+    chip.wire(Silent(), pins, layout)
+    return ring, player, layout
+
+
+class Silent:
+    def attach(self, tick, names, levels):
+        pass
+
+    def edges(self, tick, levels, changed):
+        pass
+
+
+def put(ring, layout, words):
+    for ticks, levels in words:
+        ring.words[ring.head & ring.mask] = ticks << layout.bits | levels
+        ring.publish(1)
+
+
+def check_intervals(words, stall_at, stall_us):
+    """Edges keep their words' times; after a stall no interval is shorter than its word, less the slack, and no level is
+    left out."""
+    words = [(ticks, levels) for ticks, levels in words]
+    ring, player, layout = bench((4, 32, 13, 33, 2))
+    seen = []
+    play = player._play
+
+    def spy():
+        seen.append((chip.now, ring.words[player.played() & ring.mask] & 31))
+        play()
+        assert chip.levels() == seen[-1][1] & ~layout.pulse_mask or not player._pulse_us
+
+    player._play = spy
+    put(ring, layout, words)
+    player.start()
+    stalled = False
+    while player.busy():
+        chip.sleep_ms(1)
+        if not stalled and player.played() >= stall_at:
+            stalled = True
+            chip.stall(stall_us)
+    assert [levels for _, levels in seen] == [levels for _, levels in words]
+    assert player.played() == len(words) == ring.head
+    due = 0
+    for i in range(1, len(seen)):
+        due += words[i - 1][0]
+        least = words[i - 1][0] * 2 // 25
+        assert seen[i][0] - seen[i - 1][0] >= least - EDGE_US
+        if not player.late:
+            assert abs(seen[i][0] - seen[0][0] - due * 2 // 25) <= EDGE_US
+    assert stall_us > 20 or player.late == 0
+
+
+def check_pulses_and_polarity():
+    """STEP pulses last as long as they should, DIR and tool keep their levels, inverted pins are the other way round."""
+    for invert in (0, 0b00011, 0b10100):
+        ring, player, layout = bench((18, 19, 21, 33, 32), 100, invert)
+        assert chip.levels() == invert
+        put(ring, layout, ((5000, 0b10111), (5000, 0b00001), (2500, 0)))
+        player.start()
+        while player.busy():
+            chip.sleep_ms(1)
+        seen = [levels ^ invert for _, levels in chip.edges]
+        kept = [levels for i, levels in enumerate(seen) if i == 0 or seen[i - 1] != levels]
+        high = [chip.edges[i][0] for i in range(len(seen)) if seen[i] & 1]
+        assert kept[-1] == 0 and 0b10111 in kept and 0b10100 in kept and 0b00001 in kept
+        low = [us for us, levels in chip.edges if us > high[0] and not (levels ^ invert) & 1]
+        assert 8 <= low[0] - high[0] <= 12
+        assert player.played() == 3
+        player.rest(0b10100)
+        assert chip.levels() ^ invert == 0b10100
+        player.halt()
+        assert chip.levels() ^ invert == 0b00100
+
+
+def check_stop_hold_and_start():
+    ring, player, layout = bench((18, 19, 21, 33, 32))
+    put(ring, layout, [(5000, 4)] * 10)
+    player.hold(True)
+    player.start()
+    assert not player.busy()
+    player.hold(False)
+    player.start()
+    player.start()
+    chip.sleep_ms(1)
+    player.stop()
+    played = player.played()
+    chip.sleep_ms(5)
+    assert not player.busy() and player.played() <= played + 1
+    player.start()
+    while player.busy():
+        chip.sleep_ms(1)
+    assert player.played() == 10
+    assert chip.timers[0].callback is None or not player.busy()
+
+
+def check_halt_anywhere(ms):
+    """STOP at any moment: the place reported is the table's, the pen is up, and the machine goes on."""
+    board = Board()
+    board.ask("ORIGIN")
+    zero = board.table.place[:]
+    for name, x, y in (("MOVE", 50, 40), ("LINE", 50, 90), ("LINE", 110, 90)):
+        assert board.ask(name, x, y) == b"n"
+    board.uart.incoming += packet(COMMANDS["END"])
+    board.turns(ms)
+    board.uart.outgoing = b""
+    assert board.ask("STOP") == b"d"
+    board.turns(100)
+    board.uart.outgoing = b""
+    status = status_from(board.ask("STATUS"))
+    place = [board.table.place[axis] - zero[axis] for axis in range(2)]
+    assert [status["x"], status["y"]] == place == board.app.controller.position()
+    assert board.table.pen == 0 and status["state"] == "idle"
+    assert board.ask("LINE", 60, 60) + board.ask("END") == b"nd"
+    assert board.app.controller.position() == [60, 60]
+
+
+def check_a_halting_input():
+    """Seen by its callback, or where that was lost by the feeder's next turn: nothing steps any more, alarm."""
+    for callback in (True, False):
+        data = copy(BOARD)
+        data["inputs"].append({"name": "stop", "pin": 13, "active": 0, "pull": "up", "halt": True})
+        board = Board(data, Switched())
+        board.ask("MOVE", 900, 0)
+        board.uart.incoming += packet(COMMANDS["END"])
+        board.turns(400)
+        board.table.level = 0
+        if callback:
+            pin = fake_esp32.Pin(13)
+            chip.irqs[13](pin)
+            steps = board.table.steps
+            chip.sleep_ms(50)
+            assert board.table.steps == steps
+        else:
+            chip.sleep_ms(6)
+            steps = board.table.steps
+        board.turns(100)
+        assert board.table.steps == steps > 10
+        assert board.app.controller.alarm == errors.ALARM_HARD_LIMIT
+        assert board.app.controller.log.entries[-1][2] == "stop"
+
+
+class Switched(Table):
+    level = 1
+
+    def input(self, tick, name):
+        return self.level if name == "stop" else Table.input(self, tick, name)
+
+
+def check_a_main_loop_that_hangs():
+    """Words end within 30 ms of the heartbeat's loss, and the watchdog resets the chip."""
+    board = Board()
+    board.ask("MOVE", 3000, 0)
+    board.uart.incoming += packet(COMMANDS["END"])
+    board.turns(300)
+    board.port.guard()
+    assert board.table.steps > 20
+    chip.sleep_ms(400)
+    steps = board.table.steps
+    chip.sleep_ms(300)
+    assert board.table.steps == steps and board.app.feeder.hold
+    board.turns(2)
+    assert not board.app.feeder.hold
+    while board.app.controller.busy():
+        board.turns(1)
+    assert board.app.controller.position() == [3000, 0]
+    try:
+        chip.sleep_ms(1500)
+    except SystemExit:
+        return
+    raise AssertionError("no watchdog")
+
+
+def check_the_end_lets_go():
+    """After the app's end nothing plays, and the watchdog, which cannot be stopped, is fed."""
+    board = Board()
+    board.ask("MOVE", 3000, 0)
+    board.uart.incoming += packet(COMMANDS["END"])
+    board.turns(300)
+    board.port.guard()
+    begin = fake_esp32.start.Start(BOARD)
+    begin.end(board.app, board.port)
+    steps = board.table.steps
+    assert chip.levels() == 0
+    for _ in range(10):
+        chip.sleep_ms(1000)
+    assert board.table.steps == steps
+
+
+def check_the_start_is_safe():
+    """Outputs inactive before anything else, whatever the board file says; the named input leads to the REPL."""
+    chip.reset()
+    data = copy(BOARD)
+    data["outputs"] = [{"name": "enable", "pin": 13, "active": 0}, {"name": "lost"}, {"name": "nowhere", "pin": 99}, 7]
+    data["tool"] = {"pin": 26, "active": 1}
+    fake_esp32.start.Start(data)
+    assert chip.level[13] == 1 and chip.level[26] == 0
+    chip.level[0] = 0
+    assert not fake_esp32.start.Start(data).wanted()
+    chip.level[0] = 1
+    begin = fake_esp32.start.Start(data)
+    assert begin.wanted()
+    assert isinstance(begin.port(check(BOARD)), fake_esp32.port.Port)
+    fake_esp32.start.Start(None)
+
+
+def check_registers_of_each_chip():
+    from passo.ports.esp32 import chip as registers
+
+    base = registers.gpio_base
+    for machine, address in (
+        ("ESP32S3 module (spiram) with ESP32S3", 0x60004000), ("ESP32C3 module with ESP32C3", 0x60004000),
+        ("ESP32-S2 module with ESP32-S2FN4R2", 0x3F404000), ("ESP32C6 module with ESP32C6", 0x60091000),
+    ):
+        assert base(machine) == address
+    assert base() == 0x3FF44000
+    try:
+        base("Raspberry Pi Pico with RP2040")
+    except ValueError:
+        return
+    raise AssertionError("accepted")
+
+
+def check_board_files_of_the_wrong_chip():
+    """One clear line each, before any pin is touched."""
+    for source, path, value, words in (
+        (BOARD, ("chip",), "esp8266", ("chip", "esp8266", "esp32")),
+        (BOARD, ("axes", 0, "pins"), [16, 17, 18, 34], ("axis x", "pin 34", "esp32", "only be an input")),
+        (BOARD, ("axes", 0, "pins"), [16, 17, 18, 6], ("axis x", "no pin 6")),
+        (BOARD, ("tool", "pin"), 20, ("tool", "no pin 20", "32 … 39")),
+        (BOARD, ("links", 0, "port"), "uart0", ("link pc", "console", "usb")),
+        (BOARD, ("links", 0, "port"), "uart3", ("link pc", "uart3", "uart2")),
+        (BOARD, ("links", 0, "tx"), 35, ("link pc tx", "pin 35", "only be an input")),
+        (BOARD, ("chip",), "esp32c3", ("no pin 16", "18 … 21")),
+        (BOARD, ("chip",), "rp2040", ("no pin 32", "0 … 29")),
+        (PICO, ("chip",), "esp32", ("no pin 6",)),
+        (PICO, ("tool", "pin"), 30, ("tool", "rp2040", "no pin 30")),
+        (PICO, ("links", 0, "tx"), 4, ("link pc", "tx of uart0", "12, 16 or 28", "not 4")),
+        (PICO, ("links", 0, "port"), "uart2", ("link pc", "uart2", "uart1")),
+    ):
+        board = copy(source)
+        part = board
+        for key in path[:-1]:
+            part = part[key]
+        part[path[-1]] = value
+        if path == ("links", 0, "tx"):
+            board["axes"][0]["pins"] = [22, 26, 27, 20] if source is PICO else board["axes"][0]["pins"]
+        try:
+            check(board)
+        except BoardError as error:
+            for word in words:
+                assert word in str(error), str(error)
+            assert "\n" not in str(error)
+            continue
+        raise AssertionError("accepted: %r %r" % (path, value))
+    board = copy(BOARD)
+    board["inputs"][1]["pin"] = 34  # an input may be there
+    check(board)

@@ -1,0 +1,265 @@
+"""An ESP32 for the tests: `machine` and `time` in virtual microseconds, pins that a world is wired to, soft callbacks.
+
+    chip = fake_esp32.chip                  # one for all, as there is one `machine`; chip.reset() before each test
+    port_module = fake_esp32.port           # passo.ports.esp32.port, imported with the fakes in place
+    chip.wire(world, pins, layout)
+    chip.stall(20_000)                      # 20 ms in which no callback comes: a garbage collection
+
+Every question for the time takes a microsecond. Callbacks come while the main loop sleeps, in the order of their timers,
+each once however often its timer has gone off meanwhile, and never inside each other. Runs under CPython and MicroPython.
+"""
+
+import sys
+
+import micropython
+
+_MASK = 0x3FFFFFFF
+_BASE = 0x3FF44000
+_MACHINE = "Generic ESP32 module with ESP32"
+INPUT_ONLY = (34, 39)
+
+
+class Chip:
+    def __init__(self):
+        self.reset()
+
+    def reset(self):
+        self.now = 0
+        self.timers = {}
+        self.uarts = {}
+        self.level = {}  # of each pin by number
+        self.out = set()
+        self.irqs = {}
+        self.edges = []  # (µs, levels) of the wired pins after each change
+        self.watchdog = None
+        self.pwm = {}
+        self.cause = 1
+        self._world = None
+        self._inside = False
+        self._inputs = {}
+
+    # --- time
+
+    def ticks_us(self):
+        self.now += 1
+        return self.now & _MASK
+
+    def ticks_ms(self):
+        self.now += 1
+        return self.now // 1000 & _MASK
+
+    def sleep_ms(self, ms):
+        end = self.now + ms * 1000
+        while True:
+            timer = self._next()
+            if timer is None or timer.due > end:
+                break
+            self.now = max(self.now, timer.due)
+            timer.due += timer.period
+            if timer.due <= self.now:  # its call stands in the queue already
+                timer.due = self.now + 1
+            self._inside = True
+            timer.callback(timer)
+            self._inside = False
+        self.now = max(self.now, end)
+        if self.watchdog is not None and self.now > self.watchdog.end:
+            raise SystemExit("the watchdog has reset the chip")
+
+    def stall(self, us):
+        """Time in which nothing runs."""
+        self.now += us
+
+    def _next(self):
+        first = None
+        for timer in self.timers.values():
+            if timer.callback is not None and (first is None or timer.due < first.due):
+                first = timer
+        return first
+
+    # --- pins
+
+    def wire(self, world, pins, layout):
+        """`pins` of the word's bits go to the world's edges(); its inputs answer by name: see name_inputs()."""
+        self._world, self._wired = world, pins
+        self.edges = [(self.now, self.levels())]
+        world.attach(0, layout.pin_names, self.levels())
+
+    def name_inputs(self, board):
+        self._inputs = {item["pin"]: item["name"] for item in board["inputs"]}
+
+    def levels(self):
+        levels = 0
+        for bit in range(len(self._wired)):
+            levels |= self.level.get(self._wired[bit], 0) << bit
+        return levels
+
+    def drive(self, changes):
+        """{pin: level} at once; pins that are no outputs keep what they have."""
+        for pin, level in changes.items():
+            if pin in self.out:
+                self.level[pin] = level
+        if self._world is None:
+            return
+        levels = self.levels()
+        before = self.edges[-1][1]
+        if levels != before:
+            self.edges.append((self.now, levels))
+            self._world.edges(self.now * 25 // 2, levels, levels ^ before)
+
+    def read(self, pin):
+        if pin in self.out:
+            return self.level.get(pin, 0)
+        if self._world is not None and pin in self._inputs:
+            return self._world.input(self.now * 25 // 2, self._inputs[pin])
+        return self.level.get(pin, 0)
+
+
+chip = Chip()
+
+
+class Pin:
+    IN, OUT, PULL_UP, PULL_DOWN, IRQ_RISING, IRQ_FALLING = 1, 3, 2, 1, 1, 2
+
+    def __init__(self, number, mode=None, pull=None, value=None):
+        if number in (20, 24, 28, 29, 30, 31) or not 0 <= number <= 39:
+            raise ValueError("invalid pin")
+        self.number = number
+        if mode == Pin.OUT:
+            if INPUT_ONLY[0] <= number <= INPUT_ONLY[1]:
+                raise ValueError("pin can only be input")
+            chip.out.add(number)
+        elif mode == Pin.IN:
+            chip.out.discard(number)
+        if value is not None:
+            chip.drive({number: value})
+
+    def value(self, level=None):
+        if level is None:
+            return chip.read(self.number)
+        chip.drive({self.number: 1 if level else 0})
+
+    def irq(self, handler=None, trigger=3):
+        chip.irqs[self.number] = handler
+
+
+class Mem32:
+    def __setitem__(self, address, value):
+        assert 0 <= value < 1 << 32
+        register = address - _BASE
+        assert register in (0x08, 0x0C, 0x14, 0x18), hex(address)
+        first = 32 if register >= 0x14 else 0
+        level = 1 if register in (0x08, 0x14) else 0
+        chip.drive({first + bit: level for bit in range(32) if value >> bit & 1})
+
+
+class Timer:
+    PERIODIC, ONE_SHOT = 1, 0
+
+    def __init__(self, number):
+        assert 0 <= number < 4
+        self.callback = None
+        self.due = self.period = 0
+        chip.timers[number] = self
+
+    def init(self, mode=1, period=0, tick_hz=1000, callback=None):
+        assert mode == Timer.PERIODIC and period > 0
+        self.period = period * 1_000_000 // tick_hz
+        self.due = chip.now + self.period
+        self.callback = callback
+
+    def deinit(self):
+        self.callback = None
+
+
+class UART:
+    def __init__(self, number, baud, tx=None, rx=None, rxbuf=0, txbuf=0):
+        assert number in (1, 2) and isinstance(tx, Pin) and isinstance(rx, Pin)
+        self.incoming = self.outgoing = b""
+        chip.uarts[number] = self
+
+    def any(self):
+        return len(self.incoming)
+
+    def read(self):
+        data = self.incoming
+        self.incoming = b""
+        return data or None
+
+    def write(self, data):
+        self.outgoing += bytes(data)
+
+    def deinit(self):
+        pass
+
+
+class WDT:
+    def __init__(self, timeout=5000):
+        assert timeout >= 1000, "in whole seconds"
+        self.timeout = timeout * 1000
+        chip.watchdog = self
+        self.feed()
+
+    def feed(self):
+        self.end = chip.now + self.timeout
+
+
+class PWM:
+    def __init__(self, pin, freq=0, duty_u16=0):
+        chip.pwm[pin.number] = duty_u16
+        self._pin = pin.number
+
+    def duty_u16(self, duty):
+        chip.pwm[self._pin] = duty
+
+
+class Module:
+    """A module of these names; a class, because MicroPython cannot make modules."""
+
+
+def _module(**names):
+    module = Module()
+    for name in names:
+        setattr(module, name, names[name])
+    return module
+
+
+def ticks_diff(after, before):
+    return ((after - before + 0x20000000) & _MASK) - 0x20000000
+
+
+def ticks_add(ticks, delta):
+    return (ticks + delta) & _MASK
+
+
+def _import_port():
+    """Import the ESP32's room with the fakes in the place of the chip's modules, and put back what was there."""
+    machine = _module(
+        Pin=Pin, PWM=PWM, WDT=WDT, UART=UART, Timer=Timer, mem32=Mem32(), reset_cause=lambda: chip.cause, WDT_RESET=3
+    )
+    clock = _module(
+        ticks_us=lambda: chip.ticks_us(), ticks_ms=lambda: chip.ticks_ms(), sleep_ms=lambda ms: chip.sleep_ms(ms),
+        ticks_diff=ticks_diff, ticks_add=ticks_add,
+    )  # fmt: skip
+    fakes = {"machine": machine, "time": clock}
+    if not hasattr(micropython, "alloc_emergency_exception_buf"):  # the unix port has none
+        fakes["micropython"] = _module(
+            const=micropython.const, kbd_intr=micropython.kbd_intr, alloc_emergency_exception_buf=lambda size: None
+        )
+    before = {name: sys.modules.get(name) for name in fakes}
+    sys.modules.update(fakes)
+    try:
+        from passo.ports.esp32 import chip as registers
+
+        base = registers.gpio_base
+        registers.gpio_base = lambda machine=_MACHINE: base(machine)
+        from passo.ports.esp32 import port, start, timer_player
+    finally:
+        for name in before:
+            if before[name] is None:
+                del sys.modules[name]
+            else:
+                sys.modules[name] = before[name]
+    return port, start, timer_player
+
+
+port, start, timer_player = _import_port()
