@@ -1,11 +1,13 @@
 """The grbl link on the whole firmware: every `$`, every real-time byte, every alarm, both flow controls, and noise."""
 
+from boards.router_3axis import BOARD
+from passo.control.journal import MemorySlots
 from passo.protocols import errors
 from passo.protocols.grbl import plain_text, real_time
 from passo.protocols.grbl_report import decimal
 from check_gcode import ALPHABET, GOOD
 from draws import Random
-from router import PULL_OFF, Machine, answers
+from router import PULL_OFF, Machine, World, answers
 
 CASES = {
     "check_noise_is_answered_line_by_line": (("seed", "seed"),),
@@ -397,7 +399,7 @@ def check_homing():
     machine.turns(5)
     machine.put(b"\x84")
     said = machine.turns(4)
-    assert said == ["ALARM:7", "error:9"]
+    assert said == ["[MSG:Check Door]", "ALARM:7", "error:9"]
 
 
 def check_homing_alarms():
@@ -501,6 +503,128 @@ def check_door():
     machine.put(b"~")
     machine.turns(3)
     assert machine.status()["state"] == "Idle"
+
+
+def check_door_at_rest():
+    """Said each time it opens; neither unlocked nor homed while it is; after a reset the machine waits for it."""
+    machine = Machine()
+    machine.said()
+    machine.world.switches["door"] = 0
+    assert machine.turns(10) == ["[MSG:Check Door]"]
+    assert machine.ask("$X") == ["error:13"] and machine.ask("$H") == ["error:13"]
+    machine.world.switches["door"] = 1
+    machine.turns(10)
+    assert machine.ask("$X") == ["[MSG:Caution: Unlocked]", "ok"]
+    machine.world.switches["door"] = 0
+    assert machine.turns(10) == ["[MSG:Check Door]"]
+    machine.put(b"\x18")
+    assert machine.turns(10) == [BANNER, "[MSG:Check Door]"]
+    assert machine.status()["state"] == "Door:1"
+    assert machine.ask("G0 X1") == ["ok"]
+    machine.world.switches["door"] = 1
+    machine.turns(10)
+    assert machine.world.steps == 0
+    machine.put(b"~")
+    machine.settle()
+    assert machine.controller.position() == [320, 0, 0] and machine.status()["state"] == "Idle"
+
+
+def check_limits_at_the_start():
+    """An active limit is said and locks, where limits are watched."""
+    machine = Machine().ready()
+    machine.world.switches["limit_x"] = 1
+    machine.put(b"\x18")
+    assert machine.turns(3) == [BANNER]
+    machine.do("$21=1")
+    machine.put(b"\x18")
+    assert machine.turns(3) == [BANNER, UNHOMED, "[MSG:Check Limits]"]
+    assert machine.ask("G0 X1") == ["error:9"]
+    again = Machine(World(start=(-1, 100, -100)), machine.slots)
+    assert again.turns(2)[-1] == "[MSG:Check Limits]"
+
+
+BUTTONS = [{"name": name, "pin": 20 + pin, "active": 0} for pin, name in enumerate(("hold", "resume", "reset"))]
+
+
+def check_buttons():
+    """Inputs named hold, resume and reset do what the bytes do, and show in Pn; noise shorter than $26 does nothing."""
+    machine = Machine(inputs=BUTTONS + BOARD["inputs"])
+    for name in ("hold", "resume", "reset"):
+        machine.world.switches[name] = 1
+    machine.turns(3)
+    machine.ready()
+
+    def press(name):
+        machine.world.switches[name] = 0
+        said = machine.turns(10)
+        pins = machine.status()["Pn"]
+        machine.world.switches[name] = 1
+        return [pins] + said + machine.turns(10)
+
+    machine.do("G1 X20 F3000")
+    machine.turns(10)
+    assert press("hold") == ["H"]
+    machine.turns(60)
+    assert machine.status()["state"] == "Hold:0" and 0 < machine.controller.position()[0] < 6400
+    assert press("resume") == ["S"]
+    machine.turns(5)
+    assert machine.status()["state"] == "Run"
+    machine.settle()
+    assert machine.controller.position()[0] == 6400
+    assert press("reset") == ["R", BANNER]
+    machine.do("$26=200", "G1 X0 F600")
+    machine.world.switches["hold"] = 0
+    machine.turns(1)
+    machine.world.switches["hold"] = 1
+    machine.turns(10)
+    assert machine.status()["state"] == "Run"
+
+
+def check_damaged_settings_are_told():
+    slots = MemorySlots()
+    slots.data = [b"passo 1 7 00000000\n110=500", b"\xff" * 40]
+    machine = Machine(slots=slots)
+    assert machine.turns(1) == ["error:7", BANNER, UNHOMED]
+    machine.ready().do("$110=600")
+    machine.put(b"\x18")
+    assert machine.turns(3) == [BANNER]
+    assert Machine(slots=slots).turns(1) == [BANNER, UNHOMED]
+
+
+def check_settings_that_cannot_be_kept():
+    machine = Machine().ready()
+
+    def full(slot, data):
+        raise OSError(28)
+
+    machine.slots.write = full
+    assert machine.ask("$110=600") == ["error:7"]
+
+
+def check_texts_too_long():
+    """No line of 80 characters holds one; what else asks for it is refused."""
+    machine = Machine(links=BOARD["links"][:1]).ready()
+    system = machine.app.links[0].protocol._system
+    assert system.execute("$I=" + "A" * 81) == errors.START_LINE_TOO_LONG
+    assert system.execute("$N0=" + "G4P0(" + "A" * 80 + ")") == errors.START_LINE_TOO_LONG
+    assert machine.ask("$N0")[-1] == "error:3" and machine.ask("$N")[0] == "$N0="
+
+
+def check_inverted_inputs_and_pulses():
+    """$5 and $6 turn limits and probe round, $2 the pulses and $0 their length, with the next start."""
+    machine = Machine(slots=MemorySlots()).ready()
+    machine.do("$5=1", "$6=1")
+    assert machine.status()["Pn"] == "XYZP"
+    machine.world.switches.update({"limit_x": 0, "limit_y": 1, "limit_z": 1, "probe": 0})
+    assert machine.status()["Pn"] == "X"
+    assert machine.world.rest == 0 and machine.app.player.min_word_ticks == 76
+    machine.do("$5=0", "$6=0", "$2=5", "$0=10")
+    again = Machine(slots=machine.slots).ready()
+    assert again.world.rest == 0b101 and again.app.player.min_word_ticks == 250
+    again.do("G0 X1 Y1 Z1")
+    again.settle()
+    assert again.controller.position() == [320, 320, 400]
+    assert [at - by for at, by in zip(again.world.place, (3000, 2500, -1800))] == [320, 320, 400]
 
 
 def check_operator_pauses():

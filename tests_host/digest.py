@@ -1,17 +1,19 @@
 """The digest of a job: SHA-256 over its step words, the same on every interpreter.
 
-    MICROPYPATH=firmware:tests_host:. micropython tests_host/digest.py job.bin [board]
+    MICROPYPATH=firmware:tests_host:. micropython tests_host/digest.py job.bin|job.gcode [board [steps/mm]]
 
-`job.bin` holds the packets a host sends, one after the other as they are answered, to a machine that is not homed;
-what the feeder makes is taken from the ring at once. Prints the digest, the number of words and how many of them step.
+`job.bin` holds the packets a host sends, `job.gcode` lines of G-code, one after the other as they are answered, to a
+machine that is not homed; what the feeder makes is taken from the ring at once. Prints the digest, the number of words
+and how many of them step; of G-code also a checksum of the marks of power, and how many lines were refused. A board
+with fewer steps/mm, on all axes, makes a large job quicker.
 """
 
 import hashlib
 import sys
+from binascii import crc32
 
 from passo.app import App
 from passo.control.boardfile import check
-from passo.protocols.plotter import PACKET
 from passo.steps.word import COUNT_MASK
 
 SILENT_TURNS = 40  # of 1 ms: longer than a link's gap and the motors' waking
@@ -22,8 +24,10 @@ class Sink:
 
     min_word_ticks = 50
 
-    def __init__(self):
-        self.words = self.stepping = 0
+    def __init__(self, counts=True):
+        """`counts` False: words are not looked at one by one, which takes its time on a board."""
+        self._counts = counts
+        self.words = self.stepping = self.marks = 0
         self.incoming = b""
         self.outgoing = b""
         self._ms = 0
@@ -38,17 +42,30 @@ class Sink:
 
     def start(self):
         ring = self._ring
-        mask = self._layout.levels_mask & ~self._layout.tool_mask
-        data = bytearray()
         while self._played != ring.head:
-            word = ring.words[self._played & ring.mask]
-            data += bytes((word & 255, word >> 8 & 255, word >> 16 & 255, word >> 24))
-            levels = word & mask
+            at = self._played & ring.mask
+            count = min((ring.head - self._played) & COUNT_MASK, ring.size - at)
+            self._hash.update(memoryview(ring.words)[at : at + count])
+            if self._counts:
+                self._count_steps(at, count)
+            while (ring.power.next() - self._played) & COUNT_MASK < count and ring.power.next() >= 0:
+                self._mark(ring.power.next())
+            self._played = (self._played + count) & COUNT_MASK
+            self.words += count
+
+    def _count_steps(self, at, count):
+        mask = self._layout.levels_mask & ~self._layout.tool_mask
+        words = self._ring.words
+        for place in range(at, at + count):
+            levels = words[place] & mask
             self.stepping += 1 if self._steps(levels) else 0
             self._before = levels
-            self._played = (self._played + 1) & COUNT_MASK
-            self.words += 1
-        self._hash.update(data)
+
+    def _mark(self, word):
+        power = self._ring.power
+        power.play((word + 1) & COUNT_MASK)
+        words = self.words + ((word - self._played) & COUNT_MASK)
+        self.marks = crc32(b"%d %d" % (words, power.level), self.marks) & 0xFFFFFFFF
 
     def _steps(self, levels):
         if self._layout.pulse_mask:
@@ -97,6 +114,9 @@ class Sink:
     def output(self, name, on):
         pass
 
+    def power(self, level):
+        pass
+
     def machine_ms(self):
         return self._ms
 
@@ -108,6 +128,8 @@ class Sink:
 
 def digest(board, job):
     """Play `job` (a file of packets, open for reading) on `board`; returns the Sink."""
+    from passo.protocols.plotter import PACKET
+
     port = Sink()
     app = App(check(board), port)
     while True:
@@ -121,11 +143,50 @@ def digest(board, job):
             silent = 0 if app.controller.busy() else silent + 1
 
 
+def digest_lines(board, job, counts=True):
+    """Carry out `job` (a file of G-code, open for reading) on `board`; returns the Sink and how many lines were refused.
+
+    A line that has waited long enough is one for the operator: the pause is resumed.
+    """
+    port = Sink(counts)
+    app = App(check(board), port)
+    refused = 0
+    line = b"$X"
+    while line:
+        port.incoming += line.strip() + b"\n"
+        port.outgoing = b""
+        while not (b"ok" in port.outgoing or b"error" in port.outgoing):
+            if app.controller.state == "hold":
+                port.incoming += b"~"
+            app.turn()
+        refused += b"error" in port.outgoing
+        line = job.readline()
+    silent = 0
+    while silent < SILENT_TURNS:
+        app.turn()
+        silent = 0 if app.controller.busy() else silent + 1
+    return port, refused
+
+
+def board_named(name):
+    return getattr(__import__("boards." + name), name).BOARD
+
+
+def show_lines(path, name="router_3axis", steps_mm=None, counts=True):
+    """Print the digest of a file of G-code; where `counts` is False, 0 instead of how many words step."""
+    board = board_named(name)
+    for axis in board["axes"] if steps_mm else ():
+        axis["steps_per_m"] = int(steps_mm) * 1000
+    with open(path, "rb") as job:
+        port, refused = digest_lines(board, job, counts)
+    print(port.hexdigest(), port.words, port.stepping, "%08x" % port.marks, refused)
+
+
 def main(arguments):
-    name = arguments[1] if len(arguments) > 1 else "plotter_2014"
-    board = getattr(__import__("boards." + name), name).BOARD
+    if arguments[0].endswith(".gcode"):
+        return show_lines(*arguments)
     with open(arguments[0], "rb") as job:
-        port = digest(board, job)
+        port = digest(board_named(arguments[1] if len(arguments) > 1 else "plotter_2014"), job)
     print(port.hexdigest(), port.words, port.stepping)
 
 

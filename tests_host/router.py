@@ -35,6 +35,7 @@ class World:
 
     def attach(self, tick, names, levels):
         self.names = names
+        self.rest = levels
         self._step = [1 << names.index(axis + "_step") for axis in "xyz"]
         self._dir = [1 << names.index(axis + "_dir") for axis in "xyz"]
         self._tool = 1 << names.index("tool")

@@ -1,7 +1,9 @@
-"""The step words of `make run`'s drawings: the same digest under CPython and MicroPython, and the same as ever.
+"""The step words of drawings and programmes: the same digest under CPython and MicroPython, and the same as ever.
 
-tests_host/golden/digests.txt holds `name digest words stepping` of the five objects. If a change of the words is meant,
-write the new lines there; to see what changed, compare `passo plot` of two traces, or print the words in `Sink.start`.
+tests_host/golden/digests.txt holds `name digest words stepping` of the five objects of `make run`; gcode_digests.txt
+holds `name digest words stepping marks refused` of programmes.py and of the corpus. If a change of the words is meant,
+write the new lines there: PASSO_GOLDEN=write does it for the G-code. To see what changed, compare `passo plot` of two
+traces, or print the words in `Sink.start`.
 """
 
 import os
@@ -14,9 +16,12 @@ import pytest
 from host_tools import run
 from host_tools.objects import objects
 from passo.protocols.plotter import COMMANDS, packet
+from programmes import programmes
 from test_micropython import MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 
 GOLDEN = TESTS / "golden" / "digests.txt"
+GCODE_GOLDEN = TESTS / "golden" / "gcode_digests.txt"
+CORPUS_STEPS_MM = 10  # instead of the router's 320: its files are large
 SHIMS = ROOT / "host_tools" / "shims"
 
 
@@ -30,11 +35,28 @@ def job_of(drawings):
     return data
 
 
-def digest(program, job):
-    """(hex digest, words, stepping words) of a job's file, as `program` computes them."""
+def golden_of_gcode():
+    """{name: [digest, words, stepping, marks, refused]}"""
+    return {line.split()[0]: line.split()[1:] for line in GCODE_GOLDEN.read_text().splitlines()}
+
+
+def compare_gcode(name, *job):
+    """The programme's digest on both interpreters, and in the golden file."""
+    made = digest(sys.executable, *job)
+    if os.environ.get("PASSO_GOLDEN") == "write":
+        golden = {**(golden_of_gcode() if GCODE_GOLDEN.exists() else {}), name: made}
+        GCODE_GOLDEN.write_text("".join(f"{name} {' '.join(golden[name])}\n" for name in sorted(golden)))
+    assert made == golden_of_gcode()[name]
+    if MICROPYTHON.exists():
+        assert digest(MICROPYTHON, *job) == made
+
+
+def digest(program, *job):
+    """(hex digest, words, stepping words …) of a job (see digest.py's arguments), as `program` computes them."""
     path = os.pathsep.join(str(folder) for folder in MODULE_PATH)
     environment = {**os.environ, "MICROPYPATH": path, "PYTHONPATH": os.pathsep.join([path, str(SHIMS)])}
-    command = [program, TESTS / "digest.py", job]
+    options = ["-X", "heapsize=64m"] if program == MICROPYTHON else []
+    command = [program, *options, TESTS / "digest.py", *job]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout.split()
@@ -70,3 +92,18 @@ def test_a_job_that_differs_by_one_step_has_another_digest(tmp_path):
         job.write_bytes(job_of([[(True, x, 50)]]))
         digests.add(digest(sys.executable, job)[0])
     assert len(digests) == 2
+
+
+@pytest.mark.parametrize("name", programmes())
+def test_gcode(tmp_path, name):
+    board, lines = programmes()[name]
+    job = tmp_path / "job.gcode"
+    job.write_text("".join(f"{line}\n" for line in lines))
+    compare_gcode(name, job, board)
+
+
+def test_gcode_of_the_corpus(corpus):
+    files = sorted(corpus.glob("*.gcode"))
+    assert files
+    for file in files:
+        compare_gcode(file.name, file, "router_3axis", str(CORPUS_STEPS_MM))

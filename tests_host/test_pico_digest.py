@@ -9,7 +9,8 @@ from emulated import uf2  # noqa: F401
 from host_tools import boards, objects
 from host_tools.build import compile_module, selected
 from host_tools.emulator.pico import EmulatedPico
-from test_digest import GOLDEN, ROOT, TESTS, job_of
+from programmes import PICO, programmes
+from test_digest import GOLDEN, ROOT, TESTS, golden_of_gcode, job_of
 
 LIMIT_US = 30_000_000
 
@@ -41,3 +42,26 @@ def test_the_pico_makes_the_words_of_the_golden_file(uf2, name, show):
     golden = dict(line.split(" ", 1) for line in GOLDEN.read_text().splitlines())
     assert " ".join(said) == golden[name]
     show(f"digest of {name} on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
+
+
+def test_the_pico_makes_the_words_of_gcode(uf2, show):
+    """One programme of each kind, of at most 200 lines, one after the other: generated, not played."""
+    jobs = {name: programmes()[name] for name in PICO}
+    firmware = selected(boards.load("router_3axis"))
+    sources = {path.as_posix(): ROOT / "firmware" / path for path in firmware}
+    files = compiled({**sources, "digest.py": TESTS / "digest.py"})
+    files["boards/__init__.py"] = b""
+    for board in {board for board, _ in jobs.values()}:
+        files[f"boards/{board}.py"] = boards.path(board).read_bytes()
+    for name, (_, lines) in jobs.items():
+        assert len(lines) <= 200
+        files[f"{name}.gcode"] = "".join(f"{line}\n" for line in lines).encode()
+    pico = EmulatedPico(files=files, uf2=uf2).boot()
+    pico.exec("import gc\ngc.threshold(16000)\nimport digest", limit_us=LIMIT_US)
+    golden = golden_of_gcode()
+    for name, (board, _) in jobs.items():
+        before = pico.cycle
+        code = f"digest.show_lines({name + '.gcode'!r}, {board!r}, counts=False)\ngc.collect()"
+        said = pico.exec(code, limit_us=LIMIT_US).split()
+        show(f"digest of {name} on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
+        assert [said[0], said[1], *said[3:]] == [golden[name][0], golden[name][1], *golden[name][3:]], name

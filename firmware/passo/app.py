@@ -148,7 +148,8 @@ class App:
         for link in board["links"]:
             protocol = open_protocol(link, board, self.controller, shared)
             self.links.append(Link(len(self.links), link, port.serial(link), protocol))
-        self._push(Event(RESTARTED, None, self.controller.alarm))
+        self.controller.restarted()
+        self._answer()
 
     def _check_speed(self, least):
         """Every speed the board file allows must leave the player its shortest word."""

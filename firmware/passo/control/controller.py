@@ -205,6 +205,17 @@ class Controller:
         """Nothing moves until the machine is homed or unlocked."""
         self.alarm = errors.ALARM_LOCKED
 
+    def restarted(self):
+        """Tell all links that the machine begins anew; an active limit locks it, an open door holds it."""
+        limits = self.inputs.limits_hit()
+        if limits and not self.alarm:
+            self.lock()
+        self._events.append(Event(RESTARTED, None, self.alarm))
+        if limits:
+            self.notice(errors.NOTICE_LIMITS)
+        if self.inputs.door_open() and not self.alarm:
+            self.pauses.open_door()
+
     def shut_down(self):
         """Stop at once, forget all work, outputs safe. The position is no longer known."""
         self.arrest()
@@ -353,7 +364,7 @@ class Controller:
         self.tools.restart()
         if alarm:
             self.fail(alarm)
-        self._events.append(Event(RESTARTED, None, self.alarm))
+        self.restarted()
         return self.accepted(command)
 
     def _unlock(self, command):

@@ -16,6 +16,8 @@ class Inputs:
         self._settings = settings
         self._machine = machine
         self._port = port
+        self._sensors = []
+        self._settings_of = settings.version  # that the sensors are of
         names = [item["name"] for item in board["inputs"]]
         self.has_probe = "probe" in names
         self._has_door = "door" in names
@@ -33,7 +35,9 @@ class Inputs:
         self.hit = ""  # the limit that raised the last alarm
 
     def _sensor(self, name):
-        return Sensor(lambda: self.read(name), self._settings.value(table.HOMING_DEBOUNCE))
+        sensor = Sensor(lambda: self.read(name), self._settings.value(table.HOMING_DEBOUNCE))
+        self._sensors.append(sensor)
+        return sensor
 
     def read(self, name):
         """True while the input is active; the settings can turn limits and probe round."""
@@ -43,6 +47,10 @@ class Inputs:
         if name in self._limit_names:
             return active != bool(self._settings.value(table.LIMIT_INVERT))
         return active
+
+    def limits_hit(self):
+        """True where hard limits are watched and one is active."""
+        return bool(self._settings.value(table.HARD_LIMITS)) and any([self.read(name) for name in self._limit_names])
 
     def touched(self):
         return self.has_probe and self.read("probe")
@@ -65,6 +73,10 @@ class Inputs:
 
     def poll(self, now_ms):
         machine = self._machine
+        if self._settings_of != self._settings.version:
+            self._settings_of = self._settings.version
+            for sensor in self._sensors:
+                sensor.debounce_ms = self._settings.value(table.HOMING_DEBOUNCE)
         if self._door is not None:
             before = self._door.active
             self._door.sample(now_ms, 0)

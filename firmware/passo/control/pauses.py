@@ -73,6 +73,7 @@ class Pauses:
 
     def open_door(self):
         machine = self._machine
+        machine.notice(errors.NOTICE_DOOR)
         if machine.busy_with(commands.HOME):
             machine.fail(errors.ALARM_HOMING_DOOR)
         elif machine.program.jogging:

@@ -6,8 +6,10 @@
     settings.save()                  # where something has changed; never while the machine moves
     settings.put("G54", "0,0,0")     # texts beside the numbers: offsets, start-up lines
 
-What pins do ($0, $3, $4) changes with the next start, all else at once. Numbers are grbl 1.1's. Those with decimals are held in thousandths. What was never changed is not kept, so that a new
-board file shows; what this firmware does not know is kept for the one that does.
+What pins do ($0, $2, $3, $4) changes with the next start, all else at once. Numbers are grbl 1.1's. Those with decimals
+are held in thousandths. $12 is kept and changes nothing: arcs are walked as circles, not in chords of a tolerance. What
+was never changed is not kept, so that a new board file shows; what this firmware does not know is kept for the one that
+does.
 """
 
 from micropython import const
@@ -196,7 +198,7 @@ class Settings:
                 self._journal.write(self._dump())
             except OSError:
                 return errors.MEMORY
-            self.dirty = False
+            self.dirty = self.damaged = False
         return 0
 
     def _dump(self):
@@ -227,6 +229,7 @@ class Settings:
             axes[number]["steps_per_m"] = self.value(STEPS + number)
             turned = bool(self.value(DIRECTION_INVERT) >> number & 1)
             axes[number]["reversed"] = self._board_reversed[number] != turned
+            axes[number]["step_inverted"] = bool(self.value(STEP_INVERT) >> number & 1)
             travel_steps = self._board_travel[number]
             if TRAVEL + number in self._changed or STEPS + number in self._changed:
                 travel_steps = self.value(TRAVEL + number) * self.value(STEPS + number) // 1_000_000

@@ -10,7 +10,7 @@ TEXTS = {
     errors.NEGATIVE: "a value below zero where it must not be",
     errors.HOMING_OFF: "homing is switched off: set $22=1",
     errors.STEP_PULSE: "the step pulse must last 3 µs or more",
-    errors.MEMORY: "the settings could not be read: the board file's hold",
+    errors.MEMORY: "the settings could not be read, or not be kept: the board file's hold",
     errors.BUSY: "the machine is busy: wait until it stands still",
     errors.LOCKED: "the machine is in alarm: home it first, or unlock it",
     errors.LIMITS_NEED_HOMING: "soft limits need homing: set $22=1 first",

@@ -246,7 +246,8 @@ class Grbl:
         self.gcode.offsets.reset()
         self._configure()
         self._status.reset()
-        text = grbl_report.BANNER
+        text = "error:%d\r\n" % errors.MEMORY if self._settings.damaged else ""
+        text += grbl_report.BANNER
         if event.error:
             text += grbl_report.message(grbl_report.NOTICES[errors.NOTICE_LOCKED])
         else:

@@ -32,6 +32,8 @@ def inverted_pins(board, layout):
         if not board["drive"].get("step_active", 1):
             mask |= layout.step_mask
         for axis in range(len(axes)):
+            if axes[axis].get("step_inverted", False):
+                mask ^= 1 << axis
             if axes[axis].get("reversed", False):
                 mask |= 1 << (layout.axes + axis)
     return mask

@@ -1,0 +1,113 @@
+"""Small programmes of every kind, made the same way each time: for digests, fuzz and benches.
+
+    programmes()["relief"]     # (board, lines)
+
+Of those in PICO none has more than 200 blocks.
+"""
+
+from math import cos, pi, sin
+
+PICO = ("relief", "engraving", "helices", "laser_raster")
+
+
+def relief():
+    """A surface in scan lines of short 3-axis moves, up and down by turns."""
+    lines = ["G21 G90", "G0 Z1", "G0 X0 Y0", "M3 S12000", "G1 Z0 F400"]
+    for row in range(5):
+        columns = range(37) if row % 2 == 0 else range(36, -1, -1)
+        for column in columns:
+            x, y = column * 0.2, row * 0.3
+            lines.append("G1 X%.3f Y%.3f Z%.3f F1500" % (x, y, 0.4 * sin(x) * cos(2 * y) - 0.5))
+    return [*lines, "G0 Z1", "M5"]
+
+
+def engraving():
+    """Letters of short strokes, with rapid moves between them."""
+    lines = ["G21 G90 F900", "G0 Z0.5"]
+    for letter in range(9):
+        left = letter * 2.2
+        lines += ["G0 X%.3f Y0" % left, "G1 Z-0.2 F300", "G1 Y2.5 F900"]
+        for part in range(1, 13):
+            angle = pi * part / 12
+            lines.append("G1 X%.3f Y%.3f" % (left + 1.25 * sin(angle), 1.25 + 1.25 * cos(angle)))
+        lines += ["G1 X%.3f Y1.25" % (left + 1.1), "G0 Z0.5"]
+    return lines
+
+
+def arcs():
+    """Arcs of many radii, both ways, by IJ and by R, and whole circles."""
+    lines = ["G21 G90 F1200", "G0 X20 Y20"]
+    for number in range(1, 7):
+        radius = number * 0.37
+        lines.append("G%d X20 Y20 I%.3f J%.3f" % (2 + number % 2, radius, radius / 2))
+        lines.append("G%d X%.3f Y20 R%.3f" % (3 - number % 2, 20 + radius, radius))
+        lines.append("G%d X20 Y20 R-%.3f" % (2 + number % 2, radius))
+    return lines
+
+
+def helices():
+    """Thread milling: helices of a part of a turn to several turns, in every plane."""
+    lines = ["G21 G90 F800", "G0 X5 Y5 Z0"]
+    for turns in range(1, 4):
+        lines += ["G3 X5 Y5 Z-%d I1.5 J0 P%d" % (turns, turns), "G2 X5 Y5 Z0 I-0.8 J0.4 P%d" % turns]
+    lines += ["G18 G2 X7 Z2 I1 K1", "G3 X5 Z0 R1.6 Y6", "G19 G2 Y8 Z0 J1 K0.2 X5.5", "G17 G1 X5 Y5 Z0"]
+    return [*lines, "G91 G2 X1 Y0 I0.5 Z-0.25", "G3 X-1 Y0 I-0.5 Z0.25", "G90"]
+
+
+def laser_raster():
+    """A picture in lines of dots, each with its own power, which follows the speed."""
+    lines = ["G21 G90 M4 S0", "G0 X1 Y1"]
+    for row in range(4):
+        columns = range(1, 41) if row % 2 == 0 else range(39, -1, -1)
+        for column in columns:
+            shade = int(500 + 499 * sin(column * 0.4) * cos(row))
+            lines.append("G1 X%.2f S%d F6000" % (1 + column * 0.25, shade if column % 7 else 0))
+        lines.append("G0 Y%.2f" % (1 + 0.2 * (row + 1)))
+    return [*lines, "M5"]
+
+
+def tiny():
+    """A spiral of segments far shorter than the way to a stand."""
+    lines = ["G21 G90 G1 F2400"]
+    for number in range(600):
+        angle = number * 0.05
+        lines.append("X%.3f Y%.3f" % (0.01 * number * cos(angle), 0.01 * number * sin(angle)))
+    return lines
+
+
+def drilling():
+    """Holes by the canned cycle, with both ways back, dwells, and a tool change's offset."""
+    lines = ["G21 G90", "G0 Z4", "M3 S3000", "G98 G81 X2 Y2 Z-3 R1 F200", "X4", "X6 Y3", "G99 X8", "X10 Y2", "G80"]
+    return [*lines, "G4 P0.05", "G43.1 Z1.5", "G98 G81 X4 Y6 Z-2 R2", "G91 X2 L3", "G90 G80", "G49", "G0 Z4", "M5", "M30"]
+
+
+def units():
+    """Inches, inverse time, relative moves, work offsets, G28 and G92."""
+    lines = ["G20 G90 G94 F20", "G1 X0.5 Y0.25", "G93 G1 X0.75 F30", "X0.5 F60", "G94 G21 F700", "G91 G1 X3.333 Y-1.111"]
+    lines += ["X0.001", "X0.001", "X0.001 Z-0.777", "G90 G10 L2 P2 X4 Y4 Z1", "G55 G1 X0 Y0 Z0", "G92 X1 Y1", "X2 Y2"]
+    return [*lines, "G92.1 G54", "G28.1", "G1 X9 Y1", "G28 X5", "G53 G0 X1 Y1", "G1 X2 F90 Y2", "G0 X0 Y0 Z0"]
+
+
+def reversals():
+    """Back and forth along each axis and each diagonal, corners of every angle."""
+    lines = ["G21 G90 F3000"]
+    for number in range(1, 30):
+        angle = number * 2.4
+        lines.append("G1 X%.3f Y%.3f Z%.3f" % (5 * cos(angle), 4 * sin(angle), sin(number * 0.7)))
+    return lines
+
+
+def slow():
+    """Below a step a millisecond, and a few steps at a time."""
+    lines = ["G21 G91 F6"]
+    for number in range(1, 30):
+        lines.append("G1 X%.4f Y%.4f Z-%.4f" % (0.003 * number, 0.02 / number, 0.0025 * (number % 3)))
+    return lines
+
+
+def programmes():
+    """{name: (board, lines)}"""
+    made = {}
+    for kind in (relief, engraving, arcs, helices, laser_raster, tiny, drilling, units, reversals, slow):
+        made[kind.__name__] = ("laser_xy" if kind is laser_raster else "router_3axis", kind())
+    return made
