@@ -8,8 +8,10 @@
 Words are made in a timer interrupt every 2 ms, 12 ms ahead: neither the main loop nor its garbage collections
 delay a step. Halting inputs and serial lines come before it.
 """
+# ruff: noqa: F821
 
-from machine import Timer
+import micropython
+from machine import Pin, Timer
 from micropython import const
 
 from passo.ports.chip_port import ChipPort
@@ -20,6 +22,30 @@ from passo.steps.wiring import inverted_pins, word_pins, word_times
 
 _FEED_MS = const(2)
 _LEAD_TICKS = const(12 * 12_500)  # more than the longest word, so that one is always waiting behind it
+
+
+class Guard:
+    """A halting input from when there is a player: that stands still first, 10 µs after the edge; the rest takes its
+    time."""
+
+    def __init__(self, item, port):
+        self._item = item
+        self._mask = 1 << item.number & 0x3FFFFFFF  # of the pins that one register shows; beyond them `trip` is first
+        self._port = port
+
+    @micropython.viper
+    def edge(self, pin):  # ISR: no allocation
+        item = self._item
+        mask = int(self._mask)
+        inputs = ptr32(0xD0000004)
+        if mask:
+            high = 1 if inputs[0] & mask else 0
+            if high != int(item.level):
+                return  # a spike of noise is over by now: then nothing has happened
+            ptr32(0x50203000)[0] = 1  # the players' state machine: number 0 of block 0
+        elif not item.active():
+            return
+        self._port.trip(item)
 
 
 class Port(ChipPort):
@@ -33,6 +59,8 @@ class Port(ChipPort):
 
     def player(self, ring, layout):
         """The player of `ring`. Once."""
+        for item in self._halting:
+            self.watch(item.pin, Guard(item, self).edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
         pulse_ticks, least = word_times(self._board)
         pins = word_pins(self._board)
         invert = inverted_pins(self._board, layout)
