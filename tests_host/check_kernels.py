@@ -10,6 +10,7 @@ from passo.steps import pace, position
 CASES = {
     "check_walk": (("seed", "seed"), ("axes", 1, 4)),
     "check_pace": (("seed", "seed"), ("count", 1, 500)),
+    "check_repay": (("seed", "seed"), ("count", 1, 60)),
     "check_apply": (("seed", "seed"), ("axes", 1, 2), ("width", "choice", 4, 6)),
     "check_advance": (("seed", "seed"), ("axes", 1, 4)),
     "check_tally": (("seed", "seed"), ("axes", 1, 4)),
@@ -49,6 +50,18 @@ def check_pace(seed, count):
     pace.pace(same, 4, count, others)
     assert words == same
     assert terms == others
+
+
+def check_repay(seed, count):
+    random = Random(seed)
+    bits = random.between(3, 13)
+    least = random.between(2, 50)
+    words = array("I", [random.between(least, least + 9) << bits | random.between(0, 7) for _ in range(count + 9)])
+    same = array("I", words)
+    debt = random.between(0, 300)
+    left = pace.repay_plain(words, 4, count, bits, debt, least)
+    assert pace.repay(same, 4, count, bits, debt, least) == left
+    assert words == same
 
 
 def check_apply(seed, axes, width):

@@ -27,9 +27,9 @@ from passo.steps.word import COUNT_MASK, HOLD_TICKS, ahead
 _CHECKPOINTS = const(256)
 _HALF = const(0x10000000)
 _COUNT = const(0x1FFFFFFF)  # COUNT_MASK, known to the compiler
-# Words the longest segment needs, with a change of direction before it; and as many again twice, so that what the main
+# Words the longest segment needs, with a change of direction before it; and as many again and some, so that what the main
 # loop reads back (`_walk`) still stands there when the interrupt has retired that segment meanwhile.
-_ROOM = 3 * (MAX_RUN + 2)
+_ROOM = 2 * (MAX_RUN + 2) + 256
 
 
 class Feeder:

@@ -47,13 +47,7 @@ def pace_plain(words, at, count, terms):  # ISR: no allocation
     terms[CARRY] = carry
 
 
-try:
-    from passo.steps.pace_viper import pace
-except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
-    pace = pace_plain
-
-
-def repay(words, at, count, bits, debt, least):  # ISR: no allocation
+def repay_plain(words, at, count, bits, debt, least):  # ISR: no allocation
     """Take `debt` ticks off words[at : at + count], none falling below `least`. Returns the debt that remains."""
     for i in range(at, at + count):
         if not debt:
@@ -66,3 +60,9 @@ def repay(words, at, count, bits, debt, least):  # ISR: no allocation
             words[i] = word - (spare << bits)
             debt -= spare
     return debt
+
+
+try:
+    from passo.steps.pace_viper import pace, repay
+except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
+    pace, repay = pace_plain, repay_plain

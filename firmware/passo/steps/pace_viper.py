@@ -1,4 +1,4 @@
-"""pace.pace_plain as machine code of the board. See there; the two give the same bits."""
+"""pace.pace_plain and repay_plain as machine code of the board. See there; they give the same bits."""
 # ruff: noqa: F821
 
 import micropython
@@ -21,3 +21,18 @@ def pace(words: ptr32, at: int, count: int, terms: ptr32):
         words[at] = word
         at += 1
     terms[4] = carry
+
+
+@micropython.viper
+def repay(words: ptr32, at: int, count: int, bits: int, debt: int, least: int) -> int:
+    end = at + count
+    while at < end and debt:
+        word = words[at]
+        spare = (word >> bits) - least
+        if spare > 0:
+            if spare > debt:
+                spare = debt
+            words[at] = word - (spare << bits)
+            debt -= spare
+        at += 1
+    return debt
