@@ -10,7 +10,8 @@ barrier there. Whatever a real machine could not have followed is recorded in `e
 
 The board file gives axes, drive, polarity, travel and pen delays; what it cannot know comes as options:
 
-    start        steps from the nominal origin, one number an axis; None: anywhere in reach, by `seed`
+    start        steps from the nominal origin, one number an axis; None: anywhere in reach, by `seed`, or in the middle
+                 where nothing homes
     bounce_ms    barriers chatter for up to this long after each change
     faults       {input: "dead" or "stuck"}: the barrier never, or always, reads active; "dead@2000" from that
                  millisecond on
@@ -66,7 +67,11 @@ class Plant:
             low, high = -pull_off - margin, axis["travel_steps"] + margin
             if axis["name"] in high_end:
                 low, high = -high, -low
-            at = self._random.randint(low, high) if start is None else start[i]
+            at = self._random.randint(low, high)
+            if start is not None:
+                at = start[i]
+            elif not homing:
+                at = (low + high) // 2  # nothing will find where it stands: let it have room
             if not low <= at <= high:
                 raise ValueError(f"start: {axis['name']} {at} is not between the hard ends {low} and {high}")
             self.carriages.append(Carriage(axis["name"], at, low, high, self.report))

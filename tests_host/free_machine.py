@@ -24,7 +24,7 @@ def board(kind="step_dir", **changes):
             {"name": "x", "pins": [2, 4] if kind == "step_dir" else [2, 3, 4, 5], "steps_per_m": 48_000,
              "travel_steps": 48_000, "max_mm_min": 60_000},
             {"name": "y", "pins": [3, 5] if kind == "step_dir" else [6, 7, 8, 9], "steps_per_m": 83_000,
-             "travel_steps": 83_000, "max_mm_min": 60_000},
+             "travel_steps": 83_000, "max_mm_min": 60_000, "jog_steps": 100},
         ],
         "tool": {"pin": 6 if kind == "step_dir" else 10},
         "speed": {"unit": "steps_per_s", "default": 480, "min": 1, "max": 20_000},
@@ -87,10 +87,20 @@ class FreeMachine:
         self.port = VirtualPort(data, self.world, "stepped")
         self.app = App(data, self.port)
         self.controller = self.app.controller
-        self.part = Independent(self.app.board, self.controller)
+        found = [part for part in self.controller._parts if isinstance(part, Independent)]
+        self.part = found[0] if found else Independent(self.app.board, self.controller)
         self.steps = self.world.steps
         self.least = self.app.feeder.min_word_ticks
         self.events = []
+
+    def send(self, data):
+        self.port.lines["pc"].incoming += data
+
+    def take(self):
+        """What the board has said since the last take."""
+        line = self.port.lines["pc"]
+        said, line.outgoing = line.outgoing, b""
+        return said
 
     def accept(self, command):
         command.link = self.app.links[0]

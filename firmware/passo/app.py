@@ -27,8 +27,8 @@ LEAD_TICKS = const(30 * 12_500)  # from a main loop
 LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any moment, within 20 ms on the pins
 _WAITING = const(64)  # commands of one link that may wait for their turn
 
-PROTOCOLS = ("plotter", "grbl", "pulses")
-_STORED = ("plotter",)  # those that only have stored objects drawn: the rest of the control is not loaded for them
+PROTOCOLS = ("plotter", "grbl", "pulses", "torch")
+_STORED = ("plotter", "torch")  # those without lines and arcs as they come: program and tools are not loaded for them
 
 
 def open_protocol(link, board, controller, shared):
@@ -63,7 +63,25 @@ def open_protocol(link, board, controller, shared):
 
             shared["track"] = TrackPlayer(board, controller)
         return Pulses("".join([axis["name"] for axis in board["axes"]]), board["track"])
+    if name == "torch":
+        return _open_torch(link, board, controller, shared)
     raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
+
+
+def _open_torch(link, board, controller, shared):
+    from passo.protocols.torch import Torch
+
+    axes = board["axes"][:2]
+    if len(axes) < 2:
+        raise BoardError("link %s: torch wants two axes" % link["name"])
+    independent(board, controller, shared)
+    if "changeover" not in shared:
+        from passo.control.changeover import Changeover
+
+        shared["changeover"] = Changeover(board, controller)
+    steps = [axis["jog_steps"] or board["jog"]["steps"] for axis in axes]
+    speeds = [axis["jog_steps_s"] or board["speed"]["default"] for axis in axes]
+    return Torch(steps, speeds, link["idle_gap_ms"], link["tell_end"])
 
 
 def independent(board, controller, shared):

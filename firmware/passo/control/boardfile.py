@@ -31,6 +31,8 @@ _AXIS = {
     "reversed": (bool, False, 0, 1),
     "max_mm_min": (int, 6000, 1, 900_000),
     "accel_mm_s2": (int, 500, 1, 900_000),
+    "jog_steps": (int, 0, 0, 10_000_000),  # of one jog; 0: jog.steps
+    "jog_steps_s": (int, 0, 0, 1_000_000),  # its speed; 0: speed.default
 }
 _DRIVE = {
     "kind": ("step_dir", "unipolar", "pbl3770a"),
@@ -91,6 +93,7 @@ _LINK = {
     "baud": (int, 115_200, 300, 1_000_000),
     "protocol": (str, MUST, 1, 16),
     "idle_gap_ms": (int, 5, 1, 1000),
+    "tell_end": (bool, False, 0, 1),  # say unasked that a motion has ended, where the language has a word for it
 }
 _BOARD = {
     "name": (str, MUST, 1, 32),

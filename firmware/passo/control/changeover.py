@@ -39,11 +39,12 @@ class Changeover(Part):
 
     def release(self):
         """To the other controller, at once as far as this board's relays go: the safe state."""
-        if self.ours or not self._made:
+        if self.ours:
             self._switch(False)
 
     def poll(self):
-        if self._machine.alarm or self._machine.sleeping:
+        machine = self._machine
+        if (machine.alarm or machine.sleeping) and machine.still():
             self.release()
         if self._due_ms is None or (self._port.machine_ms() - self._due_ms) & COUNT_MASK > COUNT_MASK // 2:
             return

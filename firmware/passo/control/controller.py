@@ -221,8 +221,7 @@ class Controller:
         self.arrest()
         self._forget()
         self.homed = False
-        for part in self._parts:
-            part.release()
+        self._release_parts()
         self._motors.release()
 
     # --- the face towards the parts: also `command`, `state`, `settings`, `checking`, `port` and the parts themselves
@@ -282,6 +281,7 @@ class Controller:
             self.arrest()
             self._forget()
             self.homed = False
+            self._release_parts()
         else:
             self.shut_down()
         self.alarm = number
@@ -318,6 +318,10 @@ class Controller:
         for part in self._parts:
             part.report(report)
         return report
+
+    def _release_parts(self):
+        for part in self._parts:
+            part.release()
 
     def _stop(self, command):
         if self.busy_with(commands.STOP):

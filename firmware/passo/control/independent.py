@@ -1,6 +1,6 @@
 """Axes that run on their own: each so many steps, or for ever, at its own rate, from the moment it is asked.
 
-    part = Independent(board, controller)     # registers RUN, REST and ZERO with the controller
+    part = Independent(board, controller)     # registers RUN, REST, ZERO and STILL with the controller
     part.made()                               # steps of each axis since the last RUN from a stand
 
 A RUN that may only begin at a stand is refused as BUSY while anything moves; one marked as a jog also extends a jog of
@@ -22,6 +22,7 @@ from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 
 LATER = const(-1)
 _HALF = const(0x10000000)
+_STANDING = ("idle", "alarm", "check", "sleep")
 
 
 class Independent(Part):
@@ -39,7 +40,12 @@ class Independent(Part):
         machine.add(self)
 
     def handlers(self):
-        return {commands.RUN: self._run, commands.REST: self._rest, commands.ZERO: self._zero}
+        return {
+            commands.RUN: self._run,
+            commands.REST: self._rest,
+            commands.ZERO: self._zero,
+            commands.STILL: self._still,
+        }
 
     def active(self):
         """True from a RUN to the stand behind it."""
@@ -181,11 +187,17 @@ class Independent(Part):
                 self.walker.stop(axis)
         return self._machine.accepted(command)
 
+    def _still(self, command):
+        machine = self._machine
+        if machine.state not in _STANDING or not self._queue.still():
+            return errors.BUSY
+        return machine.accepted(command)
+
     def _zero(self, command):
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
-        if machine.state != "idle" or not self._queue.still():
+        if machine.state not in _STANDING or not self._queue.still():
             return errors.BUSY
         if machine.homed:
             return errors.ZERO_IS_HOMED

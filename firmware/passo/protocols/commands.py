@@ -41,6 +41,7 @@ RUN = const(29)  # axes run on their own from now on: see Run
 REST = const(30)  # the axes of the mask `value` come to a stand, the others run on
 ZERO = const(31)  # machine zero is here; only at a stand, and where homing has not found it
 CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
+STILL = const(33)  # nothing but an answer: accepted at a stand, else refused as BUSY
 
 TRACK_ADD = const(40)  # a track comes: `value` is one of TRACK_OPEN … TRACK_ABORT
 TRACK = const(41)  # `value`: what to do with it, one of TRACK_GO … TRACK_HAND_DRIVES

@@ -1,0 +1,66 @@
+"""Cuts bytes into frames `code body 0xFF` by the length that each code has; 0xFF may stand in a body.
+
+    cutter = Cutter({0xFE: 18, 0xDD: 2}, gap_ms=5)
+    cutter.put(serial.read(), now_ms)
+    frame = cutter.next()           # bytes of a whole frame; b"": something was dropped; None: no more for now
+
+There is no checksum, so a frame is believed only where it must begin: behind another good one, or behind a silence of
+`gap_ms`. An unknown code, a wrong terminator or a frame torn by a silence drops everything up to the next silence. A
+good frame is there with its last byte: only one that may yet grow longer (`at_idle`) waits for the silence.
+"""
+
+from micropython import const
+
+END = const(0xFF)
+_TIME_MASK = const(0x1FFFFFFF)
+_LONG_GAPS = const(20)  # so many gaps between two reads are a silence, even if nobody looked in between
+
+
+class Cutter:
+    def __init__(self, lengths, gap_ms, at_idle=None):
+        """`lengths`: {code: bytes of its frame, code and terminator included}; `at_idle`: {code: a shorter length that
+        it may also have, if the line stays silent behind it}."""
+        self._lengths = lengths
+        self._gap_ms = gap_ms
+        self._at_idle = at_idle or {}
+        self._bytes = b""
+        self._broken = False  # bytes are being dropped until the line is silent
+        self._quiet = True
+        self._latest = 0  # when the newest byte came
+
+    def put(self, data, now_ms):
+        """Bytes, which may be none: time alone ends frames."""
+        silent_ms = (now_ms - self._latest) & _TIME_MASK
+        if not data:
+            self._quiet = silent_ms >= self._gap_ms
+            return
+        if silent_ms >= _LONG_GAPS * self._gap_ms:
+            self._broken = False
+            self._bytes = b""
+        self._quiet = False
+        self._latest = now_ms
+        if not self._broken:
+            self._bytes += data
+
+    def next(self):
+        """The next whole frame, b"" where bytes were dropped, or None."""
+        if self._broken:
+            if not self._quiet:
+                return None
+            self._broken = False
+            return b""
+        data = self._bytes
+        if not data:
+            return None
+        length = self._lengths.get(data[0], 0)
+        if len(data) < length:
+            if not self._quiet:
+                return None
+            self._bytes = b""
+            return data if len(data) == self._at_idle.get(data[0]) and data[-1] == END else b""
+        if not length or data[length - 1] != END:
+            self._bytes = b""
+            self._broken = True
+            return self.next()
+        self._bytes = data[length:]
+        return data[:length]

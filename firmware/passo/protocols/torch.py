@@ -1,0 +1,251 @@
+"""The torch manipulator's language of 2020: frames `code body 0xFF`, integers of four bytes, high byte first.
+
+    torch = Torch((48, 83), (480, 830))
+    for command in torch.feed(serial.read(), now_ms): …
+    serial.write(torch.reply(event))
+
+Each axis of a move runs at its own speed to its own target. Speeds are steps a second, their sign is the direction; counts
+are unsigned. Only STOP and INFO are answered, by their own code and the signed steps of X and Y since the last move or
+jog; the board says FINISHED when a move has ended, if it is asked to. A jog that is repeated while it runs goes on
+without a gap, as one jog. What comes while the machine moves and is no such jog, stop or question is dropped: `dropped`
+counts it, and the event log has the reason.
+
+PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK and LINK. What the frames'
+cutting (frames.py) cannot see is a frame that lost bytes and was filled up by those of the next one, without a silence
+between them: there is no checksum. Counts and speeds out of reach are refused, which finds most of these.
+"""
+
+from micropython import const
+
+from passo.protocols import errors
+from passo.protocols.commands import (
+    ACCEPTED, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, FOREVER, HAND_OVER, REFUSED, RESET, RUN, STATUS, STILL, STOP,
+    UNLOCK, ZERO, Command, Run,
+)  # fmt: skip
+from passo.protocols.frames import END, Cutter
+
+CODES = {
+    "MOVE": 0xFE,
+    "CONNECT": 0xEE,
+    "STOP": 0xDD,
+    "DISCONNECT": 0xCC,
+    "INFO": 0xBB,
+    "FINISHED": 0xAA,
+    "CONFIGURE": 0x99,
+    "ORIGIN": 0x88,
+    "JOG_X+": 0xF9,
+    "JOG_X-": 0xF7,
+    "JOG_Y+": 0xF4,
+    "JOG_Y-": 0xF1,
+    "PASSO": 0x77,
+}
+_MOVE = const(0xFE)
+_STOP = const(0xDD)
+_INFO = const(0xBB)
+_FINISHED = const(0xAA)
+_CONFIGURE = const(0x99)
+_PASSO = const(0x77)
+_JOGS = {0xF9: (0, 1), 0xF7: (0, -1), 0xF4: (1, 1), 0xF1: (1, -1)}
+_LENGTHS = {code: 2 for code in CODES.values()}
+_LENGTHS.update({_MOVE: 18, _CONFIGURE: 18, _PASSO: 5})
+_SHORT = {_CONFIGURE: 14}  # the length of the document's table: one jog for both axes
+ANSWER_LENGTHS = {_STOP: 10, _INFO: 10, _FINISHED: 2, _PASSO: 17}
+
+STATUS_OF = const(0x3F)  # what the frame PASSO asks for: `?`
+UNLOCK_OF = const(0x75)  # leave an alarm: `u`
+LINK_OF = const(0x74)  # link `value` commands from now on, 0: this one: `t`
+_CHECK = const(0x55)
+STATES = ("idle", "run", "home", "jog", "alarm", "hold", "door", "check", "sleep")
+_MASK = 0xFFFFFFFF
+
+
+def integers(*values):
+    """Four bytes each, high byte first; negative ones as two's complement."""
+    data = bytearray()
+    for value in values:
+        value &= _MASK
+        data += bytes((value >> 24, value >> 16 & 255, value >> 8 & 255, value & 255))
+    return bytes(data)
+
+
+def unsigned(data, at):
+    return data[at] << 24 | data[at + 1] << 16 | data[at + 2] << 8 | data[at + 3]
+
+
+def signed(data, at):
+    value = unsigned(data, at)
+    return value - (1 << 32) if data[at] & 128 else value
+
+
+# --- what a host sends
+
+
+def frame(name, body=b""):
+    """The frame of a name in CODES."""
+    return bytes((CODES[name],)) + body + bytes((END,))
+
+
+def move(x_steps, x_speed, y_steps, y_speed):
+    """Counts 0 … 2³² − 1, speeds in steps/s with the direction as their sign."""
+    return frame("MOVE", integers(x_steps, x_speed, y_steps, y_speed))
+
+
+def configure(x_jog, y_jog, x_speed, y_speed):
+    """Steps of a jog and default speeds."""
+    return frame("CONFIGURE", integers(x_jog, y_jog, x_speed, y_speed))
+
+
+def passo(what, value=0):
+    """The extension's frame: what = STATUS_OF, UNLOCK_OF or LINK_OF."""
+    return frame("PASSO", bytes((what, value, what ^ value ^ _CHECK)))
+
+
+# --- what the board answers
+
+
+def answer(name, x, y):
+    """STOP's or INFO's answer."""
+    return frame(name, integers(x, y))
+
+
+def status_bytes(report, error, dropped):
+    """PASSO STATUS's answer: `77` state error motors-are-ours X Y dropped `FF`; X and Y are signed places."""
+    place = report["position"]
+    body = bytes((STATES.index(report["state"]), error, 1 if report["ours"] else 0))
+    return frame("PASSO", body + integers(place[0], place[1], dropped))
+
+
+def answer_from(data):
+    """(name, fields) of a whole answer: STOP and INFO have x and y, PASSO what status_bytes says."""
+    names = {code: name for name, code in CODES.items()}
+    name = names[data[0]]
+    if name == "PASSO":
+        return name, {
+            "state": STATES[data[1]], "error": data[2], "ours": bool(data[3]), "x": signed(data, 4), "y": signed(data, 8),
+            "dropped": unsigned(data, 12),
+        }  # fmt: skip
+    return name, {"x": signed(data, 1), "y": signed(data, 5)} if len(data) == 10 else {}
+
+
+def answer_cutter(gap_ms=200):
+    """Cuts what a board says into whole answers."""
+    return Cutter(ANSWER_LENGTHS, gap_ms)
+
+
+class Torch:
+    def __init__(self, jog_steps, jog_speeds, gap_ms=5, tell_end=False):
+        """`jog_steps`, `jog_speeds` (steps/s): of X and Y, until a host configures them; `gap_ms`: the silence that ends
+        a torn frame; `tell_end`: say FINISHED when a move has ended."""
+        self.dropped = 0  # frames refused and bytes that were no frame, since the start
+        self._jogs = tuple(jog_steps)
+        self._speeds = tuple([abs(speed) for speed in jog_speeds])
+        self._tell_end = tell_end
+        self._cutter = Cutter(_LENGTHS, gap_ms, _SHORT)
+        self._error = 0  # the last number in the log that no STATUS has told
+        self._asked = None  # a command whose answer decides what the frames behind it mean
+
+    def feed(self, data, now_ms):
+        """Commands in `data`, which may be empty: time alone ends frames."""
+        self._cutter.put(data, now_ms)
+        commands = []
+        while self._asked is None:
+            found = self._cutter.next()
+            if found is None:
+                break
+            command = self._command(found)
+            if command is not None:
+                commands.append(command)
+        return commands
+
+    def _command(self, data):
+        if not data:
+            return Command(BAD, error=errors.GARBLED)
+        code = data[0]
+        if code in _JOGS:
+            return self._jog(*_JOGS[code])
+        if code == _MOVE:
+            return self._move(data)
+        if code == _CONFIGURE:
+            return self._configure(data)
+        if code == _PASSO:
+            return self._passo(data)
+        return self._simple(code)
+
+    def _simple(self, code):
+        if code == _STOP:
+            return Command(STOP)
+        if code == _INFO:
+            return Command(STATUS, value=_INFO)
+        if code == 0x88:
+            return Command(ZERO)
+        if code == _FINISHED:
+            return None
+        return Command(CONNECT, value=1 if code == 0xEE else 0)
+
+    def _move(self, data):
+        steps = []
+        rates = []
+        for at in (1, 9):
+            count, speed = unsigned(data, at), signed(data, at + 4)
+            if count >= FOREVER:
+                return Command(BAD, error=errors.TRAVEL)
+            steps.append((count if speed > 0 else -count) if count else None)
+            rates.append((abs(speed), 1000))
+        return Run(steps, rates, AT_REST)
+
+    def _jog(self, axis, sign):
+        steps = [None, None]
+        steps[axis] = sign * self._jogs[axis] or None
+        return Run(steps, [(speed, 1000) for speed in self._speeds], AS_JOG)
+
+    def _configure(self, data):
+        at = len(data) - 9
+        jogs = unsigned(data, 1), unsigned(data, at - 4)
+        if max(jogs) >= FOREVER:
+            return Command(BAD, error=errors.TRAVEL)
+        self._asked = Command(STILL)
+        self._asked.value = jogs, (abs(signed(data, at)), abs(signed(data, at + 4)))
+        return self._asked
+
+    def _passo(self, data):
+        what, value = data[1], data[2]
+        if data[3] != what ^ value ^ _CHECK:
+            return Command(BAD, error=errors.GARBLED)
+        if what == STATUS_OF:
+            return Command(STATUS, value=_PASSO)
+        if what == UNLOCK_OF:
+            return Command(RESET if value else UNLOCK)
+        if what == LINK_OF:
+            return Command(HAND_OVER, value=value)
+        return Command(BAD, error=errors.UNKNOWN_COMMAND)
+
+    def reply(self, event):
+        """The bytes that tell the host of `event`: none where the language has no word for it."""
+        command = event.command
+        if event.kind == REFUSED:
+            self.dropped = (self.dropped + 1) & 0x1FFFFFFF
+        if command is self._asked:
+            self._asked = None
+            if event.kind == ACCEPTED:
+                self._jogs, self._speeds = command.value
+        if event.kind == FINISHED:
+            return self._ended(command, event.value)
+        if event.kind == ACCEPTED and command.kind == STATUS:
+            return self._told(command.value == _PASSO, event.value)
+        return b""
+
+    def _told(self, all, report):
+        error = report["error"] or self._error
+        self._error = 0 if all else error
+        return status_bytes(report, error, self.dropped) if all else answer("INFO", *report["made"][:2])
+
+    def _ended(self, command, value):
+        if command.kind == STOP:
+            return answer("STOP", *value["made"][:2])
+        if command.kind == RUN and command.when == AT_REST and self._tell_end:
+            return frame("FINISHED")
+        return b""
+
+    def push(self, event):
+        """The board says nothing else unasked."""
+        return b""
