@@ -16,6 +16,7 @@ from host_tools.ports import ports
 from host_tools.send import send
 from host_tools.settings import settings
 from host_tools.stream import stream
+from host_tools.torch import app as torch
 from host_tools.virtual_board import board
 
 app = typer.Typer(
@@ -27,6 +28,7 @@ app = typer.Typer(
 
 for _verb in (board, emulate, draw, send, stream, check, settings, link, plot, ports, build, flash):
     app.command()(_verb)
+app.add_typer(torch, name="torch")
 
 
 def main():

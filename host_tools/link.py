@@ -6,14 +6,14 @@ import typer
 
 from host_tools.failure import Failure
 
-BAUD = {"plotter": 57600, "grbl": 115200}
+BAUD = {"plotter": 57600, "grbl": 115200, "torch": 115200}
 
 
 def link(
     number: Annotated[
         Optional[int], typer.Argument(min=0, max=4, help="The link that may command from now on; 0: the one of --port.")
     ] = None,
-    protocol: Annotated[str, typer.Option(help="What the link of --port speaks: plotter or grbl.")] = ...,
+    protocol: Annotated[str, typer.Option(help="What the link of --port speaks: plotter, grbl or torch.")] = ...,
     port: Annotated[
         Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")
     ] = None,
@@ -41,7 +41,9 @@ def link(
     if protocol == "grbl":
         print(_grbl(port, baud, number))
     elif number is None:
-        raise Failure("the plotter's language cannot say who commands; give the number of a link")
+        raise Failure(f"{protocol} has no word for who commands; give the number of a link")
+    elif protocol == "torch":
+        print(_torch(port, baud, number))
     else:
         print(_plotter(port, baud, number))
 
@@ -64,4 +66,13 @@ def _plotter(port, baud, number):
 
     with PlotterClient(port, baud) as client:
         client.hand_over(number)
+    return f"link {number} commands" if number else "this link commands"
+
+
+def _torch(port, baud, number):
+    from host_tools.torch_client import TorchClient
+    from passo.protocols import torch
+
+    with TorchClient(port, baud) as client:
+        client.order(torch.passo(torch.LINK_OF, number))
     return f"link {number} commands" if number else "this link commands"

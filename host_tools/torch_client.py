@@ -1,0 +1,137 @@
+"""A client of the torch manipulator's frames, with the board's own words where it has them.
+
+    with TorchClient("/dev/ttyACM0") as client:
+        client.order(torch.move(480, 480, 830, -830))       # raises Refused with the board's reason
+        client.wait(show)                                   # until it stands; show(status) as it goes
+        client.counts("STOP")                               # (x, y): steps made since the last move or jog
+
+The documents' language has no word for no. A Passo board counts what it dropped and says why when it is asked; of any
+other board, only the counts are known.
+"""
+
+import time
+
+from host_tools.failure import Failure
+from host_tools.wire import LinkError, open_port
+from passo.protocols import errors, torch
+
+POLL_S = 0.1
+_PASSO_S = 0.5  # a board that has not told its status by then is none of ours
+_IDLE_GAP_S = 0.02  # a silence, so that a frame of ours is never taken for the rest of a torn one
+
+
+class Refused(Failure):
+    """The board dropped a frame."""
+
+
+class TorchClient:
+    def __init__(self, port, baud=115200, timeout_s=3.0, log=None):
+        self.port = port
+        self.timeout_s = timeout_s
+        self._serial = open_port(port, baud)
+        self._serial.timeout = 0.01
+        self._cutter = torch.answer_cutter()
+        self._said = []
+        self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
+        self.ours = None  # does the board know the words of Passo? None: not asked yet
+        time.sleep(_IDLE_GAP_S)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._serial.close()
+        if self._log:
+            self._log.close()
+
+    # --- frames
+
+    def send(self, data):
+        self._note(">", data)
+        try:
+            self._serial.write(data)
+        except (OSError, ValueError) as error:
+            raise LinkError(f"port {self.port} went away: {error}") from error
+
+    def _note(self, arrow, data):
+        if self._log:
+            self._log.write(f"{time.time():.3f} {arrow} {data.hex(' ')}\n")
+
+    def _listen(self, name, seconds):
+        """The fields of the next answer of that name, or None."""
+        deadline = time.monotonic() + seconds
+        while True:
+            for at, (told, fields) in enumerate(self._said):
+                if told == name:
+                    del self._said[: at + 1]
+                    return fields
+            try:
+                data = self._serial.read(max(1, self._serial.in_waiting))
+            except (OSError, TypeError, ValueError) as error:
+                raise LinkError(f"port {self.port} went away: {error}") from error
+            if data:
+                self._note("<", data)
+            self._cutter.put(data, int(time.monotonic() * 1000) & 0x1FFFFFFF)
+            while True:
+                found = self._cutter.next()
+                if found is None:
+                    break
+                if found:
+                    self._said.append(torch.answer_from(found))
+            if not self._said and time.monotonic() > deadline:
+                return None
+
+    def _ask(self, data, name, seconds):
+        self._said.clear()
+        self.send(data)
+        return self._listen(name, seconds)
+
+    def counts(self, name="INFO"):
+        """(x, y) in steps since the last move or jog, as INFO or STOP is answered."""
+        fields = self._ask(torch.frame(name), name, self.timeout_s)
+        if fields is None:
+            raise LinkError(f"{self.port}: no answer to {name}; is it the torch's board, and its speed?")
+        return fields["x"], fields["y"]
+
+    def status(self):
+        """{state, error, ours, x, y, dropped} of a Passo board; None of any other."""
+        if self.ours is False:
+            return None
+        fields = self._ask(torch.passo(torch.STATUS_OF), "PASSO", self.timeout_s if self.ours else _PASSO_S)
+        if fields is None and self.ours:
+            raise LinkError(f"{self.port}: no status any more")
+        if fields is None:
+            self.counts()
+        self.ours = fields is not None
+        return fields
+
+    # --- what one wants of it
+
+    def order(self, data):
+        """Send a frame that has no answer. Raises Refused where the board dropped it, and can say so."""
+        before = self.status()
+        self.send(data)
+        after = self.status()
+        if before and after["dropped"] != before["dropped"]:
+            raise Refused(f"the board did not do it: error {after['error']}, {errors.text(after['error'])}")
+        return after
+
+    def wait(self, show=None):
+        """Until the machine stands. `show(status)` each time it is asked. Raises Refused in an alarm."""
+        last = None
+        while True:
+            status = self.status() or self._guess(last)
+            last = status
+            if show:
+                show(status)
+            if status["state"] == "alarm":
+                raise Refused(f"alarm {status['error']}, {errors.text(status['error'])}")
+            if status["state"] not in ("run", "jog"):
+                return status
+            time.sleep(POLL_S)
+
+    def _guess(self, last):
+        """Of a board without a status: it stands where two answers are the same."""
+        x, y = self.counts()
+        still = last is not None and (x, y) == (last["x"], last["y"])
+        return {"state": "idle" if still else "run", "error": 0, "ours": None, "x": x, "y": y, "dropped": 0}

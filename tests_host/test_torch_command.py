@@ -1,0 +1,114 @@
+"""`passo torch` against `passo board --board torch_manipulator`, and against a board that only knows the document's frames."""
+
+import csv
+
+import pytest
+from typer.testing import CliRunner
+
+from host_tools import torch_client
+from host_tools.cli import app
+from host_tools.failure import Failure
+from host_tools.torch_client import TorchClient
+from passo.protocols import torch
+from passo.protocols.frames import Cutter
+from test_board_command import Board
+
+
+def passo(*words):
+    """(exit status or failure's text, what was printed)"""
+    result = CliRunner().invoke(app, ["torch", *words])
+    if isinstance(result.exception, Failure):
+        return str(result.exception), result.output
+    assert result.exception is None or result.exit_code, result.exception
+    return result.exit_code, result.output
+
+
+def test_a_session(tmp_path):
+    trace = tmp_path / "trace.csv"
+    with Board("--board", "torch_manipulator", "--trace", trace, "--time", "fast") as board:
+        where = ("--port", board.port)
+        assert passo("info", *where) == (
+            0, "idle  X 0.000 Y 0.000 mm, motors with the other controller; made X 0.000 Y 0.000 mm; 0 dropped\n"
+        )
+        assert passo("connect", *where)[0] == 0
+        assert passo("move", "10", "-5", *where) == (0, "idle  X 10.000 Y -5.000 mm, motors here\n")
+        assert passo("goto", "1", "1", "--speed", "1200", *where) == (0, "idle  X 1.000 Y 1.000 mm, motors here\n")
+        assert passo("config", "2", "3", *where)[1] == "jogs of 96 and 249 steps at 480 and 830 steps/s\n"
+        assert passo("jog", "y-", "--times", "2", *where)[1].startswith("idle  X 1.000 Y -5.000")
+        assert passo("origin", *where)[0] == 0
+        assert passo("move", "7", "-9", "--steps", *where)[1] == "idle  X 7 Y -9 steps, motors here\n"
+        assert passo("halt", "--steps", *where)[1] == "stopped after X 7 Y -9 steps\n"
+        failure, _ = passo("move", "1", "1", "--speed", "1000000", *where)
+        assert failure.startswith("the board did not do it: error 105, ")
+        assert "1 dropped" in passo("info", *where)[1]
+        assert passo("unlock", *where)[0] == 0
+        assert passo("disconnect", *where)[0] == 0
+        status, _, errors = board.end()
+        assert status == 0 and not errors
+    with open(trace) as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == ["t_us", "x", "y", "z", "a", "tool"] and rows[-1][1:3] == [str(48 + 7), str(-5 * 83 - 9)]
+
+
+@pytest.mark.parametrize(
+    "words", [("move", "1"), ("jog", "z+"), ("jog", "x+", "--times", "0"), ("spin",), ("move", "a", "b"), ("info",)]
+)
+def test_what_cannot_be_fails(words):
+    assert passo(*words, *(["--port", "/dev/nothing"] if words[0] == "info" else []))[0] != 0
+
+
+@pytest.mark.parametrize("verb", ["move", "goto", "jog", "info", "halt", "origin", "config", "connect", "disconnect"])
+def test_help_has_examples(verb):
+    status, text = passo(verb, "--help")
+    assert status == 0 and f"passo torch {verb}" in text
+
+
+class OldBoard:
+    """A serial port with the original board behind it: it answers STOP and INFO, and nothing else."""
+
+    def __init__(self, counts):
+        self._cutter = Cutter({**{code: 2 for code in torch.CODES.values()}, 0xFE: 18, 0x99: 18}, 5)
+        self._counts = counts
+        self._said = b""
+        self.heard = []
+        self.timeout = 0
+
+    @property
+    def in_waiting(self):
+        return len(self._said)
+
+    def write(self, data):
+        if data[0] == 0x77:
+            return
+        self._cutter.put(data, 0)
+        while frame := self._cutter.next():
+            self.heard.append(frame)
+            if frame[0] in (0xDD, 0xBB):
+                self._said += torch.answer("STOP" if frame[0] == 0xDD else "INFO", *self._counts.pop(0))
+
+    def read(self, count):
+        data, self._said = self._said[:count], self._said[count:]
+        return data
+
+    def close(self):
+        pass
+
+
+def test_a_board_without_words_of_ours(monkeypatch):
+    old = OldBoard([(0, 0), (5, -5), (9, -9), (9, -9)])
+    monkeypatch.setattr(torch_client, "open_port", lambda port, baud: old)
+    monkeypatch.setattr(torch_client, "_PASSO_S", 0.01)
+    monkeypatch.setattr(torch_client, "POLL_S", 0.001)
+    with TorchClient("old") as client:
+        client.order(torch.move(9, 480, 9, -480))
+        status = client.wait()
+    assert (status["x"], status["y"], status["ours"]) == (9, -9, None)
+    assert old.heard[1:2] == [torch.move(9, 480, 9, -480)] and len(old.heard) == 5
+
+
+def test_a_silent_port_is_a_failure(monkeypatch):
+    monkeypatch.setattr(torch_client, "open_port", lambda port, baud: OldBoard([]))
+    with TorchClient("old", timeout_s=0.02) as client:
+        client._serial.write = lambda data: None
+        with pytest.raises(Failure, match="no answer to INFO"):
+            client.counts()
