@@ -323,3 +323,29 @@ def check_relays():
     assert board.controller.state == "idle" and ("relay", 1) in [entry[1:] for entry in switched()]
     board.app.stop()
     assert ("relay", 0) in [entry[1:] for entry in switched()]
+
+
+def check_another_link_is_silent_until_it_has_the_command():
+    """Refused without a word, counted and logged; it may ask, and stop; PASSO LINK takes the command."""
+    first = {"name": "pc", "port": "uart0", "tx": 0, "rx": 1, "protocol": "plotter"}
+    second = dict(LINK)
+    second.update({"name": "b", "port": "usb"})
+    board = FreeMachine(links=[first, second])
+    line = board.port.lines["b"]
+
+    def says(data):
+        line.incoming += data
+        board.poll(200_000)
+        said, line.outgoing = line.outgoing, b""
+        return said
+
+    assert says(torch.move(5, 480, 5, 480)) == b"" and board.made() == [0, 0]
+    assert board.controller.log.entries[-1][1:] == (errors.COMMANDED_ELSEWHERE, "b")
+    assert says(torch.frame("INFO")) == torch.answer("INFO", 0, 0)
+    assert says(torch.frame("STOP")) == torch.answer("STOP", 0, 0)
+    assert torch.answer_from(says(torch.passo(torch.STATUS_OF)))[1]["dropped"] == 1
+    assert says(torch.passo(torch.LINK_OF, 9)) == b""
+    says(torch.passo(torch.LINK_OF))
+    says(torch.move(5, 480, 5, 480))
+    board.settle()
+    assert board.made() == [5, 5]
