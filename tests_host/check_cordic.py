@@ -22,11 +22,11 @@ def distance(x, y, sweep):
 
 
 def check_end_point(x, y, sweep):
-    assert distance(x, y, sweep) < 1
+    assert distance(x, y, sweep) < 0.9
 
 
 def check_small_radii(x, y, sweep):
-    assert distance(x, y, sweep) < 1
+    assert distance(x, y, sweep) < 0.9
 
 
 def check_near_the_octants(radius, eighth, off):

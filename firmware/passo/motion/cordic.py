@@ -5,9 +5,10 @@
     x, y = end_point((cx, cy), (rx, ry), sweep)
 
 An angle is an integer of 2⁻³² turn; a negative one is clockwise and several turns are allowed. One iteration more
-halves what is left of the angle, so a radius of b bits takes b + 3 of them, and the vector carries GUARD bits below the
-step. What remains is an angle of less than 2⁻⁽ᵇ⁺²⁾, a quarter of a step, and then the rounding of each coordinate to a
-whole step: the result is within one step of the true point for every radius and angle (0.5·√2 + 0.25 + 2⁻¹⁰ = 0.96).
+halves what is left of the angle, so coordinates of b bits take b + 4 of them, and the vector carries GUARD bits below
+the step. What remains is an angle of less than 2⁻⁽ᵇ⁺³⁾, at most 0.18 steps on a radius of √2·2ᵇ, and then the rounding of
+each coordinate to a whole step: the result is within one step of the true point for every radius and angle
+(0.5·√2 + 0.18 + 2⁻¹⁰ = 0.89).
 
 Big integers are welcome here: it is called once a block.
 """
@@ -66,7 +67,7 @@ def _bits(value):
 
 def rotate(x, y, angle, fraction=0):
     """(x, y) turned about 0;0 by `angle`, rounded to integers of 2⁻ᶠʳᵃᶜᵗⁱᵒⁿ of the unit of x and y."""
-    iterations = min(_bits(abs(x) | abs(y)) + 3 + fraction, _FINEST)
+    iterations = min(_bits(abs(x) | abs(y)) + 4 + fraction, _FINEST)
     angle &= TURN - 1
     quarters = (angle + (QUARTER >> 1)) // QUARTER
     rest = (angle - quarters * QUARTER) << _FINE  # within an eighth of a turn of zero
