@@ -25,7 +25,13 @@ $(STAMP): pyproject.toml
 run: $(STAMP)  ## draw on the virtual board; pictures and traces in out/
 	$(BIN)/python -m host_tools.run
 
-test: $(STAMP)  ## all tests, under CPython and MicroPython, with coverage
+# A sender that some tests drive, without the 60 MB of camera software it would bring along; they skip where it is missing.
+CLIENTS = $(VENV)/.clients
+$(CLIENTS): $(STAMP)
+	-$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps 'bCNC>=0.9.16,<0.10' 'shxparser>=0.0.2,<0.1'
+	@touch $@
+
+test: $(STAMP) $(CLIENTS)  ## all tests, under CPython and MicroPython, with coverage
 	$(BIN)/python -m pytest -n 2 --cov --cov-report=term --ignore-glob='*/test_pico_*' $(ARGS)
 	$(BIN)/python -m pytest -n 2 -o faulthandler_timeout=900 $(PICO_TESTS)
 

@@ -2,12 +2,12 @@
 
     programmes()["relief"]     # (board, lines)
 
-Of those in PICO none has more than 200 blocks.
+pico() has the beginnings of some, short enough for an emulated chip.
 """
 
 from math import cos, pi, sin
 
-PICO = ("relief", "engraving", "helices", "laser_raster")
+PICO = {"relief": 16, "engraving": 15, "helices": 4, "laser_raster": 16}  # how many lines
 
 
 def relief():
@@ -111,3 +111,9 @@ def programmes():
     for kind in (relief, engraving, arcs, helices, laser_raster, tiny, drilling, units, reversals, slow):
         made[kind.__name__] = ("laser_xy" if kind is laser_raster else "router_3axis", kind())
     return made
+
+
+def pico():
+    """As programmes(), of the first lines of those in PICO."""
+    made = programmes()
+    return {"pico_" + name: (made[name][0], made[name][1][:count]) for name, count in PICO.items()}

@@ -16,7 +16,7 @@ import pytest
 from host_tools import run
 from host_tools.objects import objects
 from passo.protocols.plotter import COMMANDS, packet
-from programmes import programmes
+from programmes import pico, programmes
 from test_micropython import MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 
 GOLDEN = TESTS / "golden" / "digests.txt"
@@ -94,9 +94,12 @@ def test_a_job_that_differs_by_one_step_has_another_digest(tmp_path):
     assert len(digests) == 2
 
 
-@pytest.mark.parametrize("name", programmes())
+JOBS = {**programmes(), **pico()}
+
+
+@pytest.mark.parametrize("name", JOBS)
 def test_gcode(tmp_path, name):
-    board, lines = programmes()[name]
+    board, lines = JOBS[name]
     job = tmp_path / "job.gcode"
     job.write_text("".join(f"{line}\n" for line in lines))
     compare_gcode(name, job, board)

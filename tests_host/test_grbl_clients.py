@@ -1,6 +1,11 @@
 """Senders that people use, against the firmware on a pseudo-terminal; each skips where it is not installed."""
 
+import importlib.util
+import os
+import subprocess
+import sys
 import time
+from pathlib import Path
 
 import pytest
 
@@ -77,3 +82,83 @@ def test_grbl_streamer(board, one_by_one):
         assert "on_error" in kinds()  # the answer to the line that raised the alarm
     finally:
         client.disconnect()
+
+
+class Bcnc:
+    """bcnc_sender.py in a process of its own."""
+
+    def __init__(self, home):
+        command = [sys.executable, Path(__file__).with_name("bcnc_sender.py")]
+        self._process = subprocess.Popen(
+            command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+            env={**os.environ, "HOME": str(home), "PYTHONPATH": ""},
+        )  # fmt: skip
+
+    def do(self, line):
+        """Carry out a line of Python there; its value as text."""
+        self._process.stdin.write(line + "\n")
+        self._process.stdin.flush()
+        answer = self._process.stdout.readline()
+        assert answer.startswith("= ") and "Error" not in answer, (line, answer)
+        return answer[2:].strip()
+
+    def close(self):
+        self._process.stdin.close()
+        self._process.wait(20)
+
+
+def test_bcnc(board, tmp_path):
+    pytest.importorskip("tkinter", reason="bCNC wants tkinter")
+    if importlib.util.find_spec("bCNC") is None:
+        pytest.skip("bCNC is not installed")
+    bcnc = Bcnc(tmp_path)
+    controller = board.app.controller
+    idle = lambda: controller.state == "idle"
+    job = tmp_path / "job.gcode"
+    try:
+        bcnc.do(f"sender.open({board.line.name!r}, 115200)")
+        bcnc.do("sender.viewSettings()")
+        board.until(lambda: bcnc.do("CNC.vars.get('grbl_132')") == "'80.000'")
+        bcnc.do("sender.unlock()")
+        board.until(idle)
+        bcnc.do("sender.home()")
+        board.until(lambda: controller.homed and idle())
+        zero = list(board.world.place)
+        board.until(lambda: bcnc.do("CNC.vars['state'], CNC.vars['mx']") == "('Idle', 0.0)")
+
+        job.write_text("\n".join(["G21 G90", *zigzag(60, 0.2), "G2 X12 Y0.5 J2 F900", "M30"]) + "\n")
+        bcnc.do(f"run({str(job)!r})")
+        board.until(lambda: controller.state == "run")
+        board.until(lambda: bcnc.do("ended()") == "True" and idle())
+        assert board.position() == [3840, 160, 0]
+        assert [at - by for at, by in zip(board.world.place, zero)] == [3840, 160, 0]
+
+        board.until(lambda: bcnc.do("sender.queue.qsize()") == "0" and idle())
+        bcnc.do("sender.sendGCode('G1X0Y0F500')")
+        board.until(lambda: controller.state == "run" and board.position()[0] < 3700)
+        bcnc.do("sender.feedHold()")
+        board.until(controller.pauses.standing)
+        stood = board.position()
+        bcnc.do("CNC.vars.update(_OvFeed=200, _OvChanged=True)")
+        board.until(lambda: controller.tools.overrides[0] == 200)
+        assert board.position() == stood
+        bcnc.do("sender.resume()")
+        board.until(idle)
+        assert board.position() == [0, 0, 0]
+
+        bcnc.do("sender.mcontrol.jog('X50')")
+        board.until(lambda: controller.state == "jog" and board.position()[0] > 100)
+        bcnc.do("sender.serial_write(bytes([0x85]))")
+        board.until(idle)
+        assert 100 < board.position()[0] < 16000
+
+        bcnc.do("sender.sendGCode('G90G0X-5')")
+        board.until(lambda: controller.alarm == 202)
+        board.until(lambda: "ALARM:2" in bcnc.do("CNC.vars['state']"))
+        bcnc.do("sender.softReset()")
+        board.until(lambda: controller.alarm == 200)
+        bcnc.do("sender.unlock()")
+        board.until(idle)
+        assert [at - by for at, by in zip(board.world.place, zero)] == board.position()
+    finally:
+        bcnc.close()
