@@ -6,61 +6,85 @@
 
 There is no checksum, so a frame is believed only where it must begin: behind another good one, or behind a silence of
 `gap_ms`. An unknown code, a wrong terminator or a frame torn by a silence drops everything up to the next silence. A
-good frame is there with its last byte: only one that may yet grow longer (`at_idle`) waits for the silence.
+good frame is there with its last byte, but for two kinds: one that may yet grow longer (`at_idle`) waits for the
+silence, and one so short that the rest of a torn frame may begin like it (`short`) waits for another good frame or
+for SETTLE_MS without a byte.
 """
 
 from micropython import const
 
 END = const(0xFF)
+SETTLE_MS = const(2)  # at 9600 baud the next byte of a torn frame comes within 1.1 ms
 _TIME_MASK = const(0x1FFFFFFF)
 _LONG_GAPS = const(20)  # so many gaps between two reads are a silence, even if nobody looked in between
 
 
 class Cutter:
-    def __init__(self, lengths, gap_ms, at_idle=None):
+    def __init__(self, lengths, gap_ms, at_idle=None, short=()):
         """`lengths`: {code: bytes of its frame, code and terminator included}; `at_idle`: {code: a shorter length that
-        it may also have, if the line stays silent behind it}."""
+        it may also have, if the line stays silent behind it}; `short`: codes that are not believed at once."""
         self._lengths = lengths
         self._gap_ms = gap_ms
         self._at_idle = at_idle or {}
+        self._short = short
         self._bytes = b""
         self._broken = False  # bytes are being dropped until the line is silent
-        self._quiet = True
+        self._silent_ms = gap_ms  # since the newest byte
         self._latest = 0  # when the newest byte came
 
     def put(self, data, now_ms):
         """Bytes, which may be none: time alone ends frames."""
         silent_ms = (now_ms - self._latest) & _TIME_MASK
         if not data:
-            self._quiet = silent_ms >= self._gap_ms
+            self._silent_ms = silent_ms
             return
         if silent_ms >= _LONG_GAPS * self._gap_ms:
             self._broken = False
             self._bytes = b""
-        self._quiet = False
+        self._silent_ms = 0
         self._latest = now_ms
         if not self._broken:
             self._bytes += data
 
     def next(self):
         """The next whole frame, b"" where bytes were dropped, or None."""
+        quiet = self._silent_ms >= self._gap_ms
         if self._broken:
-            if not self._quiet:
+            if not quiet:
                 return None
             self._broken = False
             return b""
         data = self._bytes
         if not data:
             return None
-        length = self._lengths.get(data[0], 0)
-        if len(data) < length:
-            if not self._quiet:
+        length = self._whole(0)
+        if not length:
+            if not quiet:
                 return None
             self._bytes = b""
             return data if len(data) == self._at_idle.get(data[0]) and data[-1] == END else b""
-        if not length or data[length - 1] != END:
+        if length > 0 and data[0] in self._short:
+            behind = self._whole(length)
+            if not behind and (len(data) > length or self._silent_ms < min(SETTLE_MS, self._gap_ms)):
+                if not quiet:
+                    return None
+                self._bytes = b""
+                return b""
+            if behind < 0:
+                length = -1
+        if length < 0:
             self._bytes = b""
             self._broken = True
             return self.next()
         self._bytes = data[length:]
         return data[:length]
+
+    def _whole(self, at):
+        """The length of the frame that begins at byte `at`; 0: not yet whole; −1: it is none."""
+        data = self._bytes
+        if at == len(data):
+            return 0
+        length = self._lengths.get(data[at], 0)
+        if length and len(data) < at + length:
+            return 0
+        return length if length and data[at + length - 1] == END else -1

@@ -48,7 +48,8 @@ _PASSO = const(0x77)
 _JOGS = {0xF9: (0, 1), 0xF7: (0, -1), 0xF4: (1, 1), 0xF1: (1, -1)}
 _LENGTHS = {code: 2 for code in CODES.values()}
 _LENGTHS.update({_MOVE: 18, _CONFIGURE: 18, _PASSO: 5})
-_SHORT = {_CONFIGURE: 14}  # the length of the document's table: one jog for both axes
+_SHORTER = {_CONFIGURE: 14}  # the length of the document's table: one jog for both axes
+_MOVING = (0xF9, 0xF7, 0xF4, 0xF1, 0xEE, 0xCC, 0x88)  # two bytes that may not come about by a torn frame's end
 ANSWER_LENGTHS = {_STOP: 10, _INFO: 10, _FINISHED: 2, _PASSO: 17}
 
 STATUS_OF = const(0x3F)  # what the frame PASSO asks for: `?`
@@ -140,7 +141,7 @@ class Torch:
         self._jogs = tuple(jog_steps)
         self._speeds = tuple([abs(speed) for speed in jog_speeds])
         self._tell_end = tell_end
-        self._cutter = Cutter(_LENGTHS, gap_ms, _SHORT)
+        self._cutter = Cutter(_LENGTHS, gap_ms, _SHORTER, _MOVING)
         self._error = 0  # the last number in the log that no STATUS has told
         self._asked = None  # a command whose answer decides what the frames behind it mean
 
