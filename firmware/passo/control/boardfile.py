@@ -78,7 +78,7 @@ _JOG = {"steps": (int, 10, 1, 100_000), "up": ("y+", "y-", "x+", "x-")}
 _TRACK = {
     "interval_us": (int, 100, 1, 250_000),  # the least time between one pulse and the next: it makes the fastest speed
     "default_mm_min": (int, 600, 1, 900_000),  # until the track says otherwise, and for moves by hand
-    "cells": (int, 4096, 256, 65_536),  # of memory, four bytes each: a run of equal steps takes one
+    "cells": (int, 4096, 512, 65_536),  # of memory, four bytes each: a run of equal steps takes one
     "dry_run": (bool, False, 0, 1),  # the tool stays off
     # The image of a parallel port in status reports, for its bits 7 to 0 (drives on, z pulse, z dir, y pulse, y dir,
     # x pulse, x dir, tool): the bit each appears at, "-" none; "invert": the mask of those that appear inverted.

@@ -31,7 +31,7 @@ class Motors:
 
     def poll(self, now_ms, moving, tool):
         """Once a main loop turn. `moving`: motion is under way or wanted; `tool`: where its end leaves the tool."""
-        if moving:
+        if moving or self.keep:
             self._since_ms = now_ms
             if self.state != RUNNING and not self._player.busy():
                 self._ready_ms = now_ms + (self._wake_ms if self.state == RELEASED else 0)
@@ -42,7 +42,7 @@ class Motors:
         if self.state == RUNNING and idle_ms >= self._hold_ms:
             self._set(HOLDING)
         release_ms = self._board["idle_release_ms"]
-        if self.state == HOLDING and not self.keep and release_ms and idle_ms >= release_ms:
+        if self.state == HOLDING and release_ms and idle_ms >= release_ms:
             self._set(RELEASED)
 
     def ready(self, now_ms):

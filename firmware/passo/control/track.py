@@ -95,6 +95,7 @@ class TrackPlayer(Part):
         self._next = None  # what to do at the stand: a function without arguments
         self._backward = False
         self._most = ENDLESS
+        self._from = 0  # where the walk under way began
         self._pass = self._passes = 1
         self._hand_tool = False
         self._forget_moves()
@@ -394,6 +395,7 @@ class TrackPlayer(Part):
     def _start(self, backward=False, most=ENDLESS):
         self._backward = backward
         self._most = most
+        self._from = self._walker.place
         self._walk(self._walker, _RUN, backward, most)
 
     def _walk(self, walker, mode, backward, most=ENDLESS):
@@ -457,7 +459,8 @@ class TrackPlayer(Part):
 
     def _arrive_on_track(self):
         walker = self._walker
-        station = None if self._backward else walker.pass_station()
+        done = self._most != ENDLESS and walker.place != self._from
+        station = None if self._backward or done else walker.pass_station()
         if station == ASK:
             self._asked = True
             self._tell("speed")
@@ -499,7 +502,7 @@ class TrackPlayer(Part):
                 place = walker.place
         period_us = walker.step_us(1)
         seen = self._hand if self._mode in (_HAND, _RETURN) else walker
-        stepping = self._mode != _IDLE and not seen.gap and not seen.wait_ms
+        stepping = self._mode != _IDLE and seen.left and not seen.wait_ms
         report["track"] = {
             "place": place,
             "total": self.track.total,

@@ -222,7 +222,7 @@ class Pulses:
         elif byte == 10:
             self._line += 1
             self._column = 0
-            if not self._open:
+            if not self._open and not self._items:
                 self._begin(0)
         elif byte not in _BLANKS:
             self._fail(errors.NO_CODE, found)
