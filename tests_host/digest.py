@@ -1,16 +1,18 @@
 """The digest of a job: SHA-256 over its step words, the same on every interpreter.
 
-    MICROPYPATH=firmware:tests_host:. micropython tests_host/digest.py job.bin|job.gcode [board [steps/mm]]
+    MICROPYPATH=firmware:tests_host:. micropython tests_host/digest.py job.bin|job.gcode|job.hex [board [steps/mm]]
 
 `job.bin` holds the packets a host sends, `job.gcode` lines of G-code, one after the other as they are answered, to a
-machine that is not homed; what the feeder makes is taken from the ring at once. Prints the digest, the number of words
+machine that is not homed; `job.hex` lines of bytes in hexadecimal, the next one sent when nothing moves any more, or
+after so many turns where the line ends with `@turns` (with `ramps` as
+the last argument, axes that run on their own accelerate); what the feeder makes is taken from the ring at once. Prints the digest, the number of words
 and how many of them step; of G-code also a checksum of the marks of power, and how many lines were refused. A board
 with fewer steps/mm, on all axes, makes a large job quicker.
 """
 
 import hashlib
 import sys
-from binascii import crc32
+from binascii import crc32, unhexlify
 
 from passo.app import App
 from passo.control.boardfile import check
@@ -168,6 +170,22 @@ def digest_lines(board, job, counts=True):
     return port, refused
 
 
+def digest_hex(board, job):
+    """Send `job` (a file of lines, open for reading) to `board`; returns the Sink."""
+    port = Sink()
+    app = App(check(board), port)
+    for line in job:
+        data, _, turns = line.partition("@")
+        port.incoming += unhexlify("".join(data.split()))
+        silent = 0
+        for _ in range(int(turns) if turns else 1_000_000):
+            app.turn()
+            silent = 0 if app.controller.busy() else silent + 1
+            if not turns and silent > SILENT_TURNS:
+                break
+    return port
+
+
 def board_named(name):
     return getattr(__import__("boards." + name), name).BOARD
 
@@ -185,6 +203,14 @@ def show_lines(path, name="router_3axis", steps_mm=None, counts=True):
 def main(arguments):
     if arguments[0].endswith(".gcode"):
         return show_lines(*arguments)
+    if arguments[0].endswith(".hex"):
+        board = board_named(arguments[1])
+        if "ramps" in arguments[2:]:
+            board["planning"]["independent_ramps"] = True
+        with open(arguments[0]) as job:
+            port = digest_hex(board, job)
+        print(port.hexdigest(), port.words, port.stepping)
+        return
     with open(arguments[0], "rb") as job:
         port = digest(board_named(arguments[1] if len(arguments) > 1 else "plotter_2014"), job)
     print(port.hexdigest(), port.words, port.stepping)

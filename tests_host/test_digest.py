@@ -1,7 +1,8 @@
 """The step words of drawings and programmes: the same digest under CPython and MicroPython, and the same as ever.
 
 tests_host/golden/digests.txt holds `name digest words stepping` of the five objects of `make run`; gcode_digests.txt
-holds `name digest words stepping marks refused` of programmes.py and of the corpus. If a change of the words is meant,
+holds `name digest words stepping marks refused` of programmes.py and of the corpus; hex_digests.txt, as digests.txt, of
+bytes sent to machines of other languages. If a change of the words is meant,
 write the new lines there: PASSO_GOLDEN=write does it for the G-code. To see what changed, compare `passo plot` of two
 traces, or print the words in `Sink.start`.
 """
@@ -15,11 +16,13 @@ import pytest
 
 from host_tools import run
 from host_tools.objects import objects
+from passo.protocols import torch
 from passo.protocols.plotter import COMMANDS, packet
 from programmes import pico, programmes
 from test_micropython import MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 
 GOLDEN = TESTS / "golden" / "digests.txt"
+HEX_GOLDEN = TESTS / "golden" / "hex_digests.txt"
 GCODE_GOLDEN = TESTS / "golden" / "gcode_digests.txt"
 CORPUS_STEPS_MM = 10  # instead of the router's 320: its files are large
 SHIMS = ROOT / "host_tools" / "shims"
@@ -110,3 +113,32 @@ def test_gcode_of_the_corpus(corpus):
     assert files
     for file in files:
         compare_gcode(file.name, file, "router_3axis", str(CORPUS_STEPS_MM))
+
+
+def frames_of_torch():
+    """Moves of unlike axes, jogs held, a configuration, a stop on the way; each line as digest.py takes it."""
+    jog = [(torch.frame("JOG_Y-"), 60)] * 5
+    return [
+        (torch.frame("CONNECT"), None), (torch.move(700, 480, 2000, -833), None), (torch.move(0, 0, 31, 7), None),
+        (torch.move(5000, -11_999, 9000, 20_000), 150), (torch.frame("STOP"), None), *jog,
+        (torch.configure(100, 333, 2001, -999), None), (torch.frame("JOG_X+"), 20), (torch.frame("JOG_X+"), None),
+        (torch.move(1, 1, 1, -1), None),
+    ]  # fmt: skip
+
+
+HEX_JOBS = {
+    "torch": (frames_of_torch, "torch_manipulator"),
+    "torch_ramps": (frames_of_torch, "torch_manipulator", "ramps"),
+}
+
+
+@pytest.mark.parametrize("name", HEX_JOBS)
+def test_bytes_of_other_languages(tmp_path, name):
+    lines, *options = HEX_JOBS[name]
+    job = tmp_path / "job.hex"
+    job.write_text("".join(data.hex(" ") + (f" @{turns}" if turns else "") + "\n" for data, turns in lines()))
+    made = digest(sys.executable, job, *options)
+    golden = dict(line.split(" ", 1) for line in HEX_GOLDEN.read_text().splitlines())
+    assert " ".join(made) == golden[name]
+    if MICROPYTHON.exists():
+        assert digest(MICROPYTHON, job, *options) == made
