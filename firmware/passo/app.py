@@ -27,8 +27,8 @@ LEAD_TICKS = const(30 * 12_500)  # from a main loop
 LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any moment, within 20 ms on the pins
 _WAITING = const(64)  # commands of one link that may wait for their turn
 
-PROTOCOLS = ("plotter", "grbl", "pulses", "torch")
-_STORED = ("plotter", "torch")  # those without lines and arcs as they come: program and tools are not loaded for them
+PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
+_STORED = ("plotter", "torch", "keys")  # those without lines and arcs as they come: program and tools are not loaded for them
 
 
 def open_protocol(link, board, controller, shared):
@@ -65,6 +65,12 @@ def open_protocol(link, board, controller, shared):
         return Pulses("".join([axis["name"] for axis in board["axes"]]), board["track"])
     if name == "torch":
         return _open_torch(link, board, controller, shared)
+    if name == "keys":
+        from passo.protocols.keys import Keys
+
+        if len(board["axes"]) < 2:
+            raise BoardError("link %s: keys wants two axes" % link["name"])
+        return Keys(independent(board, controller, shared), len(board["axes"]))
     raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
 
 
@@ -113,7 +119,7 @@ def make_drive(board):
     for axis in range(count):
         backwards |= board["axes"][axis]["reversed"] << axis
     hold = motors.HOLD[mode] if kind == "pbl3770a" else None
-    drive = CoilDrive(count, motors.MODES[mode], motors.WIDTH, hold, backwards)
+    drive = CoilDrive(count, motors.MODES[mode], motors.WIDTH, hold, backwards, motors.OFF)
     pins = [name + "_" + pin for name in names for pin in motors.PINS]
     off = 0
     for axis in range(count):

@@ -257,6 +257,10 @@ class Controller:
         """Hand an event to the link of its command."""
         self._events.append(event)
 
+    def limp(self, mask):
+        """The axes of `mask` are without current in what moves from now on; 0: none is."""
+        self._motors.limp(mask)
+
     def drives(self, on):
         """The motors' current on until it is switched off, or off now."""
         self._motors.keep = on

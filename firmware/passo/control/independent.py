@@ -36,6 +36,8 @@ class Independent(Part):
         self._command = None  # the last RUN accepted: its link hears of the end
         self._jog = None  # directions of the jog under way
         self._moving = False
+        self._all = (1 << len(self._axes)) - 1
+        self._off = self._limp = 0  # masks of the axes that shall have no current, and of those that have none
         self._from = self._places()
         machine.add(self)
 
@@ -59,18 +61,39 @@ class Independent(Part):
         """All motion has been dropped."""
         self._command = self._jog = None
         self._moving = False
+        self._off = 0
+        self._switch_off()
 
     def report(self, report):
         report["made"] = self.made()
 
     def poll(self):
         """Notices the end, and tells who asked last."""
-        if not self._moving or self.walker.running or not self._queue.still():
+        if not self._moving:
+            return
+        self._switch_off()
+        if self.walker.running or not self._queue.still():
             return
         command = self._command
+        if self._off == self._all:
+            self._machine.drives(False)
         self.clear()
         self._queue.settle()
         self._machine.tell(Event(FINISHED, command))
+
+    def _switch_off(self):
+        """Take the current from the axes that shall have none and stand, and give it back to the others."""
+        limp = 0
+        for axis in range(len(self._axes)):
+            if self._off >> axis & 1 and self.walker.stands(axis):
+                limp |= 1 << axis
+        if limp != self._limp:
+            self._limp = limp
+            self._machine.limp(limp)
+
+    def turning(self, axis):
+        """True while steps of an axis are to come."""
+        return self.walker.togo(axis) != 0
 
     def _places(self):
         return [self._machine.place(axis) for axis in range(len(self._axes))]
@@ -157,6 +180,8 @@ class Independent(Part):
         if command.when == commands.AS_JOG:
             self._jog = self._directions(command)
             machine.program.jogging = True
+        self._off = command.limp
+        self._switch_off()
         for axis, (each, rest, over) in rates.items():
             steps = command.steps[axis]
             if not steps:
@@ -185,6 +210,9 @@ class Independent(Part):
         for axis in range(len(self._axes)):
             if command.value >> axis & 1:
                 self.walker.stop(axis)
+        self._off = command.limp
+        if not self._moving and self._off == self._all and self._queue.still():
+            self._machine.drives(False)
         return self._machine.accepted(command)
 
     def _still(self, command):

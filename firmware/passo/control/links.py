@@ -11,7 +11,7 @@ from passo.protocols import commands, errors
 
 FREE = (
     commands.BAD, commands.HELLO, commands.STATUS, commands.SYNC, commands.HAND_OVER,
-    commands.STOP, commands.HOLD, commands.DOOR, commands.JOG_CANCEL, commands.RESET,
+    commands.STOP, commands.HOLD, commands.DOOR, commands.JOG_CANCEL, commands.REST, commands.RESET,
 )  # fmt: skip
 _AT_REST = ("idle", "alarm", "sleep")
 

@@ -49,6 +49,12 @@ class Motors:
         """True when motion may begin."""
         return self.state == RUNNING and (now_ms - self._ready_ms) & _TIME_MASK < _TIME_MASK // 2
 
+    def limp(self, mask):
+        """The axes of `mask` are without current while the others run; 0: none. Drivers with STEP and DIR share one
+        output: theirs stays on."""
+        if self._drive is not None:
+            self._drive.limp(mask)
+
     def release(self):
         """No current, and the tool off, at once: the safe state."""
         self._tool = False

@@ -31,9 +31,10 @@ except (ImportError, NameError, ValueError):  # an interpreter that has no machi
 
 
 class CoilDrive:
-    def __init__(self, axes, table, width, hold=None, reversed_mask=0):
+    def __init__(self, axes, table, width, hold=None, reversed_mask=0, off=0):
         """`table`: levels of `width` pins a phase, its length a power of two; `hold`: the same phases at the standstill
-        current (default: `table`); `reversed_mask`: axes that run through the tables backwards."""
+        current (default: `table`); `reversed_mask`: axes that run through the tables backwards; `off`: levels without
+        current."""
         count = len(table)
         self._last = count - 1
         self.axes = axes
@@ -41,8 +42,9 @@ class CoilDrive:
         self._mask = (1 << width) - 1
         self._table = [self._order(table, reversed_mask >> axis & 1) for axis in range(axes)]
         self._hold = [self._order(hold or table, reversed_mask >> axis & 1) for axis in range(axes)]
-        self._tables = b"".join(self._table)
+        self._off = bytes([off] * count)
         self._phase = bytearray(axes)
+        self.limp(0)
 
     @staticmethod
     def _order(table, backwards):
@@ -56,6 +58,14 @@ class CoilDrive:
         """Turn words[at : at + count] from the step form into this drive's pin levels; the tool bit and time stay."""
         apply(words, at, count, self.axes, self.width, self._last, self._tables, self._phase)
 
+    def limp(self, mask):
+        """The axes of `mask` are without current in all that is made from now on; the others have theirs."""
+        self._limp = mask
+        self._tables = b"".join(self._shown(self._table))
+
+    def _shown(self, tables):
+        return [self._off if self._limp >> axis & 1 else tables[axis] for axis in range(self.axes)]
+
     def levels(self):
         """The levels that hold all motors where they are, at running current."""
         return self._all(self._table)
@@ -65,6 +75,7 @@ class CoilDrive:
         return self._all(self._hold)
 
     def _all(self, tables):
+        tables = self._shown(tables)
         levels = 0
         for axis in range(self.axes):
             levels |= tables[axis][self._phase[axis]] << axis * self.width
@@ -74,6 +85,15 @@ class CoilDrive:
         """Stand at the phases that belong to `position` (steps since power-up)."""
         for axis in range(self.axes):
             self._phase[axis] = position[axis] & self._last
+
+    def stepped(self, axis, position, levels):
+        """Steps (−1, 0, +1) from `position`, as seek() counts, to the motor's place in a word's `levels`."""
+        after = levels >> axis * self.width & self._mask
+        table = self._table[axis]
+        phase = position & self._last
+        if after == table[phase] or after == self._off[0]:
+            return 0
+        return 1 if table[phase + 1 & self._last] == after else -1
 
     def moved(self, axis, before, after):
         """Steps (−1, 0, +1) between two neighbouring words' levels."""

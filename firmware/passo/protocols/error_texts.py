@@ -41,7 +41,7 @@ TEXTS = {
     errors.TOOL_LENGTH_AXIS: "G43.1 takes Z only",
     errors.TOOL_NUMBER: "the tool number is above 255",
     errors.CHECKSUM: "a packet's checksum was wrong: it was asked for again",
-    errors.UNKNOWN_COMMAND: "a packet with an unknown command byte",
+    errors.UNKNOWN_COMMAND: "an unknown command byte",
     errors.BYTES_DROPPED: "an unfinished packet was dropped: it was asked for again",
     errors.TRAVEL: "the point lies outside the machine's travel",
     errors.SPEED_RANGE: "the speed is outside the range of the board file",

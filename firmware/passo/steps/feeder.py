@@ -51,7 +51,6 @@ class Feeder:
         self._mark_ticks = array("i", [0] * _CHECKPOINTS)
         self._mark_index = array("i", [0] * _CHECKPOINTS)  # dominant steps of its block made so far; of a track, the place
         self._mark_ends = bytearray(_CHECKPOINTS)  # 1 where the segment is its block's last
-        self._mark_levels = array("i", [0] * _CHECKPOINTS)
         self._mark_pace = array("i", [0] * _CHECKPOINTS)  # as ramp.pace; 0 at a stand
         self._mark_position = array("i", [0] * (_CHECKPOINTS * axes))
         self.open = True  # the main loop closes it while the motors are not ready, or while it stops the machine
@@ -295,7 +294,6 @@ class Feeder:
         self._mark_index[slot] = self._index
         self._mark_ends[slot] = ends
         self._mark_pace[slot] = self._pace
-        self._mark_levels[slot] = ring.words[(word - 1) & ring.mask] & layout.levels_mask
         advance(self._position, made, self._mark_position, slot * axes, axes)
         self._newest = number
 
@@ -335,17 +333,15 @@ class Feeder:
         if self.drive is None:
             stepping = tally(ring.words, ring.mask, word, played, axes, position)
             return list(position), stepping
-        before = self._mark_levels[slot]
         stepping = 0
         while word != played:
             levels = ring.words[word & ring.mask] & self.layout.levels_mask
             moved = False
             for axis in range(axes):
-                step = self.drive.moved(axis, before, levels)
+                step = self.drive.stepped(axis, position[axis], levels)
                 position[axis] += step
                 moved = moved or step
             stepping += 1 if moved else 0
-            before = levels
             word = (word + 1) & COUNT_MASK
         return list(position), stepping
 

@@ -319,6 +319,11 @@ class Timed:
         """True where the axis was last asked to count down."""
         return bool(self._get(axis, _NEW_NEGATIVE))
 
+    def stands(self, axis):
+        """True if no step of the axis is to come, nor has been asked for."""
+        togo, asked = self._get(axis, _TOGO), self._get(axis, _ASKED)
+        return not togo and not self._get(axis, _NEW) and asked == self._get(axis, _TAKEN)
+
     # --- the feeder's side
 
     def active(self):  # ISR: no allocation

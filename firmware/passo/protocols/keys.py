@@ -1,0 +1,114 @@
+"""The two-motor kit's language: a byte is a task, two are a speed; the board never answers.
+
+    keys = Keys(part, axes)                         # the machine's part that runs axes on their own
+    for command in keys.feed(serial.read(), now_ms): …
+
+    A n, B n    speed of motor 1, motor 2: a step every n × 4 ms, n = 1 … 127
+    C D I       motor 1, motor 2, both on           G H     reverse motor 1, motor 2
+    E F J       motor 1, motor 2, both off, their coils without current
+
+At the start both are off, turn clockwise (the axis's positive direction) when they are switched on, and have speed 1.
+Whatever else comes, a speed of 0 or above 127 included, changes nothing: `ignored` counts it, and the event log has it.
+A speed whose second byte does not come within 2 s is dropped, so that no later key is taken for it.
+"""
+
+from micropython import const
+
+from passo.protocols import errors
+from passo.protocols.commands import BAD, FOREVER, LIVE, REST, Command, Run
+
+STEP_MS = const(4)  # between steps at speed 1
+SLOWEST = const(127)
+MOTORS = const(2)
+_PATIENCE_MS = const(2000)
+_TIME_MASK = const(0x1FFFFFFF)
+
+# Byte of each task, and the mask of the motors that it is for.
+SPEED = {0x41: 0, 0x42: 1}  # motor
+ON = {0x43: 1, 0x44: 2, 0x49: 3}
+OFF = {0x45: 1, 0x46: 2, 0x4A: 3}
+REVERSE = {0x47: 0, 0x48: 1}  # motor
+
+
+class Keys:
+    def __init__(self, part, axes):
+        """`part`: has turning(axis); `axes`: how many the machine has, two at least."""
+        self._part = part
+        self._axes = axes
+        self._speed = [1] * MOTORS
+        self._negative = [False] * MOTORS
+        self._waiting = None  # the motor whose speed comes next
+        self._since_ms = 0
+        self.ignored = 0
+
+    def feed(self, data, now_ms):
+        """Commands, each to be carried out before the next is asked for."""
+        if self._waiting is not None and (now_ms - self._since_ms) & _TIME_MASK >= _PATIENCE_MS:
+            self._waiting = None
+            yield self._ignore(errors.GARBLED)
+        for byte in data:
+            command = self._take(byte, now_ms)
+            if command is not None:
+                yield command
+
+    def _take(self, byte, now_ms):
+        """The command of a byte, or None."""
+        if self._waiting is not None:
+            motor = self._waiting
+            self._waiting = None
+            return self._set_speed(motor, byte)
+        if byte in SPEED:
+            self._waiting = SPEED[byte]
+            self._since_ms = now_ms
+            return None
+        if byte in ON:
+            return self._run(self._turning() | ON[byte], ON[byte])
+        if byte in OFF:
+            command = Command(REST, value=OFF[byte])
+            command.limp = self._others(self._turning() & ~OFF[byte])
+            return command
+        if byte in REVERSE:
+            motor = REVERSE[byte]
+            self._negative[motor] = not self._negative[motor]
+            return self._run(self._turning(), 1 << motor) if self._part.turning(motor) else None
+        return self._ignore(errors.UNKNOWN_COMMAND)
+
+    def _set_speed(self, motor, speed):
+        if not 1 <= speed <= SLOWEST:
+            return self._ignore(errors.NUMBER_RANGE)
+        self._speed[motor] = speed
+        return self._run(self._turning(), 1 << motor) if self._part.turning(motor) else None
+
+    def _turning(self):
+        """Mask of the motors that are on."""
+        mask = 0
+        for motor in range(MOTORS):
+            if self._part.turning(motor):
+                mask |= 1 << motor
+        return mask
+
+    def _others(self, on):
+        return (1 << self._axes) - 1 & ~on
+
+    def _run(self, on, named):
+        """Let the motors of the mask `named` turn as they are set; `on`: all that turn then."""
+        steps = [None] * self._axes
+        rates = [None] * self._axes
+        for motor in range(MOTORS):
+            if named >> motor & 1:
+                steps[motor] = -FOREVER if self._negative[motor] else FOREVER
+                rates[motor] = (1, STEP_MS * self._speed[motor])
+        command = Run(steps, rates, LIVE)
+        command.limp = self._others(on)
+        return command
+
+    def _ignore(self, error):
+        self.ignored += 1
+        return Command(BAD, error=error)
+
+    def reply(self, event):
+        """The language has no answers."""
+        return b""
+
+    def push(self, event):
+        return b""
