@@ -2,7 +2,7 @@
 
 from math import atan2, cos, pi, sin, sqrt
 
-from passo.motion.ellipse import chords
+from passo.motion.ellipse import Ellipse
 
 CASES = {
     "check_chords": (
@@ -25,14 +25,19 @@ def check_chords(radius, start, end, clockwise, turns, rise):
     place = [first[0], first[1], 0]
     off = abs(sqrt((last[0] / 48) ** 2 + (last[1] / 83) ** 2) - true) * 83
     turned = 0.0
-    all_chords = list(chords(deltas, (0, 1, 2), (-first[0], -first[1]), STEPS_PER_M, bool(clockwise), turns))
-    for chord in all_chords:
+    ellipse = Ellipse(deltas, (0, 1, 2), (-first[0], -first[1]), STEPS_PER_M, bool(clockwise), turns)
+    count = ellipse.left
+    while ellipse.left:
+        chord = ellipse.chord()
         before = atan2(place[1] / 83, place[0] / 48)
         place = [place[axis] + chord[axis] for axis in range(3)]
         assert abs(sqrt((place[0] / 48) ** 2 + (place[1] / 83) ** 2) - true) * 83 <= 0.71 * 83 / 48 + off
         step = (atan2(place[1] / 83, place[0] / 48) - before + 3 * pi) % (2 * pi) - pi
         turned += step
     assert place == [last[0], last[1], rise]
+    assert abs(ellipse.radius_nm / 1e6 - true) < 0.001
+    flat = abs(turned) * true
+    assert abs(ellipse.length_nm / 1e6 - sqrt(flat * flat + (rise / 100) ** 2)) < 0.05
     if radius > 48:
-        angle = (abs(turned) - 2 / (true * 48)) / len(all_chords)  # the ends of the whole are rounded too
+        angle = (abs(turned) - 2 / (true * 48)) / count  # the ends of the whole are rounded too
         assert true * 83 * angle * angle / 8 <= 0.25

@@ -5,22 +5,24 @@ from passo.motion.integers import isqrt
 _DIRECTIONS = ((1, 0), (0, 1), (-1, 0), (0, -1))
 
 
-def farthest(start, arc):
+def farthest(start, arc, steps_per_m):
     """The places on `arc` (a Motion from `start`) that lie farthest out along the axes of its plane, to the nearest step.
     """
     i, j = arc.centre
-    radius = (isqrt(4 * (i * i + j * j)) + 1) // 2
+    wide, high = steps_per_m[arc.second], steps_per_m[arc.first]  # brings both axes to one unit
+    square = 4 * (i * i * wide * wide + j * j * high * high)
+    reach = (isqrt(square // (wide * wide)) + 1) // 2, (isqrt(square // (high * high)) + 1) // 2
     centre = start[arc.first] + i, start[arc.second] + j
-    end = arc.target[arc.first] - centre[0], arc.target[arc.second] - centre[1]
-    begin = (-i, -j)
+    end = (arc.target[arc.first] - centre[0]) * wide, (arc.target[arc.second] - centre[1]) * high
+    begin = (-i * wide, -j * high)
     if arc.clockwise:
         begin, end = end, begin
     places = []
     for direction in _DIRECTIONS:
         if arc.turns > 1 or swept(begin, direction, end):
             place = list(arc.target)
-            place[arc.first] = centre[0] + radius * direction[0]
-            place[arc.second] = centre[1] + radius * direction[1]
+            place[arc.first] = centre[0] + reach[0] * direction[0]
+            place[arc.second] = centre[1] + reach[1] * direction[1]
             places.append(place)
     return places
 

@@ -111,7 +111,7 @@ class Program:
             return False
         if command.kind != commands.ARC:
             return True
-        for place in farthest(self._queue.target, command):
+        for place in farthest(self._queue.target, command, [axis["steps_per_m"] for axis in self._axes]):
             if not self._queue.inside(place):
                 return False
         return True
@@ -130,9 +130,10 @@ class Program:
             if plane[2] >= len(self._axes):
                 plane = plane[0], plane[1], -1
             ticks = self._minute_ticks(command) if command.per_min else 0
+            accelerations = [self._machine.settings.value(table.ACCELERATION + axis) * 1000 for axis in plane[:2]]
             self._queue.arc(
                 command.target, plane, command.centre, command.clockwise, command.turns - 1, command.feed, ticks,
-                command.tool, tag,
+                command.tool, tag, min(accelerations),
             )
         except ValueError:
             return errors.RADIUS if command.kind == commands.ARC else errors.TARGET
@@ -263,6 +264,7 @@ class Program:
 
     def poll(self):
         machine = self._machine
+        self._queue.feed()
         if machine.busy_with(commands.PROBE):
             self._poll_probe()
         elif (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE)) and self._queue.still():

@@ -25,6 +25,7 @@ class Queue:
         self.tool = False  # the tool bit at the queue's end
         self.waiting = False  # something is queued that has not been released to the feeder yet
         self._walker = None  # of axes that run on their own
+        self._chords = None  # of an arc that is handed to the planner piece by piece
 
     def position(self):
         """Where the machine is, exact at this moment."""
@@ -37,14 +38,15 @@ class Queue:
         self.target = [0] * len(self._axes)
 
     def room(self):
-        return self._planner.room()
+        """How many more blocks can be queued now; none behind an arc that is not all queued yet."""
+        return 0 if self._chords else self._planner.room()
 
     def empty(self):
-        return self._planner.empty()
+        return self._planner.empty() and not self._chords
 
     def still(self):
         """True when everything queued has been played to its last tick."""
-        return self._planner.empty() and not self._player.busy()
+        return self.empty() and not self._player.busy()
 
     def standing(self):
         """True when a hold has come to its stand."""
@@ -52,7 +54,17 @@ class Queue:
 
     def flush(self):
         self.waiting = False
-        self._planner.flush()
+        if self._chords:
+            self._chords.flush = True
+        else:
+            self._planner.flush()
+
+    def feed(self):
+        """Queue as much of an arc as there is room for, once a main loop turn."""
+        while self._chords and self._planner.room():
+            self._chords.add(self._planner)
+            if not self._chords.left:
+                self._chords = None
 
     def start(self):
         """Begin to move: what is queued may still be followed by more, without a stand in between."""
@@ -106,13 +118,27 @@ class Queue:
         self._planner.line(deltas, ticks(deltas), tool, tag, rapid)
         self._reach(deltas)
 
-    def arc(self, target, plane, centre, clockwise, turns, nm_s, ticks, tool, tag):
+    def arc(self, target, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker):
         """Go to `target` on a circle about `centre` (steps from here, in the plane): at `nm_s`, or in `ticks` where they
-        are not 0. Raises ValueError where the planner cannot."""
+        are not 0, v²/R within `weaker` (nm/s²). Raises ValueError where neither the planner nor chords can."""
         self._change_tool(tool, tag)
         deltas = self.deltas(target)
-        self._planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag)
+        try:
+            self._planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag)
+        except ValueError:  # no circle in steps, or too steep a helix
+            self._chords = self._cut(deltas, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker)
+            self.feed()
         self._reach(deltas)
+
+    def _cut(self, deltas, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker):
+        from passo.control.chords import Chords
+        from passo.motion.ellipse import Ellipse
+
+        steps_per_m = [axis["steps_per_m"] for axis in self._axes]
+        ellipse = Ellipse(deltas, plane, centre, steps_per_m, clockwise, turns)
+        if ticks:
+            nm_s = ellipse.length_nm * TICKS_PER_S // ticks
+        return Chords(ellipse, nm_s, tool, tag, steps_per_m, weaker)
 
     def _change_tool(self, tool, tag):
         """A tool that takes no time changes as the motion begins."""
@@ -183,6 +209,7 @@ class Queue:
         """Drop everything, after halt() or at the stand of a hold. The position stays exact."""
         position, _, _ = self._feeder.cancel(self._player.played())
         self._planner.clear()
+        self._chords = None
         if self._walker is not None:
             self._walker.clear()
         self._planner.power = 0

@@ -1,0 +1,41 @@
+"""An arc that cannot be walked as a circle, handed to the planner chord by chord as it has room.
+
+    chords = Chords(ellipse, nm_s, tool, tag, steps_per_m)
+    while chords.left and planner.room():
+        chords.add(planner)
+
+Nothing else may be queued meanwhile. The speed along the path is the same on all of them. The corners between them are
+the junction deviation's affair: with $11=0 the machine stands at each.
+"""
+
+from passo.motion.integers import NM_PER_M, isqrt, length_nm
+from passo.steps.word import COUNT_MASK, TICKS_PER_S
+
+
+class Chords:
+    def __init__(self, ellipse, nm_s, tool, tag, steps_per_m, weaker):
+        """`ellipse`: a motion.ellipse.Ellipse; `weaker`: the acceleration, in nm/s², that v²/R stays within.
+
+        Raises ValueError where a step would last longer than the planner can say.
+        """
+        fastest = isqrt(weaker * ellipse.radius_nm)
+        if ellipse.flat_nm:
+            fastest = fastest * ellipse.length_nm // ellipse.flat_nm
+        self._nm_s = min(nm_s, fastest) or 1
+        if NM_PER_M * TICKS_PER_S // (min(steps_per_m) * self._nm_s) > COUNT_MASK:
+            raise ValueError("steps more than 43 s apart")
+        self._ellipse = ellipse
+        self._tool = tool
+        self._tag = tag
+        self._steps_per_m = steps_per_m
+        self.left = ellipse.left
+        self.flush = False  # when the last has been added, the planner is to be flushed
+
+    def add(self, planner):
+        """Queue the next one; one too short for a step is none."""
+        deltas = self._ellipse.chord()
+        self.left -= 1
+        ticks = length_nm(deltas, self._steps_per_m) * TICKS_PER_S // self._nm_s
+        planner.line(deltas, ticks, self._tool, self._tag)
+        if self.flush and not self.left:
+            planner.flush()
