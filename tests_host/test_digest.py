@@ -126,7 +126,16 @@ def frames_of_torch():
     ]  # fmt: skip
 
 
+def keys_of_the_kit():
+    """Both motors at unlike speeds, live changes, one off and on again while the other turns."""
+    return [
+        (b"C", 30), (b"A\x05", 20), (b"D", 7), (b"B\x7f", 10), (b"G", 11), (b"HG", 9), (b"E", 13), (b"B\x02\x00z", 12),
+        (b"CB\x03", 25), (b"F", 8), (b"I", 15), (b"J", None), (b"I", 6), (b"J", None),
+    ]  # fmt: skip
+
+
 HEX_JOBS = {
+    "keys": (keys_of_the_kit, "two_motor_kit"),
     "torch": (frames_of_torch, "torch_manipulator"),
     "torch_ramps": (frames_of_torch, "torch_manipulator", "ramps"),
 }
