@@ -121,6 +121,13 @@ class Controller:
         return [axis["steps_per_m"] for axis in self._axes]
 
     @property
+    def arcs(self):
+        """What a language asks about arcs."""
+        from passo.control import arcs
+
+        return arcs
+
+    @property
     def blocks(self):
         """How many blocks can be queued now."""
         return self.queue.room()
