@@ -108,6 +108,20 @@ def test_gcode(tmp_path, name):
     compare_gcode(name, job, board)
 
 
+# Played forward, back from the middle and forward again, twice, and then streamed.
+PULSES = [
+    "{load}\n[+1000(" + "A" * 90 + "*7" + "GHIJ" * 20 + ")+2200", "KLMNOPQR" * 20 + "($STUVWXYZ" * 10 + "@)" + "CD" * 40,
+    "+333" + "E" * 30 + "]{end}", "{run 2}", "{back}", "{step}", "{step}", "{jog x 40 y -30}", "{return}",
+    "{stream}\n+1500(" + "AC" * 120 + ")" + "B" * 200 + "{end}",
+]  # fmt: skip
+
+
+def test_pulses(tmp_path):
+    job = tmp_path / "job.hex"
+    job.write_text("".join(line.encode().hex() + "\n" for line in PULSES))
+    compare_gcode("pulses", job, "lpt_router")
+
+
 def test_gcode_of_the_corpus(corpus):
     files = sorted(corpus.glob("*.gcode"))
     assert files
