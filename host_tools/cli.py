@@ -14,6 +14,7 @@ from host_tools.keys import keys
 from host_tools.link import link
 from host_tools.plot import plot
 from host_tools.ports import ports
+from host_tools.pulses import app as pulses
 from host_tools.send import send
 from host_tools.settings import settings
 from host_tools.stream import stream
@@ -29,6 +30,7 @@ app = typer.Typer(
 
 for _verb in (board, emulate, draw, send, stream, keys, check, settings, link, plot, ports, build, flash):
     app.command()(_verb)
+app.add_typer(pulses, name="pulses")
 app.add_typer(torch, name="torch")
 
 

@@ -80,7 +80,7 @@ class Controller:
 
             self.program = Program(board, self.queue, self, planner)
             self.tools = Tools(board, self.queue, self, planner, self.port)
-        if streamed or [item for item in board["inputs"] if item["name"] in _PAUSING]:
+        if streamed or board["track"] or [item for item in board["inputs"] if item["name"] in _PAUSING]:
             from passo.control.pauses import Pauses
 
             self.pauses = Pauses(self.queue, self, self.port)
