@@ -33,7 +33,7 @@ $(CLIENTS): $(STAMP)
 
 test: $(STAMP) $(CLIENTS)  ## all tests, under CPython and MicroPython, with coverage
 	$(BIN)/python -m pytest -n 2 --cov --cov-report=term --ignore-glob='*/test_pico_*' $(ARGS)
-	$(BIN)/python -m pytest -n 2 -o faulthandler_timeout=900 $(PICO_TESTS)
+	$(BIN)/python -m pytest -n 2 --dist loadgroup -o faulthandler_timeout=900 $(PICO_TESTS)
 
 bench: $(STAMP)  ## the slower measurements
 	$(BIN)/python -m host_tools.bench $(ARGS)
