@@ -100,8 +100,7 @@ class Machine:
         planner = self.rig.planner
         before = planner._added
         if move[0] == LINE:
-            length, _ = self.limits.vector(move[1])
-            planner.line(move[1], length * TICKS_PER_S // move[2], False)
+            planner.line(move[1], 0, False, speed_nm_s=move[2])
         else:
             try:
                 planner.arc(move[1], (0, 1, 2), move[3], False, move[4], speed_nm_s=move[2])
@@ -110,7 +109,7 @@ class Machine:
         self.place = [self.place[axis] + move[1][axis] for axis in range(3)]
         if planner._added != before:
             steps = max([abs(delta) for delta in move[1]])
-            if planner._last.kind == LINE:  # an arc too short for a step along the circle, too
+            if planner._rows[before % 128 * planner._stride] == LINE:  # an arc too short for a step along the circle, too
                 move = (LINE, move[1], move[2])
             else:
                 plan = planner._walkers[before % len(planner._walkers)]

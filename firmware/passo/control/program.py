@@ -31,7 +31,6 @@ class Program:
         self._fresh = False  # motion was queued since the last turn
         self._limits_of = None  # the settings' version that the planner knows
         self._touch = None  # where the probe changed
-        self._command = None  # what _ticks works on
         self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
 
     def handlers(self):
@@ -118,18 +117,16 @@ class Program:
 
     def _queue_motion(self, command):
         """0, or why the planner cannot."""
-        self._command = command
         self._queue.set_power(thousandths(command.power), command.dynamic)
         tag = command.number
         try:
+            ticks = 60_000 * TICKS_PER_S // command.per_min if command.per_min else 0
             if command.kind != commands.ARC:
-                rapid = not command.feed and not command.per_min
-                self._queue.line(command.target, self._ticks, command.tool, tag, rapid)
+                self._queue.go(command.target, command.feed, ticks, command.tool, tag)
                 return 0
             plane = command.first, command.second, 3 - command.first - command.second
             if plane[2] >= len(self._axes):
                 plane = plane[0], plane[1], -1
-            ticks = self._minute_ticks(command) if command.per_min else 0
             accelerations = [self._machine.settings.value(table.ACCELERATION + axis) * 1000 for axis in plane[:2]]
             self._queue.arc(
                 command.target, plane, command.centre, command.clockwise, command.turns - 1, command.feed, ticks,
@@ -138,16 +135,6 @@ class Program:
         except ValueError:
             return errors.RADIUS if command.kind == commands.ARC else errors.TARGET
         return 0
-
-    def _ticks(self, deltas):
-        """How long a line lasts at its feed. The planner sees to it that no axis is faster than it may."""
-        command = self._command
-        if command.per_min:
-            return self._minute_ticks(command)
-        return self._queue.ticks_at(deltas, command.feed) if command.feed else 1
-
-    def _minute_ticks(self, command):
-        return 60_000 * TICKS_PER_S // command.per_min
 
     def _set_limits(self):
         """Hand the settings to the planner, which takes them only while it is empty."""

@@ -3,10 +3,13 @@
 Places are steps of each axis from machine position zero.
 """
 
+import micropython
+from micropython import const
+
 from passo.motion.integers import NM_PER_M, length_nm
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
-_LONGEST_MS = 80_000  # of one wait: the planner's limit is 85 s
+_LONGEST_MS = const(80_000)  # of one wait: the planner's limit is 85 s
 
 
 class Queue:
@@ -20,6 +23,7 @@ class Queue:
         self._port = port if board["spindle"]["pwm"] else None  # where power() goes
         self._origin = [0] * len(self._axes)
         self.target = [0] * len(self._axes)  # where the queue will end
+        self._deltas = [0] * len(self._axes)  # of the line being added
         self._rested = None  # the tool bit that rest() has shown, and the words played then
         self._rested_at = 0
         self.tool = False  # the tool bit at the queue's end
@@ -68,9 +72,8 @@ class Queue:
 
     def start(self):
         """Begin to move: what is queued may still be followed by more, without a stand in between."""
-        start = getattr(self._planner, "start", self._planner.flush)
-        start()
-        self.waiting = not self._planner.empty()
+        self._planner.start()
+        self.waiting = False
 
     def inside(self, target):
         """True where `target` is within the machine's travel."""
@@ -117,6 +120,25 @@ class Queue:
         deltas = self.deltas(target)
         self._planner.line(deltas, ticks(deltas), tool, tag, rapid)
         self._reach(deltas)
+
+    @micropython.native
+    def go(self, target, nm_s, ticks, tool, tag):
+        """Go to `target` (the first axes) in a line: at `nm_s`, or in `ticks` where they are not 0; as fast as the axes may
+        where both are. Raises ValueError where the planner cannot."""
+        if tool != self.tool:
+            self._change_tool(tool, tag)
+        deltas = self._deltas
+        here = self.target
+        for axis in range(len(target)):
+            deltas[axis] = target[axis] - here[axis]
+        rapid = not nm_s and not ticks
+        if not self._planner.accelerates:
+            ticks = ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
+            nm_s = 0
+        self._planner.line(deltas, ticks, tool, tag, rapid, nm_s)
+        for axis in range(len(target)):
+            here[axis] = target[axis]
+        self.waiting = True
 
     def arc(self, target, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker):
         """Go to `target` on a circle about `centre` (steps from here, in the plane): at `nm_s`, or in `ticks` where they

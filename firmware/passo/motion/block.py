@@ -16,26 +16,33 @@ TRACK = const(4)  # a path written down step by step
 
 COARSE = const(13)  # fraction bits of the lengths that an arc's walker tells the ramp
 
-# A row. Only here and in the planner's passes.
-_KIND = const(0)
-_TOOL = const(1)
-_TICKS = const(2)
-_TICKS_REST = const(3)
-_FIRST = const(4)
-_TAG = const(5)
-_RAPID = const(6)
-_TOP = const(7)
-_LIMIT = const(8)
-_GAIN = const(9)
-_SPAN = const(10)
-_TIME = const(11)
-_TIME_SHIFT = const(12)
-_RATIO = const(13)
-_RATIO_SHIFT = const(14)
-_LEAVE = const(15)
-_POWER = const(16)
-_DYNAMIC = const(17)
-ROW = const(18)  # then the line's signed steps, one number an axis
+# A row. What is noted as "of 2²⁸" is a fraction of the machine's fastest speed or of its square (profile.py).
+KIND = const(0)
+TOOL = const(1)
+TICKS = const(2)
+TICKS_REST = const(3)
+FIRST = const(4)
+TAG = const(5)
+RAPID = const(6)
+TOP = const(7)
+LIMIT = const(8)
+GAIN = const(9)
+SPAN = const(10)
+TIME = const(11)
+TIME_SHIFT = const(12)
+RATIO = const(13)
+RATIO_SHIFT = const(14)
+UNIT = const(15)  # q of a square of 2²⁸: · UNIT / 2 ** UNIT_SHIFT
+POWER = const(16)
+DYNAMIC = const(17)
+SPEED = const(18)  # as programmed, of 2²⁸
+SQUARE = const(19)  # its square
+CORNER = const(20)  # square of the speed at which the corner at its beginning may be passed
+REACH = const(21)  # square of the speed that it can gain or lose
+EXIT = const(22)  # square of the speed at its end, as planned
+UNIT_SHIFT = const(23)
+FASTEST = const(24)  # square of the speed that the axes allow
+ROW = const(25)  # then the line's signed steps, one number an axis
 
 
 class Block:
@@ -63,53 +70,37 @@ class Block:
     @micropython.native
     def load(self, rows, at):  # ISR: no allocation
         """Unpack the row that begins at rows[at]; the walker is the planner's affair."""
-        self.kind = rows[at + _KIND]
-        self.tool = rows[at + _TOOL]
-        self.ticks = rows[at + _TICKS]
-        self.ticks_rest = rows[at + _TICKS_REST]
-        self.first = rows[at + _FIRST]
-        self.tag = rows[at + _TAG]
-        self.rapid = rows[at + _RAPID]
-        self.top = rows[at + _TOP]
-        self.limit = rows[at + _LIMIT]
-        self.gain = rows[at + _GAIN]
-        self.span = rows[at + _SPAN]
-        self.time = rows[at + _TIME]
-        self.time_shift = rows[at + _TIME_SHIFT]
-        self.ratio = rows[at + _RATIO]
-        self.ratio_shift = rows[at + _RATIO_SHIFT]
-        self.leave = rows[at + _LEAVE]
-        self.power = rows[at + _POWER]
-        self.dynamic = rows[at + _DYNAMIC]
-
-    @micropython.native
-    def store(self, rows, at):
-        """Pack it into the row that begins at rows[at]."""
-        rows[at + _KIND] = self.kind
-        rows[at + _TOOL] = self.tool
-        rows[at + _TICKS] = self.ticks
-        rows[at + _TICKS_REST] = self.ticks_rest
-        rows[at + _FIRST] = self.first
-        rows[at + _TAG] = self.tag
-        rows[at + _RAPID] = self.rapid
-        rows[at + _TOP] = self.top
-        rows[at + _LIMIT] = self.limit
-        rows[at + _GAIN] = self.gain
-        rows[at + _SPAN] = self.span
-        rows[at + _TIME] = self.time
-        rows[at + _TIME_SHIFT] = self.time_shift
-        rows[at + _RATIO] = self.ratio
-        rows[at + _RATIO_SHIFT] = self.ratio_shift
-        rows[at + _LEAVE] = self.leave
-        rows[at + _POWER] = self.power
-        rows[at + _DYNAMIC] = self.dynamic
+        self.kind = rows[at + KIND]
+        self.tool = rows[at + TOOL]
+        self.ticks = rows[at + TICKS]
+        self.ticks_rest = rows[at + TICKS_REST]
+        self.first = rows[at + FIRST]
+        self.tag = rows[at + TAG]
+        self.rapid = rows[at + RAPID]
+        self.top = rows[at + TOP]
+        self.limit = rows[at + LIMIT]
+        self.gain = rows[at + GAIN]
+        self.span = rows[at + SPAN]
+        self.time = rows[at + TIME]
+        self.time_shift = rows[at + TIME_SHIFT]
+        self.ratio = rows[at + RATIO]
+        self.ratio_shift = rows[at + RATIO_SHIFT]
+        self.leave = leave_of(rows, at, self.limit) if self.gain else 0
+        self.power = rows[at + POWER]
+        self.dynamic = rows[at + DYNAMIC]
 
 
-def set_leave(rows, at, leave):
-    """Change how the block of a row is to be left."""
-    rows[at + _LEAVE] = leave
-
-
-def leave_of(rows, at):
-    """How the block of a row is to be left."""
-    return rows[at + _LEAVE]
+@micropython.native
+def leave_of(rows, at, limit):  # ISR: no allocation
+    """q at the end of a block, as its row plans it, `limit` squared at most."""
+    square = rows[at + EXIT]
+    unit = rows[at + UNIT]
+    shift = rows[at + UNIT_SHIFT] - 14
+    q = (square >> 14) * unit + ((square & 0x3FFF) * unit >> 14)
+    most = limit * limit
+    if shift < 0:
+        if q >= most >> -shift:
+            return most
+        return q << -shift
+    q >>= shift
+    return q if q < most else most

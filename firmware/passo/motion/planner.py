@@ -17,7 +17,7 @@ way up needs no
 pass: the ramp speeds up as it can.
 
     planner.limits(Limits(steps_per_m, speeds, accelerations, junction_deviation))
-    planner.line((400, 30, 0), ticks, tool=True)
+    planner.line((400, 30, 0), 0, tool=True, speed_nm_s=20_000_000)
     planner.arc((0, 200, 10), (0, 1, 2), (0, 100), speed_nm_s=20_000_000, tool=True)
     planner.override(120)
     planner.flush()
@@ -27,12 +27,17 @@ The main loop adds and flushes; the feeder, in an interrupt, fetches and retires
 
 from array import array
 
+import micropython
 from micropython import const
 
-from passo.motion.block import ARC, FREE, LINE, ROW, TRACK, WAIT, Block, leave_of, set_leave
-from passo.motion.integers import NM_PER_M, isqrt
+from passo.motion import profile
+from passo.motion.block import (
+    ARC, DYNAMIC, FIRST, FREE, GAIN, KIND, LINE, POWER, RAPID, ROW, SPEED, TAG, TICKS, TICKS_REST, TOOL, TRACK, WAIT,
+    Block, leave_of,
+)
 from passo.motion.line import MAX_STEPS, Line
-from passo.motion.profile import TICKS_PER_S, set_units, square_in_units
+from passo.motion.measure_viper import look_back, measure
+from passo.motion.profile import TICKS_PER_S
 
 LOOK_AHEAD = const(64)
 IN_FLIGHT = const(64)
@@ -41,6 +46,18 @@ _COUNT = const(0x1FFFFFFF)
 LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 FEED_PERCENT = (10, 200)
 RAPID_PERCENT = (1, 100)
+# In `work`, as profile.py has them.
+_FEED = const(0)
+_GIVEN = const(1)
+_GIVEN_SHIFT = const(2)
+_IS_ARC = const(8)
+_SPEED = const(14)
+_LIMITED = const(15)
+_THROUGH = const(24)
+_NEWEST = const(29)
+_DEPTH = const(30)
+_ALL = const(33)
+_FACTOR = const(34)
 
 
 class Planner:
@@ -48,7 +65,6 @@ class Planner:
         self.axes = axes
         self.power = 0  # of the blocks added from now on: see Block
         self.dynamic = False
-        self._asked = 0  # the speed that the last line or arc was added with, before any limit
         self.percent = array("i", [100, 100])  # overrides: of the feed, of rapid motion
         self._stride = ROW + axes
         self._rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
@@ -57,21 +73,23 @@ class Planner:
         self._circle = None  # made when first needed
         self._under_way = Block()  # the one fetched last
         self._playing = Block()
-        self._new = Block()  # being added
-        self._last = Block()  # the one before it
-        self._passing = Block()  # where a pass is
+        self._work = array("i", bytearray(4 * profile.WORK))
+        self._work[profile.STRIDE] = self._stride
+        self._work[profile.SIZE] = _SIZE
+        self._work[_FACTOR] = self._work[_FACTOR + 1] = 4096
+        self.accelerates = False  # it has limits
         self._limits = None
-        # For the passes, in nm/s and their squares.
-        self._speeds = [0] * _SIZE  # as programmed
-        self._fastest = [0] * _SIZE  # what the axes allow there
-        self._corners = [0] * _SIZE  # what the corner at its beginning allows, squared; None: there is none
-        self._reaches = [0] * _SIZE  # what the whole block can gain or lose, squared
-        self._exits = [0] * _SIZE  # at its end, as planned, squared
+        self._terms = None  # the limits'
+        self._asked = 0  # the speed that `work` has been told, in nm/s; -1: none
         self.clear()
 
     def limits(self, limits):
         """Accelerate within `limits` (profile.Limits) from now on; None: not at all. Only while nothing is queued."""
         self._limits = limits
+        self._terms = limits.terms if limits else None
+        self.accelerates = limits is not None
+        self._work[_FEED] = self._work[_GIVEN] = 0
+        self._asked = 0
 
     def load_arcs(self):
         """Make ready for arcs; arc() does it where nobody has. They take a good part of a board's memory."""
@@ -83,8 +101,7 @@ class Planner:
     def clear(self):
         """Forget every block. Only while the feeder is stopped."""
         self._added = self._flushed = self._fetched = self._retired = self._frozen = 0
-        self._before = None  # the last block queued, where motion may go through to the next without a stand
-        self._heading = None  # its direction at its end
+        self._work[_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
 
     def room(self):
         """How many more blocks can be queued now."""
@@ -96,77 +113,102 @@ class Planner:
 
     # --- adding
 
-    def line(self, deltas, ticks, tool, tag=0, rapid=False):
+    @micropython.native
+    def line(self, deltas, ticks, tool, tag=0, rapid=False, speed_nm_s=0):
         """Queue the line `deltas` (steps), to last `ticks` at its programmed speed. A line of no steps is no block.
 
-        `rapid`: the override of rapid motion counts for it. An axis's limit makes it slower. Raises ValueError where it
-        has too many steps, or steps further apart than LONGEST_TICKS.
+        With limits `ticks` may be 0: then its speed along the path is given, or, that being 0 as well, it is as fast as
+        the axes may be. `rapid`: the override of rapid motion counts for it. An axis's limit makes it slower. Raises
+        ValueError where it has too many steps, or steps further apart than LONGEST_TICKS.
         """
+        rows = self._rows
+        at = self._added % _SIZE * self._stride
+        for axis in range(self.axes):
+            rows[at + ROW + axis] = deltas[axis]
+        if self._terms is None:
+            if not self._steady(at, deltas, ticks):
+                return
+        else:
+            work = self._work
+            work[_IS_ARC] = 0
+            if speed_nm_s != self._asked or ticks:
+                self._ask(deltas, ticks, speed_nm_s)
+            result = measure(rows, at, work, self._terms)
+            if result <= 0:
+                if result:
+                    self._refuse(result)
+                return
+        self._add(at, LINE, tool, tag, rapid)
+
+    def _ask(self, deltas, ticks, speed_nm_s):
+        """Tell measure() the speed asked for, or the ticks."""
+        work = self._work
+        limits = self._limits
+        if ticks:
+            speed_nm_s = limits.length(deltas) * TICKS_PER_S // ticks or 1
+        work[_GIVEN_SHIFT] = 0
+        while ticks > LONGEST_TICKS:
+            ticks >>= 1
+            work[_GIVEN_SHIFT] += 1
+        work[_GIVEN] = ticks
+        work[_FEED] = min(limits.part(speed_nm_s), profile.MOST) if speed_nm_s else 0
+        self._asked = -1 if ticks else speed_nm_s
+
+    def _refuse(self, result):
+        if result == -1:
+            raise ValueError("steps more than 43 s apart")
+        raise ValueError("a line of more than %d steps" % MAX_STEPS)
+
+    def _steady(self, at, deltas, ticks):
+        """Measure a line without limits: its speed from first to last. False where it has no steps."""
         total = max([abs(delta) for delta in deltas])
         if not total:
-            return
+            return False
         if total > MAX_STEPS:
-            raise ValueError("a line of more than %d steps" % MAX_STEPS)
+            self._refuse(-2)
         if ticks // total > LONGEST_TICKS:
-            raise ValueError("steps more than 43 s apart")
-        block = self._new
-        block.kind = LINE
-        block.rapid = 1 if rapid else 0
-        heading = None
-        if self._limits:
-            length, heading = self._limits.vector(deltas)
-            fastest = self._limits.along(self._limits.speeds, heading)
-            acceleration = self._limits.along(self._limits.accelerations, heading)
-            ticks = self._set_speeds(block, total << 10, max(ticks, 1), length, fastest, acceleration, heading)
-        else:
-            block.gain = 0
-        block.ticks = max(ticks // total, 1)
-        block.ticks_rest = ticks % total
-        at = self._added % _SIZE * self._stride + ROW
-        for axis in range(self.axes):
-            self._rows[at + axis] = deltas[axis]
-        self._add(block, tool, tag, heading)
+            self._refuse(-1)
+        self._stand(at, max(ticks // total, 1))
+        self._rows[at + TICKS_REST] = ticks % total
+        return True
+
+    def _stand(self, at, ticks):
+        """What has no acceleration."""
+        rows = self._rows
+        rows[at + TICKS] = ticks
+        rows[at + TICKS_REST] = rows[at + GAIN] = rows[at + SPEED] = 0
+        self._work[_THROUGH] = 0
 
     def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, rapid=False):
         """Queue an arc or helix from here to `deltas` (steps, all axes) about `center` (steps from here, in the plane).
 
         `plane`: (a, b, third axis or -1), counter-clockwise is from a to b; `turns`: full ones on top. Its speed along
         the path, or the `ticks` it lasts at that. On arcs v²/R stays within the weaker axis's acceleration. An arc too
-        short for a step is no block. Raises ValueError for what cannot be walked as a circle: the plane's axes with
-        different steps/mm, a radius of 0 or above 2²⁰ steps; arc.TooSteep for too steep a helix. Use chords() there.
+        short for a step along the circle is a line. Raises ValueError for what cannot be walked as a circle: the plane's
+        axes with different steps/mm, a radius of 0 or above 2²⁰ steps; arc.TooSteep for too steep a helix. Use chords()
+        there.
         """
-        from passo.motion import arc
+        from passo.motion import arc, arc_speed
         from passo.motion.circle import PLAN, STEPS
 
-        steps_per_m = self._limits.steps_per_m if self._limits else None
-        if steps_per_m is None:
+        limits = self._limits
+        if limits is None:
             raise ValueError("an arc needs limits(), for its length")
-        if steps_per_m[plane[0]] != steps_per_m[plane[1]]:
+        if limits.steps_per_m[plane[0]] != limits.steps_per_m[plane[1]]:
             raise ValueError("the plane's axes differ in steps/mm")
         self.load_arcs()
         plan = self._plan(PLAN)
         path, _ = arc.plan(plan, plane, center, deltas, clockwise, turns)
-        if not plan[STEPS]:  # too short for a step along the circle
-            length, _ = self._limits.vector(deltas)
-            self.line(deltas, ticks or length * TICKS_PER_S // speed_nm_s, tool, tag, rapid)
+        if not plan[STEPS]:
+            self.line(deltas, ticks, tool, tag, rapid, speed_nm_s)
             return
-        flat = path * NM_PER_M // (steps_per_m[plane[0]] << 10)
-        rise = deltas[plane[2]] * NM_PER_M // steps_per_m[plane[2]] if plane[2] >= 0 else 0
-        length = isqrt(flat * flat + rise * rise)
-        if not ticks:
-            ticks = length * TICKS_PER_S // speed_nm_s
-        if (ticks << 10) // path > LONGEST_TICKS:
-            raise ValueError("steps more than 43 s apart")
-        block = self._new
-        block.kind = ARC
-        block.rapid = 1 if rapid else 0
-        fastest, acceleration = self._arc_limits(plane, center, flat, rise, length)
-        start = self._tangent(plane, center, (0, 0), clockwise, flat, rise, length)
-        end = self._tangent(plane, center, (deltas[plane[0]], deltas[plane[1]]), clockwise, flat, rise, length)
-        ticks = self._set_speeds(block, path, max(ticks, 1), length, fastest, acceleration, start)
-        block.ticks = max((ticks << 10) // path, 1)
-        block.ticks_rest = ((ticks << 10) % path << 7) // path
-        self._add(block, tool, tag, end)
+        at = self._added % _SIZE * self._stride
+        self._asked = -1
+        if not arc_speed.set_speed(
+            self._rows, at, self._work, limits, path, plane, center, deltas, clockwise, speed_nm_s, ticks
+        ):
+            self._refuse(-1)
+        self._add(at, ARC, tool, tag, rapid)
 
     def _plan(self, size):
         """An array of `size` for the plan of the next arc: what is walked is kept by the place in the queue."""
@@ -177,152 +219,87 @@ class Planner:
 
     def wait(self, ticks, tool, tag=0):
         """Queue `ticks` (1 … LONGEST_TICKS) without a step, the tool bit as given from their start."""
-        block = self._new
-        block.kind = WAIT
-        block.ticks = ticks
-        block.ticks_rest = 0
-        block.gain = 0
-        self._add(block, tool, tag, None)
+        at = self._added % _SIZE * self._stride
+        self._stand(at, ticks)
+        self._add(at, WAIT, tool, tag)
 
     def free(self, walker, tool, tag=0):
         """Queue axes that run independently: `walker` is a steps.timed.Timed with its axes set."""
-        block = self._new
-        block.kind = FREE
-        block.gain = 0
-        place = self._added % _SIZE
-        self._walkers[place] = walker
-        self._speeds[place] = 0  # each axis has its own
-        self._add(block, tool, tag, None)
+        at = self._added % _SIZE * self._stride
+        self._stand(at, 0)
+        self._walkers[self._added % _SIZE] = walker
+        self._add(at, FREE, tool, tag)
 
     def track(self, walker, tag=0):
         """Queue a walk over a track: `walker` is a steps.track_walker.TrackWalker that has begun. It has the tool too."""
-        block = self._new
-        block.kind = TRACK
-        block.gain = 0
-        place = self._added % _SIZE
-        self._walkers[place] = walker
-        self._speeds[place] = 0  # the walker knows it
-        self._add(block, walker.tool, tag, None, walker.place)
+        at = self._added % _SIZE * self._stride
+        self._stand(at, 0)
+        self._walkers[self._added % _SIZE] = walker
+        self._add(at, TRACK, walker.tool, tag, False, walker.place)
 
-    def _add(self, block, tool, tag, heading, first=0):
-        block.tool = 1 if tool else 0
-        block.tag = tag
-        block.first = first
-        block.power = self.power
-        block.dynamic = 1 if self.dynamic else 0
-        if self.dynamic and block.gain and self._asked > block.speed:
-            block.power = self.power * block.speed // self._asked
-        block.leave = 0
-        place = self._added % _SIZE
-        block.store(self._rows, place * self._stride)
-        self._exits[place] = 0
-        self._new = self._last  # it is filled again with the block after the next
-        self._last = block
-        self._before = block if block.gain else None
-        self._heading = heading
+    @micropython.native
+    def _add(self, at, kind, tool, tag, rapid=False, first=0):
+        rows = self._rows
+        work = self._work
+        rows[at + KIND] = kind
+        rows[at + TOOL] = 1 if tool else 0
+        rows[at + TAG] = tag
+        rows[at + RAPID] = 1 if rapid else 0
+        rows[at + FIRST] = first
+        rows[at + POWER] = self.power
+        rows[at + DYNAMIC] = 0
+        if self.dynamic:
+            rows[at + DYNAMIC] = 1
+            if work[_THROUGH] and work[_LIMITED]:
+                rows[at + POWER] = self.power * work[_SPEED] // work[_FEED]
         self._added = (self._added + 1) & _COUNT
-        if self._before:
-            self._look_back(False)
+        if work[_THROUGH]:
+            self._look_back(0)
 
     def flush(self):
         """Nothing more is coming for now: release all that is queued. The last block ends at rest."""
         self._flushed = self._frozen = self._added
-        self._before = None
+        self._work[_THROUGH] = 0
+
+    def start(self):
+        """Release all that is queued, more of which may follow in time: the last block ends at rest only if none does."""
+        self._flushed = self._added
 
     def override(self, percent, rapid=None):
         """Feed at `percent` (10 … 200) of the programmed speed, rapid motion at `rapid` percent, from now on."""
         self.percent[0] = max(FEED_PERCENT[0], min(percent, FEED_PERCENT[1]))
         if rapid is not None:
             self.percent[1] = max(RAPID_PERCENT[0], min(rapid, RAPID_PERCENT[1]))
-        self._look_back(True)
+        for which in range(2):
+            self._work[_FACTOR + which] = self.percent[which] * self.percent[which] * 4096 // 10_000
+        self._look_back(1)
 
-    # --- speeds
-
-    def _set_speeds(self, block, steps, ticks, length, fastest, acceleration, heading):
-        """Set the block's speeds and its ramp; returns its ticks, more of them where an axis's limit asks for it."""
-        self._asked = speed = length * TICKS_PER_S // ticks or 1
-        if speed > fastest:
-            speed = fastest
-            ticks = -(-length * TICKS_PER_S // speed)
-        block.speed = speed
-        before = self._before
-        place = self._added % _SIZE
-        self._speeds[place] = speed
-        self._fastest[place] = fastest
-        self._reaches[place] = set_units(block, steps, ticks, length, fastest, acceleration, before)
-        self._corners[place] = 0 if before is None else self._limits.corner(self._heading, heading)
-        return ticks
-
-    def _arc_limits(self, plane, center, flat, rise, length):
-        """(highest speed, acceleration) along the path of an arc."""
-        limits = self._limits
-        steps = isqrt((center[0] * center[0] + center[1] * center[1]) << 20)  # of 2⁻¹⁰
-        radius = steps * NM_PER_M // limits.steps_per_m[plane[0]] >> 10
-        weaker = min(limits.accelerations[plane[0]], limits.accelerations[plane[1]])
-        speed = min(limits.speeds[plane[0]], limits.speeds[plane[1]], isqrt(weaker * radius)) * length // flat
-        acceleration = weaker * length // flat
-        if rise:
-            speed = min(speed, limits.speeds[plane[2]] * length // abs(rise))
-            acceleration = min(acceleration, limits.accelerations[plane[2]] * length // abs(rise))
-        return speed or 1, acceleration or 1
-
-    def _tangent(self, plane, center, place, clockwise, flat, rise, length):
-        """Direction of the arc at `place`, of 2³⁰."""
-        x, y = place[0] - center[0], place[1] - center[1]
-        radius = isqrt((x * x + y * y) << 40) or 1  # so fine that the direction's length is 1 to 10⁻⁶, on any radius
-        sign = -1 if clockwise else 1
-        heading = [0] * self.axes
-        heading[plane[0]] = -sign * (y << 50) // radius * flat // length
-        heading[plane[1]] = sign * (x << 50) // radius * flat // length
-        if plane[2] >= 0:
-            heading[plane[2]] = (rise << 30) // length
-        return heading
-
-    def _cap(self, place, rapid):
-        """The speed that the programme and the override ask for in the block at `place`."""
-        return min(self._speeds[place] * self.percent[rapid] // 100, self._fastest[place])
-
+    @micropython.native
     def _look_back(self, all):
         """Raise the exits of the blocks that may still change, from the newest back, as far as one does; `all`: of all.
 
         An exit is never lowered, what is under way may count on it: the ramp itself slows down to a lower override.
         """
-        number = self._added
-        count = min((number - self._frozen) & _COUNT, LOOK_AHEAD)
-        block = self._passing
-        block.load(self._rows, (number - 1) % _SIZE * self._stride)
-        gain, rapid = block.gain, block.rapid
-        while count > 1:
-            place = (number - 1) % _SIZE
-            before = (number - 2) % _SIZE
-            block.load(self._rows, before * self._stride)
-            square = 0
-            if gain and block.gain:
-                square = min(self._cap(place, rapid), self._cap(before, block.rapid)) ** 2
-                corner = self._corners[place]
-                if corner is not None and corner < square:
-                    square = corner
-                square = min(square, self._exits[place] + self._reaches[place])
-            if square > self._exits[before]:
-                self._exits[before] = square
-                self._set_leave((number - 2) & _COUNT, square_in_units(block, square, self._speeds[before]))
-            elif not all:
+        added = self._added
+        count = (added - self._frozen) & _COUNT
+        work = self._work
+        work[_NEWEST] = (added - 1) % _SIZE
+        work[_DEPTH] = count if count < LOOK_AHEAD else LOOK_AHEAD
+        work[_ALL] = all
+        depth = look_back(self._rows, work)
+        while depth > (added - self._fetched) & _COUNT:
+            # The block under way is among them: it need not slow down as much as it thought. An interrupt may go on to
+            # the next block meanwhile; then that one is looked at again.
+            fetched = self._fetched
+            block = self._under_way
+            if block.gain:
+                block.leave = leave_of(self._rows, (fetched - 1) % _SIZE * self._stride, block.limit)
+            if self._fetched == fetched:
                 return
-            gain, rapid = block.gain, block.rapid
-            number -= 1
-            count -= 1
-
-    def _set_leave(self, number, leave):
-        set_leave(self._rows, number % _SIZE * self._stride, leave)
-        while (number + 1) & _COUNT == self._fetched:  # it is under way: it need not slow down as much as it thought
-            self._under_way.leave = leave
-            if (number + 1) & _COUNT == self._fetched:
-                return
-            number = (self._fetched - 1) & _COUNT  # an interrupt has just gone on to another block
-            leave = leave_of(self._rows, number % _SIZE * self._stride)
 
     # --- fetching: may run in an interrupt
 
+    @micropython.native
     def next(self, moving=False):  # ISR: no allocation
         """The next block released, or None. To a machine that is `moving` any block is released: it cannot
         stop here. It is the same object each time, and its walker stands at its beginning."""
@@ -335,13 +312,16 @@ class Planner:
             self._flushed = (fetched + 1) & _COUNT
         self._fetched = (fetched + 1) & _COUNT
         block = self._under_way
-        self._unpack(block, fetched % _SIZE)
-        if block.kind == LINE:
-            self._line.begin(self._rows, fetched % _SIZE * self._stride + ROW)
-        elif block.kind == ARC:
-            self._circle.load(self._walkers[fetched % _SIZE])
+        place = fetched % _SIZE
+        self._unpack(block, place)
+        kind = block.kind
+        if kind == LINE:
+            self._line.begin(self._rows, place * self._stride + ROW)
+        elif kind == ARC:
+            self._circle.load(self._walkers[place])
         return block
 
+    @micropython.native
     def _unpack(self, block, place):  # ISR: no allocation
         block.load(self._rows, place * self._stride)
         kind = block.kind
@@ -352,6 +332,7 @@ class Planner:
         else:
             block.walker = None if kind == WAIT else self._walkers[place]
 
+    @micropython.native
     def retire(self):  # ISR: no allocation
         """The oldest fetched block has been played to its last word."""
         self._retired = (self._retired + 1) & _COUNT
@@ -365,5 +346,5 @@ class Planner:
         place = retired % _SIZE
         block = self._playing
         self._unpack(block, place)
-        block.speed = self._speeds[place] if self._limits else 0
+        block.speed = self._limits.speed(self._rows[place * self._stride + SPEED]) if self._limits else 0
         return block

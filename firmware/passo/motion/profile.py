@@ -1,103 +1,110 @@
-"""What acceleration makes of a block: limits of its axes along its direction, corner speeds, and the ramp's own units.
+"""What a machine's axes can do, and how fast a block may be begun and ended: the terms that measure_viper.py reckons with.
 
-Lengths are nanometres, speeds nm/s, accelerations nm/s², directions unit vectors of 2³⁰. Big integers, once a block.
+Lengths are nanometres, speeds nm/s, accelerations nm/s². Speeds count as fractions, of 2²⁸, of `fastest`, which no path
+exceeds; their squares as fractions of its square.
 
 The ramp's unit of speed is the block's programmed speed / `top`. `top` is 16 000, so that the square of twice that, the
-highest override, stays below 2³⁰; less where steps are more than 2.7 ms apart, so that `span` does.
+highest override, stays below 2³⁰; less where steps are more than 2.7 ms apart, so that `span` does. A block slower than
+64 units keeps its speed throughout.
+
+The corner between two blocks is passed at most at the speed of junction deviation (S. K. Jeon, 2011): that of a circle
+which touches both lines and comes within the deviation of the corner, v² = a·δ·s / (1 − s), s the sine of half the angle
+between the lines; a is the weakest axis's acceleration along the change of direction. With t = √(1 − s²), the sine of
+half the angle turned through, which is half the length of that change, it is a·δ·s·(1 + s) / t²: nothing cancels out.
 """
+
+from array import array
 
 from passo.motion.integers import NM_PER_M, isqrt
 
 TICKS_PER_S = 12_500_000  # of steps.word, which this room may not import
-ONE = 1 << 30
+ONE = 1 << 28
 TOP = 16_000
-LEAST_TOP = 64
 FASTEST = 32_000  # twice TOP: its square is the largest q
 MOST = (1 << 29) - 1
-_STRAIGHT = ONE - ONE // 1_000_000  # cosine beyond which two directions are one, or opposite
+TERMS = 36
+BIAS = 1000  # of exponents, so that none is negative
+
+# `work`, between the planner and measure(), look_back().
+FEED = 0  # the speed asked for, of 2²⁸; 0: as fast as may be. An arc's, too
+GIVEN, GIVEN_SHIFT = 1, 2  # ticks that a line is to last, as a float; 0: its length over its speed. An arc: top
+STEPS_SHIFT = 3
+IS_ARC = 8
+LENGTH, LENGTH_SHIFT = 9, 10  # an arc's, nm as length / 2 ** shift, length of 27 or 28 bits
+ALONG, STRENGTH = 11, 12  # an arc's highest speed and acceleration
+STEPS = 13  # an arc's path, steps · 2 ** STEPS_SHIFT
+SPEED = 14  # after measure(): the speed programmed
+LIMITED = 15  # after measure(): 1, the axes cannot go as fast as asked for
+HEADING = 16  # direction at the block's beginning, of 2²⁸; a line's measure() finds out
+BEFORE = 20  # direction at the end of the block before
+THROUGH = 24  # 1: motion goes through from the block before; from here on up to 28, that block's speed and top
+NEWEST = 29  # look_back(): place of the newest block
+COUNT = 30  # how many blocks may still change
+STRIDE = 31
+SIZE = 32
+ALL = 33  # 1: go on where nothing has changed
+FACTOR = 34  # squares of the overrides of feed and of rapid motion, of 4096
+WORK = 36
 
 
 class Limits:
     """Of a machine: the axes' resolution, and what each can do."""
 
     def __init__(self, steps_per_m, speeds, accelerations, junction_deviation):
-        """`speeds` in nm/s and `accelerations` in nm/s², each axis; the deviation in nm."""
+        """`speeds` in nm/s and `accelerations` in nm/s², each axis; the deviation in nm. Four axes at most."""
         self.steps_per_m = list(steps_per_m)
         self.speeds = list(speeds)
         self.accelerations = list(accelerations)
         self.junction_deviation = junction_deviation
+        self.fastest = isqrt(sum([speed * speed for speed in speeds])) + 1
+        self.strongest = isqrt(sum([each * each for each in accelerations])) + 1
+        self.terms = self._terms()
 
-    def vector(self, deltas):
-        """(length, direction) of a vector of steps."""
+    def length(self, deltas):
+        """Of a vector of steps, in nanometres, 1 at least."""
         along = [(deltas[axis] * NM_PER_M << 16) // self.steps_per_m[axis] for axis in range(len(deltas))]
-        length = isqrt(sum([part * part for part in along])) or 1
-        return (length >> 16) or 1, [(part << 30) // length for part in along]
+        return (isqrt(sum([part * part for part in along])) >> 16) or 1
 
-    def along(self, limits, direction):
-        """The weakest of the axes' `limits`, seen along `direction`."""
-        least = 0
-        for axis in range(len(direction)):
-            part = abs(direction[axis])
-            if part:
-                here = (limits[axis] << 30) // part
-                if not least or here < least:
-                    least = here
-        return least or 1
+    def part(self, speed):
+        """`speed` in nm/s as a fraction of the fastest, 1 at least."""
+        return (speed << 28) // self.fastest or 1
 
-    def corner(self, before, after):
-        """Square of the speed at which the corner between two directions may be passed.
+    def speed(self, part):
+        """The other way round."""
+        return part * self.fastest >> 28
 
-        Junction deviation (S. K. Jeon, 2011): the speed on a circle that touches both lines and comes within the
-        deviation of the corner, v² = a·δ·s / (1 − s), s the sine of half the angle between the lines; a is the weakest
-        axis's acceleration along the change of direction. None: there is no corner.
-        """
-        cosine = sum([before[axis] * after[axis] for axis in range(len(before))]) >> 30
-        if cosine > _STRAIGHT:
-            return None
-        if cosine < -_STRAIGHT:
-            return 0
-        turn = [after[axis] - before[axis] for axis in range(len(before))]
-        size = isqrt(sum([part * part for part in turn])) or 1
-        acceleration = self.along(self.accelerations, [(part << 30) // size for part in turn])
-        half = isqrt((ONE + cosine) << 29)  # sine of half the angle between the lines, of 2³⁰
-        return acceleration * self.junction_deviation * half // (ONE - half)
-
-
-def set_units(block, steps, ticks, length, fastest, acceleration, before):
-    """Fill in the ramp's numbers of `block`: `steps` of path, in 2⁻¹⁰; `ticks` long, `length` nm; `before`: the
-    block before or None. Returns the square of the speed that the whole block can gain, in nm²/s².
-
-    `block.speed` is set. A block too slow for the ramp's units keeps its speed throughout.
-    """
-    top = min(TOP, MOST * steps // (ticks << 10))
-    if top < LEAST_TOP:
-        block.gain = 0
-        return 0
-    speed = block.speed
-    block.top = top
-    block.limit = max(min(FASTEST, 2 * top, top * fastest // speed), 1)
-    block.span = (2 * ticks * top << 10) // steps
-    block.gain = max(min((2 * acceleration * length * top * top << 10) // (steps * speed * speed), MOST), 2)
-    block.time, block.time_shift = scaled(TICKS_PER_S * speed, top * acceleration, 15)
-    block.ratio = block.ratio_shift = 0
-    if before is not None and before.gain:
-        block.ratio, block.ratio_shift = scaled(before.speed * top, before.top * speed, 14)
-    return block.gain * steps * speed * speed // (top * top << 10)
+    def _terms(self):
+        """What measure() wants to know, in an array: a number, or a float as two of them."""
+        terms = array("i", bytearray(4 * TERMS))
+        axes = len(self.steps_per_m)
+        finest = 0
+        while (NM_PER_M << finest + 1) // min(self.steps_per_m) < ONE:
+            finest += 1
+        squared = self.fastest * self.fastest
+        terms[0] = axes
+        terms[1] = BIAS + finest - 14
+        terms[2], terms[3] = floated(TICKS_PER_S << 28, self.fastest, 28)
+        terms[4], terms[5] = floated(2 * self.strongest << 28, squared, 15)  # gain
+        terms[6], terms[7] = floated(TICKS_PER_S * self.fastest, self.strongest, 15)  # time
+        terms[8], terms[9] = floated(self.strongest * self.junction_deviation, squared, 15)  # corner
+        for axis in range(axes):
+            terms[16 + axis] = (NM_PER_M << finest) // self.steps_per_m[axis]
+            terms[20 + axis], shift = floated(self.speeds[axis] << 28, self.fastest, 29)
+            terms[24 + axis] = shift + 15
+            terms[28 + axis], shift = floated(self.accelerations[axis] << 28, self.strongest, 29)
+            terms[32 + axis] = shift + 15
+        return terms
 
 
-def scaled(value, by, bits):
-    """(m, e) with m / 2ᵉ next to value / by from below and m of `bits` bits; e may be negative."""
-    shift = 0
+def floated(value, by, bits):
+    """(m, BIAS + e) with m · 2ᵉ next to value / by from below and m of `bits` bits."""
+    if not value:
+        return 0, BIAS
+    shift = BIAS
     while value >= by << bits:
         by <<= 1
-        shift -= 1
+        shift += 1
     while value < by << (bits - 1):
         value <<= 1
-        shift += 1
+        shift -= 1
     return value // by, shift
-
-
-def square_in_units(block, square, speed):
-    """q of a square in nm²/s², in the units of `block`, programmed for `speed`, from below."""
-    q = square * block.top * block.top // (speed * speed)
-    return min(q, block.limit * block.limit)

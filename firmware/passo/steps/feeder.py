@@ -359,10 +359,7 @@ class Feeder:
         block = self.planner.playing()
         if block is None or block.kind != TRACK:
             return None
-        slot = self._passed(played)
-        if self._mark_ends[slot] and slot != self._oldest % _CHECKPOINTS:
-            return self._mark_index[slot]  # played to its end, and not retired yet
-        return self._along(block, slot, self._walk(played)[1])
+        return self._along(block, self._passed(played), self._walk(played)[1])
 
     def cancel(self, played):
         """After the player has halted, and with `open` cleared: drop all words not played, take their place as truth.

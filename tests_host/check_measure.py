@@ -1,0 +1,150 @@
+"""The arithmetic of a block: what measure() finds in 32-bit integers is what the formulas of motion say, as exact numbers have it; and
+as machine code it finds the same as as Python."""
+
+from array import array
+from math import sqrt
+
+from draws import Random
+from passo.motion import measure_viper
+from passo.motion.block import CORNER, FASTEST, GAIN, LIMIT, REACH, ROW, SPEED, SQUARE, TICKS, TICKS_REST, TOP, UNIT, UNIT_SHIFT
+from passo.motion.profile import FEED, MOST, NEWEST, SIZE, STRIDE, TICKS_PER_S, WORK, Limits
+
+CASES = {"check_numbers": (("seed", "seed"),), "check_machine_code": (("seed", "seed"),)}
+RUNS = {"check_numbers": 200, "check_machine_code": 40}
+ANNOTATIONS = (": ptr32", ": int", " -> int", "@micropython.viper\n")
+
+
+def machine(random):
+    axes = random.between(1, 4)
+    steps_per_m = [random.choice((5000, 48_000, 83_333, 400_000, 3_200_000)) for _ in range(axes)]
+    speeds = [random.between(1, 400) * 1_000_000 for _ in range(axes)]
+    accelerations = [random.between(20, 5000) * 1_000_000 for _ in range(axes)]
+    return Limits(steps_per_m, speeds, accelerations, random.choice((0, 5000, 50_000)))
+
+
+def draw_line(random, axes):
+    size = random.choice((2, 30, 500, 20_000, 2_097_151))
+    return [random.between(-size, size) for _ in range(axes)]
+
+
+def queue(limits, deltas, feed, rows, work, number, measure):
+    at = number * (ROW + len(deltas))
+    for axis in range(len(deltas)):
+        rows[at + ROW + axis] = deltas[axis]
+    work[FEED] = min(limits.part(feed), MOST) if feed else 0
+    return measure(rows, at, work, limits.terms)
+
+
+def new(axes, count):
+    work = array("i", [0] * WORK)
+    work[STRIDE], work[SIZE] = ROW + axes, count
+    work[34] = work[35] = 4096
+    return array("i", [0] * ((ROW + axes) * count)), work
+
+
+def direction(limits, deltas):
+    parts = [delta * 1e9 / per_m for delta, per_m in zip(deltas, limits.steps_per_m)]
+    length = sqrt(sum([part * part for part in parts]))
+    return length, [part / length for part in parts]
+
+
+def weakest(values, heading):
+    return min([value / abs(part) for value, part in zip(values, heading) if part])
+
+
+def corner(limits, before, after):
+    """Square of the speed; the usual form of the formula."""
+    turn = [b - a for a, b in zip(before, after)]
+    size = sqrt(sum([part * part for part in turn]))
+    if size < 0.00142:
+        return None
+    s = sqrt(max(0, 1 - size * size / 4))
+    acceleration = weakest(limits.accelerations, [part / size for part in turn])
+    return acceleration * limits.junction_deviation * s * (1 + s) / (size * size / 4)
+
+
+def near(value, exact, part, grain=0.0):
+    return exact * (1 - part) - grain <= value <= exact * (1 + part) + grain
+
+
+def check_numbers(seed):
+    """On MicroPython's unix port as on CPython floats have 53 bits: exact enough."""
+    random = Random(seed)
+    limits = machine(random)
+    axes = len(limits.speeds)
+    rows, work = new(axes, 2)
+    before = None
+    for number in range(2):
+        deltas = draw_line(random, axes)
+        feed = random.choice((0, random.between(1, 500) * 1_000_000, random.between(100_000, 3_000_000)))
+        done = queue(limits, deltas, feed, rows, work, number, measure_viper.measure)
+        total = max([abs(delta) for delta in deltas])
+        if not total:
+            assert done == 0
+            return
+        length, heading = direction(limits, deltas)
+        fastest = weakest(limits.speeds, heading)
+        speed = min(feed or fastest, fastest)
+        ticks = length / speed * TICKS_PER_S
+        if done == -1:
+            assert ticks / total > MOST * 0.999
+            return
+        row = rows[number * (ROW + axes) :][: ROW + axes]
+        unit = limits.fastest / (1 << 28)
+        grain = 2 * unit / speed + 1e-6 + (4e-4 if not feed or feed >= fastest else 0)
+        assert near(row[SPEED] * unit, speed, grain)
+        assert near(row[TICKS] * total + row[TICKS_REST], ticks, grain + 3e-6, 1 + total)
+        assert near(row[TICKS] + row[TICKS_REST] / total, ticks / total, grain + 3e-6, 1)
+        if not row[GAIN]:
+            assert row[TICKS] > 8_000_000 and work[24] == 0
+            return
+        top, squares = row[TOP], limits.fastest * limits.fastest / (1 << 28)
+        acceleration = weakest(limits.accelerations, heading)
+        assert near(row[SQUARE] * squares, speed * speed, 2 * grain + 1e-4, 2 * squares)
+        assert near(row[FASTEST] * squares, fastest * fastest, 1e-3, 2 * squares)
+        assert top <= row[LIMIT] <= min(2 * top, 32_000)
+        assert near(row[LIMIT], min(fastest / speed, 2, 32_000 / top) * top, 4e-4, 1)
+        gain = 2 * acceleration * length * top * top / (total * speed * speed)
+        assert near(row[GAIN], max(2, min(gain, MOST)), 2e-3 + 2 * grain, 1)
+        if row[GAIN] > 2:  # what the ramp can do in fact is enough for what the passes count on
+            assert row[REACH] <= row[GAIN] * total * (row[SPEED] / 16_384 / top) ** 2 * 1.0001
+            assert row[GAIN] == MOST or near(min(row[REACH], MOST), min(2 * acceleration * length / squares, MOST), 4e-3 + 2 * grain, 2)
+        assert near(row[UNIT] / 2.0 ** row[UNIT_SHIFT], squares * top * top / speed / speed, 1e-3 + 2 * grain)
+        if number:
+            exact = corner(limits, before, heading)
+            if exact is None:
+                assert row[CORNER] == MOST * 2 + 1
+            else:
+                assert near(min(row[CORNER], MOST), min(exact / squares, MOST), 5e-3, 30)
+        before = heading
+
+
+def plain():
+    """The functions of measure_viper as bytecode."""
+    folder = __file__[: __file__.rfind("tests_host")] if "tests_host" in __file__ else "../"
+    with open(folder + "firmware/passo/motion/measure_viper.py") as file:
+        text = file.read()
+    for annotation in ANNOTATIONS:
+        text = text.replace(annotation, "")
+    names = {}
+    exec(text, names)
+    return names["measure"], names["look_back"]
+
+
+def check_machine_code(seed):
+    """Rows and work of a whole look-ahead, bit for bit."""
+    random = Random(seed)
+    limits = machine(random)
+    axes = len(limits.speeds)
+    queues = []
+    program = [(draw_line(random, axes), random.between(0, 400) * 1_000_000) for _ in range(20)]
+    for measure, look_back in (plain(), (measure_viper.measure, measure_viper.look_back)):
+        rows, work = new(axes, len(program))
+        depths = []
+        for number in range(len(program)):
+            deltas, feed = program[number]
+            depths.append(queue(limits, deltas, feed, rows, work, number, measure))
+            work[NEWEST], work[30] = number, number + 1
+            depths.append(look_back(rows, work))
+        queues.append((depths, list(rows), list(work)))
+    assert queues[0] == queues[1]
