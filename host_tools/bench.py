@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from statistics import fmean
 
@@ -68,7 +69,36 @@ def _run_lines(program, corners):
     return {name: [int(number) for number in numbers] for name, *numbers in map(str.split, done.stdout.splitlines())}
 
 
-PARTS = {"lines": lines}
+def fuzz():
+    """A million lines and byte streams on the grbl link; PASSO_FUZZ_LINES is another number."""
+    count = int(os.environ.get("PASSO_FUZZ_LINES", 1_000_000))
+    shares = [("CPython", sys.executable, count * 2 // 5, seed) for seed in (1, 2)]
+    if MICROPYTHON.exists():
+        shares.append(("MicroPython", MICROPYTHON, count - 2 * shares[0][2], 3))
+    with ThreadPoolExecutor(2) as pool:
+        done = list(pool.map(lambda share: _run_fuzz(*share[1:]), shares))
+    rows = [[name, seed, *numbers] for (name, _, _, seed), numbers in zip(shares, done)]
+    rows.append(["all", "", *map(sum, zip(*done))])
+    return ["interpreter", "seed", "lines", "refused", "resets"], rows
+
+
+def _run_fuzz(program, count, seed):
+    """[lines, refused, resets] of tests_host/fuzz_grbl.py."""
+    folders = [str(ROOT / "firmware"), str(ROOT / "tests_host"), str(ROOT)]
+    environment = {
+        **os.environ,
+        "MICROPYPATH": ":".join(folders),
+        "PYTHONPATH": ":".join([*folders, str(ROOT / "host_tools" / "shims")]),
+    }
+    heap = ["-X", "heapsize=64m"] if program == MICROPYTHON else []
+    command = [program, *heap, ROOT / "tests_host" / "fuzz_grbl.py", str(count), str(seed)]
+    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    if done.returncode:
+        raise Failure(f"fuzz, seed {seed}: {(done.stderr or done.stdout).strip().splitlines()[-1]}")
+    return [int(number) for number in done.stdout.split()]
+
+
+PARTS = {"lines": lines, "fuzz": fuzz}
 
 
 def markdown(header, rows):

@@ -428,6 +428,20 @@ def check_soft_limits():
     assert machine.controller.position() == [-160, 0, 0]
 
 
+def check_a_line_of_several_motions_is_refused_whole():
+    """Canned cycles, and G28 by way of a place: no part of them moves if another cannot."""
+    machine = home(Machine())
+    for line, said in (("G81 X9 Y9 Z-81 R-2 F300", "error:15"), ("G81 X1 Y2 Z-23 R-2 F.003", "error:33")):
+        machine.do("G0 X1", "G4 P0")
+        machine.put("G0 X2\n")
+        assert said in machine.ask(line) + machine.turns(3), line
+        machine.settle()
+        assert machine.controller.position()[1:] == [0, 0], line
+        machine.put(b"\x18")
+        machine.turns(3)
+        machine.do("$X")
+
+
 def check_soft_limit_while_moving():
     """The machine comes to a stand on its path, and knows where it is."""
     machine = home(Machine())

@@ -187,7 +187,12 @@ def digest_hex(board, job):
 
 
 def board_named(name):
-    return getattr(__import__("boards." + name), name).BOARD
+    """A file of boards/; NAME+laser has a laser instead of its spindle."""
+    name, _, laser = name.partition("+")
+    board = getattr(__import__("boards." + name), name).BOARD
+    if laser:
+        board["spindle"] = {"max_rpm": 1000, "pwm": True, "pin": 22, "laser": True}
+    return board
 
 
 def show_lines(path, name="router_3axis", steps_mm=None, counts=True):

@@ -2,12 +2,10 @@
 
     programmes()["relief"]     # (board, lines)
 
-pico() has the beginnings of some, short enough for an emulated chip.
+"pico" is the beginnings of some, one after the other, short enough for an emulated chip.
 """
 
 from math import cos, pi, sin
-
-PICO = {"relief": 16, "engraving": 15, "helices": 4, "laser_raster": 16}  # how many lines
 
 
 def relief():
@@ -105,15 +103,13 @@ def slow():
     return lines
 
 
+PICO = ((relief, 9), (engraving, 8), (helices, 3), (laser_raster, 11))  # and how many lines
+
+
 def programmes():
     """{name: (board, lines)}"""
     made = {}
     for kind in (relief, engraving, arcs, helices, laser_raster, tiny, drilling, units, reversals, slow):
         made[kind.__name__] = ("laser_xy" if kind is laser_raster else "router_3axis", kind())
+    made["pico"] = ("router_3axis+laser", [line for kind, count in PICO for line in kind()[:count]])
     return made
-
-
-def pico():
-    """As programmes(), of the first lines of those in PICO."""
-    made = programmes()
-    return {"pico_" + name: (made[name][0], made[name][1][:count]) for name, count in PICO.items()}

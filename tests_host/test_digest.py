@@ -18,7 +18,7 @@ from host_tools import run
 from host_tools.objects import objects
 from passo.protocols import torch
 from passo.protocols.plotter import COMMANDS, packet
-from programmes import pico, programmes
+from programmes import programmes
 from test_micropython import MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 
 GOLDEN = TESTS / "golden" / "digests.txt"
@@ -97,12 +97,9 @@ def test_a_job_that_differs_by_one_step_has_another_digest(tmp_path):
     assert len(digests) == 2
 
 
-JOBS = {**programmes(), **pico()}
-
-
-@pytest.mark.parametrize("name", JOBS)
+@pytest.mark.parametrize("name", programmes())
 def test_gcode(tmp_path, name):
-    board, lines = JOBS[name]
+    board, lines = programmes()[name]
     job = tmp_path / "job.gcode"
     job.write_text("".join(f"{line}\n" for line in lines))
     compare_gcode(name, job, board)

@@ -9,6 +9,7 @@ from passo.control import settings as table
 from passo.control.extent import farthest
 from passo.control.tools import thousandths
 from passo.motion.line import MAX_STEPS
+from passo.motion.planner import LONGEST_TICKS
 from passo.motion.profile import Limits
 from passo.protocols import commands, errors
 from passo.steps.word import TICKS_PER_S
@@ -66,10 +67,36 @@ class Program:
         if not self._reachable(command):
             machine.fail(errors.ALARM_SOFT_LIMIT)
             return errors.JOG_TRAVEL
+        if command.also:
+            error = self._refusal(command)
+            if error:
+                return error
         if machine.checking:
             self._queue.target = command.target[:]
             return machine.accepted(command)
         return self._begin(command)
+
+    def _refusal(self, command):
+        """0, or why one of the lines that follow `command` cannot be: then none of them begins."""
+        start = command.target
+        for motion in command.also:
+            if self._limited() and not self._queue.inside(motion.target):
+                self._machine.fail(errors.ALARM_SOFT_LIMIT)
+                return errors.JOG_TRAVEL
+            deltas = [to - at for to, at in zip(motion.target, start)]
+            longest = max([abs(by) for by in deltas])
+            ticks = 0
+            if longest and motion.per_min:
+                ticks = self._minute_ticks(motion)
+            elif longest and motion.feed:
+                ticks = self._queue.ticks_at(deltas, motion.feed)
+            if longest > MAX_STEPS or longest and ticks // longest > LONGEST_TICKS:
+                return errors.TARGET
+            start = motion.target
+        return 0
+
+    def _limited(self):
+        return self._machine.settings.value(table.SOFT_LIMITS) and self._machine.homed
 
     def _begin(self, command):
         if self._queue.room() < _BLOCKS_A_MOTION:
@@ -103,8 +130,7 @@ class Program:
         return errors.TARGET if longest > MAX_STEPS else 0
 
     def _reachable(self, command):
-        machine = self._machine
-        if not machine.settings.value(table.SOFT_LIMITS) or not machine.homed:
+        if not self._limited():
             return True
         if not self._queue.inside(command.target):
             return False

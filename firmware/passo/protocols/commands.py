@@ -114,8 +114,11 @@ class Motion(Command):
     per_min × 1000. `tool` and `power` hold from the motion's start, `dynamic`: power follows the speed. `number` is the
     line of the programme. Arcs lie in the plane of the axes `first` and `second`; `centre` is the vector from the
     start to the centre in steps, the third axis goes in proportion to the swept angle, `turns` is 1 for up to a whole
-    turn, and one more for each turn beyond it.
+    turn, and one more for each turn beyond it. `also`: the LINEs that follow from the same line of the programme; all
+    of them are checked before this one begins.
     """
+
+    also = ()
 
     def __init__(self, kind, target=None):
         Command.__init__(self, kind, target)

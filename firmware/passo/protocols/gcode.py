@@ -16,7 +16,7 @@ from passo.protocols.gcode_codes import (
     AXIS_COMMANDS, COOLING, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PLANE, RETURN, STOPPING, SYSTEM,
     TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
 )
-from passo.protocols.gcode_motion import Motions
+from passo.protocols.gcode_motion import Motions, new_moves
 from passo.protocols.gcode_reader import NONE, Refused
 from passo.protocols.gcode_words import F, M_CODES, N, S, X, rounded
 
@@ -174,6 +174,9 @@ class GCode(Motions):
             before.append(Command(commands.COOLANT, value=coolant))
         if dwell is not None:
             before.append(Command(commands.DWELL, value=dwell))
+        if len(self.commands) > 1:
+            self.commands[0].also = self.commands[1:]
+            self._moves = new_moves()  # these may be looked at until the last has begun
         if before:
             self.commands = before + self.commands
         if offsets:

@@ -14,6 +14,11 @@ MAX_STEPS = const(0x1FFFFFFF)
 _PLANES = {17: (0, 1), 18: (2, 0), 19: (1, 2)}
 
 
+def new_moves():
+    """Motions that are used again, line after line."""
+    return [Motion(commands.LINE) for _ in range(2)]
+
+
 class Motions(Reader):
     def __init__(self, axes, offsets, machine):
         Reader.__init__(self, axes, offsets)
@@ -21,7 +26,7 @@ class Motions(Reader):
         self.commands = []
         self.position = [0] * axes  # machine coordinates
         self._steps = [0] * axes
-        self._moves = [Motion(commands.LINE) for _ in range(2)]  # used again line after line
+        self._moves = new_moves()
 
     # --- where the machine is
 
