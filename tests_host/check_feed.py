@@ -8,6 +8,7 @@ from math import atan2, pi, sqrt
 
 from check_circle import Walk, draw_arc, foot
 from passo.motion.profile import Limits
+from passo.steps.checkpoints import SETUP
 from passo.steps.word import TICKS_PER_S
 from rig import Rig
 
@@ -27,7 +28,7 @@ def steps_of(add, feed, setup):
     """[(tick, place, number of the word)] of what `add(planner)` queues at `feed`, in cruise only, and the feed's steps in a second."""
     rig = Rig(axes=3)
     if not setup:
-        rig.feeder.setup_ticks = 0
+        rig.feeder.state[SETUP] = 0
     rig.planner.limits(Limits([STEPS_PER_M] * 3, [1000 * MM] * 3, [ACCELERATION_MM_S2 * MM] * 3, 0))
     add(rig.planner)
     steps = []

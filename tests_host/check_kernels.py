@@ -5,15 +5,17 @@ from array import array
 from draws import Random
 from passo.drives import coils
 from passo.motion import line
-from passo.steps import pace, position
+from passo.steps import checkpoints, pace, position
 
 CASES = {
     "check_walk": (("seed", "seed"), ("axes", 1, 4)),
     "check_pace": (("seed", "seed"), ("count", 1, 500)),
     "check_repay": (("seed", "seed"), ("count", 1, 60)),
     "check_apply": (("seed", "seed"), ("axes", 1, 2), ("width", "choice", 4, 6)),
-    "check_advance": (("seed", "seed"), ("axes", 1, 4)),
+    "check_repay": (("seed", "seed"),),
+    "check_checkpoints": (("seed", "seed"), ("axes", 1, 4)),
     "check_tally": (("seed", "seed"), ("axes", 1, 4)),
+    "check_tally_of_coils": (("seed", "seed"), ("axes", 1, 2), ("width", "choice", 4, 6)),
 }
 LONGEST = 2_000_000
 
@@ -77,18 +79,54 @@ def check_apply(seed, axes, width):
     assert phases == others
 
 
-def check_advance(seed, axes):
-    """Also over the end of the range, where positions wrap."""
+def check_repay(seed):
     random = Random(seed)
-    ends = (0, 0x0FFFFFF0, -0x0FFFFFF0)
-    place = array("i", [ends[random.between(0, 2)] + random.between(-15, 15) for _ in range(axes)])
-    made = array("i", [random.between(-500, 500) for _ in range(axes)])
-    marks = array("i", [7] * 20)
-    same = (array("i", place), array("i", made), array("i", marks))
-    position.advance_plain(place, made, marks, 3, axes)
-    position.advance(same[0], same[1], same[2], 3, axes)
-    assert (place, made, marks) == same
-    assert list(made) == [0] * axes
+    bits = random.between(3, 13)
+    words = array("I", [random.between(0, 0x3FFFFFFF >> bits) << bits | 1 for _ in range(40)])
+    same = array("I", words)
+    debt = random.between(0, (500, 0x1FFFFFFF)[random.between(0, 1)])
+    least = random.between(1, 100)
+    assert pace.repay(words, 3, 30, bits, debt, least) == pace.repay_plain(same, 3, 30, bits, debt, least)
+    assert words == same
+
+
+def check_checkpoints(seed, axes):
+    """Any sequence of segments, retirements and questions, from any count on."""
+    random = Random(seed)
+    sides = []
+    for _ in range(2):
+        state = array("i", [0] * (checkpoints.PLACE + axes))
+        state[checkpoints.BITS], state[checkpoints.AXES], state[checkpoints.MASK] = 2 * axes + 1, axes, 63
+        state[checkpoints.LIMIT], state[checkpoints.SETUP] = 2000, 63
+        marks = array("i", [0] * (checkpoints.MARKS * (checkpoints.FIELDS + axes)))
+        sides.append((state, marks, array("I", [0] * 64), array("i", [0] * axes)))
+    for index in (checkpoints.HEAD, checkpoints.TICKS, checkpoints.OLDEST):
+        sides[0][0][index] = sides[1][0][index] = random.between(0, 0x1FFFFFFF)
+    for index in range(axes):
+        edge = (0, 0x0FFFFFF0, -0x0FFFFFF0)[random.between(0, 2)]
+        sides[0][0][checkpoints.PLACE + index] = sides[1][0][checkpoints.PLACE + index] = edge
+    for side in sides:
+        side[0][checkpoints.NEWEST] = side[0][checkpoints.OLDEST]
+    for _ in range(200):
+        moving, negative = random.between(0, (1 << axes) - 1), random.between(0, (1 << axes) - 1)
+        steps, ticks = random.between(0, 255), random.between(1, 0x100000)
+        made = [random.between(-200, 200) for _ in range(axes)]
+        ends, lead, back = random.between(0, 1), random.between(0, 4_000_000), random.between(0, 4000)
+        what = random.between(0, 5)
+        results = []
+        for plain, (state, marks, words, steps_made) in zip((True, False), sides):
+            name = "_plain" if plain else ""
+            call = [getattr(checkpoints, f + name) for f in ("room", "begin", "end", "retire", "find")]
+            result = call[0](state, marks, lead)
+            if result and what:
+                for axis in range(axes):
+                    steps_made[axis] = made[axis]
+                call[1](state, words, moving, negative, steps, ticks)
+                call[2](state, marks, steps_made, steps, ticks, ends)
+            played = (state[checkpoints.HEAD] - back) & 0x1FFFFFFF
+            results.append((result, call[4](state, marks, played), call[3](state, marks, played) if what < 2 else 0))
+        assert results[0] == results[1]
+        assert sides[0] == sides[1]
 
 
 def check_tally(seed, axes):
@@ -102,3 +140,30 @@ def check_tally(seed, axes):
     stepping = position.tally_plain(words, 63, first, until, axes, place)
     assert position.tally(words, 63, first, until, axes, same) == stepping
     assert place == same
+
+
+def check_tally_of_coils(seed, axes, width):
+    """Motors that step at random, also over the ends of the ring, the count and the tables."""
+    random = Random(seed)
+    last = (3, 7)[random.between(0, 1)]
+    tables = bytes([phase + 1 for phase in range(last + 1)] * axes)
+    first = random.between(0, 0x1FFFFFFF)
+    words = array("I", [0] * 64)
+    place = array("i", [random.between(-100, 100) for _ in range(axes)])
+    begun, wanted, at = array("i", place), 0, first
+    for _ in range(random.between(0, 64)):
+        moves = [random.between(-1, 1) for _ in range(axes)]
+        wanted += 1 if [move for move in moves if move] else 0
+        levels = 0
+        for axis in range(axes):
+            place[axis] += moves[axis]
+            levels |= tables[place[axis] & last] << axis * width
+        words[at & 63] = levels | 1 << axes * width
+        at = (at + 1) & 0x1FFFFFFF
+    for tally in (coils.tally_plain, coils.tally):
+        found = array("i", begun)
+        assert tally(words, 63, first, at, axes, width, last, tables, 15, found) == wanted
+        assert found == place
+    words[first & 63] = 15 | 15 << width  # no current: no step
+    for tally in (coils.tally_plain, coils.tally):
+        assert tally(words, 63, first, (first + 1) & 0x1FFFFFFF, axes, width, last, tables, 15, array("i", begun)) == 0

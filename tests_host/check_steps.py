@@ -6,6 +6,7 @@ from passo.motion.block import LINE
 from passo.motion.integers import length_nm
 from passo.motion.line import Line
 from passo.motion.planner import LOOK_AHEAD
+from passo.steps.checkpoints import DEBT
 from passo.steps.pace import new_terms, pace, repay, set_terms
 from passo.steps.ring import Ring
 from passo.steps.timed import ENDLESS, Timed
@@ -152,7 +153,7 @@ def check_turns(moves, each):
         wanted += steps * each
         rig.planner.line((dx, dy), steps * each, False)
     words = rig.run()
-    assert total_ticks(words) - wanted == rig.feeder._debt
+    assert total_ticks(words) - wanted == rig.feeder.state[DEBT]
     tick = 0
     changed = [-SETUP_TICKS, -SETUP_TICKS]
     before = 0

@@ -13,6 +13,7 @@ from passo.motion import line, planner, track
 from passo.motion.block import Block
 from passo.motion.line import MAX_STEPS
 from passo.steps import feeder, pace, power, ring, timed, track_walker
+from passo.steps.checkpoints import FIELDS, MARK_TICKS, OLDEST, PLACE, TICKS
 from passo.steps.word import COUNT_MASK
 from rig import DRIVES, LEAST_TICKS, Rig
 from small_int import Small
@@ -104,9 +105,10 @@ def test_counters_wrap():
     rig = small_rig("unipolar half", 2)
     rig.ring.head = rig.played = Small(COUNT_MASK - 40)
     rig.feeder._reset(rig.played)
-    rig.feeder._ticks = Small(COUNT_MASK - 5000)
-    rig.feeder._mark_ticks[rig.feeder._oldest % 256] = rig.feeder._ticks
-    rig.feeder._position[0] = Small((1 << 28) - 20)
+    state, marks = rig.feeder.state, rig.feeder._marks
+    state[TICKS] = COUNT_MASK - 5000
+    marks[state[OLDEST] * (FIELDS + 2) + MARK_TICKS] = state[TICKS]
+    state[PLACE] = (1 << 28) - 20
     rig.planner.line((100, -37), 100 * 3000, False)
     rig.planner.flush()
     words = 0

@@ -8,6 +8,9 @@ modulo the table's length: after a stop it is found again from the position alon
 """
 
 
+import micropython
+
+
 def apply_plain(words, at, count, axes, width, last, tables, phases):  # ISR: no allocation
     """Turn words[at : at + count] from the step form into pin levels. `tables`: each axis's table of `last` + 1 phases,
     one after the other; `phases`: where each axis stands."""
@@ -24,10 +27,29 @@ def apply_plain(words, at, count, axes, width, last, tables, phases):  # ISR: no
         words[i] = (word & ~low) | levels
 
 
+def tally_plain(words, mask, word, until, axes, width, last, tables, off, position):
+    """Add the steps that the words of a ring (its size − 1 is `mask`) from count `word` to `until` make to `position`,
+    where the machine stands before them; returns how many of them step. A motor whose levels are `off` does not."""
+    stepping = 0
+    while word != until:
+        levels = words[word & mask]
+        moved = 0
+        for axis in range(axes):
+            phase = position[axis] & last
+            now = levels >> axis * width & (1 << width) - 1
+            first = axis * (last + 1)
+            if now != tables[first + phase] and now != off:
+                moved = 1
+                position[axis] += 1 if now == tables[first + (phase + 1 & last)] else -1
+        stepping += moved
+        word = (word + 1) & 0x1FFFFFFF
+    return stepping
+
+
 try:
-    from passo.drives.coils_viper import apply
+    from passo.drives.coils_viper import apply, tally
 except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
-    apply = apply_plain
+    apply, tally = apply_plain, tally_plain
 
 
 class CoilDrive:
@@ -42,7 +64,8 @@ class CoilDrive:
         self._mask = (1 << width) - 1
         self._table = [self._order(table, reversed_mask >> axis & 1) for axis in range(axes)]
         self._hold = [self._order(hold or table, reversed_mask >> axis & 1) for axis in range(axes)]
-        self._off = bytes([off] * count)
+        self._live = b"".join(self._table)
+        self._off = off
         self._phase = bytearray(axes)
         self.limp(0)
 
@@ -54,6 +77,7 @@ class CoilDrive:
         """Levels of the motor's pins `delta` (−1, 0, +1) steps on from `phase`."""
         return self._table[axis][phase + delta & self._last]
 
+    @micropython.native
     def apply(self, words, at, count):  # ISR: no allocation
         """Turn words[at : at + count] from the step form into this drive's pin levels; the tool bit and time stay."""
         apply(words, at, count, self.axes, self.width, self._last, self._tables, self._phase)
@@ -64,7 +88,8 @@ class CoilDrive:
         self._tables = b"".join(self._shown(self._table))
 
     def _shown(self, tables):
-        return [self._off if self._limp >> axis & 1 else tables[axis] for axis in range(self.axes)]
+        off = bytes([self._off] * (self._last + 1))
+        return [off if self._limp >> axis & 1 else tables[axis] for axis in range(self.axes)]
 
     def levels(self):
         """The levels that hold all motors where they are, at running current."""
@@ -86,14 +111,10 @@ class CoilDrive:
         for axis in range(self.axes):
             self._phase[axis] = position[axis] & self._last
 
-    def stepped(self, axis, position, levels):
-        """Steps (−1, 0, +1) from `position`, as seek() counts, to the motor's place in a word's `levels`."""
-        after = levels >> axis * self.width & self._mask
-        table = self._table[axis]
-        phase = position & self._last
-        if after == table[phase] or after == self._off[0]:
-            return 0
-        return 1 if table[phase + 1 & self._last] == after else -1
+    def tally(self, words, mask, word, until, position):
+        """Add the steps made by the words of a ring from count `word` to `until` to `position`, where the machine stands
+        before them; returns how many of them step."""
+        return tally(words, mask, word, until, self.axes, self.width, self._last, self._live, self._off, position)
 
     def moved(self, axis, before, after):
         """Steps (−1, 0, +1) between two neighbouring words' levels."""

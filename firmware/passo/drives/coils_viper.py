@@ -1,4 +1,4 @@
-"""coils.apply_plain as machine code of the board. See there; the two give the same bits."""
+"""coils.apply_plain and tally_plain as machine code of the board. See there; they give the same bits."""
 # ruff: noqa: F821
 
 import micropython
@@ -21,3 +21,32 @@ def apply(words: ptr32, at: int, count: int, axes: int, width: int, last: int, t
             axis += 1
         words[at] = (word & keep) | levels
         at += 1
+
+
+@micropython.viper
+def tally(
+    words: ptr32, mask: int, word: int, until: int, axes: int, width: int, last: int, tables: ptr8, off: int,
+    position: ptr32,
+) -> int:
+    field = (1 << width) - 1
+    stepping = 0
+    while word != until:
+        levels = words[word & mask]
+        moved = 0
+        axis = 0
+        first = 0
+        while axis < axes:
+            phase = position[axis] & last
+            now = levels & field
+            if now != tables[first + phase] and now != off:
+                moved = 1
+                if now == tables[first + ((phase + 1) & last)]:
+                    position[axis] += 1
+                else:
+                    position[axis] -= 1
+            levels >>= width
+            first += last + 1
+            axis += 1
+        stepping += moved
+        word = (word + 1) & 0x1FFFFFFF
+    return stepping

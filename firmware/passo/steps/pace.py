@@ -6,7 +6,6 @@ A segment that runs over the end of the ring is paced in two calls; the second g
 
 from array import array
 
-import micropython
 from micropython import const
 
 # The terms of a segment, in one array for the sake of the twin in machine code.
@@ -15,13 +14,13 @@ TICK = const(1)  # one tick in a word
 REST = const(2)  # rest / over: the share of the intervals that are a tick longer
 OVER = const(3)
 CARRY = const(4)
+TERMS = const(5)  # how many there are
 
 
 def new_terms():
-    return array("i", [0] * 5)
+    return array("i", [0] * TERMS)
 
 
-@micropython.native
 def set_terms(terms, steps, ticks, base, bits):  # ISR: no allocation
     """For a segment of `steps` that last `ticks`, `base` being ORed to their levels."""
     terms[SHORT] = ticks // steps << bits | base
