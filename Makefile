@@ -31,9 +31,18 @@ $(CLIENTS): $(STAMP)
 	-$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps 'bCNC>=0.9.16,<0.10' 'shxparser>=0.0.2,<0.1'
 	@touch $@
 
-test: $(STAMP) $(CLIENTS)  ## all tests, under CPython and MicroPython, with coverage
+# Type stubs of MicroPython's modules, each port's in a folder of its own, because they clash; without them a test skips.
+STUBS = $(VENV)/typings/.stubs
+$(STUBS): $(STAMP)
+	-for port in esp32 rp2 stdlib; do \
+	    $(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --upgrade \
+	        --target $(VENV)/typings/$$port "micropython-$$port-stubs>=1.27,<2"; \
+	done
+	@mkdir -p $(VENV)/typings && touch $@
+
+test: $(STAMP) $(CLIENTS) $(STUBS)  ## all tests, under CPython and MicroPython, with coverage
 	$(BIN)/python -m pytest -n 2 --cov --cov-report=term --ignore-glob='*/test_pico_*' $(ARGS)
-	$(BIN)/python -m pytest -n 2 -o faulthandler_timeout=900 $(PICO_TESTS)
+	$(BIN)/python -m pytest -n 2 --dist loadgroup -o faulthandler_timeout=900 $(PICO_TESTS)
 
 bench: $(STAMP)  ## the slower measurements
 	$(BIN)/python -m host_tools.bench $(ARGS)

@@ -10,9 +10,11 @@ from host_tools.draw import draw
 from host_tools.emulate import emulate
 from host_tools.failure import Failure
 from host_tools.flash import flash
+from host_tools.keys import keys
 from host_tools.link import link
 from host_tools.plot import plot
 from host_tools.ports import ports
+from host_tools.pulses import app as pulses
 from host_tools.send import send
 from host_tools.settings import settings
 from host_tools.stream import stream
@@ -26,8 +28,9 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-for _verb in (board, emulate, draw, send, stream, check, settings, link, plot, ports, build, flash):
+for _verb in (board, emulate, draw, send, stream, keys, check, settings, link, plot, ports, build, flash):
     app.command()(_verb)
+app.add_typer(pulses, name="pulses")
 app.add_typer(torch, name="torch")
 
 

@@ -6,14 +6,15 @@ import typer
 
 from host_tools.failure import Failure
 
-BAUD = {"plotter": 57600, "grbl": 115200, "torch": 115200}
+BAUD = {"plotter": 57600, "grbl": 115200, "torch": 115200, "pulses": 115200}
+_ANSWER_S = 3.0
 
 
 def link(
     number: Annotated[
         Optional[int], typer.Argument(min=0, max=4, help="The link that may command from now on; 0: the one of --port.")
     ] = None,
-    protocol: Annotated[str, typer.Option(help="What the link of --port speaks: plotter, grbl or torch.")] = ...,
+    protocol: Annotated[str, typer.Option(help="What the link of --port speaks: plotter, grbl, torch or pulses.")] = ...,
     port: Annotated[
         Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")
     ] = None,
@@ -35,17 +36,16 @@ def link(
     from host_tools import ports
 
     if protocol not in BAUD:
-        raise Failure(f"--protocol {protocol}: it has no word for that; ask on a link that speaks {' or '.join(BAUD)}")
+        raise Failure(f"--protocol {protocol}: it has no word for that; ask on a link that speaks {', '.join(BAUD)}")
     port = port or ports.only()
     baud = baud or BAUD[protocol]
     if protocol == "grbl":
         print(_grbl(port, baud, number))
     elif number is None:
         raise Failure(f"{protocol} has no word for who commands; give the number of a link")
-    elif protocol == "torch":
-        print(_torch(port, baud, number))
     else:
-        print(_plotter(port, baud, number))
+        {"plotter": _plotter, "torch": _torch, "pulses": _pulses}[protocol](port, baud, number)
+        print(f"link {number} commands" if number else "this link commands")
 
 
 def _grbl(port, baud, number):
@@ -66,7 +66,6 @@ def _plotter(port, baud, number):
 
     with PlotterClient(port, baud) as client:
         client.hand_over(number)
-    return f"link {number} commands" if number else "this link commands"
 
 
 def _torch(port, baud, number):
@@ -75,4 +74,21 @@ def _torch(port, baud, number):
 
     with TorchClient(port, baud) as client:
         client.order(torch.passo(torch.LINK_OF, number))
-    return f"link {number} commands" if number else "this link commands"
+
+
+def _pulses(port, baud, number):
+    from host_tools.wire import LinkError, open_port
+    from passo.protocols import errors, pulses
+
+    line = open_port(port, baud)
+    try:
+        line.timeout = _ANSWER_S
+        line.write(pulses.frame("link", number))
+        answer = line.readline().decode("ascii", "replace").strip()
+    finally:
+        line.close()
+    if answer.startswith("error:"):
+        number = int(answer[6:].split()[0])
+        raise Failure(f"refused: error {number}, {errors.text(number)}")
+    if answer != "ok":
+        raise LinkError(f"{port}: no answer, or not one of pulses: {answer!r}")

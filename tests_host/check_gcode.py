@@ -1,24 +1,26 @@
 """G-code: every code, every error number, exact units, and lines that nobody would write."""
 
+from math import cos, pi, sin
+
+from draws import Random
+from passo.control import arcs
+from passo.motion.integers import isqrt
 from passo.protocols import commands, errors, gcode_words
 from passo.protocols.gcode import GCode
-from passo.protocols import gcode_arc
-from passo.protocols.gcode_arc import centre_of, isqrt
 from passo.protocols.gcode_offsets import Offsets
 from passo.protocols.gcode_words import F, X, Y, Words
-from draws import Random
 
-ALPHABET = b"GMXYZIJKFSPLRTN0123456789.-+ ();/$gmxyz"
+ALPHABET = b"GMXYZHIJKFSPLRTN0123456789.-+ ();/$gmxyz"
 GOOD = (
     b"G1 X1.5 Y-2 F300", b"G2 X2 Y0 I1 J0 F100", b"G38.2 Z-5 F50", b"G92 X0 Y0", b"G10 L20 P1 X0 Y0 Z0", b"G4 P0.5",
-    b"M3 S1000", b"G28 X0", b"G81 X1 Y2 Z-3 R1 F100", b"G53 G0 X0", b"G43.1 Z1", b"G55", b"M30", b"G93 G1 X1 F2",
+    b"M3 S1000", b"G28 X0", b"G81 X1 Y2 Z-3 R1 F100", b"G53 G0 X0", b"G43.1 Z1", b"G55", b"M30", b"G93 G1 X1 F2", b"G3 I-5 H90 F100",
 )
 CASES = {
     "check_millimetres_are_exact": (("value", -999_999_999, 999_999_999), ("decimals", 0, 9)),
     "check_inches_are_exact": (("value", -9_999_999, 9_999_999), ("decimals", 0, 5)),
     "check_mutated_lines": (("seed", "seed"),),
     "check_noise": (("line", "bytes", 90),),
-    "check_root": (("value", 0, 1 << 59),),
+    "check_sweep_angles": (("i", -99_999, 99_999), ("j", -99_999, 99_999), ("sweep", 0, 7_200_000), ("clockwise", 0, 1)),
     "check_arc_centres": (
         ("x", -5_000_000, 5_000_000), ("y", -5_000_000, 5_000_000), ("more", 100, 9_000_000), ("way", 0, 3),
     ),
@@ -45,6 +47,7 @@ class Machine:
     def __init__(self):
         self.target = [0, 0, 0]
         self.steps_per_m = [250_000, 250_000, 400_000]
+        self.arcs = arcs
 
 
 class Shop:
@@ -392,9 +395,43 @@ def number(value, decimals):
     return "-" + text if value < 0 else text
 
 
-def check_root(value):
-    root = isqrt(value)
-    assert root * root <= value < (root + 1) * (root + 1)
+def check_sweep_angles(i, j, sweep, clockwise):
+    """H, an arc's angle instead of its end, in 10⁻⁴ degrees here: within a step of the true end, as many turns as it says."""
+    shop = Shop()
+    line = "G%d I%.3f J%.3f H%.4f F100" % (2 if clockwise else 3, i / 1000, j / 1000, sweep / 10_000)
+    error = shop.gcode.interpret(line.encode())
+    if not sweep or not (i or j):
+        assert error == errors.TARGET
+        return
+    assert error == 0, line
+    move = shop.gcode.commands[-1]
+    angle = sweep / 10_000 * pi / 180 * (-1 if clockwise else 1)
+    x, y = i / 4, j / 4  # steps
+    end = x - x * cos(angle) + y * sin(angle), y - x * sin(angle) - y * cos(angle)
+    assert abs(move.target[0] - end[0]) <= 1 and abs(move.target[1] - end[1]) <= 1
+    if move.target[:2] != [0, 0]:
+        assert move.kind == commands.ARC and move.turns == sweep // 3_600_000 + 1
+    else:
+        assert move.kind == commands.ARC and move.turns >= 1 or move.kind == commands.LINE and sweep < 1_800_000
+
+
+def check_sweep_angle_lines():
+    for line, error in (
+        (b"G3 I-5 H-90 F100", errors.NEGATIVE), (b"G3 I-5 H0 F100", errors.TARGET), (b"G3 H90 F100", errors.NO_CENTRE),
+        (b"G3 X5 I-5 H90 F100", errors.AXIS_WORDS_UNUSED), (b"G3 I-5 H90 P2 F100", errors.WORDS_UNUSED),
+        (b"G3 R5 H90 F100", errors.NO_CENTRE), (b"G1 H90 X1 F100", errors.WORDS_UNUSED), (b"H90", errors.WORDS_UNUSED),
+        (b"G3 I0 J0 H90 F100", errors.TARGET), (b"G3 I-5 H90", errors.NO_FEED),
+    ):
+        assert Shop().gcode.interpret(line) == error, line
+    shop = Shop()
+    shop.do(b"G3 I-5 H90 F100")
+    assert shop.at() == (-1250, 1250, 0)
+    shop.do(b"I0 J-5 Z1 H180")  # modal, a helix
+    assert shop.at() == (-1250, -1250, 400)
+    assert shop.do(b"G2 I-5 H360")[-1].turns == 1 and shop.at() == (-1250, -1250, 400)
+    assert shop.do(b"G2 I-5 H720")[-1].turns == 2 and shop.at() == (-1250, -1250, 400)
+    assert shop.do(b"G2 I-5 H450")[-1].turns == 2 and shop.at() == (-2500, -2500, 400)
+    assert shop.do(b"G19 G3 J-4 H90")[-1].target == [-2500, -3500, 2000]
 
 
 def check_arc_centres(x, y, more, way):
@@ -402,11 +439,11 @@ def check_arc_centres(x, y, more, way):
     clockwise = bool(way & 1)
     chord = isqrt(x * x + y * y)
     if not chord:
-        assert centre_of(x, y, more, clockwise)[0] == errors.TARGET
+        assert arcs.centre_of(x, y, more, clockwise)[0] == errors.TARGET
         return
     radius = chord // 2 + more
-    error, i, j = centre_of(x, y, -radius if way & 2 else radius, clockwise)
-    assert error == 0 and gcode_arc.check_centre(x, y, i, j) == 0
+    error, i, j = arcs.centre_of(x, y, -radius if way & 2 else radius, clockwise)
+    assert error == 0 and arcs.check_centre(x, y, i, j) == 0
     assert abs(isqrt(i * i + j * j) - radius) <= 2
     left = x * j - y * i  # > 0: the centre lies left of the chord
     if abs(left) > 4 * chord:

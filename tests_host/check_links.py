@@ -3,7 +3,7 @@
 from boards.plotter_2014 import BOARD as PLOTTER
 from boards.router_3axis import BOARD
 from passo.control.boardfile import BoardError, check
-from passo.protocols import errors
+from passo.protocols import errors, torch
 from passo.protocols.plotter import COMMANDS, packet, status_from
 from router import Machine
 
@@ -26,7 +26,7 @@ class Two:
     def __init__(self, *links, **changes):
         self.machine = Machine(links=list(links or (GRBL, DRAWER)), jog={"steps": 10, "up": "y+"}, **changes)
         self.controller = self.machine.controller
-        self.draw = self.machine.port.lines["draw"]
+        self.draw = self.machine.port.lines.get("draw")
         self.machine.turns()
 
     def packet(self, name, x=0, y=0, turns=100_000):
@@ -147,6 +147,96 @@ def check_handing_over():
     assert two.packet("UP") == b"n"
     two.machine.settle()
     two.machine.do("$LINK=0", "G0 X1")
+
+
+TORCH = {"name": "torch", "port": "usb", "protocol": "torch"}
+KEYS = {"name": "kit", "port": "uart1", "tx": 20, "rx": 21, "protocol": "keys"}
+PULSES = {"name": "lpt", "port": "uart1", "tx": 20, "rx": 21, "protocol": "pulses"}
+
+
+def check_torch_beside_grbl():
+    """The manipulator's frames are refused in silence while grbl commands, the answer to a question is not; the command is
+    handed over both ways, each language then moves, and each knows where the other has left the machine."""
+    two = Two(GRBL, TORCH)
+    line = two.machine.port.lines["torch"]
+
+    def say(data, turns=60):
+        line.outgoing = b""
+        line.incoming += data
+        two.machine.turns(turns)
+        two.machine.settle()
+        return line.outgoing
+
+    two.machine.do("$X")
+    assert say(torch.move(100, 480, 50, -480)) == b""
+    assert two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "torch") and two.machine.world.steps == 0
+    assert say(torch.frame("JOG_X+")) == b"" and two.machine.world.steps == 0
+    assert say(torch.frame("INFO")) == torch.answer("INFO", 0, 0)
+    assert say(torch.passo(torch.LINK_OF, 0)) == b""
+    assert two.controller.links.commander == 1
+    say(torch.frame("CONNECT"))
+    say(torch.move(100, 480, 50, -480))
+    assert two.controller.position()[:2] == [100, -50]
+    assert two.line("G0 X1") == "error:%d" % errors.COMMANDED_ELSEWHERE
+    assert two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "pc")
+    two.machine.do("$LINK=1", "G91", "G0 X1")
+    two.machine.settle()
+    assert two.controller.position()[:2] == [420, -50]
+    two.machine.do("G0 X5")
+    assert say(torch.frame("STOP"), 3)[:1] == torch.frame("STOP")[:1]  # from every link
+    assert two.controller.position()[0] < 420 + 5 * 320
+
+
+def check_pulses_beside_torch():
+    """Codes and controls are refused by number on one link while the other commands; stopping and asking are not."""
+    two = Two(dict(TORCH, name="pc"), PULSES, track={})
+    pulses, torch_line = two.machine.port.lines["lpt"], two.machine.line
+
+    def say(data, turns=80):
+        pulses.outgoing = b""
+        pulses.incoming += data
+        two.machine.turns(turns)
+        return pulses.outgoing
+
+    refused = b"error:%d" % errors.COMMANDED_ELSEWHERE
+    for data in (b"{jog x 10}", b"{run}", b"{drives on}", b"{load 3}ABC"):
+        assert refused in say(data), data
+        assert two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "lpt")
+    assert say(b"{?}")[:1] == b"<" and two.machine.world.steps == 0
+    torch_line.incoming += torch.move(20_000, 4000, 0, 1)
+    two.machine.turns(60)
+    assert b"ok" in say(b"{stop}") and 0 < two.controller.position()[0] < 20_000
+    assert b"ok" in say(b"{link}") and two.controller.links.commander == 1
+    assert b"ok" in say(b"{jog y 10}", 200) and two.controller.position()[1] == 10
+    torch_line.incoming += torch.move(100, 480, 0, 1)
+    two.machine.turns(60)
+    assert two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "pc") and two.controller.position()[1] == 10
+
+
+def check_keys_beside_grbl():
+    """A language without any such word is given the command, and may always switch off."""
+    two = Two(GRBL, KEYS)
+    line = two.machine.port.lines["kit"]
+    two.machine.do("$X")
+    line.incoming += b"I"
+    two.machine.turns(50)
+    assert two.machine.world.steps == 0 and two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "kit")
+    two.machine.do("$LINK=2")
+    line.incoming += b"A\x02I"
+    two.machine.turns(100)
+    assert two.machine.world.steps > 20 and two.machine.status()["state"] == "Run"
+    assert two.line("$LINK=1") == "error:%d" % errors.BUSY
+    two.machine.do("$LINK")
+    line.incoming += b"J"
+    two.machine.settle()
+    two.machine.turns(5)
+    steps = two.machine.world.steps
+    two.machine.do("$LINK=1", "G0 X0")
+    two.machine.settle()
+    assert two.controller.position()[0] == 0 and two.machine.world.steps > steps
+    line.incoming += b"C"
+    two.machine.turns(50)
+    assert two.controller.position()[0] == 0 and line.outgoing == b""
 
 
 def check_a_link_that_is_not_there():

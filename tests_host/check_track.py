@@ -202,11 +202,11 @@ def check_halted_anywhere(seed):
                 ride.play([(word >> rig.layout.bits, word & rig.layout.levels_mask)])
                 rig.played = (rig.played + 1) & COUNT
         shown = rig.feeder.place(rig.played)
-        block = rig.planner.playing()
-        position, _, place = rig.feeder.cancel(rig.played)
+        position, block, place = rig.feeder.cancel(rig.played)
         rig.planner.clear()
         assert position == ride.at
-        if block is None:
+        if block is None:  # it has been played to its end
+            assert shown in (None, walker.place)
             continue
         assert place == shown
         walker.seek(place)

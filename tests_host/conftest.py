@@ -22,6 +22,28 @@ settings.register_profile("ci", deadline=None, derandomize=True, database=None)
 settings.load_profile("ci" if os.environ.get("CI") else "local")
 
 
+def pytest_configure(config):
+    config.addinivalue_line("markers", "on_a_copy: the test runs in a forked process and may use up what others share")
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_pyfunc_call(pyfuncitem):
+    if not pyfuncitem.get_closest_marker("on_a_copy"):
+        return None
+    from host_tools.emulator.copies import CopyFailed, on_a_copy
+
+    def work():
+        wanted = pyfuncitem._fixtureinfo.argnames
+        pyfuncitem.obj(**{name: pyfuncitem.funcargs[name] for name in wanted})
+        return pyfuncitem.user_properties
+
+    try:
+        pyfuncitem.user_properties[:] = on_a_copy(work)
+    except CopyFailed as failure:
+        pytest.fail(str(failure), pytrace=False)
+    return True
+
+
 @pytest.fixture
 def corpus():
     """The folder of real drawings and programs; the test skips where PASSO_CORPUS names none."""

@@ -2,16 +2,22 @@
 
     from emulated import pico, uf2  # noqa: F401
 
+A firmware that is up is made once a session. Tests that use it are marked `on_a_copy`: each gets it as it was. Those of
+one machine belong to one `xdist_group`, so that it is made by one worker only.
+
 Where there is no MicroPython UF2, or no emulator, each of these tests skips and says why.
 """
 
 import sys
+from functools import lru_cache
 
 import pytest
 
 from host_tools.emulator.binary import Unavailable, find_uf2, load_emulator
 from host_tools.emulator.machine import EmulatedMachine
+from host_tools.emulator.halting import INPUTS
 from host_tools.emulator.pico import EmulatedPico
+from host_tools.emulator.rig import Rig, router
 
 
 @pytest.fixture(scope="session")
@@ -44,3 +50,20 @@ def make_machine(uf2):
     yield make
     for machine in machines:
         machine.close()
+
+
+@lru_cache
+def _rig(uf2, player):  # a fixture imported into two modules is two fixtures
+    return Rig(router(3, player=player, inputs=INPUTS), uf2)
+
+
+@pytest.fixture(scope="session")
+def rig(uf2):
+    """A Rig of three STEP/DIR axes with two halting inputs. Only for tests marked `on_a_copy`."""
+    return _rig(uf2, "pio")
+
+
+@pytest.fixture(scope="session")
+def timer_rig(uf2):
+    """The same, its pins driven by the timer player."""
+    return _rig(uf2, "timer")

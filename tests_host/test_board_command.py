@@ -209,7 +209,7 @@ def test_the_command_is_handed_over_from_both_links(tmp_path):
         assert passo(*grbl).stdout == "link 2, usb, commands\n"
         assert "no link of this number" in passo(*grbl, 3).stderr
         assert "it has no word for that" in passo("link", "--protocol", "keys", "--port", usb).stderr
-        assert "the plotter's language cannot say" in passo(*plotter).stderr
+        assert "plotter has no word for who commands" in passo(*plotter).stderr
         assert board.end()[0] == 0
 
 

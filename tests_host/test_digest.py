@@ -105,6 +105,20 @@ def test_gcode(tmp_path, name):
     compare_gcode(name, job, board)
 
 
+# Played forward, back from the middle and forward again, twice, and then streamed.
+PULSES = [
+    "{load}\n[+1000(" + "A" * 90 + "*7" + "GHIJ" * 20 + ")+2200", "KLMNOPQR" * 20 + "($STUVWXYZ" * 10 + "@)" + "CD" * 40,
+    "+333" + "E" * 30 + "]{end}", "{run 2}", "{back}", "{step}", "{step}", "{jog x 40 y -30}", "{return}",
+    "{stream}\n+1500(" + "AC" * 120 + ")" + "B" * 200 + "{end}",
+]  # fmt: skip
+
+
+def test_pulses(tmp_path):
+    job = tmp_path / "job.hex"
+    job.write_text("".join(line.encode().hex() + "\n" for line in PULSES))
+    compare_gcode("pulses", job, "lpt_router")
+
+
 def test_gcode_of_the_corpus(corpus):
     files = sorted(corpus.glob("*.gcode"))
     assert files
@@ -123,7 +137,16 @@ def frames_of_torch():
     ]  # fmt: skip
 
 
+def keys_of_the_kit():
+    """Both motors at unlike speeds, live changes, one off and on again while the other turns."""
+    return [
+        (b"C", 30), (b"A\x05", 20), (b"D", 7), (b"B\x7f", 10), (b"G", 11), (b"HG", 9), (b"E", 13), (b"B\x02\x00z", 12),
+        (b"CB\x03", 25), (b"F", 8), (b"I", 15), (b"J", None), (b"I", 6), (b"J", None),
+    ]  # fmt: skip
+
+
 HEX_JOBS = {
+    "keys": (keys_of_the_kit, "two_motor_kit"),
     "torch": (frames_of_torch, "torch_manipulator"),
     "torch_ramps": (frames_of_torch, "torch_manipulator", "ramps"),
 }

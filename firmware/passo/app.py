@@ -28,7 +28,8 @@ LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any mom
 _WAITING = const(64)  # commands of one link that may wait for their turn
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
-_STORED = ("plotter", "torch", "keys")  # those without lines and arcs as they come: program and tools are not loaded for them
+# Those without lines and arcs as they come: program and tools are not loaded for them.
+_STORED = ("plotter", "torch", "pulses", "keys")
 
 
 def open_protocol(link, board, controller, shared):

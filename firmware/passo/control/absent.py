@@ -14,4 +14,4 @@ class Absent:
         return None
 
     active = standing = substate = laser = _nothing
-    poll = report = clear = restart = _nothing
+    show_outputs = poll = report = clear = restart = _nothing

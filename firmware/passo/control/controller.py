@@ -80,7 +80,7 @@ class Controller:
 
             self.program = Program(board, self.queue, self, planner)
             self.tools = Tools(board, self.queue, self, planner, self.port)
-        if streamed or [item for item in board["inputs"] if item["name"] in _PAUSING]:
+        if streamed or board["track"] or [item for item in board["inputs"] if item["name"] in _PAUSING]:
             from passo.control.pauses import Pauses
 
             self.pauses = Pauses(self.queue, self, self.port)
@@ -119,6 +119,13 @@ class Controller:
     @property
     def steps_per_m(self):
         return [axis["steps_per_m"] for axis in self._axes]
+
+    @property
+    def arcs(self):
+        """What a language asks about arcs."""
+        from passo.control import arcs
+
+        return arcs
 
     @property
     def blocks(self):

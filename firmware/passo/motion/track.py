@@ -58,7 +58,7 @@ class Track:
             size *= 2
         self.size = size
         self.mask = size - 1
-        self.items = array("i", bytearray(4 * size))
+        self.items = array("i", range(size))  # made in one piece: a board has no second room of this size to copy from
         self.axes = axes
         self.at = [0] * axes  # steps from the start to the end, of each axis
         self.low = [0] * axes  # the farthest it gets

@@ -7,7 +7,11 @@
 A line is parsed whole and checked whole before anything of it counts; one that is refused changes nothing. Order of
 execution is that of RS274/NGC (NIST IR 6556, table 8). Lengths are nanometres, speeds nanometres a second, both exact
 for what a line can say in millimetres, or in inches to five decimals. `machine` has `target`, where the queue will end
-in steps, and `steps_per_m` of each axis: whatever moved the machine meanwhile, the next line starts from there.
+in steps, and `steps_per_m` of each axis: whatever moved the machine meanwhile, the next line starts from there. Its
+`arcs` knows the geometry of arcs (control.arcs).
+
+Extensions: G81, and an arc's sweep angle in degrees, H, in place of its end: `G3 I-5 J0 H90`, with the third axis a helix;
+more than 360 are more than one turn. The end comes from the machine's CORDIC.
 """
 
 from passo.protocols import commands, errors
@@ -137,7 +141,7 @@ class GCode(Motions):
         self._system = self.system if found[SYSTEM] == NONE else found[SYSTEM] // 100 - 54
         self._initial = self.initial if found[RETURN] == NONE else found[RETURN] == 9800
         axis_words = self._left & self._axis_mask
-        moves = found[MOTION] in AXIS_COMMANDS or (not self._axis_command and axis_words)
+        moves = found[MOTION] in AXIS_COMMANDS or (not self._axis_command and (axis_words or self._sweeps(motion)))
         per_minute = self.per_minute if found[FEED_MODE] == NONE else found[FEED_MODE] == 9400
         feed, per_min = self._read_feed(per_minute, moves and motion not in (0, G80))
         rpm = self.words.fixed(S, 3) if self._take(S) else self.rpm

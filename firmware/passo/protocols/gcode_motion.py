@@ -4,13 +4,13 @@ from micropython import const
 
 from passo.protocols import commands, errors
 from passo.protocols.commands import Motion
-from passo.protocols.gcode_arc import centre_of, check_centre
 from passo.protocols.gcode_codes import G80, G81
 from passo.protocols.gcode_reader import Reader, Refused
-from passo.protocols.gcode_words import I, L, P, R, X, Z, rounded
+from passo.protocols.gcode_words import H, I, L, P, R, X, Z, rounded
 
 NM_PER_M = 1_000_000_000
 MAX_STEPS = const(0x1FFFFFFF)
+_DEGREES = const(360_000_000)
 _PLANES = {17: (0, 1), 18: (2, 0), 19: (1, 2)}
 
 
@@ -90,9 +90,9 @@ class Motions(Reader):
         cycle = self.cycle
         if motion == G80:
             raise Refused(errors.AXIS_WORDS_UNUSED)
-        if motion >= 200 and not axis_words:
+        if motion >= 200 and not axis_words and not self._sweeps(motion):
             raise Refused(errors.NO_AXIS_WORDS)
-        if not axis_words:
+        if not axis_words and motion < 200:
             return None, cycle
         if motion == G81:
             return self._drill()
@@ -108,25 +108,44 @@ class Motions(Reader):
             self._move(commands.LINE, place, (self._feed or 1) if motion else 0)
         return place, cycle
 
+    def _sweeps(self, motion):
+        """True where the line gives an arc's angle instead of its end. An extension."""
+        return motion in (200, 300) and self._left >> H & 1
+
     def _arc(self, clockwise):
         first, second = _PLANES[self._plane]
         if max(first, second) >= self.axes:
             raise Refused(errors.UNSUPPORTED)
-        if not self._left >> X & (1 << first | 1 << second):
+        arcs = self.machine.arcs
+        in_plane = 1 << first | 1 << second
+        swept = self._take(H)
+        if not swept and not self._left >> X & in_plane:
             raise Refused(errors.NO_AXIS_IN_PLANE)
+        if swept and self._left >> X & in_plane:
+            raise Refused(errors.AXIS_WORDS_UNUSED)
         start = self.position
         place = self._target(False)
         across, along = place[first] - start[first], place[second] - start[second]
-        if self._take(R):
-            error, i, j = centre_of(across, along, self._length(R), clockwise)
-        elif self._left >> I & (1 << first | 1 << second):
+        error = i = j = 0
+        if not swept and self._take(R):
+            error, i, j = arcs.centre_of(across, along, self._length(R), clockwise)
+        elif self._left >> I & in_plane:
             i = self._length(I + first) if self._take(I + first) else 0
             j = self._length(I + second) if self._take(I + second) else 0
-            error = check_centre(across, along, i, j)
+            if not swept:
+                error = arcs.check_centre(across, along, i, j)
         else:
             error = errors.NO_CENTRE
         turns = 1
-        if not error and self._take(P):
+        sweep = 0
+        if swept:
+            sweep = self.words.fixed(H, 6)
+            if not sweep or not (i or j):
+                error = error or errors.TARGET
+            across, along = arcs.end_of(i, j, sweep, clockwise)
+            place[first], place[second] = start[first] + across, start[second] + along
+            turns = sweep // _DEGREES + 1
+        elif not error and self._take(P):
             turns = self.words.fixed(P, 0)
             if turns < 1 or self.words.fixed(P, 3) != turns * 1000:
                 error = errors.NOT_INTEGER
@@ -137,6 +156,10 @@ class Motions(Reader):
         centre[first] += i
         centre[second] += j
         centre = self._to_steps(centre)
+        if swept and command.target[first] == self._steps[first] and command.target[second] == self._steps[second]:
+            turns = (sweep + _DEGREES // 2) // _DEGREES  # it closes, to the step
+            if not turns:
+                command.kind = commands.LINE
         command.first, command.second, command.clockwise, command.turns = first, second, clockwise, turns
         command.centre = (centre[first] - self._steps[first], centre[second] - self._steps[second])
         return place

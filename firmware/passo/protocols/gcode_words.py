@@ -19,7 +19,7 @@ M_CODES = const(1_000_000)
 _CODES = const(40)  # G and M words a line of 80 characters can hold
 _NINE_DIGITS = const(100_000_000)
 
-F, G, I, J, K, L, M, N, P, R, S, T, X, Y, Z = [ord(letter) - 65 for letter in "FGIJKLMNPRSTXYZ"]
+F, G, H, I, J, K, L, M, N, P, R, S, T, X, Y, Z = [ord(letter) - 65 for letter in "FGHIJKLMNPRSTXYZ"]
 _POWERS = tuple([10**exponent for exponent in range(20)])
 
 
@@ -30,8 +30,8 @@ def _mask(letters):
     return mask
 
 
-_KNOWN = _mask("FGIJKLMNPRSTXYZ")
-_NEVER_NEGATIVE = _mask("FNPST")
+_KNOWN = _mask("FGHIJKLMNPRSTXYZ")
+_NEVER_NEGATIVE = _mask("FHNPST")
 
 
 class Words:

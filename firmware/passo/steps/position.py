@@ -84,4 +84,6 @@ class Position:
         if block is None or block.kind != TRACK:
             return None
         _, stepping, at = self._walk(played)
+        if self._marks[at + ENDS] and at != self.state[OLDEST] % MARKS * self._stride:
+            return self._marks[at + MARK_INDEX]  # played to its end, and not retired yet
         return self._along(block, at, stepping)

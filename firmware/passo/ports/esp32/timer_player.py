@@ -91,7 +91,7 @@ class TimerPlayer:
         self._due_us = ticks_add(ticks_us(), WINDOW_US)
         self._rest = 0
         self._playing = True
-        self._timer.init(mode=Timer.PERIODIC, period=WINDOW_US, tick_hz=1_000_000, callback=self._turn)
+        self._timer.init(mode=Timer.PERIODIC, freq=1_000_000 // WINDOW_US, callback=self._turn)
 
     @micropython.native
     def _turn(self, timer):

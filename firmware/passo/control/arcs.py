@@ -1,26 +1,17 @@
-"""The centre of an arc, from I J K or from R, in nanometres; what RS274/NGC (NIST IR 6556, 3.5.3) asks of both."""
+"""What a language asks about an arc, in nanometres from its start: the centre from R, whether I J K fit, the end of a sweep.
+
+What RS274/NGC (NIST IR 6556, 3.5.3) asks of both kinds of centre.
+"""
 
 from micropython import const
 
+from passo.motion.cordic import TURN, end_point
+from passo.motion.integers import isqrt
 from passo.protocols import errors
 
 _CLOSE_NM = const(5_000)  # start and end radius may differ by this, or by a thousandth, but not by _FAR_NM
 _FAR_NM = const(500_000)
 _FINE = const(40)  # bits after the point
-
-
-def isqrt(value):
-    """Floor of the square root of `value` ≥ 0, by Newton's iteration from above."""
-    if value < 2:
-        return value
-    root = 1
-    while root * root < value:
-        root <<= 1
-    while True:
-        better = (root + value // root) >> 1
-        if better >= root:
-            return root
-        root = better
 
 
 def check_centre(x, y, i, j):
@@ -49,3 +40,9 @@ def centre_of(x, y, radius, clockwise):
     if clockwise == (radius > 0):
         slope = -slope
     return 0, (x - (y * slope >> _FINE)) // 2, (y + (x * slope >> _FINE)) // 2
+
+
+def end_of(i, j, sweep_udeg, clockwise):
+    """(x, y): where the arc about (i, j) from (0, 0) ends that sweeps `sweep_udeg` ≥ 0 millionths of a degree."""
+    sweep = (sweep_udeg * TURN + 180_000_000) // 360_000_000
+    return end_point((i, j), (-i, -j), -sweep if clockwise else sweep)

@@ -1,0 +1,119 @@
+"""Stopping an emulated machine at speed: how soon after the input's edge the steps end, and whether the firmware knows
+exactly where it is.
+
+    rig = Rig(router(3, inputs=INPUTS))
+    set_out(rig, (4000, 3000, -2000), steps_s=100_000, after_us=2000)
+    for reaction_us, reported, counted in trials(rig, PLAYER_PIN, waits_us): …
+
+Each trial is made on a copy of the same motion, so it costs milliseconds.
+"""
+
+from host_tools.emulator.copies import on_a_copy
+from host_tools.emulator.cycles import CYCLES_PER_US
+from host_tools.emulator.rig import ticks_of
+
+PLAYER_PIN, INTERRUPT_PIN = 16, 17  # the first halting input also stops the player's own wait
+INPUTS = [
+    {"name": "stop", "pin": PLAYER_PIN, "active": 1, "pull": "down", "halt": True},
+    {"name": "limit", "pin": INTERRUPT_PIN, "active": 1, "pull": "down", "halt": True},
+]
+_MOVE = """
+planner.line({deltas!r}, {ticks}, False)
+planner.flush()
+while not controller.alarm:
+    app.turn()
+print(feeder.position(player.played()))
+"""
+_RESUME = """
+from passo.motion.profile import Limits
+planner.limits(Limits([400000] * {axes}, [400_000_000] * {axes}, [{acceleration}] * {axes}, 10_000))
+feeder.open = True
+planner.line({deltas!r}, {each} * {total}, False)
+planner.flush()
+while port._trip is None:
+    port.wait(True)
+feeder.open = False
+stood, _, index = feeder.cancel(player.played())
+sleep_ms(2)
+port.tripped()
+planner.clear()
+rest = [whole - made for whole, made in zip({deltas!r}, stood)]
+planner.line(rest, max(map(abs, rest)) * {each}, False)
+planner.flush()
+feeder.open = True
+while not planner.empty() or player.busy():
+    port.wait(True)
+print((stood, index, feeder.position(player.played())))
+"""
+
+
+def set_out(rig, deltas, steps_s, after_us):
+    """Start a line and let it run for a while."""
+    rig.clear()
+    rig.pico.console.start(_MOVE.format(deltas=deltas, ticks=ticks_of(deltas, steps_s)))
+    while not any(rig.step_edges):
+        rig.pico.run(200)
+    rig.pico.run(after_us)
+
+
+def trial(rig, pin, wait_us):
+    """(µs from the edge of `pin` to the last step, 0 if none came after it; position reported; steps counted)"""
+    rig.pico.run(wait_us)
+    rig.pico.drive(pin, 1)
+    edge = rig.pico.cycle
+    rig.pico.run(200)
+    rig.pico.drive(pin, 0)
+    reported = _said(rig, 500_000)
+    last = max(cycle for log in rig.step_edges for cycle, state in log if state == 1)
+    return max(0, last - edge) / CYCLES_PER_US, reported, rig.counted()
+
+
+def trials(rig, pin, waits_us):
+    """A trial for each wait, on copies of what is under way."""
+    return [on_a_copy(lambda: trial(rig, pin, wait_us)) for wait_us in waits_us]
+
+
+def in_hand(rig, pin, tries):
+    """A trial whose freeze falls between the player's `pull` and its `out`, when a word is in its hand that has not
+    been played; None if none of the `tries` waits (µs) meets that cycle."""
+
+    def attempt(wait_us):
+        rig.pico.run(wait_us)
+        rig.pico.drive(pin, 1)
+        rig.pico.run(60)
+        machine = rig.pico.chip.pio[0].machines[0]
+        return machine.pc == machine.wrap_bottom + 1 and not machine.enabled
+
+    for wait_us in tries:
+        if on_a_copy(lambda: attempt(wait_us)):
+            return on_a_copy(lambda: trial(rig, pin, wait_us))
+    return None
+
+
+def resume(rig, pin, deltas, steps_s, acceleration_mm_s2, wait_us):
+    """Halt an accelerating line, take it up again where it stood: (position at the stand, dominant steps made,
+    position at the end, cycles of the edge of `pin`)."""
+    rig.clear()
+    rig.pico.console.start(
+        _RESUME.format(
+            axes=rig.axes, deltas=deltas, total=max(map(abs, deltas)), each=ticks_of((1,), steps_s),
+            acceleration=acceleration_mm_s2 * 1_000_000,
+        )
+    )
+    while not any(rig.step_edges):
+        rig.pico.run(200)
+    rig.pico.run(wait_us)
+    rig.pico.drive(pin, 1)
+    edge = rig.pico.cycle
+    rig.pico.run(200)
+    rig.pico.drive(pin, 0)
+    return *_said(rig, 2_000_000), edge
+
+
+def _said(rig, limit_us):
+    if not rig.pico.run_until(lambda: rig.pico.console.text.count(b"\x04") >= 2, limit_us, 200):
+        raise TimeoutError(f"no answer within {limit_us} µs: {rig.pico.console.take()!r}")
+    said, error = rig.pico.console.take().split(b"\x04")[:2]
+    if error:
+        raise AssertionError(error.decode())
+    return eval(said.decode())

@@ -1,0 +1,197 @@
+"""Pulse files on the PC: read by the firmware's own protocol, drawn, and made of G-code by the firmware's own walkers."""
+
+from pathlib import Path
+
+from host_tools.failure import Failure
+
+_LETTERS = {}
+
+
+def load(path):
+    """The bytes of a pulse file. Raises Failure."""
+    try:
+        return Path(path).read_bytes()
+    except OSError as error:
+        raise Failure(f"cannot read {path}: {error.strerror}") from error
+
+
+def items(data, axes, config, name="the file"):
+    """The items of a file (see passo.protocols.commands). Raises Failure with line and column of what is wrong."""
+    from passo.protocols import errors
+    from passo.protocols.commands import TRACK_ABORT, TRACK_ITEMS
+    from passo.protocols.pulses import Pulses, frame
+
+    protocol = Pulses(axes, config)
+    found = []
+    protocol.feed(frame("load", len(data)) + b"\n", 0)
+    for command in protocol.feed(data, 0) + protocol.feed(frame("end"), 0):
+        if command.value == TRACK_ABORT:
+            line, column = command.target
+            raise Failure(f"{name}:{line}:{column}: error {command.error}: {errors.text(command.error)}")
+        if command.value == TRACK_ITEMS:
+            found += command.target
+    return found
+
+
+class Course:
+    """What a file draws: strokes, box, steps, time."""
+
+    def __init__(self, found, board):
+        from passo.control.track import lengths_of
+        from passo.protocols.commands import TRACK_DEFAULT, TRACK_FASTEST, TRACK_SPEED, TRACK_TOOL, TRACK_WAIT
+
+        axes = board["axes"]
+        track = board["track"]
+        lengths = lengths_of(axes)
+        fastest = min(lengths[1 << axis] for axis in range(len(axes))) // track["interval_us"]
+        speed = min(track["default_mm_min"], fastest)
+        scale = [axis["steps_per_m"] / 1000 for axis in axes]
+        self.place = [0] * len(axes)
+        self.low, self.high = self.place[:], self.place[:]
+        self.steps = self.commands = 0
+        self.seconds = 0.0
+        tool = False
+        self.strokes = [(False, [(0.0, 0.0)])]
+        for item in found:
+            mask, count = item & 15, item >> 8
+            self.commands += count if mask else 1
+            if not mask:
+                kind = item >> 4 & 15
+                if kind == TRACK_TOOL:
+                    tool = bool(count)
+                    self.strokes.append((tool, [self.strokes[-1][1][-1]]))
+                elif kind == TRACK_WAIT:
+                    self.seconds += count / 1000
+                elif kind in (TRACK_SPEED, TRACK_FASTEST, TRACK_DEFAULT):
+                    speed = {TRACK_SPEED: count, TRACK_FASTEST: fastest, TRACK_DEFAULT: track["default_mm_min"]}[kind]
+                    speed = min(speed, fastest)
+                continue
+            self.steps += count
+            self.seconds += count * ((lengths[mask] + speed // 2) // speed) / 1e6
+            for axis in range(len(axes)):
+                if mask >> axis & 1:
+                    self.place[axis] += -count if item >> 4 + axis & 1 else count
+                    self.low[axis] = min(self.low[axis], self.place[axis])
+                    self.high[axis] = max(self.high[axis], self.place[axis])
+            if mask & 3:
+                self.strokes[-1][1].append((self.place[0] / scale[0], self.place[1] / scale[1] if len(axes) > 1 else 0.0))
+        self.strokes = [stroke for stroke in self.strokes if len(stroke[1]) > 1]
+
+
+def letter_of(mask, negative):
+    """The code of one step."""
+    from passo.protocols.pulses import CODES
+
+    if not _LETTERS:
+        _LETTERS.update({code: chr(65 + number) for number, code in enumerate(CODES)})
+    return _LETTERS[negative << 4 | mask]
+
+
+class Converter:
+    """Lines of G-code to the text of a pulse file: the G-code reader and the lines and circles are the firmware's."""
+
+    def __init__(self, board):
+        from array import array
+
+        from passo.control.settings import Settings
+        from passo.control.journal import Journal, MemorySlots
+        from passo.motion.circle import PLAN, Circle
+        from passo.motion.line import MAX_RUN, Line
+        from passo.protocols.gcode import GCode
+        from passo.protocols.gcode_offsets import Offsets
+
+        axes = board["axes"][:3]
+        self.steps_per_m = [axis["steps_per_m"] for axis in axes]
+        self.target = [0] * len(axes)
+        self._gcode = GCode("xyz"[: len(axes)], Offsets(len(axes), Settings(board, Journal(MemorySlots()))), self)
+        self._line = Line(len(axes))
+        self._circle = Circle(len(axes))
+        self._plan = array("i", [0] * PLAN)
+        self._out = array("I", [0] * MAX_RUN)
+        self._parts = ["["]
+        self._speed = None
+        self._tool = False
+
+    def convert(self, lines):
+        """The text of [(number, bytes)]. Raises Failure at the first line that cannot be."""
+        from host_tools.pulse_shapes import lines as folded
+        from passo.protocols import errors
+
+        for number, line in lines:
+            error = self._gcode.interpret(line)
+            if error:
+                raise Failure(f"line {number}: {line.decode()}: error {error}: {errors.text(error)}")
+            for command in self._gcode.commands:
+                self._take(number, line, command)
+        self._set_tool(False)
+        self._parts.append("]")
+        text = []
+        for part in self._parts:
+            text.append(folded(part) if part[0].isalpha() else part + "\n")
+        return "".join(text)
+
+    def _take(self, number, line, command):
+        from passo.protocols import commands
+
+        kind = command.kind
+        if kind in (commands.LINE, commands.ARC):
+            self._set_tool(bool(command.tool))
+            self._set_speed(number, line, command)
+            self._walk(number, line, command, kind == commands.ARC)
+            self.target = list(command.target)
+        elif kind == commands.DWELL:
+            if command.value >= 1000:
+                self._parts.append(f"*{min(command.value // 1000, 3_600_000)}")
+        elif kind == commands.PAUSE:
+            self._parts.append("+0")
+            self._speed = None
+        elif kind == commands.SPINDLE:
+            self._set_tool(command.value != 5)
+        elif kind not in (commands.COOLANT, commands.SYNC):
+            raise Failure(f"line {number}: {line.decode()}: a pulse file has no word for that")
+
+    def _set_tool(self, on):
+        if on != self._tool:
+            self._tool = on
+            self._parts.append("(" if on else ")")
+
+    def _set_speed(self, number, line, command):
+        if command.per_min:
+            raise Failure(f"line {number}: {line.decode()}: inverse time (G93) has no place in a pulse file")
+        speed = max(round(command.feed * 60 / 1_000_000), 1) if command.feed else 0
+        if speed != self._speed:
+            self._speed = speed
+            self._parts.append(f"+{min(speed, 900_000)}" if speed else "$")
+
+    def _walk(self, number, line, command, arc):
+        deltas = [to - at for at, to in zip(self.target, command.target)]
+        walker = self._line
+        try:
+            if arc:
+                walker = self._begin_arc(command, deltas)
+            elif any(deltas):
+                walker.begin(deltas)
+            else:
+                return
+        except ValueError as error:
+            raise Failure(f"line {number}: {line.decode()}: {error}") from error
+        letters = []
+        while walker.left:
+            count = min(walker.left, len(self._out))
+            negative = walker.negative
+            walker.walk(self._out, 0, count)
+            letters += [letter_of(mask, negative & mask) for mask in self._out[:count]]
+        if letters:
+            self._parts.append("".join(letters))
+
+    def _begin_arc(self, command, deltas):
+        from passo.motion import arc
+
+        first, second = command.first, command.second
+        if self.steps_per_m[first] != self.steps_per_m[second]:
+            raise ValueError("the plane's axes differ in steps/mm: make lines of the arc first")
+        third = 3 - first - second if len(deltas) > 2 else -1
+        plane = (first, second, third)
+        arc.plan(self._plan, plane, command.centre, deltas, command.clockwise, command.turns - 1)
+        self._circle.load(self._plan)
+        return self._circle

@@ -1,0 +1,140 @@
+"""A client of LPTControl's language: files with flow control, control commands, and what the board says unasked.
+
+    with PulsesClient("/dev/ttyACM0") as client:
+        client.send_file(data, stream=False)        # commands in it; Failure with line and column
+        client.command("run", 5)
+        client.wait(("end",), show)                 # show(status) as it goes
+"""
+
+import time
+
+from host_tools.failure import Failure
+from host_tools.wire import LinkError, open_port
+from passo.protocols import errors
+from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame, status_from
+
+POLL_S = 0.1
+TIMEOUT_S = 5.0
+
+
+class PulsesClient:
+    def __init__(self, port, baud=115200, log=None):
+        self.port = port
+        self._serial = open_port(port, baud)
+        self._serial.timeout = 0.01
+        self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
+        self._part = b""
+        self.acks = 0
+        self.said = []  # what came unasked
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._serial.close()
+        if self._log:
+            self._log.close()
+
+    # --- the wire
+
+    def send(self, data):
+        if self._log:
+            self._log.write(f"{time.time():.3f} > {data!r}\n")
+        try:
+            self._serial.write(data)
+        except (OSError, ValueError) as error:
+            raise LinkError(f"port {self.port} went away: {error}") from error
+
+    def lines(self):
+        """The lines that have come since the last time; waits a little for one."""
+        try:
+            data = self._serial.read(max(1, self._serial.in_waiting))
+        except (OSError, TypeError, ValueError) as error:
+            raise LinkError(f"port {self.port} went away: {error}") from error
+        if data and self._log:
+            self._log.write(f"{time.time():.3f} < {data!r}\n")
+        self.acks += data.count(ACK)
+        *whole, self._part = (self._part + data.replace(ACK, b"")).split(b"\n")
+        return [line.decode("ascii", "replace").strip() for line in whole]
+
+    def _answer(self, begins, what):
+        """The next line that begins with one of `begins`; raises Failure at an error. Others are kept."""
+        deadline = time.monotonic() + TIMEOUT_S
+        while time.monotonic() < deadline:
+            found = None
+            for line in self.lines():
+                if found is None and line.startswith((*begins, "error:", "alarm:")):
+                    found = line
+                else:
+                    self.said.append(line)
+            if found is not None:
+                check(found, what)
+                return found
+        raise LinkError(f"no answer on port {self.port} to {what}")
+
+    # --- what one can say
+
+    def command(self, *words):
+        """A control command; raises Failure where it is refused."""
+        self.send(frame(*words))
+        return self._answer(("ok",), " ".join(map(str, words)))
+
+    def status(self):
+        """The fields of the status line, as texts."""
+        self.send(frame("?"))
+        return status_from(self._answer(("<",), "?"))
+
+    def send_file(self, data, stream=False, show=None):
+        """Send a file to be stored, or to be played as it comes; returns how many commands it has. `show(part)`: 0…1."""
+        self.command("stream" if stream else "load", len(data))
+        self.send(b"\n")
+        self.acks = 0
+        sent = 0
+        latest = time.monotonic()
+        while sent < len(data):
+            room = WINDOW + self.acks * CREDIT - sent
+            if room > 0:
+                self.send(data[sent : sent + room])
+                sent += len(data[sent : sent + room])
+                latest = time.monotonic()
+                if show:
+                    show(sent / len(data))
+            for line in self.lines():
+                check(line, "the file")
+                self.said.append(line)
+            if not stream and time.monotonic() - latest > TIMEOUT_S:
+                raise LinkError(f"port {self.port} takes no more of the file")
+        return int(self.command("end").split()[1])
+
+    def wait(self, words, show=None):
+        """Until the board says one of `words`; returns it. `show(status)` every 0.1 s."""
+        asked = 0.0
+        while True:
+            for line in self.said + self.lines():
+                if line in words:
+                    self.said = []
+                    return line
+                check(line, "the run")
+            self.said = []
+            if show and time.monotonic() - asked > POLL_S:
+                show(self.status())
+                asked = time.monotonic()
+
+    def settle(self, show=None):
+        """Until the machine stands; returns the last status."""
+        while True:
+            status = self.status()
+            if show:
+                show(status)
+            if status["state"] != "run":
+                return status
+            time.sleep(POLL_S)
+
+
+def check(line, what):
+    """Raises Failure where `line` is an error or an alarm."""
+    kind, _, rest = line.partition(":")
+    if kind in ("error", "alarm") and rest:
+        number, _, where = rest.partition(" ")
+        text = errors.text(int(number)) if number.isdigit() else rest
+        raise Failure(f"{what}{': ' + where if where else ''}: {kind} {number}: {text}")

@@ -1,0 +1,42 @@
+"""Halting inputs of the emulated Pico: how soon the steps end, and whether the machine still knows where it is."""
+
+from random import Random
+
+import pytest
+from emulated import rig, uf2  # noqa: F401
+
+from host_tools.emulator.halting import INTERRUPT_PIN, PLAYER_PIN, in_hand, resume, set_out, trials
+
+pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("rig")]
+DELTAS = (2000, 1555, -1250)
+RATE_HZ = 100_000
+TRIALS = 6
+
+
+@pytest.mark.parametrize("pin, most_us", [(PLAYER_PIN, 1.0), (INTERRUPT_PIN, 25.0)])
+def test_stopped_at_any_moment_it_knows_where_it_is(rig, pin, most_us, show):
+    random = Random(pin)
+    set_out(rig, DELTAS, RATE_HZ, 2000)
+    found = trials(rig, pin, [random.uniform(0, 15_000) for _ in range(TRIALS)])
+    for reaction_us, reported, counted in found:
+        assert reported == counted and any(counted)
+        assert reaction_us <= most_us
+    show(f"halt from pin {pin}", f"last step at most {max(found)[0]:.1f} µs after the edge, {TRIALS} trials")
+
+
+def test_a_word_pulled_but_not_played_does_not_count(rig):
+    set_out(rig, (8000, 6220, -5000), 400_000, 2000)
+    found = in_hand(rig, INTERRUPT_PIN, [turn * 3 / 125 for turn in range(1000)])
+    assert found, "no freeze fell between pull and out"
+    assert found[1] == found[2]
+
+
+def test_a_halted_line_is_taken_up_from_rest_and_ends_where_it_should(rig):
+    stood, index, position, edge = resume(rig, INTERRUPT_PIN, DELTAS, RATE_HZ, 20_000, 10_000)
+    assert position == rig.counted() == list(DELTAS)
+    assert stood[0] == index and 0 < index < DELTAS[0]
+    rises = [cycle for cycle, state in rig.step_edges[0] if state == 1]
+    assert len(rises) == DELTAS[0]
+    again = [cycle for cycle in rises if cycle > edge + 2000 * 125]
+    assert len(again) == DELTAS[0] - index
+    assert again[1] - again[0] > 20 * 1250, "from rest: twenty times slower than it was"

@@ -1,0 +1,63 @@
+"""Pulses of the emulated Pico from the edges on its pins, against the words the same firmware makes under CPython, while
+packets arrive and garbage is collected without pause."""
+
+import pytest
+from emulated import rig, timer_rig, uf2  # noqa: F401
+
+from host_tools.emulator.traffic import points
+
+pytestmark = [pytest.mark.on_a_copy]
+ONE_AXIS_HZ = (10_000, 50_000, 100_000, 200_000, 250_000, 480_000)
+THREE_AXES_HZ = (10_000, 100_000, 400_000, 480_000)
+LINE_S = 0.012
+COLLECT = "gc.collect()"
+CYCLE_NS = 8
+BAUD = 115_200
+POINTS = 100
+
+
+def back_and_forth(rates, axes):
+    lines, sign = [], 1
+    for hz in rates:
+        steps = int(hz * LINE_S)
+        lines.append((tuple(sign * steps * (axis < axes) for axis in range(3)), hz))
+        sign = -sign
+    return lines
+
+
+@pytest.mark.xdist_group("rig")
+@pytest.mark.parametrize("axes, rates", [(1, ONE_AXIS_HZ), (3, THREE_AXES_HZ)])
+def test_every_interval_is_its_word(rig, axes, rates, show):
+    rig.wire().feed(points(POINTS), BAUD)
+    run = rig.play(back_and_forth(rates, axes), COLLECT)
+    assert (run.off, run.span_off, run.late) == (0, 0, 0)
+    assert run.widths == {13 * 80 // CYCLE_NS}, "13 ticks, the least that last 1 µs"
+    assert min(run.setups) == 63 * 80 // CYCLE_NS, "63 ticks, the least that last 5 µs"
+    assert run.position == rig.counted()
+    rig.pico.exec("while pending(): app.turn()")
+    assert rig.wire().drain() == b"n" * POINTS and rig.wire().lost == 0
+    show(
+        f"pulses of {axes} axes at {', '.join(str(hz // 1000) for hz in rates)} kHz",
+        f"{run.steps} steps, all where their words put them; 0 words late; interrupts leave {run.left():.0%}",
+    )
+
+
+@pytest.mark.xdist_group("rig")
+def test_an_uneven_line_keeps_its_rate(rig):
+    """100 003 steps a second are no whole number of ticks apart."""
+    run = rig.play([((2000, 1234, -777), 100_003)], COLLECT)
+    assert (run.off, run.span_off, run.late) == (0, 0, 0)
+    first = [cycle for cycle, state in rig.step_edges[0] if state == 1][100:]  # what a DIR set-up owed has been paid
+    rate = (len(first) - 1) / (first[-1] - first[0]) * 125e6
+    assert rate == pytest.approx(100_003, rel=100e-6)
+
+
+@pytest.mark.xdist_group("timer")
+def test_the_timer_player_keeps_time(timer_rig, show):
+    hz = 20_000
+    run = timer_rig.play([((600, 400, -300), hz)], COLLECT)
+    jitter_us = [cycles / 125 for cycles in run.lateness]
+    assert run.late == 0 and run.position == timer_rig.counted() == [600, 400, -300]
+    assert max(jitter_us) - min(jitter_us) < 10, "a fifth of the interval"
+    assert abs(run.span_off) / 125 < 10, "it does not drift"
+    show("timer player at 20 kHz", f"lateness within {max(jitter_us) - min(jitter_us):.1f} µs over {run.steps} steps")

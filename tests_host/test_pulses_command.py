@@ -1,0 +1,146 @@
+"""`passo pulses` against `passo board --board lpt_router`, and what it makes of files without a board."""
+
+import csv
+import time
+
+import pytest
+from typer.testing import CliRunner
+
+from host_tools import boards, pulse_file, pulse_shapes
+from host_tools.cli import app
+from host_tools.failure import Failure
+from passo.control.boardfile import check
+from passo.motion.line import Line
+from test_board_command import Board
+
+# As the document has them, whatever the firmware thinks.
+VECTOR = "80 86 86 84 DC D8 81 F1 D1 E5 F5 D5 80 00".split()
+
+
+def passo(*words):
+    """(exit status or failure's text, what was printed)"""
+    result = CliRunner().invoke(app, ["pulses", *map(str, words)])
+    if isinstance(result.exception, Failure):
+        return str(result.exception), result.output
+    assert result.exception is None or result.exit_code, result.exception
+    return result.exit_code, result.output
+
+
+def rows_of(trace):
+    with open(trace) as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == ["t_us", "x", "y", "z", "a", "tool"]
+    return [[int(value) for value in row[1:4]] for row in rows[1:]]
+
+
+def test_a_session(tmp_path):
+    trace = tmp_path / "trace.csv"
+    good, ask, bad = tmp_path / "good.txt", tmp_path / "ask.txt", tmp_path / "bad.txt"
+    good.write_text("[+2000(\n" + "A" * 60 + "G" * 60 + "\n)D]\n")
+    ask.write_text("AA+0BB")
+    bad.write_text("AA\nC*D")
+    with Board("--board", "lpt_router", "--trace", trace, "--time", "fast") as board:
+        where = ("--port", board.port)
+        status, text = passo("play", good, *where)
+        assert status == 0 and text.startswith(f"{good}: 126 commands\nidle  command 126 of 126, forward at 2000.0 mm/min")
+        assert "place 120,59,0, tool off, port 00" in text
+        assert "command 0 of 126, backward" in passo("reverse", *where)[1]
+        assert "pass 3/3" in passo("play", good, "--repeat", "3", *where)[1]
+        assert passo("jog", "z", "-0.5", "x", "1", *where)[1].count("place 440,177,-40") == 1
+        assert "place 560,236,-40" in passo("play", good, "--stream", *where)[1]
+        failure, _ = passo("play", bad, *where)
+        assert failure.endswith("line 2 column 2: error 121: a number is missing, or unfinished")
+        assert "WAITS FOR A SPEED" in passo("play", ask, *where)[1]
+        assert passo("speed", "500", *where)[0] == 0
+        deadline = time.monotonic() + 30
+        while "command 5 of 5" not in passo("status", *where)[1]:
+            assert time.monotonic() < deadline
+        assert passo("run", "101", *where)[0] != 0
+        assert passo("repeat", "2", *where)[0] == 0
+        assert passo("step", *where)[0] == 0 and "hold  command 1 of 5" in passo("status", *where)[1]
+        assert passo("jog", "y", "3", "--steps", *where)[0] == 0
+        failure, _ = passo("run", *where)
+        assert failure.startswith("run: error 127: ")
+        assert "WAITS" in passo("return", *where)[1]
+        assert passo("stop", *where)[0] == 0
+        assert passo("drives", "on", *where)[0] == 0 and "port 80" in passo("status", *where)[1]
+        assert passo("tool", "on", *where)[0] == 0 and "port 81" in passo("status", *where)[1]
+        status, _, errors = board.end()
+        assert status == 0 and not errors
+    rows = rows_of(trace)
+    assert [0, 0, 0] in rows and rows[-1][2] == -40
+
+
+@pytest.mark.parametrize("shape", pulse_shapes.SHAPES)
+def test_examples_are_closed(shape, tmp_path):
+    file = tmp_path / "shape.txt"
+    assert passo("example", shape, "-o", file, "--speed", 2400)[0] == 0
+    board = check(boards.load("lpt_router"))
+    course = pulse_file.Course(pulse_file.items(file.read_bytes(), "xyz", board["track"]), board)
+    assert course.place == [0, 0, 0]
+    size = {"square": (100, 100), "triangle": (100, 100), "hexagon": (150, 100), "octagon": (150, 150)}[shape]
+    assert [(high - low) / 80 for low, high in zip(course.low, course.high)][:2] == list(size)
+    status, text = passo("check", file)
+    assert status == 0 and "ends at 0.000" in text
+    picture = tmp_path / "shape.png"
+    assert passo("convert", file, "-o", picture) == (0, f"{picture}\n") and picture.stat().st_size > 5000
+    assert passo("example", shape, "-o", file, "--down", "1.5")[0] == 0
+    assert file.read_text().count("F") == file.read_text().count("E") == 120
+
+
+def test_image(tmp_path):
+    file = tmp_path / "vector.txt"
+    file.write_text("[ +1000 A A B X P ( Q R M Y Z ) ]")
+    assert passo("image", file) == (0, "\n".join(VECTOR) + "\n")
+
+
+def test_gcode_becomes_the_steps_of_the_firmware(tmp_path):
+    source, target = tmp_path / "part.gcode", tmp_path / "part.txt"
+    source.write_text("G21 G90\nG0 Z1\nM3 S1000\nG1 X10 Y3.3 F600\nG2 X10 Y3.3 I5 J0\nM5\nG4 P0.5\nM0\nG1 X0 Y0 F900\n")
+    assert passo("convert", source, "-o", target) == (0, f"{target}\n")
+    text = target.read_text().replace("\n", "")
+    assert text.startswith("[$" + "E" * 80 + "(+600") and ")*500+0+900" in text and text.endswith("]")
+    line = Line(3)
+    line.begin((800, 264, 0))
+    out = [0] * 500
+    letters = ""
+    while line.left:
+        count = min(line.left, 500)
+        line.walk(out, 0, count)
+        letters += "".join({1: "A", 3: "G"}[mask] for mask in out[:count])
+    assert text.split("+600")[1].startswith(letters)
+    board = check(boards.load("lpt_router"))
+    course = pulse_file.Course(pulse_file.items(target.read_bytes(), "xyz", board["track"]), board)
+    assert course.place == [0, 0, 80]
+    assert (course.high[0] - 800, course.high[1] - 264, course.low[1] - 264) == (800, 400, -400)  # a whole circle of 5 mm
+
+
+@pytest.mark.parametrize(
+    "text, said",
+    [("G1 X5", "line 1: G1X5: error 22"), ("G38.2 X5 F100", "no word for that"), ("G93 G1 X5 F2", "inverse time")],
+)
+def test_gcode_that_cannot_be(text, said, tmp_path):
+    source = tmp_path / "part.gcode"
+    source.write_text(text + "\n")
+    assert said in passo("convert", source)[0]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("example", "star"), ("jog", "x"), ("jog", "q", "1"), ("tool", "up"), ("check", "/none"), ("status", "--port", "/none"),
+     ("play", "/none", "--port", "/none"), ("repeat", "0"), ("fly",), ("check", "/none", "--board", "plotter_2014")],
+)  # fmt: skip
+def test_what_cannot_be_fails(words):
+    assert passo(*words)[0] != 0
+
+
+def test_errors_have_line_and_column(tmp_path):
+    file = tmp_path / "bad.txt"
+    file.write_text("AB\nC!\n")
+    assert passo("check", file)[0] == f"{file}:2:2: error 120: neither a pulse code nor a command of the language"
+
+
+@pytest.mark.parametrize("verb", ["play", "jog", "convert", "check", "image", "example"])
+def test_help_has_examples(verb):
+    status, text = passo(verb, "--help")
+    assert status == 0 and f"passo pulses {verb}" in text
