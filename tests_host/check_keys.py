@@ -206,6 +206,15 @@ def check_off_releases_the_coils_of_one_motor():
     assert kit.motors[0].pattern == 0 and kit.controller._motors.state == RELEASED
 
 
+def check_off_while_nothing_turns():
+    """Switching off what is off leaves nothing behind: the other motor's coils stay without current all the time."""
+    for keys_before in (b"J", b"F", b"EF"):
+        kit = Kit()
+        kit.press(keys_before, 1)
+        kit.press(b"C", 300)
+        assert kit.motors[0].steps and kit.motors[1].switched == []
+
+
 def check_slow_motors_are_off_at_once():
     """The last step's interval of half a second does not keep the current on."""
     kit = Kit()

@@ -208,7 +208,7 @@ class Independent(Part):
 
     def _rest(self, command):
         for axis in range(len(self._axes)):
-            if command.value >> axis & 1:
+            if command.value >> axis & 1 and not self.walker.stands(axis):
                 self.walker.stop(axis)
         self._off = command.limp
         if not self._moving and self._off == self._all and self._queue.still():
