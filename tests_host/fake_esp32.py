@@ -161,9 +161,9 @@ class Timer:
         self.due = self.period = 0
         chip.timers[number] = self
 
-    def init(self, mode=1, period=0, tick_hz=1000, callback=None):
-        assert mode == Timer.PERIODIC and period > 0
-        self.period = period * 1_000_000 // tick_hz
+    def init(self, mode=1, period=0, freq=0, callback=None):
+        assert mode == Timer.PERIODIC and (period > 0) != (freq > 0)
+        self.period = period * 1000 or 1_000_000 // freq
         self.due = chip.now + self.period
         self.callback = callback
 

@@ -1,8 +1,8 @@
 """The ports against MicroPython's own type stubs: what they ask of a chip's modules is there, with these arguments.
 
-`make test` puts the stubs, which would clash with each other and with CPython's in one folder, into .venv/typings; without them
-these tests skip. Ticks are whole numbers here and types of their own in the stubs: that, and what machine code and PIO
-assembler make of names, is not asked.
+`make test` puts the stubs, which would clash with each other and with CPython's in one folder, into .venv/typings;
+without them these tests skip. Ticks are whole numbers here and types of their own in the stubs: that, and what machine
+code and PIO assembler make of names, is not asked.
 """
 
 import importlib.util
@@ -29,11 +29,12 @@ GAPS = (  # of the stubs
     r'passo/ports/rp2/(programs|kernels)\.py',  # assembler
     r'incompatible type "array\[int\]"; expected "ptr32"',  # machine code takes any buffer
     r'"DMA" has no attribute "channel"',
-    r'No overload variant of "Timer" matches argument types "int", "int", "Callable.*"bool"',  # the RP2's number may be left out
+    r'No overload variant of "Timer" matches argument types "int", "int", "Callable.*"bool"',  # needs no number there
 )
 
 needs_stubs = pytest.mark.skipif(
-    not ((TYPINGS / "stdlib").is_dir() and importlib.util.find_spec("mypy")), reason=f"no mypy, or no stubs in {TYPINGS}: run make test"
+    not ((TYPINGS / "stdlib").is_dir() and importlib.util.find_spec("mypy")),
+    reason=f"no mypy, or no stubs in {TYPINGS}: run make test",
 )
 
 
