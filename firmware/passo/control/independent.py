@@ -38,7 +38,8 @@ class Independent(Part):
         self._moving = False
         self._all = (1 << len(self._axes)) - 1
         self._off = self._limp = 0  # masks of the axes that shall have no current, and of those that have none
-        self._from = self._places()
+        self._fastest = [0] * len(self._axes)  # steps/s of each axis
+        self._from = self._queue.position()
         machine.add(self)
 
     def handlers(self):
@@ -55,7 +56,7 @@ class Independent(Part):
 
     def made(self):
         """Signed steps of each axis since the last RUN that began at a stand, exact at this moment."""
-        return [((now - then + _HALF) & COUNT_MASK) - _HALF for now, then in zip(self._places(), self._from)]
+        return [((now - then + _HALF) & COUNT_MASK) - _HALF for now, then in zip(self._queue.position(), self._from)]
 
     def clear(self):
         """All motion has been dropped."""
@@ -95,9 +96,6 @@ class Independent(Part):
         """True while steps of an axis are to come."""
         return self.walker.togo(axis) != 0
 
-    def _places(self):
-        return [self._machine.place(axis) for axis in range(len(self._axes))]
-
     # --- commands
 
     def _run(self, command):
@@ -110,21 +108,26 @@ class Independent(Part):
                 return errors.BUSY
         elif machine.state not in ("idle", "check") or not self._queue.still():
             return errors.BUSY
-        rates = {}
+        else:
+            self._set_limits()
+        limited = machine.homed and machine.settings.value(table.SOFT_LIMITS)
+        intervals = []
         for axis in range(len(command.steps)):
             steps = command.steps[axis]
             if steps is None:
+                intervals.append(None)
                 continue
-            rates[axis] = rate = self._rate(axis, command.rates[axis])
-            if not rate or rate[0] < 2 * self.walker.least or rate[0] >= COUNT_MASK:
+            each = self._interval(axis, command.rates[axis])
+            if not each:
                 return errors.SPEED_RANGE
-            if steps and not self._reachable(axis, steps, command):
+            if steps and not self._reachable(axis, steps, limited):
                 return errors.TRAVEL
+            intervals.append(each)
         if machine.checking:
             return machine.accepted(command)
         if not self._queue.room():
             return LATER
-        self._start(command, rates)
+        self._start(command, intervals)
         return machine.accepted(command)
 
     def _may_join(self, command):
@@ -139,26 +142,19 @@ class Independent(Part):
     def _directions(self, command):
         return [None if not steps else steps > 0 for steps in command.steps]
 
-    def _rate(self, axis, rate):
-        """(each, rest, over) of `rate`, which is (steps, milliseconds); None above the axis's highest speed."""
+    def _interval(self, axis, rate):
+        """Whole ticks between the steps of `rate`, which is (steps, milliseconds); 0 where the axis cannot."""
         steps, ms = rate
-        if steps < 1 or ms < 1:
-            return None
-        settings = self._machine.settings
-        fastest = settings.value(table.SPEED + axis) * settings.value(table.STEPS + axis)  # steps in 60 000 s
-        if steps * 60_000_000_000 > fastest * ms:
-            return None
-        ticks = ms * TICKS_PER_MS
-        return ticks // steps, ticks % steps, steps
+        if steps < 1 or ms < 1 or steps * 1000 > self._fastest[axis] * ms:
+            return 0
+        each = ms * TICKS_PER_MS // steps
+        return each if 2 * self.walker.least <= each < COUNT_MASK else 0
 
-    def _reachable(self, axis, steps, command):
-        machine = self._machine
+    def _reachable(self, axis, steps, limited):
+        """False where soft limits (`limited`) forbid it, or it is too far to be counted."""
         endless = abs(steps) == FOREVER
-        limited = machine.settings.value(table.SOFT_LIMITS) and machine.homed
-        if not endless:
-            togo = max(self.walker.togo(axis), 0)
-            if abs(steps) + togo > MOST_STEPS:
-                return False
+        if not endless and abs(steps) > MOST_STEPS - (max(self.walker.togo(axis), 0) if self._moving else 0):
+            return False
         if not limited:
             return True
         if endless or self._moving and self._turns(axis, steps):
@@ -169,42 +165,51 @@ class Independent(Part):
     def _turns(self, axis, steps):
         return self.walker.togo(axis) and self.walker.negative(axis) != (steps < 0)
 
-    def _start(self, command, rates):
+    def _start(self, command, intervals):
         machine = self._machine
         walker = self.walker
+        target = self._queue.target
         if not self._moving:
-            self._set_limits()
-            self._from = self._places()
-            self._moving = True
+            self._from = target[:]  # where it stands
             self._jog = None
         if command.when == commands.AS_JOG:
             self._jog = self._directions(command)
             machine.program.jogging = True
-        self._off = command.limp
-        self._switch_off()
-        for axis, (each, rest, over) in rates.items():
+        if self._off or command.limp:
+            self._off = command.limp
+            self._switch_off()
+        for axis in range(len(intervals)):
+            each = intervals[axis]
+            if each is None:
+                continue
             steps = command.steps[axis]
+            over, ms = command.rates[axis]
+            rest = ms * TICKS_PER_MS % over
             if not steps:
                 walker.rate(axis, each, rest, over)
-                continue
-            count = ENDLESS if abs(steps) == FOREVER else abs(steps)
-            add = count != ENDLESS and not self._turns(axis, steps)
-            walker.set(axis, count, each, rest, over, steps < 0, add)
-            if count != ENDLESS:
-                self._queue.target[axis] += steps
+            elif abs(steps) == FOREVER:
+                walker.set(axis, ENDLESS, each, rest, over, steps < 0)
+            else:
+                add = self._moving and not self._turns(axis, steps)
+                walker.set(axis, abs(steps), each, rest, over, steps < 0, add)
+                target[axis] += steps
+        self._moving = True
         self._command = command
         if not walker.running and walker.active():
             self._queue.run(walker)
 
     def _set_limits(self):
+        """Take the axes' limits from the settings, where these have changed."""
         settings = self._machine.settings
-        if not self._ramps or self._limits_of == settings.version:
+        if self._limits_of == settings.version:
             return
         self._limits_of = settings.version
         for axis in range(len(self._axes)):
             steps_per_m = settings.value(table.STEPS + axis)
-            fastest = max(settings.value(table.SPEED + axis) * steps_per_m // 60_000_000, 1)
-            self.walker.limits(axis, fastest, max(settings.value(table.ACCELERATION + axis) * steps_per_m // 1_000_000, 1))
+            self._fastest[axis] = fastest = max(settings.value(table.SPEED + axis) * steps_per_m // 60_000_000, 1)
+            if self._ramps:
+                acceleration = settings.value(table.ACCELERATION + axis) * steps_per_m // 1_000_000
+                self.walker.limits(axis, fastest, max(acceleration, 1))
 
     def _rest(self, command):
         for axis in range(len(self._axes)):
@@ -229,5 +234,7 @@ class Independent(Part):
             return errors.BUSY
         if machine.homed:
             return errors.ZERO_IS_HOMED
+        made = self.made()
         self._queue.set_origin()
+        self._from = [-steps for steps in made]
         return machine.accepted(command)

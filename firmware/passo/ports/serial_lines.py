@@ -37,7 +37,8 @@ class UartLine:
 
     def read(self):
         """All bytes that have come, b"" if none."""
-        return self._uart.read() or b""
+        count = self._uart.any()  # read() without it takes a buffer of 256 bytes each time
+        return self._uart.read(count) or b"" if count else b""
 
     def write(self, data):
         self._uart.write(data)

@@ -70,7 +70,7 @@ def integers(*values):
 
 
 def unsigned(data, at):
-    return data[at] << 24 | data[at + 1] << 16 | data[at + 2] << 8 | data[at + 3]
+    return int.from_bytes(data[at : at + 4], "big")
 
 
 def signed(data, at):

@@ -257,32 +257,32 @@ class Timed:
 
         `add`: on top of those to come, which are of the same direction; else in the place of those. Raises ValueError.
         """
-        if add and steps and self.togo(axis) == ENDLESS:
+        togo = self.togo(axis) if add else 0
+        if togo == ENDLESS and steps:
             add = False
-        if steps < ENDLESS or steps > MOST_STEPS or add and self.togo(axis) + steps > MOST_STEPS:
+        if steps < ENDLESS or steps > MOST_STEPS - max(togo, 0):
             raise ValueError("%d is not a number of steps" % steps)
         if each < 2 * self.least or each >= _FAR:
             raise ValueError("a step every %d ticks; at least %d" % (each, 2 * self.least))
         if not 0 <= rest < over <= _FAR // 2:
             raise ValueError("rest %d/%d is not below one tick" % (rest, over))
-        self._put(axis, _NEW, 0)  # from here on the interrupt leaves the request alone
+        state = self._state
+        at = _HEAD + axis * _FIELDS
+        state[at + _NEW] = 0  # from here on the interrupt leaves the request alone
         if not add:
-            self._put(axis, _NEW_BASE, self._get(axis, _ASKED))
-        self._rate(axis, each, rest, over)
-        self._put(axis, _NEW_NEGATIVE, 1 if negative else 0)
+            state[at + _NEW_BASE] = state[at + _ASKED]
+        state[at + _NEW_EACH] = each
+        state[at + _NEW_REST] = rest
+        state[at + _NEW_OVER] = over
+        if state[at + _GAIN]:
+            speed = max(min(state[at + _SPAN] * over // (each * over + rest), _TOP), 1)
+            state[at + _NEW_AIM] = speed * speed
+        state[at + _NEW_NEGATIVE] = 1 if negative else 0
         if steps or not add:
-            self._put(axis, _NEW_ENDLESS, 1 if steps == ENDLESS else 0)
-        self._put(axis, _NEW, 1)
+            state[at + _NEW_ENDLESS] = 1 if steps == ENDLESS else 0
+        state[at + _NEW] = 1
         if steps > 0:
-            self._put(axis, _ASKED, (self._get(axis, _ASKED) + steps) & _COUNT)
-
-    def _rate(self, axis, each, rest, over):
-        self._put(axis, _NEW_EACH, each)
-        self._put(axis, _NEW_REST, rest)
-        self._put(axis, _NEW_OVER, over)
-        if self._get(axis, _GAIN):
-            speed = max(min(self._get(axis, _SPAN) * over // (each * over + rest), _TOP), 1)
-            self._put(axis, _NEW_AIM, speed * speed)
+            state[at + _ASKED] = (state[at + _ASKED] + steps) & _COUNT
 
     def rate(self, axis, each, rest=0, over=1):
         """Another rate from the axis's next step on; how far it goes stays."""
