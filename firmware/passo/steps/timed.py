@@ -161,8 +161,7 @@ def interval(state, at, togo):  # ISR: no allocation
     return ticks
 
 
-@micropython.native
-def walk(words, at, room, bits, state, made):  # ISR: no allocation
+def walk_plain(words, at, room, bits, state, made):  # ISR: no allocation
     """Write at most `room` words, about a millisecond, to words[at:]; add each axis's signed steps to `made`.
 
     Returns how many: 0 where nothing moves and no interval runs."""
@@ -215,6 +214,12 @@ def walk(words, at, room, bits, state, made):  # ISR: no allocation
             state[a] = state[a] - gap if state[a] > gap else 0
     state[_TICKS] = ticks
     return count
+
+
+try:
+    from passo.steps.timed_viper import walk
+except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
+    walk = walk_plain
 
 
 class Timed:
@@ -350,7 +355,7 @@ class Timed:
         return False
 
     def walk(self, words, at, room, levels, bits, hold=False):  # ISR: no allocation
-        """Write at most `room` words, about a millisecond, to words[at:]. Returns how many; see walk() above."""
+        """Write at most `room` words, about a millisecond, to words[at:]. Returns how many; see walk_plain()."""
         state = self._state
         state[_LEVELS] = levels
         state[_HOLD] = 1 if hold else 0
