@@ -93,8 +93,9 @@ class Converter:
     def __init__(self, board):
         from array import array
 
-        from passo.control.settings import Settings
+        from passo.control import arcs
         from passo.control.journal import Journal, MemorySlots
+        from passo.control.settings import Settings
         from passo.motion.circle import PLAN, Circle
         from passo.motion.line import MAX_RUN, Line
         from passo.protocols.gcode import GCode
@@ -103,6 +104,7 @@ class Converter:
         axes = board["axes"][:3]
         self.steps_per_m = [axis["steps_per_m"] for axis in axes]
         self.target = [0] * len(axes)
+        self.arcs = arcs  # the face that the G-code reader wants: also target and steps_per_m
         self._gcode = GCode("xyz"[: len(axes)], Offsets(len(axes), Settings(board, Journal(MemorySlots()))), self)
         self._line = Line(len(axes))
         self._circle = Circle(len(axes))

@@ -514,6 +514,11 @@ def check_stream_pauses():
     machine = Lpt()
     machine.tell("stream")
     machine.put("(" + "A" * 300)
+    machine.turn()
+    machine.tell("pause")  # before it has set out
+    machine.run_ms(100)
+    assert machine.world.path == [] and machine.status()["state"] == "hold"
+    machine.tell("run")
     machine.run_ms(60)
     machine.tell("pause")
     machine.settle()

@@ -113,10 +113,18 @@ PULSES = [
 ]  # fmt: skip
 
 
-def test_pulses(tmp_path):
+PICO_PULSES = ["{load}\n[+2000(" + "AGHIJ" * 6 + ")" + "K" * 30 + "*3S{end}", "{run}", "{back}"]
+
+
+def hex_of(lines):
+    return "".join(line.encode().hex() + "\n" for line in lines)
+
+
+@pytest.mark.parametrize("name, lines", [("pulses", PULSES), ("pico_pulses", PICO_PULSES)])
+def test_pulses(tmp_path, name, lines):
     job = tmp_path / "job.hex"
-    job.write_text("".join(line.encode().hex() + "\n" for line in PULSES))
-    compare_gcode("pulses", job, "lpt_router")
+    job.write_text(hex_of(lines))
+    compare_gcode(name, job, "lpt_router")
 
 
 def test_gcode_of_the_corpus(corpus):

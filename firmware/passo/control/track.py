@@ -23,6 +23,9 @@ from passo.steps.word import us_to_ticks
 LATER = const(-1)
 MOST_PASSES = const(100)
 _MANUAL_CELLS = const(256)
+# A stream sets out with so many units in hand, so that the board's pauses for breath do not show, or after so long.
+_GATHER = const(512)
+_GATHER_MS = const(50)
 
 # STATION's values.
 DRIVES_OFF = const(0)
@@ -89,6 +92,7 @@ class TrackPlayer(Part):
     def _stand(self):
         """Nothing is under way, and there are no manual moves to go back."""
         self._mode = _IDLE
+        self._start_ms = None  # when what is streamed is to set out at the latest
         self._midway = False  # has set out, and has not come to an end
         self._asked = False  # waits for the operator's speed
         self._held = False  # the pause is also the machine's hold
@@ -108,7 +112,7 @@ class TrackPlayer(Part):
         return {commands.TRACK: self._do, commands.TRACK_ADD: self._add}
 
     def active(self):
-        return self._mode != _IDLE or self._midway
+        return self._mode != _IDLE or self._midway or self._start_ms is not None
 
     def live(self):
         return self._mode != _IDLE
@@ -135,12 +139,12 @@ class TrackPlayer(Part):
 
     def _open(self, command):
         machine = self._machine
-        if self._streaming and self._mode != _IDLE and not self.track.open:
+        if self._streaming and self.active() and not self.track.open:
             return LATER
         refusal = machine.unready()
         if refusal:
             return refusal
-        if self._mode != _IDLE or self._midway or machine.state != "idle" or not self._queue.still():
+        if machine.state != "idle" or not self._queue.still():
             return errors.BUSY
         self._reset()
         self._streaming = command.tool
@@ -166,8 +170,8 @@ class TrackPlayer(Part):
             if not self._reachable():
                 self._fail()
                 return errors.TRAVEL
-            if self._mode == _IDLE and not self._midway:
-                self._start()
+            if self._mode == _IDLE and not self._midway and self._start_ms is None:
+                self._start_ms = self._machine.port.machine_ms() + _GATHER_MS
         return self._machine.accepted(command)
 
     def _append(self, item):
@@ -211,7 +215,7 @@ class TrackPlayer(Part):
         if not self.track.open:
             return errors.NO_TRACK
         self.track.open = self._loading = False
-        if self._streaming and self._mode == _IDLE and not self._midway:
+        if self._streaming and self._mode == _IDLE and not self._midway and not self.track.total:
             self._streaming = False
             self._tell("end")
         return self._machine.accepted(command, self.track.total)
@@ -400,6 +404,7 @@ class TrackPlayer(Part):
 
     def _walk(self, walker, mode, backward, most=ENDLESS):
         self._mode = mode
+        self._start_ms = None
         self._midway = self._midway or mode == _RUN
         for other in (self._walker, self._hand):
             if other is not walker:  # its last interval may still run
@@ -417,6 +422,8 @@ class TrackPlayer(Part):
                 self._start(self._backward)
             return
         if self._mode == _IDLE:
+            if self._start_ms is not None and not pauses.kind and self._gathered():
+                self._start()
             return
         if self._next is not None or pauses.kind:
             if self._queue.standing():
@@ -424,6 +431,11 @@ class TrackPlayer(Part):
         elif self._queue.still():
             self._queue.settle()
             self._arrive()
+
+    def _gathered(self):
+        """True when enough of a stream has come to set out, or has been waited for."""
+        waited = (self._machine.port.machine_ms() - self._start_ms) & COUNT < COUNT // 2
+        return waited or not self.track.open or self.track.total >= _GATHER
 
     def _take(self):
         """At the stand of a hold: take the walk off the queue."""

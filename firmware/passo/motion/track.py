@@ -22,6 +22,8 @@ written before `end` counts it. Cells and places count modulo 2²⁹.
 """
 
 from array import array
+
+import micropython
 from micropython import const
 
 WAIT = const(1)
@@ -31,6 +33,7 @@ WAS = const(4)
 STATION = const(5)
 MOST = const(0x3FFFFF)  # of a count or a value
 COUNT = const(0x1FFFFFFF)
+_COUNT = const(0x1FFFFFFF)  # known to the compiler
 
 
 def run(mask, negative, count=1):
@@ -101,24 +104,26 @@ class Track:
         self.total = (self.total + 1) & COUNT
         return True
 
+    @micropython.native
     def _append_run(self, item):
         count = item >> 8
-        merged = False
-        if self.end != self.first:
-            last = (self.end - 1) & self.mask
-            before = self.items[last]
-            if (before ^ item) & 255 == 0 and (before >> 8) + count <= MOST:
-                self.items[last] = before + (count << 8)
-                merged = True
-        if not merged:
-            if not self._make_room(1):
-                return False
-            self._put(item)
-        self.total = (self.total + count) & COUNT
+        items = self.items
+        end = self.end
+        last = (end - 1) & self.mask
+        before = items[last]
+        if end != self.first and not (before ^ item) & 255 and (before >> 8) + count <= MOST:
+            items[last] = before + (count << 8)
+        elif not self._make_room(1):
+            return False
+        else:
+            items[end & self.mask] = item
+            self.end = (end + 1) & _COUNT
+        self.total = (self.total + count) & _COUNT
+        places = self.at
         for axis in range(self.axes):
             if item >> axis & 1:
-                at = self.at[axis] + (-count if item >> 4 + axis & 1 else count)
-                self.at[axis] = at
+                at = places[axis] + (-count if item >> axis & 16 else count)
+                places[axis] = at
                 if at < self.low[axis]:
                     self.low[axis] = at
                 elif at > self.high[axis]:

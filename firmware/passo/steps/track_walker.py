@@ -13,7 +13,7 @@ A walk ends at `most` units, at the track's end, at its start, or before a STATI
 At the end of an open track it goes on as soon as there is more. Its place is exact as the words made have it; the
 feeder knows how many of them have played.
 
-What a segment may hold: the intervals of steps in the same directions, in about a millisecond, up to the next mark; or
+What a segment may hold: the intervals of steps in the same directions, in about two milliseconds, up to the next mark; or
 a piece of a wait. Marks are passed between segments, so that within one the place advances by one a stepping word.
 """
 
@@ -25,7 +25,7 @@ from micropython import const
 from passo.motion.track import COUNT, SPEED, STATION, TOOL, WAIT, WAS
 from passo.steps.word import TICKS_PER_MS
 
-_SEGMENT_TICKS = const(12_500)
+_SEGMENT_TICKS = const(25_000)
 _PIECE_MS = const(2)  # longest word: what lies ahead of the player stays short, and is never one word alone
 _PIECE = const(25_000)
 _COUNT = const(0x1FFFFFFF)
@@ -162,7 +162,7 @@ class TrackWalker:
 
     @micropython.native
     def walk(self, words, at, room, base, bits):  # ISR: no allocation
-        """Write at most `room` words to words[at:], about a millisecond. Returns how many; 0 at the end of the walk."""
+        """Write at most `room` words to words[at:], about two milliseconds. Returns how many; 0 at the end of the walk."""
         if self._wanted:
             self._change_speed()
         self.ticks = 0
@@ -197,23 +197,35 @@ class TrackWalker:
 
     @micropython.native
     def _steps(self, words, at, room, base, bits):  # ISR: no allocation
-        count = ticks = 0
-        directions = base >> self.track.axes
+        # Runs may be short: all is kept in locals, and _arrive() is left for the end.
+        track = self.track
+        items = track.items
+        cells = track.mask
+        axes = track.axes
+        made = self.made
+        backward = self.backward
+        directions = base >> axes
+        moving = self.moving
+        negative = self.negative
+        cell = self.cell
+        done = self._done
+        place = self.place
+        togo = self._togo
         half = self._half
+        count = ticks = 0
         while True:
-            mask = self.moving
-            each = self._each[mask]
+            left = done if backward else (items[cell & cells] >> 8) - done
+            each = self._each[moving]
             steps = 1
             if each <= 2 * _PIECE:
                 steps = 2 * (_SEGMENT_TICKS - ticks) // each + 1
-                left = self._in_run()
                 if steps > left:
                     steps = left
                 if steps > room - count:
                     steps = room - count
-                if self._togo >= 0 and steps > self._togo:
-                    steps = self._togo
-                levels = base | mask
+                if togo >= 0 and steps > togo:
+                    steps = togo
+                levels = base | moving
                 for i in range(at + count, at + count + steps):
                     half += each
                     words[i] = half >> 1 << bits | levels
@@ -222,24 +234,51 @@ class TrackWalker:
             else:
                 half += each
                 self.gap = (half >> 1) - (_PIECE >> 1)
-                words[at + count] = _PIECE >> 1 << bits | base | mask
+                words[at + count] = _PIECE >> 1 << bits | base | moving
                 ticks += _PIECE >> 1
                 half &= 1
             count += steps
-            self._make(steps)
-            self._advance(steps)
-            if self._in_run() and self._togo:
+            for axis in range(axes):
+                if moving >> axis & 1:
+                    made[axis] += -steps if negative >> axis & 1 else steps
+            if togo > 0:
+                togo -= steps
+            if backward:
+                done -= steps
+                place -= steps
+            else:
+                done += steps
+                place += steps
+            if steps < left or not togo or self.gap or ticks >= _SEGMENT_TICKS or count >= room:
                 break
-            place = self.place
-            self._arrive()
-            if place != self.place or not self.left or self._dry or self.gap or self.wait_ms:
+            if backward:
+                if cell == track.first:
+                    break
+                following = (cell - 1) & _COUNT
+            else:
+                following = (cell + 1) & _COUNT
+                if following == track.end:
+                    break
+            item = items[following & cells]
+            mask = item & 15
+            if backward:
+                item ^= mask << 4
+            if not mask or (directions ^ ~(item >> 4)) & mask:
                 break
-            if ticks >= _SEGMENT_TICKS or count >= room:
-                break
-            if (directions ^ ~self.negative) & self.moving:
-                break
+            cell = following
+            done = item >> 8 if backward else 0
+            moving = mask
+            negative = item >> 4 & 15
+        self.cell = cell
+        self._done = done
+        self.place = place & _COUNT
+        self._togo = togo
         self._half = half
+        self.moving = moving
+        self.negative = negative
         self.ticks = ticks
+        if not self._in_run() or not togo:
+            self._arrive()
         return count
 
     @micropython.native
@@ -249,12 +288,6 @@ class TrackWalker:
             return self._done
         track = self.track
         return (track.items[self.cell & track.mask] >> 8) - self._done
-
-    @micropython.native
-    def _make(self, steps):  # ISR: no allocation
-        for axis in range(self.track.axes):
-            if self.moving >> axis & 1:
-                self.made[axis] += -steps if self.negative >> axis & 1 else steps
 
     @micropython.native
     def _advance(self, steps):  # ISR: no allocation

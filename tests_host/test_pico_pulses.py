@@ -1,0 +1,75 @@
+"""Pulse codes on the emulated Pico: as many a second as the language asks for, and the words of the golden file."""
+
+import pytest
+from emulated import make_machine, uf2  # noqa: F401
+
+from host_tools import boards
+from host_tools.build import selected
+from host_tools.emulator.pico import EmulatedPico
+from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame
+from test_digest import PICO_PULSES, ROOT, TESTS, golden_of_gcode, hex_of
+from test_pico_digest import compiled
+
+LIMIT_US = 30_000_000
+AT_LEAST = 4000  # codes a second
+# As of a circle: runs of one and two codes. At 3750 mm/min a step of 12.5 µm takes 200 µs, a diagonal 283.
+TEXT = "+3750" + "AAGAGAAG" * 50 + "CCGCGCCG" * 50
+
+
+@pytest.fixture
+def machine(make_machine):
+    """A router whose drivers are faster than those of 2009."""
+    board = boards.load("lpt_router")
+    board["track"]["interval_us"] = 100
+    board["drive"]["pulse_us"] = 3
+    board["links"][0]["baud"] = 230400
+    return make_machine(board)
+
+
+def test_streamed_codes(machine, show):
+    heard = bytearray()
+
+    def until(word, limit_ms=6000):
+        end = machine.now_ms() + limit_ms
+        while word not in heard:
+            assert machine.now_ms() < end, bytes(heard)
+            machine.run_ms(2)
+            heard.extend(machine.take())
+
+    until(b"ready\n")
+    data = TEXT.encode()
+    machine.send(frame("stream", len(data)) + b"\n")
+    until(b"ok\n")
+    heard.clear()
+    sent = 0
+    while sent < len(data):
+        room = min(WINDOW + heard.count(ACK) * CREDIT - sent, CREDIT)
+        machine.send(data[sent : sent + room])
+        sent += room
+        machine.run_ms(2)
+        heard.extend(machine.take())
+        assert b"error" not in heard
+    machine.send(frame("end"))
+    until(b"end\n")
+    rows = machine.trace.rows()
+    rows = rows[-800:]
+    assert [rows[-1][axis] - rows[0][axis] for axis in (1, 2)] == [549, 550]
+    rate = 799e6 / (rows[-1][0] - rows[0][0])
+    show("pulse codes streamed to the Pico", f"{rate:.0f} a second")
+    assert rate >= AT_LEAST
+    assert max(after[0] - before[0] for before, after in zip(rows, rows[1:])) < 300  # nothing was waited for
+    assert not machine.plant.errors
+
+
+def test_the_pico_makes_the_words_of_the_golden_file(uf2, show):
+    sources = {path.as_posix(): ROOT / "firmware" / path for path in selected(boards.load("lpt_router"))}
+    files = compiled({**sources, "digest.py": TESTS / "digest.py"})
+    files["boards/__init__.py"] = b""
+    files["boards/lpt_router.py"] = boards.path("lpt_router").read_bytes()
+    files["job.hex"] = hex_of(PICO_PULSES).encode()
+    pico = EmulatedPico(files=files, uf2=uf2).boot()
+    before = pico.cycle
+    code = "import gc\ngc.threshold(16000)\nimport digest\ndigest.main(['job.hex', 'lpt_router'])"
+    said = pico.exec(code, limit_us=LIMIT_US).split()
+    assert said == golden_of_gcode()["pico_pulses"]
+    show("digest of a track on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
