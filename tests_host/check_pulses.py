@@ -562,6 +562,55 @@ def check_dry_run():
     assert machine.world.tool_changes == [] and len(machine.world.path) == 5
 
 
+def check_steps_and_passes():
+    """A single step at the end of a pass does not set out on the next."""
+    machine = Lpt()
+    machine.load("AB")
+    machine.tell("repeat", 2)
+    for at, place in ((1, 1), (0, 0), (1, 1), (2, 0)):
+        machine.tell("step")
+        machine.settle()
+        assert int(machine.status()["at"]) == at and machine.world.place[0] == place
+    assert machine.status()["pass"] == "2/2" and machine.status()["state"] == "idle"
+
+
+def check_return_while_a_speed_is_wanted():
+    machine = Lpt()
+    machine.load("(AA+0BB)")
+    machine.tell("run")
+    machine.until("speed")
+    machine.tell("tool", "on")
+    machine.tell("jog", "z", 9)
+    machine.settle()
+    machine.tell("return")
+    machine.settle()
+    machine.run_ms(100)
+    assert machine.world.place == [2, 0, 0] and machine.status()["ask"] == "1"
+    assert [row[4] for row in machine.world.path] == [1] * 11 + [0] * 9  # the way back with the tool off
+    machine.tell("speed", 900)
+    machine.until("end")
+    assert machine.world.place == [0, 0, 0] and machine.picture()[-1][3] == 1
+
+
+def check_button_on_the_way_back():
+    machine = Lpt()
+    machine.load("A" * 100)
+    machine.tell("run")
+    machine.run_ms(50)
+    machine.tell("pause")
+    machine.settle()
+    machine.tell("jog", "y", 100)
+    machine.settle()
+    machine.tell("return")
+    machine.run_ms(40)
+    machine.app.controller.press("hold")
+    machine.run_ms(60)
+    assert machine.status()["state"] == "hold" and 0 < machine.world.place[1] < 100
+    machine.app.controller.press("resume")
+    machine.until("end")
+    assert machine.world.place == [100, 0, 0]
+
+
 def check_button():
     """The input that holds and resumes any language's motion does so here."""
     machine = Lpt()
@@ -610,6 +659,18 @@ def check_travel():
     machine.load("A" * 330)
     assert machine.ask("run", 100) == "error:104"
     assert machine.ask("jog", "y", -1) == "error:15"
+    assert machine.world.place == [2, 0, 0]
+    machine.load("C" * 40 + "D" * 40)
+    machine.tell("run")
+    machine.run_ms(40)
+    machine.tell("pause")
+    machine.settle()
+    y = machine.world.place[1]
+    machine.tell("jog", "y", 32_000 - y)
+    machine.settle()
+    assert machine.ask("continue") == "error:104"  # from here it would leave the travel
+    machine.tell("return")
+    machine.until("end")
     assert machine.world.place == [2, 0, 0]
 
 

@@ -95,7 +95,8 @@ class TrackPlayer(Part):
         self._start_ms = None  # when what is streamed is to set out at the latest
         self._midway = False  # has set out, and has not come to an end
         self._asked = False  # waits for the operator's speed
-        self._held = False  # the pause is also the machine's hold
+        self._held = _IDLE  # the mode that the machine's hold has interrupted
+        self._left_at = self._origin  # where it left the track, for moves by hand
         self._next = None  # what to do at the stand: a function without arguments
         self._backward = False
         self._most = ENDLESS
@@ -285,7 +286,12 @@ class TrackPlayer(Part):
             self._pass = 1
         if command.power:
             self._passes = command.power
-        if self._walker.at_start() and not self._reachable():
+        origin = self._origin
+        if self._moved_by_hand() and self._mode == _IDLE:  # the rest of the track lies elsewhere now
+            target = self._queue.target
+            self._origin = [at + to - was for at, to, was in zip(origin, target, self._left_at)]
+        if (origin is not self._origin or self._walker.at_start()) and not self._reachable():
+            self._origin = origin
             return errors.TRAVEL
         self._command = command
         if not (self._mode == _RUN and backward == self._backward and most == self._most and not self._pausing()):
@@ -316,6 +322,7 @@ class TrackPlayer(Part):
     def _go_back(self, backward):
         self._backward = backward
         self._most = ENDLESS
+        self._hand.tool = False
         self._walk(self._hand, _RETURN, True)
 
     def _jog(self, command):
@@ -394,7 +401,7 @@ class TrackPlayer(Part):
     def _release_hold(self):
         self._machine.pauses.clear()
         self._queue.hold(False)
-        self._held = False
+        self._held = _IDLE
 
     def _start(self, backward=False, most=ENDLESS):
         self._backward = backward
@@ -416,10 +423,11 @@ class TrackPlayer(Part):
     def poll(self):
         pauses = self._machine.pauses
         if self._held and not pauses.kind:  # resumed by a button
-            self._held = False
-            if self._mode == _IDLE:
-                self._forget_moves()
+            if self._held == _RETURN:
+                self._go_back(self._backward)
+            elif self._held == _RUN:
                 self._start(self._backward)
+            self._held = _IDLE
             return
         if self._mode == _IDLE:
             if self._start_ms is not None and not pauses.kind and self._gathered():
@@ -444,7 +452,9 @@ class TrackPlayer(Part):
         self._queue.drop()
         self._queue.tool = lit
         self._mode = _IDLE
-        if mode != _RUN:
+        if mode == _RUN:
+            self._left_at = self._queue.target[:]
+        else:
             self._hand.cut()
         action = self._next
         self._next = None
@@ -452,7 +462,7 @@ class TrackPlayer(Part):
             self._release_hold()
             action()
         else:
-            self._held = True
+            self._held = mode
             self._queue.hold(True)
 
     def _arrive(self):
@@ -464,9 +474,11 @@ class TrackPlayer(Part):
                 self._move()
         elif mode == _RETURN:
             self._forget_moves()
-            self._start(self._backward)
+            if not self._asked:
+                self._start(self._backward)
         else:
             self._queue.tool = self._walker.tool
+            self._left_at = self._queue.target[:]
             self._arrive_on_track()
 
     def _arrive_on_track(self):
@@ -481,7 +493,12 @@ class TrackPlayer(Part):
             self._set_drives(station == DRIVES_ON)
         if walker.at_start() if self._backward else walker.at_end():
             self._end()
-        elif self._most == ENDLESS:
+        else:
+            self._go_along()
+
+    def _go_along(self):
+        """On, unless it was a single step."""
+        if self._most == ENDLESS:
             self._start(self._backward)
 
     def _end(self):
@@ -490,11 +507,11 @@ class TrackPlayer(Part):
             self._midway = self.track.start != 0  # what was streamed before is forgotten
             self._tell("start")
         elif track.open:
-            self._start()
+            self._go_along()
         elif self._pass < self._passes:
             self._pass += 1
             self._walker.rewind()
-            self._start()
+            self._go_along()
         else:
             self._midway = self._streaming = False
             self._tell("end")
