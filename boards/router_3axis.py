@@ -1,4 +1,5 @@
-"""A small router: three STEP/DIR drivers, limit switches that also home, a spindle's relay, coolant, probe and door.
+"""A small router on a Pico: three STEP/DIR drivers, limit switches that also home, a spindle's relay, coolant, probe, door
+and emergency stop. A Pico W has the same pins free; a Pico 2 says "chip": "rp2350".
 
 Ball screws of 5 mm a turn at 1/8 step: 320 steps/mm on X and Y, and 4 mm a turn: 400 steps/mm on Z. X and Y home at
 their low ends, Z at the top; machine zero is where it stands then, so Z is zero at the top and negative below it.
@@ -25,6 +26,10 @@ BOARD = {
         {"name": "limit_z", "pin": 11, "active": 1, "pull": "up"},
         {"name": "probe", "pin": 12, "active": 0, "pull": "up"},
         {"name": "door", "pin": 13, "active": 0, "pull": "up"},
+        # The emergency stop, too: the steps end within microseconds of it, before any program has looked.
+        {"name": "stop", "pin": 27, "active": 1, "pull": "up", "halt": True},
+        # Held at the start: the REPL instead of the machine.
+        {"name": "repl", "pin": 26, "active": 0, "pull": "up"},
     ],
     "outputs": [
         {"name": "enable", "pin": 14, "active": 0},

@@ -239,6 +239,21 @@ def check_keys_beside_grbl():
     assert two.controller.position()[0] == 0 and line.outgoing == b""
 
 
+def check_the_emergency_stop_is_nobodys():
+    """It ends what either link moves, in an alarm that both are told of."""
+    two = Two()
+    two.machine.do("$X", "G1 X20 F600")
+    while two.controller.position()[0] < 100:
+        two.machine.app.turn()
+    two.machine.world.switches["stop"] = 1
+    said = two.machine.turns(5)
+    assert "ALARM:1" in said and two.logged()[-1] == (errors.ALARM_HARD_LIMIT, "stop")
+    steps = two.machine.world.steps
+    two.machine.turns(200)
+    assert two.machine.world.steps == steps
+    assert status_from(two.packet("STATUS"))["state"] == "alarm"
+
+
 def check_a_link_that_is_not_there():
     two = Two()
     assert two.line("$LINK=3") == "error:%d" % errors.NO_SUCH_LINK

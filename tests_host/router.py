@@ -68,8 +68,8 @@ class World:
             return self.switches[name]
         if name == "probe":
             return 0 if self.floor is not None and self.place[2] <= self.floor else 1
-        if name == "door":
-            return 1
+        if name in ("door", "stop", "repl"):
+            return 0 if name == "stop" else 1
         axis = "xyz".find(name[-1])
         at = self.place[axis] - HOME[axis]
         return 1 if (at >= 0 if axis == 2 else at <= 0) else 0
