@@ -40,7 +40,7 @@ def frames():
 
 def understood(protocol, data, now_ms):
     """The commands in `data`, and in a short silence behind it."""
-    return protocol.feed(data, now_ms) + protocol.feed(b"", now_ms + 2)
+    return list(protocol.feed(data, now_ms)) + list(protocol.feed(b"", now_ms + 2))
 
 
 def machine(**changes):
@@ -79,7 +79,7 @@ def check_what_each_frame_asks():
         ("JOG_X+", [48, None]), ("JOG_X-", [-48, None]), ("JOG_Y+", [None, 83]), ("JOG_Y-", [None, -83]),
     ):
         (command,) = understood(protocol, torch.frame(name), 0)
-        assert command.steps == steps and command.when == AS_JOG and command.rates == [(480, 1000), (830, 1000)]
+        assert list(command.steps) == steps and command.when == AS_JOG and command.rates == [(480, 1000), (830, 1000)]
     found = understood(protocol, torch.frame("CONNECT") + torch.frame("DISCONNECT"), 0)
     assert [command.value for command in found] == [1, 0]
     for value, kind in ((1, RESET), (0, UNLOCK)):
@@ -174,7 +174,7 @@ def torn_is_whole(data):
 
 def check_a_torn_frame_is_forgotten_without_a_look_in_between():
     protocol = Torch((48, 83), (480, 830), GAP_MS)
-    assert protocol.feed(torch.move(1, 2, 3, 4)[:9], 0) == []
+    assert not protocol.feed(torch.move(1, 2, 3, 4)[:9], 0)
     (good,) = protocol.feed(torch.frame("INFO"), 1000)
     assert good.kind == STATUS
 

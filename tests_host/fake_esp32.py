@@ -180,9 +180,11 @@ class UART:
     def any(self):
         return len(self.incoming)
 
-    def read(self):
-        data = self.incoming
-        self.incoming = b""
+    def read(self, count=-1):
+        if count < 0:
+            count = len(self.incoming)
+        data = self.incoming[:count]
+        self.incoming = self.incoming[count:]
         return data or None
 
     def write(self, data):

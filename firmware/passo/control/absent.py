@@ -13,5 +13,8 @@ class Absent:
     def _nothing(self, *about):
         return None
 
+    def poll(self, now_ms=0):
+        """Nothing to do, and no garbage left by it."""
+
     active = standing = substate = laser = _nothing
-    show_outputs = poll = report = clear = restart = _nothing
+    show_outputs = report = clear = restart = _nothing

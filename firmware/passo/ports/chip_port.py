@@ -14,6 +14,7 @@ from passo.steps.word import COUNT_MASK
 
 _HEARTBEAT_MS = const(200)
 _WATCHDOG_MS = const(1000)
+_IDLE_MS = const(4)
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN, "none": None}
 
 
@@ -109,17 +110,19 @@ class ChipPort:
         return trip.name
 
     def wait(self, busy, fine=False):
-        """End a turn of the main loop: sleep briefly, unless bytes are waiting."""
+        """End a turn of the main loop: sleep briefly, until bytes are waiting. While nothing moves a turn may wait longer
+        than it takes, so that most bytes find it waiting, and not at work."""
         self._beat_ms = ticks_ms()
         if self._stalled:
             self._stalled = False
             self._feeder.hold = False
         if self._watchdog is not None:
             self._watchdog.feed()
-        for line in self._lines:
-            if line.any():
-                return
-        sleep_ms(1 if busy else 2)
+        for _ in range(1 if busy else _IDLE_MS):
+            for line in self._lines:
+                if line.any():
+                    return
+            sleep_ms(1)
 
     # --- what start.py asks for
 

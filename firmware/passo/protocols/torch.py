@@ -15,6 +15,8 @@ cutting (frames.py) cannot see is a frame that lost bytes and was filled up by t
 between them: there is no checksum. Counts and speeds out of reach are refused, which finds most of these.
 """
 
+import struct
+
 from micropython import const
 
 from passo.protocols import errors
@@ -62,20 +64,7 @@ _MASK = 0xFFFFFFFF
 
 def integers(*values):
     """Four bytes each, high byte first; negative ones as two's complement."""
-    data = bytearray()
-    for value in values:
-        value &= _MASK
-        data += bytes((value >> 24, value >> 16 & 255, value >> 8 & 255, value & 255))
-    return bytes(data)
-
-
-def unsigned(data, at):
-    return int.from_bytes(data[at : at + 4], "big")
-
-
-def signed(data, at):
-    value = unsigned(data, at)
-    return value - (1 << 32) if data[at] & 128 else value
+    return struct.pack(">%dI" % len(values), *[value & _MASK for value in values])
 
 
 # --- what a host sends
@@ -121,11 +110,20 @@ def answer_from(data):
     names = {code: name for name, code in CODES.items()}
     name = names[data[0]]
     if name == "PASSO":
+        x, y, dropped = struct.unpack_from(">iiI", data, 4)
         return name, {
-            "state": STATES[data[1]], "error": data[2], "ours": bool(data[3]), "x": signed(data, 4), "y": signed(data, 8),
-            "dropped": unsigned(data, 12),
+            "state": STATES[data[1]], "error": data[2], "ours": bool(data[3]), "x": x, "y": y, "dropped": dropped,
         }  # fmt: skip
-    return name, {"x": signed(data, 1), "y": signed(data, 5)} if len(data) == 10 else {}
+    if len(data) < 10:
+        return name, {}
+    x, y = struct.unpack_from(">ii", data, 1)
+    return name, {"x": x, "y": y}
+
+
+def _one_jog(data):
+    """The fields of the shorter CONFIGURE: its jog is of both axes."""
+    jog, x_speed, y_speed = struct.unpack_from(">Iii", data, 1)
+    return jog, jog, x_speed, y_speed
 
 
 def answer_cutter(gap_ms=200):
@@ -184,15 +182,11 @@ class Torch:
         return Command(CONNECT, value=1 if code == 0xEE else 0)
 
     def _move(self, data):
-        steps = []
-        rates = []
-        for at in (1, 9):
-            count, speed = unsigned(data, at), signed(data, at + 4)
-            if count >= FOREVER:
-                return Command(BAD, error=errors.TRAVEL)
-            steps.append((count if speed > 0 else -count) if count else None)
-            rates.append((abs(speed), 1000))
-        return Run(steps, rates, AT_REST)
+        x, x_speed, y, y_speed = struct.unpack_from(">IiIi", data, 1)
+        if x >= FOREVER or y >= FOREVER:
+            return Command(BAD, error=errors.TRAVEL)
+        steps = (x if x_speed > 0 else -x) if x else None, (y if y_speed > 0 else -y) if y else None
+        return Run(steps, ((abs(x_speed), 1000), (abs(y_speed), 1000)), AT_REST)
 
     def _jog(self, axis, sign):
         steps = [None, None]
@@ -200,12 +194,12 @@ class Torch:
         return Run(steps, [(speed, 1000) for speed in self._speeds], AS_JOG)
 
     def _configure(self, data):
-        at = len(data) - 9
-        jogs = unsigned(data, 1), unsigned(data, at - 4)
+        x_jog, y_jog, x_speed, y_speed = struct.unpack_from(">IIii", data, 1) if len(data) == 18 else _one_jog(data)
+        jogs = x_jog, y_jog
         if max(jogs) >= FOREVER:
             return Command(BAD, error=errors.TRAVEL)
         self._asked = Command(STILL)
-        self._asked.value = jogs, (abs(signed(data, at)), abs(signed(data, at + 4)))
+        self._asked.value = jogs, (abs(x_speed), abs(y_speed))
         return self._asked
 
     def _passo(self, data):
