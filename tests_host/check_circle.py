@@ -5,7 +5,9 @@ from math import atan2, cos, pi, sin, sqrt
 
 from draws import Random
 from passo.motion.arc import TooSteep, plan
-from passo.motion.circle import COARSE, LEADS, MAX_RADIUS, PLAN, STEPS, TAIL_A, TAIL_B, TAIL_Z, Z_HIGH, Z_STEPS, Circle
+from passo.motion.arc_plan import LEADS, MAX_RADIUS, PLAN, STEPS, TAIL_A, TAIL_B, TAIL_Z, Z_HIGH, Z_STEPS
+from passo.motion.block import COARSE
+from passo.motion.circle import Circle
 from passo.motion.line import MAX_RUN
 
 TURN = 2 * pi
@@ -159,7 +161,9 @@ def hold_arc(arc):
 
 
 def check_large_radius(radius, seed):
-    hold_arc(draw_arc(radius, seed, rise=min(radius, 20_000) // 3, longest=20_000))
+    arc = draw_arc(radius, seed, longest=20_000)
+    arc[2][arc[0][2]] = max([abs(by) for by in arc[2]]) // 3
+    hold_arc(arc)
 
 
 def check_full_circles():

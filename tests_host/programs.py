@@ -12,8 +12,7 @@ from math import sqrt
 from check_circle import about
 from draws import Random
 from passo.motion.arc import TooSteep
-from passo.motion.block import ARC, LINE
-from passo.motion.circle import COARSE
+from passo.motion.block import ARC, COARSE, LINE
 from passo.motion.profile import Limits
 from passo.steps.word import TICKS_PER_S
 from rig import Rig

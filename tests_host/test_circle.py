@@ -13,7 +13,8 @@ def test_no_integer_outgrows_a_board():
     from check_circle import about
     from draws import Random
     from passo.motion.arc import plan
-    from passo.motion.circle import MAX_RADIUS, PLAN, Circle
+    from passo.motion.arc_plan import MAX_RADIUS, PLAN
+    from passo.motion.circle import Circle
     from small_int import Small
 
     random = Random(1)

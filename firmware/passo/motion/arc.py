@@ -5,7 +5,7 @@
 Vectors are in steps, the plane's axes have equal steps/mm. `into` is an array of circle.PLAN integers.
 """
 
-from passo.motion.circle import (
+from passo.motion.arc_plan import (
     AXIS_A,
     AXIS_B,
     AXIS_Z,

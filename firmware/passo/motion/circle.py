@@ -2,9 +2,8 @@
 
 The midpoint circle (J. E. Bresenham, Comm. ACM 20(2), 1977; its midpoint form by M. L. V. Pitteway and J. R. Van Aken):
 the plane's dominant axis steps every time, the other when that brings x² + y² − R² nearer to zero. The decision stays
-within R, so no product reaches 2³⁰ for radii to MAX_RADIUS, and a step is at most half a step off the ideal circle
-along the
-minor axis. Centre and start are whole steps, R is the start's distance; the end is hit by a last short line if need be.
+within R, so no product reaches 2³⁰ for radii to MAX_RADIUS, and a step is at most half a step off the ideal circle along
+the minor axis. Centre and start are whole steps, R is the start's distance; the end is hit by a last short line if need be.
 A helix's third axis is within one step of linear in the swept angle (half a step of rounding, and what a diagonal step
 sweeps more than another), where it is itself the dominant axis within what it does on one and a half steps of the circle.
 
@@ -32,40 +31,28 @@ Runs follow from the geometry alone: speed, hold and resume never change the pat
 from array import array
 from micropython import const
 
+from passo.motion.arc_plan import (
+    D, DIAGONAL, E, FINE, LEADS, PATH, PATH_FINE, PLAN, RADIUS, REGION, SHIFT, STEPS, TAIL_A, TAIL_B, TAIL_Z, U, W, Z_HIGH,
+    Z_LOW, Z_STEPS,
+)
 from passo.motion.block import COARSE
+from passo.motion.circle_run import Run
 from passo.motion.integers import divide
 from passo.motion.line import MAX_RUN
 
-MAX_RADIUS = const(0x100000)  # 2²⁰ steps
-MAX_SLOPE = const(128)  # most steps of the third axis along one step of the circle
-LEADS = const(22_938)  # Z_HIGH from which the third axis dominates somewhere: 0.7 steps a step
-FINE = const(20)  # fraction bits of a length here
 _LONGEST = const(255)  # most words of a run, so that no product here reaches 2³⁰
 _ONE = const(1 << 20)
 _Z_BITS = const(21)
 _Z_ONE = const(1 << 21)
 
-# The plan: what arc.plan() works out for the walker, small integers only.
-PLAN = const(21)
-AXIS_A, AXIS_B, AXIS_Z, MIRROR, REGION, U, W = 0, 1, 2, 3, 4, 5, 6
-RADIUS, SHIFT, D, E, STEPS, DIAGONAL = 7, 8, 9, 10, 11, 12
-Z_STEPS, Z_HIGH, Z_LOW, TAIL_A, TAIL_B, TAIL_Z, PATH = 13, 14, 15, 16, 17, 18, 19
-PATH_FINE = 20
 
-
-class Circle:
+class Circle(Run):
     """One arc's walker; `made` and the masks `moving` and `negative` as in Line."""
 
     def __init__(self, axes):
-        self.axes = axes
-        self.left = 0  # words to the end of the run
-        self.words = self.path = 0  # of the run: words, and length in 2⁻¹³ steps along the circle
+        Run.__init__(self, axes)
         self.to_go = self.fine = 0  # path from the run's beginning to the arc's end: to_go − fine / 2²⁰
         self.total = 0  # steps of the circle and of the last line
-        self._u_axis = self._w_axis = 0  # the dominant axis of the run, and the other
-        self.moving = self.negative = 0
-        self.made = array("i", [0] * axes)
-        self._plan = array("i", [0] * PLAN)
 
     def load(self, plan):  # ISR: no allocation
         """Stand at the beginning of the arc `plan`."""
@@ -156,73 +143,15 @@ class Circle:
             self._used += self._next - before
         self._begin(count, self._climb(count, length), self._used)
 
-    def _begin(self, count, z, length):  # ISR: no allocation
-        """A run of `count` circle steps and `z` steps of the third axis that lasts as long as `length` of path."""
-        plan = self._plan
-        words = count if count > z else z
-        length += self._coarse
-        if length < 0:
-            length = 0
-        self.path = length >> (FINE - COARSE)
-        self._coarse = length & ((1 << (FINE - COARSE)) - 1)
-        self.words = self.left = words
-        self._count = count
-        self._rise = 2 * count
-        self._fall = 2 * words
-        self._decision = self._rise - words
-        self._z_rise = 0
-        if z:
-            self._z_rise = self._z_climb // words
-            self._z_start += self._z_climb % words  # less than 2⁻¹⁰ step: nothing is lost at the end
-        odd = self._region & 1
-        self._u_axis = plan[AXIS_A] if odd else plan[AXIS_B]
-        self._w_axis = plan[AXIS_B] if odd else plan[AXIS_A]
-        # ccw: u points to +y −x −y +x, w to +x +y −x −y; w's steps turn round at u = 0; cw mirrors y.
-        u_back = self._region in (1, 2)
-        w_back = (self._region >= 2) != (self._u >= 0)
-        if plan[MIRROR]:
-            if odd:
-                w_back = not w_back
-            else:
-                u_back = not u_back
-        negative = 0
-        if u_back:
-            negative |= 1 << self._u_axis
-        if w_back:
-            negative |= 1 << self._w_axis
-        moving = 1 << self._u_axis | 1 << self._w_axis
-        if plan[Z_STEPS]:
-            moving |= 1 << plan[AXIS_Z]
-            if plan[Z_STEPS] < 0:
-                negative |= 1 << plan[AXIS_Z]
-        self.moving = moving
-        self.negative = negative
-
     def _run_tail(self):  # ISR: no allocation
-        """The last short line, from the circle to the end: the longest axis is walked as u, the others as w and z."""
+        """The last short line, from the circle to the end, where there is one."""
         self.left = 0
         if not self._tail:
             return
         self._tail = 0
-        plan = self._plan
-        a, b, z = plan[TAIL_A], plan[TAIL_B], plan[TAIL_Z]
-        words = max(abs(a), abs(b), abs(z))
-        self.left = self.words = words
-        self.to_go = max(abs(a), abs(b)) or words
-        self.path = self.to_go << COARSE
+        self._begin_tail()
+        self.to_go = self.path >> COARSE
         self.fine = 0
-        self._count = -1
-        self._fall = 2 * words
-        self._rise, self._decision = 2 * abs(a), 2 * abs(a) - words
-        self._w_rise, self._w_decision = 2 * abs(b), 2 * abs(b) - words
-        self._z_rise, self._z_decision = 2 * abs(z), 2 * abs(z) - words
-        self.moving = self.negative = 0
-        for i in range(3):
-            delta = plan[TAIL_A + i]
-            if delta:
-                self.moving |= 1 << plan[i]
-                if delta < 0:
-                    self.negative |= 1 << plan[i]
 
     def _straight(self, u, w):  # ISR: no allocation
         """How many steps from here may be one run."""
@@ -334,108 +263,3 @@ class Circle:
         length = (count << FINE) + count * excess
         chord = divide(count << scale, by, 12)
         return length - ((length >> 16) * (chord * chord) // 3 >> 8)
-
-    # --- walking
-
-    def walk(self, out, at, count):  # ISR: no allocation
-        """Write the masks of the next `count` (≤ left, ≤ MAX_RUN) words to out[at:]; add them to `made`."""
-        if self._count < 0:
-            self._walk_tail(out, at, count)
-        elif self._rise == self._fall:
-            self._walk_circle(out, at, count)
-            if self._z_rise:
-                self._walk_third(out, at, count)
-        else:
-            self._walk_steep(out, at, count)
-        self.left -= count
-        if not self.left:
-            self._run()
-
-    def _add(self, axis, steps):  # ISR: no allocation
-        self.made[axis] += -steps if self.negative >> axis & 1 else steps
-
-    def _walk_circle(self, out, at, count):  # ISR: no allocation
-        u = self._u
-        w = self._w
-        first = w
-        error = self._error
-        u_bit = 1 << self._u_axis
-        both = u_bit | 1 << self._w_axis
-        if u < 0:
-            for i in range(at, at + count):
-                error += 2 * u + 1
-                u += 1
-                near = error + 2 * w + 1
-                if near < -error:
-                    error = near
-                    w += 1
-                    out[i] = both
-                else:
-                    out[i] = u_bit
-        else:
-            for i in range(at, at + count):
-                error += 2 * u + 1
-                u += 1
-                near = error - 2 * w + 1
-                if -near < error:
-                    error = near
-                    w -= 1
-                    out[i] = both
-                else:
-                    out[i] = u_bit
-        self._u = u
-        self._w = w
-        self._error = error
-        self._add(self._u_axis, count)
-        self._add(self._w_axis, abs(w - first))
-
-    def _walk_third(self, out, at, count):  # ISR: no allocation
-        bit = 1 << self._plan[AXIS_Z]
-        rise = self._z_rise
-        place = self._z_start
-        steps = 0
-        for i in range(at, at + count):
-            place += rise
-            if place >= _Z_ONE:
-                out[i] |= bit
-                place -= _Z_ONE
-                steps += 1
-        self._z_start = place
-        self._add(self._plan[AXIS_Z], steps)
-
-    def _walk_steep(self, out, at, count):  # ISR: no allocation
-        """The third axis dominates: it steps every time, and the circle now and then."""
-        bit = 1 << self._plan[AXIS_Z]
-        decision = self._decision
-        for i in range(at, at + count):
-            if decision > 0:
-                self._walk_circle(out, i, 1)
-                out[i] |= bit
-                decision -= self._fall
-            else:
-                out[i] = bit
-            decision += self._rise
-        self._decision = decision
-        self._add(self._plan[AXIS_Z], count)
-
-    def _walk_tail(self, out, at, count):  # ISR: no allocation
-        plan = self._plan
-        a, b, z = plan[AXIS_A], plan[AXIS_B], plan[AXIS_Z]
-        for i in range(at, at + count):
-            mask = 0
-            if self._decision > 0:
-                mask = 1 << a
-                self._decision -= self._fall
-                self._add(a, 1)
-            if self._w_decision > 0:
-                mask |= 1 << b
-                self._w_decision -= self._fall
-                self._add(b, 1)
-            if self._z_rise and self._z_decision > 0:
-                mask |= 1 << z
-                self._z_decision -= self._fall
-                self._add(z, 1)
-            self._decision += self._rise
-            self._w_decision += self._w_rise
-            self._z_decision += self._z_rise
-            out[i] = mask

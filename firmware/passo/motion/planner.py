@@ -189,7 +189,7 @@ class Planner:
         there.
         """
         from passo.motion import arc, arc_speed
-        from passo.motion.circle import PLAN, STEPS
+        from passo.motion.arc_plan import PLAN, STEPS
 
         limits = self._limits
         if limits is None:

@@ -1,12 +1,10 @@
 """Cuts a block into segments of about a millisecond: how many dominant steps, and how many ticks they last.
 
 A segment is never cut inside a dominant interval: where steps are further apart it is one step long. At programmed
-speed a
-line's total is exact: the ticks that do not divide by its steps are spread over all of it.
+speed a line's total is exact: the ticks that do not divide by its steps are spread over all of it.
 
 With acceleration the ramp carries q, the square of the speed, in units of the block's own (see profile.py), because
-along
-the path q is linear: it gains at most `gain` a step. Each segment's end takes the largest q that
+along the path q is linear: it gains at most `gain` a step. Each segment's end takes the largest q that
 
     - the block's speed and the override allow, or, in a hold, the least that can be reached
     - still leaves room to slow down to the block's planned exit, `leave`
@@ -27,12 +25,13 @@ from micropython import const
 from passo.motion.block import ARC, COARSE
 from passo.motion.integers import divide
 from passo.motion.line import MAX_RUN
+from passo.motion.ramp_ticks import gained, loss, path_ticks, root_of
 
 SEGMENT_TICKS = const(12_500)  # 1 ms
 _MAX_RAMP = const(255)  # most steps of a segment whose speed may change, so that no product here reaches 2³⁰
-FAR = const(0x1FFFFFFF)  # 2²⁹ − 1: the most q a segment may gain
+_FAR = const(0x1FFFFFFF)  # FAR and V_BITS of ramp_ticks, known to the compiler
 HIGHEST = const(0x3FFFFFFF)
-_V_BITS = const(7)  # fraction bits of a speed; with them it has 22 at most
+_V_BITS = const(7)
 
 
 class Ramp:
@@ -110,7 +109,7 @@ class Ramp:
         if self._arc:
             walker = self._walker
             steps = self._arc_steps(left, walker, self._each, 0)
-            self.ticks = self._path_ticks(self._arc_path(steps, walker), self._each, self._rest)
+            self.ticks = path_ticks(self._arc_path(steps, walker), self._each, self._rest)
         else:
             steps = SEGMENT_TICKS // self._each or 1
             if steps > left:
@@ -149,19 +148,6 @@ class Ramp:
         self._done += steps
         return divide(walker.path * steps, walker.words, 17 - COARSE)
 
-    def _path_ticks(self, path, each, part):  # ISR: no allocation
-        """Ticks of `path` (2⁻¹⁷ steps) at each + part / 128 a step."""
-        whole = path >> 17
-        fraction = path & 0x1FFFF
-        if each < 0x80000:
-            ticks = (whole * part >> 7) + (fraction * part >> 24)
-            ticks += ((fraction >> 7) * each >> 10) + ((fraction & 127) * each >> 17)
-        elif each < 0x800000:
-            ticks = fraction * (each >> 10) >> 7
-        else:
-            ticks = (fraction >> 7) * (each >> 10)
-        return (whole * each + ticks) or 1
-
     # --- with acceleration
 
     def _cut_ramp(self, left, percent, hold):  # ISR: no allocation
@@ -177,7 +163,7 @@ class Ramp:
             if not q:
                 return
         gain = block.gain
-        most = FAR // gain or 1
+        most = _FAR // gain or 1
         if most > _MAX_RAMP:
             most = _MAX_RAMP
         # How many steps: a millisecond of them at this speed, one from rest.
@@ -201,9 +187,9 @@ class Ramp:
         if self._arc:
             walker = self._walker
             path = self._arc_path(steps, walker)
-            change = FAR
-            if path >> 17 <= FAR // gain:
-                change = self._gained(gain, path >> 17, path & 0x1FFFF)
+            change = _FAR
+            if path >> 17 <= _FAR // gain:
+                change = gained(gain, path >> 17, path & 0x1FFFF)
             done = divide(walker.path * self._done, walker.words, 17 - COARSE) + (walker.fine >> 3)
             togo = walker.to_go - (done >> 17)
             part = -done & 0x1FFFF
@@ -216,8 +202,8 @@ class Ramp:
             change = steps * gain
             togo = left - steps
             part = 0
-        if change > FAR:
-            change = FAR
+        if change > _FAR:
+            change = _FAR
         if q < cap:
             aim = cap if cap - q <= change else q + change
         else:
@@ -227,7 +213,7 @@ class Ramp:
             if togo < 0:
                 aim = leave
             elif togo + (1 if part else 0) <= HIGHEST // gain:
-                room = self._gained(gain, togo, part)
+                room = gained(gain, togo, part)
                 if room < aim - leave:
                     aim = leave + room
         # The peak in between, and the time.
@@ -240,43 +226,23 @@ class Ramp:
             peak = q
         if peak < 1:
             peak = 1
-        after = self._root(aim)
+        after = root_of(aim, self._speed)
         top = block.top
         if q == aim == peak and percent == 100 and q == top * top and not self._arc:
             self.ticks = self._nominal(steps)
         else:
-            fast = self._root(peak)
+            fast = root_of(peak, self._speed)
             each = self._step_ticks(block.span, fast)
-            ticks = self._path_ticks(path, each, self._part)
+            ticks = path_ticks(path, each, self._part)
             if fast != self._speed:
-                ticks += self._loss(block, fast, fast - self._speed)
+                ticks += loss(block, fast, fast - self._speed)
             if fast != after:
-                ticks += self._loss(block, fast, fast - after)
+                ticks += loss(block, fast, fast - after)
             self.ticks = ticks
         self._q = aim
         self.pace = self._speed + after >> _V_BITS + 1
         self._speed = after
         self.steps = steps
-
-    def _gained(self, gain, steps, part):  # ISR: no allocation
-        """gain · (steps + part / 2¹⁷)."""
-        if not part:
-            return steps * gain
-        return steps * gain + (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
-
-    def _root(self, q):  # ISR: no allocation
-        """√q with _V_BITS fraction bits."""
-        if q < 1:
-            return 0
-        root = (self._speed >> _V_BITS) or 0x2000
-        better = (root + q // root) >> 1
-        while better > root + 1 or better < root - 1:
-            root = better
-            better = (root + q // root) >> 1
-        root = better
-        while root * root > q:
-            root -= 1
-        return (root << _V_BITS) + ((q - root * root) << _V_BITS - 1) // root
 
     def _step_ticks(self, span, speed):  # ISR: no allocation
         """span·64 / speed: the ticks of a step at `speed`; what is left over, in 128ths, goes to `_part`."""
@@ -284,24 +250,5 @@ class Ramp:
         rest = (span % speed) << 6
         part = rest % speed
         self._part = (part << _V_BITS) // speed
-        whole = whole << 6 if whole < 0x800000 else FAR
+        whole = whole << 6 if whole < 0x800000 else _FAR
         return whole + rest // speed
-
-    def _loss(self, block, fast, change):  # ISR: no allocation
-        """Ticks that a change of speed up to `fast` costs, against having that speed all along: t · change / 2·fast.
-
-        Rounded up: never more acceleration than allowed.
-        """
-        ratio = divide(change, fast, 14)  # ≤ 2¹⁴
-        shift = block.time_shift + _V_BITS
-        while change >= 0x8000:
-            change >>= 1
-            shift -= 1
-        ticks = change * block.time  # 15 bits by 15
-        if shift >= 0:
-            ticks >>= shift
-        else:
-            ticks = ticks << -shift if ticks < FAR >> -shift else FAR
-        if ticks < 0x8000:
-            return (ticks * ratio >> 15) + 1
-        return (ticks >> 15) * ratio + ((ticks & 0x7FFF) * ratio >> 15) + 1
