@@ -12,6 +12,7 @@ from host_tools.failure import Failure
 from host_tools.flash import flash
 from host_tools.keys import keys
 from host_tools.link import link
+from host_tools.log import log
 from host_tools.plot import plot
 from host_tools.ports import ports
 from host_tools.pulses import app as pulses
@@ -28,7 +29,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
 )
 
-for _verb in (board, emulate, draw, send, stream, keys, check, settings, link, plot, ports, build, flash):
+for _verb in (board, emulate, draw, send, stream, keys, check, settings, link, log, plot, ports, build, flash):
     app.command()(_verb)
 app.add_typer(pulses, name="pulses")
 app.add_typer(torch, name="torch")

@@ -64,9 +64,11 @@ def check_the_board_file_names_another():
     assert two.packet("SPEED", 900) == b"s"
     assert two.line("G0 X1") == "error:%d" % errors.COMMANDED_ELSEWHERE
     assert two.logged() == [(errors.COMMANDED_ELSEWHERE, "pc")]
-    for line in ("$$", "$G", "$#", "$I", "$N", "", "$LINK"):
+    for line in ("$$", "$G", "$#", "$I", "$N", "", "$LINK", "$LOG"):
         assert two.line(line) == "ok", line
     assert two.machine.ask("$LINK")[0] == "[LINK:2,draw]"
+    log = two.machine.ask("$LOG")
+    assert log[0].split(",")[1:] == ["112", "pc]"] and log[1:] == ["[LOGGED:1x112]", "ok"]
     assert two.machine.status()["state"] == "Idle"
 
 

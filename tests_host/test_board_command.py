@@ -208,6 +208,9 @@ def test_the_command_is_handed_over_from_both_links(tmp_path):
         assert passo("send", "--port", board.port, "SPEED 900", "LINK 2").returncode == 0
         assert passo(*grbl).stdout == "link 2, usb, commands\n"
         assert "no link of this number" in passo(*grbl, 3).stderr
+        logged = passo("log", "--port", usb).stdout.splitlines()
+        assert logged[0].split()[1:4] == ["s", "pc", "112"] and logged[0].endswith("hand the command over first")
+        assert logged[-1] == "since the start: 1 times 112, 1 times 113"
         assert "it has no word for that" in passo("link", "--protocol", "keys", "--port", usb).stderr
         assert "plotter has no word for who commands" in passo(*plotter).stderr
         assert board.end()[0] == 0

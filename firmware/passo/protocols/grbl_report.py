@@ -36,6 +36,14 @@ def link(number, name):
     return "[LINK:%d,%s]\r\n" % (number, name)
 
 
+def log(log):
+    """The lines of $LOG, the oldest first: milliseconds, number, which link or input; then how many times each number
+    has been since the start."""
+    lines = ["[LOG:%d,%d,%s]\r\n" % (ms, number, who or "") for ms, number, who in log.entries]
+    counts = ["%dx%d" % (log.counts[number], number) for number in sorted(log.counts)]
+    return "".join(lines) + "[LOGGED:%s]\r\n" % ",".join(counts)
+
+
 def decimal(value, places):
     """`value` in units of 10⁻ᵖˡᵃᶜᵉˢ as text."""
     unit = 10**places

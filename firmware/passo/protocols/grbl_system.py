@@ -44,6 +44,8 @@ class System:
             return answer(self._all()) if state not in ("run", "hold") else errors.BUSY
         if line == "$G":
             return answer(grbl_report.modes(self._gcode, self.inches()))
+        if line == "$LOG":
+            return answer(grbl_report.log(self._machine.log))
         if line[:5] == "$LINK":
             return self._link(line[5:])
         if line not in _QUERIES and not self._machine.links.listening():
