@@ -37,7 +37,7 @@ class Course:
     """What a file draws: strokes, box, steps, time."""
 
     def __init__(self, found, board):
-        from passo.control.track import lengths_of
+        from passo.control.track_intake import lengths_of
         from passo.protocols.commands import TRACK_DEFAULT, TRACK_FASTEST, TRACK_SPEED, TRACK_TOOL, TRACK_WAIT
 
         axes = board["axes"]

@@ -339,7 +339,7 @@ def image(file: PulseFile, board: BoardName = BOARD):
     """
     from host_tools import pulse_file
     from passo.protocols.commands import TRACK_DRIVES, TRACK_TOOL
-    from passo.protocols.pulses import port_byte
+    from passo.protocols.pulses_report import port_byte
 
     config, axes = _board(board)
     drives = tool = False

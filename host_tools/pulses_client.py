@@ -11,7 +11,8 @@ import time
 from host_tools.failure import Failure
 from host_tools.wire import LinkError, open_port
 from passo.protocols import errors
-from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame, status_from
+from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame
+from passo.protocols.pulses_report import status_from
 
 POLL_S = 0.1
 TIMEOUT_S = 5.0

@@ -1,7 +1,6 @@
 """Playing a track: forward, backward, step by step, again and again, with manual moves in between and the way back.
 
-What a track is stands in motion/track.py; it comes here by TRACK_ADD, as it is stored whole and then played, or is
-played as it comes. TRACK says what to do with it. Every stand is at a step, and every start goes on from there: a pause
+What a track is stands in motion/track.py, how it comes in track_intake.py. TRACK says what to do with it. Every stand is at a step, and every start goes on from there: a pause
 takes the walk off the queue, so that a turn-round, a manual move or a single step may follow.
 
 Manual moves at a pause are a track of their own, which the automatic return walks backward.
@@ -11,52 +10,23 @@ from array import array
 from micropython import const
 
 from passo.control import settings as table
-from passo.control.part import Part
-from passo.motion import track as marks
-from passo.motion.integers import isqrt
+from passo.control.track_intake import ASK, DRIVES_ON, TrackIntake, lengths_of
 from passo.motion.track import COUNT, Track, run
 from passo.protocols import commands, errors
 from passo.protocols.commands import FINISHED, Event
 from passo.steps.track_walker import ENDLESS, TrackWalker
 from passo.steps.word import us_to_ticks
 
-LATER = const(-1)
 MOST_PASSES = const(100)
 _MANUAL_CELLS = const(256)
-# A stream sets out with so many units in hand, so that the board's pauses for breath do not show, or after so long.
-_GATHER = const(512)
-_GATHER_MS = const(50)
-
-# STATION's values.
-DRIVES_OFF = const(0)
-DRIVES_ON = const(1)
-ASK = const(2)  # the operator sets the speed
+_GATHER = const(512)  # units that a stream sets out with, so that the board's pauses for breath do not show
 
 _IDLE = const(0)
 _RUN = const(1)
 _HAND = const(2)  # manual moves
 _RETURN = const(3)  # the way back of the manual moves
 
-_KINDS = {
-    commands.TRACK_WAIT: marks.WAIT,
-    commands.TRACK_TOOL: marks.TOOL,
-    commands.TRACK_SPEED: marks.SPEED,
-}
-
-
-def lengths_of(axes):
-    """For each mask of `axes` (of the board file) how far a step of them goes, nm × 60."""
-    lengths = array("i", [0] * (1 << len(axes)))
-    for mask in range(1, len(lengths)):
-        total = 0
-        for axis in range(len(axes)):
-            if mask >> axis & 1:
-                total += (60_000_000_000 * 1024 // axes[axis]["steps_per_m"]) ** 2
-        lengths[mask] = (isqrt(total) + 512) >> 10
-    return lengths
-
-
-class TrackPlayer(Part):
+class TrackPlayer(TrackIntake):
     def __init__(self, board, machine):
         """`machine`: the controller; see its face towards its parts."""
         config = board["track"]
@@ -129,105 +99,9 @@ class TrackPlayer(Part):
         self._walker.gap = self._least_ticks
         self._stand()
 
-    def _clamp(self, mm_min):
-        return min(mm_min or self._default, self.fastest)
-
-    # --- the track comes
-
-    def _add(self, command):
-        """TRACK_ADD."""
-        return (self._open, self._items, self._close, self._abort)[command.value](command)
-
-    def _open(self, command):
-        machine = self._machine
-        if self._streaming and self.active() and not self.track.open:
-            return LATER
-        refusal = machine.unready()
-        if refusal:
-            return refusal
-        if machine.state != "idle" or not self._queue.still():
-            return errors.BUSY
-        self._reset()
-        self._streaming = command.tool
-        self._loading = not command.tool
-        self.track.clear(self._clamp(self._default), command.tool)
-        self.track.open = True
-        self._walker.rewind()
-        self._origin = self._queue.target[:]
-        self._command = command
-        return machine.accepted(command)
-
-    def _items(self, command):
-        track = self.track
-        if not track.open:
-            return errors.NO_TRACK
-        if self._streaming and self._room() < 2 * len(command.target) + 2:
-            return LATER
-        for item in command.target:
-            if not self._append(item):
-                self._reset()
-                return errors.TRACK_FULL
-        if self._streaming:
-            if not self._reachable():
-                self._fail()
-                return errors.TRAVEL
-            if self._mode == _IDLE and not self._midway and self._start_ms is None:
-                self._start_ms = self._machine.port.machine_ms() + _GATHER_MS
-        return self._machine.accepted(command)
-
-    def _append(self, item):
-        """Add an item of the shared vocabulary (commands.TRACK_…) to the track."""
-        if item & 15:
-            return self.track.append(item)
-        kind = item >> 4 & 15
-        value = item >> 8
-        if kind in _KINDS:
-            if kind == commands.TRACK_TOOL and self._dry_run:
-                value = 0
-            if kind == commands.TRACK_SPEED:
-                value = min(value, self.fastest)
-            return self.track.append(marks.mark(_KINDS[kind], value))
-        if kind == commands.TRACK_FASTEST:
-            return self.track.append(marks.mark(marks.SPEED, self.fastest))
-        if kind == commands.TRACK_DEFAULT:
-            return self.track.append(marks.mark(marks.SPEED, self._clamp(self._default)))
-        station = ASK if kind == commands.TRACK_ASK else value
-        return self.track.append(marks.mark(marks.STATION, station))
-
-    def _room(self):
-        """Cells that may be filled: the other half of the window is kept for the way back."""
-        ahead = (self.track.end - self._walker.cell) & COUNT
-        return self.track.size // 2 - ahead
-
-    def _reachable(self):
-        machine = self._machine
-        if not machine.homed or not machine.settings.value(table.SOFT_LIMITS):
-            return True
-        track = self.track
-        again = self._passes - 1
-        for reach in (track.low, track.high):
-            for times in (0, again):
-                place = [self._origin[axis] + times * track.at[axis] + reach[axis] for axis in range(track.axes)]
-                if not self._queue.inside(place):
-                    return False
-        return True
-
-    def _close(self, command):
-        if not self.track.open:
-            return errors.NO_TRACK
-        self.track.open = self._loading = False
-        if self._streaming and self._mode == _IDLE and not self._midway and not self.track.total:
-            self._streaming = False
-            self._tell("end")
-        return self._machine.accepted(command, self.track.total)
-
-    def _abort(self, command):
-        """The rest makes no sense: what was stored is forgotten, what was played as it came stops."""
-        self._fail()
-        return command.error
-
     def _fail(self):
-        if self._mode == _IDLE:
+        """What was stored is forgotten; what was played as it came stops, the tool off."""
+        if not self._streaming:
             self._reset()
             return
         self.track.open = False

@@ -21,7 +21,7 @@ Codes outside a file are streamed, too, until the line is quiet. Answers are lin
     ok                     done, or begun; after {end} `ok N`: so many commands
     error:120              refused; of a file `error:120 line 3 column 7`, and nothing of it is left
     end   start   speed    the file has been played, or played back to its start; the operator's speed is wanted
-    <…>                    to {?}: see status()
+    <…>                    to {?}: see pulses_report.py
     ready   alarm:201
 
 Flow control: a host has at most WINDOW bytes of a file under way. For every CREDIT of them that the board has taken in
@@ -42,6 +42,7 @@ from passo.protocols.commands import (
     TRACK_HAND_TOOL, TRACK_ITEMS, TRACK_JOG, TRACK_OPEN, TRACK_PACE, TRACK_PASSES, TRACK_RETURN, TRACK_SPEED,
     TRACK_STEP, TRACK_TOOL, TRACK_WAIT, UNLOCK, Command,
 )  # fmt: skip
+from passo.protocols.pulses_report import status
 
 WINDOW = const(512)
 CREDIT = const(64)
@@ -84,22 +85,6 @@ _DROP = const(3)  # after an error, until the next control command or a quiet li
 def frame(*words):
     """The bytes of a control command."""
     return ("{" + " ".join([str(word) for word in words]) + "}").encode()
-
-
-def port_byte(step, tool, drives, config):
-    """The image of the parallel port while `step` (a byte of CODES, 0: none) is made; `config`: the section `track`."""
-    image = (0x80 if drives else 0) | (1 if tool else 0)
-    for axis in range(3):
-        if step >> axis & 1:
-            image |= 4 << 2 * axis
-            if not step >> 4 + axis & 1:
-                image |= 2 << 2 * axis
-    shown = 0
-    for bit in range(8):
-        place = config["port_bits"][7 - bit]
-        if place != "-" and (image ^ config["port_invert"]) >> bit & 1:
-            shown |= 1 << int(place)
-    return shown
 
 
 class Pulses:
@@ -415,44 +400,3 @@ class Pulses:
         if event.kind == ALARM:
             return b"alarm:%d\n" % event.error
         return b"ready\n" if event.kind == RESTARTED else b""
-
-
-def status(report, config):
-    """The line that answers {?}: `<state:run at:34 of:100 pass:1/5 going:+ speed:1000.2 wait:0 place:1,2,3 …>`.
-
-    at, of: commands of the file played, and in all; going: - backward; speed: mm/min, as the whole microseconds of a
-    period make it; wait: ms to go; place: steps; manual: units of manual moves; port: the port's image in hex, its
-    directions those of the step being made; ask: 1 where the operator's speed is wanted.
-    """
-    track = report["track"]
-    speed = track["speed"]
-    fields = (
-        ("state", report["state"]),
-        ("at", track["place"]),
-        ("of", track["total"]),
-        ("pass", "%d/%d" % (track["pass"], track["passes"])),
-        ("going", "-" if track["backward"] else "+"),
-        ("speed", "%d.%d" % (speed // 10, speed % 10)),
-        ("wait", track["wait_ms"]),
-        ("ask", 1 if track["asked"] else 0),
-        ("place", ",".join([str(place) for place in report["position"]])),
-        ("manual", track["manual"]),
-        ("tool", 1 if track["tool"] else 0),
-        ("drives", 1 if track["drives"] else 0),
-        ("port", "%02X" % port_byte(track["moving"] | track["negative"] << 4, track["tool"], track["drives"], config)),
-        ("room", track["room"]),
-        ("error", report["error"]),
-    )
-    return "<" + " ".join(["%s:%s" % field for field in fields]) + ">\n"
-
-
-def status_from(line):
-    """The fields of a status line as a dict of texts. Raises ValueError where it is none."""
-    line = line.strip()
-    if not (line.startswith("<state:") and line.endswith(">")):
-        raise ValueError("not a status line")
-    fields = {}
-    for field in line[1:-1].split(" "):
-        name, colon, value = field.partition(":")
-        fields[name] = value
-    return fields

@@ -1,0 +1,136 @@
+"""How a track comes to the machine: stored whole, or played as it comes; its items are those of protocols/commands.py."""
+
+from array import array
+from micropython import const
+
+from passo.control import settings as table
+from passo.control.part import Part
+from passo.motion import track as marks
+from passo.motion.integers import isqrt
+from passo.motion.track import COUNT
+from passo.protocols import commands, errors
+
+LATER = const(-1)
+_GATHER_MS = const(50)  # how long a stream is waited for, so that it sets out with some of it in hand
+
+# STATION's values.
+DRIVES_OFF = const(0)
+DRIVES_ON = const(1)
+ASK = const(2)  # the operator sets the speed
+
+_KINDS = {
+    commands.TRACK_WAIT: marks.WAIT,
+    commands.TRACK_TOOL: marks.TOOL,
+    commands.TRACK_SPEED: marks.SPEED,
+}
+
+
+def lengths_of(axes):
+    """For each mask of `axes` (of the board file) how far a step of them goes, nm × 60."""
+    lengths = array("i", [0] * (1 << len(axes)))
+    for mask in range(1, len(lengths)):
+        total = 0
+        for axis in range(len(axes)):
+            if mask >> axis & 1:
+                total += (60_000_000_000 * 1024 // axes[axis]["steps_per_m"]) ** 2
+        lengths[mask] = (isqrt(total) + 512) >> 10
+    return lengths
+
+
+class TrackIntake(Part):
+    """The half of TrackPlayer that takes the track in."""
+
+    def _clamp(self, mm_min):
+        return min(mm_min or self._default, self.fastest)
+
+    def _add(self, command):
+        """TRACK_ADD."""
+        return (self._open, self._items, self._close, self._abort)[command.value](command)
+
+    def _open(self, command):
+        machine = self._machine
+        if self._streaming and self.active() and not self.track.open:
+            return LATER
+        refusal = machine.unready()
+        if refusal:
+            return refusal
+        if machine.state != "idle" or not self._queue.still():
+            return errors.BUSY
+        self._reset()
+        self._streaming = command.tool
+        self._loading = not command.tool
+        self.track.clear(self._clamp(self._default), command.tool)
+        self.track.open = True
+        self._walker.rewind()
+        self._origin = self._queue.target[:]
+        self._command = command
+        return machine.accepted(command)
+
+    def _items(self, command):
+        track = self.track
+        if not track.open:
+            return errors.NO_TRACK
+        if self._streaming and self._room() < 2 * len(command.target) + 2:
+            return LATER
+        for item in command.target:
+            if not self._append(item):
+                self._reset()
+                return errors.TRACK_FULL
+        if self._streaming:
+            if not self._reachable():
+                self._fail()
+                return errors.TRAVEL
+            if not self.active():
+                self._start_ms = self._machine.port.machine_ms() + _GATHER_MS
+        return self._machine.accepted(command)
+
+    def _append(self, item):
+        """Add an item of the shared vocabulary (commands.TRACK_…) to the track."""
+        if item & 15:
+            return self.track.append(item)
+        kind = item >> 4 & 15
+        value = item >> 8
+        if kind in _KINDS:
+            if kind == commands.TRACK_TOOL and self._dry_run:
+                value = 0
+            if kind == commands.TRACK_SPEED:
+                value = min(value, self.fastest)
+            return self.track.append(marks.mark(_KINDS[kind], value))
+        if kind == commands.TRACK_FASTEST:
+            return self.track.append(marks.mark(marks.SPEED, self.fastest))
+        if kind == commands.TRACK_DEFAULT:
+            return self.track.append(marks.mark(marks.SPEED, self._clamp(self._default)))
+        station = ASK if kind == commands.TRACK_ASK else value
+        return self.track.append(marks.mark(marks.STATION, station))
+
+    def _room(self):
+        """Cells that may be filled: the other half of the window is kept for the way back."""
+        ahead = (self.track.end - self._walker.cell) & COUNT
+        return self.track.size // 2 - ahead
+
+    def _reachable(self):
+        machine = self._machine
+        if not machine.homed or not machine.settings.value(table.SOFT_LIMITS):
+            return True
+        track = self.track
+        again = self._passes - 1
+        for reach in (track.low, track.high):
+            for times in (0, again):
+                place = [self._origin[axis] + times * track.at[axis] + reach[axis] for axis in range(track.axes)]
+                if not self._queue.inside(place):
+                    return False
+        return True
+
+    def _close(self, command):
+        if not self.track.open:
+            return errors.NO_TRACK
+        self.track.open = self._loading = False
+        if self._streaming and not self.active():
+            self._streaming = False
+            self._tell("end")
+        return self._machine.accepted(command, self.track.total)
+
+    def _abort(self, command):
+        """The rest makes no sense: what was stored is forgotten, what was played as it came stops."""
+        self._fail()
+        return command.error
