@@ -58,9 +58,9 @@ class PulsesClient:
         *whole, self._part = (self._part + data.replace(ACK, b"")).split(b"\n")
         return [line.decode("ascii", "replace").strip() for line in whole]
 
-    def _answer(self, begins, what):
+    def _answer(self, begins, what, timeout_s=TIMEOUT_S):
         """The next line that begins with one of `begins`; raises Failure at an error. Others are kept."""
-        deadline = time.monotonic() + TIMEOUT_S
+        deadline = time.monotonic() + timeout_s
         while time.monotonic() < deadline:
             found = None
             for line in self.lines():
@@ -105,7 +105,8 @@ class PulsesClient:
                 self.said.append(line)
             if not stream and time.monotonic() - latest > TIMEOUT_S:
                 raise LinkError(f"port {self.port} takes no more of the file")
-        return int(self.command("end").split()[1])
+        self.send(frame("end"))  # behind all that is still to be played of a stream
+        return int(self._answer(("ok",), "end", float("inf") if stream else TIMEOUT_S).split()[1])
 
     def wait(self, words, show=None):
         """Until the board says one of `words`; returns it. `show(status)` every 0.1 s."""

@@ -37,11 +37,10 @@ from micropython import const
 
 from passo.protocols import errors
 from passo.protocols.commands import (
-    ACCEPTED, ALARM, BAD, FINISHED, HAND_OVER, HOLD, HOME, RESTARTED, STATUS, STOP, TRACK, TRACK_ABORT, TRACK_ADD,
-    TRACK_ASK, TRACK_CLOSE, TRACK_CONTINUE, TRACK_DEFAULT, TRACK_DRIVES, TRACK_FASTEST, TRACK_GO, TRACK_HAND_DRIVES,
-    TRACK_HAND_TOOL, TRACK_ITEMS, TRACK_JOG, TRACK_OPEN, TRACK_PACE, TRACK_PASSES, TRACK_RETURN, TRACK_SPEED,
-    TRACK_STEP, TRACK_TOOL, TRACK_WAIT, UNLOCK, Command,
+    ACCEPTED, ALARM, BAD, FINISHED, RESTARTED, STATUS, STOP, TRACK, TRACK_ABORT, TRACK_ADD, TRACK_ASK, TRACK_CLOSE,
+    TRACK_DEFAULT, TRACK_DRIVES, TRACK_FASTEST, TRACK_ITEMS, TRACK_OPEN, TRACK_SPEED, TRACK_TOOL, TRACK_WAIT, Command,
 )  # fmt: skip
+from passo.protocols.pulses_control import number, understand
 from passo.protocols.pulses_report import status
 
 WINDOW = const(512)
@@ -72,8 +71,6 @@ _MARKS = {
     0x40: TRACK_DEFAULT << 4,  # @
 }
 _BLANKS = b" \t\r\n"
-_PLAIN = {"pause": HOLD, "stop": STOP, "?": STATUS, "home": HOME, "unlock": UNLOCK}
-_VERBS = {"run": TRACK_GO, "step": TRACK_STEP, "return": TRACK_RETURN, "continue": TRACK_CONTINUE, "repeat": TRACK_PASSES}
 
 # What becomes of the bytes of files.
 _TYPED = const(0)  # no {load} or {stream} has been said
@@ -295,45 +292,21 @@ class Pulses:
     def _command(self, words, found):
         """The Command of a control command's words; None where it has been dealt with."""
         verb = words[0] if words else ""
-        number = words[1] if len(words) == 2 else ""
-        value = int(number) if number.isdigit() and len(number) < 9 else -1
-        if verb in ("load", "stream") and (len(words) == 1 or value >= 0):
-            return self._open_file(verb == "stream", max(value, 0), found)
-        if verb == "end" and len(words) == 1:
-            if self._mode in (_LOAD, _STREAM):
-                self._close(found)
-                return None
-            return Command(BAD, error=errors.NO_TRACK)
-        if verb in _PLAIN and len(words) == 1:
-            if verb == "stop":
-                self._mode = _DROP
-                self._open = False
-                self._begin(0)
-            return Command(_PLAIN[verb])
-        command = None
-        if verb in _VERBS:
-            command = Command(TRACK, None, _VERBS[verb])
-            if number == "back" and verb in ("step", "return", "continue"):
-                command.tool = True
-            elif value >= 0 and verb in ("run", "repeat"):
-                command.power = value
-                if not value:
-                    return Command(BAD, error=errors.PASSES)
-            elif len(words) != 1 or verb == "repeat":
-                command = None
-        elif verb == "back" and len(words) == 1:
-            command = Command(TRACK, None, TRACK_GO, True)
-        elif verb == "speed" and value >= 0:
-            command = Command(TRACK, None, TRACK_PACE)
-            command.feed = value
-        elif verb in ("tool", "drives") and number in ("on", "off"):
-            kind = TRACK_HAND_TOOL if verb == "tool" else TRACK_HAND_DRIVES
-            command = Command(TRACK, None, kind, number == "on")
-        elif verb == "link" and (len(words) == 1 or value > 0):
-            command = Command(HAND_OVER, None, max(value, 0))
-        elif verb == "jog":
-            command = self._jog(words)
-        return command or Command(BAD, error=errors.NO_CONTROL)
+        if verb in ("load", "stream") and len(words) < 3:
+            size = number(words[1]) if len(words) == 2 else 0
+            if size >= 0:
+                return self._open_file(verb == "stream", size, found)
+        elif verb == "end" and len(words) == 1:
+            if self._mode not in (_LOAD, _STREAM):
+                return Command(BAD, error=errors.NO_TRACK)
+            self._close(found)
+            return None
+        command = understand(words, self._axes)
+        if command.kind == STOP:
+            self._mode = _DROP
+            self._open = False
+            self._begin(0)
+        return command
 
     def _open_file(self, stream, size, found):
         if self._open:
@@ -344,19 +317,6 @@ class Pulses:
         self._mode = _STREAM if stream else _LOAD
         self._open = True
         return Command(TRACK_ADD, None, TRACK_OPEN, stream)
-
-    def _jog(self, words):
-        target = [0] * len(self._axes)
-        if len(words) < 3 or len(words) % 2 == 0:
-            return None
-        for place in range(1, len(words), 2):
-            axis = self._axes.find(words[place])
-            number = words[place + 1]
-            digits = number[1:] if number[0] in "+-" else number
-            if axis < 0 or len(words[place]) != 1 or not digits.isdigit() or len(digits) > 6:
-                return None
-            target[axis] += int(number)
-        return Command(TRACK, target, TRACK_JOG)
 
     # --- events to bytes
 

@@ -1,0 +1,69 @@
+"""The control commands of the language of pulse codes: what stands between braces, but for those that frame a file.
+
+    understand(["jog", "x", "100"], "xyz")      # a Command; BAD where there is no such command
+"""
+
+from passo.protocols import errors
+from passo.protocols.commands import (
+    BAD, HAND_OVER, HOLD, HOME, STATUS, STOP, TRACK, TRACK_CONTINUE, TRACK_GO, TRACK_HAND_DRIVES, TRACK_HAND_TOOL,
+    TRACK_JOG, TRACK_PACE, TRACK_PASSES, TRACK_RETURN, TRACK_STEP, UNLOCK, Command,
+)  # fmt: skip
+
+_PLAIN = {"pause": HOLD, "stop": STOP, "?": STATUS, "home": HOME, "unlock": UNLOCK}
+_VERBS = {"run": TRACK_GO, "step": TRACK_STEP, "return": TRACK_RETURN, "continue": TRACK_CONTINUE, "repeat": TRACK_PASSES}
+
+
+def number(text):
+    """The whole number that `text` is, or -1."""
+    return int(text) if text.isdigit() and len(text) < 9 else -1
+
+
+def understand(words, axes):
+    """The Command of `words`; `axes`: the names of those that a jog may move."""
+    verb = words[0] if words else ""
+    said = words[1] if len(words) == 2 else ""
+    value = number(said)
+    command = None
+    if verb in _PLAIN and len(words) == 1:
+        return Command(_PLAIN[verb])
+    if verb in _VERBS:
+        command = _verb(verb, said, value, len(words) == 1)
+    elif verb == "back" and len(words) == 1:
+        command = Command(TRACK, None, TRACK_GO, True)
+    elif verb == "speed" and value >= 0:
+        command = Command(TRACK, None, TRACK_PACE)
+        command.feed = value
+    elif verb in ("tool", "drives") and said in ("on", "off"):
+        command = Command(TRACK, None, TRACK_HAND_TOOL if verb == "tool" else TRACK_HAND_DRIVES, said == "on")
+    elif verb == "link" and (len(words) == 1 or value > 0):
+        command = Command(HAND_OVER, None, max(value, 0))
+    elif verb == "jog":
+        command = _jog(words, axes)
+    return command or Command(BAD, error=errors.NO_CONTROL)
+
+
+def _verb(verb, said, value, alone):
+    command = Command(TRACK, None, _VERBS[verb])
+    if said == "back" and verb in ("step", "return", "continue"):
+        command.tool = True
+    elif value >= 0 and verb in ("run", "repeat"):
+        command.power = value
+        if not value:
+            return Command(BAD, error=errors.PASSES)
+    elif not alone or verb == "repeat":
+        return None
+    return command
+
+
+def _jog(words, axes):
+    target = [0] * len(axes)
+    if len(words) < 3 or len(words) % 2 == 0:
+        return None
+    for place in range(1, len(words), 2):
+        axis = axes.find(words[place])
+        steps = words[place + 1]
+        digits = steps[1:] if steps[0] in "+-" else steps
+        if axis < 0 or len(words[place]) != 1 or not digits.isdigit() or len(digits) > 6:
+            return None
+        target[axis] += int(steps)
+    return Command(TRACK, target, TRACK_JOG)
