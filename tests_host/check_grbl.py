@@ -144,7 +144,7 @@ def check_status_report():
     assert fields["WCO"] == "1.500,0.000,0.000"
     machine.do("$10=2")
     fields = machine.status()
-    assert fields["WPos"] == "-1.500,0.000,0.000" and fields["Bf"] == "128,128" and "MPos" not in fields
+    assert fields["WPos"] == "-1.500,0.000,0.000" and fields["Bf"] == "96,128" and "MPos" not in fields
     machine.do("$13=1", "N7 G1 X30 F600 S500 M3")
     machine.turns(20)
     fields = machine.status()

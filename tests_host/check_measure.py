@@ -11,7 +11,7 @@ from passo.motion.profile import FEED, MOST, NEWEST, SIZE, STRIDE, TICKS_PER_S, 
 
 CASES = {"check_numbers": (("seed", "seed"),), "check_machine_code": (("seed", "seed"),)}
 RUNS = {"check_numbers": 200, "check_machine_code": 40}
-ANNOTATIONS = (": ptr32", ": int", " -> int", "@micropython.viper\n")
+ANNOTATIONS = (": ptr32", ": ptr8", ": int", " -> int", "@micropython.viper\n")
 
 
 def machine(random):
@@ -119,16 +119,16 @@ def check_numbers(seed):
         before = heading
 
 
-def plain():
-    """The functions of measure_viper as bytecode."""
+def plain_text(path):
+    """The names of a module of the firmware that is written for viper, as bytecode."""
     folder = __file__[: __file__.rfind("tests_host")] if "tests_host" in __file__ else "../"
-    with open(folder + "firmware/passo/motion/measure_viper.py") as file:
+    with open(folder + "firmware/passo/" + path) as file:
         text = file.read()
     for annotation in ANNOTATIONS:
         text = text.replace(annotation, "")
     names = {}
     exec(text, names)
-    return names["measure"], names["look_back"]
+    return names
 
 
 def check_machine_code(seed):
@@ -137,8 +137,9 @@ def check_machine_code(seed):
     limits = machine(random)
     axes = len(limits.speeds)
     queues = []
+    plain = plain_text("motion/measure_viper.py")
     program = [(draw_line(random, axes), random.between(0, 400) * 1_000_000) for _ in range(20)]
-    for measure, look_back in (plain(), (measure_viper.measure, measure_viper.look_back)):
+    for measure, look_back in ((plain["measure"], plain["look_back"]), (measure_viper.measure, measure_viper.look_back)):
         rows, work = new(axes, len(program))
         depths = []
         for number in range(len(program)):

@@ -108,7 +108,7 @@ class Machine:
         self.place = [self.place[axis] + move[1][axis] for axis in range(3)]
         if planner._added != before:
             steps = max([abs(delta) for delta in move[1]])
-            if planner._rows[before % 128 * planner._stride] == LINE:  # an arc too short for a step along the circle, too
+            if planner._rows[before % len(planner._walkers) * planner._stride] == LINE:  # an arc too short for a step along the circle, too
                 move = (LINE, move[1], move[2])
             else:
                 plan = planner._walkers[before % len(planner._walkers)]

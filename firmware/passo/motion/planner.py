@@ -40,8 +40,8 @@ from passo.motion.measure_viper import look_back, measure
 from passo.motion.profile import TICKS_PER_S
 
 LOOK_AHEAD = const(64)
-IN_FLIGHT = const(64)
-_SIZE = const(128)  # both
+IN_FLIGHT = const(32)
+_SIZE = const(96)  # both
 _COUNT = const(0x1FFFFFFF)
 LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 FEED_PERCENT = (10, 200)

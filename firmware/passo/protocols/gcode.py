@@ -3,6 +3,7 @@
     gcode = GCode("xyz", offsets, machine)
     error = gcode.interpret(b"G1 X10 F600")     # 0: everything was right, and gcode.commands says what to do
     gcode.commands                              # a list that the next line overwrites, its commands too
+    command = gcode.plain(b"G1 X10 F600")       # much faster, for lines that are nothing but a G0 or G1; others: None
 
 A line is parsed whole and checked whole before anything of it counts; one that is refused changes nothing. Order of
 execution is that of RS274/NGC (NIST IR 6556, table 8). Lengths are nanometres, speeds nanometres a second, both exact
@@ -14,6 +15,10 @@ Extensions: G81, and an arc's sweep angle in degrees, H, in place of its end: `G
 more than 360 are more than one turn. The end comes from the machine's CORDIC.
 """
 
+from array import array
+
+import micropython
+
 from passo.protocols import commands, errors
 from passo.protocols.commands import Command
 from passo.protocols.gcode_codes import (
@@ -21,12 +26,14 @@ from passo.protocols.gcode_codes import (
     TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
 )
 from passo.protocols.gcode_motion import Motions, new_moves
+from passo.protocols.gcode_plain_viper import (
+    AXES, FARTHEST, FEED, INCHES, MODAL, NUMBER, OFFSET, PLACE, POSITION, RELATIVE, RESOLUTION, TARGET, plain,
+)
 from passo.protocols.gcode_reader import NONE, Refused
 from passo.protocols.gcode_words import F, M_CODES, N, S, X, rounded
 
 _JOG_GROUPS = (NON_MODAL, DISTANCE, UNITS)
 _CUTTING = (100, 200, 300)
-_NEVER = (None, None, None)
 
 
 class GCode(Motions):
@@ -36,7 +43,9 @@ class GCode(Motions):
         self.ended = False  # the line was the programme's last
         self.laser = False
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
-        self._plain_mask = self._axis_mask | 1 << F | 1 << N
+        self._place = array("i", [0] * PLACE)  # for plain lines
+        self._place[AXES] = len(axes)
+        self._offsets_known = 0
         self.reset()
 
     def reset(self):
@@ -60,7 +69,7 @@ class GCode(Motions):
     def forget_place(self):
         """Take the machine's word for where it stands: after a change of steps/mm, too."""
         self._steps = [None] * self.axes
-        self._same = _NEVER  # (motion, spindle, speed) that _prepare() was last called for by _plain()
+        self._unknown = True  # plain() does not know where it is
 
     def end_programme(self):
         """What M2 and M30 put back."""
@@ -76,13 +85,12 @@ class GCode(Motions):
         `jog`: the line follows `$J=`."""
         self.commands = []
         self.ended = False
+        self._unknown = True
         error = self.words.scan(line)
         if error:
             return error
         self._settle()
         try:
-            if not jog and self._plain():
-                return 0
             self._find_codes()
             if jog:
                 self._jog()
@@ -93,45 +101,73 @@ class GCode(Motions):
             return refusal.args[0]
         return 0
 
-    def _plain(self):
-        """The most frequent line, G0 or G1 with axes and perhaps F or N, dealt with in short: True if it was one."""
-        words = self.words
-        have = words.have
-        motion = self.motion
-        if words.count:
-            motion = words.codes[0]
-            if words.count > 1 or motion > 100:
-                return False
-        feed = self.feed
-        if motion not in (0, 100) or not have & self._axis_mask or have & ~self._plain_mask or not self.per_minute:
-            return False
-        self._left = have
-        self._inches = self.inches
-        if have & 1 << F:
-            feed = rounded(self._length(F), 60)
-        if motion and not feed:
-            return False
-        number = self._line_number() if have & 1 << N else 0
+    # --- plain lines
+
+    @micropython.native
+    def plain(self, line):
+        """The command of a line of bytes that is a plain G0 or G1; None where interpret() has to look at it."""
+        steps = self._steps
+        if self._unknown or self.offsets.version != self._offsets_known or steps != self.machine.target:
+            if not self._know():
+                return None
+            steps = self._steps
+        place = self._place
+        found = plain(line, len(line), place)
+        if not found:
+            self._unknown = True
+            return None
+        motion = (found - 100) * 100
+        command = self._moves[0]
+        if motion != self.motion:
+            self.motion = motion
+            self._set_tool(command)
         position = self.position
-        place = position[:]
-        offsets = self.offsets
         for axis in range(self.axes):
-            if have >> X + axis & 1:
-                value = words.inches_nm(X + axis) if self.inches else words.fixed(X + axis, 6)
-                place[axis] = value + (offsets.of(self.system, axis) if self.absolute else position[axis])
-        if self._same[0] != motion or self._same[1] != self.spindle or self._same[2] != self.rpm:
-            self._same = (motion, self.spindle, self.rpm)
-            self._prepare(motion, feed, 0, number, self.spindle, self.rpm)
-        self._per_min, self._number = 0, number
-        self._move(commands.LINE, place, feed if motion else 0)
-        self.position = place
-        self._steps = self.commands[0].target
-        self.number, self.motion, self.feed = number, motion, feed
+            steps[axis] = place[TARGET + axis]
+            position[axis] = place[POSITION + axis]
+        feed = place[FEED]
+        self.feed = feed
+        command.feed = feed if motion else 0
+        self.number = command.number = place[NUMBER]
+        self.ended = False
+        return command
+
+    def _know(self):
+        """Fill in `place` from the modal state. False where that is not for plain lines."""
+        if self.motion not in (0, 100) or not self.per_minute or self.feed > FARTHEST:
+            return False
+        self._settle()
+        place = self._place
+        place[RELATIVE] = 0 if self.absolute else 1
+        place[INCHES] = 1 if self.inches else 0
+        place[MODAL] = self.motion // 100
+        place[FEED] = self.feed
+        for axis in range(self.axes):
+            offset = self.offsets.of(self.system, axis)
+            resolution = self.machine.steps_per_m[axis]
+            if max(abs(self.position[axis]), abs(offset), resolution) > FARTHEST:
+                return False
+            place[POSITION + axis] = self.position[axis]
+            place[OFFSET + axis] = offset
+            place[RESOLUTION + axis] = resolution
+            place[TARGET + axis] = self._steps[axis]
+        self.position = self.position[:]
+        self._steps = self._steps[:]
+        command = self._moves[0]
+        command.kind = commands.LINE
+        command.target = self._steps
+        command.per_min = 0
+        self._set_tool(command)
+        self._offsets_known = self.offsets.version
+        self._unknown = False
         return True
+
+    def _set_tool(self, command):
+        self._prepare(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
+        command.tool, command.power, command.dynamic = self._lit, self._power, self._dynamic
 
     def _line(self):
         found = self._found
-        self._same = _NEVER
         number = self._line_number()
         non_modal = found[NON_MODAL]
         motion = self.motion if found[MOTION] == NONE else found[MOTION]
@@ -213,7 +249,6 @@ class GCode(Motions):
         feed = rounded(self._length(F), 60) if self._take(F) else 0
         if not feed:
             raise Refused(errors.NO_FEED)
-        self._same = _NEVER
         self._prepare(0, feed, 0, number, self.spindle, self.rpm)
         place = self._target(found[NON_MODAL] == 5300)
         if self._left:

@@ -16,6 +16,7 @@ A sender may have 128 bytes under way. Lines beyond that are kept too while ther
 answered by error:11 and nothing of it is done.
 """
 
+import micropython
 from micropython import const
 
 from passo.protocols import commands, errors, grbl_report
@@ -89,6 +90,7 @@ class Grbl:
         self._under_way = None  # the command that an answer is awaited for
         self._rest = []  # of its line's commands
         self._start_line = None  # the line under way is a start-up line
+        self._short = False  # the line under way is a plain one
 
     def _configure(self):
         settings = self._settings
@@ -111,7 +113,12 @@ class Grbl:
             if not self._rest:
                 if not self._lines:
                     return
-                self._rest = self._understand(self._next_line())
+                line = self._next_line()
+                self._under_way = self._plain(line)
+                if self._under_way is not None:
+                    yield self._under_way
+                    continue
+                self._rest = self._understand(line)
             self._under_way = self._rest.pop(0)
             yield self._under_way
 
@@ -141,11 +148,14 @@ class Grbl:
             self._after_return = data[-1] == 13
             if again:
                 data = data[1:]
-        pieces = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n").split(b"\n")
-        for piece in pieces[:-1]:
+        if b"\r" in data:
+            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        pieces = data.split(b"\n")
+        last = pieces.pop()
+        for piece in pieces:
             self._add(piece)
             self._end_line()
-        self._add(pieces[-1])
+        self._add(last)
 
     def _add(self, piece):
         if len(self._part) + len(piece) > _RAW or self._held + len(self._part) + len(piece) > _ROOM:
@@ -181,6 +191,19 @@ class Grbl:
 
     # --- lines to commands
 
+    @micropython.native
+    def _plain(self, line):
+        """The command of a line that is dealt with in short; None: it is for _understand(), or there is none."""
+        machine = self._machine
+        self._short = False
+        if type(line) is not bytes or len(line) > LONGEST or self._version != self._settings.version:
+            return None
+        if machine.alarm or machine.sleeping or machine.program.jogging or not machine.links.listening():
+            return None
+        command = self.gcode.plain(line)
+        self._short = command is not None
+        return command
+
     def _understand(self, line):
         """The commands of a line, one at least."""
         self._start_line = None
@@ -213,7 +236,11 @@ class Grbl:
         if command is not self._under_way:
             return b""
         self._under_way = None
+        if self._short and event.kind == ACCEPTED:
+            return b"ok\r\n"
         text = getattr(command, "text", "")
+        if self._short:
+            self._start_line = None
         if event.kind == REFUSED:
             self._rest = []
             self.gcode.forget_place()

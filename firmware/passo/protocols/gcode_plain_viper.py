@@ -1,0 +1,198 @@
+"""The most frequent line of G-code, from its bytes to steps: G0 or G1 with axis words, and perhaps F or N.
+
+    motion = plain(line, len(line), place)      # 100 + G's number; 0: not such a line, or not to be dealt with in short
+
+`place` says where the machine is and how lines count; after a plain line it says where that leads. Whatever is unusual
+(any other word or character, more than six decimals, a place beyond half a metre, a mistake) is left to gcode.py, which
+alone knows the rules; what is understood here gives what it gives, to the nanometre. One text for all interpreters: a board
+compiles it to machine code, elsewhere it is ordinary Python; see motion/measure_viper.py for what that asks of integers.
+"""
+# ruff: noqa: F821
+
+import micropython
+from micropython import const
+
+try:
+    ptr32, ptr8
+except NameError:
+    ptr32 = ptr8 = None  # names that only viper's compiler knows
+
+# `place`, three numbers each from the third on.
+AXES = const(0)
+RELATIVE = const(1)  # 1: G91
+MODAL = const(2)  # 0 or 1: G0 or G1 holds
+FEED = const(3)  # nm/s
+POSITION = const(4)  # machine coordinates, nm, below 2²⁹
+OFFSET = const(7)  # machine place − programme place, nm, likewise
+RESOLUTION = const(10)  # steps a metre, below 2³⁰
+TARGET = const(13)  # steps
+INCHES = const(19)  # 1: G20
+NUMBER = const(20)  # of the line
+PLACE = const(21)
+FARTHEST = const(0x1FFFFFFF)
+
+
+@micropython.viper
+def plain(line: ptr8, count: int, place: ptr32) -> int:
+    """See above."""
+    axes = place[0]
+    motion = place[2]
+    feed = place[3]
+    inches = place[19]
+    number = 0
+    have = 0
+    at = 0
+    while at < 3:
+        place[16 + at] = place[4 + at]  # where the line leads, as far as it has been read
+        at += 1
+    at = 0
+    letter = 0
+    while at < count or letter:
+        byte = int(line[at]) if at < count else 71
+        if byte == 32 or byte == 13 or byte == 9:
+            at += 1
+        elif letter == 0:
+            letter = byte & 0xDF
+            if byte < 65 or letter != 71 and letter != 70 and letter != 78 and (letter < 88 or letter > 90):
+                return 0
+            value = 0
+            digits = 0
+            decimals = 0
+            point = 0
+            negative = 0
+            at += 1
+        elif byte >= 48 and byte <= 57:
+            if value >= 100000000:
+                return 0
+            value = value * 10 + byte - 48
+            digits = 1
+            decimals += point
+            at += 1
+        elif byte == 46:
+            if point:
+                return 0
+            point = 1
+            at += 1
+        elif byte == 45:
+            if digits or point or negative:
+                return 0
+            negative = 1
+            at += 1
+        else:
+            # --- a word has ended, and the byte begins the next
+            if digits == 0:
+                return 0
+            if letter == 71:
+                if value > 1 or negative or point or have & 1:
+                    return 0
+                have |= 1
+                motion = value
+            elif letter == 78:
+                if value > 10000000 or negative or point or have & 4:
+                    return 0
+                have |= 4
+                number = value
+            elif letter == 70 and inches:
+                if negative or decimals > 5 or have & 2:
+                    return 0
+                have |= 2
+                while decimals < 5:
+                    if value > 1500000:
+                        return 0
+                    value *= 10
+                    decimals += 1
+                if value > 16000000:
+                    return 0
+                feed = (value * 127 + 15) // 30  # 10⁻⁵ inches a minute to nm/s, rounded
+            elif letter == 70:
+                if negative or decimals > 3 or have & 2:
+                    return 0
+                have |= 2
+                while decimals < 3:
+                    if value > 4000000:
+                        return 0
+                    value *= 10
+                    decimals += 1
+                if value > 40000000:
+                    return 0
+                feed = (value * 50 + 1) // 3  # micrometres a minute to nm/s, rounded
+            else:
+                letter -= 88
+                if letter >= axes or decimals > 6 or have >> (4 + letter) & 1:
+                    return 0
+                have |= 16 << letter
+                if inches:
+                    if decimals > 5:
+                        return 0
+                    while decimals < 5:
+                        if value > 200000:
+                            return 0
+                        value *= 10
+                        decimals += 1
+                    if value > 2100000:
+                        return 0
+                    value *= 254
+                    decimals = 6
+                while decimals < 6:
+                    if value > 50000000:
+                        return 0
+                    value *= 10
+                    decimals += 1
+                if negative:
+                    value = 0 - value
+                digits = place[4 + letter] if place[1] else place[7 + letter]
+                if digits >> 30 & 1:
+                    digits = 0 - ((0 - digits) & 0x3FFFFFFF)
+                value += digits
+                if value > 0x1FFFFFFF or value < 0 - 0x1FFFFFFF:
+                    return 0
+                place[16 + letter] = value
+            letter = 0
+            if at >= count:
+                at = count
+    if have < 16 or motion and feed == 0:
+        return 0
+    # --- nanometres to steps: · steps a metre / 10⁹, to the nearest, halves away from zero; in digits of 15 bits
+    at = 0
+    while at < axes:
+        if have >> (4 + at) & 1:
+            value = place[16 + at]
+            negative = value >> 30 & 1
+            if negative:
+                value = 0 - value
+            value &= 0x3FFFFFFF
+            digits = place[10 + at]
+            low = (value & 0x7FFF) * (digits & 0x7FFF) + 25856  # half of 10⁹ is 15258 · 2¹⁵ + 25856
+            point = (value >> 15) * (digits & 0x7FFF) + (value & 0x7FFF) * (digits >> 15) + 15258 + (low >> 15)
+            low &= 0x7FFF
+            value = (value >> 15) * (digits >> 15) + (point >> 15)
+            point &= 0x7FFF
+            if value >= 1000000000:
+                return 0
+            steps = 0
+            decimals = 0
+            while decimals < 2:
+                # One digit of the quotient by 10⁹ = 30517 · 2¹⁵ + 18944: guessed by the first, then put right.
+                digits = value // 30517
+                value -= digits * 30517
+                while value < 0x8000 and (digits >= 0x8000 or digits * 18944 > (value << 15 | point)):
+                    digits -= 1
+                    value += 30517
+                value = (value << 15 | point) - digits * 18944
+                steps = steps << 15 | digits
+                point = low
+                decimals += 1
+            if steps > 0x1FFFFFFF:
+                return 0
+            if negative:
+                steps = 0 - steps
+            place[13 + at] = steps
+        at += 1
+    at = 0
+    while at < 3:
+        place[4 + at] = place[16 + at]
+        at += 1
+    place[2] = motion
+    place[3] = feed
+    place[20] = number
+    return 100 + motion
