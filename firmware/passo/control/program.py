@@ -3,6 +3,7 @@
 Everything is in steps and nanometres a second; no language's units or modes are known here.
 """
 
+import micropython
 from micropython import const
 
 from passo.control import settings as table
@@ -20,6 +21,11 @@ _PROBE_AWAY = const(1)
 _PROBE_MAY_MISS = const(2)
 
 
+def minute_ticks(command):
+    """How long a motion lasts that has `per_min`."""
+    return 60_000 * TICKS_PER_S // command.per_min
+
+
 class Program:
     def __init__(self, board, queue, machine, planner):
         self._axes = board["axes"]
@@ -31,6 +37,7 @@ class Program:
         self._active = False  # motion has been queued and has not come to its end
         self._fresh = False  # motion was queued since the last turn
         self._limits_of = None  # the settings' version that the planner knows
+        self._travel_of = None  # that `_low` and `_high` are of
         self._touch = None  # where the probe changed
         self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
 
@@ -59,11 +66,16 @@ class Program:
 
     # --- motion
 
+    @micropython.native
     def _motion(self, command):
         error = self._unready(command)
         if error:
             return error
         machine = self._machine
+        if command.kind != commands.LINE or machine.checking:  # of a line the planner finds out
+            error = self._too_long(command)
+            if error:
+                return error
         if not self._reachable(command):
             machine.fail(errors.ALARM_SOFT_LIMIT)
             return errors.JOG_TRAVEL
@@ -80,14 +92,14 @@ class Program:
         """0, or why one of the lines that follow `command` cannot be: then none of them begins."""
         start = command.target
         for motion in command.also:
-            if self._limited() and not self._queue.inside(motion.target):
+            if self._limited() and not self._inside(motion.target):
                 self._machine.fail(errors.ALARM_SOFT_LIMIT)
                 return errors.JOG_TRAVEL
             deltas = [to - at for to, at in zip(motion.target, start)]
             longest = max([abs(by) for by in deltas])
             ticks = 0
             if longest and motion.per_min:
-                ticks = self._minute_ticks(motion)
+                ticks = minute_ticks(motion)
             elif longest and motion.feed:
                 ticks = self._queue.ticks_at(deltas, motion.feed)
             if longest > MAX_STEPS or longest and ticks // longest > LONGEST_TICKS:
@@ -96,19 +108,40 @@ class Program:
         return 0
 
     def _limited(self):
-        return self._machine.settings.value(table.SOFT_LIMITS) and self._machine.homed
+        """True where the travel counts; `_low` and `_high` are its ends."""
+        machine = self._machine
+        settings = machine.settings
+        if self._travel_of != settings.version:
+            self._travel_of = settings.version
+            self._soft = settings.value(table.SOFT_LIMITS)
+            reach = [self._queue.reach(axis) for axis in range(len(self._axes))]
+            self._low = [ends[0] for ends in reach]
+            self._high = [ends[1] for ends in reach]
+        return self._soft and machine.homed
 
+    @micropython.native
+    def _inside(self, target):
+        """True where `target` is within the travel."""
+        low = self._low
+        high = self._high
+        for axis in range(len(target)):
+            place = target[axis]
+            if place < low[axis] or place > high[axis]:
+                return False
+        return True
+
+    @micropython.native
     def _begin(self, command):
         if self._queue.room() < _BLOCKS_A_MOTION:
             return LATER
         error = self._queue_motion(command)
         if error:
             return error
-        self.moved()
+        self._active = self._fresh = True
         return self._machine.accepted(command)
 
     def _jog(self, command):
-        error = self._unready(command)
+        error = self._unready(command) or self._too_long(command)
         if error and error != LATER:
             return error
         if self._machine.state not in ("idle", "jog") or self._machine.pauses.dropping or self._machine.occupied():
@@ -119,48 +152,59 @@ class Program:
         self.jogging = self.jogging or result == 0
         return result
 
+    @micropython.native
     def _unready(self, command):
-        """0, LATER, or why this motion cannot be."""
+        """0, LATER, or why no motion can be now."""
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
         if machine.command is not None or machine.objects.drawing or machine.pauses.dropping or machine.occupied():
             return LATER
+        return 0
+
+    def _too_long(self, command):
         longest = max([abs(by) for by in self._queue.deltas(command.target)])
         return errors.TARGET if longest > MAX_STEPS else 0
 
+    @micropython.native
     def _reachable(self, command):
         if not self._limited():
             return True
-        if not self._queue.inside(command.target):
+        if not self._inside(command.target):
             return False
-        if command.kind != commands.ARC:
-            return True
+        return command.kind != commands.ARC or self._arc_inside(command)
+
+    def _arc_inside(self, command):
         for place in farthest(self._queue.target, command, [axis["steps_per_m"] for axis in self._axes]):
-            if not self._queue.inside(place):
+            if not self._inside(place):
                 return False
         return True
 
+    @micropython.native
     def _queue_motion(self, command):
         """0, or why the planner cannot."""
-        self._queue.set_power(thousandths(command.power), command.dynamic)
-        tag = command.number
+        planner = self._planner
+        if command.power or planner.power or command.dynamic != planner.dynamic:
+            self._queue.set_power(thousandths(command.power), command.dynamic)
+        ticks = minute_ticks(command) if command.per_min else 0
         try:
-            ticks = 60_000 * TICKS_PER_S // command.per_min if command.per_min else 0
-            if command.kind != commands.ARC:
-                self._queue.go(command.target, command.feed, ticks, command.tool, tag)
-                return 0
-            plane = command.first, command.second, 3 - command.first - command.second
-            if plane[2] >= len(self._axes):
-                plane = plane[0], plane[1], -1
-            accelerations = [self._machine.settings.value(table.ACCELERATION + axis) * 1000 for axis in plane[:2]]
-            self._queue.arc(
-                command.target, plane, command.centre, command.clockwise, command.turns - 1, command.feed, ticks,
-                command.tool, tag, min(accelerations),
-            )
+            if command.kind == commands.ARC:
+                self._queue_arc(command, ticks)
+            else:
+                self._queue.go(command.target, command.feed, ticks, command.tool, command.number)
         except ValueError:
             return errors.RADIUS if command.kind == commands.ARC else errors.TARGET
         return 0
+
+    def _queue_arc(self, command, ticks):
+        plane = command.first, command.second, 3 - command.first - command.second
+        if plane[2] >= len(self._axes):
+            plane = plane[0], plane[1], -1
+        accelerations = [self._machine.settings.value(table.ACCELERATION + axis) * 1000 for axis in plane[:2]]
+        self._queue.arc(
+            command.target, plane, command.centre, command.clockwise, command.turns - 1, command.feed, ticks,
+            command.tool, command.number, min(accelerations),
+        )
 
     def _set_limits(self):
         """Hand the settings to the planner, which takes them only while it is empty."""
