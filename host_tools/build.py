@@ -28,6 +28,7 @@ MARCH = {
     "rp2040": "armv6m",
     "rp2350": "armv7emsp",
     "esp32": "xtensawin",
+    "esp32s2": "xtensawin",
     "esp32s3": "xtensawin",
     "esp32c3": "rv32imc",
     "esp32c6": "rv32imc",

@@ -6,6 +6,8 @@ from typer.testing import CliRunner
 
 from host_tools import boards, build
 from host_tools.failure import Failure
+from host_tools.virtual_machine import VirtualMachine
+from passo.control import boardfile
 
 MODULES = {
     "main.py": "import passo.app\n",
@@ -115,6 +117,17 @@ def test_machine_code_is_the_chips(tmp_path, name, architecture):
     assert (tmp_path / "passo" / "motion" / "line_viper.mpy").read_bytes()[2] >> 2 == architecture
     families = {path.name for path in (tmp_path / "passo" / "ports").iterdir() if path.is_dir()}
     assert families == {"esp32" if name == "plotter_esp32" else "rp2"}
+
+
+def test_every_chip_of_a_board_file_has_an_instruction_set():
+    assert set(build.MARCH) == set(boardfile._BOARD["chip"])
+
+
+@pytest.mark.parametrize("name", boards.names())
+def test_every_board_starts(name):
+    machine = VirtualMachine(name)
+    machine.run_ms(20)
+    assert machine.app.controller.state in ("idle", "alarm") and not machine.plant.errors
 
 
 @pytest.mark.parametrize("name", boards.names())
