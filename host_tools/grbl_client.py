@@ -158,13 +158,13 @@ class GrblClient:
                 under_way.append(waiting.pop())
                 self._write(under_way[-1][1] + b"\n")
             for answer in self.lines():
-                if self.alarm is not None:
-                    number = under_way[0][0] if under_way else None
-                    raise Refused(f"line {number}: alarm {self.alarm}: {alarm_text(self.alarm)}", number)
+                number, line = under_way[0] if under_way else (None, b"")
+                where = f"line {number}, {line.decode('ascii', 'replace')}" if under_way else "after the last line"
+                if answer.startswith("ALARM:"):
+                    raise Refused(f"{where}: alarm {self.alarm}: {alarm_text(self.alarm)}", number)
                 if answer.startswith("error:") and under_way:
-                    number, line = under_way[0]
                     self.halt()
-                    raise Refused(f"line {number}, {line.decode('ascii', 'replace')}: {explain(answer)}", number)
+                    raise Refused(f"{where}: {explain(answer)}", number)
                 if answer == "ok" and under_way:
                     yield under_way.pop(0)[0]
             if idle:

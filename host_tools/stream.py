@@ -26,7 +26,8 @@ def stream(
 ):
     """Send a G-code file and show how far it is. Stops at the first error and says which line.
 
-    Keys while it runs: p pause, r resume, a abort (also Ctrl-C). The machine comes to a stand before anything is dropped.
+    Keys while it runs: p pause, r resume, also after M0, M1 and M6, a abort (also Ctrl-C). The machine comes to a stand
+    before anything is dropped.
 
     Examples:
 
@@ -105,21 +106,26 @@ class Panel:
         if sys.stdin.isatty() and select.select([sys.stdin], [], [], 0)[0]:
             self.key(sys.stdin.read(1))
         now = time.monotonic()
+        self._pause(self._client.status.get("state", "").startswith(("Hold", "Door")), now)
         if now - self._asked >= _STATUS_S:
             self._asked = now
             self._client.real_time(b"?")
             if sys.stderr.isatty():
                 print("\r\x1b[K" + self.text(), end="", file=sys.stderr, flush=True)
 
+    def _pause(self, paused, now):
+        """Time in a hold counts for nothing, whoever asked for it: a key, the door, or M0 in the programme."""
+        if paused and self._paused_at is None:
+            self._paused_at = now
+        elif not paused and self._paused_at is not None:
+            self._paused_s += now - self._paused_at
+            self._paused_at = None
+
     def key(self, key):
         if key == "p":
             self._client.real_time(b"!")
-            self._paused_at = self._paused_at or time.monotonic()
         elif key == "r":
             self._client.real_time(b"~")
-            if self._paused_at is not None:
-                self._paused_s += time.monotonic() - self._paused_at
-                self._paused_at = None
         elif key == "a":
             self._client.halt()
             raise Aborted(f"aborted at line {self._line}")
@@ -131,7 +137,8 @@ class Panel:
         share = self._done / self._total
         left = clock(self.seconds() / share * (1 - share)) if share > 0.01 else "–"
         place = status.get("MPos") or status.get("WPos") or ""
+        keys = "PAUSED: r resumes, a aborts" if self._paused_at is not None else "p pause, a abort"
         return (
             f"{share:4.0%} line {self._line}  {status.get('state', '')} {place}  "
-            f"{clock(self.seconds())} gone, {left} left  (p pause, r resume, a abort)"
+            f"{clock(self.seconds())} gone, {left} left  ({keys})"
         )

@@ -5,7 +5,7 @@
     job.seconds, job.low, job.high, job.errors
 
 It starts at machine zero, unlocked, soft limits off: where the job's box lies on a machine is for the caller to judge.
-Pauses for the operator are resumed at once.
+Pauses for the operator are noted in `pauses` and resumed at once; their time counts for nothing.
 """
 
 from host_tools import boards
@@ -20,7 +20,9 @@ _LIMITLESS_TURNS = 2_000_000  # without an answer: 4 hours of a dwell
 class Track:
     """The world of a board that nothing is wired to but its motors: follows their pins."""
 
-    def __init__(self, layout, drive, steps_per_mm):
+    def __init__(self, layout, drive, steps_per_mm, by_height):
+        """`by_height`: what is below Z0 is drawn as cut, whether the tool is on or not."""
+        self.by_height = by_height
         self._layout = layout
         self._drive = drive
         axes = layout.axes
@@ -33,7 +35,7 @@ class Track:
         self.last_tick = 0
         self.strokes = [(False, [tuple([0.0] * axes)])]
         self.fastest = [0.0] * axes  # mm/min
-        self.samples = []  # (seconds, mm/min along the path)
+        self.samples = []  # (seconds, mm/min along the path, mm/min of each axis) over 20 ms or more up to then
         self._window = (0, tuple(self.place))
 
     def attach(self, tick, names, levels):
@@ -68,11 +70,23 @@ class Track:
         """Append the place to the picture; every step would be too many, so only each tenth of a millimetre."""
         here = tuple(place / scale for place, scale in zip(self.place, self._steps_per_mm))
         kind, places = self.strokes[-1]
-        lowered = lit or len(here) > 2 and here[2] < 0
+        lowered = here[2] < 0 if self.by_height else lit
         if kind != lowered:
             self.strokes.append((lowered, [places[-1], here]))
         elif max(abs(a - b) for a, b in zip(here, places[-1])) >= 0.1:
             places.append(here)
+
+    def accelerations(self):
+        """(seconds, mm/s² of each axis): from each sample to the next."""
+        found = []
+        for (began, _, before), (_, _, after), middle in zip(self.samples, self.samples[1:], self._middles()):
+            found.append((began, [(new - old) / 60 / middle for new, old in zip(after, before)]))
+        return found
+
+    def _middles(self):
+        """Seconds from the middle of each sample to that of the next."""
+        times = [0.0] + [seconds for seconds, _, _ in self.samples]
+        return [(later - earlier) / 2 for earlier, later in zip(times, times[2:])]
 
     def _measure(self, tick):
         began, place = self._window
@@ -80,7 +94,8 @@ class Track:
         moved = [(now - then) / scale for now, then, scale in zip(self.place, place, self._steps_per_mm)]
         for axis, along in enumerate(moved):
             self.fastest[axis] = max(self.fastest[axis], abs(along) / minutes)
-        self.samples.append((tick / TICKS_PER_S, sum(along * along for along in moved) ** 0.5 / minutes))
+        speeds = [along / minutes for along in moved]
+        self.samples.append((tick / TICKS_PER_S, sum(speed * speed for speed in speeds) ** 0.5, speeds))
         self._window = (tick, tuple(self.place))
 
     def output(self, tick, name, level):
@@ -107,7 +122,8 @@ class VirtualJob:
         self.board = checked
         layout, drive, _ = make_drive(checked)
         self.steps_per_mm = [axis["steps_per_m"] / 1000 for axis in checked["axes"]]
-        self.track = Track(layout, drive, self.steps_per_mm)
+        by_height = len(self.steps_per_mm) > 2 and not checked["spindle"]["laser"]
+        self.track = Track(layout, drive, self.steps_per_mm, by_height)
         resting = {item["name"]: 1 - item["active"] for item in checked["inputs"]}
         self.track.input = lambda tick, name: resting[name]
         checked["links"] = [{**checked["links"][0], "protocol": "grbl"}]
@@ -115,6 +131,7 @@ class VirtualJob:
         self._app = App(checked, self._port)
         self._line = self._port.serial(checked["links"][0])
         self.errors = []  # (line of the file, its text, what was wrong)
+        self.pauses = []  # (line of the file, its text)
         self.seconds = 0.0
         self._line.incoming += b"$X\n$20=0\n" + b"".join(change.encode() + b"\n" for change in changes)
         for _ in range(50):
@@ -131,6 +148,8 @@ class VirtualJob:
                 number, line = waiting.pop()
                 under_way.append((number, line))
                 self._line.incoming += line + b"\n"
+            if self._app.controller.state == "hold":
+                self._resume(under_way)
             self._turn()
             idle_turns += 1
             for said in self._said():
@@ -144,9 +163,14 @@ class VirtualJob:
             self._turn()
         self.seconds = self.track.last_tick / TICKS_PER_S
 
+    def _resume(self, under_way):
+        """The operator's part in a pause: the oldest line without an answer asked for it."""
+        paused = (under_way[0][0], under_way[0][1].decode()) if under_way else None
+        if paused and paused not in self.pauses[-1:]:
+            self.pauses.append(paused)
+        self._line.incoming += b"~"
+
     def _turn(self):
-        if self._app.controller.state == "hold":
-            self._line.incoming += b"~"
         self._app.turn()
 
     def _said(self):

@@ -68,9 +68,9 @@ def test_stream_wants_an_unlocked_machine(board, job):
 
 
 def test_stream_tells_an_alarm(board, job):
-    job.write_bytes(b"G1 X5 F3000\nX-1\nX7\n")
-    with pytest.raises(Refused, match="line 2: alarm 2"):
-        stream.stream(job, board.line.name, 115200, "ok", True, False, None, 5.0)
+    job.write_bytes(b"G1 X5 F3000\nX6\nX7\nX-1\nX7\n")
+    with pytest.raises(Refused, match="line 4, X-1: alarm 2"):
+        stream.stream(job, board.line.name, 115200, "count", True, False, None, 5.0)
 
 
 def test_keys(board, job):
@@ -81,6 +81,10 @@ def test_keys(board, job):
         client.command("G1X50F3000")
         panel.key("p")
         board.until(board.app.controller.pauses.standing)
+        client.ask_status()
+        panel.turn()
+        gone = panel.seconds()
+        assert "PAUSED: r resumes" in panel.text() and panel.seconds() == gone
         assert "Hold" in fields_of("<Hold:0|MPos:0,0,0>")["state"] and "line 0" in panel.text()
         panel.key("r")
         board.until(lambda: board.app.controller.state == "idle")
@@ -113,6 +117,9 @@ def test_check_measures_time():
     assert 1 + 2 + 1 + 2 < job.seconds < 6.5 and not job.errors
     assert job.low == [0, 0, 0] and job.high == [20, 0, 0]
     assert 590 <= job.track.fastest[0] <= 612
+    assert job.pauses == [(3, "X20M0")]
+    assert 240 <= max(along[0] for _, along in job.track.accelerations()) <= 270  # $120 is 250
+    assert any("line 3: X20M0" in line for line in check.summary(job))
 
 
 def test_settings_round_trip(board, tmp_path, capsys):
