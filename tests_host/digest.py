@@ -10,15 +10,27 @@ and how many of them step; of G-code also a checksum of the marks of power, and 
 with fewer steps/mm, on all axes, makes a large job quicker.
 """
 
+import gc
 import hashlib
 import sys
 from binascii import crc32, unhexlify
 
 from passo.app import App
-from passo.control.boardfile import check
 from passo.steps.word import COUNT_MASK
 
 SILENT_TURNS = 40  # of 1 ms: longer than a link's gap and the motors' waking
+
+
+def checked(board):
+    """The board file's table is forgotten again, as main.py does it: a chip has little memory for it."""
+    from passo.control.boardfile import check
+
+    board = check(board)
+    if sys.implementation.name == "micropython":
+        sys.modules.pop("passo.control.boardfile")
+        del sys.modules["passo.control"].boardfile
+        gc.collect()
+    return board
 
 
 class Sink:
@@ -133,7 +145,7 @@ def digest(board, job):
     from passo.protocols.plotter import PACKET
 
     port = Sink()
-    app = App(check(board), port)
+    app = App(checked(board), port)
     while True:
         port.incoming = job.read(PACKET)
         if not port.incoming:
@@ -151,7 +163,7 @@ def digest_lines(board, job, counts=True):
     A line that has waited long enough is one for the operator: the pause is resumed.
     """
     port = Sink(counts)
-    app = App(check(board), port)
+    app = App(checked(board), port)
     refused = 0
     line = b"$X"
     while line:
@@ -173,7 +185,7 @@ def digest_lines(board, job, counts=True):
 def digest_hex(board, job):
     """Send `job` (a file of lines, open for reading) to `board`; returns the Sink."""
     port = Sink()
-    app = App(check(board), port)
+    app = App(checked(board), port)
     for line in job:
         data, _, turns = line.partition("@")
         port.incoming += unhexlify("".join(data.split()))
