@@ -261,7 +261,7 @@ def _import_port():
                 del sys.modules[name]
             else:
                 sys.modules[name] = before[name]
-    return port, start, timer_player
+    return port, start, timer_player, fakes
 
 
-port, start, timer_player = _import_port()
+port, start, timer_player, fakes = _import_port()
