@@ -92,7 +92,7 @@ class Fuzz:
         self._turn()
         for data, count in ((b"$X\n", 1), (b"$RST=*\n", 1), (b"$X\nG21G90G94\n", 2)):
             assert self._answers(data, count), (data, self.controller.state)
-            self._turn()
+            self._settle()  # a start-up line may have set it moving
         self.controller.homed = True
         self.controller.queue.set_origin()
         before = self.port.stepping
