@@ -173,7 +173,7 @@ class App:
         for link in board["links"]:
             protocol = open_protocol(link, board, self.controller, shared)
             self.links.append(Link(len(self.links), link, port.serial(link), protocol))
-        self.controller.restarted()
+        self.controller.resets.restarted()
         self._answer()
 
     def _check_speed(self, least):

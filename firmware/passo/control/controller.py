@@ -6,7 +6,8 @@
 
 Positions are steps from machine position zero, which is where the head stands after homing (before it: where it was
 switched on). What is done is shared out: `queue` hands motion to the planner, `objects` draws stored objects, `program`
-carries out motion as it comes, `pauses` holds and resumes, `inputs` watches switches, `links` knows who may command.
+carries out motion as it comes, `pauses` holds and resumes, `inputs` watches switches, `links` knows who may command,
+`resets` begins anew.
 """
 
 from micropython import const
@@ -18,8 +19,9 @@ from passo.control.links import Links
 from passo.control.log import Log
 from passo.control.objects import Objects
 from passo.control.queue import Queue
+from passo.control.resets import Resets
 from passo.protocols import commands, errors
-from passo.protocols.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
+from passo.protocols.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, Command, Event
 
 LATER = const(-1)
 _PAUSING = ("hold", "resume", "door")  # inputs
@@ -50,6 +52,7 @@ class Controller:
         self._load(streamed, planner)
         self.inputs = Inputs(board, settings, self, port)
         self.links = Links(board, self)
+        self.resets = Resets(self)
         self._homing = None
         if board["homing"]:
             self._homing = Homing(board["homing"], self._axes, self, self.inputs.read, settings.homing)
@@ -63,12 +66,8 @@ class Controller:
             commands.STATUS: self._status,
             commands.STOP: self._stop,
             commands.HOME: self._home,
-            commands.RESET: self._reset,
-            commands.UNLOCK: self._unlock,
-            commands.CHECK: self._check,
-            commands.SLEEP: self._sleep,
         }
-        for part in (self.objects, self.program, self.tools, self.pauses, self.links):
+        for part in (self.objects, self.program, self.tools, self.pauses, self.links, self.resets):
             self._handlers.update(part.handlers())
 
     def _load(self, streamed, planner):
@@ -212,21 +211,10 @@ class Controller:
         """Nothing moves until the machine is homed or unlocked."""
         self.alarm = errors.ALARM_LOCKED
 
-    def restarted(self):
-        """Tell all links that the machine begins anew; an active limit locks it, an open door holds it."""
-        limits = self.inputs.limits_hit()
-        if limits and not self.alarm:
-            self.lock()
-        self._events.append(Event(RESTARTED, None, self.alarm))
-        if limits:
-            self.notice(errors.NOTICE_LIMITS)
-        if self.inputs.door_open() and not self.alarm:
-            self.pauses.open_door()
-
     def shut_down(self):
         """Stop at once, forget all work, outputs safe. The position is no longer known."""
         self.arrest()
-        self._forget()
+        self.forget()
         self.homed = False
         self._release_parts()
         self._motors.release()
@@ -287,10 +275,10 @@ class Controller:
         command = self.command
         if number in _ORDERLY:
             self.pauses.drop()
-            self._forget()
+            self.forget()
         elif number == errors.ALARM_HARD_LIMIT or number == errors.ALARM_RESET:
             self.arrest()
-            self._forget()
+            self.forget()
             self.homed = False
             self._release_parts()
         else:
@@ -340,7 +328,7 @@ class Controller:
         if self.busy_with(commands.HOME):
             self.homed = False
         self.arrest()
-        self._forget()
+        self.forget()
         self.objects.lift()
         self.queue.flush()
         self.command = command
@@ -364,56 +352,11 @@ class Controller:
         self._lifting = True
         return 0
 
-    def _reset(self, command):
-        alarm = 0
-        if self.busy_with(commands.HOME):
-            alarm = errors.ALARM_HOMING_RESET
-        elif not self.queue.still() and not self.pauses.standing():
-            alarm = errors.ALARM_RESET
-        elif self.sleeping or self.alarm in errors.NEED_RESET:
-            self.alarm = errors.ALARM_LOCKED
-        self.command = None
-        self.checking = self.sleeping = False
-        self.arrest()
-        self._forget()
-        self.tools.restart()
-        if alarm:
-            self.fail(alarm)
-        self.restarted()
-        return self.accepted(command)
-
-    def _unlock(self, command):
-        if self.alarm in errors.NEED_RESET:
-            return errors.LOCKED
-        if self.alarm:
-            if self.inputs.door_open():
-                return errors.DOOR_OPEN
-            self.alarm = 0
-            self.notice(errors.NOTICE_UNLOCKED)
-        return self.accepted(command)
-
-    def _check(self, command):
-        if command.value:
-            if self.state != "idle":
-                return errors.BUSY
-            self.checking = True
-            self.notice(errors.NOTICE_CHECK_ON)
-            return self.accepted(command)
-        self.notice(errors.NOTICE_CHECK_OFF)
-        self.accepted(command)
-        return self._reset(command)
-
-    def _sleep(self, command):
-        self.shut_down()
-        self.tools.restart()
-        self.sleeping = True
-        self.notice(errors.NOTICE_SLEEPING)
-        return self.accepted(command)
-
     def _note(self, number, who=None):
         self.log.add(self.port.machine_ms(), number, who)
 
-    def _forget(self):
+    def forget(self):
+        """Drop all work, begun or waiting; what is queued is the caller's affair."""
         self.objects.clear()
         self.program.clear()
         for part in self._parts:

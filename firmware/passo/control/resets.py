@@ -1,0 +1,79 @@
+"""Beginning anew, and being out of service: reset, unlock, check mode, sleep."""
+
+from passo.protocols import commands, errors
+from passo.protocols.commands import RESTARTED, Event
+
+
+class Resets:
+    def __init__(self, machine):
+        self._machine = machine
+
+    def handlers(self):
+        return {
+            commands.RESET: self._reset,
+            commands.UNLOCK: self._unlock,
+            commands.CHECK: self._check,
+            commands.SLEEP: self._sleep,
+        }
+
+    def restarted(self):
+        """Tell all links that the machine begins anew; an active limit locks it, an open door holds it."""
+        machine = self._machine
+        limits = machine.inputs.limits_hit()
+        if limits and not machine.alarm:
+            machine.lock()
+        machine.tell(Event(RESTARTED, None, machine.alarm))
+        if limits:
+            machine.notice(errors.NOTICE_LIMITS)
+        if machine.inputs.door_open() and not machine.alarm:
+            machine.pauses.open_door()
+
+    def _reset(self, command):
+        machine = self._machine
+        alarm = 0
+        if machine.busy_with(commands.HOME):
+            alarm = errors.ALARM_HOMING_RESET
+        elif not machine.queue.still() and not machine.pauses.standing():
+            alarm = errors.ALARM_RESET
+        elif machine.sleeping or machine.alarm in errors.NEED_RESET:
+            machine.alarm = errors.ALARM_LOCKED
+        machine.command = None
+        machine.checking = machine.sleeping = False
+        machine.arrest()
+        machine.forget()
+        machine.tools.restart()
+        if alarm:
+            machine.fail(alarm)
+        self.restarted()
+        return machine.accepted(command)
+
+    def _unlock(self, command):
+        machine = self._machine
+        if machine.alarm in errors.NEED_RESET:
+            return errors.LOCKED
+        if machine.alarm:
+            if machine.inputs.door_open():
+                return errors.DOOR_OPEN
+            machine.alarm = 0
+            machine.notice(errors.NOTICE_UNLOCKED)
+        return machine.accepted(command)
+
+    def _check(self, command):
+        machine = self._machine
+        if command.value:
+            if machine.state != "idle":
+                return errors.BUSY
+            machine.checking = True
+            machine.notice(errors.NOTICE_CHECK_ON)
+            return machine.accepted(command)
+        machine.notice(errors.NOTICE_CHECK_OFF)
+        machine.accepted(command)
+        return self._reset(command)
+
+    def _sleep(self, command):
+        machine = self._machine
+        machine.shut_down()
+        machine.tools.restart()
+        machine.sleeping = True
+        machine.notice(errors.NOTICE_SLEEPING)
+        return machine.accepted(command)
