@@ -302,9 +302,9 @@ def check_a_main_loop_that_hangs():
     chip.sleep_ms(400)
     steps = board.table.steps
     chip.sleep_ms(300)
-    assert board.table.steps == steps and board.app.feeder.hold
+    assert board.table.steps == steps and board.app.feeder.brake
     board.turns(2)
-    assert not board.app.feeder.hold
+    assert not board.app.feeder.brake
     while board.app.controller.busy():
         board.turns(1)
     assert board.app.controller.position() == [3000, 0]

@@ -81,7 +81,7 @@ def check_slows_at_once(seed, kind, part):
         if not todo:
             rig.planner.flush()
         rig.feeder.fill(rig.played, LEAD_TICKS)
-        rig.feeder.hold = now >= held
+        setattr(rig.feeder, ("hold", "brake")[seed & 1], now >= held)  # a wish, or the main loop hangs
         now += TURN_TICKS
         while made < now and rig.played != rig.ring.head:
             made += rig.ring.words[rig.played & rig.ring.mask] >> rig.layout.bits

@@ -1,12 +1,12 @@
 """What the ports of all chips share: inputs and outputs, power, heartbeat, watchdog, and one turn of the feeder.
 
 A chip's Port adds the player, and the timer whose interrupt calls _feed(). If the main loop has not turned for 200 ms
-the feeder comes to a stand, and the watchdog, once it runs, resets the chip after a second.
+the feeder slows down to a stand, and the watchdog, once it runs, resets the chip after a second.
 """
 
-from time import sleep_ms, ticks_diff, ticks_ms
+from time import ticks_diff, ticks_ms
 
-from machine import PWM, WDT, Pin
+from machine import PWM, WDT, Pin, idle
 from micropython import const
 
 from passo.ports.serial_lines import UartLine, UsbLine
@@ -14,7 +14,7 @@ from passo.steps.word import COUNT_MASK
 
 _HEARTBEAT_MS = const(200)
 _WATCHDOG_MS = const(1000)
-_IDLE_MS = const(4)
+_IDLE_MS = const(10)  # the longest turn while nothing is under way
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN, "none": None}
 
 
@@ -59,7 +59,6 @@ class ChipPort:
         self._watchdog = None
         self._trip = None  # the halting input that has stopped the player, until the main loop has been told
         self._beat_ms = ticks_ms()
-        self._stalled = False  # the feeder holds because the main loop has not turned
         self._lines = []
         self._inputs = {}
         for entry in board["inputs"]:
@@ -110,19 +109,20 @@ class ChipPort:
         return trip.name
 
     def wait(self, busy, fine=False):
-        """End a turn of the main loop: sleep briefly, until bytes are waiting. While nothing moves a turn may wait longer
-        than it takes, so that most bytes find it waiting, and not at work."""
-        self._beat_ms = ticks_ms()
-        if self._stalled:
-            self._stalled = False
-            self._feeder.hold = False
+        """End a turn of the main loop: sleep a while, no longer than until a byte comes."""
+        self._beat_ms = begun_ms = ticks_ms()
+        if self._feeder is not None:
+            self._feeder.brake = False
         if self._watchdog is not None:
             self._watchdog.feed()
-        for _ in range(1 if busy else _IDLE_MS):
+        most_ms = 1 if busy else _IDLE_MS
+        while True:
             for line in self._lines:
                 if line.any():
                     return
-            sleep_ms(1)
+            if ticks_diff(ticks_ms(), begun_ms) >= most_ms:
+                return
+            idle()  # until an interrupt: a byte, the feeder's turn, or a millisecond
 
     # --- what start.py asks for
 
@@ -144,9 +144,8 @@ class ChipPort:
 
     def _feed(self, timer):  # ISR: no allocation
         feeder = self._feeder
-        if ticks_diff(ticks_ms(), self._beat_ms) > _HEARTBEAT_MS and not feeder.hold:
-            self._stalled = True
-            feeder.hold = True
+        if ticks_diff(ticks_ms(), self._beat_ms) > _HEARTBEAT_MS:
+            feeder.brake = True
         if self._trip is None and feeder.open:
             player = self._player
             feeder.fill(player.played(), self._lead_ticks)

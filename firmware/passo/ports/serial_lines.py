@@ -55,24 +55,36 @@ class UsbLine:
         self._poll = poll()
         self._poll.register(sys.stdin, POLLIN)
         self._in = sys.stdin.buffer
+        self._byte = bytearray(1)
+        self._data = bytearray(_MOST)
         self._out = sys.stdout.buffer
         self._heard_ms = ticks_ms()
         micropython.kbd_intr(-1)
 
     def any(self):
-        return bool(self._poll.poll(0))
+        for _ in self._poll.ipoll(0):
+            return True
+        return False
 
     def read(self):
         """Bytes that have come, at most 64, b"" if none. Raises KeyboardInterrupt when the REPL is asked for."""
-        data = b""
-        while len(data) < _MOST and self._poll.poll(0):
-            data += self._in.read(1)
-        if data:
-            now_ms = ticks_ms()
-            silent_ms = ticks_diff(now_ms, self._heard_ms)
-            self._heard_ms = now_ms
-            if silent_ms >= _SILENCE_MS and data.startswith(_ESCAPE):
-                raise KeyboardInterrupt
+        # The console gives what it has byte by byte only: asked for more, it waits for them.
+        count = 0
+        byte = self._byte
+        data = self._data
+        take = self._in.readinto
+        while count < _MOST and self.any():
+            take(byte)
+            data[count] = byte[0]
+            count += 1
+        if not count:
+            return b""
+        data = bytes(memoryview(data)[:count])
+        now_ms = ticks_ms()
+        silent_ms = ticks_diff(now_ms, self._heard_ms)
+        self._heard_ms = now_ms
+        if silent_ms >= _SILENCE_MS and data.startswith(_ESCAPE):
+            raise KeyboardInterrupt
         return data
 
     def write(self, data):
