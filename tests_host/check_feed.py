@@ -8,7 +8,7 @@ from math import atan2, pi, sqrt
 
 from check_circle import Walk, draw_arc, foot
 from passo.motion.profile import Limits
-from passo.steps.checkpoints import SETUP
+from passo.steps.checkpoints_plain import SETUP
 from passo.steps.word import TICKS_PER_S
 from rig import Rig
 

@@ -3,16 +3,15 @@
 from array import array
 
 from draws import Random
-from passo.drives import coils
-from passo.motion import line
-from passo.steps import checkpoints, pace, position, timed
+from passo.drives import coils, coils_plain
+from passo.motion import line, line_plain
+from passo.steps import checkpoints, checkpoints_plain, pace, pace_plain, position, position_plain, timed
 
 CASES = {
     "check_walk": (("seed", "seed"), ("axes", 1, 4)),
     "check_pace": (("seed", "seed"), ("count", 1, 500)),
     "check_repay": (("seed", "seed"), ("count", 1, 60)),
     "check_apply": (("seed", "seed"), ("axes", 1, 2), ("width", "choice", 4, 6)),
-    "check_repay": (("seed", "seed"),),
     "check_checkpoints": (("seed", "seed"), ("axes", 1, 4)),
     "check_timed": (("seed", "seed"), ("axes", 1, 4)),
     "check_tally": (("seed", "seed"), ("axes", 1, 4)),
@@ -32,7 +31,7 @@ def check_walk(seed, axes):
     begin = random.between(0, most - 1)
     count = random.between(1, min(500, most - begin))
     at = random.between(0, 50)
-    for one, walk, out in zip(lines, (line.walk_plain, line.walk), outs):
+    for one, walk, out in zip(lines, (line_plain.walk, line.walk), outs):
         one.begin(deltas)
         one.seek(begin)
         walk(out, at, count, one._state)
@@ -44,12 +43,12 @@ def check_walk(seed, axes):
 def check_pace(seed, count):
     random = Random(seed)
     bits = random.between(3, 13)
-    terms = pace.new_terms()
-    pace.set_terms(terms, count, count * random.between(25, 60_000) + random.between(0, count - 1), random.between(0, 3), bits)
+    terms = pace_plain.new_terms()
+    pace_plain.set_terms(terms, count, count * random.between(25, 60_000) + random.between(0, count - 1), random.between(0, 3), bits)
     others = array("i", terms)
     words = array("I", [random.between(0, (1 << bits) - 1) for _ in range(count + 9)])
     same = array("I", words)
-    pace.pace_plain(words, 4, count, terms)
+    pace_plain.pace(words, 4, count, terms)
     pace.pace(same, 4, count, others)
     assert words == same
     assert terms == others
@@ -62,7 +61,7 @@ def check_repay(seed, count):
     words = array("I", [random.between(least, least + 9) << bits | random.between(0, 7) for _ in range(count + 9)])
     same = array("I", words)
     debt = random.between(0, 300)
-    left = pace.repay_plain(words, 4, count, bits, debt, least)
+    left = pace_plain.repay(words, 4, count, bits, debt, least)
     assert pace.repay(same, 4, count, bits, debt, least) == left
     assert words == same
 
@@ -74,21 +73,10 @@ def check_apply(seed, axes, width):
     phases = bytearray([random.between(0, last) for _ in range(axes)])
     words = array("I", [random.between(0, 0x3FFFFFFF) for _ in range(60)])
     same, others = array("I", words), bytearray(phases)
-    coils.apply_plain(words, 5, 50, axes, width, last, tables, phases)
+    coils_plain.apply(words, 5, 50, axes, width, last, tables, phases)
     coils.apply(same, 5, 50, axes, width, last, tables, others)
     assert words == same
     assert phases == others
-
-
-def check_repay(seed):
-    random = Random(seed)
-    bits = random.between(3, 13)
-    words = array("I", [random.between(0, 0x3FFFFFFF >> bits) << bits | 1 for _ in range(40)])
-    same = array("I", words)
-    debt = random.between(0, (500, 0x1FFFFFFF)[random.between(0, 1)])
-    least = random.between(1, 100)
-    assert pace.repay(words, 3, 30, bits, debt, least) == pace.repay_plain(same, 3, 30, bits, debt, least)
-    assert words == same
 
 
 def check_checkpoints(seed, axes):
@@ -96,18 +84,18 @@ def check_checkpoints(seed, axes):
     random = Random(seed)
     sides = []
     for _ in range(2):
-        state = array("i", [0] * (checkpoints.PLACE + axes))
-        state[checkpoints.BITS], state[checkpoints.AXES], state[checkpoints.MASK] = 2 * axes + 1, axes, 63
-        state[checkpoints.LIMIT], state[checkpoints.SETUP] = 2000, 63
-        marks = array("i", [0] * (checkpoints.MARKS * (checkpoints.FIELDS + axes)))
+        state = array("i", [0] * (checkpoints_plain.PLACE + axes))
+        state[checkpoints_plain.BITS], state[checkpoints_plain.AXES], state[checkpoints_plain.MASK] = 2 * axes + 1, axes, 63
+        state[checkpoints_plain.LIMIT], state[checkpoints_plain.SETUP] = 2000, 63
+        marks = array("i", [0] * (checkpoints_plain.MARKS * (checkpoints_plain.FIELDS + axes)))
         sides.append((state, marks, array("I", [0] * 64), array("i", [0] * axes)))
-    for index in (checkpoints.HEAD, checkpoints.TICKS, checkpoints.OLDEST):
+    for index in (checkpoints_plain.HEAD, checkpoints_plain.TICKS, checkpoints_plain.OLDEST):
         sides[0][0][index] = sides[1][0][index] = random.between(0, 0x1FFFFFFF)
     for index in range(axes):
         edge = (0, 0x0FFFFFF0, -0x0FFFFFF0)[random.between(0, 2)]
-        sides[0][0][checkpoints.PLACE + index] = sides[1][0][checkpoints.PLACE + index] = edge
+        sides[0][0][checkpoints_plain.PLACE + index] = sides[1][0][checkpoints_plain.PLACE + index] = edge
     for side in sides:
-        side[0][checkpoints.NEWEST] = side[0][checkpoints.OLDEST]
+        side[0][checkpoints_plain.NEWEST] = side[0][checkpoints_plain.OLDEST]
     for _ in range(200):
         moving, negative = random.between(0, (1 << axes) - 1), random.between(0, (1 << axes) - 1)
         steps, ticks = random.between(0, 255), random.between(1, 0x100000)
@@ -116,15 +104,15 @@ def check_checkpoints(seed, axes):
         what = random.between(0, 5)
         results = []
         for plain, (state, marks, words, steps_made) in zip((True, False), sides):
-            name = "_plain" if plain else ""
-            call = [getattr(checkpoints, f + name) for f in ("room", "begin", "end", "retire", "find")]
+            twin = checkpoints_plain if plain else checkpoints
+            call = (twin.room, twin.begin, twin.end, twin.retire, twin.find)
             result = call[0](state, marks, lead)
             if result and what:
                 for axis in range(axes):
                     steps_made[axis] = made[axis]
                 call[1](state, words, moving, negative, steps, ticks)
                 call[2](state, marks, steps_made, steps, ticks, ends)
-            played = (state[checkpoints.HEAD] - back) & 0x1FFFFFFF
+            played = (state[checkpoints_plain.HEAD] - back) & 0x1FFFFFFF
             results.append((result, call[4](state, marks, played), call[3](state, marks, played) if what < 2 else 0))
         assert results[0] == results[1]
         assert sides[0] == sides[1]
@@ -138,7 +126,7 @@ def check_tally(seed, axes):
     until = (first + random.between(0, 64)) & 0x1FFFFFFF
     place = array("i", [random.between(-(1 << 28), (1 << 28) - 1) for _ in range(axes)])
     same = array("i", place)
-    stepping = position.tally_plain(words, 63, first, until, axes, place)
+    stepping = position_plain.tally(words, 63, first, until, axes, place)
     assert position.tally(words, 63, first, until, axes, same) == stepping
     assert place == same
 
@@ -161,12 +149,12 @@ def check_tally_of_coils(seed, axes, width):
             levels |= tables[place[axis] & last] << axis * width
         words[at & 63] = levels | 1 << axes * width
         at = (at + 1) & 0x1FFFFFFF
-    for tally in (coils.tally_plain, coils.tally):
+    for tally in (coils_plain.tally, coils.tally):
         found = array("i", begun)
         assert tally(words, 63, first, at, axes, width, last, tables, 15, found) == wanted
         assert found == place
     words[first & 63] = 15 | 15 << width  # no current: no step
-    for tally in (coils.tally_plain, coils.tally):
+    for tally in (coils_plain.tally, coils.tally):
         assert tally(words, 63, first, (first + 1) & 0x1FFFFFFF, axes, width, last, tables, 15, array("i", begun)) == 0
 
 

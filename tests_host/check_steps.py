@@ -6,8 +6,9 @@ from passo.motion.block import LINE
 from passo.motion.integers import length_nm
 from passo.motion.line import Line
 from passo.motion.planner import LOOK_AHEAD
-from passo.steps.checkpoints import DEBT
-from passo.steps.pace import new_terms, pace, repay, set_terms
+from passo.steps.checkpoints_plain import DEBT
+from passo.steps.pace import pace, repay
+from passo.steps.pace_plain import new_terms, set_terms
 from passo.steps.ring import Ring
 from passo.steps.timed import ENDLESS, Timed
 from passo.steps.word import COUNT_MASK, HOLD_TICKS, TICKS_PER_MS, TICKS_PER_S, ahead, us_to_ticks

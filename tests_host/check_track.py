@@ -2,7 +2,7 @@
 
 from draws import Random
 from passo.motion.track import COUNT, MOST, SPEED, STATION, TOOL, WAIT, Track, mark, run, units
-from passo.steps.checkpoints import LEVELS
+from passo.steps.checkpoints_plain import LEVELS
 from passo.steps.track_walker import ENDLESS, TrackWalker
 from passo.steps.word import HOLD_TICKS
 from rig import Rig

@@ -12,8 +12,8 @@ from passo.drives import unipolar
 from passo.motion import line, planner, track
 from passo.motion.block import Block
 from passo.motion.line import MAX_STEPS
-from passo.steps import feeder, pace, power, ring, timed, track_walker
-from passo.steps.checkpoints import FIELDS, MARK_TICKS, OLDEST, PLACE, TICKS
+from passo.steps import feeder, pace_plain, power, ring, timed, track_walker
+from passo.steps.checkpoints_plain import FIELDS, MARK_TICKS, OLDEST, PLACE, TICKS
 from passo.steps.word import COUNT_MASK
 from rig import DRIVES, LEAST_TICKS, Rig
 from small_int import Small
@@ -50,7 +50,7 @@ class SmallView:
 def narrow():
     """Every array that the interrupt code reads or writes is narrow."""
     patch = pytest.MonkeyPatch()
-    for module in (line, planner, feeder, pace, power, ring, timed, track, track_walker):
+    for module in (line, planner, feeder, pace_plain, power, ring, timed, track, track_walker):
         patch.setattr(module, "array", SmallList)
     patch.setattr(line, "memoryview", SmallView, raising=False)
     yield

@@ -15,16 +15,17 @@ from passo.control.board_error import BoardError
 from passo.control.controller import LATER, Controller
 from passo.control.journal import Journal, MemorySlots
 from passo.control.motors import Motors
-from passo.control.settings import ENABLE_INVERT, HOMING, Settings
+from passo.control.settings import ENABLE_INVERT, HOMING, SPEED, STEPS, Settings
 from passo.motion.planner import Planner
 from passo.protocols import errors
 from passo.protocols.commands import IMMEDIATE, RESET, RESTARTED, Event
 from passo.steps.feeder import Feeder
-from passo.steps.ring import Ring
+from passo.steps.ring import Ring, ring_size
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 LEAD_TICKS = const(30 * 12_500)  # from a main loop
 LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any moment, within 20 ms on the pins
+_TURNS_S = const(200)  # half a ring of words has to last as long as such a turn of the feeder
 _WAITING = const(64)  # commands of one link that may wait for their turn
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
@@ -148,9 +149,9 @@ class App:
             link["protocol"] = (protocols or {}).get(link["name"], link["protocol"])
         self.port = port
         self.layout, drive, off_levels = make_drive(board)
-        self.ring = Ring()
         settings = Settings(board, Journal(slots or MemorySlots()))
         port.board = board  # pins follow the settings
+        self.ring = Ring(ring_size(self._fastest(settings)))
         self.player = port.player(self.ring, self.layout)
         gc.collect()  # so that what is small fills the gaps and leaves room in one piece for what is large
         self.planner = Planner(self.layout.axes)
@@ -163,7 +164,7 @@ class App:
         motors.enable_inverted = bool(settings.value(ENABLE_INVERT))
         motors.release()
         gc.collect()
-        settings.max_steps_s = TICKS_PER_S // (2 * least)
+        settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)
         streamed = bool([link for link in board["links"] if link["protocol"] not in _STORED])
         self.controller = Controller(
             board, self.planner, self.feeder, self.player, motors, port, settings, streamed
@@ -175,6 +176,14 @@ class App:
             self.links.append(Link(len(self.links), link, port.serial(link), protocol))
         self.controller.resets.restarted()
         self._answer()
+
+    def _fastest(self, settings):
+        """Steps a second of the fastest axis."""
+        speed = self.board["speed"]
+        fastest = 500_000 // speed["min"] if speed["unit"] == "half_period_us" else speed["max"]
+        for axis in range(len(self.board["axes"])):
+            fastest = max(fastest, settings.value(STEPS + axis) * settings.value(SPEED + axis) // 60_000_000)
+        return fastest
 
     def _check_speed(self, least):
         """Every speed the board file allows must leave the player its shortest word."""

@@ -1,4 +1,4 @@
-"""coils.apply_plain and tally_plain as machine code of the board. See there; they give the same bits."""
+"""The functions of coils_plain.py as machine code of the board. See there; they give the same bits."""
 # ruff: noqa: F821
 
 import micropython

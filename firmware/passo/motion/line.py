@@ -29,36 +29,10 @@ _RISE = const(4)  # three numbers an axis, axes times the first, then the second
 #   decision, with the fall added so that it is never negative: a step is due above the fall
 #   made: its signed steps since the feeder last cleared them
 
-
-def walk_plain(out, at, count, state):  # ISR: no allocation
-    """Write the masks of the next `count` ≥ 1 dominant steps to out[at:], and add each axis's signed steps to `made`."""
-    axes = state[_AXES]
-    dominant = state[_DOMINANT]
-    fall = state[_FALL]
-    for i in range(at, at + count):
-        out[i] = 1 << dominant
-    for axis in range(axes):
-        rise = state[_RISE + axis]
-        steps = 0
-        if axis == dominant:
-            steps = count
-        elif rise:
-            bit = 1 << axis
-            decision = state[_RISE + axes + axis]
-            for i in range(at, at + count):
-                if decision > fall:
-                    out[i] |= bit
-                    decision -= fall
-                    steps += 1
-                decision += rise
-            state[_RISE + axes + axis] = decision
-        state[_RISE + 2 * axes + axis] += -steps if state[_NEGATIVE] >> axis & 1 else steps
-
-
 try:
     from passo.motion.line_viper import walk
 except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
-    walk = walk_plain
+    from passo.motion.line_plain import walk
 
 
 class Line:

@@ -1,4 +1,4 @@
-"""line.walk_plain as machine code of the board. See there; the two give the same bits."""
+"""line_plain.walk as machine code of the board. See there; the two give the same bits."""
 # ruff: noqa: F821
 
 import micropython

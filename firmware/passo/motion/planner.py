@@ -36,7 +36,6 @@ from passo.motion.block import (
     Block, leave_of,
 )
 from passo.motion.line import MAX_STEPS, Line
-from passo.motion.measure_viper import look_back, measure
 from passo.motion.profile import TICKS_PER_S
 
 LOOK_AHEAD = const(64)
@@ -80,11 +79,16 @@ class Planner:
         self.accelerates = False  # it has limits
         self._limits = None
         self._terms = None  # the limits'
+        self._measure = self._raise = None  # what works with them, loaded with the first ones
         self._asked = 0  # the speed that `work` has been told, in nm/s; -1: none
         self.clear()
 
     def limits(self, limits):
         """Accelerate within `limits` (profile.Limits) from now on; None: not at all. Only while nothing is queued."""
+        if limits is not None:
+            from passo.motion.measure_viper import look_back, measure
+
+            self._measure, self._raise = measure, look_back
         self._limits = limits
         self._terms = limits.terms if limits else None
         self.accelerates = limits is not None
@@ -133,7 +137,7 @@ class Planner:
             work[_IS_ARC] = 0
             if speed_nm_s != self._asked or ticks:
                 self._ask(deltas, ticks, speed_nm_s)
-            result = measure(rows, at, work, self._terms)
+            result = self._measure(rows, at, work, self._terms)
             if result <= 0:
                 if result:
                     self._refuse(result)
@@ -272,7 +276,8 @@ class Planner:
             self.percent[1] = max(RAPID_PERCENT[0], min(rapid, RAPID_PERCENT[1]))
         for which in range(2):
             self._work[_FACTOR + which] = self.percent[which] * self.percent[which] * 4096 // 10_000
-        self._look_back(1)
+        if self.accelerates:
+            self._look_back(1)
 
     @micropython.native
     def _look_back(self, all):
@@ -286,7 +291,7 @@ class Planner:
         work[_NEWEST] = (added - 1) % _SIZE
         work[_DEPTH] = count if count < LOOK_AHEAD else LOOK_AHEAD
         work[_ALL] = all
-        depth = look_back(self._rows, work)
+        depth = self._raise(self._rows, work)
         while depth > (added - self._fetched) & _COUNT:
             # The block under way is among them: it need not slow down as much as it thought. An interrupt may go on to
             # the next block meanwhile; then that one is looked at again.

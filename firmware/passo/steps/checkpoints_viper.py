@@ -1,4 +1,4 @@
-"""The functions of checkpoints.py as machine code of the board. See there; they give the same bits."""
+"""The functions of checkpoints_plain.py as machine code of the board. See there; they give the same bits."""
 # ruff: noqa: F821
 
 import micropython

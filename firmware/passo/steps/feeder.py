@@ -21,15 +21,29 @@ from passo.motion.block import FREE, TRACK, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.ramp import Ramp
 from passo.steps import pace
-from passo.steps.checkpoints import (
-    AXES, BITS, DEBT, FIELDS, HEAD, INDEX, LEVELS, LIMIT, MARKS, MASK, NEWEST, OLDEST, PACE, PLACE, SETUP, TICKS, begin,
-    end, retire, room,
-)  # fmt: skip
+from passo.steps.checkpoints import begin, end, retire, room
 from passo.steps.pace import repay
 from passo.steps.position import Position
 from passo.steps.word import HOLD_TICKS
 
 _COUNT = const(0x1FFFFFFF)  # COUNT_MASK, known to the compiler
+# In the arrays, as checkpoints_plain.py has them.
+_BITS = const(5)
+_AXES = const(6)
+_MASK = const(7)
+_LIMIT = const(8)
+_SETUP = const(9)
+_LEVELS = const(10)
+_DEBT = const(11)
+_TICKS = const(12)
+_HEAD = const(13)
+_OLDEST = const(14)
+_NEWEST = const(15)
+_INDEX = const(16)
+_PACE = const(17)
+_PLACE = const(19)
+_MARKS = const(128)
+_FIELDS = const(5)
 _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
 
 
@@ -46,14 +60,14 @@ class Feeder(Position):
         self._ramp = Ramp()
         axes = layout.axes
         self._none = array("i", [0] * axes)  # no steps made
-        self._stride = FIELDS + axes
-        self._marks = array("i", [0] * (MARKS * self._stride))
-        state = self.state = array("i", [0] * (PLACE + axes))
-        state[BITS] = layout.bits
-        state[AXES] = axes
-        state[MASK] = ring.mask
-        state[LIMIT] = ring.size - _ROOM
-        state[SETUP] = setup_ticks
+        self._stride = _FIELDS + axes
+        self._marks = array("i", [0] * (_MARKS * self._stride))
+        state = self.state = array("i", [0] * (_PLACE + axes))
+        state[_BITS] = layout.bits
+        state[_AXES] = axes
+        state[_MASK] = ring.mask
+        state[_LIMIT] = ring.size - _ROOM
+        state[_SETUP] = setup_ticks
         self.open = True  # the main loop closes it while the motors are not ready, or while it stops the machine
         self.hold = False  # set: come to a stand on the path; cleared: go on
         self.brake = False  # the same, set by the port for as long as the main loop does not run
@@ -70,10 +84,10 @@ class Feeder(Position):
         self._power = -1
         self._wait = 0
         state = self.state
-        state[HEAD] = played
-        state[DEBT] = state[TICKS] = state[OLDEST] = state[NEWEST] = state[INDEX] = state[PACE] = 0
+        state[_HEAD] = played
+        state[_DEBT] = state[_TICKS] = state[_OLDEST] = state[_NEWEST] = state[_INDEX] = state[_PACE] = 0
         end(state, self._marks, self._none, 0, 0, 1)
-        state[OLDEST] = state[NEWEST]
+        state[_OLDEST] = state[_NEWEST]
 
     # --- filling: may run in an interrupt
 
@@ -89,7 +103,7 @@ class Feeder(Position):
             self._power = -1
             return
         state = self.state
-        if self._block is not None and state[OLDEST] == state[NEWEST] and not self._stood:
+        if self._block is not None and state[_OLDEST] == state[_NEWEST] and not self._stood:
             self.late += 1
         self._stood = False
         marks = self._marks
@@ -141,9 +155,9 @@ class Feeder(Position):
             return False
         self._block = block
         state = self.state
-        state[INDEX] = block.first
+        state[_INDEX] = block.first
         tool = self.layout.tool_mask
-        state[LEVELS] = state[LEVELS] & ~tool | (tool if block.tool else 0)
+        state[_LEVELS] = state[_LEVELS] & ~tool | (tool if block.tool else 0)
         self._power = -1
         kind = block.kind
         if kind == WAIT:
@@ -181,7 +195,7 @@ class Feeder(Position):
             if dynamic or self._power < 0:
                 self._mark_power(block, ramp.pace)
             else:
-                state[PACE] = ramp.pace
+                state[_PACE] = ramp.pace
             at = begin(state, words, walker.moving, walker.negative, steps, ticks)
             run = steps
             if at + steps > size:
@@ -193,7 +207,7 @@ class Feeder(Position):
                 run = steps - run
             walker.walk(words, at, run)
             pace.pace(words, at, run, state)
-            if state[DEBT] or drive is not None:
+            if state[_DEBT] or drive is not None:
                 self._settle(at, run)
             if walker.left == 0 and not waits:
                 ring.head = end(state, marks, walker.made, steps, ticks, 1)
@@ -207,13 +221,13 @@ class Feeder(Position):
     def _free(self, walker, held):  # ISR: no allocation
         ring = self.ring
         state = self.state
-        at = state[HEAD] & ring.mask
+        at = state[_HEAD] & ring.mask
         most = ring.size - at
-        count = walker.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[LEVELS], state[BITS], held)
+        count = walker.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[_LEVELS], state[_BITS], held)
         ends = walker.ends()
         if not count and not ends:
             return False
-        state[LEVELS] = walker.levels
+        state[_LEVELS] = walker.levels
         self._settle(at, count)
         self._end(count, walker.ticks, ends, walker.made)
         return True
@@ -226,13 +240,13 @@ class Feeder(Position):
         ring = self.ring
         state = self.state
         tool = self.layout.tool_mask
-        levels = state[LEVELS] & ~tool | (tool if walker.tool else 0)
-        state[LEVELS] = levels
+        levels = state[_LEVELS] & ~tool | (tool if walker.tool else 0)
+        state[_LEVELS] = levels
         at = begin(state, ring.words, walker.moving, walker.negative, 0, 0)
         most = ring.size - at
-        count = walker.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[LEVELS], state[BITS])
+        count = walker.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[_LEVELS], state[_BITS])
         self._settle(at, count)
-        state[INDEX] = walker.place
+        state[_INDEX] = walker.place
         self._end(count, walker.ticks, not walker.active(), walker.made)
         return True
 
@@ -244,8 +258,8 @@ class Feeder(Position):
         self._wait -= ticks
         ring = self.ring
         state = self.state
-        at = state[HEAD] & ring.mask
-        ring.words[at] = ticks << state[BITS] | state[LEVELS]
+        at = state[_HEAD] & ring.mask
+        ring.words[at] = ticks << state[_BITS] | state[_LEVELS]
         self._settle(at, 1)
         self._end(1, ticks, not self._wait and (block.kind == WAIT or block.walker.left == 0), self._none)
         return True
@@ -253,7 +267,7 @@ class Feeder(Position):
     @micropython.native
     def _mark_power(self, block, pace):  # ISR: no allocation
         """The segment that follows has this mean speed: mark the power where it changes."""
-        self.state[PACE] = pace
+        self.state[_PACE] = pace
         power = block.power
         if block.dynamic and pace >= 0:
             power = power * pace // block.top if pace else 0
@@ -266,11 +280,11 @@ class Feeder(Position):
         """Take what is owed off words[at : at + count] and give them their drive's levels."""
         words = self.ring.words
         state = self.state
-        owed = state[DEBT]
+        owed = state[_DEBT]
         if owed:
-            debt = repay(words, at, count, state[BITS], owed, self.min_word_ticks)
-            state[TICKS] = (state[TICKS] - owed + debt) & _COUNT
-            state[DEBT] = debt
+            debt = repay(words, at, count, state[_BITS], owed, self.min_word_ticks)
+            state[_TICKS] = (state[_TICKS] - owed + debt) & _COUNT
+            state[_DEBT] = debt
         if self.drive is not None:
             self.drive.apply(words, at, count)
 
@@ -297,9 +311,9 @@ class Feeder(Position):
         self.ring.head = played
         self.ring.power.clear()
         for axis in range(self.layout.axes):
-            self.state[PLACE + axis] = position[axis]
+            self.state[_PLACE + axis] = position[axis]
         if self.drive is not None:
             self.drive.seek(position)
-        self.state[LEVELS] &= ~self.layout.tool_mask
+        self.state[_LEVELS] &= ~self.layout.tool_mask
         self._reset(played)
         return position, block, index

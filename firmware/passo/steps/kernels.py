@@ -5,6 +5,6 @@ from passo.steps import pace as pacing
 
 
 def use(walk, pace):
-    """`walk` for motion.line.walk_plain, `pace` for steps.pace.pace_plain."""
+    """`walk` for motion.line_plain.walk, `pace` for steps.pace_plain.pace."""
     line.walk = walk
     pacing.pace = pace

@@ -1,4 +1,4 @@
-"""pace.pace_plain and repay_plain as machine code of the board. See there; they give the same bits."""
+"""pace_plain.pace and repay as machine code of the board. See there; they give the same bits."""
 # ruff: noqa: F821
 
 import micropython

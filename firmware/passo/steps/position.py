@@ -3,35 +3,26 @@
 from micropython import const
 
 from passo.motion.block import TRACK
-from passo.steps.checkpoints import (
-    ENDS, FIELDS, MARK_INDEX, MARK_PACE, MARKS, NEWEST, OLDEST, PLAYED, WORD, find,
-)  # fmt: skip
+from passo.steps.checkpoints import find
 from passo.steps.word import COUNT_MASK, ahead
 
 _HALF = const(0x10000000)
-_COUNT = const(0x1FFFFFFF)
-
-
-def tally_plain(words, mask, word, until, axes, position):
-    """Add what the words of a ring (its size − 1 is `mask`) from count `word` to `until` step, in the step form, to
-    `position`; returns how many of them step."""
-    stepping = 0
-    steps = (1 << axes) - 1
-    while word != until:
-        levels = words[word & mask]
-        if levels & steps:
-            stepping += 1
-            for axis in range(axes):
-                if levels >> axis & 1:
-                    position[axis] += 1 if levels >> axes + axis & 1 else -1
-        word = (word + 1) & _COUNT
-    return stepping
+# In the feeder's arrays, as checkpoints_plain.py has them.
+_OLDEST = const(14)
+_NEWEST = const(15)
+_PLAYED = const(18)
+_MARKS = const(128)
+_WORD = const(0)
+_MARK_INDEX = const(2)
+_ENDS = const(3)
+_MARK_PACE = const(4)
+_FIELDS = const(5)
 
 
 try:
     from passo.steps.position_viper import tally
 except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
-    tally = tally_plain
+    from passo.steps.position_plain import tally
 
 
 class Position:
@@ -45,9 +36,9 @@ class Position:
     def pace(self, played):
         """The mean speed of the segment under way, as ramp.pace; 0 where none is."""
         at = find(self.state, self._marks, played) // self._stride
-        if at == self.state[NEWEST] % MARKS:
+        if at == self.state[_NEWEST] % _MARKS:
             return 0
-        return self._marks[(at + 1) % MARKS * self._stride + MARK_PACE]
+        return self._marks[(at + 1) % _MARKS * self._stride + _MARK_PACE]
 
     def _walk(self, played):
         """(position, stepping words since the last checkpoint played, where in the marks that stands)."""
@@ -55,25 +46,25 @@ class Position:
         state = self.state
         axes = self.layout.axes
         while True:
-            oldest = state[OLDEST]
-            if ahead(played, self._marks[oldest % MARKS * self._stride + WORD]) >= _HALF:
-                played = state[PLAYED]  # an interrupt has gone beyond it
+            oldest = state[_OLDEST]
+            if ahead(played, self._marks[oldest % _MARKS * self._stride + _WORD]) >= _HALF:
+                played = state[_PLAYED]  # an interrupt has gone beyond it
             at = find(state, self._marks, played)
-            position = self._marks[at + FIELDS : at + FIELDS + axes]
-            word = self._marks[at + WORD]
+            position = self._marks[at + _FIELDS : at + _FIELDS + axes]
+            word = self._marks[at + _WORD]
             if self.drive is None:
                 stepping = tally(ring.words, ring.mask, word, played, axes, position)
             else:
                 stepping = self.drive.tally(ring.words, ring.mask, word, played, position)
-            if state[OLDEST] == oldest:
+            if state[_OLDEST] == oldest:
                 return list(position), stepping, at
-            played = state[PLAYED]  # those words may have been written over: ask for what is now
+            played = state[_PLAYED]  # those words may have been written over: ask for what is now
 
     def _along(self, block, at, stepping):
         """How far `block` is, `stepping` words after the mark at `at`."""
         if block is None:
             return stepping
-        start = block.first if self._marks[at + ENDS] else self._marks[at + MARK_INDEX]
+        start = block.first if self._marks[at + _ENDS] else self._marks[at + _MARK_INDEX]
         if block.kind == TRACK and block.walker.backward:
             stepping = -stepping
         return (start + stepping) & COUNT_MASK
@@ -84,6 +75,6 @@ class Position:
         if block is None or block.kind != TRACK:
             return None
         _, stepping, at = self._walk(played)
-        if self._marks[at + ENDS] and at != self.state[OLDEST] % MARKS * self._stride:
-            return self._marks[at + MARK_INDEX]  # played to its end, and not retired yet
+        if self._marks[at + _ENDS] and at != self.state[_OLDEST] % _MARKS * self._stride:
+            return self._marks[at + _MARK_INDEX]  # played to its end, and not retired yet
         return self._along(block, at, stepping)

@@ -1,4 +1,4 @@
-"""position.tally_plain as machine code of the board. See there; the two give the same bits."""
+"""position_plain.tally as machine code of the board. See there; the two give the same bits."""
 # ruff: noqa: F821
 
 import micropython

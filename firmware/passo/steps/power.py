@@ -11,7 +11,7 @@ from array import array
 
 from micropython import const
 
-_SIZE = const(256)
+_SIZE = const(128)
 _COUNT = const(0x1FFFFFFF)
 _HALF = const(0x10000000)
 FULL = const(1000)

@@ -10,8 +10,18 @@ any two statements sees a consistent ring. Nothing here allocates after the cons
 
 from array import array
 
+from passo.motion.line import MAX_RUN
 from passo.steps.power import Power
 from passo.steps.word import COUNT_MASK
+
+
+def ring_size(steps_s):
+    """Words of a ring for at most `steps_s`: 30 ms of them and the longest segment, where the largest has room for that."""
+    words = steps_s * 30 // 1000 + MAX_RUN + 2
+    size = 1024
+    while size < words and size < 4096:
+        size *= 2
+    return size
 
 
 class Ring:
