@@ -305,6 +305,14 @@ def check_arcs_are_walked():
             assert (radius - 1) ** 2 <= across * across + along * along <= (radius + 1) ** 2, (line, place)
 
 
+def check_arcs_far_too_slow_are_refused():
+    """Also where the arc goes as chords, and at the speed at which only their diagonal steps would be too far apart."""
+    for feed, said in ((".004", "error:34"), (".0055", "error:34"), (".02", "ok")):
+        machine = Machine().ready()
+        assert machine.ask("G18 G2 X3 Z-3 R3 F" + feed) == [said], feed
+        machine.turns(20)
+
+
 def check_arcs_stay_inside():
     machine = home(Machine())
     machine.do("G0 X10 Y10")

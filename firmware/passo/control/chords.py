@@ -22,7 +22,8 @@ class Chords:
         if ellipse.flat_nm:
             fastest = fastest * ellipse.length_nm // ellipse.flat_nm
         self._nm_s = min(nm_s, fastest) or 1
-        if NM_PER_M * TICKS_PER_S // (min(steps_per_m) * self._nm_s) > COUNT_MASK:
+        # A chord of one step on all axes is up to √3 of the coarsest step long.
+        if 2 * NM_PER_M * TICKS_PER_S // (min(steps_per_m) * self._nm_s) > COUNT_MASK:
             raise ValueError("steps more than 43 s apart")
         self._ellipse = ellipse
         self._tool = tool
