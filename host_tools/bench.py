@@ -1,7 +1,8 @@
 """`python -m host_tools.bench`: the measurements, printed as tables and written to docs/benchmarks.md.
 
 Each part of the document stands between two markers and is replaced when its bench has run; the text around it, with
-the method and what the figures mean, is kept by hand. `make bench ARGS=lines` runs one part.
+the method and what the figures mean, is kept by hand. `make bench ARGS=lines` runs one part; `motion` and `arcs`, which
+take many minutes, run only when they are named.
 """
 
 import os
@@ -20,6 +21,26 @@ MICROPYTHON = Path(sys.executable).parent / "micropython"
 _TIMEOUT_S = 600
 
 
+def _environment():
+    """Where the firmware and the tests are, for a script under any interpreter."""
+    folders = [str(ROOT / "firmware"), str(ROOT / "tests_host"), str(ROOT)]
+    return {
+        **os.environ,
+        "MICROPYPATH": ":".join(folders),
+        "PYTHONPATH": ":".join([*folders, str(ROOT / "host_tools" / "shims")]),
+    }
+
+
+def _command(program, script, *arguments):
+    """A script of tests_host and its arguments, under CPython or MicroPython."""
+    heap = ["-X", "heapsize=64m"] if program == MICROPYTHON else []
+    return [program, *heap, ROOT / "tests_host" / script, *map(str, arguments)]
+
+
+def _interpreters():
+    return {"CPython": sys.executable, **({"MicroPython": MICROPYTHON} if MICROPYTHON.exists() else {})}
+
+
 def lines():
     """Integer lines against floating-point lines, on the objects of 2014, under two interpreters."""
     from host_tools.objects import objects
@@ -27,10 +48,7 @@ def lines():
     corners = "".join(
         f"{name} {' '.join(f'{x} {y}' for _, x, y in points)}\n" for name, points in objects().items()
     )
-    interpreters = {"CPython": sys.executable}
-    if MICROPYTHON.exists():
-        interpreters["MicroPython"] = MICROPYTHON
-    results = {name: _run_lines(program, corners) for name, program in interpreters.items()}
+    results = {name: _run_lines(program, corners) for name, program in _interpreters().items()}
     header = ["object", "points", "steps"]
     for name in results:
         header += [f"{name} float µs", "integer µs", "better", "as driven µs"]
@@ -55,14 +73,8 @@ def _better(float_us, integer_us):
 
 def _run_lines(program, corners):
     """{object: [points, steps, as driven µs, integer µs, float µs]} as tests_host/bench_lines.py measures them."""
-    folders = [str(ROOT / "firmware"), str(ROOT / "tests_host")]
-    environment = {
-        **os.environ,
-        "MICROPYPATH": ":".join(folders),
-        "PYTHONPATH": ":".join([*folders, str(ROOT / "host_tools" / "shims")]),
-    }
     script = ROOT / "tests_host" / "bench_lines.py"
-    done = subprocess.run([program, script], input=corners, env=environment, capture_output=True, text=True,
+    done = subprocess.run([program, script], input=corners, env=_environment(), capture_output=True, text=True,
                           timeout=_TIMEOUT_S)
     if done.returncode:
         raise Failure(f"{script.name} under {program}: {done.stderr.strip().splitlines()[-1]}")
@@ -84,21 +96,59 @@ def fuzz():
 
 def _run_fuzz(program, count, seed):
     """[lines, refused, resets] of tests_host/fuzz_grbl.py."""
-    folders = [str(ROOT / "firmware"), str(ROOT / "tests_host"), str(ROOT)]
-    environment = {
-        **os.environ,
-        "MICROPYPATH": ":".join(folders),
-        "PYTHONPATH": ":".join([*folders, str(ROOT / "host_tools" / "shims")]),
-    }
-    heap = ["-X", "heapsize=64m"] if program == MICROPYTHON else []
-    command = [program, *heap, ROOT / "tests_host" / "fuzz_grbl.py", str(count), str(seed)]
-    done = subprocess.run(command, env=environment, capture_output=True, text=True)
+    command = _command(program, "fuzz_grbl.py", count, seed)
+    done = subprocess.run(command, env=_environment(), capture_output=True, text=True)
     if done.returncode:
         raise Failure(f"fuzz, seed {seed}: {(done.stderr or done.stdout).strip().splitlines()[-1]}")
     return [int(number) for number in done.stdout.split()]
 
 
-PARTS = {"lines": lines, "fuzz": fuzz}
+def motion():
+    """The limits over random programmes, half of them under each interpreter; PASSO_SOAK_PROGRAMMES is how many."""
+    count = int(os.environ.get("PASSO_SOAK_PROGRAMMES", 10_000))
+    rows = []
+    programs = list(_interpreters().items())
+    for place, (name, program) in enumerate(programs):
+        bounds = range(count * place // len(programs), count * (place + 1) // len(programs), 250)
+        chunks = [(program, "soak_motion.py", first, min(first + 250, bounds.stop)) for first in bounds]
+        rows.append([name, *_soak(chunks, 3)])
+    return ["interpreter", "programmes", "blocks", "segments", "change of speed", "steps over", "time", "failed"], rows
+
+
+def arcs():
+    """Every radius to 2000, and random ones to 2²⁰, under two interpreters."""
+    rows = []
+    for name, program in _interpreters().items():
+        chunks = [(program, "soak_circle.py", first, first + 99) for first in range(1, 2001, 100)]
+        rows.append([name, *_soak(chunks, 2)])
+    return ["interpreter", "arcs", "words", "off the circle", "third axis", "CORDIC", "failed"], rows
+
+
+def _soak(chunks, sums):
+    """Run (program, script, first, last) each, and put their last lines together: the first `sums` figures and the last
+    are added up, of the others the worst counts."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        rows = [line.split() for line in pool.map(_run_soak, chunks)]
+    totals = []
+    for place in range(len(rows[0])):
+        column = [row[place] for row in rows]
+        added = place < sums or place == len(rows[0]) - 1
+        totals.append(sum(map(int, column)) if added else max(column, key=float))
+    return totals
+
+
+def _run_soak(chunk):
+    done = subprocess.run(_command(*chunk), env=_environment(), capture_output=True, text=True)
+    if done.stderr or not done.stdout:
+        raise Failure(f"{chunk[1]} under {chunk[0]}: {(done.stderr or 'no answer').strip().splitlines()[-1]}")
+    *failures, totals = done.stdout.splitlines()
+    for failure in failures:
+        print(failure, flush=True)
+    return totals
+
+
+PARTS = {"lines": lines, "fuzz": fuzz, "motion": motion, "arcs": arcs}
+LONG = ("motion", "arcs")
 
 
 def markdown(header, rows):
@@ -131,7 +181,7 @@ def main(wanted):
     unknown = set(wanted) - set(PARTS)
     if unknown:
         raise Failure(f"no bench {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
-    for part in wanted or PARTS:
+    for part in wanted or [part for part in PARTS if part not in LONG]:
         header, rows = PARTS[part]()
         show(part, header, rows)
         DOCUMENT.write_text(replace(DOCUMENT.read_text(), part, markdown(header, rows)))
