@@ -40,9 +40,9 @@ class Machine:
         self.segments = []  # (block number, steps of path, ticks, speed at its end in units)
         self._listen()
 
-    def limited(self, steps_per_m, speeds, accelerations, deviation):
+    def limited(self, steps_per_m, speeds, accelerations, deviation, start=0):
         self.steps_per_m, self.speeds, self.accelerations, self.deviation = steps_per_m, speeds, accelerations, deviation
-        self.limits = Limits(steps_per_m, speeds, accelerations, deviation)
+        self.limits = Limits(steps_per_m, speeds, accelerations, deviation, start)
         self.rig.planner.limits(self.limits)
 
     def _draw(self, kind):

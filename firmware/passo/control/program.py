@@ -219,6 +219,7 @@ class Program:
                 [settings.value(table.SPEED + axis) * 50 // 3 or 1 for axis in axes],
                 [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
                 settings.value(table.JUNCTION) * 1000,
+                settings.value(table.START) * 50 // 3,
             )
         )
 

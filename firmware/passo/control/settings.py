@@ -44,6 +44,7 @@ STEPS = const(100)
 SPEED = const(110)
 ACCELERATION = const(120)
 TRAVEL = const(130)
+START = const(140)  # Passo's own
 
 
 def _table(board):
@@ -81,6 +82,7 @@ def _table(board):
         MAX_RPM: ("spindle_max", 3, spindle["max_rpm"] * 1000, 1, 999_999_999),
         MIN_RPM: ("spindle_min", 3, spindle["min_rpm"] * 1000, 0, 999_999_999),
         LASER: ("laser", 0, 1 if spindle["laser"] else 0, 0, 1),
+        START: ("start_speed", 3, 0, 0, 999_999_999),
     }
     for number in range(len(axes)):
         axis = axes[number]

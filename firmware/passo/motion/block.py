@@ -65,11 +65,13 @@ class Block:
         self.time = self.time_shift = 0  # ticks a unit of speed takes: time / 2 ** time_shift
         self.ratio = self.ratio_shift = 0  # from the unit of the block before: ratio / 2 ** ratio_shift
         self.leave = 0  # q at the end, as planned
+        self.start = 0  # q at which it may be begun and ended without a ramp
         self.speed = 0  # as programmed, in nm/s; only where the main loop asks
 
     @micropython.native
-    def load(self, rows, at):  # ISR: no allocation
-        """Unpack the row that begins at rows[at]; the walker is the planner's affair."""
+    def load(self, rows, at, start):  # ISR: no allocation
+        """Unpack the row that begins at rows[at]; the walker is the planner's affair. `start`: square of the speed that
+        takes no ramp."""
         self.kind = rows[at + KIND]
         self.tool = rows[at + TOOL]
         self.ticks = rows[at + TICKS]
@@ -85,15 +87,24 @@ class Block:
         self.time_shift = rows[at + TIME_SHIFT]
         self.ratio = rows[at + RATIO]
         self.ratio_shift = rows[at + RATIO_SHIFT]
-        self.leave = leave_of(rows, at, self.limit) if self.gain else 0
+        self.leave = self.start = 0
+        if self.gain:
+            if start:
+                self.start = q_of(start, rows, at, self.limit)
+            self.plan_leave(rows, at)
         self.power = rows[at + POWER]
         self.dynamic = rows[at + DYNAMIC]
 
+    @micropython.native
+    def plan_leave(self, rows, at):  # ISR: no allocation
+        """Take over the planned end from the row."""
+        leave = q_of(rows[at + EXIT], rows, at, self.limit)
+        self.leave = leave if leave > self.start else self.start
+
 
 @micropython.native
-def leave_of(rows, at, limit):  # ISR: no allocation
-    """q at the end of a block, as its row plans it, `limit` squared at most."""
-    square = rows[at + EXIT]
+def q_of(square, rows, at, limit):  # ISR: no allocation
+    """q of the square of a speed, in a block's units; `limit` squared at most."""
     unit = rows[at + UNIT]
     shift = rows[at + UNIT_SHIFT] - 14
     q = (square >> 14) * unit + ((square & 0x3FFF) * unit >> 14)

@@ -33,7 +33,7 @@ from micropython import const
 from passo.motion import profile
 from passo.motion.block import (
     ARC, DYNAMIC, FIRST, FREE, GAIN, KIND, LINE, POWER, RAPID, ROW, SPEED, TAG, TICKS, TICKS_REST, TOOL, TRACK, WAIT,
-    Block, leave_of,
+    Block,
 )
 from passo.motion.line import MAX_STEPS, Line
 from passo.motion.profile import TICKS_PER_S
@@ -80,6 +80,7 @@ class Planner:
         self._limits = None
         self._terms = None  # the limits'
         self._measure = self._raise = None  # what works with them, loaded with the first ones
+        self._start = 0  # square of the speed that takes no ramp
         self._asked = 0  # the speed that `work` has been told, in nm/s; -1: none
         self.clear()
 
@@ -91,6 +92,7 @@ class Planner:
             self._measure, self._raise = measure, look_back
         self._limits = limits
         self._terms = limits.terms if limits else None
+        self._start = limits.start if limits else 0
         self.accelerates = limits is not None
         self._work[_FEED] = self._work[_GIVEN] = 0
         self._asked = 0
@@ -298,7 +300,7 @@ class Planner:
             fetched = self._fetched
             block = self._under_way
             if block.gain:
-                block.leave = leave_of(self._rows, (fetched - 1) % _SIZE * self._stride, block.limit)
+                block.plan_leave(self._rows, (fetched - 1) % _SIZE * self._stride)
             if self._fetched == fetched:
                 return
 
@@ -328,7 +330,7 @@ class Planner:
 
     @micropython.native
     def _unpack(self, block, place):  # ISR: no allocation
-        block.load(self._rows, place * self._stride)
+        block.load(self._rows, place * self._stride, self._start)
         kind = block.kind
         if kind == LINE:
             block.walker = self._line

@@ -48,6 +48,7 @@ class Ramp:
         self._arc = False
         self._done = 0  # words of the arc's run cut so far
         self._part = 0
+        self._start = 0  # q that takes no ramp, in the block's units
         self._speed = 0  # v of _q, _V_BITS fraction bits
 
     def stall(self):  # ISR: no allocation
@@ -55,8 +56,8 @@ class Ramp:
         self._q = self._speed = 0
 
     def moving(self):  # ISR: no allocation
-        """True when the next segment begins at a speed above zero that was reached by acceleration."""
-        return self._q > 0
+        """True when the next segment begins at a speed that was reached by acceleration: it could not stand here."""
+        return self._q > self._start
 
     def begin(self, block):  # ISR: no allocation
         """Take up `block` at the speed the last one ended with."""
@@ -69,6 +70,7 @@ class Ramp:
         self._arc = block.kind == ARC
         self._done = 0
         self._steady = not block.gain
+        self._start = block.start
         if self._steady:
             self._q = self._speed = 0
             return
@@ -160,8 +162,11 @@ class Ramp:
         self.steps = 0
         if hold:
             cap = 0
-            if not q:
+            if q <= self._start:
                 return
+        elif q < self._start and q < cap or q > cap and q - (q >> 6) < self._start:  # no ramp is needed here
+            q = self._start if self._start < cap else cap
+            self._speed = root_of(q, self._speed)
         gain = block.gain
         most = _FAR // gain or 1
         if most > _MAX_RAMP:
