@@ -42,6 +42,7 @@ def main():
 
         port = start.port(board)
         app = App(board, port, slots=FileSlots("settings"))
+        gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms
         start.run(app, port)
     except BoardError as wrong:
         print("board.py is wrong:", wrong)
