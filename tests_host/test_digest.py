@@ -160,13 +160,22 @@ HEX_JOBS = {
 }
 
 
+def hex_job(name):
+    """The file of a job, as digest.py takes it."""
+    return "".join(data.hex(" ") + (f" @{turns}" if turns else "") + "\n" for data, turns in HEX_JOBS[name][0]())
+
+
+def golden_of_hex():
+    """{name: [digest, words, stepping]}"""
+    return {line.split()[0]: line.split()[1:] for line in HEX_GOLDEN.read_text().splitlines()}
+
+
 @pytest.mark.parametrize("name", HEX_JOBS)
 def test_bytes_of_other_languages(tmp_path, name):
-    lines, *options = HEX_JOBS[name]
+    _, *options = HEX_JOBS[name]
     job = tmp_path / "job.hex"
-    job.write_text("".join(data.hex(" ") + (f" @{turns}" if turns else "") + "\n" for data, turns in lines()))
+    job.write_text(hex_job(name))
     made = digest(sys.executable, job, *options)
-    golden = dict(line.split(" ", 1) for line in HEX_GOLDEN.read_text().splitlines())
-    assert " ".join(made) == golden[name]
+    assert made == golden_of_hex()[name]
     if MICROPYTHON.exists():
         assert digest(MICROPYTHON, job, *options) == made

@@ -10,7 +10,7 @@ from host_tools import boards, objects
 from host_tools.build import compile_module, selected
 from host_tools.emulator.pico import EmulatedPico
 from programmes import programmes
-from test_digest import GOLDEN, ROOT, TESTS, golden_of_gcode, job_of
+from test_digest import GOLDEN, HEX_JOBS, ROOT, TESTS, golden_of_gcode, golden_of_hex, hex_job, job_of
 
 LIMIT_US = 30_000_000
 
@@ -26,14 +26,19 @@ def compiled(sources):
     return files
 
 
-@pytest.mark.parametrize("name", ["triangle"])
-def test_the_pico_makes_the_words_of_the_golden_file(uf2, name, show):
-    firmware = selected(boards.load("plotter_2014"))
-    sources = {path.as_posix(): ROOT / "firmware" / path for path in firmware}
+def with_digest(board, job, data):
+    """The files of digest.py, of the firmware that `board` needs, and of one job."""
+    sources = {path.as_posix(): ROOT / "firmware" / path for path in selected(boards.load(board))}
     files = compiled({**sources, "digest.py": TESTS / "digest.py"})
     files["boards/__init__.py"] = b""
-    files["boards/plotter_2014.py"] = boards.path("plotter_2014").read_bytes()
-    files["job.bin"] = job_of([objects.objects()[name]])
+    files[f"boards/{board}.py"] = boards.path(board).read_bytes()
+    files[job] = data
+    return files
+
+
+@pytest.mark.parametrize("name", ["triangle"])
+def test_the_pico_makes_the_words_of_the_golden_file(uf2, name, show):
+    files = with_digest("plotter_2014", "job.bin", job_of([objects.objects()[name]]))
     pico = EmulatedPico(files=files, uf2=uf2).boot()
     before = pico.cycle
     # Collecting often while the modules load keeps the heap in one piece: the store wants 50 000 bytes of it.
@@ -48,12 +53,7 @@ def test_the_pico_makes_the_words_of_gcode(uf2, show):
     """The beginnings of a relief, an engraving, a helix and a laser's raster: generated, not played."""
     board, lines = programmes()["pico"]
     name = board.partition("+")[0]
-    firmware = selected(boards.load(name))
-    sources = {path.as_posix(): ROOT / "firmware" / path for path in firmware}
-    files = compiled({**sources, "digest.py": TESTS / "digest.py"})
-    files["boards/__init__.py"] = b""
-    files[f"boards/{name}.py"] = boards.path(name).read_bytes()
-    files["job.gcode"] = "".join(f"{line}\n" for line in lines).encode()
+    files = with_digest(name, "job.gcode", "".join(f"{line}\n" for line in lines).encode())
     pico = EmulatedPico(files=files, uf2=uf2).boot()
     before = pico.cycle
     code = "import gc\ngc.threshold(16000)\nimport digest\n"
@@ -61,3 +61,14 @@ def test_the_pico_makes_the_words_of_gcode(uf2, show):
     show("digest of G-code on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
     golden = golden_of_gcode()["pico"]
     assert [*said[:2], *said[3:]] == [*golden[:2], *golden[3:]]
+
+
+@pytest.mark.parametrize("name", ["keys"])
+def test_the_pico_makes_the_words_of_other_languages(uf2, name, show):
+    _, board = HEX_JOBS[name]
+    pico = EmulatedPico(files=with_digest(board, "job.hex", hex_job(name).encode()), uf2=uf2).boot()
+    before = pico.cycle
+    code = "import gc\ngc.threshold(16000)\nimport digest\n"
+    said = pico.exec(code + f"digest.main(['job.hex', {board!r}])", limit_us=LIMIT_US).split()
+    show(f"digest of {name} on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
+    assert said == golden_of_hex()[name]
