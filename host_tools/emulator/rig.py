@@ -63,7 +63,7 @@ def router(axes=3, **changes):
         "drive": {"kind": "step_dir", "pulse_us": 1, "setup_us": 5},
         "axes": [
             {"name": "xyz"[axis], "pins": [STEP_PINS[axis], (STEP_PINS[axes - 1] + 1 + axis)],
-             "steps_per_m": 400000, "travel_steps": 65000}
+             "steps_per_m": 400000, "travel_steps": 65000, "max_mm_min": 15000, "accel_mm_s2": 500}
             for axis in range(axes)
         ],
         "tool": {"pin": STEP_PINS[axes - 1] + 1 + axes},

@@ -1,0 +1,85 @@
+"""Measurements on the emulated Pico, for `bench`: each returns (header, rows). Times are the emulated chip's."""
+
+from functools import lru_cache
+
+from host_tools.emulator import halting, traffic
+from host_tools.emulator.copies import on_a_copy
+from host_tools.emulator.cycles import CYCLE_NS, CYCLES_PER_US
+from host_tools.emulator.machine import EmulatedMachine, firmware_files
+from host_tools.emulator.rig import Rig, router
+
+COLLECT = "gc.collect()"
+LINE_S = 0.04
+BAUD = 115_200
+
+
+@lru_cache
+def rig():
+    """Made before it is measured on copies."""
+    return Rig(router(3, inputs=halting.INPUTS))
+
+
+def _line(hz, axes, seconds=LINE_S):
+    steps = int(hz * seconds)
+    return tuple(steps * (axis < axes) for axis in range(3)), hz
+
+
+def pulses():
+    """Rates of one axis and of three, while points arrive and garbage is collected without pause."""
+    rows = []
+    rig()
+    for axes, rates in ((1, (10, 50, 100, 200, 250, 480)), (3, (10, 50, 100, 200, 400, 480))):
+        for khz in rates:
+            run = on_a_copy(lambda: _pulses(axes, khz * 1000))
+            rows.append((axes, khz, run["steps"], run["off"], run["late"], run["ppm"], run["width"], run["left"]))
+    return ("axes", "kHz", "steps", "edge off its word, ns", "words late", "rate error, ppm", "pulse µs", "CPU left"), rows
+
+
+def _pulses(axes, hz):
+    machine = rig()
+    machine.wire().feed(traffic.points(60), BAUD)
+    run = machine.play([_line(hz, axes)], COLLECT)
+    rises = [cycle for cycle, state in machine.step_edges[0] if state == 1]
+    late = len(rises) // 4  # the set-up of a direction has been paid back by then
+    rate = (len(rises) - 1 - late) / (rises[-1] - rises[late]) * 1e9 / CYCLE_NS
+    return {
+        "steps": run.steps,
+        "off": run.off * CYCLE_NS,
+        "late": run.late,
+        "ppm": f"{(rate / hz - 1) * 1e6:.0f}",
+        "width": "/".join(f"{width / CYCLES_PER_US:.2f}" for width in sorted(run.widths)),
+        "left": f"{run.left():.0%}",
+    }
+
+
+def boot():
+    """From reset to the first answer, and the heap that is free then, all that the board needs being loaded."""
+    rows = []
+    for board in ("plotter_2014", "router_3axis"):
+        rows.append(on_a_copy(lambda: _boot(board)))
+    return ("board", "language", "USB up, ms after reset", "first answer, ms after reset", "heap free, bytes"), rows
+
+
+_RUN = b"        start.run(app, port)\n"
+_TOLD = b"        gc.collect()\n        print('free', gc.mem_free())\n"
+_FIRST = {"plotter": (b"r\0\0\0\0r", b"k"), "grbl": (b"?", b"<")}
+
+
+def _boot(board):
+    files = dict(firmware_files(board))
+    assert files["main.py"].count(_RUN) == 1
+    machine = EmulatedMachine(board, dict(files, **{"main.py": files["main.py"].replace(_RUN, _TOLD + _RUN)})).boot()
+    up_ms = machine.now_ms()
+    language = machine.board["links"][0]["protocol"]
+    question, answer = _FIRST[language]
+    while answer not in machine.take():
+        machine.send(question)
+        machine.run_ms(20)
+    first_ms = machine.now_ms()
+    machine.pico.console.send(b"\r")
+    machine.run_ms(50)
+    free = bytes(machine.pico.console.take()).split(b"free ")[1].split()[0].decode()
+    return board, language, round(up_ms), round(first_ms), free
+
+
+PARTS = {"pulses": pulses, "boot": boot}
