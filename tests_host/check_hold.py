@@ -81,7 +81,7 @@ def check_slows_at_once(seed, kind, part):
         if not todo:
             rig.planner.flush()
         rig.feeder.fill(rig.played, LEAD_TICKS)
-        setattr(rig.feeder, ("hold", "brake")[seed & 1], now >= held)  # a wish, or the main loop hangs
+        rig.feeder.hold = now >= held
         now += TURN_TICKS
         while made < now and rig.played != rig.ring.head:
             made += rig.ring.words[rig.played & rig.ring.mask] >> rig.layout.bits
