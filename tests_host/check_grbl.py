@@ -311,6 +311,9 @@ def check_arcs_far_too_slow_are_refused():
         machine = Machine().ready()
         assert machine.ask("G18 G2 X3 Z-3 R3 F" + feed) == [said], feed
         machine.turns(20)
+    machine = Machine().ready()
+    machine.do("$112=0.001")
+    assert machine.ask("G18 G2 X3 Z-3 R3 F600") == ["error:34"]
 
 
 def check_arcs_stay_inside():

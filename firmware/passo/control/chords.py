@@ -13,8 +13,9 @@ from passo.steps.word import COUNT_MASK, TICKS_PER_S
 
 
 class Chords:
-    def __init__(self, ellipse, nm_s, tool, tag, steps_per_m, weaker):
-        """`ellipse`: a motion.ellipse.Ellipse; `weaker`: the acceleration, in nm/s², that v²/R stays within.
+    def __init__(self, ellipse, nm_s, tool, tag, steps_per_m, weaker, slowest):
+        """`ellipse`: a motion.ellipse.Ellipse; `weaker`: the acceleration, in nm/s², that v²/R stays within; `slowest`:
+        what the slowest axis can do, in nm/s.
 
         Raises ValueError where a step would last longer than the planner can say.
         """
@@ -23,7 +24,7 @@ class Chords:
             fastest = fastest * ellipse.length_nm // ellipse.flat_nm
         self._nm_s = min(nm_s, fastest) or 1
         # A chord of one step on all axes is up to √3 of the coarsest step long.
-        if 2 * NM_PER_M * TICKS_PER_S // (min(steps_per_m) * self._nm_s) > COUNT_MASK:
+        if 2 * NM_PER_M * TICKS_PER_S // (min(steps_per_m) * min(self._nm_s, slowest)) > COUNT_MASK:
             raise ValueError("steps more than 43 s apart")
         self._ellipse = ellipse
         self._tool = tool

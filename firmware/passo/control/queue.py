@@ -160,7 +160,7 @@ class Queue:
         ellipse = Ellipse(deltas, plane, centre, steps_per_m, clockwise, turns)
         if ticks:
             nm_s = ellipse.length_nm * TICKS_PER_S // ticks
-        return Chords(ellipse, nm_s, tool, tag, steps_per_m, weaker)
+        return Chords(ellipse, nm_s, tool, tag, steps_per_m, weaker, self._planner.slowest())
 
     def _change_tool(self, tool, tag):
         """A tool that takes no time changes as the motion begins."""

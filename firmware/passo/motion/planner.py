@@ -117,6 +117,10 @@ class Planner:
         """True when every block has been played to its last word."""
         return self._added == self._retired
 
+    def slowest(self):
+        """What the slowest axis can do, in nm/s."""
+        return min(self._limits.speeds)
+
     # --- adding
 
     @micropython.native
