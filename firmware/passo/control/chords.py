@@ -1,6 +1,6 @@
 """An arc that cannot be walked as a circle, handed to the planner chord by chord as it has room.
 
-    chords = Chords(ellipse, nm_s, tool, tag, steps_per_m)
+    chords = Chords(ellipse, nm_s, tool, tag, steps_per_m, weaker)
     while chords.left and planner.room():
         chords.add(planner)
 
