@@ -52,7 +52,7 @@ BOARD = {
     "idle_release_ms": 0,
     "store_points": 1000,
     "links": [
-        {"name": "pc", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl"},
-        {"name": "usb", "port": "usb", "protocol": "grbl"},
+        {"name": "pc", "port": "usb", "protocol": "grbl"},
+        {"name": "serial", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl"},
     ],
 }

@@ -897,20 +897,20 @@ def check_nothing_is_written_while_moving():
 
 def check_two_links_share_the_machine():
     machine = Machine().ready()
-    usb = machine.port.lines["usb"]
+    serial = machine.port.lines["serial"]
     machine.do("G10 L2 P1 X1", "G0 X5")
     machine.settle()
-    usb.outgoing = b""
-    usb.incoming += b"G91 G0 X1\n$LINK=0\nG91 G0 X1\n"
+    serial.outgoing = b""
+    serial.incoming += b"G91 G0 X1\n$LINK=0\nG91 G0 X1\n"
     machine.turns(1)
     machine.settle()
-    assert usb.outgoing == b"error:112\r\n[MSG:Command handed over]\r\nok\r\nok\r\n" and machine.controller.position() == [7 * 320, 0, 0]
+    assert serial.outgoing == b"error:112\r\n[MSG:Command handed over]\r\nok\r\nok\r\n" and machine.controller.position() == [7 * 320, 0, 0]
     machine.do("$LINK=1", "G0 X0")
     machine.settle()
     assert machine.controller.position() == [320, 0, 0]
     machine.put(b"\x18")
     machine.turns(2)
-    assert b"Grbl 1.1h" in usb.outgoing
+    assert b"Grbl 1.1h" in serial.outgoing
 
 
 def check_decimals(value, places):

@@ -26,7 +26,7 @@ class Running:
         self.world = World()
         board = check(BOARD)
         self.line = PtyLine()
-        lines = {"pc": self.line, "usb": MemoryLine()}
+        lines = {"pc": self.line, "serial": MemoryLine()}
         port = VirtualPort(board, self.world, mode, lines, lambda ms: wait([self.line], ms))
         self.app = App(board, port)
         self._stop = False
