@@ -114,12 +114,14 @@ class Queue:
             ms -= part
         self.waiting = True
 
+    @micropython.native
     def line(self, target, ticks, tool, tag, rapid=False):
         """Go to `target` (the first axes) in ticks(deltas). Raises ValueError where the planner cannot."""
-        self._change_tool(tool, tag)
-        deltas = self.deltas(target)
+        if tool != self.tool:
+            self._change_tool(tool, tag)
+        deltas = self._towards(target)
         self._planner.line(deltas, ticks(deltas), tool, tag, rapid)
-        self._reach(deltas)
+        self._arrive(target)
 
     @micropython.native
     def go(self, target, nm_s, ticks, tool, tag):
@@ -127,15 +129,27 @@ class Queue:
         where both are. Raises ValueError where the planner cannot."""
         if tool != self.tool:
             self._change_tool(tool, tag)
-        deltas = self._deltas
-        here = self.target
-        for axis in range(len(target)):
-            deltas[axis] = target[axis] - here[axis]
+        deltas = self._towards(target)
         rapid = not nm_s and not ticks
         if not self._planner.accelerates:
             ticks = ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
             nm_s = 0
         self._planner.line(deltas, ticks, tool, tag, rapid, nm_s)
+        self._arrive(target)
+
+    @micropython.native
+    def _towards(self, target):
+        """The steps from the queue's end to `target`: one list, used again and again."""
+        deltas = self._deltas
+        here = self.target
+        count = len(target)
+        for axis in range(len(deltas)):
+            deltas[axis] = target[axis] - here[axis] if axis < count else 0
+        return deltas
+
+    @micropython.native
+    def _arrive(self, target):
+        here = self.target
         for axis in range(len(target)):
             here[axis] = target[axis]
         self.waiting = True

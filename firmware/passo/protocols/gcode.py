@@ -15,9 +15,11 @@ Extensions: G81, and an arc's sweep angle in degrees, H, in place of its end: `G
 more than 360 are more than one turn. The end comes from the machine's CORDIC.
 """
 
+import gc
 from array import array
 
 import micropython
+from micropython import const
 
 from passo.protocols import commands, errors
 from passo.protocols.commands import Command
@@ -26,14 +28,25 @@ from passo.protocols.gcode_codes import (
     TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
 )
 from passo.protocols.gcode_motion import Motions, new_moves
-from passo.protocols.gcode_plain_viper import (
-    AXES, FARTHEST, FEED, INCHES, MODAL, NUMBER, OFFSET, PLACE, POSITION, RELATIVE, RESOLUTION, TARGET, plain,
-)
 from passo.protocols.gcode_reader import NONE, Refused
 from passo.protocols.gcode_words import F, M_CODES, N, S, X, rounded
 
 _JOG_GROUPS = (NON_MODAL, DISTANCE, UNITS)
 _CUTTING = (100, 200, 300)
+# `place`, what plain lines are understood by; three numbers each where they are the axes'.
+_AXES = const(0)
+_RELATIVE = const(1)  # 1: G91
+_MODAL = const(2)  # 0 or 1: G0 or G1 holds
+_FEED = const(3)  # nm/s
+_POSITION = const(4)  # machine coordinates, nm
+_OFFSET = const(7)  # machine place − programme place, nm
+_RESOLUTION = const(10)  # steps a metre
+_TARGET = const(13)  # steps
+_INCHES = const(19)  # 1: G20
+_NUMBER = const(20)  # of the line
+_PLACE = const(21)
+_FARTHEST = const(0x1FFFFFFF)
+_RESERVE = const(40_000)  # bytes of a board's memory that must be free for them to be dealt with in short
 
 
 class GCode(Motions):
@@ -43,9 +56,10 @@ class GCode(Motions):
         self.ended = False  # the line was the programme's last
         self.laser = False
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
-        self._place = array("i", [0] * PLACE)  # for plain lines
-        self._place[AXES] = len(axes)
+        self._place = array("i", [0] * _PLACE)  # for plain lines
+        self._place[_AXES] = len(axes)
         self._offsets_known = 0
+        self._plain = None  # the machine code, loaded when it is first wanted; False: there is no room for it
         self.reset()
 
     def reset(self):
@@ -112,7 +126,7 @@ class GCode(Motions):
                 return None
             steps = self._steps
         place = self._place
-        found = plain(line, len(line), place)
+        found = self._plain(line, len(line), place)
         if not found:
             self._unknown = True
             return None
@@ -123,34 +137,50 @@ class GCode(Motions):
             self._set_tool(command)
         position = self.position
         for axis in range(self.axes):
-            steps[axis] = place[TARGET + axis]
-            position[axis] = place[POSITION + axis]
-        feed = place[FEED]
+            steps[axis] = place[_TARGET + axis]
+            position[axis] = place[_POSITION + axis]
+        feed = place[_FEED]
         self.feed = feed
         command.feed = feed if motion else 0
-        self.number = command.number = place[NUMBER]
+        self.number = command.number = place[_NUMBER]
         self.ended = False
         return command
 
+    def _load_plain(self):
+        """True once plain lines can be dealt with in short; a board that is short of memory does without."""
+        if self._plain is None:
+            self._plain = False
+            gc.collect()
+            if not hasattr(gc, "mem_free") or gc.mem_free() > _RESERVE:
+                try:
+                    from passo.protocols.gcode_plain_viper import plain
+
+                    self._plain = plain
+                except MemoryError:
+                    pass  # free, but not in one piece
+        return self._plain
+
     def _know(self):
         """Fill in `place` from the modal state. False where that is not for plain lines."""
-        if self.motion not in (0, 100) or not self.per_minute or self.feed > FARTHEST:
+        if not self._plain and not self._load_plain():
+            return False
+        if self.motion not in (0, 100) or not self.per_minute or self.feed > _FARTHEST:
             return False
         self._settle()
         place = self._place
-        place[RELATIVE] = 0 if self.absolute else 1
-        place[INCHES] = 1 if self.inches else 0
-        place[MODAL] = self.motion // 100
-        place[FEED] = self.feed
+        place[_RELATIVE] = 0 if self.absolute else 1
+        place[_INCHES] = 1 if self.inches else 0
+        place[_MODAL] = self.motion // 100
+        place[_FEED] = self.feed
         for axis in range(self.axes):
             offset = self.offsets.of(self.system, axis)
             resolution = self.machine.steps_per_m[axis]
-            if max(abs(self.position[axis]), abs(offset), resolution) > FARTHEST:
+            if max(abs(self.position[axis]), abs(offset), resolution) > _FARTHEST:
                 return False
-            place[POSITION + axis] = self.position[axis]
-            place[OFFSET + axis] = offset
-            place[RESOLUTION + axis] = resolution
-            place[TARGET + axis] = self._steps[axis]
+            place[_POSITION + axis] = self.position[axis]
+            place[_OFFSET + axis] = offset
+            place[_RESOLUTION + axis] = resolution
+            place[_TARGET + axis] = self._steps[axis]
         self.position = self.position[:]
         self._steps = self._steps[:]
         command = self._moves[0]

@@ -2,7 +2,7 @@
 
     motion = plain(line, len(line), place)      # 100 + G's number; 0: not such a line, or not to be dealt with in short
 
-`place` says where the machine is and how lines count; after a plain line it says where that leads. Whatever is unusual
+`place` (gcode.py names its numbers) says where the machine is and how lines count; after a plain line it says where that leads. Whatever is unusual
 (any other word or character, more than six decimals, a place beyond half a metre, a mistake) is left to gcode.py, which
 alone knows the rules; what is understood here gives what it gives, to the nanometre. One text for all interpreters: a board
 compiles it to machine code, elsewhere it is ordinary Python; see motion/measure_viper.py for what that asks of integers.
@@ -10,26 +10,11 @@ compiles it to machine code, elsewhere it is ordinary Python; see motion/measure
 # ruff: noqa: F821
 
 import micropython
-from micropython import const
 
 try:
     ptr32, ptr8
 except NameError:
     ptr32 = ptr8 = None  # names that only viper's compiler knows
-
-# `place`, three numbers each from the third on.
-AXES = const(0)
-RELATIVE = const(1)  # 1: G91
-MODAL = const(2)  # 0 or 1: G0 or G1 holds
-FEED = const(3)  # nm/s
-POSITION = const(4)  # machine coordinates, nm, below 2²⁹
-OFFSET = const(7)  # machine place − programme place, nm, likewise
-RESOLUTION = const(10)  # steps a metre, below 2³⁰
-TARGET = const(13)  # steps
-INCHES = const(19)  # 1: G20
-NUMBER = const(20)  # of the line
-PLACE = const(21)
-FARTHEST = const(0x1FFFFFFF)
 
 
 @micropython.viper
