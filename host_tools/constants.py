@@ -1,0 +1,190 @@
+"""Constants as numbers: what `X = const(5)` names in one module is written as 5 wherever modules of a build use it.
+
+    texts = folded({"passo/a.py": "X = const(5)\n", "passo/b.py": "from passo.a import X\nprint(X)\n"})
+    texts["passo/b.py"]          # "pass\nprint(5)\n"
+
+A board keeps every public name it has loaded: its text, an entry in the module's dict, and its own share of the
+table of names, which doubles when it is full. MicroPython folds a constant by itself only inside its module and behind
+an underscore. The lines stay where they are, so that a traceback tells the line of the source.
+
+A name is left alone where it is more than a constant: bound twice, or in a module that is handed about as an object.
+"""
+
+import ast
+
+from host_tools.failure import Failure
+
+
+class _Module:
+    def __init__(self, path, text):
+        self.path = path
+        self.name = path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
+        self.text = text
+        try:
+            self.tree = ast.parse(text)
+        except SyntaxError as error:
+            raise Failure(f"{path}:{error.lineno}: {error.msg}") from None
+        self.nodes = list(ast.walk(self.tree))
+        self.bound = {}  # name: how many times
+        for node in self.nodes:
+            for name in _bound(node):
+                self.bound[name] = self.bound.get(name, 0) + 1
+        # {name: statement} of public constants, and those of them whose number is known
+        self.constants = {
+            node.targets[0].id: node for node in self.tree.body if _is_constant(node) and self._once(node.targets[0].id)
+        }
+        self.numbers = {}
+        self.imports = [node for node in self.nodes if isinstance(node, ast.ImportFrom) and not node.level]
+        self.edits = []  # (first line, column, last line, column, new text)
+        self.kept = set()  # names that others read from here at run time
+
+    def _once(self, name):
+        return self.bound[name] == 1
+
+    def aliases(self):
+        """(local name, module, name in it) of all that is imported by name."""
+        return [(alias.asname or alias.name, node.module, alias.name) for node in self.imports for alias in node.names]
+
+
+def _bound(node):
+    """Names that a node binds."""
+    if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+        return [node.id]
+    if isinstance(node, ast.arg):
+        return [node.arg]
+    if isinstance(node, (ast.Import, ast.ImportFrom)):
+        return [(alias.asname or alias.name).split(".")[0] for alias in node.names]
+    if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+        return [node.name]
+    if isinstance(node, (ast.Global, ast.Nonlocal)):
+        return node.names * 2
+    if isinstance(node, ast.ExceptHandler) and node.name:
+        return [node.name]
+    return []
+
+
+def _is_constant(node):
+    return (
+        isinstance(node, ast.Assign)
+        and isinstance(node.value, ast.Call)
+        and isinstance(node.value.func, ast.Name)
+        and node.value.func.id == "const"
+        and isinstance(node.targets[0], ast.Name)
+        and not node.targets[0].id.startswith("_")
+    )
+
+
+def _evaluate(modules):
+    """Fill in `numbers`: constants may be made of others, and pass through modules that import them."""
+    found = True
+    while found:
+        found = False
+        for module in modules.values():
+            for name, source, original in module.aliases():
+                number = modules[source].numbers.get(original) if source in modules else None
+                if number is not None and module.bound[name] == 1 and name not in module.numbers:
+                    module.numbers[name] = number
+                    found = True
+            for name in module.constants.keys() - module.numbers.keys():
+                expression = ast.Expression(module.constants[name].value.args[0])
+                try:
+                    number = eval(compile(expression, module.path, "eval"), {"__builtins__": {}}, dict(module.numbers))
+                except NameError:
+                    continue  # of something private, or of no constant at all
+                if type(number) is int:
+                    module.numbers[name] = number
+                    found = True
+
+
+def _fold(module, modules):
+    """Write numbers for names, and note which names are still read from other modules."""
+    known = {}  # local name: the module of the build that it stands for
+    for name, source, original in module.aliases():
+        full = f"{source}.{original}"
+        if full in modules:
+            known.setdefault(name, []).append(modules[full])
+    for node in module.nodes:
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                if alias.name in modules:
+                    modules[alias.name].kept.add("*")
+    read = {}  # local name: how often it is still read
+    bases = set()
+    for node in module.nodes:
+        if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name) or node.value.id not in known:
+            continue
+        bases.add(node.value)
+        sources = known[node.value.id]
+        number = sources[0].numbers.get(node.attr)
+        if module.bound[node.value.id] == 1 and number is not None and isinstance(node.ctx, ast.Load):
+            _write(module, node, str(number) if number >= 0 else f"({number})")
+            continue
+        read[node.value.id] = read.get(node.value.id, 0) + 1
+        for source in sources:
+            source.kept.add(node.attr)
+    for node in module.nodes:
+        if not isinstance(node, ast.Name) or not isinstance(node.ctx, ast.Load) or node in bases:
+            continue
+        number = module.numbers.get(node.id)
+        if number is not None:
+            _write(module, node, str(number) if number >= 0 else f"({number})")
+            continue
+        read[node.id] = read.get(node.id, 0) + 1
+        for source in known.get(node.id, ()):
+            source.kept.add("*")
+    for node in module.imports:
+        if node.module in modules or any(f"{node.module}.{alias.name}" in modules for alias in node.names):
+            _import(module, node, modules, read)
+
+
+def _import(module, node, modules, read):
+    """Import only what is still wanted: no constants, and no modules of which only constants were."""
+    wanted = []
+    for alias in node.names:
+        name = alias.asname or alias.name
+        if name in module.numbers and module.bound[name] == 1:
+            continue
+        if f"{node.module}.{alias.name}" in modules and not read.get(name):
+            continue
+        wanted.append(alias)
+        if node.module in modules:
+            modules[node.module].kept.add(alias.name)
+    if len(wanted) == len(node.names):
+        return
+    names = [alias.name + (f" as {alias.asname}" if alias.asname else "") for alias in wanted]
+    text = f"from {node.module} import {', '.join(names)}" if names else "pass"
+    _write(module, node, text + "\n" * (node.end_lineno - node.lineno))
+
+
+def _write(module, node, text):
+    module.edits.append((node.lineno, node.col_offset, node.end_lineno, node.end_col_offset, text))
+
+
+def _drop(module):
+    """No definition of what nobody reads by its name."""
+    if "*" in module.kept:
+        return
+    for name, node in module.constants.items():
+        if name in module.numbers and name not in module.kept:
+            inside = range(node.lineno, node.end_lineno + 1)
+            module.edits = [edit for edit in module.edits if edit[0] not in inside]
+            _write(module, node, "pass" + "\n" * (node.end_lineno - node.lineno))
+
+
+def _edited(module):
+    lines = [line.encode() for line in module.text.splitlines(keepends=True)]  # columns of `ast` are bytes
+    for first, start, last, end, text in sorted(module.edits, reverse=True):
+        tail = lines[last - 1][end:]
+        lines[first - 1 : last] = [lines[first - 1][:start] + text.encode() + tail] + [b""] * (last - first)
+    return b"".join(lines).decode()
+
+
+def folded(texts):
+    """{path: text} of the modules of a build, with numbers for constants. Raises Failure for what is not Python."""
+    modules = {module.name: module for module in (_Module(path, text) for path, text in texts.items())}
+    _evaluate(modules)
+    for module in modules.values():
+        _fold(module, modules)
+    for module in modules.values():
+        _drop(module)
+    return {module.path: _edited(module) for module in modules.values()}
