@@ -6,7 +6,7 @@
     build/plotter_2014/passo/files.txt  the modules of this build; what else lies there is of an older one
 
 Constants are compiled as numbers (constants.py), so a module that was changed goes over with a new build, not alone.
-Left out: ports of other chips and the virtual one, and protocols that no link of the board speaks.
+Left out: ports of other chips and the virtual one, languages that no link of the board speaks, and what only they use.
 """
 
 import ast
@@ -55,15 +55,16 @@ def runs_on(path, chip=None):
     return chip.startswith(family)
 
 
-def protocol_name(path):
-    """`plotter` for passo/protocols/plotter.py and for all inside passo/protocols/plotter/; otherwise None."""
-    if path.parts[:2] != ("passo", "protocols") or path.name == "__init__.py" and len(path.parts) == 3:
+def language_name(path):
+    """`plotter` for passo/protocols/plotter.py, for all inside passo/protocols/plotter/ and for
+    passo/languages/plotter.py; otherwise None."""
+    if path.parts[1] not in ("protocols", "languages") or path.name == "__init__.py" and len(path.parts) == 3:
         return None
     return Path(path.parts[2]).stem
 
 
-def protocols_imported(path, firmware):
-    """Names of the protocol modules that a module imports by name. Raises Failure if it is not Python."""
+def modules_imported(path, firmware):
+    """Full names of all that a file imports. Raises Failure if it is not Python."""
     found = set()
     try:
         tree = ast.parse((firmware / path).read_text(encoding="utf-8"))
@@ -71,13 +72,9 @@ def protocols_imported(path, firmware):
         raise Failure(f"{path}:{error.lineno}: {error.msg}") from None
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module:
-            full_names = [f"{node.module}.{alias.name}" for alias in node.names]
+            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
         elif isinstance(node, ast.Import):
-            full_names = [alias.name for alias in node.names]
-        else:
-            continue
-        parts = [name.split(".") for name in full_names]
-        found |= {part[2] for part in parts if part[:2] == ["passo", "protocols"] and len(part) > 2}
+            found |= {alias.name for alias in node.names}
     return found
 
 
@@ -86,16 +83,21 @@ def selected(board, firmware=FIRMWARE):
     if board.get("chip") not in MARCH:
         raise Failure(f"unknown chip {board.get('chip')!r}; known are {', '.join(MARCH)}")
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"])]
-    known = {protocol_name(path) for path in files} - {None}
+    known = {language_name(path) for path in files if path.parts[1] == "protocols"} - {None}
     wanted = {link["protocol"] for link in board.get("links", [])}
     if wanted - known:
         raise Failure(f"there is no protocol {', '.join(sorted(wanted - known))} in {firmware / 'passo' / 'protocols'}")
-    queue = [path for path in files if protocol_name(path) in wanted | {None}]
-    chosen = set(queue)
+    modules = {}  # name: path
+    for path in files:
+        modules[".".join(path.with_suffix("").parts).removesuffix(".__init__")] = path
+    chosen = {path for path in files if path.name == "__init__.py" or path.parts[1] == "ports"}
+    chosen |= {path for path in files if language_name(path) in wanted}
+    queue = list(chosen)
+    queue.append(Path("main.py"))
     while queue:
-        imported = protocols_imported(queue.pop(), firmware)
-        more = [path for path in files if protocol_name(path) in imported and path not in chosen]
-        chosen.update(more)
+        imported = modules_imported(queue.pop(), firmware)
+        more = {modules[name] for name in imported & modules.keys()} - chosen
+        chosen |= more
         queue += more
     return sorted(chosen)
 

@@ -12,7 +12,10 @@ from passo.control import boardfile
 MODULES = {
     "main.py": "import passo.app\n",
     "passo/__init__.py": "",
-    "passo/app.py": "from passo.protocols import errors\n",
+    "passo/app.py": "from passo.motion.line import line\nfrom passo.protocols import errors\n",
+    "passo/control/track.py": "",
+    "passo/languages/plotter.py": "from passo.protocols.plotter import sum\n",
+    "passo/languages/torch.py": "from passo.control import track\n",
     "passo/motion/line.py": "def line():\n    return 1\n",
     "passo/ports/virtual.py": "",
     "passo/ports/pins.py": "",
@@ -48,16 +51,17 @@ def built_files(out):
 
 ALWAYS = ["board.py", "main.py", "passo/__init__.mpy", "passo/app.mpy", "passo/files.txt", "passo/motion/line.mpy"]
 ROOMS = ["passo/ports/pins.mpy", "passo/protocols/__init__.mpy", "passo/protocols/errors.mpy"]
-PLOTTER = ["passo/protocols/packets.mpy", "passo/protocols/plotter.mpy"]
+TORCH = ["passo/control/track.mpy", "passo/languages/torch.mpy", "passo/protocols/torch.mpy"]
+PLOTTER = ["passo/languages/plotter.mpy", "passo/protocols/packets.mpy", "passo/protocols/plotter.mpy"]
 
 
 @pytest.mark.parametrize(
     "chip, protocol, more",
     [
         ("rp2040", "plotter", ["passo/ports/rp2_pio.mpy"] + PLOTTER),
-        ("rp2350", "torch", ["passo/ports/rp2_pio.mpy", "passo/protocols/torch.mpy"]),
+        ("rp2350", "torch", ["passo/ports/rp2_pio.mpy"] + TORCH),
         ("esp32", "grbl", ["passo/ports/esp32.mpy", "passo/protocols/grbl/words.mpy"]),
-        ("esp32c3", "torch", ["passo/ports/esp32.mpy", "passo/protocols/torch.mpy"]),
+        ("esp32c3", "torch", ["passo/ports/esp32.mpy"] + TORCH),
     ],
 )
 def test_only_what_the_board_needs(tmp_path, firmware, chip, protocol, more):

@@ -23,6 +23,7 @@ MAY_IMPORT = {
     "control": ("passo.motion", "passo.steps", "passo.protocols.commands", "passo.protocols.errors"),
     "ports": ("passo.steps", "passo.drives"),
     "web": ("passo.control",),
+    "languages": ("passo.control", "passo.protocols"),
     "app": ("passo",),
     "main": (
         "passo.app", "passo.control.boardfile", "passo.control.board_error", "passo.control.journal", "passo.ports", "board",

@@ -15,7 +15,7 @@ from passo.control.board_error import BoardError
 from passo.control.controller import LATER, Controller
 from passo.control.journal import Journal, MemorySlots
 from passo.control.motors import Motors
-from passo.control.settings import ENABLE_INVERT, HOMING, SPEED, STEPS, Settings
+from passo.control.settings import ENABLE_INVERT, SPEED, STEPS, Settings
 from passo.motion.planner import Planner
 from passo.protocols import errors
 from passo.protocols.commands import IMMEDIATE, RESET, RESTARTED, Event
@@ -37,68 +37,13 @@ def open_protocol(link, board, controller, shared):
     """The protocol of a link of the board file; only what is named is loaded. `shared`: what links of one language
     have in common, a dict."""
     name = link["protocol"]
-    if name == "plotter":
-        from passo.protocols.plotter import Plotter
-
-        sign = 1 if board["jog"]["up"][1] == "+" else -1
-        return Plotter(link["idle_gap_ms"], (0, sign) if board["jog"]["up"][0] == "y" else (sign, 0))
-    if name == "grbl":
-        from passo.protocols.gcode_offsets import Offsets
-        from passo.protocols.grbl import Grbl
-
-        axes = "".join([axis["name"] for axis in board["axes"]])[:3]
-        if axes not in ("x", "xy", "xyz"):
-            raise BoardError("link %s: grbl wants axes x, y, z in this order, not %s" % (link["name"], axes))
-        if "offsets" not in shared:
-            shared["offsets"] = Offsets(len(axes), controller.settings)
-        controller.program.accelerates = True
-        if controller.settings.value(HOMING):
-            controller.lock()
-        return Grbl(axes, shared["offsets"], controller.settings, controller)
-    if name == "pulses":
-        from passo.protocols.pulses import Pulses
-
-        if not board["track"]:
-            raise BoardError("link %s: pulses wants the section track" % link["name"])
-        if "track" not in shared:
-            from passo.control.track import TrackPlayer
-
-            shared["track"] = TrackPlayer(board, controller)
-        return Pulses("".join([axis["name"] for axis in board["axes"]]), board["track"])
-    if name == "torch":
-        return _open_torch(link, board, controller, shared)
-    if name == "keys":
-        from passo.protocols.keys import Keys
-
-        if len(board["axes"]) < 2:
-            raise BoardError("link %s: keys wants two axes" % link["name"])
-        return Keys(independent(board, controller, shared), len(board["axes"]))
-    raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
-
-
-def _open_torch(link, board, controller, shared):
-    from passo.protocols.torch import Torch
-
-    axes = board["axes"][:2]
-    if len(axes) < 2:
-        raise BoardError("link %s: torch wants two axes" % link["name"])
-    independent(board, controller, shared)
-    if "changeover" not in shared:
-        from passo.control.changeover import Changeover
-
-        shared["changeover"] = Changeover(board, controller)
-    steps = [axis["jog_steps"] or board["jog"]["steps"] for axis in axes]
-    speeds = [axis["jog_steps_s"] or board["speed"]["default"] for axis in axes]
-    return Torch(steps, speeds, link["idle_gap_ms"], link["tell_end"])
-
-
-def independent(board, controller, shared):
-    """The part of the machine that runs axes on their own; the first language that wants it brings it."""
-    if "independent" not in shared:
-        from passo.control.independent import Independent
-
-        shared["independent"] = Independent(board, controller)
-    return shared["independent"]
+    if name not in PROTOCOLS:
+        raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
+    try:
+        language = __import__("passo.languages." + name, None, None, ("opened",))
+    except ImportError as missing:
+        raise BoardError("link %s: %s is not on this board (%s): flash it anew" % (link["name"], name, missing))
+    return language.opened(link, board, controller, shared)
 
 
 def make_drive(board):
