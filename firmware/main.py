@@ -3,7 +3,7 @@
 import gc
 import sys
 
-gc.threshold(16_000)  # collect while importing, so that what stays lies close together and leaves room in one piece
+gc.threshold(48_000)  # collect while importing: what stays lies close together; oftener costs a tenth of a second
 
 from passo.control.board_error import BoardError
 from passo.ports.start import forget

@@ -1,4 +1,5 @@
-"""Constants as numbers: what `X = const(5)` names in one module is written as 5 wherever modules of a build use it.
+"""Constants as numbers: what `X = const(5)` or `X = 5` names in one module is written as 5 wherever modules of a
+build use it.
 
     texts = folded({"passo/a.py": "X = const(5)\n", "passo/b.py": "from passo.a import X\nprint(X)\n"})
     texts["passo/b.py"]          # "pass\nprint(5)\n"
@@ -14,6 +15,8 @@ import ast
 
 from host_tools.failure import Failure
 
+SMALL = 1 << 30  # what is larger is an object on a board: it stays one for all
+_ARITHMETIC = (ast.Constant, ast.Name, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Load)
 
 class _Module:
     def __init__(self, path, text):
@@ -26,20 +29,19 @@ class _Module:
             raise Failure(f"{path}:{error.lineno}: {error.msg}") from None
         self.nodes = list(ast.walk(self.tree))
         self.bound = {}  # name: how many times
+        methods = {id(node) for owner in self.nodes if isinstance(owner, ast.ClassDef) for node in owner.body}
         for node in self.nodes:
-            for name in _bound(node):
+            for name in () if id(node) in methods and isinstance(node, ast.FunctionDef) else _bound(node):
                 self.bound[name] = self.bound.get(name, 0) + 1
-        # {name: statement} of public constants, and those of them whose number is known
-        self.constants = {
-            node.targets[0].id: node for node in self.tree.body if _is_constant(node) and self._once(node.targets[0].id)
-        }
-        self.numbers = {}
+        self.constants = {}  # {name: (statement, expression)} of what may be a public constant
+        for node in self.tree.body:
+            for name, expression in _assigned(node):
+                if name.isupper() and not name.startswith("_") and self.bound[name] == 1:
+                    self.constants[name] = node, expression
+        self.numbers = {}  # {name: number} of those that are, and of those imported
         self.imports = [node for node in self.nodes if isinstance(node, ast.ImportFrom) and not node.level]
         self.edits = []  # (first line, column, last line, column, new text)
         self.kept = set()  # names that others read from here at run time
-
-    def _once(self, name):
-        return self.bound[name] == 1
 
     def aliases(self):
         """(local name, module, name in it) of all that is imported by name."""
@@ -63,15 +65,20 @@ def _bound(node):
     return []
 
 
-def _is_constant(node):
-    return (
-        isinstance(node, ast.Assign)
-        and isinstance(node.value, ast.Call)
-        and isinstance(node.value.func, ast.Name)
-        and node.value.func.id == "const"
-        and isinstance(node.targets[0], ast.Name)
-        and not node.targets[0].id.startswith("_")
-    )
+def _assigned(node):
+    """(name, expression) of an assignment of constants: `A = const(1)`, `A = 1`, `A, B = 1, 2`."""
+    if not isinstance(node, ast.Assign) or len(node.targets) > 1:
+        return []
+    pairs = [(node.targets[0], node.value)]
+    if isinstance(node.targets[0], ast.Tuple) and isinstance(node.value, ast.Tuple):
+        pairs = list(zip(node.targets[0].elts, node.value.elts))
+    found = []
+    for target, value in pairs:
+        if isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and value.func.id == "const":
+            value = value.args[0]
+        if isinstance(target, ast.Name):
+            found.append((target.id, value))
+    return found
 
 
 def _evaluate(modules):
@@ -86,14 +93,22 @@ def _evaluate(modules):
                     module.numbers[name] = number
                     found = True
             for name in module.constants.keys() - module.numbers.keys():
-                expression = ast.Expression(module.constants[name].value.args[0])
-                try:
-                    number = eval(compile(expression, module.path, "eval"), {"__builtins__": {}}, dict(module.numbers))
-                except NameError:
-                    continue  # of something private, or of no constant at all
-                if type(number) is int:
+                number = _number(module.constants[name][1], module.numbers)
+                if number is not None and abs(number) < SMALL:
                     module.numbers[name] = number
                     found = True
+
+
+def _number(expression, numbers):
+    """The value of an expression of integers, or None where it is another, or of names not known."""
+    parts = list(ast.walk(expression))
+    if not all(isinstance(part, _ARITHMETIC) for part in parts):
+        return None
+    if not all(type(part.value) is int for part in parts if isinstance(part, ast.Constant)):
+        return None
+    if not all(part.id in numbers for part in parts if isinstance(part, ast.Name)):
+        return None
+    return eval(compile(ast.Expression(expression), "constant", "eval"), {"__builtins__": {}}, dict(numbers))
 
 
 def _fold(module, modules):
@@ -164,11 +179,16 @@ def _drop(module):
     """No definition of what nobody reads by its name."""
     if "*" in module.kept:
         return
-    for name, node in module.constants.items():
+    unread = {}  # statement: how many of its names
+    for name, (node, _) in module.constants.items():
         if name in module.numbers and name not in module.kept:
-            inside = range(node.lineno, node.end_lineno + 1)
-            module.edits = [edit for edit in module.edits if edit[0] not in inside]
-            _write(module, node, "pass" + "\n" * (node.end_lineno - node.lineno))
+            unread[node] = unread.get(node, 0) + 1
+    for node, count in unread.items():
+        if count < max(len(_assigned(node)), 1):
+            continue
+        inside = range(node.lineno, node.end_lineno + 1)
+        module.edits = [edit for edit in module.edits if edit[0] not in inside]
+        _write(module, node, "pass" + "\n" * (node.end_lineno - node.lineno))
 
 
 def _edited(module):

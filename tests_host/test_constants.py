@@ -39,6 +39,10 @@ def both(text, a=A):
         ("from passo import a\ndef f():\n    return a\n", None),
         ("from passo.a import HALF\nx = HALF\n", None),
         ("x.FIVE = y.FIVE\n", None),
+        ("from passo import a\nclass B:\n    def a(self): return a.FIVE\n", "pass\nclass B:\n    def a(self): return 5\n"),
+        ("TWO, SIX = 2, 6\nx = TWO * SIX\n", "pass\nx = 2 * 6\n"),
+        ("ON = True\nx = ON\n", None),
+        ("HUGE = 1 << 32\nx = HUGE\n", None),
     ],
 )
 def test_numbers_for_names(text, wanted):
