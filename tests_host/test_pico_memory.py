@@ -4,7 +4,7 @@ import pytest
 from emulated import rig, uf2  # noqa: F401
 
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("rig")]
-FREE_BYTES = 40_000
+FREE_BYTES = 80_000
 
 LOCKED = """
 import micropython
