@@ -10,11 +10,12 @@ from machine import PWM, WDT, Pin, idle
 from micropython import const
 
 from passo.ports.serial_lines import UartLine, UsbLine
-from passo.steps.word import COUNT_MASK
+from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 
 _HEARTBEAT_MS = const(200)
 _WATCHDOG_MS = const(1000)
 _IDLE_MS = const(10)  # the longest turn while nothing is under way
+_FIRST_TICKS = 2 * TICKS_PER_MS  # of words are made before the player starts, and between two looks at it then
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN, "none": None}
 
 
@@ -148,10 +149,31 @@ class ChipPort:
             feeder.brake = True
         if self._trip is None and feeder.open:
             player = self._player
-            feeder.fill(player.played(), self._lead_ticks)
-            player.start()
+            played = player.played()
+            if played == feeder.ring.head:
+                self._set_out(played)
+            else:
+                feeder.fill(played, self._lead_ticks)
+                player.start()
             if self._pwm is not None:
                 self.power(feeder.ring.power.level)
+
+    def _set_out(self, played):  # ISR: no allocation
+        """From a standstill the first words go out before the others are made: these are handed over in small parts,
+        so that the player never has to wait for the last of them."""
+        feeder = self._feeder
+        player = self._player
+        ring = feeder.ring
+        lead_ticks = _FIRST_TICKS
+        feeder.fill(played, lead_ticks)
+        while ring.head != played:
+            player.start()
+            if lead_ticks >= self._lead_ticks or self._trip is not None:
+                return
+            lead_ticks += _FIRST_TICKS
+            if feeder.amid() and not player.busy():
+                feeder.late += 1
+            feeder.fill(played, lead_ticks)  # lead and lateness count from where it stood
 
     def trip(self, item):  # ISR: no allocation
         self._trip = item

@@ -119,6 +119,10 @@ class Feeder(Position):
         block = self._block
         return block is None or block.kind != FREE or not block.walker.rolling()
 
+    def amid(self):  # ISR: no allocation
+        """True while a block has been begun that has words to come."""
+        return self._block is not None and not self._stood
+
     @micropython.native
     def retire(self, played):  # ISR: no allocation
         """Give back the room, and the blocks, of all segments that have been played to their end."""
