@@ -72,8 +72,9 @@ def _boot(board):
     up_ms = machine.now_ms()
     language = machine.board["links"][0]["protocol"]
     question, answer = _FIRST[language]
-    while answer not in machine.take():
-        machine.send(question)
+    link = machine.uart_links()[0]
+    while answer not in machine.take(link):
+        machine.send(question, link)
         machine.run_ms(20)
     first_ms = machine.now_ms()
     machine.pico.console.send(b"\r")
