@@ -192,13 +192,15 @@ class Controller:
         self.program.poll()
         self.pauses.poll(now_ms)
         self.tools.poll()
-        self._poll_end()
+        still = self.queue.still()
+        if still and not self.objects.store.count:
+            self._poll_end()
         if self._feeder.late != self._late:
             self._late = self._feeder.late
             self._note(errors.WORDS_LATE)
-        if self.settings.dirty and self.queue.still():
+        if self.settings.dirty and still:
             self.settings.save()
-        self._motors.poll(now_ms, not self.sleeping and not self.still(), self.queue.tool)
+        self._motors.poll(now_ms, not self.sleeping and not still, self.queue.tool)
 
     def may_feed(self):
         """True when the motors are ready for the words of what is queued."""
@@ -380,8 +382,7 @@ class Controller:
             self.fail(result)
 
     def _poll_end(self):
-        if self.objects.store.count or not self.queue.still():
-            return
+        """Everything has been played, and no point waits."""
         self.program.jogging = False
         if self.busy_with(commands.DRAW) or self.busy_with(commands.STOP):
             self.objects.end()
