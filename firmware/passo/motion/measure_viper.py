@@ -27,131 +27,153 @@ except NameError:
     ptr32 = None  # a name that only viper's compiler knows
 
 
+@micropython.native
+def measure(rows, at, work, terms):
+    """Fill in the row of a line or arc. 1; or 0, there are no steps; -1, they are too far apart; -2, there are too many.
+
+    In three pieces, because a board wants memory for each in one."""
+    result = 1 if work[8] else direction(rows, at, work, terms)
+    if result == 1:
+        result = units(rows, at, work, terms)
+        if result == 1:
+            corner(rows, at, work, terms)
+        elif result == 2:
+            return 1
+    return result
+
+
 @micropython.viper
-def measure(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
-    """Fill in the row of a line or arc. 1; or 0, there are no steps; -1, they are too far apart; -2, there are too many."""
+def direction(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
+    """A line's dominant steps, length and direction, and what the axes allow along it. Results as measure()'s."""
     axes = terms[0]
-    if work[8] == 0:
-        # --- a line: its dominant steps, length and direction
-        total = 0
+    total = 0
+    i = 0
+    while i < axes:
+        steps = rows[at + 25 + i]
+        if steps >> 30 & 1:
+            steps = 0 - steps
+        steps &= 0x3FFFFFFF
+        if steps > total:
+            total = steps
+        i += 1
+    if total == 0:
+        return 0
+    if total > 2097151:
+        return -2
+    shift = 0
+    high = total
+    while high < 4096:
+        high <<= 1
+        shift += 1
+    while high >= 8192:
+        high >>= 1
+        shift -= 1
+    most = 0
+    i = 0
+    while i < axes:
+        steps = rows[at + 25 + i]
+        if steps >> 30 & 1:
+            steps = 0 - steps
+        steps &= 0x3FFFFFFF
+        high = terms[16 + i] >> 14
+        if shift >= 0:
+            steps <<= shift
+            along = steps * high + (steps * (terms[16 + i] & 0x3FFF) >> 14)
+        else:
+            along = (steps & ((1 << (0 - shift)) - 1)) * high >> (0 - shift)
+            steps >>= 0 - shift
+            along += steps * high + (steps * (terms[16 + i] & 0x3FFF) >> 14)
+        work[16 + i] = along
+        if along > most:
+            most = along
+        i += 1
+    while most < 0x4000000:
+        most <<= 1
+        shift += 1
         i = 0
         while i < axes:
-            steps = rows[at + 25 + i]
-            if steps >> 30 & 1:
-                steps = 0 - steps
-            steps &= 0x3FFFFFFF
-            if steps > total:
-                total = steps
+            work[16 + i] = work[16 + i] << 1
             i += 1
-        if total == 0:
-            return 0
-        if total > 2097151:
-            return -2
-        shift = 0
-        high = total
-        while high < 4096:
-            high <<= 1
-            shift += 1
-        while high >= 8192:
-            high >>= 1
-            shift -= 1
-        most = 0
-        i = 0
-        while i < axes:
-            steps = rows[at + 25 + i]
-            if steps >> 30 & 1:
-                steps = 0 - steps
-            steps &= 0x3FFFFFFF
-            high = terms[16 + i] >> 14
-            if shift >= 0:
-                steps <<= shift
-                along = steps * high + (steps * (terms[16 + i] & 0x3FFF) >> 14)
+    # The root of the squares' sum, in digits of 14 bits: a² = aₕ²·2²⁸ + 2aₕaₗ·2¹⁴ + aₗ².
+    square = 0
+    middle = 0
+    low = 0
+    i = 0
+    while i < axes:
+        high = work[16 + i] >> 14
+        rest = work[16 + i] & 0x3FFF
+        square += high * high
+        middle += high * rest
+        low += rest * rest >> 14
+        i += 1
+    square += middle >> 13
+    low += (middle & 0x1FFF) << 1
+    root = 0
+    bit = 0x4000
+    while bit:
+        if (root + bit) * (root + bit) <= square:
+            root += bit
+        bit >>= 1
+    length = (root << 14) + (((square - root * root) << 14) + low) // (2 * root)
+    length_shift = terms[1] - 1000 + shift  # nanometres are length / 2 ** length_shift
+    # Directions, and what the axes allow along them.
+    fastest = 0x20000000
+    strength = 0x20000000
+    high = length >> 14
+    low = length & 0x3FFF
+    i = 0
+    while i < axes:
+        along = work[16 + i]
+        if along:
+            bit = along // high
+            rest = ((along % high) << 14) - bit * low
+            along = (bit << 14) + rest // high
+            bit = along
+            more = 0
+            while bit < 0x8000000 and more < 13:
+                bit <<= 1
+                more += 1
+            bit = (bit >> 13) + 1
+            rest = terms[20 + i] // bit
+            shift = terms[24 + i] - 1000 + more
+            if shift < 0:
+                rest >>= 0 - shift
+            elif rest < 0x20000000 >> shift:
+                rest <<= shift
             else:
-                along = (steps & ((1 << (0 - shift)) - 1)) * high >> (0 - shift)
-                steps >>= 0 - shift
-                along += steps * high + (steps * (terms[16 + i] & 0x3FFF) >> 14)
-            work[16 + i] = along
-            if along > most:
-                most = along
-            i += 1
-        while most < 0x4000000:
-            most <<= 1
-            shift += 1
-            i = 0
-            while i < axes:
-                work[16 + i] = work[16 + i] << 1
-                i += 1
-        # The root of the squares' sum, in digits of 14 bits: a² = aₕ²·2²⁸ + 2aₕaₗ·2¹⁴ + aₗ².
-        square = 0
-        middle = 0
-        low = 0
-        i = 0
-        while i < axes:
-            high = work[16 + i] >> 14
-            rest = work[16 + i] & 0x3FFF
-            square += high * high
-            middle += high * rest
-            low += rest * rest >> 14
-            i += 1
-        square += middle >> 13
-        low += (middle & 0x1FFF) << 1
-        root = 0
-        bit = 0x4000
-        while bit:
-            if (root + bit) * (root + bit) <= square:
-                root += bit
-            bit >>= 1
-        length = (root << 14) + (((square - root * root) << 14) + low) // (2 * root)
-        length_shift = terms[1] - 1000 + shift  # nanometres are length / 2 ** length_shift
-        # Directions, and what the axes allow along them.
-        fastest = 0x20000000
-        strength = 0x20000000
-        high = length >> 14
-        low = length & 0x3FFF
-        i = 0
-        while i < axes:
-            along = work[16 + i]
-            if along:
-                bit = along // high
-                rest = ((along % high) << 14) - bit * low
-                along = (bit << 14) + rest // high
-                bit = along
-                more = 0
-                while bit < 0x8000000 and more < 13:
-                    bit <<= 1
-                    more += 1
-                bit = (bit >> 13) + 1
-                rest = terms[20 + i] // bit
-                shift = terms[24 + i] - 1000 + more
-                if shift < 0:
-                    rest >>= 0 - shift
-                elif rest < 0x20000000 >> shift:
-                    rest <<= shift
-                else:
-                    rest = 0x20000000
-                if rest < fastest:
-                    fastest = rest
-                rest = terms[28 + i] // bit
-                shift = terms[32 + i] - 1000 + more
-                if shift < 0:
-                    rest >>= 0 - shift
-                elif rest < 0x20000000 >> shift:
-                    rest <<= shift
-                else:
-                    rest = 0x20000000
-                if rest < strength:
-                    strength = rest
-                if rows[at + 25 + i] >> 30 & 1:
-                    along = 0 - along
-            work[16 + i] = along
-            i += 1
-    else:
-        # --- an arc: the planner has worked all that out
-        total = work[13]
-        length = work[9]
-        length_shift = work[10] - 1000
-        fastest = work[11]
-        strength = work[12]
+                rest = 0x20000000
+            if rest < fastest:
+                fastest = rest
+            rest = terms[28 + i] // bit
+            shift = terms[32 + i] - 1000 + more
+            if shift < 0:
+                rest >>= 0 - shift
+            elif rest < 0x20000000 >> shift:
+                rest <<= shift
+            else:
+                rest = 0x20000000
+            if rest < strength:
+                strength = rest
+            if rows[at + 25 + i] >> 30 & 1:
+                along = 0 - along
+        work[16 + i] = along
+        i += 1
+    work[13] = total
+    work[9] = length
+    work[10] = length_shift + 1000
+    work[11] = fastest
+    work[12] = strength
+    return 1
+
+
+@micropython.viper
+def units(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
+    """Speed and time, and the ramp's units. 1; 2, it is too slow for a ramp; -1, the steps are too far apart."""
+    total = work[13]
+    length = work[9]
+    length_shift = work[10] - 1000
+    fastest = work[11]
+    strength = work[12]
     if fastest < 1:
         fastest = 1
     if strength < 1:
@@ -232,7 +254,7 @@ def measure(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     if top < 64:
         rows[at + 9] = 0
         work[24] = 0
-        return 1
+        return 2
     # --- the ramp's units, in short floats
     while steps < 0x4000:
         steps <<= 1
@@ -343,7 +365,7 @@ def measure(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     rows[at + 13] = 0
     rows[at + 14] = 0
     if work[24]:
-        # --- there is a block before, that goes through to this one: ratio of the units, and the corner between them
+        # --- there is a block before, that goes through to this one: the ratio of the units
         high = work[25] * topped >> 15
         low = work[27] * full >> 15
         high = (high << 15) // low  # exactly 1 where nothing changes
@@ -356,6 +378,19 @@ def measure(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
             shift -= 1
         rows[at + 13] = high
         rows[at + 14] = shift
+    work[25] = full
+    work[26] = full_shift + 1000
+    work[27] = topped
+    work[28] = top_shift + 1000
+    return 1
+
+
+@micropython.viper
+def corner(rows: ptr32, at: int, work: ptr32, terms: ptr32):
+    """The corner between the block before, where motion goes through from that, and this one."""
+    axes = terms[0]
+    if work[24]:
+        shift = 0
         # The sum of the two directions and their difference, in 2⁻²⁸: their lengths are twice the sine of half the angle
         # between the lines, `sine`, and of half the angle turned through, `root`; both with exponents.
         sine = 0
@@ -451,15 +486,10 @@ def measure(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
                 high = 0x1FFFFFFF
         rows[at + 20] = high
     work[24] = 1
-    work[25] = full
-    work[26] = full_shift + 1000
-    work[27] = topped
-    work[28] = top_shift + 1000
     i = 0
     while i < axes:
         work[20 + i] = work[16 + i]
         i += 1
-    return 1
 
 
 @micropython.viper
