@@ -202,6 +202,7 @@ def board_named(name):
     """A file of boards/; NAME+laser has a laser instead of its spindle."""
     name, _, laser = name.partition("+")
     board = getattr(__import__("boards." + name), name).BOARD
+    board["links"] = board["links"][:1]  # a second one would only want memory
     if laser:
         board["spindle"] = {"max_rpm": 1000, "pwm": True, "pin": 22, "laser": True}
     return board

@@ -8,6 +8,7 @@ from emulated import uf2  # noqa: F401
 
 from host_tools import boards, objects
 from host_tools.build import compile_module, selected
+from host_tools.constants import folded
 from host_tools.emulator.pico import EmulatedPico
 from programmes import programmes
 from test_digest import GOLDEN, HEX_JOBS, ROOT, TESTS, golden_of_gcode, golden_of_hex, hex_job, job_of
@@ -19,9 +20,10 @@ def compiled(sources):
     """{path.mpy: bytes} of {path: source file}, compiled for the RP2040."""
     files = {}
     with tempfile.TemporaryDirectory() as folder:
-        for path, source in sources.items():
-            target = Path(folder) / "module.mpy"
-            compile_module(source, target, "armv6m", path)
+        for path, text in folded({path: source.read_text() for path, source in sources.items()}).items():
+            source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
+            source.write_text(text)
+            compile_module(source, target, "armv6m", Path(path).with_suffix(".mpy"))
             files[str(Path(path).with_suffix(".mpy"))] = target.read_bytes()
     return files
 

@@ -10,7 +10,8 @@ import pytest
 from emulated import make_machine, uf2  # noqa: F401
 
 from host_tools import boards
-from host_tools.build import FIRMWARE, compile_module
+from host_tools.build import FIRMWARE, compile_module, selected
+from host_tools.constants import folded
 from host_tools.emulator.machine import firmware_files
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.virtual_machine import VirtualMachine
@@ -153,12 +154,13 @@ def test_a_wrong_board_file_gives_one_line(uf2, text, wanted):
 
 def with_fault(module, after, inserted):
     """The firmware's files with lines put into a module."""
-    source = (FIRMWARE / module).read_text()
-    assert source.count(after) == 1
+    texts = {path.as_posix(): (FIRMWARE / path).read_text() for path in selected(boards.load(BOARD))}
+    assert texts[module].count(after) == 1
+    texts[module] = texts[module].replace(after, after + inserted)
     files = dict(firmware_files(BOARD))
     with tempfile.TemporaryDirectory() as folder:
         changed, target = Path(folder) / "changed.py", Path(folder) / "changed.mpy"
-        changed.write_text(source.replace(after, after + inserted))
+        changed.write_text(folded(texts)[module])
         compile_module(changed, target, "armv6m", module)
         files[str(Path(module).with_suffix(".mpy"))] = target.read_bytes()
     return files
