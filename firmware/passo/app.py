@@ -160,24 +160,22 @@ class App:
 
     def _receive(self, link, now_ms):
         """What waits comes first, then what the line brings. Each command is answered before the next is asked for."""
-        controller = self.controller
-        controller.links.speaker = link.number
-        waiting = link.waiting
-        while waiting and controller.accept(waiting[0]) != LATER:
-            waiting.pop(0)
+        self.controller.links.speaker = link.number
+        while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
+            link.waiting.pop(0)
             self._answer()
         for command in link.protocol.feed(link.serial.read(), now_ms):
             command.link = link
             if command.kind == RESET:
                 for other in self.links:
                     other.waiting = []
-            if not link.waiting or command.kind in IMMEDIATE:
-                if controller.accept(command) == LATER:
+            if command.kind in IMMEDIATE or not link.waiting:
+                if self.controller.accept(command) == LATER:
                     link.waiting.append(command)
             elif len(link.waiting) < _WAITING:
                 link.waiting.append(command)
             else:
-                controller.refuse(command, errors.TOO_MANY_WAITING)
+                self.controller.refuse(command, errors.TOO_MANY_WAITING)
             self._answer()
 
     def _answer(self):

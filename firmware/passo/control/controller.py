@@ -192,15 +192,13 @@ class Controller:
         self.program.poll()
         self.pauses.poll(now_ms)
         self.tools.poll()
-        still = self.queue.still()
-        if still and not self.objects.store.count:
-            self._poll_end()
+        self._poll_end()
         if self._feeder.late != self._late:
             self._late = self._feeder.late
             self._note(errors.WORDS_LATE)
-        if self.settings.dirty and still:
+        if self.settings.dirty and self.queue.still():
             self.settings.save()
-        self._motors.poll(now_ms, not self.sleeping and not still, self.queue.tool)
+        self._motors.poll(now_ms, not self.sleeping and not self.still(), self.queue.tool)
 
     def may_feed(self):
         """True when the motors are ready for the words of what is queued."""
@@ -382,7 +380,8 @@ class Controller:
             self.fail(result)
 
     def _poll_end(self):
-        """Everything has been played, and no point waits."""
+        if self.objects.store.count or not self.queue.still():
+            return
         self.program.jogging = False
         if self.busy_with(commands.DRAW) or self.busy_with(commands.STOP):
             self.objects.end()

@@ -90,13 +90,14 @@ class Inputs:
         self._poll_limits(now_ms)
 
     def _poll_limits(self, now_ms):
-        if not self._limits or not self._settings.value(table.HARD_LIMITS):
+        if not self._settings.value(table.HARD_LIMITS):
             return
         machine = self._machine
+        moving = not machine.fine() and not machine.still()
         for letter, name, sensor in self._limits:
             before = sensor.active
             sensor.sample(now_ms, 0)
-            if sensor.active and not before and not machine.fine() and not machine.still():
+            if moving and sensor.active and not before:
                 self.hit = letter
                 machine.fail(errors.ALARM_HARD_LIMIT, name)
                 return

@@ -60,13 +60,13 @@ class Objects:
             return errors.TRAVEL
         if machine.command is not None or machine.program.active():
             return LATER
-        store = self.store
-        if not store.count and not self.drawing:
-            self._taken = self.drawn = 0
-        x, y = command.target
-        if not store.put(x, y, command.tool):
+        if not self.store.free():
             self.drawing = True
             return LATER
+        if not self.store.count and not self.drawing:
+            self._taken = self.drawn = 0
+        x, y = command.target
+        self.store.put(x, y, command.tool)
         return machine.accepted(command)
 
     def _draw(self, command):

@@ -75,16 +75,11 @@ class Queue:
         self._planner.start()
         self.waiting = False
 
-    @micropython.native
     def inside(self, target):
         """True where `target` is within the machine's travel."""
-        high_end = self._board["homing"]["high_end"] if self._board["homing"] else ""
         for axis in range(len(target)):
-            config = self._axes[axis]
-            place = target[axis]
-            if high_end and config["name"] in high_end:
-                place = -place
-            if place < 0 or place > config["travel_steps"]:
+            low, high = self.reach(axis)
+            if not low <= target[axis] <= high:
                 return False
         return True
 

@@ -1,6 +1,5 @@
 """The object being received: points kept as five bytes each, first in, first out. Memory is taken as it is needed."""
 
-import micropython
 from micropython import const
 
 _POINT = const(5)
@@ -21,28 +20,23 @@ class Store:
 
     def free(self):
         """How many more points there is room for; 0 also when no memory is left for the next one."""
-        if self.count < self.capacity and self._chunk((self._first + self.count) % self.capacity) is None:
-            return 0
+        if self.count < self.capacity:
+            try:
+                self._chunk((self._first + self.count) % self.capacity)
+            except MemoryError:
+                return 0
         return self.capacity - self.count
 
     def _chunk(self, index):
         chunk = self._chunks[index // _CHUNK]
         if chunk is None:
-            try:
-                chunk = self._chunks[index // _CHUNK] = bytearray(_POINT * _CHUNK)
-            except MemoryError:
-                pass
+            chunk = self._chunks[index // _CHUNK] = bytearray(_POINT * _CHUNK)
         return chunk
 
-    @micropython.native
     def put(self, x, y, tool):
-        """Append a point. False where there is no room, or no memory, for it."""
-        if self.count >= self.capacity:
-            return False
+        """Append a point. The caller has seen that free() > 0."""
         index = (self._first + self.count) % self.capacity
-        data = self._chunks[index // _CHUNK] or self._chunk(index)
-        if data is None:
-            return False
+        data = self._chunk(index)
         at = index % _CHUNK * _POINT
         data[at] = 1 if tool else 0
         data[at + 1] = x >> 8
@@ -50,7 +44,6 @@ class Store:
         data[at + 3] = y >> 8
         data[at + 4] = y & 255
         self.count += 1
-        return True
 
     def take(self):
         """The oldest point, as (x, y, tool); it leaves the store."""

@@ -14,7 +14,7 @@ from micropython import const
 
 _RECEIVE_BYTES = const(1024)  # 89 ms at 115 200 baud
 _SEND_BYTES = const(256)
-_MOST = const(96)  # bytes read in one go: what they mean is answered before more is read
+_MOST = const(64)  # bytes read from USB in one go
 _INTERRUPT = const(3)  # Ctrl-C
 _ESCAPE = b"\r\x03"  # what mpremote begins with
 _SILENCE_MS = const(1000)
@@ -36,9 +36,9 @@ class UartLine:
         return self._uart.any()
 
     def read(self):
-        """Bytes that have come, at most 96, b"" if none."""
+        """All bytes that have come, b"" if none."""
         count = self._uart.any()  # read() without it takes a buffer of 256 bytes each time
-        return self._uart.read(count if count < _MOST else _MOST) or b"" if count else b""
+        return self._uart.read(count) or b"" if count else b""
 
     def write(self, data):
         self._uart.write(data)
@@ -66,23 +66,17 @@ class UsbLine:
             return True
         return False
 
-    @micropython.native
     def read(self):
-        """Bytes that have come, at most 96, b"" if none. Raises KeyboardInterrupt when the REPL is asked for."""
+        """Bytes that have come, at most 64, b"" if none. Raises KeyboardInterrupt when the REPL is asked for."""
         # The console gives what it has byte by byte only: asked for more, it waits for them.
         count = 0
         byte = self._byte
         data = self._data
         take = self._in.readinto
-        ready = self._poll.ipoll
-        while count < _MOST:
-            for _ in ready(0):
-                take(byte)
-                data[count] = byte[0]
-                count += 1
-                break
-            else:
-                break
+        while count < _MOST and self.any():
+            take(byte)
+            data[count] = byte[0]
+            count += 1
         if not count:
             return b""
         data = bytes(memoryview(data)[:count])

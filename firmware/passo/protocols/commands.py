@@ -94,26 +94,17 @@ RESTARTED = const(5)  # pushed to every link after a RESET, `command` None
 
 
 class Command:
-    # What a command does not say takes no memory: collecting it is most of what a short command costs a board.
-    target = None
-    value = 0
-    tool = False
-    error = 0
-    power = 0
-    feed = 0
     limp = 0  # RUN, REST: mask of axes that have no current once they stand, until the next such command
-    link = None  # set by the app: where the answer goes
 
     def __init__(self, kind, target=None, value=0, tool=False, error=0):
         self.kind = kind
-        if target is not None:
-            self.target = target
-        if value:
-            self.value = value
-        if tool:
-            self.tool = tool
-        if error:
-            self.error = error
+        self.target = target
+        self.value = value
+        self.tool = tool
+        self.error = error
+        self.power = 0
+        self.feed = 0
+        self.link = None  # set by the app: where the answer goes
 
 
 class Motion(Command):
@@ -155,13 +146,8 @@ class Run(Command):
 
 
 class Event:
-    error = 0
-    value = None  # STATUS, and the end of STOP: the report, or the part of it that tells of motion
-
     def __init__(self, kind, command, error=0, value=None):
         self.kind = kind
         self.command = command
-        if error:
-            self.error = error
-        if value is not None:
-            self.value = value
+        self.error = error
+        self.value = value  # STATUS, and the end of STOP: the report, or the part of it that tells of motion

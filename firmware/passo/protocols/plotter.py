@@ -16,7 +16,6 @@ STOP, STATUS and LINK (the link of number X commands from now on; 0: this one) a
 unasked.
 """
 
-import micropython
 from micropython import const
 
 from passo.protocols import errors
@@ -64,8 +63,6 @@ _SIMPLE = {
 _ON_ACCEPTED = {HELLO: b"k", POINT: b"n", JOG: b"n", SPEED: b"s", HAND_OVER: b"t"}
 _ON_FINISHED = {DRAW: b"d", HOME: b"o", STOP: b"d"}
 _RESEND = b"r"
-_LINE = const(0x6C)
-_MOVE = const(0x6D)
 
 
 def packet(command, x=0, y=0):
@@ -95,63 +92,29 @@ class Plotter:
         self._since = 0  # when the oldest pending byte came
         self._latest = 0  # when the newest one came
 
-    @micropython.native
     def feed(self, data, now_ms):
         """Commands in `data`, which may be empty: time alone ends bursts and drops torn packets."""
         commands = []
-        pending = self._bytes
         if data:
-            self._latest = now_ms
-            if pending:
-                data = pending + data
-            else:
+            if not self._bytes:
                 self._since = now_ms
-        elif pending or self._broken:
-            data = pending
-        else:
-            return commands
-        before = self._before
-        at = 0
-        left = len(data)
-        while left >= PACKET and not self._broken:
-            code = data[at]
-            x = data[at + 1]
-            x_low = data[at + 2]
-            y = data[at + 3]
-            y_low = data[at + 4]
-            check = data[at + 5]
-            if (code + x + x_low + y + y_low) & 255 != check:
-                self._broken = True
-            elif code == before or x == code or x_low == x or y == x_low or y_low == y or check == y_low:
-                self._bytes = data[at:]
-                self._before = before
-                if at:
-                    self._since = now_ms
-                if self._ambiguous():
-                    self._broken = True
-                elif left == PACKET and (now_ms - self._latest) & _TIME_MASK < self.gap_ms:
-                    return commands
-            if not self._broken:
-                at += PACKET
-                left -= PACKET
-                before = check
-                commands.append(self._command(code, x << 8 | x_low, y << 8 | y_low))
-        if at:
-            self._since = now_ms
-            self._before = before
-        self._bytes = data[at:] if at else data
-        self._late(now_ms, commands)
-        return commands
-
-    def _late(self, now_ms, commands):
-        """What time alone decides: bytes that are dropped."""
+            self._latest = now_ms
+            self._bytes += data
         quiet = (now_ms - self._latest) & _TIME_MASK >= self.gap_ms
+        while not self._broken and len(self._bytes) >= PACKET:
+            if not _valid(self._bytes) or self._ambiguous():
+                self._broken = True
+            elif len(self._bytes) == PACKET and not quiet and self._twins():
+                return commands
+            else:
+                commands.append(self._take(now_ms))
         if self._broken:
             self._bytes = b""
             if quiet:
                 commands.append(self._drop(errors.CHECKSUM))
         elif self._bytes and (now_ms - self._since) & _TIME_MASK >= RESYNC_MS:
             commands.append(self._drop(errors.BYTES_DROPPED))
+        return commands
 
     def _twins(self):
         """Places in the first six bytes where a byte repeats the one before it."""
@@ -173,13 +136,20 @@ class Plotter:
                 return True
         return False
 
-    def _command(self, code, x, y):
-        if code == _LINE or code == _MOVE:
-            return Command(POINT, (x, y), 0, code == _LINE)
+    def _take(self, now_ms):
+        data = self._bytes[:PACKET]
+        self._bytes = self._bytes[PACKET:]
+        self._since = now_ms
+        self._before = data[PACKET - 1]
+        code = data[0]
+        x = data[1] << 8 | data[2]
+        y = data[3] << 8 | data[4]
         if code in _SIMPLE:
             return Command(_SIMPLE[code])
         if code in self._jogs:
             return Command(JOG, target=self._jogs[code])
+        if code == COMMANDS["LINE"] or code == COMMANDS["MOVE"]:
+            return Command(POINT, target=(x, y), tool=code == COMMANDS["LINE"])
         if code == COMMANDS["SPEED"]:
             return Command(SPEED, value=x)
         if code == COMMANDS["LINK"]:
@@ -204,6 +174,7 @@ class Plotter:
         if command.kind == STATUS:
             return status_bytes(event.value)
         return _ON_ACCEPTED.get(command.kind, b"")
+
 
     def push(self, event):
         """The board never speaks unasked."""
