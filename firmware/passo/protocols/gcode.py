@@ -149,15 +149,14 @@ class GCode(Motions):
     def _load_plain(self):
         """True once plain lines can be dealt with in short; a board that is short of memory does without."""
         if self._plain is None:
-            self._plain = False
             gc.collect()
-            if not hasattr(gc, "mem_free") or gc.mem_free() > _RESERVE:
-                try:
-                    from passo.protocols.gcode_plain_viper import plain
-
-                    self._plain = plain
-                except MemoryError:
-                    pass  # free, but not in one piece
+            try:
+                if hasattr(gc, "mem_free") and gc.mem_free() <= _RESERVE:
+                    raise MemoryError
+                from passo.protocols.gcode_plain_viper import plain
+            except MemoryError:  # too little is free, or not in one piece: interpret() deals with all lines
+                plain = False
+            self._plain = plain
         return self._plain
 
     def _know(self):
