@@ -1,5 +1,7 @@
 """Hold, resume, cancel and overrides: the path stays the same to the step, and the limits are kept on the way down and up."""
 
+from math import sqrt
+
 from draws import Random
 from passo.motion.block import ARC, LINE
 from passo.steps.word import COUNT_MASK, TICKS_PER_S
@@ -13,6 +15,10 @@ CASES = {
     "check_override": (("seed", "seed"), ("kind", "choice", "mixed", "tiny", "arcs")),
 }
 RUNS = {"check_hold": 30, "check_many_holds": 15, "check_slows_at_once": 9, "check_cancel": 20, "check_override": 20}
+EXAMPLES = {
+    "check_slows_at_once": ((35133, "arc", 417),),  # 3·10⁻⁶ of the speed is left before the last step
+    "check_override": ((316, "mixed"),),  # at twice the speed an arc's last steps can just take it away
+}
 LEAD_TICKS = 125_000  # of words ahead, where an interrupt makes them
 TURN_TICKS = 25_000  # between two such interrupts
 
@@ -56,7 +62,10 @@ def check_many_holds(seed, kind):
 
 
 def check_slows_at_once(seed, kind, part):
-    """With 10 ms of words ahead, as an interrupt makes them, a hold begins to slow within 20 ms, and stands in v / a."""
+    """With 10 ms of words ahead, as an interrupt makes them, a hold begins to slow within 20 ms, and stands in v / a.
+
+    And in no more than two segments and the time of one step from rest to rest, because it stands between two steps only.
+    """
     machine = Machine(seed, "lines", 1)
     random = machine.random
     speed, acceleration = random.between(20, 100), random.between(500, 3000)
@@ -99,8 +108,10 @@ def check_slows_at_once(seed, kind, part):
         tick += ticks
     assert slows - held <= TICKS_PER_S // 50, (slows - held) * 1000 / TICKS_PER_S
     length, steps, _, acceleration, _ = machine.facts[0]
-    most = cruise * TICKS_PER_S * length / steps / acceleration
-    assert 0.98 * most <= (tick - slows) / TICKS_PER_S + 0.002 and (tick - slows) / TICKS_PER_S <= 1.05 * most + 0.03
+    ideal = cruise * TICKS_PER_S * length / steps / acceleration
+    took = (tick - slows) / TICKS_PER_S
+    step = 2 * sqrt(1.1 * length / steps / acceleration)  # an arc's may be a little longer than its mean
+    assert 0.98 * ideal - 0.002 <= took <= 1.01 * ideal + step + 0.002, (ideal, took, step)
 
 
 def check_cancel(seed, kind, part):

@@ -3,7 +3,7 @@
     MICROPYPATH=firmware:tests_host:. micropython tests_host/micro_runner.py check_line
 
 Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (100 unless told) with values from a
-generator seeded by its name; one without parameters runs once. Prints every failure with its arguments and a closing
+generator seeded by its name, after what `EXAMPLES[name]` lists; one without parameters runs once. Prints every failure with its arguments and a closing
 count; the exit status is 1 if anything failed.
 """
 
@@ -29,11 +29,12 @@ def seed_of(name):
     return seed
 
 
-def run_check(name, check, specs, runs):
+def run_check(name, check, specs, runs, examples=()):
     """Run one check; returns (runs made, failed). The first failure ends it."""
     random = Random(seed_of(name))
+    runs += len(examples)
     for run in range(runs):
-        values = [draw(random, spec) for spec in specs]
+        values = examples[run] if run < len(examples) else [draw(random, spec) for spec in specs]
         try:
             check(*values)
         except Exception as error:
@@ -48,11 +49,13 @@ def run_module(module_name):
     module = __import__(module_name)
     cases = getattr(module, "CASES", {})
     counts = getattr(module, "RUNS", {})
+    examples = getattr(module, "EXAMPLES", {})
     names = sorted([name for name in dir(module) if name.startswith("check_") and callable(getattr(module, name))])
     total = failures = 0
     for name in names:
         specs = cases.get(name, ())
-        made, failed = run_check(name, getattr(module, name), specs, counts.get(name, DEFAULT_RUNS) if specs else 1)
+        runs = counts.get(name, DEFAULT_RUNS) if specs else 1
+        made, failed = run_check(name, getattr(module, name), specs, runs, examples.get(name, ()))
         total += made
         failures += failed
     return len(names), total, failures

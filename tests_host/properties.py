@@ -6,12 +6,13 @@
     globals().update(make_tests(check_line))
 
 A check module is plain Python that also runs under MicroPython: `check_*` functions, with `CASES` giving the
-parameters of those that have any (see draws.py) and `RUNS`, where it is there, how many examples each takes.
+parameters of those that have any (see draws.py), `RUNS`, where it is there, how many examples each takes, and `EXAMPLES`
+those that are tried every time.
 """
 
 import inspect
 
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from draws import SEED_MAX
@@ -36,14 +37,18 @@ def make_tests(module):
     """Test functions by name: `check_line` becomes `test_line`."""
     cases = getattr(module, "CASES", {})
     runs = getattr(module, "RUNS", {})
+    examples = getattr(module, "EXAMPLES", {})
     checks = {name: check for name, check in vars(module).items() if name.startswith("check_") and callable(check)}
-    unknown = (set(cases) | set(runs)) - set(checks)
+    unknown = (set(cases) | set(runs) | set(examples)) - set(checks)
     if unknown:
-        raise ValueError(f"{module.__name__}: CASES or RUNS name what is not there: {', '.join(sorted(unknown))}")
-    return {"test_" + name[6:]: make_test(check, cases.get(name, ()), runs.get(name)) for name, check in checks.items()}
+        raise ValueError(f"{module.__name__}: CASES, RUNS or EXAMPLES name what is not there: {', '.join(sorted(unknown))}")
+    return {
+        "test_" + name[6:]: make_test(check, cases.get(name, ()), runs.get(name), examples.get(name, ()))
+        for name, check in checks.items()
+    }
 
 
-def make_test(check, specs, runs):
+def make_test(check, specs, runs, examples=()):
     wanted = list(inspect.signature(check).parameters)
     given_names = [spec[0] for spec in specs]
     if wanted != given_names:
@@ -51,4 +56,6 @@ def make_test(check, specs, runs):
     if not specs:
         return check
     test = given(**{spec[0]: strategy(spec) for spec in specs})(check)
+    for values in examples:
+        test = example(*values)(test)
     return settings(max_examples=runs)(test) if runs else test

@@ -16,6 +16,9 @@ along the path q is linear: it gains at most `gain` a step. Each segment's end t
 
     v₁                     v₂
 
+The peak may be above both ends: so the steps in which a hold comes to its stand never take longer than from rest, however
+slow the machine is before them.
+
 Everything here may run in an interrupt: no allocation, no integer of 2³⁰.
 """
 
@@ -159,6 +162,7 @@ class Ramp:
         if cap > block.limit:
             cap = block.limit
         cap *= cap
+        high = cap
         self.steps = 0
         if hold:
             cap = 0
@@ -186,6 +190,8 @@ class Ramp:
                     steps = left
                 if steps > _MAX_RAMP:
                     steps = _MAX_RAMP
+                if hold and steps > q // gain:
+                    steps = q // gain + 1  # it stands after these
         elif self._arc:
             steps = self._arc_steps(left, self._walker, SEGMENT_TICKS, most)
         # How fast at its end.
@@ -217,12 +223,14 @@ class Ramp:
         if aim > leave:
             if togo < 0:
                 aim = leave
-            elif togo + (1 if part else 0) <= HIGHEST // gain:
-                room = gained(gain, togo, part)
-                if room < aim - leave:
-                    aim = leave + room
+            elif togo <= HIGHEST // gain:
+                room = togo * gain
+                more = gained(gain, 0, part)
+                if more < aim - leave - room:
+                    aim = leave + room + more
         # The peak in between, and the time.
-        high = q if q > cap else cap
+        if q > high:
+            high = q
         half = change + (aim - q) >> 1
         peak = high if half > high - q else q + half
         if peak < aim:
