@@ -37,7 +37,8 @@ class Machine:
         self.program = []
         for _ in range(blocks or random.between(1, 40)):
             self._draw(random.choice(("lines", "tiny", "reversals", "arcs")) if kind == "mixed" else kind)
-        self.segments = []  # (block number, steps of path, ticks, speed at its end in units)
+        self.segments = []  # (block number, steps of path, ticks)
+        self.lags = []  # of each segment: (words, how far each axis may step behind its place, how far ahead, in steps)
         self._listen()
 
     def limited(self, steps_per_m, speeds, accelerations, deviation, start=0):
@@ -76,7 +77,6 @@ class Machine:
         cut = ramp.cut
         begin = ramp.begin
         self.number = -1
-        self.paths = []
 
         def listen_begin(block):
             self.number += 1
@@ -90,6 +90,7 @@ class Machine:
                 if ramp._arc:
                     path = int(walker.path) * int(ramp.steps) / int(walker.words) / (1 << COARSE)
                 self.segments.append((self.number, path, int(ramp.ticks)))
+                self.lags.append((int(ramp.steps),) + (arc_lags(walker) if ramp._arc else line_lags(walker)))
 
         ramp.cut = listen_cut
         ramp.begin = listen_begin
@@ -244,25 +245,53 @@ def hold_against_limits(machine, facts):
     return worst
 
 
-def hold_axes_against_limits(machine, words):
-    """Over any 20 ms an axis makes no more steps than its speed allows, 1 % and a step, and one where it follows another.
+def line_lags(line):
+    """How far behind, and how far ahead of its place on the ideal line each axis may step.
 
-    Returns the most steps beyond the speed × 1.01.
+    The dominant axis steps when it is there. One that follows it takes the step to k with the first dominant step that
+    brings it beyond k − ½: behind k − ½ by its share of the dominant axis's steps at most.
+    """
+    total = int(line.total)
+    shares = [abs(line.offset(axis, total)) / total for axis in range(3)]
+    return [0 if share == 1 else share - 0.5 for share in shares], [0 if share == 1 else 0.5 for share in shares]
+
+
+def arc_lags(circle):
+    """The same of an arc: the axis that steps in every word, and the others, whose share changes all along, up to 1."""
+    leads = circle._u_axis if circle._count > 0 and circle._rise == circle._fall else -1
+    return [0 if axis == leads else 0.5 for axis in range(3)], [0 if axis == leads else 0.5 for axis in range(3)]
+
+
+def hold_axes_against_limits(machine, words):
+    """Over any 20 ms an axis makes no more steps than its speed × 1.01 gives, and one: the grain of counting.
+
+    Proof that an axis at constant speed can make one, and no more: between the first and the last of n steps it goes
+    n − 1 steps. One that follows the dominant axis of a line by Bresenham's method goes that far less what the first was
+    late and the last early (line_lags), which together is its share of the dominant axis's steps: it can make 1 + share.
+    What is held is exactly that, across blocks too. Returns the most steps beyond, without that share.
     """
     window = TICKS_PER_S // 50
+    late, early = [], []
+    for count, behind, ahead in machine.lags:
+        late += [behind] * count
+        early += [ahead] * count
     worst = 0.0
     for axis in range(3):
         most = machine.speeds[axis] / 1e9 * machine.steps_per_m[axis] / 50 * 1.01
-        ticks = []
-        tick = 0
+        steps = []  # (tick, number of the stepping word)
+        tick = number = 0
         for gap, levels in words:
             if levels >> axis & 1:
-                ticks.append(tick)
+                steps.append((tick, number))
+            if levels & 7:
+                number += 1
             tick += gap
+        assert number == len(late)
         first = 0
-        for last in range(len(ticks)):
-            while ticks[last] - ticks[first] >= window:
+        for last in range(len(steps)):
+            while steps[last][0] - steps[first][0] >= window:
                 first += 1
-            assert last - first + 1 <= most + 2, (axis, last - first + 1, most)
-            worst = max(worst, last - first + 1 - most)
+            over = last - first + 1 - most - late[steps[first][1]][axis] - early[steps[last][1]][axis]
+            assert over <= 1, (axis, last - first + 1, most, over)
+            worst = max(worst, over)
     return worst

@@ -3,8 +3,8 @@
     python tests_host/soak_motion.py 0 1000        # programs 0 … 999, the kinds in turn
 
 Prints every program that fails, and last, for all: programs, blocks, segments, the worst change of speed as a part of
-what is allowed, the most steps an axis made in 20 ms beyond its speed × 1.01, the worst time as a part of that of the
-planner in floats, and how many failed.
+what is allowed, the most steps an axis made in 20 ms beyond its speed × 1.01, less its share of the dominant axis's, the
+worst time as a part of that of the planner in floats, and how many failed.
 """
 
 import sys
