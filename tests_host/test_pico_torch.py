@@ -8,7 +8,7 @@ from passo.protocols import torch
 
 BYTE_MS = 10 / 115.2
 UP_LIMIT_MS = 3000
-LATEST_MS = 20  # as a rule; now and then a collection of garbage comes in between
+LATEST_MS = 5  # as a rule; now and then a collection of garbage comes in between
 
 
 def until_up(machine):

@@ -9,6 +9,8 @@ knows every room.
 """
 
 import gc
+
+import micropython
 from micropython import const
 
 from passo.control.board_error import BoardError
@@ -21,12 +23,15 @@ from passo.protocols import errors
 from passo.protocols.commands import IMMEDIATE, RESET, RESTARTED, Event
 from passo.steps.feeder import Feeder
 from passo.steps.ring import Ring, ring_size
-from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
+from passo.steps.word import COUNT_MASK, TICKS_PER_S, Layout, us_to_ticks
 
 LEAD_TICKS = const(30 * 12_500)  # from a main loop
 LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any moment, within 20 ms on the pins
 _TURNS_S = const(200)  # half a ring of words has to last as long as such a turn of the feeder
 _WAITING = const(64)  # commands of one link that may wait for their turn
+_LOOK_MS = const(4)  # while bytes keep coming, the machine is looked at so often
+_PART = const(1)  # heard: bytes
+_WHOLE = const(2)  # and commands
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
 # Those without lines and arcs as they come: program and tools are not loaded for them.
@@ -114,6 +119,7 @@ class App:
         self.controller = Controller(
             board, self.planner, self.feeder, self.player, motors, port, settings, streamed
         )
+        self._looked_ms = port.machine_ms()
         shared = {}
         self.links = []
         for link in board["links"]:
@@ -137,34 +143,72 @@ class App:
         if fastest < least:
             raise BoardError("speed: steps every %d ticks of 80 ns; the drive needs %d" % (fastest, least))
 
+    @micropython.native
     def poll(self):
-        """Links, then machine, then answers, then words for the player."""
+        """Links, then machine, then answers, then words for the player. False where the machine has to wait, because
+        more bytes are coming: where interrupts play, those are taken first."""
         now_ms = self.port.link_ms()
+        heard = 0
         for link in self.links:
-            self._receive(link, now_ms)
+            heard |= self._receive(link, now_ms)
+        if self.interrupt and heard and self._overtaken(heard):
+            return False
         tripped = self.port.tripped()
         if tripped and not self.controller.alarm:
             self.controller.fail(errors.ALARM_HARD_LIMIT, tripped)
         self.controller.poll()
         self._answer()
-        self.feeder.open = self.controller.may_feed()
-        if not self.interrupt and self.feeder.open:
-            self.feeder.fill(self.player.played(), LIVE_TICKS if self.controller.live() else LEAD_TICKS)
-            self.player.start()
+        self._feed()
+        return True
 
+    @micropython.native
+    def _overtaken(self, heard):
+        """True while more bytes are coming and the machine may wait for them. What has been asked for moves at once."""
+        coming = heard == _PART
+        for link in self.links:
+            coming = coming or link.serial.any()
+        if heard & _WHOLE:
+            if not coming:
+                self.controller.program.begin()
+            self._feed()
+        return coming and (self.port.machine_ms() - self._looked_ms) & COUNT_MASK < _LOOK_MS
+
+    @micropython.native
+    def _feed(self):
+        """Words for the player, where there is something to play and the motors are ready."""
+        feeder = self.feeder
+        feeder.open = not self.planner.empty() and self.controller.may_feed()
+        if not feeder.open:
+            return
+        if self.interrupt:
+            self.port.set_out()
+            return
+        feeder.fill(self.player.played(), LIVE_TICKS if self.controller.live() else LEAD_TICKS)
+        self.player.start()
+
+    @micropython.native
     def turn(self):
         """poll(), then let time pass."""
-        self.poll()
-        controller = self.controller
-        self.port.wait(controller.busy(), controller.fine())
+        if self.poll():
+            controller = self.controller
+            self.port.wait(controller.busy(), controller.fine())
+            self._looked_ms = self.port.machine_ms()
 
+    @micropython.native
     def _receive(self, link, now_ms):
-        """What waits comes first, then what the line brings. Each command is answered before the next is asked for."""
+        """What waits comes first, then what the line brings. Each command is answered before the next is asked for.
+        Returns _PART where bytes came, _WHOLE where commands did, or both."""
         self.controller.links.speaker = link.number
+        heard = 0
         while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
             link.waiting.pop(0)
             self._answer()
-        for command in link.protocol.feed(link.serial.read(), now_ms):
+            heard = _WHOLE
+        data = link.serial.read()
+        if data:
+            heard |= _PART
+        for command in link.protocol.feed(data, now_ms):
+            heard |= _WHOLE
             command.link = link
             if command.kind == RESET:
                 for other in self.links:
@@ -177,6 +221,7 @@ class App:
             else:
                 self.controller.refuse(command, errors.TOO_MANY_WAITING)
             self._answer()
+        return heard
 
     def _answer(self):
         for event in self.controller.take_events():

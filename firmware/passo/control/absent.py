@@ -16,5 +16,5 @@ class Absent:
     def poll(self, now_ms=0):
         """Nothing to do, and no garbage left by it."""
 
-    active = standing = substate = laser = _nothing
+    active = begin = standing = substate = laser = _nothing
     show_outputs = report = clear = restart = _nothing

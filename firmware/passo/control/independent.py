@@ -11,6 +11,7 @@ axis keeps its own limits of speed and acceleration; otherwise the rate is const
 Where soft limits hold, an endless run and a turn on the way are refused: where they end is not known.
 """
 
+import micropython
 from micropython import const
 
 from passo.control import settings as table
@@ -98,6 +99,7 @@ class Independent(Part):
 
     # --- commands
 
+    @micropython.native
     def _run(self, command):
         machine = self._machine
         error = machine.unready()
@@ -142,6 +144,7 @@ class Independent(Part):
     def _directions(self, command):
         return [None if not steps else steps > 0 for steps in command.steps]
 
+    @micropython.native
     def _interval(self, axis, rate):
         """Whole ticks between the steps of `rate`, which is (steps, milliseconds); 0 where the axis cannot."""
         steps, ms = rate
@@ -150,6 +153,7 @@ class Independent(Part):
         each = ms * TICKS_PER_MS // steps
         return each if 2 * self.walker.least <= each < COUNT_MASK else 0
 
+    @micropython.native
     def _reachable(self, axis, steps, limited):
         """False where soft limits (`limited`) forbid it, or it is too far to be counted."""
         endless = abs(steps) == FOREVER
@@ -162,9 +166,11 @@ class Independent(Part):
         low, high = self._queue.reach(axis)
         return low <= self._queue.target[axis] + steps <= high
 
+    @micropython.native
     def _turns(self, axis, steps):
         return self.walker.togo(axis) and self.walker.negative(axis) != (steps < 0)
 
+    @micropython.native
     def _start(self, command, intervals):
         machine = self._machine
         walker = self.walker

@@ -46,7 +46,9 @@ class Motors:
             self._set(RELEASED)
 
     def ready(self, now_ms):
-        """True when motion may begin."""
+        """True when motion may begin. Drivers with STEP and DIR know no current to hold with."""
+        if self.state == HOLDING:
+            return self._drive is None
         return self.state == RUNNING and (now_ms - self._ready_ms) & _TIME_MASK < _TIME_MASK // 2
 
     def limp(self, mask):

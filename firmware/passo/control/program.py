@@ -320,6 +320,11 @@ class Program:
 
     # --- what goes on over many turns
 
+    def begin(self):
+        """Nothing more is coming for now: what waits sets out. A moving machine fetches on its own."""
+        if self._queue.waiting and self._queue.playing() is None:
+            self._queue.start()
+
     def poll(self):
         machine = self._machine
         self._queue.feed()
@@ -327,8 +332,8 @@ class Program:
             self._poll_probe()
         elif (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE)) and self._queue.still():
             machine.finish()
-        if self._queue.waiting and not self._fresh and self._queue.playing() is None:
-            self._queue.start()  # nothing moves and nothing more is coming: a moving machine fetches on its own
+        if not self._fresh:
+            self.begin()
         self._set_limits()
         self._fresh = False
         if self._active and self._queue.still():

@@ -15,7 +15,7 @@ from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 _HEARTBEAT_MS = const(200)
 _WATCHDOG_MS = const(1000)
 _IDLE_MS = const(10)  # the longest turn while nothing is under way
-_FIRST_TICKS = 2 * TICKS_PER_MS  # of words are made before the player starts, and between two looks at it then
+_FIRST_TICKS = TICKS_PER_MS  # of words are made before the player starts, and between two looks at it then
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN, "none": None}
 
 
@@ -58,6 +58,7 @@ class ChipPort:
         self._feeder = None
         self._timer = None
         self._watchdog = None
+        self._aside = False  # the main loop makes words: the interrupt leaves the feeder alone
         self._trip = None  # the halting input that has stopped the player, until the main loop has been told
         self._beat_ms = ticks_ms()
         self._lines = []
@@ -125,6 +126,14 @@ class ChipPort:
                 return
             idle()  # until an interrupt: a byte, the feeder's turn, or a millisecond
 
+    def set_out(self):
+        """What is queued for a machine that stands moves off now, not only when the feeder's next turn comes."""
+        self._aside = True
+        played = self._player.played()
+        if self._trip is None and played == self._feeder.ring.head:
+            self._set_out(played)
+        self._aside = False
+
     # --- what start.py asks for
 
     def guard(self):
@@ -147,7 +156,7 @@ class ChipPort:
         feeder = self._feeder
         if ticks_diff(ticks_ms(), self._beat_ms) > _HEARTBEAT_MS:
             feeder.brake = True
-        if self._trip is None and feeder.open:
+        if self._trip is None and feeder.open and not self._aside:
             player = self._player
             played = player.played()
             if played == feeder.ring.head:

@@ -11,6 +11,7 @@ silence, and one so short that the rest of a torn frame may begin like it (`shor
 for SETTLE_MS without a byte.
 """
 
+import micropython
 from micropython import const
 
 END = const(0xFF)
@@ -32,6 +33,7 @@ class Cutter:
         self._silent_ms = gap_ms  # since the newest byte
         self._latest = 0  # when the newest byte came
 
+    @micropython.native
     def put(self, data, now_ms):
         """Bytes, which may be none: time alone ends frames."""
         silent_ms = (now_ms - self._latest) & _TIME_MASK
@@ -46,6 +48,7 @@ class Cutter:
         if not self._broken:
             self._bytes += data
 
+    @micropython.native
     def next(self):
         """The next whole frame, b"" where bytes were dropped, or None."""
         quiet = self._silent_ms >= self._gap_ms
@@ -79,6 +82,7 @@ class Cutter:
         self._bytes = data[length:]
         return data[:length]
 
+    @micropython.native
     def _whole(self, at):
         """The length of the frame that begins at byte `at`; 0: not yet whole; −1: it is none."""
         data = self._bytes

@@ -17,6 +17,7 @@ between them: there is no checksum. Counts and speeds out of reach are refused, 
 
 import struct
 
+import micropython
 from micropython import const
 
 from passo.protocols import errors
@@ -143,6 +144,7 @@ class Torch:
         self._error = 0  # the last number in the log that no STATUS has told
         self._asked = None  # a command whose answer decides what the frames behind it mean
 
+    @micropython.native
     def feed(self, data, now_ms):
         """Commands in `data`, which may be empty: time alone ends frames."""
         self._cutter.put(data, now_ms)
@@ -156,6 +158,7 @@ class Torch:
                 commands.append(command)
         return commands
 
+    @micropython.native
     def _command(self, data):
         if not data:
             return Command(BAD, error=errors.GARBLED)
@@ -181,6 +184,7 @@ class Torch:
             return None
         return Command(CONNECT, value=1 if code == 0xEE else 0)
 
+    @micropython.native
     def _move(self, data):
         x, x_speed, y, y_speed = struct.unpack_from(">IiIi", data, 1)
         if x >= FOREVER or y >= FOREVER:

@@ -257,6 +257,7 @@ class Timed:
         self._put(axis, _NEAR, _FAR // gain)
         self._put(axis, _GAIN, gain)
 
+    @micropython.native
     def set(self, axis, steps, each, rest=0, over=1, negative=False, add=False):
         """Run `axis` for `steps` (≥ 0 or ENDLESS), a step every each + rest/over ticks (each ≥ 2 · least, < 2²⁹).
 
@@ -309,6 +310,7 @@ class Timed:
             for field in (_NEW, _NEW_ENDLESS, _ENDLESS, _TOGO, _DUE, _Q):
                 self._put(axis, field, 0)
 
+    @micropython.native
     def togo(self, axis):
         """Steps still to come of an axis; ENDLESS: no end."""
         if self._get(axis, _NEW_ENDLESS):
