@@ -18,7 +18,7 @@ def test_stopped_at_any_moment_it_knows_where_it_is(rig, pin, most_us, show):
     random = Random(pin)
     set_out(rig, DELTAS, RATE_HZ, 2000)
     found = trials(rig, pin, [random.uniform(0, 15_000) for _ in range(TRIALS)])
-    for reaction_us, reported, counted in found:
+    for reaction_us, reported, counted, _ in found:
         assert reported == counted and any(counted)
         assert reaction_us <= most_us
     show(f"halt from pin {pin}", f"last step at most {max(found)[0]:.1f} µs after the edge, {TRIALS} trials")
@@ -28,7 +28,7 @@ def test_a_word_pulled_but_not_played_does_not_count(rig):
     set_out(rig, (8000, 6220, -5000), 400_000, 2000)
     found = in_hand(rig, INTERRUPT_PIN, [turn * 3 / 125 for turn in range(1000)])
     assert found, "no freeze fell between pull and out"
-    assert found[1] == found[2]
+    assert found[1] == found[2] and found[3]
 
 
 def test_a_halted_line_is_taken_up_from_rest_and_ends_where_it_should(rig):
@@ -40,3 +40,33 @@ def test_a_halted_line_is_taken_up_from_rest_and_ends_where_it_should(rig):
     again = [cycle for cycle in rises if cycle > edge + 2000 * 125]
     assert len(again) == DELTAS[0] - index
     assert again[1] - again[0] > 20 * 1250, "from rest: twenty times slower than it was"
+
+
+HANG = """
+from passo.motion.profile import Limits
+planner.limits(Limits([400000] * 3, [400_000_000] * 3, [20_000_000_000] * 3, 10_000))
+planner.line((60000, 45000, -30000), 7_500_000, False)
+planner.flush()
+while feeder.position(player.played())[0] < 2000:
+    app.turn()
+print("hangs")
+while True:
+    pass
+"""
+
+
+def test_when_the_main_loop_hangs_the_machine_slows_down_to_a_stand(rig, show):
+    rig.clear()
+    rig.pico.console.start(HANG)
+    rig.pico.console.expect(b"hangs")
+    hung = rig.pico.cycle
+    rig.pico.run(300_000)
+    rises = [cycle for cycle, state in rig.step_edges[0] if state == 1]
+    stood_ms = (rises[-1] - hung) / 125_000
+    gaps = [after - before for before, after in zip(rises, rises[1:])]
+    slowing = gaps[-1000:]
+    assert 200 < stood_ms < 235, "200 ms of patience, 14 of words already made, 12.5 to slow down"
+    assert slowing[0] == 1250 and slowing[-1] > 10 * 1250
+    assert all(after >= before - 10 for before, after in zip(slowing, slowing[1:])), "slower and slower, but for a tick"
+    assert eval(rig.pico.exec("print(feeder.position(player.played()))")) == rig.counted()
+    show("a main loop that hangs", f"the steps end {stood_ms:.0f} ms later, after a ramp")

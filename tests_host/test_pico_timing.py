@@ -4,6 +4,7 @@ packets arrive and garbage is collected without pause."""
 import pytest
 from emulated import rig, timer_rig, uf2  # noqa: F401
 
+from host_tools.emulator.rig import router
 from host_tools.emulator.traffic import points
 
 pytestmark = [pytest.mark.on_a_copy]
@@ -14,6 +15,11 @@ COLLECT = "gc.collect()"
 CYCLE_NS = 8
 BAUD = 115_200
 POINTS = 100
+
+
+def ticks_of_us(us):
+    """The least that last `us`."""
+    return -(-us * 1000 // 80)
 
 
 def back_and_forth(rates, axes):
@@ -43,6 +49,46 @@ def test_every_interval_is_its_word(rig, axes, rates, show):
 
 
 @pytest.mark.xdist_group("rig")
+@pytest.mark.parametrize(
+    "pulse_us, setup_us, step_active, reverse",
+    [(1, 0, 1, False), (2, 10, 0, True), (5, 2, 1, True), (5, 0, 0, False)],
+)
+def test_pulse_width_setup_and_polarity_are_those_of_the_board_file(rig, pulse_us, setup_us, step_active, reverse):
+    board = router(3, drive={"kind": "step_dir", "pulse_us": pulse_us, "setup_us": setup_us, "step_active": step_active})
+    for axis in board["axes"]:
+        axis["reversed"] = reverse
+    rig.fit(board)
+    run = rig.play([((300, 200, -100), 50_000), ((-300, 100, 100), 50_000)], COLLECT)
+    assert (run.off, run.span_off, run.late) == (0, 0, 0)
+    assert run.widths == {ticks_of_us(pulse_us) * 80 // CYCLE_NS}
+    if setup_us:
+        least = max(ticks_of_us(setup_us), 2 * ticks_of_us(pulse_us))  # no word is shorter than its pulse twice
+        assert min(run.setups) == least * 80 // CYCLE_NS
+    assert run.position == rig.counted() == [0, 300, 0]
+
+
+@pytest.mark.xdist_group("rig")
+def test_four_axes(rig):
+    rig.fit(router(4))
+    run = rig.play([((1200, 900, -600, 333), 100_000), ((-1200, 0, 600, 1000), 100_000)], COLLECT)
+    assert (run.off, run.span_off, run.late) == (0, 0, 0)
+    assert run.position == rig.counted() == [0, 900, 0, 1333]
+
+
+@pytest.mark.xdist_group("rig")
+@pytest.mark.parametrize("mode", ["half", "full"])
+def test_two_motors_with_two_winding_chips_each(rig, mode):
+    """Thirteen pins of one word."""
+    board = router(2, drive={"kind": "pbl3770a", "mode": mode}, outputs=[], tool={"pin": 14})
+    for axis, first in zip(board["axes"], (2, 8)):
+        axis["pins"] = list(range(first, first + 6))
+    rig.fit(board)
+    run = rig.play([((400, -300), 20_000), ((-100, 300), 5000)], COLLECT)
+    assert run.off == run.late == 0 and run.steps == 400 + 300
+    assert run.position == [300, 0]
+
+
+@pytest.mark.xdist_group("rig")
 def test_an_uneven_line_keeps_its_rate(rig):
     """100 003 steps a second are no whole number of ticks apart."""
     run = rig.play([((2000, 1234, -777), 100_003)], COLLECT)
@@ -50,6 +96,29 @@ def test_an_uneven_line_keeps_its_rate(rig):
     first = [cycle for cycle, state in rig.step_edges[0] if state == 1][100:]  # what a DIR set-up owed has been paid
     rate = (len(first) - 1) / (first[-1] - first[0]) * 125e6
     assert rate == pytest.approx(100_003, rel=100e-6)
+
+
+SLOW = """
+fill, slow = feeder.fill, True
+def slowly(played, lead_ticks):
+    global slow
+    amid = fill(played, lead_ticks)
+    if slow and played > 300:
+        slow = False
+        begun = ticks_us()
+        while ticks_diff(ticks_us(), begun) < 20_000:
+            pass
+    return amid
+feeder.fill = slowly
+"""
+
+
+@pytest.mark.xdist_group("rig")
+def test_words_that_take_too_long_to_make_are_counted(rig):
+    rig.pico.exec(SLOW)
+    run = rig.play([((1500, 0, 0), 50_000)])
+    assert run.late == 1 and run.span_off > 5 * 125_000, "12 ms of words for a pause of 20 ms"
+    assert run.position == rig.counted() == [1500, 0, 0]
 
 
 @pytest.mark.xdist_group("timer")

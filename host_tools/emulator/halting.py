@@ -3,7 +3,7 @@ exactly where it is.
 
     rig = Rig(router(3, inputs=INPUTS))
     set_out(rig, (4000, 3000, -2000), steps_s=100_000, after_us=2000)
-    for reaction_us, reported, counted in trials(rig, PLAYER_PIN, waits_us): …
+    for reaction_us, reported, counted, in_hand in trials(rig, PLAYER_PIN, waits_us): …
 
 Each trial is made on a copy of the same motion, so it costs milliseconds.
 """
@@ -22,6 +22,7 @@ planner.line({deltas!r}, {ticks}, False)
 planner.flush()
 while not controller.alarm:
     app.turn()
+    {loop}
 print(feeder.position(player.played()))
 """
 _RESUME = """
@@ -47,47 +48,64 @@ print((stood, index, feeder.position(player.played())))
 """
 
 
-def set_out(rig, deltas, steps_s, after_us):
-    """Start a line and let it run for a while."""
+def set_out(rig, deltas, steps_s, after_us, loop="pass"):
+    """Start a line and let it run for a while, under a main loop that also does what `loop` says."""
     rig.clear()
-    rig.pico.console.start(_MOVE.format(deltas=deltas, ticks=ticks_of(deltas, steps_s)))
+    rig.pico.console.start(_MOVE.format(deltas=deltas, ticks=ticks_of(deltas, steps_s), loop=loop))
     while not any(rig.step_edges):
         rig.pico.run(200)
     rig.pico.run(after_us)
 
 
 def trial(rig, pin, wait_us):
-    """(µs from the edge of `pin` to the last step, 0 if none came after it; position reported; steps counted)"""
+    """(µs from the edge of `pin` to the last step, 0 if none came after it; position reported; steps counted; whether
+    the player stood still between its `pull` and its `out`, a word in its hand that has not been played)"""
     rig.pico.run(wait_us)
-    rig.pico.drive(pin, 1)
-    edge = rig.pico.cycle
-    rig.pico.run(200)
+    edge = _press(rig, pin)
+    in_hand = _in_hand(rig)
+    rig.pico.run(140)
     rig.pico.drive(pin, 0)
     reported = _said(rig, 500_000)
     last = max(cycle for log in rig.step_edges for cycle, state in log if state == 1)
-    return max(0, last - edge) / CYCLES_PER_US, reported, rig.counted()
+    return max(0, last - edge) / CYCLES_PER_US, reported, rig.counted(), in_hand
 
 
 def trials(rig, pin, waits_us):
-    """A trial for each wait, on copies of what is under way."""
-    return [on_a_copy(lambda: trial(rig, pin, wait_us)) for wait_us in waits_us]
+    """A trial for each wait from now, in ascending order, on copies of what is under way, which itself goes on."""
+    found, now_us = [], 0
+    for wait_us in sorted(waits_us):
+        rig.pico.run(wait_us - now_us)
+        now_us = wait_us
+        found.append(on_a_copy(lambda: trial(rig, pin, 0)))
+    return found
 
 
 def in_hand(rig, pin, tries):
-    """A trial whose freeze falls between the player's `pull` and its `out`, when a word is in its hand that has not
-    been played; None if none of the `tries` waits (µs) meets that cycle."""
+    """A trial whose freeze falls between the player's `pull` and its `out`; None if none of the `tries` waits (µs) meets
+    that cycle."""
 
     def attempt(wait_us):
         rig.pico.run(wait_us)
-        rig.pico.drive(pin, 1)
-        rig.pico.run(60)
-        machine = rig.pico.chip.pio[0].machines[0]
-        return machine.pc == machine.wrap_bottom + 1 and not machine.enabled
+        _press(rig, pin)
+        return _in_hand(rig)
 
     for wait_us in tries:
         if on_a_copy(lambda: attempt(wait_us)):
             return on_a_copy(lambda: trial(rig, pin, wait_us))
     return None
+
+
+def _press(rig, pin):
+    """The cycle at which `pin` is pressed; then enough time for every interrupt that halts."""
+    rig.pico.drive(pin, 1)
+    edge = rig.pico.cycle
+    rig.pico.run(60)
+    return edge
+
+
+def _in_hand(rig):
+    machine = rig.pico.chip.pio[0].machines[0]
+    return machine.pc == machine.wrap_bottom + 1 and not machine.enabled
 
 
 def resume(rig, pin, deltas, steps_s, acceleration_mm_s2, wait_us):

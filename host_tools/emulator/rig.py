@@ -31,12 +31,23 @@ from passo.app import App
 from passo.ports.rp2.port import Port
 from time import ticks_us, ticks_diff, ticks_ms, sleep_ms
 from board import BOARD
-board = check(BOARD)
-port = Port(board)
-app = App(board, port)
-planner, feeder, player, controller = app.planner, app.feeder, app.player, app.controller
+def set_up(file):
+    global board, port, app, planner, feeder, player, controller
+    board = check(file)
+    port = Port(board)
+    app = App(board, port)
+    planner, feeder, player, controller = app.planner, app.feeder, app.player, app.controller
 def pending():
     return [link for link in app.links if link.serial.any() or link.protocol._bytes]
+set_up(BOARD)
+gc.collect()
+"""
+FIT = """
+app.stop()
+port.close()
+board = port = app = planner = feeder = player = controller = None
+gc.collect()
+set_up({board!r})
 gc.collect()
 """
 PLAY = """
@@ -50,7 +61,7 @@ while not planner.empty() or player.busy():
     turns += 1
 print(feeder.late, turns, feeder.position(player.played()))
 """
-STEP_PINS, DIR_PINS, TOOL_PIN = (2, 3, 4), (5, 6, 7), 8
+FIRST_PIN, ENABLE_PIN = 2, 15
 _LEAD_TICKS = 150_000
 _TIMER_LEAST_TICKS = 500  # timer_player.SHORTEST_TICKS: that module is for a board only
 
@@ -62,13 +73,13 @@ def router(axes=3, **changes):
         "chip": "rp2040",
         "drive": {"kind": "step_dir", "pulse_us": 1, "setup_us": 5},
         "axes": [
-            {"name": "xyz"[axis], "pins": [STEP_PINS[axis], (STEP_PINS[axes - 1] + 1 + axis)],
+            {"name": "xyza"[axis], "pins": [FIRST_PIN + axis, FIRST_PIN + axes + axis],
              "steps_per_m": 400000, "travel_steps": 65000, "max_mm_min": 15000, "accel_mm_s2": 500}
             for axis in range(axes)
         ],
-        "tool": {"pin": STEP_PINS[axes - 1] + 1 + axes},
+        "tool": {"pin": FIRST_PIN + 2 * axes},
         "inputs": [],
-        "outputs": [{"name": "enable", "pin": 9, "active": 0}],
+        "outputs": [{"name": "enable", "pin": ENABLE_PIN, "active": 0}],
         "speed": {"unit": "steps_per_s", "default": 10000, "min": 100, "max": 25000},
         "jog": {"steps": 400, "up": "y+" if axes > 1 else "x+"},
         "idle_release_ms": 0,
@@ -130,29 +141,43 @@ class Rig:
         self.board = check(copy.deepcopy(board))
         files = {path: data for path, data in written(board).items() if path != "main.py"}
         self.pico = EmulatedPico(files=files, uf2=uf2).boot()
-        self.axes = len(self.board["axes"])
-        pins = word_pins(self.board)
-        self.step_edges = [self.pico.edges(pin) for pin in pins[: self.axes]]
-        self.dir_edges = [self.pico.edges(pin) for pin in pins[self.axes : 2 * self.axes]]
+        self._listen()
         self.pico.exec(start)
-        self.position = [0] * self.axes
+
+    def fit(self, board):
+        """The App anew, for another board. On a copy, and once: the player's first program stays where it is."""
+        self.board = check(copy.deepcopy(board))
+        self._listen()
+        self.pico.exec(FIT.format(board=board))
+
+    def _listen(self):
+        self.axes = len(self.board["axes"])
+        self.edges = [self.pico.edges(pin) for pin in word_pins(self.board)]
+        self.step_edges, self.dir_edges = self.edges[: self.axes], self.edges[self.axes : 2 * self.axes]
 
     def wire(self):
         return self.pico.uart(0)
 
     def clear(self):
-        for log in self.step_edges + self.dir_edges:
+        for log in self.edges:
             log.clear()
+        pins = word_pins(self.board)
+        self._levels = sum((self.pico.pads.state(pin) == 1) << bit for bit, pin in enumerate(pins))
+
+    def _inverted(self):
+        return inverted_pins(self.board, make_drive(self.board)[0])
 
     def counted(self):
-        """Steps of each axis since the last clear(), signed, as a driver would count them: edges alone."""
+        """Steps of each axis since the last clear(), signed, as a STEP/DIR driver would count them: edges alone."""
+        invert = self._inverted()
         places = []
-        for steps, turns in zip(self.step_edges, self.dir_edges):
+        for axis, (steps, turns) in enumerate(zip(self.step_edges, self.dir_edges)):
+            rise, back = 1 - (invert >> axis & 1), invert >> self.axes + axis & 1
             place = 0
             for cycle, state in steps:
-                if state == 1:
-                    direction = [level for at, level in turns if at <= cycle][-1:] or [0]
-                    place += 1 if direction[0] else -1
+                if state == rise:
+                    direction = [level for at, level in turns if at <= cycle][-1:] or [back]
+                    place += 1 if direction[0] != back else -1
             places.append(place)
         return places
 
@@ -176,13 +201,33 @@ class Rig:
         assert not error, error.decode()
         late, turns, position = said.decode().split(" ", 2)
         run.late, run.turns, run.position = int(late), int(turns), eval(position)
-        self._compare(run, words_of(self.board, timed))
+        compare = self._compare_steps if self.board["drive"]["kind"] == "step_dir" else self._compare_levels
+        compare(run, words_of(self.board, timed))
         return run
 
-    def _compare(self, run, words):
+    def _compare_levels(self, run, words):
+        """The levels of coils against the words: every change must be there, and none else since the motors woke up."""
+        tick, last, wanted = 0, make_drive(self.board)[1].levels(), []
+        for ticks, levels in words:
+            if levels != last:
+                wanted.append((tick, levels))
+            tick, last = tick + ticks, levels
+        levels, found = self._levels, []
+        for cycle, bit, state in sorted((cycle, bit, state) for bit, log in enumerate(self.edges) for cycle, state in log):
+            levels = levels & ~(1 << bit) | state << bit
+            if found and found[-1][0] == cycle:
+                found.pop()
+            found.append((cycle, levels))
+        found = found[-len(wanted) :]
+        assert [seen for _, seen in found] == [levels for _, levels in wanted]
+        origin = found[0][0] - wanted[0][0] * CYCLES_PER_TICK
+        run.steps = len(found)
+        run.lateness = [cycle - origin - due * CYCLES_PER_TICK for (cycle, _), (due, _) in zip(found, wanted)]
+        run.off = max(map(abs, run.lateness))
+
+    def _compare_steps(self, run, words):
         """The edges against the words: every one must be there, and none else."""
-        layout = make_drive(self.board)[0]
-        invert = inverted_pins(self.board, layout)
+        invert = self._inverted()
         tick, wanted = 0, [[] for _ in range(self.axes)]
         for ticks, levels in words:
             for axis in range(self.axes):

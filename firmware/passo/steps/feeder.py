@@ -93,23 +93,25 @@ class Feeder(Position):
 
     @micropython.native
     def fill(self, played, lead_ticks):  # ISR: no allocation
-        """Make words until `lead_ticks` are ahead of the word count `played`, or nothing is released, or no room."""
+        """Make words until `lead_ticks` are ahead of the word count `played`, or nothing is released, or no room. True where
+        a block had been begun, so that the player ought not to have stood still meanwhile."""
         if not self.open:
-            return
+            return False
         self.retire(played)
         self.ring.power.play(played)
         if (self.hold or self.brake) and self.standing():
             self._stood = True
             self._power = -1
-            return
+            return False
         state = self.state
-        if self._block is not None and state[_OLDEST] == state[_NEWEST] and not self._stood:
+        amid = self._block is not None and not self._stood
+        if amid and state[_OLDEST] == state[_NEWEST]:
             self.late += 1
         self._stood = False
         marks = self._marks
-        while room(state, marks, lead_ticks):
-            if not self._segment(lead_ticks):
-                return
+        while room(state, marks, lead_ticks) and self._segment(lead_ticks):
+            pass
+        return amid
 
     @micropython.native
     def standing(self):  # ISR: no allocation

@@ -105,8 +105,8 @@ class PioPlayer:
             dma.config(read=table, write=channel_a + register, count=1, ctrl=ctrl)
 
     def start(self):  # ISR: no allocation
-        """Play from the ring what is published there; call it again when there is more."""
-        _append(self._state, self._ring.head)
+        """Play from the ring what is published there; call it again when there is more. True where it has run dry."""
+        return _append(self._state, self._ring.head)
 
     def hold(self, on):  # ISR: no allocation
         """While held, start() does nothing: not even one that was under way when an interrupt halted the player."""
@@ -302,11 +302,14 @@ def _resume(state: ptr32):
 
 
 @micropython.viper
-def _append(state: ptr32, head: int):
+def _append(state: ptr32, head: int) -> bool:
     if state[_HELD]:
-        return
+        return False
+    dry = False
     if state[_PLAYING] != 1:
         _resume(state)
+    elif ptr32(state[_SM])[3] == state[_FIRST] and int(_count(state)) == state[_ARMED]:
+        dry = True
     counts = ptr32(state[_COUNTS])
     addresses = ptr32(state[_ADDRESSES])
     b = ptr32(state[_B])
@@ -335,7 +338,7 @@ def _append(state: ptr32, head: int):
         counts[slot] = run  # last, over the end mark: from here on the chain may take it
         count -= run
     if state[_SLOT] == first:
-        return
+        return False
     if ended == 0:
         # The chain may have read the end mark just before it was replaced: then C stands behind it and A rests.
         place = c[0]
@@ -345,3 +348,4 @@ def _append(state: ptr32, head: int):
     if ended:
         c[0] = state[_COUNTS] + (first << 2)
         b[15] = state[_ADDRESSES] + (first << 2)
+    return dry
