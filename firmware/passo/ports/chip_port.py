@@ -128,6 +128,8 @@ class ChipPort:
 
     def set_out(self):
         """What is queued for a machine that stands moves off now, not only when the feeder's next turn comes."""
+        if self._player.played() != self._feeder.ring.head:
+            return  # the interrupt is left alone while words play: a main loop in step with it would starve them
         self._aside = True
         played = self._player.played()
         if self._trip is None and played == self._feeder.ring.head:
@@ -162,9 +164,8 @@ class ChipPort:
             if played == feeder.ring.head:
                 self._set_out(played)
             else:
-                amid = feeder.fill(played, self._lead_ticks)
-                if player.start() and amid:
-                    feeder.late += 1  # making these took longer than those before them lasted
+                feeder.fill(played, self._lead_ticks)
+                player.start()
             if self._pwm is not None:
                 self.power(feeder.ring.power.level)
 
