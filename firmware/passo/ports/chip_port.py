@@ -164,8 +164,9 @@ class ChipPort:
             if played == feeder.ring.head:
                 self._set_out(played)
             else:
-                feeder.fill(played, self._lead_ticks)
-                player.start()
+                amid = feeder.fill(played, self._lead_ticks)
+                if player.start() and amid:
+                    feeder.late += 1  # making these took longer than those before them lasted
             if self._pwm is not None:
                 self.power(feeder.ring.power.level)
 
