@@ -6,12 +6,13 @@ from passo.motion.block import LINE
 from passo.motion.integers import length_nm
 from passo.motion.line import Line
 from passo.motion.planner import LOOK_AHEAD
+from passo.steps import position as asked
 from passo.steps.checkpoints_plain import DEBT
 from passo.steps.pace import pace, repay
 from passo.steps.pace_plain import new_terms, set_terms
 from passo.steps.ring import Ring
 from passo.steps.timed import ENDLESS, Timed
-from passo.steps.word import COUNT_MASK, HOLD_TICKS, TICKS_PER_MS, TICKS_PER_S, ahead, us_to_ticks
+from passo.steps.word import COUNT_MASK, HOLD_TICKS, TICKS_PER_MS, TICKS_PER_S, us_to_ticks
 from rig import DRIVES, LEAST_TICKS, SETUP_TICKS, Rig, total_ticks
 
 VECTOR = (("dx", -3000, 3000), ("dy", -3000, 3000))
@@ -33,7 +34,6 @@ CASES = {
         ("x", 0, 200), ("x_each", 50, 40_000), ("x_rest", 0, 6),
         ("y", 0, 200), ("y_each", 50, 40_000), ("y_rest", 0, 6),
     ),
-    "check_ahead": (("count", 0, COUNT_MASK), ("more", 0, 4096)),
 }
 RUNS = {
     "check_line_time": 40,
@@ -44,10 +44,6 @@ RUNS = {
     "check_turns": 40,
     "check_ring_offset_changes_nothing": 15,
 }
-
-
-def check_ahead(count, more):
-    assert ahead((count + more) & COUNT_MASK, count) == more
 
 
 def check_us_to_ticks_never_short():
@@ -206,6 +202,24 @@ def check_position_at_every_word(drive, moves, each):
         before = levels
         assert rig.feeder.position(rig.played) == seen
     assert seen == place
+
+
+def check_position_asked_while_an_interrupt_goes_on():
+    """Segments are given back, in an interrupt, just before the last mark played is looked for."""
+    rig = Rig()
+    rig.planner.line((300, -200), 300 * 125, False)
+    rig.planner.flush()
+    rig.feeder.fill(0, 20 * TICKS_PER_MS)
+    find = asked.find
+
+    def interrupted(state, marks, played):
+        asked.find = find
+        rig.feeder.retire(250)
+        return find(state, marks, played)
+
+    asked.find = interrupted
+    position = rig.feeder.position(50)
+    assert asked.find is find and position == rig.feeder.position(250) and position[0] == 249
 
 
 def check_ring_offset_changes_nothing(offset, dx, dy):

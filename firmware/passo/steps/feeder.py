@@ -60,6 +60,7 @@ class Feeder(Position):
         self._ramp = Ramp()
         axes = layout.axes
         self._none = array("i", [0] * axes)  # no steps made
+        self._found = array("i", self._none)  # for who asks where the machine is
         self._stride = _FIELDS + axes
         self._marks = array("i", [0] * (_MARKS * self._stride))
         state = self.state = array("i", [0] * (_PLACE + axes))

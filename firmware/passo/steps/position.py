@@ -4,7 +4,7 @@ from micropython import const
 
 from passo.motion.block import TRACK
 from passo.steps.checkpoints import find
-from passo.steps.word import COUNT_MASK, ahead
+from passo.steps.word import COUNT_MASK
 
 _HALF = const(0x10000000)
 # In the feeder's arrays, as checkpoints_plain.py has them.
@@ -44,21 +44,25 @@ class Position:
         """(position, stepping words since the last checkpoint played, where in the marks that stands)."""
         ring = self.ring
         state = self.state
+        marks = self._marks
         axes = self.layout.axes
+        position = self._found
+        # Nothing is allocated while words are counted: that can take longer than the time between two interrupts, and
+        # then no answer would ever be right.
         while True:
             oldest = state[_OLDEST]
-            if ahead(played, self._marks[oldest % _MARKS * self._stride + _WORD]) >= _HALF:
-                played = state[_PLAYED]  # an interrupt has gone beyond it
-            at = find(state, self._marks, played)
-            position = self._marks[at + _FIELDS : at + _FIELDS + axes]
-            word = self._marks[at + _WORD]
-            if self.drive is None:
-                stepping = tally(ring.words, ring.mask, word, played, axes, position)
-            else:
-                stepping = self.drive.tally(ring.words, ring.mask, word, played, position)
-            if state[_OLDEST] == oldest:
-                return list(position), stepping, at
-            played = state[_PLAYED]  # those words may have been written over: ask for what is now
+            at = find(state, marks, played)
+            word = marks[at + _WORD]
+            if (played - word) & COUNT_MASK < _HALF:
+                for axis in range(axes):
+                    position[axis] = marks[at + _FIELDS + axis]
+                if self.drive is None:
+                    stepping = tally(ring.words, ring.mask, word, played, axes, position)
+                else:
+                    stepping = self.drive.tally(ring.words, ring.mask, word, played, position)
+                if state[_OLDEST] == oldest:
+                    return list(position), stepping, at
+            played = state[_PLAYED]  # an interrupt has gone beyond it, and may have written over those words
 
     def _along(self, block, at, stepping):
         """How far `block` is, `stepping` words after the mark at `at`."""

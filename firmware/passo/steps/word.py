@@ -20,11 +20,6 @@ def us_to_ticks(us):
     return (us * 25 + 1) // 2
 
 
-def ahead(later, earlier):
-    """How many words `later` lies ahead of `earlier`, both counters modulo 2²⁹."""
-    return (later - earlier) & COUNT_MASK
-
-
 class Layout:
     """Which bit of a word is which pin.
 
