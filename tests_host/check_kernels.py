@@ -121,13 +121,13 @@ def check_checkpoints(seed, axes):
 def check_tally(seed, axes):
     """Also over the ends of the ring and of the count."""
     random = Random(seed)
-    words = array("I", [random.between(0, 0x3FFFFFFF) for _ in range(64)])
+    words = array("I", [random.between(0, 0x3FFFFFFF) for _ in range(1024)])
     first = random.between(0, 0x1FFFFFFF)
-    until = (first + random.between(0, 64)) & 0x1FFFFFFF
+    until = (first + random.between(0, 1024)) & 0x1FFFFFFF
     place = array("i", [random.between(-(1 << 28), (1 << 28) - 1) for _ in range(axes)])
     same = array("i", place)
-    stepping = position_plain.tally(words, 63, first, until, axes, place)
-    assert position.tally(words, 63, first, until, axes, same) == stepping
+    stepping = position_plain.tally(words, 1023, first, until, axes, place)
+    assert position.tally(words, 1023, first, until, axes, same) == stepping
     assert place == same
 
 

@@ -40,29 +40,31 @@ class Position:
             return 0
         return self._marks[(at + 1) % _MARKS * self._stride + _MARK_PACE]
 
+    # In small pieces: each finds its variables' place on the stack, and nothing is allocated while words are counted. Else
+    # that can take longer than the time between two interrupts, and then no answer would ever be right.
+
     def _walk(self, played):
         """(position, stepping words since the last checkpoint played, where in the marks that stands)."""
-        ring = self.ring
         state = self.state
-        marks = self._marks
-        axes = self.layout.axes
-        position = self._found
-        # Nothing is allocated while words are counted: that can take longer than the time between two interrupts, and
-        # then no answer would ever be right.
         while True:
             oldest = state[_OLDEST]
-            at = find(state, marks, played)
-            word = marks[at + _WORD]
-            if (played - word) & COUNT_MASK < _HALF:
-                for axis in range(axes):
-                    position[axis] = marks[at + _FIELDS + axis]
-                if self.drive is None:
-                    stepping = tally(ring.words, ring.mask, word, played, axes, position)
-                else:
-                    stepping = self.drive.tally(ring.words, ring.mask, word, played, position)
+            at = find(state, self._marks, played)
+            if (played - self._marks[at + _WORD]) & COUNT_MASK < _HALF:
+                self._begin(at + _FIELDS)
+                stepping = self._count(self._marks[at + _WORD], played)
                 if state[_OLDEST] == oldest:
-                    return list(position), stepping, at
+                    return list(self._found), stepping, at
             played = state[_PLAYED]  # an interrupt has gone beyond it, and may have written over those words
+
+    def _begin(self, at):
+        for axis in range(self.layout.axes):
+            self._found[axis] = self._marks[at + axis]
+
+    def _count(self, word, played):
+        ring = self.ring
+        if self.drive is None:
+            return tally(ring.words, ring.mask, word, played, self.layout.axes, self._found)
+        return self.drive.tally(ring.words, ring.mask, word, played, self._found)
 
     def _along(self, block, at, stepping):
         """How far `block` is, `stepping` words after the mark at `at`."""
