@@ -115,7 +115,7 @@ def _loop(machine, ptys, usb, stopped, pressed):
             data = line.read()
             if data:
                 machine.send(data, name)
-        if usb is not None:
+        if usb is not None and machine.pico.usb.up:  # until then a real port would not be there
             machine.pico.usb.write(usb.read())
         machine.pico.run(SLICE_US)
         for name, line in ptys.items():

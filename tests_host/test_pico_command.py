@@ -10,7 +10,9 @@ import time
 import pytest
 import serial
 from emulated import uf2  # noqa: F401
-from test_board_command import environment
+from test_board_command import ROOT, environment
+
+from passo.protocols.plotter import COMMANDS, packet
 
 COMMAND = [sys.executable, "-m", "host_tools.cli", "emulate"]
 
@@ -32,7 +34,7 @@ class Emulator:
             assert value, self.process.stderr.read()
             self.ports[name] = value
 
-    def mpremote(self, *arguments, timeout=60):
+    def mpremote(self, *arguments, timeout=120):
         """What mpremote printed. Raises CalledProcessError."""
         command = [sys.executable, "-m", "mpremote", "connect", self.ports["usb"], *map(str, arguments)]
         return subprocess.run(command, check=True, capture_output=True, text=True, timeout=timeout).stdout
@@ -92,6 +94,48 @@ def test_a_blank_pico_for_mpremote(uf2, tmp_path):
     rows = trace.read_text().splitlines()
     assert [row.split(",")[-1] for row in rows[1:]] == ["0", "1000", "0", "1000", "0", "1000", "0", "1000", "0"]
     assert (tmp_path / "t.vcd").read_text().count("#") > 4
+
+
+BOARD = "plotter_2014"
+HELLO = packet(COMMANDS["REQUEST"])
+FLASH_LIMIT_S = 900  # a busy Pico is emulated 25 times slower than it is, and the test's machine may have more to do
+ANSWER_LIMIT_S = 300
+
+
+def answers(link):
+    """Asks on the board's serial link until it answers; whether it does."""
+    with serial.Serial(str(link), timeout=1) as client:
+        for _ in range(ANSWER_LIMIT_S):
+            client.write(HELLO)
+            if client.read(1) == b"k":
+                return True
+    return False
+
+
+def test_a_blank_pico_is_flashed(uf2, tmp_path, show):
+    link = tmp_path / "plotter"
+    with Emulator(uf2, "--board", BOARD, "--blank", "--tcp", 0, "--uart0", link) as emulator:
+        port = emulator.ports["usb"]
+        make = ["make", "-n", "flash", f"BOARD={BOARD}", f"PORT={port}"]
+        recipe = subprocess.run(make, cwd=ROOT, capture_output=True, text=True).stdout.splitlines()
+        verb, *options = next(line.split()[1:] for line in recipe if "/passo " in line)
+        assert (verb, options) == ("flash", ["--board", BOARD, "--port", port])
+        command = [sys.executable, "-m", "host_tools.cli", verb, *options]
+        begun = time.monotonic()
+        done = subprocess.run(
+            command, cwd=tmp_path, capture_output=True, text=True, timeout=FLASH_LIMIT_S, env=environment()
+        )
+        assert done.returncode == 0, done.stderr
+        assert f"{BOARD} runs on {port}" in done.stdout
+        took_s = time.monotonic() - begun
+        assert answers(link)
+        six_by_seven = "exec", "print(6 * 7)"
+        assert emulator.mpremote(*six_by_seven) == "42\n", "Ctrl-C brings the REPL back"
+        emulator.mpremote("reset")
+        assert emulator.mpremote(*six_by_seven) == "42\n", "while it starts, too"
+        emulator.mpremote("reset")
+        assert answers(link)
+    show("make flash into a blank emulated Pico", f"{took_s:.0f} s")
 
 
 @pytest.mark.parametrize(
