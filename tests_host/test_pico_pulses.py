@@ -1,5 +1,8 @@
 """Pulse codes on the emulated Pico: as many a second as the language asks for, and the words of the golden file."""
 
+from random import Random
+from statistics import median
+
 import pytest
 from emulated import make_machine, uf2  # noqa: F401
 
@@ -11,6 +14,7 @@ from test_digest import PICO_PULSES, ROOT, TESTS, golden_of_gcode, hex_of
 from test_pico_digest import compiled
 
 LIMIT_US = 30_000_000
+BYTE_US = 1e7 / 230_400
 AT_LEAST = 4000  # codes a second
 # As of a circle: runs of one and two codes. At 3750 mm/min a step of 12.5 µm takes 200 µs, a diagonal 283.
 TEXT = "+3750" + "AAGAGAAG" * 50 + "CCGCGCCG" * 50
@@ -59,6 +63,37 @@ def test_streamed_codes(machine, show):
     assert rate >= AT_LEAST
     assert max(after[0] - before[0] for before, after in zip(rows, rows[1:])) < 300  # nothing was waited for
     assert not machine.plant.errors
+
+
+def test_live_speed(machine, show):
+    """From the last byte of the command on the wire to another interval on the pins."""
+    file = b"A" * 3500
+
+    def ask(data, answer=b"ok"):
+        machine.take()
+        machine.send(data)
+        machine.run_until(lambda: answer in machine.received(), 3000)
+
+    machine.run_until(lambda: b"ready" in machine.received(), 3000)
+    machine.send(frame("load", len(file)) + b"\n" + file)
+    machine.run_ms(len(file) / 23.04 + 50)
+    ask(frame("end"))
+    ask(frame("speed", 1200))
+    ask(frame("run"))
+    random = Random(5)
+    delays = []
+    for speed in (2400, 700, 3600, 1500, 3000, 900, 2000, 1100, 2700, 600):
+        machine.run_ms(random.uniform(40, 60))
+        data = frame("speed", speed)
+        known = len(machine.trace.rows())
+        machine.send(data)
+        sent_us = machine.now_ms() * 1000 + len(data) * BYTE_US
+        machine.run_ms(60)
+        us = [row[0] for row in machine.trace.rows()[known:]]
+        wanted = 750_000 / speed
+        delays.append(next(at for at, after in zip(us, us[1:]) if abs(after - at - wanted) < 3) - sent_us)
+    show("another speed, live on the Pico", f"on the pins after {', '.join(f'{us / 1000:.1f}' for us in delays)} ms")
+    assert median(delays) < 15_000 and sorted(delays)[-2] < 20_000  # now and then garbage is collected in between
 
 
 def test_the_pico_makes_the_words_of_the_golden_file(uf2, show):

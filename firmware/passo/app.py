@@ -181,7 +181,7 @@ class App:
         if not feeder.open:
             return
         if self.interrupt:
-            self.port.set_out()
+            self.port.set_out(self.controller.live())
             return
         feeder.fill(self.player.played(), LIVE_TICKS if self.controller.live() else LEAD_TICKS)
         self.player.start()

@@ -72,10 +72,13 @@ class TrackIntake(Part):
             return errors.NO_TRACK
         if self._streaming and self._room() < 2 * len(command.target) + 2:
             return LATER
-        for item in command.target:
-            if not self._append(item):
+        items = command.target
+        at = track.extend(items, 0)
+        while at < len(items):
+            if not self._append(items[at]):
                 self._reset()
                 return errors.TRACK_FULL
+            at = track.extend(items, at + 1)
         if self._streaming:
             if not self._reachable():
                 self._fail()
@@ -85,9 +88,9 @@ class TrackIntake(Part):
         return self._machine.accepted(command)
 
     def _append(self, item):
-        """Add an item of the shared vocabulary (commands.TRACK_…) to the track."""
+        """Add an item of the shared vocabulary (commands.TRACK_…) to the track; of runs only where there is no room."""
         if item & 15:
-            return self.track.append(item)
+            return False
         kind = item >> 4 & 15
         value = item >> 8
         if kind in _KINDS:

@@ -33,7 +33,8 @@ WAS = const(4)
 STATION = const(5)
 MOST = const(0x3FFFFF)  # of a count or a value
 COUNT = const(0x1FFFFFFF)
-_COUNT = const(0x1FFFFFFF)  # known to the compiler
+_COUNT = const(0x1FFFFFFF)  # these two known to the compiler
+_MOST = const(0x3FFFFF)
 
 
 def run(mask, negative, count=1):
@@ -88,7 +89,7 @@ class Track:
     def append(self, item):
         """Add an item. False where there is no room: nothing has been added then."""
         if item & 15:
-            return self._append_run(item)
+            return self.extend((item,), 0) == 1
         kind = item >> 4 & 15
         if kind == SPEED:
             if not self._make_room(2):
@@ -105,30 +106,43 @@ class Track:
         return True
 
     @micropython.native
-    def _append_run(self, item):
-        count = item >> 8
+    def extend(self, new, at):
+        """Add the runs that stand in new[at:], up to a mark or to where there is no room; returns where it stopped."""
         items = self.items
-        end = self.end
-        last = (end - 1) & self.mask
-        before = items[last]
-        if end != self.first and not (before ^ item) & 255 and (before >> 8) + count <= MOST:
-            items[last] = before + (count << 8)
-        elif not self._make_room(1):
-            return False
-        else:
-            items[end & self.mask] = item
-            self.end = (end + 1) & _COUNT
-        self.total = (self.total + count) & _COUNT
+        mask = self.mask
         places = self.at
-        for axis in range(self.axes):
-            if item >> axis & 1:
-                at = places[axis] + (-count if item >> axis & 16 else count)
-                places[axis] = at
-                if at < self.low[axis]:
-                    self.low[axis] = at
-                elif at > self.high[axis]:
-                    self.high[axis] = at
-        return True
+        low = self.low
+        high = self.high
+        axes = range(self.axes)
+        while at < len(new):
+            item = new[at]
+            if not item & 15:
+                break
+            count = item >> 8
+            end = self.end
+            last = (end - 1) & mask
+            before = items[last]
+            if not (before ^ item) & 255 and end != self.first and (before >> 8) + count <= _MOST:
+                items[last] = before + (count << 8)
+            elif (end - self.first) & _COUNT <= mask or self._make_room(1):
+                items[end & mask] = item
+                self.end = (end + 1) & _COUNT
+            else:
+                break
+            self.total = (self.total + count) & _COUNT
+            at += 1
+            for axis in axes:
+                if item >> axis & 1:
+                    if item >> axis & 16:
+                        place = places[axis] - count
+                        if place < low[axis]:
+                            low[axis] = place
+                    else:
+                        place = places[axis] + count
+                        if place > high[axis]:
+                            high[axis] = place
+                    places[axis] = place
+        return at
 
     def _make_room(self, count):
         if self.used() + count <= self.size:

@@ -15,7 +15,7 @@ from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 _HEARTBEAT_MS = const(200)
 _WATCHDOG_MS = const(1000)
 _IDLE_MS = const(10)  # the longest turn while nothing is under way
-_FIRST_TICKS = TICKS_PER_MS  # of words are made before the player starts, and between two looks at it then
+_FIRST_TICKS = 2 * TICKS_PER_MS  # of words are made before the player starts, and between two looks at it then
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN, "none": None}
 
 
@@ -41,9 +41,11 @@ class Input:
 
 
 class ChipPort:
-    def __init__(self, board, lead_ticks):
-        """`board` is checked. Outputs go to their inactive level here. `lead_ticks`: how far ahead words are made."""
+    def __init__(self, board, lead_ticks, live_ticks):
+        """`board` is checked. Outputs go to their inactive level here. `lead_ticks`: how far ahead words are made;
+        `live_ticks`: where what is under way may change at any moment."""
         self._board = board
+        self._leads = lead_ticks, live_ticks
         self._lead_ticks = lead_ticks
         self._outputs = {}
         for entry in board["outputs"]:
@@ -126,13 +128,16 @@ class ChipPort:
                 return
             idle()  # until an interrupt: a byte, the feeder's turn, or a millisecond
 
-    def set_out(self):
-        """What is queued for a machine that stands moves off now, not only when the feeder's next turn comes."""
-        if self._player.played() != self._feeder.ring.head:
+    def set_out(self, live):
+        """What is queued for a machine that stands moves off now, not only when the feeder's next turn comes. `live`:
+        what is under way may change at any moment."""
+        self._lead_ticks = self._leads[live]
+        ring = self._feeder.ring
+        if self._player.played() != ring.head:
             return  # the interrupt is left alone while words play: a main loop in step with it would starve them
         self._aside = True
         played = self._player.played()
-        if self._trip is None and played == self._feeder.ring.head:
+        if self._trip is None and played == ring.head:
             self._set_out(played)
         self._aside = False
 

@@ -145,14 +145,18 @@ class Pulses:
         elif (self._mode == _LOAD or self._size) and silent_ms >= CUT_MS and not self._under_way:
             self._fail(errors.CUT_OFF, found)  # the host may send, and does not
 
-    @micropython.native
     def _codes(self, data, at, found):
         """Bytes of a file, up to the next control command. Returns where it stopped."""
         if self._fresh:
             at = self._line_end(data, at)
-        known = self._known
-        items = self._items
         while at < len(data):
+            if not self._sign and self._mode != _DROP:
+                at = self._plain(data, at)
+                if self._taken >= CREDIT:
+                    self._hand_on(found)
+                    continue
+                if at == len(data):
+                    break
             byte = data[at]
             if byte == 0x7B:
                 return at
@@ -161,19 +165,39 @@ class Pulses:
                 continue
             self._count += 1
             self._taken += 1
-            item = CODES[byte - 65] if 65 <= byte <= 90 else 0
-            if item and not self._sign and not item & 7 & ~known:
-                if items and items[-1] & 255 == item:
-                    items[-1] += 256
-                else:
-                    items.append(256 | item)
-                self._column += 1
-            else:
-                self._other(byte, item, found)
-                items = self._items
+            self._other(byte, found)
             if self._taken >= CREDIT:
                 self._hand_on(found)
-                items = self._items
+        return at
+
+    @micropython.native
+    def _plain(self, data, at):
+        """Codes as far as nothing else comes, until a CREDIT is full. Returns where it stopped."""
+        codes = CODES
+        unknown = 7 & ~self._known
+        items = self._items
+        last = items[-1] if items else 0
+        begun = at
+        end = at + CREDIT - self._taken
+        if end > len(data):
+            end = len(data)
+        while at < end:
+            code = data[at] - 65
+            if code < 0 or code > 25:
+                break
+            item = codes[code]
+            if item & unknown:
+                break
+            if last & 255 == item:
+                last += 256
+                items[-1] = last
+            else:
+                last = item + 256
+                items.append(last)
+            at += 1
+        self._count += at - begun
+        self._taken += at - begun
+        self._column += at - begun
         return at
 
     def _line_end(self, data, at):
@@ -184,7 +208,7 @@ class Pulses:
         self._fresh = self._fresh and at == len(data)
         return at
 
-    def _other(self, byte, item, found):
+    def _other(self, byte, found):
         """A byte that is no code, or stands behind a number."""
         if self._sign:
             if 48 <= byte <= 57:
@@ -193,6 +217,7 @@ class Pulses:
                 return
             if not self._end_number(found):
                 return
+        item = CODES[byte - 65] if 65 <= byte <= 90 else 0
         if item and not item & 7 & ~self._known:
             self._items.append(256 | item)
         elif byte == 0x2A or byte == 0x2B:

@@ -28,7 +28,7 @@ _KEEP_MS = const(300)
 class Port(ChipPort):
     def __init__(self, board):
         """`board` is checked. Outputs go to their inactive level here."""
-        ChipPort.__init__(self, board, _LEAD_TICKS)
+        ChipPort.__init__(self, board, _LEAD_TICKS, _LEAD_TICKS)
 
     def watch(self, pin, handler, edge):
         """Call `handler(pin)` soon after an edge."""

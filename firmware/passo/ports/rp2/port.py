@@ -5,8 +5,8 @@
     while True:
         app.turn()              # ends in port.wait()
 
-Words are made in a timer interrupt every 2 ms, 12 ms ahead: neither the main loop nor its garbage collections
-delay a step. Halting inputs and serial lines come before it.
+Words are made in a timer interrupt every 2 ms, 12 ms ahead, or 6 where a change has to show soon: neither the main
+loop nor its garbage collections delay a step. Halting inputs and serial lines come before it.
 """
 # ruff: noqa: F821
 
@@ -22,6 +22,7 @@ from passo.steps.wiring import inverted_pins, word_pins, word_times
 
 _FEED_MS = const(2)
 _LEAD_TICKS = const(12 * 12_500)  # more than the longest word, so that one is always waiting behind it
+_LIVE_TICKS = const(6 * 12_500)
 
 
 class Guard:
@@ -51,7 +52,7 @@ class Guard:
 class Port(ChipPort):
     def __init__(self, board):
         """`board` is checked. Outputs go to their inactive level here."""
-        ChipPort.__init__(self, board, _LEAD_TICKS)
+        ChipPort.__init__(self, board, _LEAD_TICKS, _LIVE_TICKS)
 
     def watch(self, pin, handler, edge):
         """Call `handler(pin)` in the interrupt of an edge."""
