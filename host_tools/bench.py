@@ -3,7 +3,8 @@
 Each part of the document stands between two markers and is replaced when its bench has run; the text around it, with
 the method and what the figures mean, is kept by hand. `make bench ARGS=lines` runs one part; `motion` and `arcs`, which
 take many minutes, run only when they are named.
-Those of the emulated Pico are in `bench_pico`; without a MicroPython UF2 they are left as they were, and that is said.
+Those of the emulated Pico are in `bench_pico` and `bench_moving`; without a MicroPython UF2 they are left as they were,
+and that is said.
 """
 
 import os
@@ -151,14 +152,14 @@ def _run_soak(chunk):
 
 def _on_the_pico(part):
     def measure():
-        from host_tools import bench_pico
+        from host_tools import bench_moving, bench_pico
 
-        return bench_pico.PARTS[part]()
+        return (bench_pico.PARTS | bench_moving.PARTS)[part]()
 
     return measure
 
 
-PICO_PARTS = ("pulses", "boot")
+PICO_PARTS = ("pulses", "timer", "queries", "stops", "boot")
 PARTS = {"lines": lines, "fuzz": fuzz, "motion": motion, "arcs": arcs, **{part: _on_the_pico(part) for part in PICO_PARTS}}
 LONG = ("motion", "arcs")
 

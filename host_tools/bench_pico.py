@@ -9,19 +9,21 @@ from host_tools.emulator.machine import EmulatedMachine, firmware_files
 from host_tools.emulator.rig import Rig, router
 
 COLLECT = "gc.collect()"
+START_HZ, START_S = 5000, 0.01
 LINE_S = 0.04
 BAUD = 115_200
 
 
 @lru_cache
-def rig():
+def rig(player="pio"):
     """Made before it is measured on copies."""
-    return Rig(router(3, inputs=halting.INPUTS))
+    return Rig(router(3, player=player, inputs=halting.INPUTS))
 
 
-def _line(hz, axes, seconds=LINE_S):
-    steps = int(hz * seconds)
-    return tuple(steps * (axis < axes) for axis in range(3)), hz
+def _lines(hz, axes):
+    """As after a ramp: words that follow each other at the full rate from rest on are made when they are due."""
+    return [(tuple(int(rate * seconds) * (axis < axes) for axis in range(3)), rate)
+            for rate, seconds in ((START_HZ, START_S), (hz, LINE_S))]
 
 
 def pulses():
@@ -38,7 +40,7 @@ def pulses():
 def _pulses(axes, hz):
     machine = rig()
     machine.wire().feed(traffic.points(60), BAUD)
-    run = machine.play([_line(hz, axes)], COLLECT)
+    run = machine.play(_lines(hz, axes), COLLECT)
     rises = [cycle for cycle, state in machine.step_edges[0] if state == 1]
     late = len(rises) // 4  # the set-up of a direction has been paid back by then
     rate = (len(rises) - 1 - late) / (rises[-1] - rises[late]) * 1e9 / CYCLE_NS
@@ -50,6 +52,29 @@ def _pulses(axes, hz):
         "width": "/".join(f"{width / CYCLES_PER_US:.2f}" for width in sorted(run.widths)),
         "left": f"{run.left():.0%}",
     }
+
+
+TIMER_KHZ = (10, 20, 25, 31, 36, 42, 50)
+LATENESS_US = (0, 1, 2, 3, 5, 10)  # where its classes begin
+
+
+def timer():
+    """The timer-interrupt player: how late its edges come while garbage is collected without pause."""
+    rig("timer")
+    rows = [on_a_copy(lambda: _timer(axes, khz)) for axes in (1, 3) for khz in TIMER_KHZ]
+    classes = [f"{low}–{high} µs" for low, high in zip(LATENESS_US, LATENESS_US[1:])] + [f"over {LATENESS_US[-1]} µs"]
+    return ("axes", "kHz", "steps", "words late", *classes, "µs, worst", "CPU left"), rows
+
+
+def _timer(axes, khz):
+    run = rig("timer").play(_lines(khz * 1000, axes), COLLECT)
+    first = min(run.lateness)
+    late_us = [(cycles - first) / CYCLES_PER_US for cycles in run.lateness]
+    overtaken = sum(us >= 1000 / khz for us in late_us)  # the next word's time has come
+    shares = [sum(low <= us < high for us in late_us) / len(late_us)
+              for low, high in zip(LATENESS_US, (*LATENESS_US[1:], max(late_us) + 1))]
+    return (axes, khz, run.steps, run.late + overtaken, *(f"{share:.1%}" for share in shares), f"{max(late_us):.1f}",
+            f"{run.left():.0%}")
 
 
 def boot():
@@ -83,4 +108,4 @@ def _boot(board):
     return board, language, round(up_ms), round(first_ms), free
 
 
-PARTS = {"pulses": pulses, "boot": boot}
+PARTS = {"pulses": pulses, "timer": timer, "boot": boot}

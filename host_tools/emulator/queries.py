@@ -1,0 +1,74 @@
+"""Asking where the machine is while it steps.
+
+    for took_us, walked in positions(rig, (10000, 7000, -5000), 100_000): …     # raises AssertionError if one is wrong
+"""
+
+from bisect import bisect_right
+
+from host_tools.emulator.cycles import CYCLES_PER_US
+from host_tools.emulator.rig import ticks_of
+
+ASKED = 400
+LIMIT_US = 5_000_000
+_ASK = """
+from array import array
+from passo.steps.checkpoints import find
+state, marks = feeder.state, feeder._marks
+asked = array("i", [0] * ({each} * {count}))
+def ask():
+    begun = ticks_us()
+    position = feeder.position(player.played())
+    return begun, ticks_us(), position
+def walk():
+    played = player.played()
+    return (played - marks[find(state, marks, played)]) & 0x1FFFFFFF
+def nothing():
+    begun = ticks_us()
+    return ticks_diff(ticks_us(), begun)
+threshold = gc.threshold()
+gc.threshold(-1)
+gc.collect()
+planner.line({deltas!r}, {ticks}, False)
+planner.flush()
+while player.played() < 500:
+    app.turn()
+at = turn = 0
+while at < len(asked) and player.busy():
+    turn += 1
+    if turn % 8 == 0:
+        port.wait(True)
+    for _ in range(turn * 29 % 200):
+        pass
+    walked = walk()
+    begun, ended, position = ask()
+    asked[at] = begun
+    asked[at + 1] = ended
+    asked[at + 2] = walked if walked < 0x10000000 else 0  # the feeder's interrupt came in between
+    for axis in range({each} - 3):
+        asked[at + 3 + axis] = position[axis]
+    at += {each}
+while not planner.empty() or player.busy():
+    app.turn()
+gc.threshold(threshold)
+print((min([nothing() for _ in range(20)]), list(asked[:at])))
+"""
+
+
+def positions(rig, deltas, steps_s):
+    """[(µs that asking took, words walked since the last checkpoint)] of a line's position, asked at all times between two
+    turns of the feeder. Raises AssertionError unless each answer is where the edges had the axes meanwhile."""
+    rig.clear()
+    each = 3 + rig.axes
+    code = _ASK.format(each=each, count=ASKED, deltas=deltas, ticks=ticks_of(deltas, steps_s))
+    reading_us, asked = eval(rig.pico.exec(code, limit_us=LIMIT_US))
+    timer_us = rig.pico.chip.timer._micros()
+    offset = rig.pico.cycle - round(timer_us * CYCLES_PER_US)
+    rises = [[cycle for cycle, state in log if state == 1] for log in rig.step_edges]
+    found = []
+    for at in range(0, len(asked), each):
+        begun, ended, walked, *position = asked[at : at + each]
+        for axis, place in enumerate(position):
+            least, most = (bisect_right(rises[axis], us * CYCLES_PER_US + offset) for us in (begun, ended + 1))
+            assert least <= abs(place) <= most, f"axis {axis} at {place}, between {least} and {most} by its edges"
+        found.append((ended - begun - reading_us, walked))
+    return found
