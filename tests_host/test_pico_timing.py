@@ -49,6 +49,13 @@ def test_every_interval_is_its_word(rig, axes, rates, show):
 
 
 @pytest.mark.xdist_group("rig")
+@pytest.mark.parametrize("axes, hz", [(1, 480_000), (3, 400_000)])
+def test_from_rest_at_full_rate(rig, axes, hz):
+    run = rig.play([((12000, 12000 * (axes > 1), -12000 * (axes > 1)), hz)], COLLECT)
+    assert (run.off, run.span_off, run.late) == (0, 0, 0)
+
+
+@pytest.mark.xdist_group("rig")
 @pytest.mark.parametrize(
     "pulse_us, setup_us, step_active, reverse",
     [(1, 0, 1, False), (2, 10, 0, True), (5, 2, 1, True), (5, 0, 0, False)],

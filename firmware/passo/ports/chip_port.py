@@ -61,6 +61,7 @@ class ChipPort:
         self._timer = None
         self._watchdog = None
         self._aside = False  # the main loop makes words: the interrupt leaves the feeder alone
+        self._behind = False  # it has left out a turn
         self._trip = None  # the halting input that has stopped the player, until the main loop has been told
         self._beat_ms = ticks_ms()
         self._lines = []
@@ -163,10 +164,13 @@ class ChipPort:
         feeder = self._feeder
         if ticks_diff(ticks_ms(), self._beat_ms) > _HEARTBEAT_MS:
             feeder.brake = True
-        if self._trip is None and feeder.open and not self._aside:
+        if self._aside:
+            self._behind = True
+        elif self._trip is None and feeder.open:
             player = self._player
             played = player.played()
-            if played == feeder.ring.head:
+            if played == feeder.ring.head or self._behind:
+                self._behind = False
                 self._set_out(played)
             else:
                 amid = feeder.fill(played, self._lead_ticks)
@@ -176,8 +180,8 @@ class ChipPort:
                 self.power(feeder.ring.power.level)
 
     def _set_out(self, played):  # ISR: no allocation
-        """From a standstill the first words go out before the others are made: these are handed over in small parts,
-        so that the player never has to wait for the last of them."""
+        """From a standstill, or a turn behind, the first words go out before the others are made: these are handed over in
+        small parts, so that the player never has to wait for the last of them."""
         feeder = self._feeder
         player = self._player
         ring = feeder.ring
