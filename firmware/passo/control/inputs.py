@@ -3,6 +3,8 @@
     limit_x …  or whatever homing.sensors names for the axis     probe     door     hold  resume  reset
 """
 
+import micropython
+
 from passo.control import settings as table
 from passo.control.sensor import Sensor
 from passo.protocols import errors
@@ -32,12 +34,25 @@ class Inputs:
         self._limits = [(letter, name, self._sensor(name)) for letter, name in found]
         self._buttons = [(name, self._sensor(name)) for name in _BUTTONS if name in names]
         self._door = self._sensor("door") if self._has_door else None
+        self._watched = self._to_watch()
+        self._seen = -1  # their states at the last turn, a bit each
+        self._calm = False  # they are as the sensors have them: until one changes there is nothing to do
+        self._polled_ms = 0
         self.hit = ""  # the limit that raised the last alarm
 
     def _sensor(self, name):
         sensor = Sensor(lambda: self.read(name), self._settings.value(table.HOMING_DEBOUNCE))
         self._sensors.append(sensor)
         return sensor
+
+    def _to_watch(self):
+        """Names of the inputs that a turn has to look at."""
+        names = [name for name, _ in self._buttons]
+        if self._has_door:
+            names.append("door")
+        if self._settings.value(table.HARD_LIMITS):
+            names += self._limit_names
+        return names
 
     def read(self, name):
         """True while the input is active; the settings can turn limits and probe round."""
@@ -71,10 +86,25 @@ class Inputs:
                 text += letter
         return text
 
+    @micropython.native
     def poll(self, now_ms):
+        read = self._port.input
+        seen = 0
+        for name in self._watched:
+            seen = seen << 1 | (1 if read(name) else 0)
+        if seen != self._seen or not self._calm or self._settings_of != self._settings.version:
+            if self._calm:
+                for sensor in self._sensors:
+                    sensor.pass_by(self._polled_ms)
+            self._seen = seen
+            self._sample(now_ms)
+        self._polled_ms = now_ms
+
+    def _sample(self, now_ms):
         machine = self._machine
         if self._settings_of != self._settings.version:
             self._settings_of = self._settings.version
+            self._watched = self._to_watch()
             for sensor in self._sensors:
                 sensor.debounce_ms = self._settings.value(table.HOMING_DEBOUNCE)
         if self._door is not None:
@@ -88,16 +118,19 @@ class Inputs:
             if sensor.active and not before:
                 machine.press(name)
         self._poll_limits(now_ms)
+        self._calm = not any([sensor.pending for sensor in self._sensors])
 
     def _poll_limits(self, now_ms):
         if not self._settings.value(table.HARD_LIMITS):
             return
         machine = self._machine
         moving = not machine.fine() and not machine.still()
+        hit = None
         for letter, name, sensor in self._limits:
             before = sensor.active
             sensor.sample(now_ms, 0)
-            if moving and sensor.active and not before:
+            if moving and sensor.active and not before and hit is None:
+                hit = name
                 self.hit = letter
-                machine.fail(errors.ALARM_HARD_LIMIT, name)
-                return
+        if hit is not None:
+            machine.fail(errors.ALARM_HARD_LIMIT, hit)

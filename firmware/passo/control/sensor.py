@@ -19,6 +19,10 @@ class Sensor:
         self._against_ms = self._calm_ms = 0
         self._last_ms = now_ms
 
+    def pass_by(self, now_ms):
+        """Nothing has changed until now."""
+        self._last_ms = now_ms
+
     def sample(self, now_ms, place):
         """Look once; `place` is where the axis stands. Call it at least once a step and once a millisecond."""
         passed_ms = (now_ms - self._last_ms) & 0x1FFFFFFF
