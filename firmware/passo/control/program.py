@@ -220,6 +220,7 @@ class Program:
                 [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
                 settings.value(table.JUNCTION) * 1000,
                 settings.value(table.START) * 50 // 3,
+                settings.value(table.JERK) * 1000,
             )
         )
 

@@ -17,6 +17,7 @@ from micropython import const
 from passo.protocols import errors
 
 _LONGEST_TEXT = const(80)
+_LEAST_JERK = const(10_000)  # 10 mm/s³; 0: no limit
 
 PULSE_US = const(0)
 IDLE_DELAY = const(1)
@@ -44,11 +45,12 @@ STEPS = const(100)
 SPEED = const(110)
 ACCELERATION = const(120)
 TRAVEL = const(130)
-START = const(140)  # Passo's own
+START = const(140)  # Passo's own, and the next
+JERK = const(141)
 
 
 def _table(board):
-    """{number: (name, decimals, default, least, most)}; lengths in mm, speeds in mm/min."""
+    """{number: (name, decimals, default, least, most)}; lengths in mm, speeds in mm/min, jerk in mm/s³."""
     axes = board["axes"]
     mask = (1 << len(axes)) - 1
     homing = board["homing"]
@@ -83,6 +85,7 @@ def _table(board):
         MIN_RPM: ("spindle_min", 3, spindle["min_rpm"] * 1000, 0, 999_999_999),
         LASER: ("laser", 0, 1 if spindle["laser"] else 0, 0, 1),
         START: ("start_speed", 3, 0, 0, 999_999_999),
+        JERK: ("jerk", 3, 0, 0, 999_999_999),
     }
     for number in range(len(axes)):
         axis = axes[number]
@@ -155,6 +158,8 @@ class Settings:
         if number == LASER and value and not self._board["spindle"]["pwm"]:
             return errors.LASER_WITHOUT_PWM
         if not least <= value <= most:
+            return errors.SETTING_RANGE
+        if number == JERK and 0 < value < _LEAST_JERK:
             return errors.SETTING_RANGE
         axis = number % 10
         if number in (STEPS + axis, SPEED + axis):

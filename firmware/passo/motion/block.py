@@ -67,6 +67,7 @@ class Block:
         self.leave = 0  # q at the end, as planned
         self.start = 0  # q at which it may be begun and ended without a ramp
         self.speed = 0  # as programmed, in nm/s; only where the main loop asks
+        self.smooth = None  # smooth.Smooth, where jerk is limited
 
     @micropython.native
     def load(self, rows, at, start):  # ISR: no allocation

@@ -90,6 +90,12 @@ class Planner:
             from passo.motion.measure_viper import look_back, measure
 
             self._measure, self._raise = measure, look_back
+        smooth = None
+        if limits is not None and limits.jerk:
+            from passo.motion.smooth import Smooth
+
+            smooth = Smooth(limits)
+        self._under_way.smooth = smooth
         self._limits = limits
         self._terms = limits.terms if limits else None
         self._start = limits.start if limits else 0
@@ -325,6 +331,8 @@ class Planner:
         block = self._under_way
         place = fetched % _SIZE
         self._unpack(block, place)
+        if block.smooth is not None:
+            block.smooth.load(self._rows, place * self._stride, (place + 1) % _SIZE * self._stride)
         kind = block.kind
         if kind == LINE:
             self._line.begin(self._rows, place * self._stride + ROW)

@@ -50,15 +50,17 @@ WORK = 36
 class Limits:
     """Of a machine: the axes' resolution, and what each can do."""
 
-    def __init__(self, steps_per_m, speeds, accelerations, junction_deviation, start_speed=0):
+    def __init__(self, steps_per_m, speeds, accelerations, junction_deviation, start_speed=0, jerk=0):
         """`speeds` in nm/s and `accelerations` in nm/s², each axis; the deviation in nm. Four axes at most.
 
         `start_speed`, nm/s along the path: up to it the machine begins, turns a corner and stops without a ramp.
+        `jerk`, nm/s³ along the path: what acceleration changes by in a second at most; 0: at once (see smooth.py).
         """
         self.steps_per_m = list(steps_per_m)
         self.speeds = list(speeds)
         self.accelerations = list(accelerations)
         self.junction_deviation = junction_deviation
+        self.jerk = jerk
         self.fastest = isqrt(sum([speed * speed for speed in speeds])) + 1
         self.strongest = isqrt(sum([each * each for each in accelerations])) + 1
         self.start = min((start_speed * start_speed << 28) // (self.fastest * self.fastest), ONE - 1)

@@ -215,6 +215,9 @@ class Ramp:
             part = 0
         if change > _FAR:
             change = _FAR
+        if block.smooth is not None:
+            block.smooth.cut(self, q, steps, path, togo, part, change, cap, high)
+            return
         if q < cap:
             aim = cap if cap - q <= change else q + change
         else:
