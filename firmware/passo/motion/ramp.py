@@ -31,6 +31,7 @@ from passo.motion.line import MAX_RUN
 from passo.motion.ramp_ticks import gained, loss, path_ticks, root_of
 
 SEGMENT_TICKS = const(12_500)  # 1 ms
+_SMOOTH_TICKS = const(37_500)  # with limited jerk: the pace is even in a segment, off the curve by acceleration · t² / 8
 _MAX_RAMP = const(255)  # most steps of a segment whose speed may change, so that no product here reaches 2³⁰
 _FAR = const(0x1FFFFFFF)  # FAR and V_BITS of ramp_ticks, known to the compiler
 HIGHEST = const(0x3FFFFFFF)
@@ -48,6 +49,7 @@ class Ramp:
         self._q = 0  # where the next segment begins, in the block's units
         self._each = self._rest = self._total = self._carry = 0
         self._steady = True
+        self._length = SEGMENT_TICKS
         self._arc = False
         self._done = 0  # words of the arc's run cut so far
         self._part = 0
@@ -73,6 +75,7 @@ class Ramp:
         self._arc = block.kind == ARC
         self._done = 0
         self._steady = not block.gain
+        self._length = SEGMENT_TICKS if block.smooth is None else _SMOOTH_TICKS
         self._start = block.start
         if self._steady:
             self._q = self._speed = 0
@@ -135,7 +138,7 @@ class Ramp:
         if walker.left == walker.words:
             self._done = 0
         path = walker.path or 1
-        steps = SEGMENT_TICKS // each << COARSE
+        steps = self._length // each << COARSE
         if steps >= path:
             steps = left
         else:
@@ -183,7 +186,7 @@ class Ramp:
             if self._arc:
                 steps = self._arc_steps(left, self._walker, each, most)
             else:
-                steps = SEGMENT_TICKS // each or 1
+                steps = self._length // each or 1
                 if steps > most:
                     steps = most
                 if steps > left:
@@ -193,7 +196,7 @@ class Ramp:
                 if hold and steps > q // gain:
                     steps = q // gain + 1  # it stands after these
         elif self._arc:
-            steps = self._arc_steps(left, self._walker, SEGMENT_TICKS, most)
+            steps = self._arc_steps(left, self._walker, self._length, most)
         # How fast at its end.
         if self._arc:
             walker = self._walker

@@ -50,6 +50,7 @@ class Smooth(Way):
         if self._slow:
             self._force = gained(self._push, path >> 17, path & 0x1FFFF)
         self._change = change
+        self._high = high
         if q <= block.start:
             self.b = 0
         self._ticks = 0
@@ -78,7 +79,7 @@ class Smooth(Way):
         elif not self._brakes and abs(b) <= self._grow and abs(aim - cap) <= cap >> 10 and abs(cap - q) <= change:
             aim = cap
             b = 0
-        after = root_of(aim, speed)
+        after = self._speed if aim == self._tried else root_of(aim, speed)
         if b < 0 and (b * b >> _V_BITS) > after:
             b = -self._fading(after)
         ticks = self._ticks
@@ -138,16 +139,28 @@ class Smooth(Way):
     def _choose(self, ramp, q, b, steps, path):  # ISR: no allocation
         """The largest b, and q, that a segment may end with."""
         speed = ramp._speed
-        guess = root_of(self._at_end(q, 2 * b), speed)
-        grow = self._grown(self._mean(ramp, path, speed + guess >> 1))
-        if steps == 1 and grow > self._first:
-            grow = self._first
-        self._grow = grow
+        self._tried = -1
         if not b and speed == self._cap:
-            self._try(q, 0, 0, speed)
-            self._brakes = self._short > 0
+            if self._cruise != speed or self._cruise_until != self._until or self._on:
+                self._cruise = speed
+                self._cruise_until = self._until
+                self._cruise_need = self._need(speed, 0)
+            self._brakes = self._cruise_need > self._room
             if not self._brakes:
+                self._aim = self._tried = q
+                self._speed = speed
+                self._b = 0
                 return
+        guess = speed
+        each = ramp._step_ticks(ramp._block.span, speed)
+        if steps > 3:
+            grow = self._grown((path >> 12) * each >> 5)
+        else:
+            guess = root_of(self._at_end(q, 2 * b), speed)
+            grow = self._grown(self._mean(ramp, path, speed + guess >> 1))
+            if steps == 1 and grow > self._first:
+                grow = self._first
+        self._grow = grow
         limit = self._limit
         high = b + grow if b + grow < limit else limit
         low = b - grow if b - grow > -limit else -limit
@@ -187,14 +200,20 @@ class Smooth(Way):
     @micropython.native
     def _try(self, q, before, b, near):  # ISR: no allocation
         """End with b. How much speed is `_above`, and way `_short`, then?"""
-        q = self._aim = self._at_end(q, before + b)
+        q = self._aim = self._tried = self._at_end(q, before + b)
         self._b = b
-        self._judge(root_of(q, near), b)
+        self._speed = root_of(q, near)
+        self._judge(self._speed, b)
 
     @micropython.native
     def _judge(self, speed, b):  # ISR: no allocation
         fade = b * b >> _V_BITS
-        self._above = speed + (fade if b > 0 else -fade) - self._cap
+        above = speed + (fade if b > 0 else -fade)
+        if not self._room:  # the block ends here
+            self._above = above - (self._until if self._until < self._cap else self._cap)
+            self._short = 0
+            return
+        self._above = above - self._cap
         self._short = self._need(speed + fade, b) - self._room
 
     def _mean(self, ramp, path, speed):  # ISR: no allocation
@@ -202,7 +221,6 @@ class Smooth(Way):
         each = ramp._step_ticks(ramp._block.span, speed or 1)
         return path_ticks(path, each, ramp._part)
 
-    @micropython.native
     def _set_out(self, ramp, path, stands):  # ISR: no allocation
         """The first step from rest; `stands`: to rest, too."""
         aim = self._rest if self._rest < self._change else self._change
@@ -211,9 +229,11 @@ class Smooth(Way):
         mean = divide(speed, self._half, 13)
         cap = self._cap
         self._brakes = True
+        self._tried = -1
         if stands:
             ticks = self._mean(ramp, path, mean)
             ticks += (ticks >> 2) * 3
+            cap = cap or root_of(self._high, 0)
             if cap < mean + (mean >> 3):
                 ticks = self._mean(ramp, path, cap) + 2 * self._half_ramp(cap)
             self._ticks = ticks

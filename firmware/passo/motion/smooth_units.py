@@ -41,10 +41,13 @@ class Units:
         self._half = 0  # of the speed there to its mean one, · 2¹³
         # Of the segment:
         self._wanted = self._cap = self._until = 0  # q and speed wanted, speed at the block's end
+        self._high = 0  # q wanted but for a hold
         self._on = False  # slowing down goes on in the block behind
         self._room = self._force = self._change = self._grow = 0
         self._aim = self._b = self._ticks = self._above = self._short = 0
         self._brakes = False
+        self._tried = self._speed = 0  # q last tried to end with, and its root
+        self._cruise = self._cruise_until = self._cruise_need = 0  # what _need() has last found for a steady speed
         self._spare = 0
 
     @micropython.native
@@ -122,6 +125,7 @@ class Units:
                 self._half = divide(fast * (fast + w // 2) >> 6, fast * fast + w * w // 12 >> 6, 14)
         self._first = b
         self._rest = rest
+        self._cruise = -1
 
     @micropython.native
     def _at_end(self, q, double):  # ISR: no allocation
