@@ -46,6 +46,8 @@ ROW = const(25)  # then the line's signed steps, one number an axis
 
 
 class Block:
+    smooth = None  # smooth.Smooth, where jerk is limited
+
     def __init__(self):
         self.kind = WAIT
         self.walker = None  # what the feeder walks: the planner's line or circle, independent axes, a track's walker
@@ -67,7 +69,6 @@ class Block:
         self.leave = 0  # q at the end, as planned
         self.start = 0  # q at which it may be begun and ended without a ramp
         self.speed = 0  # as programmed, in nm/s; only where the main loop asks
-        self.smooth = None  # smooth.Smooth, where jerk is limited
 
     @micropython.native
     def load(self, rows, at, start):  # ISR: no allocation

@@ -90,12 +90,11 @@ class Planner:
             from passo.motion.measure_viper import look_back, measure
 
             self._measure, self._raise = measure, look_back
-        smooth = None
-        if limits is not None and limits.jerk:
-            from passo.motion.smooth import Smooth
+            self._under_way.smooth = None
+            if limits.jerk:
+                from passo.motion.smooth import Smooth
 
-            smooth = Smooth(limits)
-        self._under_way.smooth = smooth
+                self._under_way.smooth = Smooth(limits)
         self._limits = limits
         self._terms = limits.terms if limits else None
         self._start = limits.start if limits else 0
@@ -331,7 +330,7 @@ class Planner:
         block = self._under_way
         place = fetched % _SIZE
         self._unpack(block, place)
-        if block.smooth is not None:
+        if block.smooth:
             block.smooth.load(self._rows, place * self._stride, (place + 1) % _SIZE * self._stride)
         kind = block.kind
         if kind == LINE:

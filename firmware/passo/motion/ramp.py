@@ -75,7 +75,7 @@ class Ramp:
         self._arc = block.kind == ARC
         self._done = 0
         self._steady = not block.gain
-        self._length = SEGMENT_TICKS if block.smooth is None else _SMOOTH_TICKS
+        self._length = _SMOOTH_TICKS if block.smooth else SEGMENT_TICKS
         self._start = block.start
         if self._steady:
             self._q = self._speed = 0
@@ -218,7 +218,7 @@ class Ramp:
             part = 0
         if change > _FAR:
             change = _FAR
-        if block.smooth is not None:
+        if block.smooth:
             block.smooth.cut(self, q, steps, path, togo, part, change, cap, high)
             return
         if q < cap:

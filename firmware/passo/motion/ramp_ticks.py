@@ -1,7 +1,6 @@
 """The ramp's arithmetic: ticks of a path, what a change of speed costs, a root. No integer reaches 2³⁰; all may run in an
 interrupt. Speeds are in the block's units (see profile.py), with V_BITS fraction bits."""
 
-import micropython
 from micropython import const
 
 from passo.motion.integers import divide
@@ -31,7 +30,6 @@ def gained(gain, steps, part):  # ISR: no allocation
     return steps * gain + (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
 
 
-@micropython.native
 def root_of(q, near):  # ISR: no allocation
     """√q with V_BITS fraction bits; quick where `near`, a speed, is near it."""
     if q < 1:
