@@ -16,7 +16,7 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 TYPINGS = Path(sys.prefix) / "typings"
-SHARED = ("passo.ports.chip_port", "passo.ports.serial_lines", "passo.ports.start")
+SHARED = ("passo.ports.chip_port", "passo.ports.uart_line", "passo.ports.usb_line", "passo.ports.start")
 CONFIGURATION = """[mypy]
 ignore_missing_imports = True
 follow_imports = silent

@@ -9,7 +9,7 @@ from time import ticks_diff, ticks_ms
 from machine import PWM, WDT, Pin, idle
 from micropython import const
 
-from passo.ports.serial_lines import UartLine, UsbLine
+from passo.ports.uart_line import UartLine
 from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 
 _HEARTBEAT_MS = const(200)
@@ -73,7 +73,12 @@ class ChipPort:
     # --- what the contract of ports asks for
 
     def serial(self, link):
-        line = UsbLine() if link["port"] == "usb" else UartLine(link)
+        if link["port"] == "usb":
+            from passo.ports.usb_line import UsbLine  # here: not every board has memory for it
+
+            line = UsbLine()
+        else:
+            line = UartLine(link)
         self._lines.append(line)
         return line
 

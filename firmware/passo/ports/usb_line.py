@@ -1,50 +1,17 @@
-"""Serial lines: a UART with its own buffers, or the USB port's console made clean for bytes.
-
-A UART's bytes are taken off its FIFO by an interrupt, into a buffer that lasts longer than any garbage collection.
-Reading never blocks; writing blocks only when the buffer to send is full.
-"""
+"""The USB port's console as a serial line, clean for bytes. Reading never blocks; writing blocks only while the PC does
+not take what has been sent."""
 
 import sys
 from select import POLLIN, poll
 from time import ticks_diff, ticks_ms
 
 import micropython
-from machine import UART, Pin
 from micropython import const
 
-_RECEIVE_BYTES = const(1024)  # 89 ms at 115 200 baud
-_SEND_BYTES = const(256)
-_MOST = const(64)  # bytes read from USB in one go
+_MOST = const(64)  # bytes read in one go
 _INTERRUPT = const(3)  # Ctrl-C
 _ESCAPE = b"\r\x03"  # what mpremote begins with
 _SILENCE_MS = const(1000)
-
-
-class UartLine:
-    def __init__(self, link):
-        """`link` of the board file; its port is "uart0" or "uart1"."""
-        self._uart = UART(
-            int(link["port"][4:]),
-            link["baud"],
-            tx=Pin(link["tx"]),
-            rx=Pin(link["rx"]),
-            rxbuf=_RECEIVE_BYTES,
-            txbuf=_SEND_BYTES,
-        )
-
-    def any(self):
-        return self._uart.any()
-
-    def read(self):
-        """All bytes that have come, b"" if none."""
-        count = self._uart.any()  # read() without it takes a buffer of 256 bytes each time
-        return self._uart.read(count) or b"" if count else b""
-
-    def write(self, data):
-        self._uart.write(data)
-
-    def close(self):
-        self._uart.deinit()
 
 
 class UsbLine:
@@ -66,6 +33,7 @@ class UsbLine:
             return True
         return False
 
+    @micropython.native
     def read(self):
         """Bytes that have come, at most 64, b"" if none. Raises KeyboardInterrupt when the REPL is asked for."""
         # The console gives what it has byte by byte only: asked for more, it waits for them.
@@ -73,10 +41,15 @@ class UsbLine:
         byte = self._byte
         data = self._data
         take = self._in.readinto
-        while count < _MOST and self.any():
-            take(byte)
-            data[count] = byte[0]
-            count += 1
+        ready = self._poll.ipoll
+        while count < _MOST:
+            for _ in ready(0):
+                take(byte)
+                data[count] = byte[0]
+                count += 1
+                break
+            else:
+                break
         if not count:
             return b""
         data = bytes(memoryview(data)[:count])
