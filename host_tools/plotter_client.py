@@ -17,7 +17,8 @@ import math
 import time
 
 from host_tools.wire import LinkError, Wire, packet_name
-from passo.protocols import errors, plotter
+from passo.protocols import errors
+from passo.protocols import plotter_host as plotter
 
 ATTEMPTS = 8  # of one packet
 POLL_S = 1.0  # between two STATUS while something is drawn or homed

@@ -10,7 +10,7 @@ from boards.plotter_2014 import BOARD
 from passo.app import App, make_drive
 from passo.control.boardfile import check
 from passo.ports.virtual import VirtualPort
-from passo.protocols.plotter import COMMANDS, packet, status_from
+from passo.protocols.plotter_host import COMMANDS, packet, status_from
 
 EDGE = 30  # steps from the table's end at which a barrier is interrupted
 

@@ -17,7 +17,7 @@ import pytest
 from host_tools import run
 from host_tools.objects import objects
 from passo.protocols import torch
-from passo.protocols.plotter import COMMANDS, packet
+from passo.protocols.plotter_host import COMMANDS, packet
 from programmes import programmes
 from test_micropython import MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 

@@ -15,7 +15,7 @@ from host_tools.constants import folded
 from host_tools.emulator.machine import firmware_files
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.virtual_machine import VirtualMachine
-from passo.protocols.plotter import COMMANDS, packet, status_from
+from passo.protocols.plotter_host import COMMANDS, packet, status_from
 from test_virtual_machine import LOG_2014
 
 BOARD = "plotter_2014"

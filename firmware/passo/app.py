@@ -87,6 +87,7 @@ class Link:
         self.name = config["name"]
         self.serial = serial
         self.protocol = protocol
+        self.points = getattr(protocol, "points", None)  # the short way of points, where the language has one
         self.waiting = []
 
 
@@ -207,6 +208,11 @@ class App:
         data = link.serial.read()
         if data:
             heard |= _PART
+            if link.points and not link.waiting:
+                answers = link.points(data, now_ms, self.controller.objects)
+                if answers:
+                    link.serial.write(answers)
+                data = b""
         for command in link.protocol.feed(data, now_ms):
             heard |= _WHOLE
             command.link = link

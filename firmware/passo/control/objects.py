@@ -63,11 +63,30 @@ class Objects:
         if not self.store.free():
             self.drawing = True
             return LATER
-        if not self.store.count and not self.drawing:
-            self._taken = self.drawn = 0
+        self._begin()
         x, y = command.target
         self.store.put(x, y, command.tool)
         return machine.accepted(command)
+
+    def _begin(self):
+        """The next point may be the first of an object."""
+        if not self.store.count and not self.drawing:
+            self._taken = self.drawn = 0
+
+    def piece(self):
+        """Where points that come in a run may be put, as Store.piece, and the largest x and y; add() is to follow. None where
+        they have to come as commands, to wait or to be told why not."""
+        machine = self._machine
+        if machine.unready() or not machine.links.listening() or machine.command is not None or machine.program.active():
+            return None
+        piece = self.store.piece()
+        reach = self._queue.reach
+        return piece and piece + (reach(0)[1], reach(1)[1])
+
+    def add(self, count):
+        """So many points have been put there."""
+        self._begin()
+        self.store.count += count
 
     def _draw(self, command):
         machine = self._machine

@@ -16,13 +16,14 @@ class Store:
     def clear(self):
         """Forget all points, and give back their memory."""
         self._chunks = [None] * ((self.capacity + _CHUNK - 1) // _CHUNK)
+        self._size = _CHUNK * len(self._chunks)
         self._first = self.count = 0
 
     def free(self):
         """How many more points there is room for; 0 also when no memory is left for the next one."""
         if self.count < self.capacity:
             try:
-                self._chunk((self._first + self.count) % self.capacity)
+                self._chunk((self._first + self.count) % self._size)
             except MemoryError:
                 return 0
         return self.capacity - self.count
@@ -35,7 +36,7 @@ class Store:
 
     def put(self, x, y, tool):
         """Append a point. The caller has seen that free() > 0."""
-        index = (self._first + self.count) % self.capacity
+        index = (self._first + self.count) % self._size
         data = self._chunk(index)
         at = index % _CHUNK * _POINT
         data[at] = 1 if tool else 0
@@ -45,10 +46,20 @@ class Store:
         data[at + 4] = y & 255
         self.count += 1
 
+    def piece(self):
+        """(bytes, the first of them, points) that the next points may be put into, five bytes each: tool 0 or 1, x and y,
+        high byte first; `count` is to be raised by how many they were. None where there is no room."""
+        room = self.free()
+        if not room:
+            return None
+        index = (self._first + self.count) % self._size
+        at = index % _CHUNK
+        return self._chunks[index // _CHUNK], _POINT * at, min(room, _CHUNK - at)
+
     def take(self):
         """The oldest point, as (x, y, tool); it leaves the store."""
         data = self._chunk(self._first)
         at = self._first % _CHUNK * _POINT
-        self._first = (self._first + 1) % self.capacity
+        self._first = (self._first + 1) % self._size
         self.count -= 1
         return data[at + 1] << 8 | data[at + 2], data[at + 3] << 8 | data[at + 4], data[at] == 1

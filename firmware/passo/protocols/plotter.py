@@ -16,6 +16,9 @@ STOP, STATUS and LINK (the link of number X commands from now on; 0: this one) a
 unasked.
 """
 
+# ruff: noqa: F821
+
+import micropython
 from micropython import const
 
 from passo.protocols import errors
@@ -23,56 +26,89 @@ from passo.protocols.commands import (
     ACCEPTED, BAD, DRAW, FINISHED, HAND_OVER, HELLO, HOME, JOG, POINT, SPEED, STATUS, STOP, Command,
 )
 
+try:
+    ptr8
+except NameError:
+    ptr8 = None  # a name that only viper's compiler knows
+
 RESYNC_MS = const(2000)
 PACKET = const(6)
 _TIME_MASK = const(0x1FFFFFFF)
+_HELD = const(2)  # as sift() tells
+_OTHER = const(3)
 
-COMMANDS = {
-    "REQUEST": 0x72,
-    "LINE": 0x6C,
-    "MOVE": 0x6D,
-    "END": 0x65,
-    "ORIGIN": 0x6F,
-    "SPEED": 0x73,
-    "UP": 0x38,
-    "LEFT": 0x34,
-    "DOWN": 0x32,
-    "RIGHT": 0x36,
-    "STOP": 0x78,
-    "STATUS": 0x3F,
-    "LINK": 0x74,
-}
-ANSWERS = {
-    0x6B: "REQUEST_OK",
-    0x6E: "NEXT",
-    0x64: "DONE",
-    0x6F: "ORIGIN_OK",
-    0x73: "SPEED_OK",
-    0x72: "RESEND",
-    0x74: "LINK_OK",
-}
-STATUS_LENGTH = const(12)
+# The first byte of a packet.
+REQUEST = const(0x72)
+LINE = const(0x6C)
+MOVE = const(0x6D)
+END = const(0x65)
+ORIGIN = const(0x6F)
+SET_SPEED = const(0x73)
+UP = const(0x38)
+LEFT = const(0x34)
+DOWN = const(0x32)
+RIGHT = const(0x36)
+HALT = const(0x78)
+ASK = const(0x3F)
+LINK = const(0x74)
 
-_SIMPLE = {
-    COMMANDS["REQUEST"]: HELLO,
-    COMMANDS["END"]: DRAW,
-    COMMANDS["ORIGIN"]: HOME,
-    COMMANDS["STOP"]: STOP,
-    COMMANDS["STATUS"]: STATUS,
-}
+_SIMPLE = {REQUEST: HELLO, END: DRAW, ORIGIN: HOME, HALT: STOP, ASK: STATUS}
 _ON_ACCEPTED = {HELLO: b"k", POINT: b"n", JOG: b"n", SPEED: b"s", HAND_OVER: b"t"}
 _ON_FINISHED = {DRAW: b"d", HOME: b"o", STOP: b"d"}
 _RESEND = b"r"
 
 
-def packet(command, x=0, y=0):
-    """The six bytes of `command` (a byte of COMMANDS) with x and y, 0 … 65535."""
-    body = bytes((command, x >> 8 & 255, x & 255, y >> 8 & 255, y & 255))
-    return body + bytes((sum(body) & 255,))
+@micropython.viper
+def sift(data: ptr8, count: int, before: int, quiet: int, out: ptr8, at: int, room: int, most_x: int, most_y: int) -> int:
+    """The points at the start of `count` bytes, at most `room`, none beyond most_x, most_y: 4 × how many, and what comes
+    behind them: 0 less than a packet; 1 bytes that are none, or more than one; 2 a packet in which a byte repeats its
+    neighbour, so that more may come or the line be `quiet`; 3 any other packet.
 
-
-def _valid(data):
-    return sum(data[: PACKET - 1]) & 255 == data[PACKET - 1]
+    Each goes into `out`, from byte `at` on, as five bytes: 1 for a line or 0, x and y, high byte first. `before` is the
+    last byte of the packet before, or −1. Why which bytes are no packet is told above.
+    """
+    found = 0
+    first = 0
+    while first + 6 <= count:
+        check = int(data[first + 5])
+        code = int(data[first])
+        last = first + 6 == count
+        spare = 256  # a twin of this value removed, the packet is another one
+        if not last:
+            spare = (2 * check - int(data[first + 6])) & 255
+        total = 0
+        doubt = 0
+        place = first
+        first += 6
+        while place < first:
+            byte = int(data[place])
+            if byte == before:
+                doubt = 1
+                if byte == spare:
+                    return found + 1
+            before = byte
+            total += byte
+            place += 1
+        if (total - 2 * check) & 255:
+            return found + 1
+        if doubt and last and quiet == 0:
+            return found + 2
+        place -= 5
+        if room == 0 or code < LINE or code > MOVE:
+            return found + 3
+        if int(data[place]) << 8 | int(data[place + 1]) > most_x:
+            return found + 3
+        if int(data[place + 2]) << 8 | int(data[place + 3]) > most_y:
+            return found + 3
+        out[at] = MOVE - code
+        at += 1
+        while place < first - 1:
+            out[at] = data[place]
+            at += 1
+            place += 1
+        room -= 1
+        found += 4
+    return found
 
 
 class Plotter:
@@ -81,10 +117,10 @@ class Plotter:
         self.gap_ms = gap_ms
         up_x, up_y = jog_up
         self._jogs = {
-            COMMANDS["UP"]: (up_x, up_y),
-            COMMANDS["DOWN"]: (-up_x, -up_y),
-            COMMANDS["RIGHT"]: (up_y, -up_x),
-            COMMANDS["LEFT"]: (-up_y, up_x),
+            UP: (up_x, up_y),
+            DOWN: (-up_x, -up_y),
+            RIGHT: (up_y, -up_x),
+            LEFT: (-up_y, up_x),
         }
         self._bytes = b""
         self._before = -1  # the last byte of the packet before: its echo is a twin too
@@ -92,22 +128,37 @@ class Plotter:
         self._since = 0  # when the oldest pending byte came
         self._latest = 0  # when the newest one came
 
+    def points(self, data, now_ms, objects):
+        """The short way of points, before feed() has the rest: those at the start of what has come go into the store, as
+        far as `objects` has room for them now. Returns the answers to them. `data`: not empty."""
+        self._hear(data, now_ms)
+        taken = 0
+        while len(self._bytes) >= PACKET and not self._broken:
+            piece = objects.piece()
+            count = sift(self._bytes, len(self._bytes), self._before, 0, *piece) >> 2 if piece else 0
+            if not count:
+                break
+            objects.add(count)
+            self._cut(count, now_ms)
+            taken += count
+        return b"n" * taken
+
     def feed(self, data, now_ms):
         """Commands in `data`, which may be empty: time alone ends bursts and drops torn packets."""
-        commands = []
         if data:
-            if not self._bytes:
-                self._since = now_ms
-            self._latest = now_ms
-            self._bytes += data
+            self._hear(data, now_ms)
+        elif not self._bytes and not self._broken:
+            return ()
+        commands = []
         quiet = (now_ms - self._latest) & _TIME_MASK >= self.gap_ms
         while not self._broken and len(self._bytes) >= PACKET:
-            if not _valid(self._bytes) or self._ambiguous():
-                self._broken = True
-            elif len(self._bytes) == PACKET and not quiet and self._twins():
+            found = sift(self._bytes, len(self._bytes), self._before, quiet, self._bytes, 0, 0, 0, 0)
+            if found == _HELD:
                 return commands
-            else:
+            if found == _OTHER:
                 commands.append(self._take(now_ms))
+            else:
+                self._broken = True
         if self._broken:
             self._bytes = b""
             if quiet:
@@ -116,31 +167,21 @@ class Plotter:
             commands.append(self._drop(errors.BYTES_DROPPED))
         return commands
 
-    def _twins(self):
-        """Places in the first six bytes where a byte repeats the one before it."""
-        before = self._before
-        places = []
-        for place in range(PACKET):
-            if self._bytes[place] == before:
-                places.append(place)
-            before = self._bytes[place]
-        return places
+    def _hear(self, data, now_ms):
+        if not self._bytes:
+            self._since = now_ms
+        self._latest = now_ms
+        self._bytes += data
 
-    def _ambiguous(self):
-        """True if the first seven bytes, one of two twins removed, are a valid packet as well."""
-        seven = self._bytes[: PACKET + 1]
-        if len(seven) <= PACKET:
-            return False
-        for place in self._twins():
-            if _valid(seven[:place] + seven[place + 1 :]):
-                return True
-        return False
+    def _cut(self, packets, now_ms):
+        end = PACKET * packets
+        self._before = self._bytes[end - 1]
+        self._bytes = self._bytes[end:]
+        self._since = now_ms
 
     def _take(self, now_ms):
-        data = self._bytes[:PACKET]
-        self._bytes = self._bytes[PACKET:]
-        self._since = now_ms
-        self._before = data[PACKET - 1]
+        data = self._bytes
+        self._cut(1, now_ms)
         code = data[0]
         x = data[1] << 8 | data[2]
         y = data[3] << 8 | data[4]
@@ -148,11 +189,11 @@ class Plotter:
             return Command(_SIMPLE[code])
         if code in self._jogs:
             return Command(JOG, target=self._jogs[code])
-        if code == COMMANDS["LINE"] or code == COMMANDS["MOVE"]:
-            return Command(POINT, target=(x, y), tool=code == COMMANDS["LINE"])
-        if code == COMMANDS["SPEED"]:
+        if code == LINE or code == MOVE:
+            return Command(POINT, target=(x, y), tool=code == LINE)
+        if code == SET_SPEED:
             return Command(SPEED, value=x)
-        if code == COMMANDS["LINK"]:
+        if code == LINK:
             return Command(HAND_OVER, value=x)
         return Command(BAD, error=errors.UNKNOWN_COMMAND)
 
@@ -175,7 +216,6 @@ class Plotter:
             return status_bytes(event.value)
         return _ON_ACCEPTED.get(command.kind, b"")
 
-
     def push(self, event):
         """The board never speaks unasked."""
         return b""
@@ -191,24 +231,9 @@ def status_bytes(report):
     fields = [max(0, min(65535, place)) for place in report["position"][:2]]
     fields += [report["drawn"], min(report["free"], 65535)]
     state = _SHOWN_AS.get(report["state"], report["state"])
-    body = bytearray((COMMANDS["STATUS"], STATES.index(state), report["error"]))
+    body = bytearray((ASK, STATES.index(state), report["error"]))
     for field in fields:
         body.append(field >> 8 & 255)
         body.append(field & 255)
     body.append(sum(body) & 255)
     return bytes(body)
-
-
-def status_from(data):
-    """The fields of a STATUS answer of 12 bytes. Raises ValueError where it is none."""
-    if len(data) != STATUS_LENGTH or data[0] != COMMANDS["STATUS"] or sum(data[:-1]) & 255 != data[-1]:
-        raise ValueError("not a STATUS answer")
-    x, y, drawn, free = [data[place] << 8 | data[place + 1] for place in (3, 5, 7, 9)]
-    return {
-        "state": STATES[data[1]],
-        "error": data[2],
-        "x": x,
-        "y": y,
-        "drawn": drawn,
-        "free": free,
-    }
