@@ -7,6 +7,7 @@ from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLE_NS, CYCLES_PER_US
 from host_tools.emulator.machine import EmulatedMachine, firmware_files
 from host_tools.emulator.rig import Rig, router
+from host_tools.emulator.sender import WINDOW, Sender, usb_rig
 
 COLLECT = "gc.collect()"
 START_HZ, START_S = 5000, 0.01
@@ -108,4 +109,17 @@ def _boot(board):
     return board, language, round(up_ms), round(first_ms), free
 
 
-PARTS = {"pulses": pulses, "timer": timer, "boot": boot}
+def links():
+    """Points a second over UART and USB, many packets under way and one by one, idle and while three axes step."""
+    rows = []
+    for name, chip, baud in (("UART, 57 600 baud", rig, 57_600), ("UART, 115 200 baud", rig, 115_200), ("USB", usb_rig, 0)):
+        machine = chip()
+        for khz in (0, 100):
+            for window, count in ((WINDOW, 400), (1, 150)):
+                sent = on_a_copy(lambda: Sender(machine, baud).send(count, window, 1000 * khz))
+                share = f"{sent.share:.0%}" if baud else ""
+                rows.append((name, khz, window, round(sent.rate), share, sent.lost, sent.late))
+    return ("link", "three axes, kHz", "packets under way", "points/s", "of the wire", "bytes lost", "words late"), rows
+
+
+PARTS = {"pulses": pulses, "timer": timer, "boot": boot, "links": links}

@@ -13,6 +13,7 @@ from functools import lru_cache
 
 import pytest
 
+from host_tools.emulator import sender
 from host_tools.emulator.binary import Unavailable, find_uf2, load_emulator
 from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.halting import INPUTS
@@ -67,3 +68,14 @@ def rig(uf2):
 def timer_rig(uf2):
     """The same, its pins driven by the timer player."""
     return _rig(uf2, "timer")
+
+
+@lru_cache
+def _usb_rig(uf2):
+    return sender.usb_rig(uf2)
+
+
+@pytest.fixture(scope="session")
+def usb_rig(uf2):
+    """The same on USB, without inputs. Only for tests marked `on_a_copy`."""
+    return _usb_rig(uf2)

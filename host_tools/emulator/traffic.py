@@ -4,7 +4,7 @@ In it a byte that repeats its neighbour makes the board wait for a pause (see pr
 not pause must avoid that, as real drawings do for the most part.
 """
 
-from passo.protocols.plotter import COMMANDS, packet
+from passo.protocols.plotter_host import COMMANDS, packet
 
 
 def points(count, seed=0):
@@ -13,7 +13,7 @@ def points(count, seed=0):
     while count:
         number += 1
         one = packet(COMMANDS["MOVE"], 0x1234 + 7 * number & 0x7FFF, 0x2301 + 11 * number & 0x7FFF)
-        both = data[-1:] + one
+        both = data[-1:] + one + one[:1]  # another MOVE follows
         if all(a != b for a, b in zip(both, both[1:])):
             data += one
             count -= 1
