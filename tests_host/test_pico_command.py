@@ -12,7 +12,7 @@ import serial
 from emulated import uf2  # noqa: F401
 from test_board_command import ROOT, environment
 
-from passo.protocols.plotter import COMMANDS, packet
+from passo.protocols.plotter_host import COMMANDS, packet
 
 COMMAND = [sys.executable, "-m", "host_tools.cli", "emulate"]
 
