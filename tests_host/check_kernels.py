@@ -31,8 +31,10 @@ def check_walk(seed, axes):
     begin = random.between(0, most - 1)
     count = random.between(1, min(500, most - begin))
     at = random.between(0, 50)
-    for one, walk, out in zip(lines, (line_plain.walk, line.walk), outs):
+    for one, twin, out in zip(lines, (line_plain, line), outs):
+        walk = twin.walk
         one.begin(deltas)
+        assert twin.begin(array("i", [7] + deltas), 1, one._state) == most
         one.seek(begin)
         walk(out, at, count, one._state)
         walk(out, at, 1, one._state)

@@ -32,12 +32,12 @@ class Program:
         self._queue = queue
         self._machine = machine
         self._planner = planner
-        planner.load_arcs()
+        planner.load()
         self.jogging = False
         self._active = False  # motion has been queued and has not come to its end
         self._fresh = False  # motion was queued since the last turn
         self._limits_of = None  # the settings' version that the planner knows
-        self._travel_of = None  # that `_low` and `_high` are of
+        self._travel_of = None  # that `_soft`, `_low` and `_high` are of
         self._touch = None  # where the probe changed
         self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
 
@@ -66,7 +66,6 @@ class Program:
 
     # --- motion
 
-    @micropython.native
     def _motion(self, command):
         error = self._unready(command)
         if error:
@@ -87,6 +86,30 @@ class Program:
             self._queue.target = command.target[:]
             return machine.accepted(command)
         return self._begin(command)
+
+    @micropython.native
+    def again(self, command):
+        """_motion() of a line that is asked for by the same command again and again, in short where nothing is unusual."""
+        machine = self._machine
+        queue = self._queue
+        planner = self._planner
+        if (
+            machine.command is not None or machine.alarm or machine.sleeping or machine.checking or machine.occupied()
+            or machine.objects.drawing or machine.pauses.dropping or self._travel_of != machine.settings.version
+            or self._soft and machine.homed and not self._inside(command.target)
+            or command.also or command.per_min or command.power or planner.power or command.dynamic != planner.dynamic
+            or command.tool != queue.tool or not planner.accelerates
+        ):  # fmt: skip
+            return self._motion(command)
+        if queue.room() < _BLOCKS_A_MOTION:
+            return LATER
+        try:
+            queue.again(command.target, command.feed, command.tool, command.number)
+        except ValueError:
+            return errors.TARGET
+        self._active = self._fresh = True
+        machine.tell(command.accepted)
+        return 0
 
     def _refusal(self, command):
         """0, or why one of the lines that follow `command` cannot be: then none of them begins."""
@@ -130,7 +153,6 @@ class Program:
                 return False
         return True
 
-    @micropython.native
     def _begin(self, command):
         if self._queue.room() < _BLOCKS_A_MOTION:
             return LATER
@@ -138,7 +160,10 @@ class Program:
         if error:
             return error
         self._active = self._fresh = True
-        return self._machine.accepted(command)
+        if command.accepted is None:
+            return self._machine.accepted(command)
+        self._machine.tell(command.accepted)
+        return 0
 
     def _jog(self, command):
         error = self._unready(command) or self._too_long(command)
@@ -152,7 +177,6 @@ class Program:
         self.jogging = self.jogging or result == 0
         return result
 
-    @micropython.native
     def _unready(self, command):
         """0, LATER, or why no motion can be now."""
         machine = self._machine
@@ -166,7 +190,6 @@ class Program:
         longest = max([abs(by) for by in self._queue.deltas(command.target)])
         return errors.TARGET if longest > MAX_STEPS else 0
 
-    @micropython.native
     def _reachable(self, command):
         if not self._limited():
             return True
@@ -180,7 +203,6 @@ class Program:
                 return False
         return True
 
-    @micropython.native
     def _queue_motion(self, command):
         """0, or why the planner cannot."""
         planner = self._planner
@@ -323,7 +345,7 @@ class Program:
 
     def begin(self):
         """Nothing more is coming for now: what waits sets out. A moving machine fetches on its own."""
-        if self._queue.waiting and self._queue.playing() is None:
+        if self._queue.waiting and self._queue.resting():
             self._queue.start()
 
     def poll(self):

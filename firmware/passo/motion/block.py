@@ -65,42 +65,46 @@ class Block:
         self.gain = 0  # q a dominant step; 0: no acceleration, the programmed speed from first to last
         self.span = 0  # ticks a step · 2 · top
         self.time = self.time_shift = 0  # ticks a unit of speed takes: time / 2 ** time_shift
-        self.ratio = self.ratio_shift = 0  # from the unit of the block before: ratio / 2 ** ratio_shift
         self.leave = 0  # q at the end, as planned
         self.start = 0  # q at which it may be begun and ended without a ramp
+        self.rows = None  # where it stands as a row
+        self.at = 0
         self.speed = 0  # as programmed, in nm/s; only where the main loop asks
 
     @micropython.native
     def load(self, rows, at, start):  # ISR: no allocation
         """Unpack the row that begins at rows[at]; the walker is the planner's affair. `start`: square of the speed that
         takes no ramp."""
-        self.kind = rows[at + KIND]
+        self.rows = rows
+        self.at = at
+        kind = self.kind = rows[at + KIND]
         self.tool = rows[at + TOOL]
-        self.ticks = rows[at + TICKS]
-        self.ticks_rest = rows[at + TICKS_REST]
         self.first = rows[at + FIRST]
         self.tag = rows[at + TAG]
         self.rapid = rows[at + RAPID]
+        self.power = rows[at + POWER]
+        self.dynamic = rows[at + DYNAMIC]
         self.top = rows[at + TOP]
+        gain = self.gain = rows[at + GAIN]
+        self.start = 0
+        if gain and start:
+            self.start = q_of(start, rows, at, rows[at + LIMIT])
+        if gain and kind == LINE and not self.smooth:  # the ramp reads the row itself
+            return
+        self.ticks = rows[at + TICKS]
+        self.ticks_rest = rows[at + TICKS_REST]
         self.limit = rows[at + LIMIT]
-        self.gain = rows[at + GAIN]
         self.span = rows[at + SPAN]
         self.time = rows[at + TIME]
         self.time_shift = rows[at + TIME_SHIFT]
-        self.ratio = rows[at + RATIO]
-        self.ratio_shift = rows[at + RATIO_SHIFT]
-        self.leave = self.start = 0
-        if self.gain:
-            if start:
-                self.start = q_of(start, rows, at, self.limit)
+        self.leave = 0
+        if gain:
             self.plan_leave(rows, at)
-        self.power = rows[at + POWER]
-        self.dynamic = rows[at + DYNAMIC]
 
     @micropython.native
     def plan_leave(self, rows, at):  # ISR: no allocation
         """Take over the planned end from the row."""
-        leave = q_of(rows[at + EXIT], rows, at, self.limit)
+        leave = q_of(rows[at + EXIT], rows, at, rows[at + LIMIT])
         self.leave = leave if leave > self.start else self.start
 
 

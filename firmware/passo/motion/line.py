@@ -24,15 +24,16 @@ _AXES = const(0)
 _DOMINANT = const(1)
 _FALL = const(2)  # twice the dominant steps: what a step takes off an axis's decision
 _NEGATIVE = const(3)
-_RISE = const(4)  # three numbers an axis, axes times the first, then the second, then the third:
+_MOVING = const(4)
+_RISE = const(5)  # three numbers an axis, axes times the first, then the second, then the third:
 #   rise: twice its steps, what every dominant step adds to its decision
 #   decision, with the fall added so that it is never negative: a step is due above the fall
 #   made: its signed steps since the feeder last cleared them
 
 try:
-    from passo.motion.line_viper import walk
+    from passo.motion.line_viper import begin, walk
 except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
-    from passo.motion.line_plain import walk
+    from passo.motion.line_plain import begin, walk
 
 
 class Line:
@@ -41,39 +42,22 @@ class Line:
     def __init__(self, axes):
         self.axes = axes
         self.total = self.left = self.moving = self.negative = 0
-        self._deltas = array("i", [0] * axes)
-        self._state = array("i", [axes] + [0] * (3 + 3 * axes))
+        self._state = array("i", [axes] + [0] * (4 + 3 * axes))
         self.made = memoryview(self._state)[_RISE + 2 * axes :]  # signed steps since the feeder last cleared them
 
-    @micropython.native
-    def begin(self, deltas, at=0):  # ISR: no allocation
-        """Start on the vector deltas[at : at + axes], in steps. Raises ValueError above MAX_STEPS."""
-        state = self._state
-        total = dominant = 0
-        moving = negative = 0
-        for axis in range(self.axes):
-            steps = deltas[at + axis]
-            if steps:
-                moving |= 1 << axis
-            if steps < 0:
-                negative |= 1 << axis
-                steps = -steps
-            if steps > total:
-                total = steps
-                dominant = axis
-            self._deltas[axis] = steps
-        if total > MAX_STEPS:
+    def begin(self, deltas):
+        """Start on a vector, in steps. Raises ValueError above MAX_STEPS."""
+        self.load(array("i", deltas), 0)
+        if self.total > MAX_STEPS:
             raise ValueError("a line of more than %d steps" % MAX_STEPS)
-        self.total = self.left = total
-        self.moving = moving
-        self.negative = negative
-        state[_DOMINANT] = dominant
-        state[_FALL] = 2 * total
-        state[_NEGATIVE] = negative
-        for axis in range(self.axes):
-            rise = 2 * self._deltas[axis]
-            state[_RISE + axis] = rise
-            state[_RISE + self.axes + axis] = rise + total
+
+    @micropython.native
+    def load(self, rows, at):  # ISR: no allocation
+        """Start on the vector rows[at : at + axes] of an array, none above MAX_STEPS."""
+        state = self._state
+        self.total = self.left = begin(rows, at, state)
+        self.moving = state[_MOVING]
+        self.negative = state[_NEGATIVE]
 
     def seek(self, index):
         """Stand before dominant step `index` (0 … total), as if that many had been walked."""
@@ -81,7 +65,7 @@ class Line:
             raise ValueError("no step %d in a line of %d" % (index, self.total))
         self.left = self.total - index
         for axis in range(self.axes):
-            decision = 2 * self._deltas[axis] * (index + 1) + self.total - 2 * self.total * self._steps(axis, index)
+            decision = self._state[_RISE + axis] * (index + 1) + self.total - 2 * self.total * self._steps(axis, index)
             self._state[_RISE + self.axes + axis] = decision
 
     def offset(self, axis, index):
@@ -92,7 +76,7 @@ class Line:
     def _steps(self, axis, index):
         if not self.total:
             return 0
-        return (2 * self._deltas[axis] * index + self.total - 1) // (2 * self.total)
+        return (self._state[_RISE + axis] * index + self.total - 1) // (2 * self.total)
 
     @micropython.native
     def walk(self, out, at, count):  # ISR: no allocation

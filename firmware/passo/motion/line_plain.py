@@ -6,7 +6,32 @@ _AXES = const(0)
 _DOMINANT = const(1)
 _FALL = const(2)
 _NEGATIVE = const(3)
-_RISE = const(4)
+_MOVING = const(4)
+_RISE = const(5)
+
+
+def begin(rows, at, state):  # ISR: no allocation
+    """Make ready for the vector rows[at : at + axes]; its dominant steps."""
+    axes = state[_AXES]
+    total = dominant = moving = negative = 0
+    for axis in range(axes):
+        steps = rows[at + axis]
+        if steps:
+            moving |= 1 << axis
+        if steps < 0:
+            negative |= 1 << axis
+            steps = -steps
+        if steps > total:
+            total = steps
+            dominant = axis
+        state[_RISE + axis] = 2 * steps
+    state[_DOMINANT] = dominant
+    state[_FALL] = 2 * total
+    state[_NEGATIVE] = negative
+    state[_MOVING] = moving
+    for axis in range(axes):
+        state[_RISE + axes + axis] = state[_RISE + axis] + total
+    return total
 
 
 def walk(out, at, count, state):  # ISR: no allocation

@@ -30,7 +30,7 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion import profile
+from passo.motion import profile, ramp
 from passo.motion.block import (
     ARC, DYNAMIC, FIRST, FREE, GAIN, KIND, LINE, POWER, RAPID, ROW, SPEED, TAG, TICKS, TICKS_REST, TOOL, TRACK, WAIT,
     Block,
@@ -69,7 +69,7 @@ class Planner:
         self._rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
         self._walkers = [None] * _SIZE  # of ARC the circle's plan, made when first needed; of FREE and TRACK what is walked
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
-        self._circle = None  # made when first needed
+        self._circle = None  # made by load()
         self._under_way = Block()  # the one fetched last
         self._playing = Block()
         self._work = array("i", bytearray(4 * profile.WORK))
@@ -79,7 +79,7 @@ class Planner:
         self.accelerates = False  # it has limits
         self._limits = None
         self._terms = None  # the limits'
-        self._measure = self._raise = None  # what works with them, loaded with the first ones
+        self._measure = self._raise = None  # what works with them
         self._start = 0  # square of the speed that takes no ramp
         self._asked = 0  # the speed that `work` has been told, in nm/s; -1: none
         self.clear()
@@ -87,9 +87,7 @@ class Planner:
     def limits(self, limits):
         """Accelerate within `limits` (profile.Limits) from now on; None: not at all. Only while nothing is queued."""
         if limits is not None:
-            from passo.motion.measure_viper import look_back, measure
-
-            self._measure, self._raise = measure, look_back
+            self.load()
             self._under_way.smooth = None
             if limits.jerk:
                 from passo.motion.smooth import Smooth
@@ -102,9 +100,13 @@ class Planner:
         self._work[_FEED] = self._work[_GIVEN] = 0
         self._asked = 0
 
-    def load_arcs(self):
-        """Make ready for arcs; arc() does it where nobody has. They take a good part of a board's memory."""
-        if self._circle is None:
+    def load(self):
+        """Make ready for limits() and arcs, while memory is still in one piece: they take a good part of a board's."""
+        if self._measure is None:
+            from passo.motion.measure_viper import look_back, measure
+
+            self._measure, self._raise = measure, look_back
+            ramp.load()
             from passo.motion.circle import Circle
 
             self._circle = Circle(self.axes)
@@ -114,13 +116,19 @@ class Planner:
         self._added = self._flushed = self._fetched = self._retired = self._frozen = 0
         self._work[_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
 
+    @micropython.native
     def room(self):
         """How many more blocks can be queued now."""
         return _SIZE - ((self._added - self._retired) & _COUNT)
 
+    @micropython.native
     def empty(self):
         """True when every block has been played to its last word."""
         return self._added == self._retired
+
+    def resting(self):
+        """True when every block that was released has been played to its last word."""
+        return self._retired == self._fetched
 
     def slowest(self):
         """What the slowest axis can do, in nm/s."""
@@ -211,7 +219,6 @@ class Planner:
             raise ValueError("an arc needs limits(), for its length")
         if limits.steps_per_m[plane[0]] != limits.steps_per_m[plane[1]]:
             raise ValueError("the plane's axes differ in steps/mm")
-        self.load_arcs()
         plan = self._plan(PLAN)
         path, _ = arc.plan(plan, plane, center, deltas, clockwise, turns)
         if not plan[STEPS]:
@@ -308,7 +315,7 @@ class Planner:
             # the next block meanwhile; then that one is looked at again.
             fetched = self._fetched
             block = self._under_way
-            if block.gain:
+            if block.gain and (block.kind == ARC or block.smooth):
                 block.plan_leave(self._rows, (fetched - 1) % _SIZE * self._stride)
             if self._fetched == fetched:
                 return
@@ -334,7 +341,7 @@ class Planner:
             block.smooth.load(self._rows, place * self._stride, (place + 1) % _SIZE * self._stride)
         kind = block.kind
         if kind == LINE:
-            self._line.begin(self._rows, place * self._stride + ROW)
+            self._line.load(self._rows, place * self._stride + ROW)
         elif kind == ARC:
             self._circle.load(self._walkers[place])
         return block

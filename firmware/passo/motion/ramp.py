@@ -19,8 +19,11 @@ along the path q is linear: it gains at most `gain` a step. Each segment's end t
 The peak may be above both ends: so the steps in which a hold comes to its stand never take longer than from rest, however
 slow the machine is before them.
 
-Everything here may run in an interrupt: no allocation, no integer of 2³⁰.
+Lines with acceleration are taken up and cut by ramp_viper.py, where jerk is not limited; the rest here is for arcs. All but
+load() may run in an interrupt: no allocation, no integer of 2³⁰.
 """
+
+from array import array
 
 import micropython
 from micropython import const
@@ -38,6 +41,24 @@ HIGHEST = const(0x3FFFFFFF)
 _V_BITS = const(7)
 
 
+# The state that is shared with ramp_viper.py. The last segment cut:
+_STEPS = const(0)
+_TICKS = const(1)
+_PACE = const(2)
+_Q = const(3)  # where the next one begins, in the block's units
+_V = const(4)  # its root, _V_BITS fraction bits; 5 is q that takes no ramp, 6 the carry of ticks
+_TOTAL = const(7)  # dominant steps of the line
+
+_begin = _cut = None
+
+
+def load():
+    """Make ready for acceleration. It takes a part of a board's memory that not every machine has to spare."""
+    global _begin, _cut
+    from passo.motion.ramp_viper import begin as _begin
+    from passo.motion.ramp_viper import cut as _cut
+
+
 class Ramp:
     """After cut(), `steps` and `ticks` hold the segment."""
 
@@ -48,7 +69,9 @@ class Ramp:
         self._walker = None
         self._q = 0  # where the next segment begins, in the block's units
         self._each = self._rest = self._total = self._carry = 0
+        self._state = array("i", [0] * 8)
         self._steady = True
+        self._short = False
         self._length = SEGMENT_TICKS
         self._arc = False
         self._done = 0  # words of the arc's run cut so far
@@ -64,6 +87,7 @@ class Ramp:
         """True when the next segment begins at a speed that was reached by acceleration: it could not stand here."""
         return self._q > self._start
 
+    @micropython.native
     def begin(self, block):  # ISR: no allocation
         """Take up `block` at the speed the last one ended with."""
         self._block = block
@@ -77,25 +101,16 @@ class Ramp:
         self._steady = not block.gain
         self._length = _SMOOTH_TICKS if block.smooth else SEGMENT_TICKS
         self._start = block.start
+        self._short = not self._arc and not block.smooth
         if self._steady:
             self._q = self._speed = 0
             return
-        speed = self._speed
-        shift = block.ratio_shift
-        while speed >= 0x8000:
-            speed >>= 1
-            shift -= 1
-        speed *= block.ratio  # 15 bits by 14
-        most = block.limit << _V_BITS
-        if shift >= 0:
-            speed >>= shift
-        else:
-            speed = speed << -shift if speed < most >> -shift else most
-        if speed > most:
-            speed = most
-        self._speed = speed
-        whole = speed >> _V_BITS
-        self._q = whole * whole + (2 * whole * (speed & 127) >> _V_BITS)
+        state = self._state
+        state[_TOTAL] = self._total
+        state[_V] = self._speed
+        _begin(block.rows, block.at, state, block.start)
+        self._q = state[_Q]
+        self._speed = state[_V]
 
     @micropython.native
     def cut(self, left, percent=100, hold=False):  # ISR: no allocation
@@ -105,6 +120,18 @@ class Ramp:
         """
         if self._steady:
             self._cut_steady(left, hold)
+        elif self._short:
+            state = self._state
+            block = self._block
+            state[_Q] = self._q
+            state[_V] = self._speed
+            _cut(block.rows, block.at, state, left, percent, hold)
+            self.steps = state[_STEPS]
+            if state[_STEPS]:
+                self.ticks = state[_TICKS]
+                self.pace = state[_PACE]
+                self._q = state[_Q]
+                self._speed = state[_V]
         else:
             self._cut_ramp(left, percent, hold)
 

@@ -38,7 +38,7 @@ def walk(r0, r1, r2, r3):
     beq(MADE)
     lsl(r6, r7, 2)
     add(r6, r6, r3)
-    ldr(r5, [r6, 16])  # rise
+    ldr(r5, [r6, 20])  # rise
     mov(r1, 0)
     cmp(r5, 0)
     beq(MADE)
@@ -47,7 +47,7 @@ def walk(r0, r1, r2, r3):
     lsl(r4, r4, 2)
     add(r6, r6, r4)
     mov(r10, r6)
-    ldr(r6, [r6, 16])  # decision
+    ldr(r6, [r6, 20])  # decision
     ldr(r4, [r3, 8])  # fall
     mov(r3, 1)
     lsl(r3, r7)
@@ -72,7 +72,7 @@ def walk(r0, r1, r2, r3):
     mov(r2, r12)
     mov(r7, r11)
     mov(r5, r10)
-    str(r6, [r5, 16])
+    str(r6, [r5, 20])
     label(MADE)
     mov(r3, r8)
     ldr(r4, [r3, 12])  # negative
@@ -86,9 +86,9 @@ def walk(r0, r1, r2, r3):
     add(r4, r4, r7)
     lsl(r4, r4, 2)
     add(r4, r4, r3)
-    ldr(r5, [r4, 16])  # made
+    ldr(r5, [r4, 20])  # made
     add(r5, r5, r1)
-    str(r5, [r4, 16])
+    str(r5, [r4, 20])
     b(AXIS)
     label(DONE)
     pop({r4, r5, r6, r7})
