@@ -3,6 +3,9 @@
 import gc
 import sys
 
+# At the lower end of memory: given back when all is loaded, so that what comes and goes from then on is found a place at
+# once. Behind all that stays, finding one takes more than half a millisecond.
+room = bytearray(12_000)
 gc.threshold(48_000)  # collect while importing: what stays lies close together; oftener costs a tenth of a second
 
 from passo.control.board_error import BoardError
@@ -21,6 +24,7 @@ def checked(board):
 
 
 def main():
+    global room
     try:
         from board import BOARD
     except Exception as error:
@@ -42,6 +46,8 @@ def main():
 
         port = start.port(board)
         app = App(board, port, slots=FileSlots("settings"))
+        room = None
+        gc.collect()
         gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms
         start.run(app, port)
     except BoardError as wrong:

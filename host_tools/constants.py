@@ -13,6 +13,7 @@ A name is left alone where it is more than a constant: bound twice, or in a modu
 
 import ast
 
+from host_tools.attributes import shortened
 from host_tools.failure import Failure
 
 SMALL = 1 << 30  # what is larger is an object on a board: it stays one for all
@@ -200,11 +201,11 @@ def _edited(module):
 
 
 def folded(texts):
-    """{path: text} of the modules of a build, with numbers for constants. Raises Failure for what is not Python."""
+    """{path: text} of the modules of a build, with numbers for constants, and private attributes under short names. Raises Failure for what is not Python."""
     modules = {module.name: module for module in (_Module(path, text) for path, text in texts.items())}
     _evaluate(modules)
     for module in modules.values():
         _fold(module, modules)
     for module in modules.values():
         _drop(module)
-    return {module.path: _edited(module) for module in modules.values()}
+    return shortened({module.path: _edited(module) for module in modules.values()})

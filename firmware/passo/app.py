@@ -102,7 +102,7 @@ class App:
         self.layout, drive, off_levels = make_drive(board)
         settings = Settings(board, Journal(slots or MemorySlots()))
         port.board = board  # pins follow the settings
-        self.ring = Ring(ring_size(self._fastest(settings)))
+        self.ring = Ring(ring_size(self._fastest(settings), getattr(port, "lead_ticks", LEAD_TICKS)))
         self.player = port.player(self.ring, self.layout)
         gc.collect()  # so that what is small fills the gaps and leaves room in one piece for what is large
         self.planner = Planner(self.layout.axes)
@@ -116,9 +116,10 @@ class App:
         motors.release()
         gc.collect()
         settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)
-        streamed = bool([link for link in board["links"] if link["protocol"] not in _STORED])
+        languages = [link["protocol"] for link in board["links"]]
+        streamed = bool([name for name in languages if name not in _STORED])
         self.controller = Controller(
-            board, self.planner, self.feeder, self.player, motors, port, settings, streamed
+            board, self.planner, self.feeder, self.player, motors, port, settings, streamed, "plotter" in languages
         )
         self._looked_ms = port.machine_ms()
         shared = {}
@@ -229,6 +230,7 @@ class App:
             self._answer()
         return heard
 
+    @micropython.native
     def _answer(self):
         for event in self.controller.take_events():
             if event.command is None:

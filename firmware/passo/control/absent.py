@@ -3,9 +3,13 @@
 
 class Absent:
     kind = ""  # as of Pauses
+    drawing = False  # as of Objects, and `store`
+    count = 0
 
-    def __init__(self):
+    def __init__(self, lift=None):
         self.jogging = self.dropping = False
+        self.lift = lift
+        self.store = self
 
     def handlers(self):
         return {}
@@ -16,5 +20,10 @@ class Absent:
     def poll(self, now_ms=0):
         """Nothing to do, and no garbage left by it."""
 
+    def free(self):
+        return 0
+
+    count_drawn = free
+    busy = end = _nothing
     active = begin = standing = substate = laser = _nothing
     show_outputs = report = clear = restart = _nothing

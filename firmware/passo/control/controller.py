@@ -10,6 +10,7 @@ carries out motion as it comes, `pauses` holds and resumes, `inputs` watches swi
 `resets` begins anew.
 """
 
+import micropython
 from micropython import const
 
 from passo.control.absent import Absent
@@ -17,7 +18,6 @@ from passo.control.homing import RUNNING, Homing
 from passo.control.inputs import Inputs
 from passo.control.links import Links
 from passo.control.log import Log
-from passo.control.objects import Objects
 from passo.control.queue import Queue
 from passo.control.resets import Resets
 from passo.protocols import commands, errors
@@ -30,8 +30,8 @@ _ORDERLY = (errors.ALARM_SOFT_LIMIT, errors.ALARM_PROBE_STATE, errors.ALARM_PROB
 
 
 class Controller:
-    def __init__(self, board, planner, feeder, player, motors, port, settings, streamed=True):
-        """`streamed`: some language asks for motion as it comes, not only for stored objects."""
+    def __init__(self, board, planner, feeder, player, motors, port, settings, streamed=True, stored=True):
+        """`streamed`: some language asks for motion as it comes; `stored`: some for stored objects."""
         self._board = board
         self._planner = planner
         self._feeder = feeder
@@ -47,9 +47,9 @@ class Controller:
         self.sleeping = False
         self.command = None  # the long command under way
         self.queue = Queue(board, planner, feeder, player, port)
-        self.objects = Objects(board, self.queue, self)
+        self.objects = Absent(self.queue.lift)
         self.pauses = self.program = self.tools = Absent()
-        self._load(streamed, planner)
+        self._load(streamed, stored, planner)
         self.inputs = Inputs(board, settings, self, port)
         self.links = Links(board, self)
         self.resets = Resets(self)
@@ -70,9 +70,13 @@ class Controller:
         for part in (self.objects, self.program, self.tools, self.pauses, self.links, self.resets):
             self._handlers.update(part.handlers())
 
-    def _load(self, streamed, planner):
+    def _load(self, streamed, stored, planner):
         """The parts that not every board has memory for."""
         board = self._board
+        if stored:
+            from passo.control.objects import Objects
+
+            self.objects = Objects(board, self.queue, self)
         if streamed:
             from passo.control.program import Program
             from passo.control.tools import Tools
@@ -160,25 +164,34 @@ class Controller:
         """Steps of each axis from machine zero, exact at this moment."""
         return self.queue.position()
 
+    @micropython.native
     def accept(self, command):
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
-        handler = self._handlers.get(command.kind)
-        result = self.links.refusal(command) or (handler(command) if handler else errors.UNKNOWN_COMMAND)
+        if command.accepted is not None and command.kind == commands.LINE and command.link.number == self.links.commander:
+            result = self.program.again(command)
+        else:
+            result = self._handle(command)
         if result > 0:
             self.refuse(command, result)
         return result
+
+    def _handle(self, command):
+        handler = self._handlers.get(command.kind)
+        return self.links.refusal(command) or (handler(command) if handler else errors.UNKNOWN_COMMAND)
 
     def refuse(self, command, number):
         """Log error `number` and tell the command's link."""
         self._note(number, command.link.name)
         self._events.append(Event(REFUSED, command, number))
 
+    @micropython.native
     def take_events(self):
         events = self._events
         if events:
             self._events = []
         return events
 
+    @micropython.native
     def poll(self):
         """One turn: goes on with homing, drawing and programme, ends what has ended, minds the motors' current."""
         now_ms = self.port.machine_ms()
@@ -241,6 +254,7 @@ class Controller:
         homing = self._board["homing"]
         return errors.NOT_HOMED if homing and homing["required"] and not self.homed else 0
 
+    @micropython.native
     def occupied(self):
         """True while one of the added parts has the axes to itself."""
         for part in self._parts:
@@ -248,6 +262,7 @@ class Controller:
                 return True
         return False
 
+    @micropython.native
     def tell(self, event):
         """Hand an event to the link of its command."""
         self._events.append(event)

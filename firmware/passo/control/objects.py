@@ -139,8 +139,7 @@ class Objects:
 
     def lift(self):
         """Tool off at the end of the queue, and time for it to get there."""
-        if self._queue.tool:
-            self._queue.set_tool(False, self._taken + 1)
+        self._queue.lift(self._taken + 1)
 
     def count_drawn(self):
         if not self.drawing:

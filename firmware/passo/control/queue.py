@@ -45,12 +45,18 @@ class Queue:
         """How many more blocks can be queued now; none behind an arc that is not all queued yet."""
         return 0 if self._chords else self._planner.room()
 
+    @micropython.native
     def empty(self):
         return self._planner.empty() and not self._chords
 
+    @micropython.native
     def still(self):
         """True when everything queued has been played to its last tick."""
         return self.empty() and not self._player.busy()
+
+    def resting(self):
+        """True when nothing is under way: whatever is queued has not been released."""
+        return self._planner.resting()
 
     def standing(self):
         """True when a hold has come to its stand."""
@@ -106,6 +112,11 @@ class Queue:
         self._planner.wait(self.tool_ticks(on), on, tag)
         self.waiting = True
 
+    def lift(self, tag=0):
+        """Tool off at the queue's end, and time for it to get there."""
+        if self.tool:
+            self.set_tool(False, tag)
+
     def wait(self, ms, tag):
         """Stand still for a while. Needs room for ms // 80 000 + 1 blocks."""
         while ms > 0:
@@ -123,19 +134,35 @@ class Queue:
         self._planner.line(deltas, ticks(deltas), tool, tag, rapid)
         self._arrive(target)
 
-    @micropython.native
     def go(self, target, nm_s, ticks, tool, tag):
         """Go to `target` (the first axes) in a line: at `nm_s`, or in `ticks` where they are not 0; as fast as the axes may
         where both are. Raises ValueError where the planner cannot."""
         if tool != self.tool:
             self._change_tool(tool, tag)
-        deltas = self._towards(target)
-        rapid = not nm_s and not ticks
         if not self._planner.accelerates:
+            deltas = self._towards(target)
             ticks = ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
             nm_s = 0
-        self._planner.line(deltas, ticks, tool, tag, rapid, nm_s)
-        self._arrive(target)
+        self.again(target, nm_s, tool, tag, ticks)
+
+    @micropython.native
+    def again(self, target, nm_s, tool, tag, ticks=0):
+        """go() with the tool as it is, and within limits or in `ticks`."""
+        here = self.target
+        deltas = self._deltas
+        axis = 0
+        for place in target:
+            deltas[axis] = place - here[axis]
+            axis += 1
+        while axis < len(deltas):
+            deltas[axis] = 0
+            axis += 1
+        self._planner.line(deltas, ticks, tool, tag, not nm_s and not ticks, nm_s)
+        axis = 0
+        for place in target:
+            here[axis] = place
+            axis += 1
+        self.waiting = True
 
     @micropython.native
     def _towards(self, target):

@@ -6,6 +6,7 @@ the feeder slows down to a stand, and the watchdog, once it runs, resets the chi
 
 from time import ticks_diff, ticks_ms
 
+import micropython
 from machine import PWM, WDT, Pin, idle
 from micropython import const
 
@@ -31,6 +32,7 @@ class Input:
         if entry["halt"]:
             port.watch(self.pin, self._tripped, Pin.IRQ_RISING if self.level else Pin.IRQ_FALLING)
 
+    @micropython.native
     def active(self):
         return self.pin.value() == self.level
 
@@ -46,7 +48,7 @@ class ChipPort:
         `live_ticks`: where what is under way may change at any moment."""
         self._board = board
         self._leads = lead_ticks, live_ticks
-        self._lead_ticks = lead_ticks
+        self.lead_ticks = lead_ticks
         self._outputs = {}
         for entry in board["outputs"]:
             active = entry["active"]
@@ -82,6 +84,7 @@ class ChipPort:
         self._lines.append(line)
         return line
 
+    @micropython.native
     def input(self, name):
         """True while the input is in its active state."""
         return self._inputs[name].active()
@@ -137,7 +140,7 @@ class ChipPort:
     def set_out(self, live):
         """What is queued for a machine that stands moves off now, not only when the feeder's next turn comes. `live`:
         what is under way may change at any moment."""
-        self._lead_ticks = self._leads[live]
+        self.lead_ticks = self._leads[live]
         ring = self._feeder.ring
         if self._player.played() != ring.head:
             return  # the interrupt is left alone while words play: a main loop in step with it would starve them
@@ -178,7 +181,7 @@ class ChipPort:
                 self._behind = False
                 self._set_out(played)
             else:
-                amid = feeder.fill(played, self._lead_ticks)
+                amid = feeder.fill(played, self.lead_ticks)
                 if player.start() and amid:
                     feeder.late += 1  # making these took longer than those before them lasted
             if self._pwm is not None:
@@ -194,7 +197,7 @@ class ChipPort:
         feeder.fill(played, lead_ticks)
         while ring.head != played:
             player.start()
-            if lead_ticks >= self._lead_ticks or self._trip is not None:
+            if lead_ticks >= self.lead_ticks or self._trip is not None:
                 return
             lead_ticks += _FIRST_TICKS
             if feeder.amid() and not player.busy():

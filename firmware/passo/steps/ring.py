@@ -12,12 +12,13 @@ from array import array
 
 from passo.motion.line import MAX_RUN
 from passo.steps.power import Power
-from passo.steps.word import COUNT_MASK
+from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 
 
-def ring_size(steps_s):
-    """Words of a ring for at most `steps_s`: 30 ms of them and the longest segment, where the largest has room for that."""
-    words = steps_s * 30 // 1000 + MAX_RUN + 2
+def ring_size(steps_s, lead_ticks):
+    """Words of a ring for at most `steps_s`, made `lead_ticks` ahead: as many of them and the longest segment, where the
+    largest has room for that."""
+    words = steps_s * (lead_ticks // TICKS_PER_MS) // 1000 + MAX_RUN + 2
     size = 1024
     while size < words and size < 4096:
         size *= 2
