@@ -48,6 +48,7 @@ class Machine:
         self.target = [0, 0, 0]
         self.steps_per_m = [250_000, 250_000, 400_000]
         self.arcs = arcs
+        self.queue = self
 
 
 class Shop:

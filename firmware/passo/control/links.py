@@ -7,6 +7,8 @@ command to any link, or takes it: from every link alike, whoever has it, but onl
 to. To ask, and to make the machine safe, is never refused.
 """
 
+import micropython
+
 from passo.protocols import commands, errors
 
 FREE = (
@@ -24,6 +26,7 @@ class Links:
         self.speaker = self.commander  # whose bytes are being understood; set by the app
         self._machine = machine
 
+    @micropython.native
     def listening(self):
         """True if the link that is being read may command."""
         return self.speaker == self.commander
@@ -31,6 +34,7 @@ class Links:
     def handlers(self):
         return {commands.HAND_OVER: self._hand_over}
 
+    @micropython.native
     def refusal(self, command):
         """0, or why the command's link may not say this now."""
         link = command.link

@@ -3,12 +3,12 @@
     gcode = GCode("xyz", offsets, machine)
     error = gcode.interpret(b"G1 X10 F600")     # 0: everything was right, and gcode.commands says what to do
     gcode.commands                              # a list that the next line overwrites, its commands too
-    command = gcode.plain(b"G1 X10 F600")       # much faster, for lines that are nothing but a G0 or G1; others: None
+    command = gcode.plain(b"G1 X10 F600\n", 0)  # much faster, for lines that are nothing but a G0 or G1; others: None
 
 A line is parsed whole and checked whole before anything of it counts; one that is refused changes nothing. Order of
 execution is that of RS274/NGC (NIST IR 6556, table 8). Lengths are nanometres, speeds nanometres a second, both exact
-for what a line can say in millimetres, or in inches to five decimals. `machine` has `target`, where the queue will end
-in steps, and `steps_per_m` of each axis: whatever moved the machine meanwhile, the next line starts from there. Its
+for what a line can say in millimetres, or in inches to five decimals. `machine` has `queue.target`, where the queue will
+end in steps, and `steps_per_m` of each axis: whatever moved the machine meanwhile, the next line starts from there. Its
 `arcs` knows the geometry of arcs (control.arcs).
 
 Extensions: G81, and an arc's sweep angle in degrees, H, in place of its end: `G3 I-5 J0 H90`, with the third axis a helix;
@@ -22,7 +22,7 @@ import micropython
 from micropython import const
 
 from passo.protocols import commands, errors
-from passo.protocols.commands import Command
+from passo.protocols.commands import Command, Event
 from passo.protocols.gcode_codes import (
     AXIS_COMMANDS, COOLING, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PLANE, RETURN, STOPPING, SYSTEM,
     TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
@@ -44,9 +44,22 @@ _RESOLUTION = const(10)  # steps a metre
 _TARGET = const(13)  # steps
 _INCHES = const(19)  # 1: G20
 _NUMBER = const(20)  # of the line
-_PLACE = const(21)
+_AFTER = const(21)  # where the next line begins
+_PLACE = const(22)
 _FARTHEST = const(0x1FFFFFFF)
-_RESERVE = const(40_000)  # bytes of a board's memory that must be free for them to be dealt with in short
+_RESERVE = const(12_000)  # bytes of a board's memory that must be free for them to be dealt with in short
+
+
+def _machine_code():
+    """What plain lines are dealt with in short by; None on a board that is short of memory: interpret() deals with all."""
+    gc.collect()
+    try:
+        if hasattr(gc, "mem_free") and gc.mem_free() <= _RESERVE:
+            raise MemoryError
+        from passo.protocols.gcode_plain_viper import plain
+    except MemoryError:  # too little is free, or not in one piece
+        return None
+    return plain
 
 
 class GCode(Motions):
@@ -54,16 +67,19 @@ class GCode(Motions):
         """`axes`: the names of the machine's axes in their order, the first three of "xyz" at most."""
         Motions.__init__(self, len(axes), offsets, machine)
         self.ended = False  # the line was the programme's last
+        self.after = 0  # see plain()
         self.laser = False
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
         self._place = array("i", [0] * _PLACE)  # for plain lines
         self._place[_AXES] = len(axes)
         self._offsets_known = 0
-        self._plain = None  # the machine code, loaded when it is first wanted; False: there is no room for it
+        self._unknown = True  # plain() does not know where it is
+        self._plain = _machine_code()
         self.reset()
 
     def reset(self):
         """The modal state after power-up. Work offsets are the offsets' own affair."""
+        self.leave_plain()
         self.motion = 0
         self.plane = 17
         self.inches = False
@@ -82,8 +98,18 @@ class GCode(Motions):
 
     def forget_place(self):
         """Take the machine's word for where it stands: after a change of steps/mm, too."""
+        self.leave_plain()
         self._steps = [None] * self.axes
-        self._unknown = True  # plain() does not know where it is
+
+    def leave_plain(self):
+        """What the last plain lines have changed is known here, too; the next one finds out anew where it is."""
+        if not self._unknown:
+            self._unknown = True
+            place = self._place
+            self.feed = place[_FEED]
+            self.number = place[_NUMBER]
+            self.ended = False
+            self.position = list(place[_POSITION : _POSITION + self.axes])
 
     def end_programme(self):
         """What M2 and M30 put back."""
@@ -97,9 +123,9 @@ class GCode(Motions):
     def interpret(self, line, jog=False):
         """Understand `line` (bytes). 0, or the number of the error that refuses it; `commands` is empty then.
         `jog`: the line follows `$J=`."""
+        self.leave_plain()
         self.commands = []
         self.ended = False
-        self._unknown = True
         error = self.words.scan(line)
         if error:
             return error
@@ -118,50 +144,36 @@ class GCode(Motions):
     # --- plain lines
 
     @micropython.native
-    def plain(self, line):
-        """The command of a line of bytes that is a plain G0 or G1; None where interpret() has to look at it."""
-        steps = self._steps
-        if self._unknown or self.offsets.version != self._offsets_known or steps != self.machine.target:
+    def plain(self, text, at):
+        """The command of the line that begins at text[at], if it is a plain G0 or G1, and `after`, where the next one
+        begins; None where interpret() has to look at it."""
+        if self._unknown or self.offsets.version != self._offsets_known or self._steps != self.machine.queue.target:
             if not self._know():
                 return None
-            steps = self._steps
         place = self._place
-        found = self._plain(line, len(line), place)
-        if not found:
-            self._unknown = True
+        motion = (self._plain(text, at, len(text), place) - 100) * 100
+        if motion < 0:
+            self.leave_plain()
             return None
-        motion = (found - 100) * 100
         command = self._moves[0]
         if motion != self.motion:
             self.motion = motion
             self._set_tool(command)
-        position = self.position
-        for axis in range(self.axes):
-            steps[axis] = place[_TARGET + axis]
-            position[axis] = place[_POSITION + axis]
-        feed = place[_FEED]
-        self.feed = feed
-        command.feed = feed if motion else 0
-        self.number = command.number = place[_NUMBER]
-        self.ended = False
+        steps = self._steps
+        steps[0] = place[_TARGET]
+        if self.axes > 1:
+            steps[1] = place[_TARGET + 1]
+            if self.axes > 2:
+                steps[2] = place[_TARGET + 2]
+        command.feed = place[_FEED] if motion else 0
+        command.number = place[_NUMBER]
+        self.after = place[_AFTER]
         return command
-
-    def _load_plain(self):
-        """True once plain lines can be dealt with in short; a board that is short of memory does without."""
-        if self._plain is None:
-            gc.collect()
-            try:
-                if hasattr(gc, "mem_free") and gc.mem_free() <= _RESERVE:
-                    raise MemoryError
-                from passo.protocols.gcode_plain_viper import plain
-            except MemoryError:  # too little is free, or not in one piece: interpret() deals with all lines
-                plain = False
-            self._plain = plain
-        return self._plain
 
     def _know(self):
         """Fill in `place` from the modal state. False where that is not for plain lines."""
-        if not self._plain and not self._load_plain():
+        self.leave_plain()
+        if self._plain is None:
             return False
         if self.motion not in (0, 100) or not self.per_minute or self.feed > _FARTHEST:
             return False
@@ -171,6 +183,7 @@ class GCode(Motions):
         place[_INCHES] = 1 if self.inches else 0
         place[_MODAL] = self.motion // 100
         place[_FEED] = self.feed
+        place[_NUMBER] = self.number
         for axis in range(self.axes):
             offset = self.offsets.of(self.system, axis)
             resolution = self.machine.steps_per_m[axis]
@@ -180,9 +193,10 @@ class GCode(Motions):
             place[_OFFSET + axis] = offset
             place[_RESOLUTION + axis] = resolution
             place[_TARGET + axis] = self._steps[axis]
-        self.position = self.position[:]
         self._steps = self._steps[:]
         command = self._moves[0]
+        if command.accepted is None:
+            command.accepted = Event(commands.ACCEPTED, command)
         command.kind = commands.LINE
         command.target = self._steps
         command.per_min = 0

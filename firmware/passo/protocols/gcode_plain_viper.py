@@ -1,8 +1,9 @@
 """The most frequent line of G-code, from its bytes to steps: G0 or G1 with axis words, and perhaps F or N.
 
-    motion = plain(line, len(line), place)      # 100 + G's number; 0: not such a line, or not to be dealt with in short
+    motion = plain(text, at, len(text), place)  # 100 + G's number; 0: not such a line, or not to be dealt with in short
 
-`place` (gcode.py names its numbers) says where the machine is and how lines count; after a plain line it says where that leads. Whatever is unusual
+The line begins at text[at], and ends with a line feed or the text. `place` (gcode.py names its numbers) says where the
+machine is and how lines count; after a plain line it says where that leads, and where the next line begins. Whatever is unusual
 (any other word or character, more than six decimals, a place beyond half a metre, a mistake) is left to gcode.py, which
 alone knows the rules; what is understood here gives what it gives, to the nanometre. One text for all interpreters: a board
 compiles it to machine code, elsewhere it is ordinary Python; see motion/measure_viper.py for what that asks of integers.
@@ -18,7 +19,7 @@ except NameError:
 
 
 @micropython.viper
-def plain(line: ptr8, count: int, place: ptr32) -> int:
+def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
     """See above."""
     axes = place[0]
     motion = place[2]
@@ -30,10 +31,12 @@ def plain(line: ptr8, count: int, place: ptr32) -> int:
     while at < 3:
         place[16 + at] = place[4 + at]  # where the line leads, as far as it has been read
         at += 1
-    at = 0
+    at = begin
     letter = 0
-    while at < count or letter:
-        byte = int(line[at]) if at < count else 71
+    while True:
+        byte = int(text[at]) if at < count else 10
+        if byte == 10 and letter == 0:
+            break
         if byte == 32 or byte == 13 or byte == 9:
             at += 1
         elif letter == 0:
@@ -133,9 +136,8 @@ def plain(line: ptr8, count: int, place: ptr32) -> int:
                     return 0
                 place[16 + letter] = value
             letter = 0
-            if at >= count:
-                at = count
-    if have < 16 or motion and feed == 0:
+    place[21] = at + 1
+    if have < 16 or motion and feed == 0 or at - begin > 80:
         return 0
     # --- nanometres to steps: · steps a metre / 10⁹, to the nearest, halves away from zero; in digits of 15 bits
     at = 0

@@ -9,7 +9,7 @@
 Real-time bytes are taken out as they come and never wait. Of everything else one command is under way at a time: the
 next line is not looked at before the one before it is answered, so each is understood in the state its forerunner left.
 
-    bytes ─► _peel ─► lines ─► GCode or System ─► commands ─► controller ─► events ─► reply
+    bytes ─► _peel ─► Lines ─► GCode or System ─► commands ─► controller ─► events ─► reply
                 └────► real-time commands ───────────────────────▲
 
 A sender may have 128 bytes under way. Lines beyond that are kept too while there is room; a line that found none is
@@ -23,12 +23,11 @@ from passo.protocols import commands, errors, grbl_report
 from passo.protocols.commands import ACCEPTED, ALARM, NOTICE, REFUSED, RESTARTED, Command
 from passo.protocols.gcode import GCode
 from passo.protocols.gcode_words import LONGEST, length, rounded
+from passo.protocols.grbl_lines import Lines
 from passo.protocols.grbl_report import RX_BYTES, Status
 from passo.protocols.grbl_system import System, answer
 
 NM_PER_M = 1_000_000_000
-_ROOM = const(1024)  # bytes of lines that are kept
-_RAW = const(256)  # of one line, comments included
 _ALARMS = const(200)  # errors.py has alarms that much higher
 _LASER = const(32)
 _MAX_RPM = const(30)
@@ -78,15 +77,13 @@ class Grbl:
         self._machine = machine
         self._system = System(self.gcode, settings, machine, machine.blocks)
         self._status = Status()
+        self._lines = Lines()
         self._configure()
         self._forget()
 
     def _forget(self):
-        self._lines = []  # bytes, a number of lines that were too long, or a start-up line as text
-        self._held = 0  # bytes in them
-        self._part = b""  # of a line
-        self._spoilt = False  # the line under way is too long
-        self._after_return = False
+        self._lines.clear()
+        self._start_lines = []  # texts, whose turn is before that of the lines
         self._under_way = None  # the command that an answer is awaited for
         self._rest = []  # of its line's commands
         self._start_line = None  # the line under way is a start-up line
@@ -103,23 +100,28 @@ class Grbl:
 
     def feed(self, data, now_ms):
         """Commands, each to be answered by reply() before the next is asked for."""
-        if data:
-            if max(data) > 0x7D or b"?" in data or b"!" in data or b"\x18" in data:
-                for command in self._peel(data):
-                    yield command
-            else:
-                self._receive(data)
+        if not data and (self._under_way is not None or not self._waiting()):
+            return ()
+        return self._commands(data)
+
+    def _waiting(self):
+        return self._rest or self._start_lines or self._lines.waiting()
+
+    @micropython.native
+    def _commands(self, data):
+        if data and (max(data) > 0x7D or b"?" in data or b"!" in data or b"\x18" in data):
+            for command in self._peel(data):
+                yield command
+        else:
+            self._lines.take(data)
         while self._under_way is None:
-            if not self._rest:
-                if not self._lines:
-                    return
-                line = self._next_line()
-                self._under_way = self._plain(line)
-                if self._under_way is not None:
-                    yield self._under_way
-                    continue
-                self._rest = self._understand(line)
-            self._under_way = self._rest.pop(0)
+            self._under_way = self._plain()
+            if self._under_way is None:
+                if not self._rest:
+                    if not self._waiting():
+                        return
+                    self._rest = self._understand(self._next_line())
+                self._under_way = self._rest.pop(0)
             yield self._under_way
 
     def _peel(self, data):
@@ -140,72 +142,34 @@ class Grbl:
             elif not asked:
                 asked = True
                 yield command
-        self._receive(bytes(plain))
-
-    def _receive(self, data):
-        if data:
-            again = self._after_return and data[0] == 10  # the second byte of \r\n
-            self._after_return = data[-1] == 13
-            if again:
-                data = data[1:]
-        if b"\r" in data:
-            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-        pieces = data.split(b"\n")
-        last = pieces.pop()
-        for piece in pieces:
-            self._add(piece)
-            self._end_line()
-        self._add(last)
-
-    def _add(self, piece):
-        if len(self._part) + len(piece) > _RAW or self._held + len(self._part) + len(piece) > _ROOM:
-            self._spoilt = True
-            self._part = b""
-        elif piece and not self._spoilt:
-            self._part = self._part + piece if self._part else piece
-
-    def _end_line(self):
-        if not self._spoilt:
-            self._held += len(self._part) + 1
-            self._lines.append(self._part)
-        elif self._lines and isinstance(self._lines[-1], int):
-            self._lines[-1] += 1
-        else:
-            self._lines.append(1)
-        self._part = b""
-        self._spoilt = False
+        self._lines.take(bytes(plain))
 
     def _next_line(self):
-        """The oldest line, which leaves the queue; None for one that was too long."""
-        line = self._lines[0]
-        if isinstance(line, int):
-            if line > 1:
-                self._lines[0] = line - 1
-            else:
-                self._lines.pop(0)
-            return None
-        self._lines.pop(0)
-        if isinstance(line, bytes):
-            self._held -= len(line) + 1
-        return line
+        """A start-up line as text, or the oldest line, None for one that was too long; it leaves the queue."""
+        return self._start_lines.pop(0) if self._start_lines else self._lines.next()
 
     # --- lines to commands
 
     @micropython.native
-    def _plain(self, line):
-        """The command of a line that is dealt with in short; None: it is for _understand(), or there is none."""
+    def _plain(self):
+        """The command of the oldest line, if it is dealt with in short; None: it is for _understand(), or there is none."""
         machine = self._machine
+        lines = self._lines
         self._short = False
-        if type(line) is not bytes or len(line) > LONGEST or self._version != self._settings.version:
+        if self._rest or self._start_lines or lines.at == lines.whole or self._version != self._settings.version:
             return None
         if machine.alarm or machine.sleeping or machine.program.jogging or not machine.links.listening():
             return None
-        command = self.gcode.plain(line)
-        self._short = command is not None
+        gcode = self.gcode
+        command = gcode.plain(lines.text, lines.at)
+        if command is not None:
+            lines.at = gcode.after
+            self._short = True
         return command
 
     def _understand(self, line):
         """The commands of a line, one at least."""
+        self.gcode.leave_plain()
         self._start_line = None
         if self._version != self._settings.version:
             self._configure()
@@ -228,16 +192,21 @@ class Grbl:
 
     # --- events to bytes
 
+    @micropython.native
     def reply(self, event):
         """The bytes that tell the sender of `event`."""
         command = event.command
+        if self._short and command is self._under_way and event.kind == ACCEPTED:
+            self._under_way = None
+            return b"ok\r\n"
+        return self._reply(event, command)
+
+    def _reply(self, event, command):
         if command.kind == commands.STATUS:
             return self._status_text(event.value).encode() if event.kind == ACCEPTED else b""
         if command is not self._under_way:
             return b""
         self._under_way = None
-        if self._short and event.kind == ACCEPTED:
-            return b"ok\r\n"
         text = getattr(command, "text", "")
         if self._short:
             self._start_line = None
@@ -248,7 +217,7 @@ class Grbl:
         if command.kind == commands.PROBE:
             text += self._probed(event.value)
         if command.kind == commands.HOME:
-            self._lines = self._system.start_lines() + self._lines
+            self._start_lines = self._system.start_lines()
         if not self._rest or self._rest[0].kind == commands.RESET:
             if self.gcode.ended and command.kind == commands.SYNC:
                 text += grbl_report.message(grbl_report.PROGRAMME_END)
@@ -278,7 +247,7 @@ class Grbl:
         if event.error:
             text += grbl_report.message(grbl_report.NOTICES[errors.NOTICE_LOCKED])
         else:
-            self._lines = self._system.start_lines()
+            self._start_lines = self._system.start_lines()
         return text.encode()
 
     def _nm(self, axis, steps):
@@ -293,7 +262,7 @@ class Grbl:
 
     def _status_text(self, report):
         settings = self._settings
-        report["bytes"] = max(0, RX_BYTES - self._held - len(self._part))
+        report["bytes"] = max(0, RX_BYTES - self._lines.held())
         values = settings.value(10), settings.value(13), settings.value(_MAX_RPM)
         return self._status.text(report, self.gcode, self._nm, values)
 

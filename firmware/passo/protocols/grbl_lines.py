@@ -1,0 +1,122 @@
+"""The lines that a sender has under way: bytes in, and out the oldest line when its turn has come.
+
+    lines.take(b"G1X1\\nG1")         # no real-time bytes among them
+    while lines.waiting():
+        line = lines.next()         # bytes; None for one that was too long or found no room
+
+A line that is to be understood where it lies is text[at : …] up to its line feed; then `at` goes on to the next one.
+
+    text   . . . G1X1↵G1X2↵G1      .
+                 ^at       ^whole  ^_end
+
+A line ends with \\n, \\r or \\r\\n. Once a line has found no room none finds it until all that are kept have had their turn.
+"""
+
+from micropython import const
+
+ROOM = const(1024)  # bytes of lines that are kept
+_RAW = const(256)  # of one line, comments included
+_TOO_LONG = b"\xff\n"  # stands for such a line
+
+
+class Lines:
+    def __init__(self):
+        self.text = b""  # a bytearray(ROOM) from the first byte on: many a link never says anything
+        self.at = 0  # where the oldest line begins
+        self.whole = 0  # behind the last line that has come to its end
+        self._end = 0
+        self.clear()
+
+    def clear(self):
+        self.at = self.whole = self._end = 0
+        self._lost = 0  # lines that found no room
+        self._spoilt = False  # the one that has not ended yet is too long, or finds none
+        self._after_return = False
+
+    def waiting(self):
+        return self.at < self.whole or self._lost
+
+    def held(self):
+        """Bytes that are kept."""
+        return self._end - self.at
+
+    def take(self, data):
+        if not data:
+            return
+        if not self.text:
+            self.text = bytearray(ROOM)
+        if self._after_return and data[0] == 10:  # the second byte of \r\n
+            data = data[1:]
+        self._after_return = False
+        if b"\r" in data and data.count(b"\r") != data.count(b"\r\n"):
+            self._after_return = data[-1] == 13
+            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
+        end = self._end + len(data)
+        if end > ROOM and self.at:
+            self._move_up()
+            end = self._end + len(data)
+        if end > ROOM or self._spoilt or self._lost:
+            self._take_each(data)
+            return
+        self.text[self._end : end] = data
+        last = data.rfind(b"\n") + 1
+        if last:
+            self.whole = self._end + last
+        self._end = end
+        self._check_length()
+
+    def _move_up(self):
+        """Make room behind what is kept."""
+        at = self.at
+        held = self._end - at
+        self.text[:held] = self.text[at : self._end]
+        self.at = 0
+        self.whole -= at
+        self._end = held
+
+    def _take_each(self, data):
+        pieces = data.split(b"\n")
+        last = pieces.pop()
+        for piece in pieces:
+            self._add(piece)
+            self._end_line()
+        self._add(last)
+
+    def _add(self, piece):
+        end = self._end + len(piece)
+        if self._spoilt or self._lost or end > ROOM - len(_TOO_LONG):
+            self._spoil()
+        else:
+            self.text[self._end : end] = piece
+            self._end = end
+            self._check_length()
+
+    def _check_length(self):
+        if self._end - self.whole > _RAW:
+            self._spoil()
+
+    def _spoil(self):
+        self._spoilt = True
+        self._end = self.whole
+
+    def _end_line(self):
+        line = _TOO_LONG if self._spoilt else b"\n"
+        self._spoilt = False
+        end = self._end + len(line)
+        if self._lost or end > ROOM:
+            self._lost += 1
+            return
+        self.text[self._end : end] = line
+        self._end = self.whole = end
+
+    def next(self):
+        """The oldest line, which leaves the queue; None for one that was too long, or found no room."""
+        if self.at == self.whole:
+            self._lost -= 1
+            return None
+        end = self.text.find(b"\n", self.at)
+        line = bytes(self.text[self.at : end])
+        self.at = end + 1
+        if line[-1:] == b"\r":
+            line = line[:-1]
+        return None if len(line) > _RAW or line == _TOO_LONG[:1] else line

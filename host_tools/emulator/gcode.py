@@ -1,0 +1,203 @@
+"""G-code for the emulated Pico as fast as it can take it: lines from the board's own memory in place of a wire.
+
+    machine = fast_router()                                     # booted, and waiting for its lines
+    run = on_a_copy(lambda: run_lines(machine, 0.2, 100, 600))
+    run["lines_s"], run["least"], run["late"]
+    talk_to(machine)                                            # or it is as flashed, on USB
+    first_steps(machine), holds(machine)
+
+The firmware is that of the board file, as it is flashed, but for two lines in main.py: they put the memory in the place
+of its first link. The sender counts characters, at most 127 bytes are under way. The lines are chords of a circle in
+space, absolute, to the micrometre, CHORDS of them over and over.
+"""
+
+import tempfile
+from math import cos, pi, sin
+from pathlib import Path
+
+from host_tools import boards
+from host_tools.build import compile_module
+from host_tools.emulator.cycles import CYCLES_PER_TICK, CYCLES_PER_US
+from host_tools.emulator.load import Load
+from host_tools.emulator.machine import EmulatedMachine, written
+
+CHORDS = 64
+LINE_BYTES = 24
+CYCLES_PER_MS = 1000 * CYCLES_PER_US
+_RUN = b"        start.run(app, port)\n"
+_ATTACH = b"        import memory_line\n        memory_line.attach(app, port)\n"
+_LINE = """
+import gc, micropython, sys
+from time import ticks_us, ticks_diff
+
+CHORDS = 64
+WIDTH = 24
+WINDOW = 127
+
+class Memory:
+    def __init__(self, app, head, text, lines, warm):
+        self.head, self.text, self.at = head, text, 0
+        self.left, self.due = lines * WIDTH, 0
+        self.until, self.warm, self.answers = lines, warm, 0
+        self.planner, self.feeder = app.planner, app.feeder
+        self.least = 999
+
+    @micropython.native
+    def any(self):
+        return self.left and self.due < WINDOW
+
+    @micropython.native
+    def read(self):
+        if not self.left:
+            return b""
+        planner = self.planner
+        ahead = (planner._added - planner._fetched) & 0x1FFFFFFF
+        if self.answers > self.warm and ahead < self.least:
+            self.least = ahead
+        most = min(64, WINDOW - self.due, self.left)
+        if self.head:
+            data = self.head[:most]
+            self.head = self.head[most:]
+        else:
+            data = bytes(self.text[self.at : self.at + most])
+            self.at = (self.at + len(data)) % len(self.text)
+        self.left -= len(data)
+        self.due += len(data)
+        return data
+
+    @micropython.native
+    def write(self, data):
+        self.answers += 1
+        self.due -= WIDTH
+        if self.answers == self.warm:
+            self.begun, self.first = ticks_us(), self.answers
+            print("warm")
+        if self.answers == self.until:
+            print("done", self.answers - self.first, ticks_diff(ticks_us(), self.begun), self.least, self.feeder.late)
+
+def attach(app, port):
+    def go(path, head, lines, warm):
+        text = bytearray(CHORDS * WIDTH)
+        with open(path, "rb") as file:
+            file.readinto(text)
+        gc.collect()
+        print("free", gc.mem_free())
+        app.links[0].serial = port._lines[0] = Memory(app, head, text, lines, warm)
+    gc.collect()
+    print("ready", gc.mem_free())
+    exec(sys.stdin.readline(), {"go": go, "app": app, "port": port})
+"""
+
+
+def chords(length_mm):
+    """(X of the beginning, the bytes of CHORDS lines of this length, a closed path from there, Y50Z-20)."""
+    radius = length_mm / 2 / sin(pi / CHORDS)
+
+    def place(chord):
+        turn = 2 * pi * chord / CHORDS
+        return f"X{50 + radius * cos(turn):.3f}Y{50 + 0.8 * radius * sin(turn):.3f}Z{-20 + 0.6 * radius * sin(turn):.3f}"
+
+    return round(50 + radius, 3), padded(*[place(chord + 1) for chord in range(CHORDS)])
+
+
+def padded(*lines):
+    """Lines of LINE_BYTES each."""
+    text = b"".join(line.encode().ljust(LINE_BYTES - 1) + b"\n" for line in lines)
+    assert len(text) == LINE_BYTES * len(lines)
+    return text
+
+
+def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis"):
+    """A booted EmulatedMachine of the board file with axes of 250 mm/s and 2500 mm/s², that waits for run_lines()."""
+    board = boards.load(name)
+    for axis in board["axes"]:
+        axis.update(max_mm_min=15_000, accel_mm_s2=2500)
+    files = written(board)
+    assert files["main.py"].count(_RUN) == 1
+    files["main.py"] = files["main.py"].replace(_RUN, _ATTACH + _RUN)
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = Path(folder) / "memory_line.py", Path(folder) / "memory_line.mpy"
+        source.write_text(_LINE)
+        compile_module(source, target, "armv6m", "memory_line")
+        files[target.name] = target.read_bytes()
+    for length_mm in lengths_mm:
+        files[f"{length_mm}.txt"] = chords(length_mm)[1]
+    machine = EmulatedMachine(board, files, trace=None).boot()
+    machine.pico.console.expect(b"ready")
+    machine.free_bytes = int(machine.pico.console.expect(b"\n").split()[-1])
+    return machine
+
+
+def talk_to(machine):
+    """The same machine with its first link on USB, as it is flashed."""
+    machine.pico.console.send(b"pass\n")
+    machine.run_ms(100)
+
+
+def first_steps(machine, count=10):
+    """Milliseconds from the last byte of a command to a machine at rest, over USB, to the first step, of each trial."""
+    _talk(machine, b"$X\nG21G91F6000\n", 2)
+    edges = machine.pico.edges(machine.board["axes"][0]["pins"][0])
+    taken = []
+    for trial in range(count):
+        machine.run_ms(120 + 0.37 * trial)  # at no fixed place of the firmware's turns
+        edges.clear()
+        sent = machine.pico.cycle
+        machine.pico.console.send(b"G1X%d\n" % (1 - trial % 2 * 2))
+        machine.run_ms(60)
+        taken.append((edges[0][0] - sent) / CYCLES_PER_MS)
+    return taken
+
+
+def holds(machine, count=5):
+    """Milliseconds from the byte of a feed hold to the first step that comes later than at full speed, of each trial."""
+    _talk(machine, b"$X\nG21G91\n", 2)
+    edges = machine.pico.edges(machine.board["axes"][0]["pins"][0])
+    taken = []
+    for trial in range(count):
+        _talk(machine, b"G1X%dF6000\n" % (30 - trial % 2 * 60), 1)
+        machine.run_ms(120 + 0.37 * trial)
+        rises = [cycle for cycle, state in edges if state == 1]
+        even = max(after - before for before, after in zip(rises[-100:], rises[-99:]))
+        edges.clear()
+        sent = machine.pico.cycle
+        machine.pico.console.send(b"!")
+        machine.run_ms(150)
+        rises = [cycle for cycle, state in edges if state == 1]
+        slower = [before for before, after in zip(rises, rises[1:]) if after - before > even + CYCLES_PER_TICK]
+        taken.append((slower[0] - sent) / CYCLES_PER_MS)
+        machine.pico.console.send(b"~")
+        machine.run_ms(600)
+        edges.clear()
+    return taken
+
+
+def _talk(machine, data, answers):
+    console = machine.pico.console
+    console.take()
+    console.send(data)
+    if not machine.pico.run_until(lambda: console.text.count(b"ok\r\n") >= answers, 2_000_000):
+        raise TimeoutError(f"{data!r} was answered by {console.take()!r}")
+
+
+def run_lines(machine, length_mm, feed_mm_s, count, limit_ms=60_000):
+    """Have `count` lines streamed; the figures of the last three quarters of them."""
+    start, _ = chords(length_mm)
+    head = padded("$X", "G21G90G94", f"G92X{start}Y50Z-20", f"G1F{60 * feed_mm_s:.0f}")
+    total = count + 4
+    console = machine.pico.console
+    console.send(f"go('{length_mm}.txt',{head!r},{total},{count // 4})\n".encode())
+    console.expect(b"warm", limit_ms * 1000)
+    load = Load(machine.pico)
+    console.expect(b"done", limit_ms * 1000)
+    shares = load.end()
+    machine.run_ms(1)
+    answered, took_us, least, late = map(int, console.take().split()[:4])
+    return {
+        "lines_s": answered * 1e6 / took_us,
+        "least": least,
+        "late": late,
+        "main": shares.get("main", 0),
+        "asleep": shares.get("asleep", 0),
+        "timers": shares.get("timers", 0),
+    }
