@@ -2,6 +2,7 @@
 
 from functools import lru_cache
 
+from host_tools.emulator import gcode as lines_of_gcode
 from host_tools.emulator import halting, traffic
 from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLE_NS, CYCLES_PER_US
@@ -122,4 +123,23 @@ def links():
     return ("link", "three axes, kHz", "packets under way", "points/s", "of the wire", "bytes lost", "words late"), rows
 
 
-PARTS = {"pulses": pulses, "timer": timer, "boot": boot, "links": links}
+def gcode():
+    """G-code lines a second from memory, while they are stepped; what a command and a feed hold wait, over USB."""
+    machine = lines_of_gcode.fast_router()
+    rows = []
+    for length_mm, feed_mm_s in ((0.2, 20), (0.2, 200), (0.75, 187.5)):
+        run = on_a_copy(lambda: lines_of_gcode.run_lines(machine, length_mm, feed_mm_s, 240))
+        what = f"lines of {length_mm} mm at {feed_mm_s} mm/s, a second"
+        rows.append((what, round(feed_mm_s / length_mm), round(run["lines_s"]), run["least"], run["late"]))
+    steps, holds = on_a_copy(lambda: _answers(machine))
+    rows.append(("first step after a command at rest, ms", "", f"{max(steps):.1f}", "", ""))
+    rows.append(("a feed hold begins to slow at 100 mm/s, ms", "", f"{max(holds):.1f}", "", ""))
+    return ("G-code on router_3axis", "asked", "measured", "blocks ahead, least", "words late"), rows
+
+
+def _answers(machine):
+    lines_of_gcode.talk_to(machine)
+    return lines_of_gcode.first_steps(machine, 6), lines_of_gcode.holds(machine, 4)
+
+
+PARTS = {"pulses": pulses, "timer": timer, "links": links, "gcode": gcode, "boot": boot}

@@ -1,0 +1,16 @@
+"""G-code on the emulated Pico, from bytes to steps: what `make bench ARGS=gcode` measures must not collapse."""
+
+from emulated import uf2  # noqa: F401
+
+from host_tools.emulator import gcode
+
+FREE_BYTES = 12_000  # with the larger ring of the faster axes, and the memory that the lines come from
+LINES_S = 150
+
+
+def test_short_lines_are_read_planned_and_stepped(uf2, show):
+    machine = gcode.fast_router()
+    assert machine.free_bytes > FREE_BYTES
+    run = gcode.run_lines(machine, 0.2, 200, 80)
+    assert run["lines_s"] > LINES_S and run["late"] == 0
+    show("lines of 0.2 mm a second on the Pico", f"{run['lines_s']:.0f}")
