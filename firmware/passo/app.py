@@ -230,7 +230,6 @@ class App:
             self._answer()
         return heard
 
-    @micropython.native
     def _answer(self):
         for event in self.controller.take_events():
             if event.command is None:

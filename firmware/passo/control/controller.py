@@ -191,7 +191,6 @@ class Controller:
             self._events = []
         return events
 
-    @micropython.native
     def poll(self):
         """One turn: goes on with homing, drawing and programme, ends what has ended, minds the motors' current."""
         now_ms = self.port.machine_ms()
@@ -254,7 +253,6 @@ class Controller:
         homing = self._board["homing"]
         return errors.NOT_HOMED if homing and homing["required"] and not self.homed else 0
 
-    @micropython.native
     def occupied(self):
         """True while one of the added parts has the axes to itself."""
         for part in self._parts:

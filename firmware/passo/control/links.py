@@ -34,7 +34,6 @@ class Links:
     def handlers(self):
         return {commands.HAND_OVER: self._hand_over}
 
-    @micropython.native
     def refusal(self, command):
         """0, or why the command's link may not say this now."""
         link = command.link
