@@ -191,8 +191,7 @@ def run_lines(machine, length_mm, feed_mm_s, count, limit_ms=60_000):
     load = Load(machine.pico)
     console.expect(b"done", limit_ms * 1000)
     shares = load.end()
-    machine.run_ms(1)
-    answered, took_us, least, late = map(int, console.take().split()[:4])
+    answered, took_us, least, late = map(int, console.expect(b"\n").split())
     return {
         "lines_s": answered * 1e6 / took_us,
         "least": least,
