@@ -159,7 +159,7 @@ def _on_the_pico(part):
     return measure
 
 
-PICO_PARTS = ("pulses", "timer", "queries", "stops", "links", "gcode", "boot")
+PICO_PARTS = ("pulses", "timer", "queries", "status", "stops", "links", "gcode", "boot")
 PARTS = {"lines": lines, "fuzz": fuzz, "motion": motion, "arcs": arcs, **{part: _on_the_pico(part) for part in PICO_PARTS}}
 LONG = ("motion", "arcs")
 

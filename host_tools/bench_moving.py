@@ -1,18 +1,24 @@
-"""Measurements of the emulated Pico while it moves: halts and queries. For `bench`, as those of `bench_pico`."""
+"""Measurements of the emulated Pico while it moves: halts, queries, answers. For `bench`, as those of `bench_pico`."""
 
+import copy
+from functools import lru_cache
 from random import Random
 from statistics import median
 
+from host_tools import boards
 from host_tools.bench_pico import BAUD, COLLECT, rig
 from host_tools.emulator import halting, traffic
 from host_tools.emulator.copies import on_a_copy
-from host_tools.emulator.queries import positions
+from host_tools.emulator.machine import EmulatedMachine
+from host_tools.emulator.queries import Asking, positions
 
 STOPS, STOP_STEPS, STOP_HZ = 100, (4000, 3110, -2500), 100_000
 IN_HAND, IN_HAND_STEPS, IN_HAND_HZ = 10, (16000, 12440, -10000), 400_000
 RESUMED = 20
 ACCEL_MM_S2 = 20_000
 QUERIES_S = 0.15
+ANSWERS = 100
+SHORT_UM = 866  # on each of three axes: 1.5 mm
 
 
 def _p99(values):
@@ -86,4 +92,55 @@ def queries():
     return ("axes", "kHz", "queries", "words walked, at most", "µs, median", "p99", "worst"), rows
 
 
-PARTS = {"queries": queries, "stops": stops}
+def status():
+    """From `?` on a link to the first byte of the answer, while three axes step at 100 kHz."""
+    rows = []
+    for link, name in (("pc", "USB"), ("serial", "UART, 115 200 baud")):
+        _router(link)
+        for what, lines in (("long lines", _long_lines()), ("a stream of lines of 1.5 mm", _short_lines())):
+            took_ms = on_a_copy(lambda: _status(link, lines))
+            times = [f"{ms:.2f}" for ms in (median(took_ms), _p99(took_ms), max(took_ms))]
+            rows.append((name, what, len(took_ms), *times))
+    return ("link", "stepping", "answers", "ms, median", "p99", "worst"), rows
+
+
+@lru_cache
+def _router(link):
+    """The router with faster drivers, up, its lines taken from `link`; nothing homes, so that nothing is locked."""
+    board = copy.deepcopy(boards.load("router_3axis"))
+    board["commands"] = link
+    board["drive"]["pulse_us"] = 2
+    del board["homing"]
+    for axis in board["axes"]:
+        axis.update(steps_per_m=320_000, travel_steps=96_000, max_mm_min=18_750, accel_mm_s2=5000)
+    machine = EmulatedMachine(board, trace=None, start=(0, 0, 0)).boot()
+    asking = Asking(machine, link)
+    machine.run_ms(1900)
+    asking.stream([b"G1F32476\n"])  # √3 · 18 750: each axis at 100 kHz
+    machine.run_until(lambda: not asking.unanswered, 1000)
+    return machine, asking
+
+
+def _long_lines():
+    return [b"X290Y290Z290\n", b"X0Y0Z0\n"] * 10
+
+
+def _short_lines():
+    """Lines that follow each other in a straight path, there and back."""
+    stations = [*range(SHORT_UM, 290_000, SHORT_UM)]
+    return [("X%.3fY%.3fZ%.3f\n" % ((um / 1000,) * 3)).encode() for um in (stations + stations[-2::-1]) * 4]
+
+
+def _status(link, lines):
+    machine, asking = _router(link)
+    random = Random(ANSWERS)
+    asking.stream(lines)
+    machine.run_ms(200)
+    took_ms = []
+    while len(took_ms) < ANSWERS:
+        machine.run_ms(random.uniform(2, 12))
+        took_ms.append(asking.status())
+    return took_ms
+
+
+PARTS = {"queries": queries, "status": status, "stops": stops}

@@ -1,6 +1,10 @@
-"""Asking where the machine is while it steps.
+"""Asking where the machine is while it steps: on the chip itself, and over a link.
 
     for took_us, walked in positions(rig, (10000, 7000, -5000), 100_000): …     # raises AssertionError if one is wrong
+
+    asking = Asking(machine, "serial")
+    asking.stream([b"G1X9F900\\n", …])
+    asking.status()                 # ms from `?` to the answer's first byte
 """
 
 from bisect import bisect_right
@@ -10,6 +14,8 @@ from host_tools.emulator.rig import ticks_of
 
 ASKED = 400
 LIMIT_US = 5_000_000
+ANSWER_LIMIT_MS = 500
+BUFFER_BYTES = 127  # of a grbl, as senders count it
 _ASK = """
 from array import array
 from passo.steps.checkpoints import find
@@ -72,3 +78,55 @@ def positions(rig, deltas, steps_s):
             assert least <= abs(place) <= most, f"axis {axis} at {place}, between {least} and {most} by its edges"
         found.append((ended - begun - reading_us, walked))
     return found
+
+
+class Asking:
+    """A sender of G-code on one link of an emulated machine, which also asks for the status."""
+
+    def __init__(self, machine, link):
+        self._machine = machine
+        self._pico = machine.pico
+        config = next(config for config in machine.board["links"] if config["name"] == link)
+        self._wire = None
+        if config["port"] == "usb":
+            self._pico.usb.heard = self._said
+        else:
+            self._wire, self._baud = machine.wire(link), config["baud"]
+            self._wire.listeners.append(lambda value: self._said(bytes((value,))))
+        self.said = bytearray()
+        self._begins = []  # cycles at which a status has begun
+        self._lines = []  # still to be sent
+        self.unanswered = []  # lengths of the lines sent
+
+    def _said(self, data):
+        self._begins += [self._pico.cycle] * data.count(b"<")
+        before = self.said.count(b"ok\r\n")
+        self.said += data
+        for _ in range(self.said.count(b"ok\r\n") - before):
+            self.unanswered.pop(0)
+            self._pump()
+
+    def _put(self, data):
+        """Returns the cycle at which the last byte has arrived."""
+        if self._wire:
+            return self._wire.feed(data, self._baud)
+        self._pico.usb.write(data)
+        return self._pico.cycle
+
+    def stream(self, lines):
+        """Send lines, as many at a time as grbl's buffer takes."""
+        self._lines += lines
+        self._pump()
+
+    def _pump(self):
+        while self._lines and sum(self.unanswered) + len(self._lines[0]) <= BUFFER_BYTES:
+            line = self._lines.pop(0)
+            self.unanswered.append(len(line))
+            self._put(line)
+
+    def status(self):
+        """ms from when `?` is there to when the first byte of its answer is. Raises TimeoutError."""
+        self._begins.clear()
+        asked = self._put(b"?")
+        self._machine.run_until(lambda: self._begins, ANSWER_LIMIT_MS, 200)
+        return (self._begins[0] - asked) / CYCLES_PER_US / 1000
