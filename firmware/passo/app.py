@@ -9,8 +9,6 @@ knows every room.
 """
 
 import gc
-
-import micropython
 from micropython import const
 
 from passo.control.board_error import BoardError
@@ -145,7 +143,6 @@ class App:
         if fastest < least:
             raise BoardError("speed: steps every %d ticks of 80 ns; the drive needs %d" % (fastest, least))
 
-    @micropython.native
     def poll(self):
         """Links, then machine, then answers, then words for the player. False where the machine has to wait, because
         more bytes are coming: where interrupts play, those are taken first."""
@@ -163,7 +160,6 @@ class App:
         self._feed()
         return True
 
-    @micropython.native
     def _overtaken(self, heard):
         """True while more bytes are coming and the machine may wait for them. What has been asked for moves at once."""
         coming = heard == _PART
@@ -175,7 +171,6 @@ class App:
             self._feed()
         return coming and (self.port.machine_ms() - self._looked_ms) & COUNT_MASK < _LOOK_MS
 
-    @micropython.native
     def _feed(self):
         """Words for the player, where there is something to play and the motors are ready."""
         feeder = self.feeder
@@ -188,7 +183,6 @@ class App:
         feeder.fill(self.player.played(), LIVE_TICKS if self.controller.live() else LEAD_TICKS)
         self.player.start()
 
-    @micropython.native
     def turn(self):
         """poll(), then let time pass."""
         if self.poll():
@@ -196,7 +190,6 @@ class App:
             self.port.wait(controller.busy(), controller.fine())
             self._looked_ms = self.port.machine_ms()
 
-    @micropython.native
     def _receive(self, link, now_ms):
         """What waits comes first, then what the line brings. Each command is answered before the next is asked for.
         Returns _PART where bytes came, _WHOLE where commands did, or both."""

@@ -3,8 +3,6 @@
     limit_x …  or whatever homing.sensors names for the axis     probe     door     hold  resume  reset
 """
 
-import micropython
-
 from passo.control import settings as table
 from passo.control.sensor import Sensor
 from passo.protocols import errors
@@ -86,7 +84,6 @@ class Inputs:
                 text += letter
         return text
 
-    @micropython.native
     def poll(self, now_ms):
         read = self._port.input
         seen = 0
