@@ -46,6 +46,7 @@ def main():
 
         port = start.port(board)
         app = App(board, port, slots=FileSlots("settings"))
+        forget("passo.assembly")
         room = None
         gc.collect()
         gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms

@@ -111,7 +111,8 @@ class Track:
 class VirtualJob:
     def __init__(self, board, changes=()):
         """`changes`: $ lines carried out first, as text. Raises Failure where the board has no link for G-code."""
-        from passo.app import App, make_drive
+        from passo.app import App
+        from passo.assembly import make_drive
         from passo.control.boardfile import BoardError, check
         from passo.ports.virtual import VirtualPort
 

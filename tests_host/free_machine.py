@@ -8,7 +8,8 @@
 Runs under CPython and MicroPython.
 """
 
-from passo.app import App, make_drive
+from passo.app import App
+from passo.assembly import make_drive
 from passo.control.boardfile import check
 from passo.control.independent import Independent
 from passo.ports.virtual import VirtualPort

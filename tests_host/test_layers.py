@@ -25,6 +25,7 @@ MAY_IMPORT = {
     "web": ("passo.control",),
     "languages": ("passo.control", "passo.protocols"),
     "app": ("passo",),
+    "assembly": ("passo",),
     "main": (
         "passo.app", "passo.control.boardfile", "passo.control.board_error", "passo.control.journal", "passo.ports", "board",
     ),
@@ -94,10 +95,10 @@ def import_faults(source, path):
         top = name.split(".")[0]
         if not (within(name, allowed) or top in built_ins and top != "passo"):
             faults.append(f"{path}:{line}: {room} may not import {name}")
-    if room not in ("app", "main"):
+    if room not in ("assembly", "main"):
         for node in ast.walk(tree(source)):
             if isinstance(node, ast.Name) and node.id == "__import__":
-                faults.append(f"{path}:{node.lineno}: only app loads modules by name")
+                faults.append(f"{path}:{node.lineno}: only assembly loads modules by name")
     return faults
 
 
@@ -198,7 +199,7 @@ SOUND = [
     (import_faults, "passo/control/homing.py", "from passo.protocols import errors\nimport passo.protocols.commands"),
     (import_faults, "passo/motion/arc.py", "from . import line\nfrom array import array"),
     (import_faults, "passo/ports/rp2.py", "import machine, rp2\nfrom passo.steps.word import ahead"),
-    (import_faults, "passo/app.py", "from passo.ports import rp2\n__import__('passo.protocols.keys')"),
+    (import_faults, "passo/assembly.py", "from passo.ports import rp2\n__import__('passo.protocols.keys')"),
     (float_faults, "passo/motion/line.py", "half = total // 2"),
     (language_faults, "passo/steps/feeder.py", "pulses = len(table.keys())  # pulses of the STEP pins"),
 ]

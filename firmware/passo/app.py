@@ -11,17 +11,16 @@ knows every room.
 import gc
 from micropython import const
 
-from passo.control.board_error import BoardError
 from passo.control.controller import LATER, Controller
 from passo.control.journal import Journal, MemorySlots
 from passo.control.motors import Motors
-from passo.control.settings import ENABLE_INVERT, SPEED, STEPS, Settings
+from passo.control.settings import ENABLE_INVERT, Settings
 from passo.motion.planner import Planner
 from passo.protocols import errors
 from passo.protocols.commands import IMMEDIATE, RESET, RESTARTED, Event
 from passo.steps.feeder import Feeder
 from passo.steps.ring import Ring, ring_size
-from passo.steps.word import COUNT_MASK, TICKS_PER_S, Layout, us_to_ticks
+from passo.steps.word import COUNT_MASK, TICKS_PER_S, us_to_ticks
 
 LEAD_TICKS = const(30 * 12_500)  # from a main loop
 LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any moment, within 20 ms on the pins
@@ -30,51 +29,6 @@ _WAITING = const(64)  # commands of one link that may wait for their turn
 _LOOK_MS = const(4)  # while bytes keep coming, the machine is looked at so often
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
-
-PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
-# Those without lines and arcs as they come: program and tools are not loaded for them.
-_STORED = ("plotter", "torch", "pulses", "keys")
-
-
-def open_protocol(link, board, controller, shared):
-    """The protocol of a link of the board file; only what is named is loaded. `shared`: what links of one language
-    have in common, a dict."""
-    name = link["protocol"]
-    if name not in PROTOCOLS:
-        raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
-    try:
-        language = __import__("passo.languages." + name, None, None, ("opened",))
-    except ImportError as missing:
-        raise BoardError("link %s: %s is not on this board (%s): flash it anew" % (link["name"], name, missing))
-    return language.opened(link, board, controller, shared)
-
-
-def make_drive(board):
-    """(layout, drive, levels without current) of the board's motors; drive is None where the step form will do."""
-    kind = board["drive"]["kind"]
-    names = [axis["name"] for axis in board["axes"]]
-    count = len(names)
-    if kind == "step_dir":
-        from passo.drives import step_dir
-
-        return Layout(kind, count, 2 * count, step_dir.pin_names(names), (1 << count) - 1), None, 0
-    from passo.drives.coils import CoilDrive
-
-    if kind == "unipolar":
-        from passo.drives import unipolar as motors
-    else:
-        from passo.drives import pbl3770a as motors
-    mode = board["drive"]["mode"]
-    backwards = 0
-    for axis in range(count):
-        backwards |= board["axes"][axis]["reversed"] << axis
-    hold = motors.HOLD[mode] if kind == "pbl3770a" else None
-    drive = CoilDrive(count, motors.MODES[mode], motors.WIDTH, hold, backwards, motors.OFF)
-    pins = [name + "_" + pin for name in names for pin in motors.PINS]
-    off = 0
-    for axis in range(count):
-        off |= motors.OFF << axis * motors.WIDTH
-    return Layout("coils", count, count * motors.WIDTH, pins, 0), drive, off
 
 
 class Link:
@@ -93,19 +47,21 @@ class App:
     def __init__(self, board, port, protocols=None, slots=None):
         """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the settings are kept,
         None: nowhere. Raises BoardError."""
+        from passo import assembly  # main.py forgets it again
+
         self.board = board
         for link in board["links"]:
             link["protocol"] = (protocols or {}).get(link["name"], link["protocol"])
         self.port = port
-        self.layout, drive, off_levels = make_drive(board)
+        self.layout, drive, off_levels = assembly.make_drive(board)
         settings = Settings(board, Journal(slots or MemorySlots()))
         port.board = board  # pins follow the settings
-        self.ring = Ring(ring_size(self._fastest(settings), getattr(port, "lead_ticks", LEAD_TICKS)))
+        self.ring = Ring(ring_size(assembly.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)))
         self.player = port.player(self.ring, self.layout)
         gc.collect()  # so that what is small fills the gaps and leaves room in one piece for what is large
         self.planner = Planner(self.layout.axes)
         least = self.player.min_word_ticks
-        self._check_speed(least)
+        assembly.check_speed(board, least)
         setup = us_to_ticks(board["drive"]["setup_us"]) if drive is None else 0
         self.feeder = Feeder(self.ring, self.layout, self.planner, drive, setup and max(setup, least), least)
         self.interrupt = port.feed_from_interrupt(self.feeder, self.player)
@@ -115,7 +71,7 @@ class App:
         gc.collect()
         settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)
         languages = [link["protocol"] for link in board["links"]]
-        streamed = bool([name for name in languages if name not in _STORED])
+        streamed = bool([name for name in languages if name not in assembly.STORED])
         self.controller = Controller(
             board, self.planner, self.feeder, self.player, motors, port, settings, streamed, "plotter" in languages
         )
@@ -123,25 +79,10 @@ class App:
         shared = {}
         self.links = []
         for link in board["links"]:
-            protocol = open_protocol(link, board, self.controller, shared)
+            protocol = assembly.open_protocol(link, board, self.controller, shared)
             self.links.append(Link(len(self.links), link, port.serial(link), protocol))
         self.controller.resets.restarted()
         self._answer()
-
-    def _fastest(self, settings):
-        """Steps a second of the fastest axis."""
-        speed = self.board["speed"]
-        fastest = 500_000 // speed["min"] if speed["unit"] == "half_period_us" else speed["max"]
-        for axis in range(len(self.board["axes"])):
-            fastest = max(fastest, settings.value(STEPS + axis) * settings.value(SPEED + axis) // 60_000_000)
-        return fastest
-
-    def _check_speed(self, least):
-        """Every speed the board file allows must leave the player its shortest word."""
-        speed = self.board["speed"]
-        fastest = us_to_ticks(2 * speed["min"]) if speed["unit"] == "half_period_us" else TICKS_PER_S // speed["max"]
-        if fastest < least:
-            raise BoardError("speed: steps every %d ticks of 80 ns; the drive needs %d" % (fastest, least))
 
     def poll(self):
         """Links, then machine, then answers, then words for the player. False where the machine has to wait, because

@@ -1,0 +1,70 @@
+"""What the app needs only while it puts a board file's machine together: drive, speeds and languages.
+
+A board forgets it when that is done: it has better uses for the memory.
+"""
+
+from passo.control.board_error import BoardError
+from passo.control.settings import SPEED, STEPS
+from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
+
+PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
+# Those without lines and arcs as they come: program and tools are not loaded for them.
+STORED = ("plotter", "torch", "pulses", "keys")
+
+
+def open_protocol(link, board, controller, shared):
+    """The protocol of a link of the board file; only what is named is loaded. `shared`: what links of one language
+    have in common, a dict."""
+    name = link["protocol"]
+    if name not in PROTOCOLS:
+        raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
+    try:
+        language = __import__("passo.languages." + name, None, None, ("opened",))
+    except ImportError as missing:
+        raise BoardError("link %s: %s is not on this board (%s): flash it anew" % (link["name"], name, missing))
+    return language.opened(link, board, controller, shared)
+
+
+def make_drive(board):
+    """(layout, drive, levels without current) of the board's motors; drive is None where the step form will do."""
+    kind = board["drive"]["kind"]
+    names = [axis["name"] for axis in board["axes"]]
+    count = len(names)
+    if kind == "step_dir":
+        from passo.drives import step_dir
+
+        return Layout(kind, count, 2 * count, step_dir.pin_names(names), (1 << count) - 1), None, 0
+    from passo.drives.coils import CoilDrive
+
+    if kind == "unipolar":
+        from passo.drives import unipolar as motors
+    else:
+        from passo.drives import pbl3770a as motors
+    mode = board["drive"]["mode"]
+    backwards = 0
+    for axis in range(count):
+        backwards |= board["axes"][axis]["reversed"] << axis
+    hold = motors.HOLD[mode] if kind == "pbl3770a" else None
+    drive = CoilDrive(count, motors.MODES[mode], motors.WIDTH, hold, backwards, motors.OFF)
+    pins = [name + "_" + pin for name in names for pin in motors.PINS]
+    off = 0
+    for axis in range(count):
+        off |= motors.OFF << axis * motors.WIDTH
+    return Layout("coils", count, count * motors.WIDTH, pins, 0), drive, off
+
+
+def fastest(board, settings):
+    """Steps a second of the fastest axis."""
+    speed = board["speed"]
+    most = 500_000 // speed["min"] if speed["unit"] == "half_period_us" else speed["max"]
+    for axis in range(len(board["axes"])):
+        most = max(most, settings.value(STEPS + axis) * settings.value(SPEED + axis) // 60_000_000)
+    return most
+
+
+def check_speed(board, least):
+    """Every speed the board file allows must leave the player its shortest word, `least` ticks. Raises BoardError."""
+    speed = board["speed"]
+    ticks = us_to_ticks(2 * speed["min"]) if speed["unit"] == "half_period_us" else TICKS_PER_S // speed["max"]
+    if ticks < least:
+        raise BoardError("speed: steps every %d ticks of 80 ns; the drive needs %d" % (ticks, least))
