@@ -125,7 +125,6 @@ class Queue:
             ms -= part
         self.waiting = True
 
-    @micropython.native
     def line(self, target, ticks, tool, tag, rapid=False):
         """Go to `target` (the first axes) in ticks(deltas). Raises ValueError where the planner cannot."""
         if tool != self.tool:
