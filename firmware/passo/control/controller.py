@@ -46,7 +46,10 @@ class Controller:
         self.checking = False  # commands are only checked
         self.sleeping = False
         self.command = None  # the long command under way
-        self.queue = Queue(board, planner, feeder, player, port)
+        kind = Queue
+        if streamed:
+            from passo.control.stream_queue import StreamQueue as kind
+        self.queue = kind(board, planner, feeder, player, port)
         self.objects = Absent(self.queue.lift)
         self.pauses = self.program = self.tools = Absent()
         self._load(streamed, stored, planner)

@@ -4,12 +4,8 @@ Places are steps of each axis from machine position zero.
 """
 
 import micropython
-from micropython import const
 
-from passo.motion.integers import NM_PER_M, length_nm
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
-
-_LONGEST_MS = const(80_000)  # of one wait: the planner's limit is 85 s
 
 
 class Queue:
@@ -54,10 +50,6 @@ class Queue:
         """True when everything queued has been played to its last tick."""
         return self.empty() and not self._player.busy()
 
-    def resting(self):
-        """True when nothing is under way: whatever is queued has not been released."""
-        return self._planner.resting()
-
     def standing(self):
         """True when a hold has come to its stand."""
         return self._feeder.standing() and not self._player.busy()
@@ -68,18 +60,6 @@ class Queue:
             self._chords.flush = True
         else:
             self._planner.flush()
-
-    def feed(self):
-        """Queue as much of an arc as there is room for, once a main loop turn."""
-        while self._chords and self._planner.room():
-            self._chords.add(self._planner)
-            if not self._chords.left:
-                self._chords = None
-
-    def start(self):
-        """Begin to move: what is queued may still be followed by more, without a stand in between."""
-        self._planner.start()
-        self.waiting = False
 
     def inside(self, target):
         """True where `target` is within the machine's travel."""
@@ -117,14 +97,6 @@ class Queue:
         if self.tool:
             self.set_tool(False, tag)
 
-    def wait(self, ms, tag):
-        """Stand still for a while. Needs room for ms // 80 000 + 1 blocks."""
-        while ms > 0:
-            part = min(ms, _LONGEST_MS)
-            self._planner.wait(part * TICKS_PER_MS, self.tool, tag)
-            ms -= part
-        self.waiting = True
-
     def line(self, target, ticks, tool, tag, rapid=False):
         """Go to `target` (the first axes) in ticks(deltas). Raises ValueError where the planner cannot."""
         if tool != self.tool:
@@ -133,37 +105,6 @@ class Queue:
         self._planner.line(deltas, ticks(deltas), tool, tag, rapid)
         self._arrive(target)
 
-    def go(self, target, nm_s, ticks, tool, tag):
-        """Go to `target` (the first axes) in a line: at `nm_s`, or in `ticks` where they are not 0; as fast as the axes may
-        where both are. Raises ValueError where the planner cannot."""
-        if tool != self.tool:
-            self._change_tool(tool, tag)
-        if not self._planner.accelerates:
-            deltas = self._towards(target)
-            ticks = ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
-            nm_s = 0
-        self.again(target, nm_s, tool, tag, ticks)
-
-    @micropython.native
-    def again(self, target, nm_s, tool, tag, ticks=0):
-        """go() with the tool as it is, and within limits or in `ticks`."""
-        here = self.target
-        deltas = self._deltas
-        axis = 0
-        for place in target:
-            deltas[axis] = place - here[axis]
-            axis += 1
-        while axis < len(deltas):
-            deltas[axis] = 0
-            axis += 1
-        self._planner.line(deltas, ticks, tool, tag, not nm_s and not ticks, nm_s)
-        axis = 0
-        for place in target:
-            here[axis] = place
-            axis += 1
-        self.waiting = True
-
-    @micropython.native
     def _towards(self, target):
         """The steps from the queue's end to `target`: one list, used again and again."""
         deltas = self._deltas
@@ -173,50 +114,17 @@ class Queue:
             deltas[axis] = target[axis] - here[axis] if axis < count else 0
         return deltas
 
-    @micropython.native
     def _arrive(self, target):
         here = self.target
         for axis in range(len(target)):
             here[axis] = target[axis]
         self.waiting = True
 
-    def arc(self, target, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker):
-        """Go to `target` on a circle about `centre` (steps from here, in the plane): at `nm_s`, or in `ticks` where they
-        are not 0, v²/R within `weaker` (nm/s²). Raises ValueError where neither the planner nor chords can."""
-        self._change_tool(tool, tag)
-        deltas = self.deltas(target)
-        try:
-            self._planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag)
-        except ValueError:  # no circle in steps, or too steep a helix
-            self._chords = self._cut(deltas, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker)
-            self.feed()
-        self._reach(deltas)
-
-    def _cut(self, deltas, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker):
-        from passo.control.chords import Chords
-        from passo.motion.ellipse import Ellipse
-
-        steps_per_m = [axis["steps_per_m"] for axis in self._axes]
-        ellipse = Ellipse(deltas, plane, centre, steps_per_m, clockwise, turns)
-        if ticks:
-            nm_s = ellipse.length_nm * TICKS_PER_S // ticks
-        return Chords(ellipse, nm_s, tool, tag, steps_per_m, weaker, self._planner.slowest())
-
     def _change_tool(self, tool, tag):
         """A tool that takes no time changes as the motion begins."""
         if tool != self.tool and self.tool_ms(tool):
             self.set_tool(tool, tag)
         self.tool = tool
-
-    def _reach(self, deltas):
-        self.target = [at + by for at, by in zip(self.target, deltas)]
-        self.waiting = True
-
-    def deltas(self, target):
-        deltas = [0] * len(self._axes)
-        for axis in range(len(target)):
-            deltas[axis] = target[axis] - self.target[axis]
-        return deltas
 
     def travel(self, axis, steps, steps_s):
         """Set out on `steps` along one axis, travel limits aside; the target is the caller's affair."""
@@ -252,10 +160,6 @@ class Queue:
         """The queue ends where the machine stands. Only at a stand."""
         self.target = self.position()
 
-    def ticks_at(self, deltas, nm_s):
-        """How long a line lasts at a speed along the path."""
-        return length_nm(deltas, [axis["steps_per_m"] for axis in self._axes]) * TICKS_PER_S // nm_s
-
     # --- stopping
 
     def halt(self):
@@ -280,11 +184,6 @@ class Queue:
         self._feeder.hold = False
         self.target = [position[axis] - self._origin[axis] for axis in range(len(position))]
 
-    def set_power(self, power, dynamic):
-        """Analogue power, 0 … 1000, of all that is added from now on; `dynamic`: in proportion to the speed."""
-        self._planner.power = power
-        self._planner.dynamic = dynamic
-
     def dynamic(self):
         """The power of what is under way, or was last, follows the speed."""
         block = self._planner.playing()
@@ -298,14 +197,6 @@ class Queue:
     def restore_power(self):
         """Show the power of the last mark, as it counts now; at a stand it is none where it follows the speed."""
         self.power(0 if self.dynamic() and not self._player.busy() else self.analogue.level)
-
-    def pace(self):
-        """The speed along the path at this moment, in nm/s."""
-        block = self._planner.playing()
-        pace = self._feeder.pace(self._player.played())
-        if block is None or block.walker is None or not pace:
-            return 0
-        return block.speed * pace // block.top if block.gain else block.speed
 
     def playing(self):
         """The block under way, or None."""
