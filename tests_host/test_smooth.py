@@ -8,7 +8,7 @@ from small_int import Small
 
 globals().update(make_tests(check_smooth))
 
-NUMBERS = "ticks ticks_rest top limit gain span time time_shift ratio ratio_shift leave start".split()
+NUMBERS = "ticks ticks_rest top limit gain span time time_shift leave start".split()
 
 
 class SmallRows:
