@@ -55,6 +55,20 @@ def check_both_ends_of_lines():
     assert said == ["ok"] * 2
 
 
+def check_a_few_lines_a_turn():
+    """Where lines take time, a burst of them is shared out over turns, and what is asked meanwhile is answered first."""
+    machine = Machine().ready()
+    machine.app.links[0].protocol.most = 3
+    machine.put("".join(["G91 G0 X%d\n" % (i + 1) for i in range(10)]))
+    assert machine.turns() == ["ok"] * 3
+    machine.put("?")
+    said = machine.turns()
+    assert said[0].startswith("<") and said[1:] == ["ok"] * 3
+    assert machine.turns(2) == ["ok"] * 4
+    machine.settle()
+    assert machine.controller.queue.target[0] == 55 * 320
+
+
 def check_settings_lines():
     machine = Machine().ready()
     for line, said in (

@@ -27,6 +27,7 @@ LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any mom
 _TURNS_S = const(200)  # half a ring of words has to last as long as such a turn of the feeder
 _WAITING = const(64)  # commands of one link that may wait for their turn
 _LOOK_MS = const(4)  # while bytes keep coming, the machine is looked at so often
+_MOST = const(4)  # lines a turn on a chip, where they take time
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 
@@ -80,6 +81,8 @@ class App:
         self.links = []
         for link in board["links"]:
             protocol = assembly.open_protocol(link, board, self.controller, shared)
+            if self.interrupt and hasattr(protocol, "most"):
+                protocol.most = _MOST
             self.links.append(Link(len(self.links), link, port.serial(link), protocol))
         self.controller.resets.restarted()
         self._answer()

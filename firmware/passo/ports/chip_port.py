@@ -1,6 +1,6 @@
 """What the ports of all chips share: inputs and outputs, power, heartbeat, watchdog, and one turn of the feeder.
 
-A chip's Port adds the player, and the timer whose interrupt calls _feed(). If the main loop has not turned for 200 ms
+A chip's Port adds the player, and the timer whose interrupt calls _feed(). If the main loop has not turned for 170 ms
 the feeder slows down to a stand, and the watchdog, once it runs, resets the chip after a second.
 """
 
@@ -13,7 +13,7 @@ from micropython import const
 from passo.ports.uart_line import UartLine
 from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 
-_HEARTBEAT_MS = const(200)
+_HEARTBEAT_MS = const(170)  # so that it stands within 200
 _WATCHDOG_MS = const(1000)
 _IDLE_MS = const(10)  # the longest turn while nothing is under way
 _FIRST_TICKS = 2 * TICKS_PER_MS  # of words are made before the player starts, and between two looks at it then

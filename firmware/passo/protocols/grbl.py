@@ -70,6 +70,8 @@ def real_time(byte):
 
 
 class Grbl:
+    most = 0x1FFFFFFF  # commands of lines that one feed() gives: what else has come waits for the next one
+
     def __init__(self, axes, offsets, settings, machine):
         """`axes`: names; `settings`: control's; `machine`: the controller's face: target, steps_per_m, state, blocks."""
         self.gcode = GCode(axes, offsets, machine)
@@ -114,7 +116,9 @@ class Grbl:
                 yield command
         else:
             self._lines.take(data)
-        while self._under_way is None:
+        most = self.most
+        while self._under_way is None and most:
+            most -= 1
             self._under_way = self._plain()
             if self._under_way is None:
                 if not self._rest:
