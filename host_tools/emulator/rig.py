@@ -80,7 +80,7 @@ def router(axes=3, **changes):
         "tool": {"pin": FIRST_PIN + 2 * axes},
         "inputs": [],
         "outputs": [{"name": "enable", "pin": ENABLE_PIN, "active": 0}],
-        "speed": {"unit": "steps_per_s", "default": 10000, "min": 100, "max": 25000},
+        "speed": {"unit": "steps_per_s", "default": 10000, "min": 100, "max": 480000},
         "jog": {"steps": 400, "up": "y+" if axes > 1 else "x+"},
         "idle_release_ms": 0,
         "store_points": 500,
