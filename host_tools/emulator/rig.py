@@ -74,13 +74,13 @@ def router(axes=3, **changes):
         "drive": {"kind": "step_dir", "pulse_us": 1, "setup_us": 5},
         "axes": [
             {"name": "xyza"[axis], "pins": [FIRST_PIN + axis, FIRST_PIN + axes + axis],
-             "steps_per_m": 400000, "travel_steps": 65000, "max_mm_min": 15000, "accel_mm_s2": 500}
+             "steps_per_m": 400000, "travel_steps": 65000, "max_mm_min": 72000, "accel_mm_s2": 500}
             for axis in range(axes)
         ],
         "tool": {"pin": FIRST_PIN + 2 * axes},
         "inputs": [],
         "outputs": [{"name": "enable", "pin": ENABLE_PIN, "active": 0}],
-        "speed": {"unit": "steps_per_s", "default": 10000, "min": 100, "max": 480000},
+        "speed": {"unit": "steps_per_s", "default": 10000, "min": 100, "max": 25000},
         "jog": {"steps": 400, "up": "y+" if axes > 1 else "x+"},
         "idle_release_ms": 0,
         "store_points": 500,
