@@ -3,6 +3,7 @@ heartbeat, watchdog; and board files that ask of a chip what it has not."""
 
 import fake_esp32
 from boards.plotter_2014 import BOARD as PICO
+from boards.laser_xy import BOARD as LASER
 from boards.plotter_esp32 import BOARD
 from check_control import copy
 from fake_esp32 import chip
@@ -289,6 +290,61 @@ class Switched(Table):
 
     def input(self, tick, name):
         return self.level if name == "stop" else Table.input(self, tick, name)
+
+
+def laser():
+    """The laser's board on this chip, its alarm taken away."""
+    data = copy(LASER)
+    data.update(chip="esp32", tool={"pin": 26}, inputs=[], homing=None, outputs=[])
+    data["speed"].update(default=4000, max=4000)
+    for axis, pins in zip(data["axes"], ([16, 17], [18, 19])):
+        axis.update(pins=pins, max_mm_min=3000)
+    data["spindle"]["pin"] = 32
+    data["links"] = [{"name": "pc", "port": "uart2", "tx": 27, "rx": 14, "baud": 115200, "protocol": "grbl"}]
+    board = Board(data)
+    board.uart.incoming += b"$X\n"
+    board.turns(300)
+    return board
+
+
+def check_a_laser_held_stays_dark():
+    """In a feed hold the power's pin goes to 0, and neither an interrupt nor an override brings it back before the
+    machine goes on."""
+    board = laser()
+    for mode in (b"M3", b"M4"):
+        board.uart.incoming += mode + b"S500G1X100F600\n"
+        board.turns(100)
+        assert 30_000 < chip.pwm[32] < 33_000, mode
+        board.uart.incoming += b"!"
+        board.turns(400)
+        assert board.app.controller.state == "hold" and not board.app.planner.empty() and chip.pwm[32] == 0, mode
+        board.uart.incoming += b"\x9a"
+        board.turns(100)
+        assert chip.pwm[32] == 0, mode
+        board.uart.incoming += b"~"
+        board.turns(200)
+        assert 33_000 < chip.pwm[32] < 37_000, mode
+        board.uart.incoming += b"\x18"
+        board.turns(60)
+        assert chip.pwm[32] == 0, mode
+        board.uart.incoming += b"$X\nG92X0Y0\n"
+        board.turns(100)
+
+
+def check_the_power_of_a_laser_that_stands():
+    """M3 burns on: what is said at a stand, and in a word shorter than a turn of the feeder, is shown. M4 is dark."""
+    board = laser()
+    for said, level in (
+        (b"G1F3000\nM3S500\n", 500), (b"S200\n", 200), (b"X5S700\n", 700), (b"X5.0125S300\n", 300), (b"G4P0.1\n", 300),
+        (b"\x9a", 330), (b"\x99S100\n", 100), (b"G0X6\n", 100), (b"G1X7S400\n", 400), (b"M4\n", 0), (b"S100\n", 0),
+        (b"X8S800\n", 0), (b"G4P0.1\n", 0), (b"M3S600\n", 600), (b"M5\n", 0),
+    ):  # fmt: skip
+        board.uart.incoming += said
+        board.turns(400)
+        lit = said != b"G0X6\n" and level > 0
+        assert board.app.controller.state == "idle" and chip.level.get(26, 0) == lit, said
+        assert not lit or chip.pwm[32] == level * 65535 // 1000, (said, chip.pwm[32])
+        assert level or chip.pwm[32] == 0, said
 
 
 def check_a_main_loop_that_hangs():

@@ -196,7 +196,15 @@ class Queue:
 
     def restore_power(self):
         """Show the power of the last mark, as it counts now; at a stand it is none where it follows the speed."""
-        self.power(0 if self.dynamic() and not self._player.busy() else self.analogue.level)
+        if self._player.busy():
+            self.power(self.analogue.level)
+        else:
+            self._shine(not self.dynamic())
+
+    def _shine(self, on):
+        """At a stand: the power of the last mark, or none until the next."""
+        self.analogue.show(self._player.played(), on)
+        self.power(self.analogue.level)
 
     def playing(self):
         """The block under way, or None."""
@@ -225,4 +233,4 @@ class Queue:
         if tool:
             self.restore_power()
         else:
-            self.power(0)
+            self._shine(False)

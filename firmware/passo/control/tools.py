@@ -78,16 +78,18 @@ class Tools:
         if not machine.checking:
             self.spindle = command.value
             self.power = command.power if command.value != OFF else 0
-            self._queue.set_power(thousandths(self.power), False)
+            self._queue.set_power(0 if laser and not command.tool else thousandths(self.power), False)
             self._put("reverse", command.value == 4)
-            if command.tool != self._queue.tool:
+            still = self._queue.still()
+            lit = self._queue.lit() if still else self._queue.tool
+            if command.tool != lit:
                 self._queue.set_tool(command.tool, 0)
                 machine.program.moved()
                 if not laser:
                     self._queue.flush()
                     machine.command = command
                     return 0
-            elif not laser:
+            elif not laser or still and lit:
                 self._queue.analogue.set(thousandths(self.power))
                 self._queue.restore_power()
         return machine.accepted(command)

@@ -97,9 +97,9 @@ class ChipPort:
     def power(self, level):  # ISR: no allocation
         """Show the tool's analogue power, 0 … 1000, at once."""
         if level != self._shown:
-            self._shown = level
             if self._pwm is not None:
                 self._pwm.duty_u16(level * 65535 // 1000)
+            self._shown = level  # last: an interrupt may have shown another meanwhile, then the next one does so again
 
     def machine_ms(self):
         return ticks_ms() & COUNT_MASK

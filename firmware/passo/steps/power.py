@@ -20,7 +20,8 @@ FULL = const(1000)
 class Power:
     def __init__(self):
         self.value = 0  # of the last mark played
-        self.level = 0  # what the output should show for it
+        self.level = 0  # what the output should show
+        self._dark = False  # that is none, whatever the value, until the next mark
         self._percent = 100
         self._least = 0
         self._words = array("i", [0] * _SIZE)
@@ -54,14 +55,27 @@ class Power:
     def set(self, value):  # ISR: no allocation
         """The power is `value`, whatever the last mark said."""
         self.value = value
+        self._dark = False
         self.level = self._scaled(value)
+
+    def show(self, played, on):
+        """At a stand, `played` words having begun: the value counts, or the output is off until the next mark."""
+        self.play(played)
+        self._dark = not on
+        self._show()
+
+    def _show(self):
+        value = -1
+        while value != self.value:  # an interrupt may take up a mark meanwhile
+            value = self.value
+            self.level = 0 if self._dark else self._scaled(value)
 
     def adjust(self, percent, least):
         """Every value counts `percent` of itself from now on; those up to `least`, but 0, show as the weakest level,
         those above it share the range that is left (a spindle's lowest speed at the weakest signal)."""
         self._percent = percent
         self._least = least
-        self.level = self._scaled(self.value)
+        self._show()
 
     def _scaled(self, value):  # ISR: no allocation
         if not value:
