@@ -330,6 +330,27 @@ def check_arcs_far_too_slow_are_refused():
     assert machine.ask("G18 G2 X3 Z-3 R3 F600") == ["error:34"]
 
 
+def check_what_is_refused_leaves_the_tool():
+    """Where a change of the tool takes time, none is queued for motion that is refused, whatever refuses it."""
+    machine = Machine(spindle=LASER, tool={"pin": 8, "active": 1, "on_ms": 50, "off_ms": 30}).ready()
+    machine.do("G0 X5 Y5", "M3 S500")
+    machine.settle()
+    place = machine.controller.position()
+    for line in ("G18 G2 X8 Z-3 R3 F.004", "G17 G2 X5.003 I-.5 J-.25 F.0001", "G3 X5 Y5 Z-90 I.1 F.001", "G1 X5.01 F.0001"):
+        machine.turns(3)
+        assert machine.ask(line)[0] in ("error:33", "error:34"), line
+        assert machine.controller.queue.still() and not machine.controller.queue.tool, line
+        machine.turns(100)
+        assert machine.world.tool_changes == [] and machine.controller.position() == place, line
+    for line in ("G17 G3 X5 Y5 I2 F900", "G18 G2 X8 Z-3 R3", "G17 G2 X5.003 I-.5 J-.25", "G1 X9"):
+        steps = machine.world.steps
+        machine.do(line, "G0 X5 Y5 Z0")
+        machine.settle()
+        (on, _), (off, _) = machine.world.tool_changes
+        assert machine.world.steps > steps and off > on + 50 * 12_500, line
+        del machine.world.tool_changes[:]
+
+
 def check_arcs_stay_inside():
     machine = home(Machine())
     machine.do("G0 X10 Y10")

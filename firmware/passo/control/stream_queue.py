@@ -38,12 +38,14 @@ class StreamQueue(Queue):
     def go(self, target, nm_s, ticks, tool, tag):
         """Go to `target` (the first axes) in a line: at `nm_s`, or in `ticks` where they are not 0; as fast as the axes may
         where both are. Raises ValueError where the planner cannot."""
-        if tool != self.tool:
-            self._change_tool(tool, tag)
+        deltas = self._towards(target)
         if not self._planner.accelerates:
-            deltas = self._towards(target)
             ticks = ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
             nm_s = 0
+        if tool != self.tool:
+            if self.tool_ms(tool):  # what is refused leaves the tool as it is
+                self._planner.fits(deltas, ticks, nm_s)
+            self._change_tool(tool, tag)
         self.again(target, nm_s, tool, tag, ticks)
 
     @micropython.native
@@ -68,13 +70,20 @@ class StreamQueue(Queue):
     def arc(self, target, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker):
         """Go to `target` on a circle about `centre` (steps from here, in the plane): at `nm_s`, or in `ticks` where they
         are not 0, v²/R within `weaker` (nm/s²). Raises ValueError where neither the planner nor chords can."""
-        self._change_tool(tool, tag)
         deltas = self.deltas(target)
+        planner = self._planner
+        changes = tool != self.tool and self.tool_ms(tool) > 0
+        chords = None
         try:
-            self._planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag)
+            planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag, not changes)
         except ValueError:  # no circle in steps, or too steep a helix
-            self._chords = self._cut(deltas, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker)
+            chords = self._cut(deltas, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker)
+        self._change_tool(tool, tag)
+        if chords:
+            self._chords = chords
             self.feed()
+        elif changes:
+            planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag)
         self._reach(deltas)
 
     def _cut(self, deltas, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker):

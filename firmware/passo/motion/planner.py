@@ -177,6 +177,21 @@ class Planner:
         work[_FEED] = min(limits.part(speed_nm_s), profile.MOST) if speed_nm_s else 0
         self._asked = -1 if ticks else speed_nm_s
 
+    def fits(self, deltas, ticks, speed_nm_s):
+        """Raise what line() would, with nothing queued. No motion is to follow without a stand in between."""
+        rows = self._rows
+        at = self._added % _SIZE * self._stride
+        for axis in range(self.axes):
+            rows[at + ROW + axis] = deltas[axis]
+        if self._terms is None:
+            self._steady(at, deltas, ticks)
+            return
+        self._work[_IS_ARC] = 0
+        self._ask(deltas, ticks, speed_nm_s)
+        result = self._measure(rows, at, self._work, self._terms)
+        if result < 0:
+            self._refuse(result)
+
     def _refuse(self, result):
         if result == -1:
             raise ValueError("steps more than 43 s apart")
@@ -202,14 +217,14 @@ class Planner:
         rows[at + TICKS_REST] = rows[at + GAIN] = rows[at + SPEED] = 0
         self._work[_THROUGH] = 0
 
-    def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, rapid=False):
+    def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, queued=True):
         """Queue an arc or helix from here to `deltas` (steps, all axes) about `center` (steps from here, in the plane).
 
         `plane`: (a, b, third axis or -1), counter-clockwise is from a to b; `turns`: full ones on top. Its speed along
         the path, or the `ticks` it lasts at that. On arcs v²/R stays within the weaker axis's acceleration. An arc too
         short for a step along the circle is a line. Raises ValueError for what cannot be walked as a circle: the plane's
-        axes with different steps/mm, a radius of 0 or above 2²⁰ steps; arc.TooSteep for too steep a helix. Use chords()
-        there.
+        axes with different steps/mm, a radius of 0 or above 2²⁰ steps; arc.TooSteep for too steep a helix. `queued`: False
+        only looks whether it would raise, as fits() does.
         """
         from passo.motion import arc, arc_speed
         from passo.motion.arc_plan import PLAN, STEPS
@@ -222,7 +237,10 @@ class Planner:
         plan = self._plan(PLAN)
         path, _ = arc.plan(plan, plane, center, deltas, clockwise, turns)
         if not plan[STEPS]:
-            self.line(deltas, ticks, tool, tag, rapid, speed_nm_s)
+            if queued:
+                self.line(deltas, ticks, tool, tag, False, speed_nm_s)
+            else:
+                self.fits(deltas, ticks, speed_nm_s)
             return
         at = self._added % _SIZE * self._stride
         self._asked = -1
@@ -230,7 +248,8 @@ class Planner:
             self._rows, at, self._work, limits, path, plane, center, deltas, clockwise, speed_nm_s, ticks
         ):
             self._refuse(-1)
-        self._add(at, ARC, tool, tag, rapid)
+        if queued:
+            self._add(at, ARC, tool, tag)
 
     def _plan(self, size):
         """An array of `size` for the plan of the next arc: what is walked is kept by the place in the queue."""
