@@ -9,8 +9,10 @@ CASES = {
     "check_limits": (("seed", "seed"), ("kind", "choice", "mixed", "lines", "tiny", "reversals", "arcs")),
     "check_start_speed": (("seed", "seed"), ("kind", "choice", "mixed", "lines", "reversals", "arcs"), ("start", 1, 40)),
     "check_feeding_changes_nothing": (("seed", "seed"),),
+    "check_a_live_stream": (("seed", "seed"), ("kind", "choice", "mixed", "lines", "tiny", "arcs"), ("patience", 1, 12)),
 }
-RUNS = {"check_limits": 60, "check_start_speed": 20, "check_feeding_changes_nothing": 8}
+RUNS = {"check_limits": 60, "check_start_speed": 20, "check_feeding_changes_nothing": 8, "check_a_live_stream": 20}
+TURN_TICKS = 62_500
 
 
 def check_limits(seed, kind):
@@ -64,6 +66,88 @@ def check_feeding_changes_nothing(seed):
     other = Machine(seed, "tiny", 20)
     other.rig.planner.room = lambda: Planner.room(other.rig.planner) > 10 and 1
     assert other.run() == words
+
+
+def set_out(planner):
+    """What waits sets out, as Program.begin() has it."""
+    if planner.resting() and not planner.empty():
+        planner.start()
+
+
+class Live:
+    """A programme that arrives a few moves at a time while it is played, `patience` turns of 5 ms apart at most.
+
+    `stands`: the blocks before which the machine stood, although they were queued when the one before them began."""
+
+    def __init__(self, seed, kind, patience, release=set_out):
+        self.machine = machine = Machine(seed, kind)
+        self._planner = planner = machine.rig.planner
+        self._ramp = machine.rig.feeder._ramp
+        self._listen()
+        self._known = 0  # blocks queued as the one under way began
+        self.stands = []
+        self.gone_on = self.ticks = 0
+        machine.facts, machine.place = [], [0, 0, 0]
+        self.words = []
+        todo = list(machine.program)
+        wait = 0
+        while todo or not planner.empty():
+            if todo and wait == 0:
+                for _ in range(machine.random.between(1, 3)):
+                    if todo and planner.room():
+                        machine.add(todo.pop(0))
+                wait = machine.random.between(1, patience)
+            wait = max(wait - 1, 0)
+            release(planner)
+            self._play(TURN_TICKS)
+
+    def _play(self, ticks):
+        """One turn: what is made in it, or time in which nothing is."""
+        rig = self.machine.rig
+        words = rig.take(ticks)
+        rig.feeder.retire(rig.played)
+        self.words += words
+        self.ticks += max(sum([word[0] for word in words]), ticks)
+
+    def _listen(self):
+        begin = self._ramp.begin
+
+        def listen_begin(block):
+            number = self.machine.number + 1
+            if 0 < number < self._known and self._could_go_on(number):
+                if self._ramp.moving():
+                    self.gone_on += 1
+                else:
+                    self.stands.append(number)
+            self._known = len(self.machine.facts)
+            begin(block)
+
+        self._ramp.begin = listen_begin
+
+    def _could_go_on(self, number):
+        """The corner before block `number`, and the blocks on both sides, allow a hundredth of the highest speed."""
+        facts = self.machine.facts
+        corner = facts[number][4]
+        for length, _, speed, acceleration, _ in facts[number - 1 : number + 1]:
+            corner = min(corner, speed, (2 * acceleration * length) ** 0.5)
+        return corner * MM > self.machine.limits.fastest / 100
+
+
+def check_a_live_stream(seed, kind, patience):
+    """Lines that come slowly: no limit is exceeded, no step is lost, and the machine stands only where no more had come."""
+    live = Live(seed, kind, patience)
+    assert path_of(live.words) == path_of(Machine(seed, kind).run())
+    assert live.stands == []
+    if live.machine.facts:
+        hold_against_limits(live.machine, live.machine.facts)
+        hold_axes_against_limits(live.machine, live.words)
+
+
+def check_a_stand_in_a_live_stream_is_seen():
+    """Were the queue flushed instead, the machine would stand."""
+    for seed in (1, 3, 6):
+        assert len(Live(seed, "lines", 4, Planner.flush).stands) > 3
+        assert Live(seed, "lines", 4).gone_on > 20
 
 
 def check_first_step_from_rest_is_at_once():
