@@ -477,8 +477,11 @@ def check_soft_limits():
 def check_a_line_of_several_motions_is_refused_whole():
     """Canned cycles, and G28 by way of a place: no part of them moves if another cannot."""
     machine = home(Machine())
-    for line, said in (("G81 X9 Y9 Z-81 R-2 F300", "error:15"), ("G81 X1 Y2 Z-23 R-2 F.003", "error:33")):
-        machine.do("G0 X1", "G4 P0")
+    for setting, line, said in (
+        ("$11=.01", "G81 X9 Y9 Z-81 R-2 F300", "error:15"), ("$11=.01", "G81 X1 Y2 Z-23 R-2 F.003", "error:33"),
+        ("$111=.001", "G81 X1 Y2 Z-23 R-2 F300", "error:33"),  # an axis that is too slow for it
+    ):  # fmt: skip
+        machine.do("G0 X1", "G4 P0", setting)
         machine.put("G0 X2\n")
         assert said in machine.ask(line) + machine.turns(3), line
         machine.settle()

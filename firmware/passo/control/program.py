@@ -10,7 +10,6 @@ from passo.control import settings as table
 from passo.control.extent import farthest
 from passo.control.tools import thousandths
 from passo.motion.line import MAX_STEPS
-from passo.motion.planner import LONGEST_TICKS
 from passo.motion.profile import Limits
 from passo.protocols import commands, errors
 from passo.steps.word import TICKS_PER_S
@@ -113,19 +112,16 @@ class Program:
 
     def _refusal(self, command):
         """0, or why one of the lines that follow `command` cannot be: then none of them begins."""
+        self._set_limits()
         start = command.target
         for motion in command.also:
             if self._limited() and not self._inside(motion.target):
                 self._machine.fail(errors.ALARM_SOFT_LIMIT)
                 return errors.JOG_TRAVEL
             deltas = [to - at for to, at in zip(motion.target, start)]
-            longest = max([abs(by) for by in deltas])
-            ticks = 0
-            if longest and motion.per_min:
-                ticks = minute_ticks(motion)
-            elif longest and motion.feed:
-                ticks = self._queue.ticks_at(deltas, motion.feed)
-            if longest > MAX_STEPS or longest and ticks // longest > LONGEST_TICKS:
+            try:
+                self._queue.fits(deltas, motion.feed, minute_ticks(motion) if motion.per_min else 0)
+            except ValueError:
                 return errors.TARGET
             start = motion.target
         return 0

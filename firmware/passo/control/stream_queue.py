@@ -38,15 +38,24 @@ class StreamQueue(Queue):
     def go(self, target, nm_s, ticks, tool, tag):
         """Go to `target` (the first axes) in a line: at `nm_s`, or in `ticks` where they are not 0; as fast as the axes may
         where both are. Raises ValueError where the planner cannot."""
-        deltas = self._towards(target)
-        if not self._planner.accelerates:
-            ticks = ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
-            nm_s = 0
         if tool != self.tool:
-            if self.tool_ms(tool):  # what is refused leaves the tool as it is
-                self._planner.fits(deltas, ticks, nm_s)
+            if self.tool_ms(tool):
+                self.fits(self.deltas(target), nm_s, ticks)  # what is refused leaves the tool as it is
             self._change_tool(tool, tag)
+        if not self._planner.accelerates:
+            ticks = self._ticks(self._towards(target), nm_s, ticks)
+            nm_s = 0
         self.again(target, nm_s, tool, tag, ticks)
+
+    def fits(self, deltas, nm_s, ticks):
+        """Raise ValueError where go() would, for a line of `deltas`."""
+        if not self._planner.accelerates:
+            ticks = self._ticks(deltas, nm_s, ticks)
+        self._planner.fits(deltas, ticks, nm_s)
+
+    def _ticks(self, deltas, nm_s, ticks):
+        """How long a line lasts without limits."""
+        return ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
 
     @micropython.native
     def again(self, target, nm_s, tool, tag, ticks=0):

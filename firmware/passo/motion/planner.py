@@ -178,17 +178,17 @@ class Planner:
         self._asked = -1 if ticks else speed_nm_s
 
     def fits(self, deltas, ticks, speed_nm_s):
-        """Raise what line() would, with nothing queued. No motion is to follow without a stand in between."""
-        rows = self._rows
-        at = self._added % _SIZE * self._stride
-        for axis in range(self.axes):
-            rows[at + ROW + axis] = deltas[axis]
+        """Raise what line() would; nothing is queued."""
         if self._terms is None:
-            self._steady(at, deltas, ticks)
+            self._dominant(deltas, ticks)
             return
-        self._work[_IS_ARC] = 0
         self._ask(deltas, ticks, speed_nm_s)
-        result = self._measure(rows, at, self._work, self._terms)
+        row = array("i", bytearray(4 * self._stride))
+        for axis in range(self.axes):
+            row[ROW + axis] = deltas[axis]
+        work = self._work[:]
+        work[_IS_ARC] = 0
+        result = self._measure(row, 0, work, self._terms)
         if result < 0:
             self._refuse(result)
 
@@ -199,16 +199,21 @@ class Planner:
 
     def _steady(self, at, deltas, ticks):
         """Measure a line without limits: its speed from first to last. False where it has no steps."""
-        total = max([abs(delta) for delta in deltas])
+        total = self._dominant(deltas, ticks)
         if not total:
             return False
-        if total > MAX_STEPS:
-            self._refuse(-2)
-        if ticks // total > LONGEST_TICKS:
-            self._refuse(-1)
         self._stand(at, max(ticks // total, 1))
         self._rows[at + TICKS_REST] = ticks % total
         return True
+
+    def _dominant(self, deltas, ticks):
+        """A line's dominant steps."""
+        total = max([abs(delta) for delta in deltas])
+        if total > MAX_STEPS:
+            self._refuse(-2)
+        if total and ticks // total > LONGEST_TICKS:
+            self._refuse(-1)
+        return total
 
     def _stand(self, at, ticks):
         """What has no acceleration."""
@@ -224,7 +229,7 @@ class Planner:
         the path, or the `ticks` it lasts at that. On arcs v²/R stays within the weaker axis's acceleration. An arc too
         short for a step along the circle is a line. Raises ValueError for what cannot be walked as a circle: the plane's
         axes with different steps/mm, a radius of 0 or above 2²⁰ steps; arc.TooSteep for too steep a helix. `queued`: False
-        only looks whether it would raise, as fits() does.
+        only looks whether it would raise; there has to be room for it.
         """
         from passo.motion import arc, arc_speed
         from passo.motion.arc_plan import PLAN, STEPS
@@ -244,8 +249,9 @@ class Planner:
             return
         at = self._added % _SIZE * self._stride
         self._asked = -1
+        work = self._work if queued else self._work[:]
         if not arc_speed.set_speed(
-            self._rows, at, self._work, limits, path, plane, center, deltas, clockwise, speed_nm_s, ticks
+            self._rows, at, work, limits, path, plane, center, deltas, clockwise, speed_nm_s, ticks
         ):
             self._refuse(-1)
         if queued:
