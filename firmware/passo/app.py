@@ -46,8 +46,8 @@ class Link:
 
 class App:
     def __init__(self, board, port, protocols=None, slots=None):
-        """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the settings are kept,
-        None: nowhere. Raises BoardError."""
+        """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the
+        settings are kept, None: nowhere. Raises BoardError."""
         from passo import assembly  # main.py forgets it again
 
         self.board = board
@@ -71,11 +71,8 @@ class App:
         motors.release()
         gc.collect()
         settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)
-        languages = [link["protocol"] for link in board["links"]]
-        streamed = bool([name for name in languages if name not in assembly.STORED])
-        self.controller = Controller(
-            board, self.planner, self.feeder, self.player, motors, port, settings, streamed, "plotter" in languages
-        )
+        kinds = assembly.streamed(board), assembly.stored(board)
+        self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port, settings, *kinds)
         self._looked_ms = port.machine_ms()
         shared = {}
         self.links = []

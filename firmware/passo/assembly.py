@@ -8,8 +8,22 @@ from passo.control.settings import SPEED, STEPS
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
-# Those without lines and arcs as they come: program and tools are not loaded for them.
-STORED = ("plotter", "torch", "pulses", "keys")
+STREAMED = ("grbl",)  # lines and arcs as they come: program and tools are loaded for them
+STORED = ("plotter",)  # objects that are stored, then drawn
+
+
+def _named(board, languages):
+    return bool([link for link in board["links"] if link["protocol"] in languages])
+
+
+def streamed(board):
+    """True where some link's language asks for motion as it comes."""
+    return _named(board, STREAMED)
+
+
+def stored(board):
+    """True where some link's language asks for stored objects."""
+    return _named(board, STORED)
 
 
 def open_protocol(link, board, controller, shared):
