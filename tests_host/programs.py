@@ -219,7 +219,11 @@ def end_of(words, axes=3):
 
 
 def hold_against_limits(machine, facts):
-    """Speeds and changes of speed of all segments; returns the worst change, as a part of what is allowed."""
+    """Speeds and changes of speed of all segments; returns the worst change, as a part of what is allowed.
+
+    A block's programmed speed is kept as the whole ticks that it lasts at that: a tick of them, in blocks that would be
+    played in a few hundred, is the grain of its speed against its neighbours'.
+    """
     before = None
     worst = 0.0
     for number, path, ticks in machine.segments:
@@ -231,17 +235,19 @@ def hold_against_limits(machine, facts):
         if steps != int(steps):
             grain += (0.006 + 0.0005 / path) * speed  # over an arc's run the true length of a step changes
         assert speed <= top * 1.001 + grain, (number, speed, top)
+        blur = top / (length * TICKS_PER_S)
         if before is None:
             change, allowed = speed, acceleration * seconds
         else:
             change = abs(speed - before[0])
             allowed = max(acceleration, before[2]) * (seconds + before[1]) / 2
             if number != before[3]:  # from one block to the next, the corner lies between them
+                grain += blur * speed + before[4] * before[0]
                 allowed = acceleration * seconds / 2 + before[2] * before[1] / 2
                 assert min(speed, before[0]) <= corner + allowed + grain
         if speed * 0.01 < change:
-            worst = max(worst, (change - grain) / allowed)
-        before = (speed, seconds, acceleration, number)
+            worst = max(worst, (change * (1 - blur) - grain) / allowed)
+        before = (speed, seconds, acceleration, number, blur)
     return worst
 
 
