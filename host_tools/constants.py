@@ -201,7 +201,9 @@ def _edited(module):
 
 
 def folded(texts):
-    """{path: text} of the modules of a build, with numbers for constants, and private attributes under short names. Raises Failure for what is not Python."""
+    """{path: text} of the modules of a build, with numbers for constants, and private attributes under short names.
+
+    Raises Failure for what is not Python."""
     modules = {module.name: module for module in (_Module(path, text) for path, text in texts.items())}
     _evaluate(modules)
     for module in modules.values():

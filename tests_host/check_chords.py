@@ -78,7 +78,7 @@ def check_the_arc_of_cncjs():
 
 
 def check_long_arcs_need_no_room_for_all():
-    """Ten turns on a large radius are some thousand chords; the lines behind them wait, and a hold and its end lose nothing."""
+    """Ten turns on a large radius are some thousand chords; lines behind them wait, and a hold and its end lose nothing."""
     machine = machine_at_rest()
     machine.put("G18 G91\nG2 X0 Z0 I-15 K0 P10 F5000\nG1 X-1 F1000\n")
     machine.turns(300)

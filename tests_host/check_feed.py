@@ -25,7 +25,8 @@ RUNS = {"check_lines": 30, "check_slopes": 2, "check_arcs": 30}
 
 
 def steps_of(add, feed, setup):
-    """[(tick, place, number of the word)] of what `add(planner)` queues at `feed`, in cruise only, and the feed's steps in a second."""
+    """[(tick, place, number of the word)] of what `add(planner)` queues at `feed`, in cruise only, and the feed's steps in
+    a second."""
     rig = Rig(axes=3)
     if not setup:
         rig.feeder.state[SETUP] = 0

@@ -13,7 +13,8 @@ from passo.protocols.gcode_words import F, X, Y, Words
 ALPHABET = b"GMXYZHIJKFSPLRTN0123456789.-+ ();/$gmxyz"
 GOOD = (
     b"G1 X1.5 Y-2 F300", b"G2 X2 Y0 I1 J0 F100", b"G38.2 Z-5 F50", b"G92 X0 Y0", b"G10 L20 P1 X0 Y0 Z0", b"G4 P0.5",
-    b"M3 S1000", b"G28 X0", b"G81 X1 Y2 Z-3 R1 F100", b"G53 G0 X0", b"G43.1 Z1", b"G55", b"M30", b"G93 G1 X1 F2", b"G3 I-5 H90 F100",
+    b"M3 S1000", b"G28 X0", b"G81 X1 Y2 Z-3 R1 F100", b"G53 G0 X0", b"G43.1 Z1", b"G55", b"M30", b"G93 G1 X1 F2",
+    b"G3 I-5 H90 F100",
 )
 CASES = {
     "check_millimetres_are_exact": (("value", -999_999_999, 999_999_999), ("decimals", 0, 9)),
@@ -397,7 +398,7 @@ def number(value, decimals):
 
 
 def check_sweep_angles(i, j, sweep, clockwise):
-    """H, an arc's angle instead of its end, in 10⁻⁴ degrees here: within a step of the true end, as many turns as it says."""
+    """H, an arc's angle instead of its end, in 10⁻⁴ degrees here: within a step of the true end, turns as it says."""
     shop = Shop()
     line = "G%d I%.3f J%.3f H%.4f F100" % (2 if clockwise else 3, i / 1000, j / 1000, sweep / 10_000)
     error = shop.gcode.interpret(line.encode())

@@ -1,4 +1,4 @@
-"""Plain lines, dealt with in short, give what the whole of G-code gives: the same command and modal state, to the nanometre."""
+"""Plain lines, dealt with in short, give what the whole of G-code gives: the same command and modal state, to the nm."""
 
 from check_gcode import ALPHABET, Shop
 from draws import Random
@@ -7,8 +7,9 @@ from passo.protocols import commands
 CASES = {"check_same_as_in_full": (("seed", "seed"),), "check_machine_code": (("seed", "seed"),)}
 RUNS = {"check_same_as_in_full": 150, "check_machine_code": 60}
 BEFORE = (
-    b"G91", b"G90", b"G20", b"G21", b"M3 S500", b"M4 S900", b"M5", b"G92 X3 Y1.5", b"G10 L2 P1 X5 Z-2", b"G54", b"G55", b"F200",
-    b"G43.1 Z1.25", b"G2 X2 Y0 I1 J0 F100", b"G93", b"G94", b"G80", b"G1", b"G53 G0 X1", b"G10 L2 P2 X-536.9", b"T2",
+    b"G91", b"G90", b"G20", b"G21", b"M3 S500", b"M4 S900", b"M5", b"G92 X3 Y1.5", b"G10 L2 P1 X5 Z-2", b"G54", b"G55",
+    b"F200", b"G43.1 Z1.25", b"G2 X2 Y0 I1 J0 F100", b"G93", b"G94", b"G80", b"G1", b"G53 G0 X1", b"G10 L2 P2 X-536.9",
+    b"T2",
 )  # fmt: skip
 
 

@@ -942,7 +942,8 @@ def check_two_links_share_the_machine():
     serial.incoming += b"G91 G0 X1\n$LINK=0\nG91 G0 X1\n"
     machine.turns(1)
     machine.settle()
-    assert serial.outgoing == b"error:112\r\n[MSG:Command handed over]\r\nok\r\nok\r\n" and machine.controller.position() == [7 * 320, 0, 0]
+    assert serial.outgoing == b"error:112\r\n[MSG:Command handed over]\r\nok\r\nok\r\n"
+    assert machine.controller.position() == [7 * 320, 0, 0]
     machine.do("$LINK=1", "G0 X0")
     machine.settle()
     assert machine.controller.position() == [320, 0, 0]
@@ -1009,7 +1010,7 @@ def check_mutated_programmes(seed):
         line = mutated(random)
         if b"M" in line.upper() and (b"0" in line or b"6" in line or b"1" in line) or b"P" in line.upper() or b"38" in line:
             continue  # pauses wait for the operator, dwells and probing may last
-        before = machine.controller.target[:]
+        before = machine.controller.queue.target[:]
         machine.put(line + b"\n")
         said = []
         for _ in range(400):
@@ -1021,7 +1022,7 @@ def check_mutated_programmes(seed):
             continue
         assert len(answers(said)) == 1, (line, said)
         if answers(said)[0] != "ok" and "error:15" not in said:
-            assert machine.controller.target == before, line
+            assert machine.controller.queue.target == before, line
         number = answers(said)[0][6:]
         assert not number or errors.text(int(number)) != "error " + number
         if random.between(0, 3) == 0 or machine.controller.alarm:

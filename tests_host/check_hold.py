@@ -1,4 +1,4 @@
-"""Hold, resume, cancel and overrides: the path stays the same to the step, and the limits are kept on the way down and up."""
+"""Hold, resume, cancel and overrides: the path stays the same to the step, and the limits are kept all the way."""
 
 from math import sqrt
 
@@ -48,8 +48,11 @@ def check_hold(seed, kind, part):
 
 def check_many_holds(seed, kind):
     """Hold and go on at random, also before the machine has come to its stand."""
-    path = path_of(Machine(seed, kind).run())
-    machine = Machine(seed, kind)
+    hold_at_random(Machine(seed, kind), path_of(Machine(seed, kind).run()), seed)
+
+
+def hold_at_random(machine, path, seed):
+    """The machine's programme with holds has `path`, and keeps its limits."""
     random = Random(seed + 2)
 
     def each(machine):
@@ -115,7 +118,7 @@ def check_slows_at_once(seed, kind, part):
 
 
 def check_cancel(seed, kind, part):
-    """Hold, drop what is left at the stand, and go on with something else: the position is exact, as after a jog is cancelled."""
+    """Hold, drop what is left at the stand, and go on with something else: the place is exact, as after a cancelled jog."""
     machine = Machine(seed, kind, 20)
     rig = machine.rig
     machine.facts, machine.place = [], [0, 0, 0]
@@ -146,8 +149,11 @@ def check_cancel(seed, kind, part):
 
 def check_override(seed, kind):
     """Changes of the override never leave the path, and every change of speed is within the acceleration."""
-    path = path_of(Machine(seed, kind).run())
-    machine = Machine(seed, kind)
+    override_at_random(Machine(seed, kind), path_of(Machine(seed, kind).run()), seed)
+
+
+def override_at_random(machine, path, seed):
+    """The machine's programme with changes of the override has `path`, and keeps its limits."""
     random = Random(seed + 1)
 
     def each(machine):
@@ -155,6 +161,6 @@ def check_override(seed, kind):
             machine.rig.planner.override(random.choice((10, 50, 100, 150, 200)))
 
     assert path_of(machine.run(each)) == path
-    facts = [(length, steps, 2 * speed, acceleration, corner) for length, steps, speed, acceleration, corner in machine.facts]
+    facts = [(fact[0], fact[1], 2 * fact[2], fact[3], fact[4]) for fact in machine.facts]
     if facts:
         assert hold_against_limits(machine, facts) <= 1.02

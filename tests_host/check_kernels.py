@@ -1,4 +1,4 @@
-"""The inner loops in machine code give the same bits as their plain twins. Where there is no machine code, nothing is compared."""
+"""The inner loops in machine code give the same bits as their plain twins. Where there is none, nothing is compared."""
 
 from array import array
 
@@ -46,7 +46,8 @@ def check_pace(seed, count):
     random = Random(seed)
     bits = random.between(3, 13)
     terms = pace_plain.new_terms()
-    pace_plain.set_terms(terms, count, count * random.between(25, 60_000) + random.between(0, count - 1), random.between(0, 3), bits)
+    ticks = count * random.between(25, 60_000) + random.between(0, count - 1)
+    pace_plain.set_terms(terms, count, ticks, random.between(0, 3), bits)
     others = array("i", terms)
     words = array("I", [random.between(0, (1 << bits) - 1) for _ in range(count + 9)])
     same = array("I", words)

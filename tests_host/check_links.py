@@ -14,8 +14,8 @@ CASES = {
 }
 RUNS = {"check_the_other_link_moves_nothing": 12, "check_the_other_link_draws_nothing": 12}
 LINES = (
-    "G0 X9", "G1 Y5 F500", "$J=G91 X1 F100", "$H", "$X", "$C", "$SLP", "M3 S900", "G10 L2 P1 X1", "G92 X0", "$100=80", "$N0=G20",
-    "$I=me", "$RST=*",
+    "G0 X9", "G1 Y5 F500", "$J=G91 X1 F100", "$H", "$X", "$C", "$SLP", "M3 S900", "G10 L2 P1 X1", "G92 X0", "$100=80",
+    "$N0=G20", "$I=me", "$RST=*",
 )  # fmt: skip
 PACKETS = ("LINE", "MOVE", "END", "ORIGIN", "SPEED", "UP", "LEFT", "DOWN", "RIGHT", "LINE", "MOVE")
 

@@ -1,12 +1,14 @@
-"""The arithmetic of a block: what measure() finds in 32-bit integers is what the formulas of motion say, as exact numbers have it; and
-as machine code it finds the same as as Python."""
+"""The arithmetic of a block: what measure() finds in 32-bit integers is what the formulas of motion say, as exact
+numbers have it; and as machine code it finds the same as as Python."""
 
 from array import array
 from math import sqrt
 
 from draws import Random
 from passo.motion import measure_viper
-from passo.motion.block import CORNER, FASTEST, GAIN, LIMIT, REACH, ROW, SPEED, SQUARE, TICKS, TICKS_REST, TOP, UNIT, UNIT_SHIFT
+from passo.motion.block import (
+    CORNER, FASTEST, GAIN, LIMIT, REACH, ROW, SPEED, SQUARE, TICKS, TICKS_REST, TOP, UNIT, UNIT_SHIFT,
+)
 from passo.motion.profile import FEED, MOST, NEWEST, SIZE, STRIDE, TICKS_PER_S, WORK, Limits
 
 CASES = {"check_numbers": (("seed", "seed"),), "check_machine_code": (("seed", "seed"),)}
@@ -108,7 +110,8 @@ def check_numbers(seed):
         assert near(row[GAIN], max(2, min(gain, MOST)), 2e-3 + 2 * grain, 1)
         if row[GAIN] > 2:  # what the ramp can do in fact is enough for what the passes count on
             assert row[REACH] <= row[GAIN] * total * (row[SPEED] / 16_384 / top) ** 2 * 1.0001
-            assert row[GAIN] == MOST or near(min(row[REACH], MOST), min(2 * acceleration * length / squares, MOST), 4e-3 + 2 * grain, 2)
+            reach = min(2 * acceleration * length / squares, MOST)
+            assert row[GAIN] == MOST or near(min(row[REACH], MOST), reach, 4e-3 + 2 * grain, 2)
         assert near(row[UNIT] / 2.0 ** row[UNIT_SHIFT], squares * top * top / speed / speed, 1e-3 + 2 * grain)
         if number:
             exact = corner(limits, before, heading)

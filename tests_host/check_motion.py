@@ -36,7 +36,7 @@ def hold_limits(seed, kind):
 
 
 def check_start_speed(seed, kind, start):
-    """Up to the start speed, in mm/s, there is no ramp; above it every change keeps the acceleration; the path is the same."""
+    """Up to the start speed, in mm/s, there is no ramp; above it all changes keep the acceleration; the path is the same."""
     plain = Machine(seed, kind)
     path = path_of(plain.run())
     machine = Machine(seed, kind)

@@ -21,8 +21,8 @@ TABLE = """A X+ B X- C Y+ D Y- E Z+ F Z- G X+Y+ H X+Y- I X-Y+ J X-Y- K X+Z+ L X+
 R Y-Z- S X+Y+Z+ T X+Y+Z- U X+Y-Z+ V X+Y-Z- W X-Y+Z+ X X-Y+Z- Y X-Y-Z+ Z X-Y-Z-""".split()
 STEP_NM = 12_500
 # About 1300 commands: all codes, three speeds, the tool, waits.
-PICTURE = "[+1000(" + "A" * 90 + "*7" + "GHIJ" * 40 + ")+2200" + "KLMNOPQR" * 30 + "($STUVWXYZ" * 20 + "@)" + "CD" * 150 + "*30"
-PICTURE += "(+600" + "C" * 40 + "BD" * 60 + ")]"
+PICTURE = "[+1000(" + "A" * 90 + "*7" + "GHIJ" * 40 + ")+2200" + "KLMNOPQR" * 30 + "($STUVWXYZ" * 20 + "@)"
+PICTURE += "CD" * 150 + "*30(+600" + "C" * 40 + "BD" * 60 + ")]"
 
 
 def codes_of(text):

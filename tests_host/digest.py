@@ -4,10 +4,10 @@
 
 `job.bin` holds the packets a host sends, `job.gcode` lines of G-code, one after the other as they are answered, to a
 machine that is not homed; `job.hex` lines of bytes in hexadecimal, the next one sent when nothing moves any more, or
-after so many turns where the line ends with `@turns` (with `ramps` as
-the last argument, axes that run on their own accelerate); what the feeder makes is taken from the ring at once. Prints the digest, the number of words
-and how many of them step; of G-code also a checksum of the marks of power, and how many lines were refused. A board
-with fewer steps/mm, on all axes, makes a large job quicker.
+after so many turns where the line ends with `@turns` (with `ramps` as the last argument, axes that run on their own
+accelerate); what the feeder makes is taken from the ring at once. Prints the digest, the number of words and how many
+of them step; of G-code also a checksum of the marks of power, and how many lines were refused. A board with fewer
+steps/mm, on all axes, makes a large job quicker.
 """
 
 import gc

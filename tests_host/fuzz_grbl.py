@@ -32,6 +32,7 @@ SYSTEM = (
     b"$J=G91Y-1F900", b"$110=500", b"$11=0.01", b"$20=1", b"$13=0", b"$10=3", b"$RST=$", b"$RST=#", b"$32=1", b"$I=me",
 )  # fmt: skip
 DIGITS = b"0123456789.-+"
+NUMBERS = (0, 1, 2, 3, 4, 5, 17, 20, 28, 30, 38.2, 53, 54, 80, 81, 90, 91, 92, 93, -3, 7.5)
 REAL_TIME = b"?!~\x84\x85\x90\x91\x92\x93\x94\x95\x96\x97\x99\x9a\x9b\x9c\x9d\x9e\xa0\xa1"
 
 
@@ -135,7 +136,7 @@ class Fuzz:
         line = b""
         for _ in range(random.between(1, 6)):
             line += bytes((random.choice(b"GMXYZIJKFSPLRTN"),))
-            line += str(random.choice((0, 1, 2, 3, 4, 5, 17, 20, 28, 30, 38.2, 53, 54, 80, 81, 90, 91, 92, 93, -3, 7.5))).encode()
+            line += str(random.choice(NUMBERS)).encode()
         return line
 
     def line(self):
@@ -176,7 +177,7 @@ class Fuzz:
             if not self._settle():
                 return self._recover()
             controller = self.controller
-            before = controller.target[:], self.port.stepping, controller.alarm
+            before = controller.queue.target[:], self.port.stepping, controller.alarm
             self.lines += 1
             answers, last = self._turn(line + b"\n")
             turns = 0
@@ -194,7 +195,7 @@ class Fuzz:
                 self._turn()
                 self._settle()
                 if not homing:
-                    assert (controller.target[:], self.port.stepping) == before[:2], (line, last)
+                    assert (controller.queue.target[:], self.port.stepping) == before[:2], (line, last)
             extra = self._turn()[0]
             assert answers + extra == 1 or b"$H" in line.upper(), (line, answers, extra)
             if controller.state not in ("idle", "run", "jog"):

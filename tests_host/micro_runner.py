@@ -3,8 +3,8 @@
     MICROPYPATH=firmware:tests_host:. micropython tests_host/micro_runner.py check_line
 
 Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (100 unless told) with values from a
-generator seeded by its name, after what `EXAMPLES[name]` lists; one without parameters runs once. Prints every failure with its arguments and a closing
-count; the exit status is 1 if anything failed.
+generator seeded by its name, after what `EXAMPLES[name]` lists; one without parameters runs once. Prints every failure
+with its arguments and a closing count; the exit status is 1 if anything failed.
 """
 
 import sys

@@ -107,7 +107,8 @@ def smooth():
     """Limited jerk: ramps inside lines, over a spiral of tiny ones, on arcs and a helix, and at another jerk."""
     lines = ["$141=30000", "G21 G90", "G0 X20 Y12 Z-3", "G0 X5", "G1 F2400 X0 Y0"]
     lines += tiny()[1:200]
-    lines += ["X0 Y4", "G2 X4 I2 F1500", "G3 X4 Y4 Z-2 I3 J1 P2", "G4 P0.1", "$141=2500", "G1 X9 F3000", "G2 X9 Y4 I0.3", "G1 X4.01", "X4"]
+    lines += ["X0 Y4", "G2 X4 I2 F1500", "G3 X4 Y4 Z-2 I3 J1 P2", "G4 P0.1"]
+    lines += ["$141=2500", "G1 X9 F3000", "G2 X9 Y4 I0.3", "G1 X4.01", "X4"]
     return lines
 
 

@@ -109,15 +109,16 @@ class Machine:
         self.place = [self.place[axis] + move[1][axis] for axis in range(3)]
         if planner._added != before:
             steps = max([abs(delta) for delta in move[1]])
-            if planner._rows[before % len(planner._walkers) * planner._stride] == LINE:  # an arc too short for a step along the circle, too
+            place = before % len(planner._walkers)
+            if planner._rows[place * planner._stride] == LINE:  # an arc too short for a step along the circle, too
                 move = (LINE, move[1], move[2])
             else:
-                plan = planner._walkers[before % len(planner._walkers)]
+                plan = planner._walkers[place]
                 steps = plan[19] + plan[20] / (1 << 20)
             self.facts.append(self._facts(move, steps))
 
     def _facts(self, move, steps):
-        """(length, steps, speed, acceleration, corner): worked out in floats from the settings alone, but for an arc's length."""
+        """(length, steps, speed, acceleration, corner): in floats, from the settings alone but for an arc's length."""
         mm = [delta / (per_m / 1000) for delta, per_m in zip(move[1], self.steps_per_m)]
         speeds = [speed / MM for speed in self.speeds]
         accelerations = [acceleration / MM for acceleration in self.accelerations]

@@ -1,4 +1,4 @@
-"""The firmware's own main.py on the fake ESP32, as it starts from a board's flash: good and bad board files, Ctrl-C, a crash."""
+"""The firmware's own main.py on the fake ESP32, as it starts from flash: good and bad board files, Ctrl-C, a crash."""
 
 import subprocess
 import sys

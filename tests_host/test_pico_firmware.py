@@ -98,7 +98,8 @@ def test_conversation_homing_and_squares_are_those_of_the_virtual_board(make_mac
     show(
         "the conversation of 2014 on the Pico",
         f"first answer {up_ms:.0f} ms after USB is up; the square took {took_ms / 1000:.3f} s"
-        f" ({took_ms - on_virtual_ms:.1f} ms more than on the virtual board); {machine.now_ms() / 1000:.1f} s emulated in all",
+        f" ({took_ms - on_virtual_ms:.1f} ms more than on the virtual board);"
+        f" {machine.now_ms() / 1000:.1f} s emulated in all",
     )
 
 

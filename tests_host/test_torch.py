@@ -52,7 +52,7 @@ def test_two_axes_of_one_move(machine, ask_ms):
 
 
 def test_information_lies_between_the_steps_on_the_pins(machine):
-    """500 questions at random moments: between what the pins had done at the question's last byte and at the answer's first."""
+    """500 questions at random moments: between what the pins had done at the question's last byte and the answer's first."""
     random = Random(5)
     base = list(machine.plant.position)
     asked = 0

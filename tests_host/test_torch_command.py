@@ -1,4 +1,4 @@
-"""`passo torch` against `passo board --board torch_manipulator`, and against a board that only knows the document's frames."""
+"""`passo torch` against `passo board --board torch_manipulator`, and a board that only knows the document's frames."""
 
 import csv
 

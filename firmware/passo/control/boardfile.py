@@ -22,7 +22,7 @@ _INPUT = {
     "pull": ("up", "down", "none"),
     "halt": (bool, False, 0, 1),  # becoming active stops the machine at once: emergency stop, limit switch
 }
-_OUTPUT = {"name": (str, MUST, 1, 16), "pin": _PIN, "active": _BIT, "role": ("none", "ours", "theirs")}  # role: changeover.py
+_OUTPUT = {"name": (str, MUST, 1, 16), "pin": _PIN, "active": _BIT, "role": ("none", "ours", "theirs")}  # changeover.py's
 _AXIS = {
     "name": (str, MUST, 1, 1),
     "pins": _PINS,  # coil drives: the coils in the drive's order; STEP/DIR: [STEP, DIR]

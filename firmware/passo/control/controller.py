@@ -118,11 +118,6 @@ class Controller:
         return "run" if running else "idle"
 
     @property
-    def target(self):
-        """Where the queue will end, in steps."""
-        return self.queue.target
-
-    @property
     def steps_per_m(self):
         return [axis["steps_per_m"] for axis in self._axes]
 

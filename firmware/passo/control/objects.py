@@ -74,8 +74,8 @@ class Objects:
             self._taken = self.drawn = 0
 
     def piece(self):
-        """Where points that come in a run may be put, as Store.piece, and the largest x and y; add() is to follow. None where
-        they have to come as commands, to wait or to be told why not."""
+        """Where points that come in a run may be put, as Store.piece, and the largest x and y; add() is to follow. None
+        where they have to come as commands, to wait or to be told why not."""
         machine = self._machine
         if machine.unready() or not machine.links.listening() or machine.command is not None or machine.program.active():
             return None

@@ -1,7 +1,8 @@
 """Playing a track: forward, backward, step by step, again and again, with manual moves in between and the way back.
 
-What a track is stands in motion/track.py, how it comes in track_intake.py. TRACK says what to do with it. Every stand is at a step, and every start goes on from there: a pause
-takes the walk off the queue, so that a turn-round, a manual move or a single step may follow.
+What a track is stands in motion/track.py, how it comes in track_intake.py. TRACK says what to do with it. Every stand is at
+a step, and every start goes on from there: a pause takes the walk off the queue, so that a turn-round, a manual move or
+a single step may follow.
 
 Manual moves at a pause are a track of their own, which the automatic return walks backward.
 """

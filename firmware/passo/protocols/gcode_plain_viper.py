@@ -3,7 +3,7 @@
     motion = plain(text, at, len(text), place)  # 100 + G's number; 0: not such a line, or not to be dealt with in short
 
 The line begins at text[at], and ends with a line feed or the text. `place` (gcode.py names its numbers) says where the
-machine is and how lines count; after a plain line it says where that leads, and where the next line begins. Whatever is unusual
+machine is and how lines count; after a plain line it says where that leads, and where the next line begins. What is unusual
 (any other word or character, more than six decimals, a place beyond half a metre, a mistake) is left to gcode.py, which
 alone knows the rules; what is understood here gives what it gives, to the nanometre. One text for all interpreters: a board
 compiles it to machine code, elsewhere it is ordinary Python; see motion/measure_viper.py for what that asks of integers.
