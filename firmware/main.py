@@ -45,7 +45,7 @@ def main():
         from passo.control.journal import FileSlots
 
         port = start.port(board)
-        app = App(board, port, slots=FileSlots("settings"))
+        app = App(board, port, None, FileSlots("settings"))
         forget("passo.assembly")
         room = None
         gc.collect()

@@ -1,12 +1,12 @@
-"""Private attributes under fewer names: what one module alone keeps in `self._something` is `self._3` on a board.
+"""Private attributes under fewer names: what a class alone keeps in `self._something` is `self._3` on a board.
 
     texts = shortened({"passo/a.py": "class A:\n    def __init__(self):\n        self._much = 1\n"})
     texts["passo/a.py"]          # "class A:\n    def __init__(self):\n        self._0 = 1\n"
 
 A board keeps the text of every name for ever, and its table of names doubles when it is full: thousands of bytes for
-one name too many. Modules share the short names; those whose classes are derived from each other do not. Left alone is
-what is a method (a traceback tells it), what any other module or a string has as well, what is not read from `self`
-alone, and what tests and benches ask for on the board.
+one name too many. Modules share the short names, but those whose classes are derived from each other: these count as
+one. Left alone is what is a method (a traceback tells it), what any other module or a string has as well, what is not
+read from `self` alone, and what tests and benches ask for on the board.
 """
 
 import ast
@@ -24,13 +24,9 @@ def shortened(texts):
                 where.setdefault(node.attr, set()).add(path)
             else:
                 taken |= _names(node)
-    own = {path: [] for path in texts}
-    for name, paths in where.items():
-        if len(paths) == 1 and name not in taken:
-            own[min(paths)].append(name)
     short = {}
     for family in _families(trees):
-        names = sorted(name for path in family for name in own[path])
+        names = sorted(name for name, paths in where.items() if paths <= family and name not in taken)
         short.update({name: f"_{number}" for number, name in enumerate(names)})
     return {path: _renamed(text, trees[path], short) for path, text in texts.items()}
 

@@ -13,6 +13,7 @@ A name is left alone where it is more than a constant: bound twice, or in a modu
 
 import ast
 
+from host_tools.arguments import numbered
 from host_tools.attributes import shortened
 from host_tools.failure import Failure
 
@@ -201,7 +202,8 @@ def _edited(module):
 
 
 def folded(texts):
-    """{path: text} of the modules of a build, with numbers for constants, and private attributes under short names.
+    """{path: text} of the modules of a build, with numbers for constants, and private attributes and arguments under
+    short names.
 
     Raises Failure for what is not Python."""
     modules = {module.name: module for module in (_Module(path, text) for path, text in texts.items())}
@@ -210,4 +212,4 @@ def folded(texts):
         _fold(module, modules)
     for module in modules.values():
         _drop(module)
-    return shortened({module.path: _edited(module) for module in modules.values()})
+    return numbered(shortened({module.path: _edited(module) for module in modules.values()}))

@@ -15,6 +15,8 @@ from pathlib import Path
 import pytest
 
 from host_tools import run
+from host_tools.build import FIRMWARE, module_files
+from host_tools.constants import folded
 from host_tools.objects import objects
 from passo.protocols import torch
 from passo.protocols.plotter_host import COMMANDS, packet
@@ -54,12 +56,12 @@ def compare_gcode(name, *job):
         assert digest(MICROPYTHON, *job) == made
 
 
-def digest(program, *job):
+def digest(program, *job, firmware=MODULE_PATH[0], script=TESTS / "digest.py"):
     """(hex digest, words, stepping words …) of a job (see digest.py's arguments), as `program` computes them."""
-    path = os.pathsep.join(str(folder) for folder in MODULE_PATH)
+    path = os.pathsep.join(str(folder) for folder in (firmware, *MODULE_PATH[1:]))
     environment = {**os.environ, "MICROPYPATH": path, "PYTHONPATH": os.pathsep.join([path, str(SHIMS)])}
     options = ["-X", "heapsize=64m"] if program == MICROPYTHON else []
-    command = [program, *options, TESTS / "digest.py", *job]
+    command = [program, *options, script, *job]
     done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=600)
     assert done.returncode == 0, done.stdout + done.stderr
     return done.stdout.split()
@@ -86,6 +88,22 @@ def test_both_interpreters_make_the_same_words(jobs):
     assert len(jobs) > len(objects())
     for name, job in jobs.items():
         assert digest(MICROPYTHON, job) == digest(sys.executable, job), name
+
+
+def test_what_a_board_gets_makes_the_same_words(jobs, tmp_path):
+    """With numbers for constants, and short names for attributes and arguments."""
+    sources = {path.as_posix(): FIRMWARE / path for path in module_files()}
+    sources["digest.py"] = TESTS / "digest.py"
+    for path, text in folded({path: source.read_text(encoding="utf-8") for path, source in sources.items()}).items():
+        (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / path).write_text(text, encoding="utf-8")
+    board, lines = programmes()["pico"]
+    job = tmp_path / "job.gcode"
+    job.write_text("".join(f"{line}\n" for line in lines))
+    where = {"firmware": tmp_path, "script": tmp_path / "digest.py"}
+    assert digest(sys.executable, job, board, **where) == golden_of_gcode()["pico"]
+    triangle = digest(sys.executable, jobs["triangle"], **where)
+    assert " ".join(["triangle", *triangle]) in GOLDEN.read_text().splitlines()
 
 
 def test_a_job_that_differs_by_one_step_has_another_digest(tmp_path):

@@ -1,0 +1,77 @@
+"""Arguments of functions under few names: what only a function itself calls `steps` is `_0` on a board.
+
+    texts = numbered({"passo/a.py": "def twice(steps, by):\n    return 2 * steps + by\n"})
+    texts["passo/a.py"]          # "def twice(_0, _1):\n    return 2 * _0 + _1\n"
+
+A board keeps the text of every argument's name for ever, and its table of names doubles when it is full; it has names
+like these for attributes already (attributes.py). Left alone is what is anywhere given by keyword, what has a name that
+is kept for something else, and the functions in assembler, whose arguments are registers.
+"""
+
+import ast
+
+
+def numbered(texts):
+    """{path: text} of the modules of a build, with short names for the arguments of the firmware's functions."""
+    trees = {path: ast.parse(text) for path, text in texts.items()}
+    kept = {"self"}
+    for tree in trees.values():
+        for node in ast.walk(tree):
+            kept |= _kept(node)
+    return {path: _edited(text, trees[path], kept) if path.startswith("passo/") else text for path, text in texts.items()}
+
+
+def _kept(node):
+    """Names of a node that a board has to know anyway, or that may be said from elsewhere."""
+    if isinstance(node, ast.Attribute):
+        return {node.attr}
+    if isinstance(node, (ast.keyword, ast.alias)):
+        return {node.arg if isinstance(node, ast.keyword) else node.asname or node.name}
+    if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+        return {node.name}
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return {node.value}
+    if isinstance(node, (ast.Global, ast.Nonlocal)):
+        return set(node.names)
+    if isinstance(node, ast.ExceptHandler):
+        return {node.name}
+    if isinstance(node, ast.JoinedStr):  # where the names in it stand is not known
+        return {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
+    return set()
+
+
+def _outermost(node):
+    """The functions that are in no other function."""
+    for child in ast.iter_child_nodes(node):
+        if isinstance(child, ast.FunctionDef):
+            yield child
+        elif not isinstance(child, ast.Lambda):
+            yield from _outermost(child)
+
+
+def _edited(text, tree, kept):
+    lines = [line.encode() for line in text.splitlines(keepends=True)]  # columns of `ast` are bytes
+    edits = []
+    for function in _outermost(tree):
+        if not any(isinstance(each, ast.Attribute) and each.attr == "asm_thumb" for each in function.decorator_list):
+            edits += _edits(function, kept)
+    for line, start, end, name in sorted(edits, reverse=True):
+        lines[line - 1] = lines[line - 1][:start] + name.encode() + lines[line - 1][end:]
+    return b"".join(lines).decode()
+
+
+def _edits(function, kept):
+    """(line, from, to, name) of each place of an argument in a function and in those inside it."""
+    inside = [node for statement in function.body for node in ast.walk(statement)]
+    own = function.args.posonlyargs + function.args.args
+    short = {}
+    for number, argument in enumerate(own):
+        if argument.arg not in kept:
+            short[argument.arg] = f"_{number}"
+    places = [(node, node.arg) for node in own + [node for node in inside if isinstance(node, ast.arg)]]
+    places += [(node, node.id) for node in inside if isinstance(node, ast.Name)]
+    return [
+        (node.lineno, node.col_offset, node.col_offset + len(name.encode()), short[name])
+        for node, name in places
+        if name in short
+    ]
