@@ -53,6 +53,7 @@ class Circle(Run):
         Run.__init__(self, axes)
         self.to_go = self.fine = 0  # path from the run's beginning to the arc's end: to_go − fine / 2²⁰
         self.total = 0  # steps of the circle and of the last line
+        self._steps = self._z = self._z_sum = self._sixty_fourths = self._tail = self._used = self._next = self._sum = 0
 
     def load(self, plan):  # ISR: no allocation
         """Stand at the beginning of the arc `plan`."""

@@ -20,6 +20,9 @@ class Run:
         self.left = 0  # words to the end of the run
         self.words = self.path = 0  # of the run: words, and length in 2⁻¹³ steps along the circle
         self._u_axis = self._w_axis = 0  # the dominant axis of the run, and the other
+        self._region = self._u = self._w = self._error = self._coarse = 0
+        self._count = self._rise = self._fall = self._decision = 0
+        self._w_rise = self._w_decision = self._z_rise = self._z_decision = self._z_start = self._z_climb = 0
         self.moving = self.negative = 0
         self.made = array("i", [0] * axes)
         self._plan = array("i", [0] * PLAN)
