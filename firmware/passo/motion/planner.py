@@ -90,9 +90,9 @@ class Planner:
             self.load()
             self._under_way.smooth = None
             if limits.jerk:
-                from passo.motion.smooth import Smooth
+                from passo.motion.jerk import smooth
 
-                self._under_way.smooth = Smooth(limits)
+                self._under_way.smooth = smooth(limits)
         self._limits = limits
         self._terms = limits.terms if limits else None
         self._start = limits.start if limits else 0

@@ -37,7 +37,6 @@ _HIGHEST = const(0x3FFFFFFF)
 
 
 class Smooth(Way):
-    @micropython.native
     def cut(self, ramp, q, steps, path, togo, part, change, cap, high):  # ISR: no allocation
         """End the ramp's segment of `steps` (`path`, 2⁻¹⁷ steps), which begins at q: with `togo` and `part` steps behind it,
         a `change` of q at most and `cap` the q wanted, in a hold 0, else `high`. All is as in Ramp._cut_ramp()."""
@@ -97,7 +96,6 @@ class Smooth(Way):
         ramp.steps = steps
         self.b = b
 
-    @micropython.native
     def _look(self, speed, q, cap, leave, start, togo, part):  # ISR: no allocation
         """What lies ahead: the speeds wanted, and the room."""
         self._wanted = cap
@@ -113,7 +111,6 @@ class Smooth(Way):
                 room = gained(self._scale, togo, part)
                 self._room = room - (room >> 10)
 
-    @micropython.native
     def _keep(self, q, leave, gain, togo, part, ends):  # ISR: no allocation
         """The block's planned end can be reached, whatever the jerk."""
         aim = self._aim
@@ -135,7 +132,6 @@ class Smooth(Way):
         self._aim = most
         self._ticks = 0
 
-    @micropython.native
     def _choose(self, ramp, q, b, steps, path):  # ISR: no allocation
         """The largest b, and q, that a segment may end with."""
         speed = ramp._speed
