@@ -78,7 +78,7 @@ class Grbl:
         self._settings = settings
         self._machine = machine
         self._system = System(self.gcode, settings, machine, machine.blocks)
-        self._status = Status()
+        self._status = Status(self.gcode, settings, machine)
         self._lines = Lines()
         self._configure()
         self._forget()
@@ -207,7 +207,7 @@ class Grbl:
 
     def _reply(self, event, command):
         if command.kind == commands.STATUS:
-            return self._status_text(event.value).encode() if event.kind == ACCEPTED else b""
+            return self._status.text(event.value, max(0, RX_BYTES - self._lines.held()))
         if command is not self._under_way:
             return b""
         self._under_way = None
@@ -263,12 +263,6 @@ class Grbl:
         system.probed = [self._nm(axis, position[axis]) for axis in range(self.gcode.axes)]
         system.touched = touched
         return grbl_report.probe(system.probed, touched, system.inches())
-
-    def _status_text(self, report):
-        settings = self._settings
-        report["bytes"] = max(0, RX_BYTES - self._lines.held())
-        values = settings.value(10), settings.value(13), settings.value(_MAX_RPM)
-        return self._status.text(report, self.gcode, self._nm, values)
 
 
 def plain_text(line):

@@ -1,7 +1,10 @@
 """All text that the grbl language says, formed in one place."""
 
+from array import array
+
 from micropython import const
 
+from passo.protocols.grbl_text_viper import AXES, MACHINE, OFFSET, PROGRAMME, places, tell
 from passo.protocols.gcode_words import rounded
 
 VERSION = "1.1h"
@@ -17,14 +20,19 @@ PROGRAMME_END = "Pgm End"
 RESTORING = "Restoring defaults"
 
 _STATES = {
-    "idle": "Idle", "run": "Run", "hold": "Hold:", "jog": "Jog", "alarm": "Alarm", "door": "Door:", "check": "Check",
-    "home": "Home", "sleep": "Sleep",
+    "idle": b"<Idle\0", "run": b"<Run\0", "hold": b"<Hold:\0", "jog": b"<Jog\0", "alarm": b"<Alarm\0",
+    "door": b"<Door:\0", "check": b"<Check\0", "home": b"<Home\0", "sleep": b"<Sleep\0",
 }  # fmt: skip
 _BUSY = ("run", "hold", "jog", "door", "home")
 _WCO_BUSY = const(30)
 _OVERRIDES_BUSY = const(20)
 _IDLE = const(10)
 _NM_PER_TENTH_MIL = const(2540)
+_MASK = const(10)  # settings
+_INCHES = const(13)
+_MAX_RPM = const(30)
+_LONGEST = const(224)  # bytes of a report
+_FARTHEST_MM = const(1_000_000_000)
 
 
 def message(text):
@@ -57,13 +65,20 @@ def length(nm, inches):
     return decimal(rounded(nm, _NM_PER_TENTH_MIL), 4) if inches else decimal(rounded(nm, 1000), 3)
 
 
-def place(places, inches):
-    return ",".join([length(nm, inches) for nm in places])
+def place(lengths, inches):
+    return ",".join([length(nm, inches) for nm in lengths])
 
 
 def rate(nm_s, inches):
     """A speed as text: whole mm/min, or in/min with one decimal."""
-    return decimal(rounded(nm_s * 60, _NM_PER_TENTH_MIL * 1000), 1) if inches else str(rounded(nm_s * 60, 1_000_000))
+    speed = _minute(nm_s, inches)
+    return decimal(speed, 1) if inches else str(speed)
+
+
+def _minute(nm_s, inches):
+    """A speed in mm/min, or tenths of inches a minute, rounded; in parts, so that it takes no large integers."""
+    unit = 127_000 if inches else 50_000
+    return 3 * (nm_s // unit) + (3 * (nm_s % unit) + unit // 2) // unit
 
 
 def modes(gcode, inches):
@@ -94,54 +109,120 @@ def probe(probed, touched, inches):
 class Status:
     """The `<…>` report, which says some things only now and then."""
 
-    def __init__(self):
+    def __init__(self, gcode, settings, machine):
+        """`machine`: the controller's face: steps_per_m."""
+        self._gcode = gcode
+        self._settings = settings
+        self._machine = machine
+        self._out = None  # made when first asked: many a link never is
         self.reset()
 
     def reset(self):
         self._wco = 0  # reports until the offsets are due
         self._overrides = 0
-        self._version = None
+        self._settings_of = self._offsets_of = self._system = None  # that the figures are of
 
-    def text(self, report, gcode, scale, settings):
-        """`report`: the controller's; `scale`: nm of so many steps of an axis; `settings`: (mask $10, inches $13,
-        max_rpm $30 in thousandths)."""
-        mask, inches, max_rpm = settings
+    def text(self, report, room):
+        """As bytes that are good until the next report. `report`: the controller's; `room`: for so many bytes of lines."""
+        gcode = self._gcode
+        if self._settings_of != self._settings.version:
+            self._take_settings()
+        if self._offsets_of != gcode.offsets.version or self._system != gcode.system:
+            self._take_offsets()
+        axes = gcode.axes
+        mask = self._mask
+        inches = self._inches
+        out = self._out
+        figures = self._figures
+        position = report["position"]
+        axis = 0
+        while axis < axes:
+            figures[AXES + 4 * axis] = position[axis]
+            axis += 1
+        figures[2] = 0
+        figures[0] = report["substate"]
         state = report["state"]
-        text = "<" + _STATES[state]
-        if state in ("hold", "door"):
-            text += str(report["substate"])
-        offset = [gcode.offsets.of(gcode.system, axis) for axis in range(gcode.axes)]
-        here = [scale(axis, report["position"][axis]) for axis in range(gcode.axes)]
-        if mask & 1:
-            text += "|MPos:" + place(here, inches)
-        else:
-            text += "|WPos:" + place([at - by for at, by in zip(here, offset)], inches)
+        at = tell(out, 0, _STATES[state], figures, 1 if state == "hold" or state == "door" else 0)
+        places(figures, axes, MACHINE if mask & 1 else PROGRAMME, inches)
+        at = tell(out, at, b"|MPos:\0" if mask & 1 else b"|WPos:\0", figures, axes)
+        figures[2] = figures[5] = 0
         if mask & 2:
-            text += "|Bf:%d,%d" % (report["blocks"], report["bytes"])
+            figures[0] = report["blocks"]
+            figures[3] = room
+            at = tell(out, at, b"|Bf:\0", figures, 2)
         if report["number"]:
-            text += "|Ln:%d" % report["number"]
-        text += "|FS:%s,%d" % (rate(report["feed"], inches), rounded(report["power"] * max_rpm, 1_000_000_000))
-        if report["pins"]:
-            text += "|Pn:" + report["pins"]
-        return text + self._now_and_then(report, gcode, offset, inches) + ">\r\n"
+            figures[0] = report["number"]
+            at = tell(out, at, b"|Ln:\0", figures, 1)
+        speed = _minute(report["feed"], inches)
+        if inches:
+            figures[1] = speed % 10
+            figures[2] = 1
+            speed //= 10
+        figures[0] = speed
+        figures[3] = self._rpm if report["power"] == self._power else self._take_power(report["power"])
+        at = tell(out, at, b"|FS:\0", figures, 2)
+        pins = report["pins"]
+        if pins:
+            if pins != self._pins:
+                self._pins = pins
+                self._pressed = ("|Pn:%s\0" % pins).encode()
+            at = tell(out, at, self._pressed, figures, 0)
+        if self._wco and self._overrides:
+            self._wco -= 1
+            self._overrides -= 1
+        else:
+            at = self._now_and_then(report, at)
+        return self._view[: tell(out, at, b">\r\n\0", figures, 0)]
 
-    def _now_and_then(self, report, gcode, offset, inches):
+    def _take_settings(self):
+        gcode = self._gcode
+        settings = self._settings
+        if self._out is None:
+            self._out = bytearray(_LONGEST)
+            self._view = memoryview(self._out)
+            self._figures = array("i", [0] * (AXES + 4 * gcode.axes))
+        self._settings_of = settings.version
+        self._mask = settings.value(_MASK)
+        self._inches = settings.value(_INCHES)
+        self._pins = self._power = None  # that `_pressed` and `_rpm` are of
+        for axis in range(gcode.axes):
+            self._figures[AXES + 4 * axis + 1] = self._machine.steps_per_m[axis]
+
+    def _take_offsets(self):
+        """Those told are due in this report."""
+        gcode = self._gcode
+        self._offsets_of = gcode.offsets.version
+        self._system = gcode.system
+        self._wco = 0
+        for axis in range(gcode.axes):
+            offset = gcode.offsets.of(gcode.system, axis)
+            at = AXES + 4 * axis + 2
+            self._figures[at] = max(-_FARTHEST_MM, min(offset // 1_000_000, _FARTHEST_MM))
+            self._figures[at + 1] = offset % 1_000_000
+
+    def _take_power(self, power):
+        self._power = power
+        self._rpm = rounded(power * self._settings.value(_MAX_RPM), 1_000_000_000)
+        return self._rpm
+
+    def _now_and_then(self, report, at):
         busy = report["state"] in _BUSY
-        version = (gcode.offsets.version, gcode.system)
-        if version != self._version:
-            self._version = version
-            self._wco = 0
-        text = ""
+        out = self._out
+        figures = self._figures
         if self._wco:
             self._wco -= 1
         else:
             self._wco = (_WCO_BUSY if busy else _IDLE) - 1
             self._overrides = self._overrides or 1
-            text = "|WCO:" + place(offset, inches)
+            places(figures, self._gcode.axes, OFFSET, self._inches)
+            at = tell(out, at, b"|WCO:\0", figures, self._gcode.axes)
         if self._overrides:
             self._overrides -= 1
-            return text
+            return at
         self._overrides = (_OVERRIDES_BUSY if busy else _IDLE) - 1
-        text += "|Ov:%d,%d,%d" % report["overrides"]
+        for which in range(3):
+            figures[3 * which] = report["overrides"][which]
+            figures[3 * which + 2] = 0
+        at = tell(out, at, b"|Ov:\0", figures, 3)
         accessories = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
-        return text + "|A:" + accessories if accessories else text
+        return tell(out, at, ("|A:%s\0" % accessories).encode(), figures, 0) if accessories else at
