@@ -62,6 +62,7 @@ class Controller:
         self._parts = []  # those that only some machines have: see add()
         self._lifting = False  # homing waits for the tool
         self._events = []
+        self._report = {}  # one for all: it is used up before the next
         self._late = 0
         self._handlers = {
             commands.BAD: self._bad,
@@ -104,7 +105,8 @@ class Controller:
             return "alarm"
         if self.sleeping:
             return "sleep"
-        if self.busy_with(commands.HOME):
+        command = self.command
+        if command is not None and command.kind == commands.HOME:
             return "home"
         if self.pauses.kind:
             return self.pauses.kind
@@ -114,7 +116,7 @@ class Controller:
             return "jog"
         if self._held():
             return "hold"
-        running = self.objects.drawing or self.command or self.program.active() or self.occupied()
+        running = self.objects.drawing or command or self.program.active() or self.occupied()
         return "run" if running else "idle"
 
     @property
@@ -193,7 +195,7 @@ class Controller:
         """One turn: goes on with homing, drawing and programme, ends what has ended, minds the motors' current."""
         now_ms = self.port.machine_ms()
         self.inputs.poll(now_ms)
-        if self.busy_with(commands.HOME):
+        if self.command is not None and self.busy_with(commands.HOME):
             self._poll_homing(now_ms)
         elif self.objects.drawing:
             self.objects.poll()
@@ -232,7 +234,9 @@ class Controller:
     # --- the face towards the parts: also `command`, `state`, `settings`, `checking`, `port` and the parts themselves
 
     def accepted(self, command, value=None):
-        self._events.append(Event(ACCEPTED, command, 0, value))
+        event = command.accepted or Event(ACCEPTED, command)
+        event.value = value
+        self._events.append(event)
         return 0
 
     def finish(self, value=None):
@@ -308,16 +312,15 @@ class Controller:
         return command.error
 
     def _status(self, command):
-        report = {
-            "state": self.state,
-            "error": self.alarm or self.log.last,
-            "position": self.position(),
-            "drawn": self.objects.count_drawn() & 0xFFFF,
-            "free": self.objects.store.free(),
-            "substate": self.pauses.substate(),
-            "pins": self.inputs.pins(),
-            "blocks": self.queue.room(),
-        }
+        report = self._report
+        report["state"] = self.state
+        report["error"] = self.alarm or self.log.last
+        report["position"] = self.queue.position(report.get("position"))
+        report["drawn"] = self.objects.count_drawn() & 0xFFFF
+        report["free"] = self.objects.store.free()
+        report["substate"] = self.pauses.substate()
+        report["pins"] = self.inputs.pins()
+        report["blocks"] = self.queue.room()
         self.program.report(report)
         self.tools.report(report)
         self._report_parts(report)

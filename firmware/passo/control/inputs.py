@@ -8,14 +8,15 @@ from passo.control.sensor import Sensor
 from passo.protocols import errors
 
 _BUTTONS = ("reset", "hold", "resume")
-_LETTERS = "RHS"
+_LETTERS = (("P", "probe"), ("D", "door"), ("H", "hold"), ("R", "reset"), ("S", "resume"))
 
 
 class Inputs:
     def __init__(self, board, settings, machine, port):
         self._settings = settings
         self._machine = machine
-        self._port = port
+        self._input = port.input
+        self._turned_of = None  # the settings' version that `_names_turned` is of
         self._sensors = []
         self._settings_of = settings.version  # that the sensors are of
         names = [item["name"] for item in board["inputs"]]
@@ -32,6 +33,7 @@ class Inputs:
         self._limits = [(letter, name, self._sensor(name)) for letter, name in found]
         self._buttons = [(name, self._sensor(name)) for name in _BUTTONS if name in names]
         self._door = self._sensor("door") if self._has_door else None
+        self._others = [item for item in _LETTERS if item[1] in names]
         self._watched = self._to_watch()
         self._seen = -1  # their states at the last turn, a bit each
         self._calm = False  # they are as the sensors have them: until one changes there is nothing to do
@@ -54,12 +56,17 @@ class Inputs:
 
     def read(self, name):
         """True while the input is active; the settings can turn limits and probe round."""
-        active = self._port.input(name)
-        if name == "probe":
-            return active != bool(self._settings.value(table.PROBE_INVERT))
-        if name in self._limit_names:
-            return active != bool(self._settings.value(table.LIMIT_INVERT))
-        return active
+        return self._input(name) != (name in self._turned())
+
+    def _turned(self):
+        """Names of the inputs that the settings turn round."""
+        settings = self._settings
+        if self._turned_of != settings.version:
+            self._turned_of = settings.version
+            self._names_turned = self._limit_names[:] if settings.value(table.LIMIT_INVERT) else []
+            if settings.value(table.PROBE_INVERT):
+                self._names_turned.append("probe")
+        return self._names_turned
 
     def limits_hit(self):
         """True where hard limits are watched and one is active."""
@@ -73,19 +80,19 @@ class Inputs:
 
     def pins(self):
         """Letters of what is active, as the status report has them: XYZ limits, P D H R S."""
-        text = "".join([letter for letter, name, _ in self._limits if self.read(name)])
-        if self.touched():
-            text += "P"
-        if self.door_open():
-            text += "D"
-        pressed = [name for name, _ in self._buttons if self.read(name)]
-        for name, letter in (("hold", "H"), ("reset", "R"), ("resume", "S")):
-            if name in pressed:
+        text = ""
+        read = self._input
+        turned = self._turned()
+        for letter, name, _ in self._limits:
+            if read(name) != (name in turned):
+                text += letter
+        for letter, name in self._others:
+            if read(name) != (name in turned):
                 text += letter
         return text
 
     def poll(self, now_ms):
-        read = self._port.input
+        read = self._input
         seen = 0
         for name in self._watched:
             seen = seen << 1 | (1 if read(name) else 0)

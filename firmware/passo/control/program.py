@@ -9,6 +9,7 @@ from micropython import const
 from passo.control import settings as table
 from passo.control.extent import farthest
 from passo.control.tools import thousandths
+from passo.motion.block import SPEED
 from passo.motion.line import MAX_STEPS
 from passo.motion.profile import Limits
 from passo.protocols import commands, errors
@@ -35,7 +36,8 @@ class Program:
         self.jogging = False
         self._active = False  # motion has been queued and has not come to its end
         self._fresh = False  # motion was queued since the last turn
-        self._limits_of = None  # the settings' version that the planner knows
+        self._limits_of = self._limits = None  # the settings' version that the planner knows, and its limits
+        self._part = self._pace = self._top = None  # that the speed shown is of
         self._travel_of = None  # that `_soft`, `_low` and `_high` are of
         self._touch = None  # where the probe changed
         self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
@@ -227,20 +229,20 @@ class Program:
     def _set_limits(self):
         """Hand the settings to the planner, which takes them only while it is empty."""
         settings = self._machine.settings
-        if self._limits_of == settings.version or not self.accelerates or not self._queue.still():
+        if not self.accelerates or not self._queue.still():
             return
         self._limits_of = settings.version
+        self._part = None
         axes = range(len(self._axes))
-        self._planner.limits(
-            Limits(
-                [settings.value(table.STEPS + axis) for axis in axes],
-                [settings.value(table.SPEED + axis) * 50 // 3 or 1 for axis in axes],
-                [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
-                settings.value(table.JUNCTION) * 1000,
-                settings.value(table.START) * 50 // 3,
-                settings.value(table.JERK) * 1000,
-            )
+        self._limits = Limits(
+            [settings.value(table.STEPS + axis) for axis in axes],
+            [settings.value(table.SPEED + axis) * 50 // 3 or 1 for axis in axes],
+            [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
+            settings.value(table.JUNCTION) * 1000,
+            settings.value(table.START) * 50 // 3,
+            settings.value(table.JERK) * 1000,
         )
+        self._planner.limits(self._limits)
 
     # --- probing
 
@@ -346,21 +348,39 @@ class Program:
 
     def poll(self):
         machine = self._machine
-        self._queue.feed()
-        if machine.busy_with(commands.PROBE):
-            self._poll_probe()
-        elif (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE)) and self._queue.still():
-            machine.finish()
-        if not self._fresh:
+        queue = self._queue
+        queue.feed()
+        if machine.command is not None:
+            if machine.busy_with(commands.PROBE):
+                self._poll_probe()
+            elif (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE)) and queue.still():
+                machine.finish()
+        if queue.waiting and not self._fresh:
             self.begin()
-        self._set_limits()
+        if self._limits_of != machine.settings.version:
+            self._set_limits()
         self._fresh = False
-        if self._active and self._queue.still():
+        if self._active and queue.still():
             self._active = False
 
     def report(self, report):
         """What the status report says of motion."""
         block = self._queue.playing()
-        moving = block is not None and block.walker is not None
-        report["number"] = block.tag if moving and self._active else 0
-        report["feed"] = self._queue.pace()
+        if block is None or block.walker is None:
+            report["number"] = report["feed"] = 0
+            return
+        report["number"] = block.tag if self._active else 0
+        report["feed"] = self._speed(block, self._queue.pace())
+
+    def _speed(self, block, pace):
+        """The speed along the path at this moment, in nm/s."""
+        if not pace or self._limits is None:
+            return 0
+        part = block.rows[block.at + SPEED]
+        top = block.top if block.gain else pace
+        if part != self._part or pace != self._pace or top != self._top:  # large integers: only where something has changed
+            self._part = part
+            self._pace = pace
+            self._top = top
+            self._shown = self._limits.speed(part) * pace // top
+        return self._shown

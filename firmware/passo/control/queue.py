@@ -27,10 +27,14 @@ class Queue:
         self._walker = None  # of axes that run on their own
         self._chords = None  # of an arc that is handed to the planner piece by piece
 
-    def position(self):
-        """Where the machine is, exact at this moment."""
-        place = self._feeder.position(self._player.played())
-        return [place[axis] - self._origin[axis] for axis in range(len(place))]
+    def position(self, place=None):
+        """Where the machine is, exact at this moment: `place`, or a new list."""
+        found = self._feeder.found(self._player.played())
+        origin = self._origin
+        place = place or origin[:]
+        for axis in range(len(place)):
+            place[axis] = found[axis] - origin[axis]
+        return place
 
     def set_origin(self):
         """Machine zero is here. Only at a stand, with nothing queued."""

@@ -125,9 +125,5 @@ class StreamQueue(Queue):
         self._planner.dynamic = dynamic
 
     def pace(self):
-        """The speed along the path at this moment, in nm/s."""
-        block = self._planner.playing()
-        pace = self._feeder.pace(self._player.played())
-        if block is None or block.walker is None or not pace:
-            return 0
-        return block.speed * pace // block.top if block.gain else block.speed
+        """The mean speed of the segment under way, as Feeder.pace()."""
+        return self._feeder.pace(self._player.played())

@@ -143,4 +143,4 @@ class Tools:
             report["power"] = min(analogue.value * self.overrides[2] // 100, 1000) * 1000 if self._queue.lit() else 0
         report["spindle"] = self.spindle
         report["coolant"] = self.coolant
-        report["overrides"] = tuple(self.overrides)
+        report["overrides"] = self.overrides

@@ -69,7 +69,6 @@ class Block:
         self.start = 0  # q at which it may be begun and ended without a ramp
         self.rows = None  # where it stands as a row
         self.at = 0
-        self.speed = 0  # as programmed, in nm/s; only where the main loop asks
 
     @micropython.native
     def load(self, rows, at, start):  # ISR: no allocation

@@ -396,5 +396,4 @@ class Planner:
         place = retired % _SIZE
         block = self._playing
         self._unpack(block, place)
-        block.speed = self._limits.speed(self._rows[place * self._stride + SPEED]) if self._limits else 0
         return block

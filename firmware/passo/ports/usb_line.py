@@ -37,6 +37,10 @@ class UsbLine:
     def read(self):
         """Bytes that have come, at most 64, b"" if none. Raises KeyboardInterrupt when the REPL is asked for."""
         # The console gives what it has byte by byte only: asked for more, it waits for them.
+        for _ in self._poll.ipoll(0):
+            break
+        else:
+            return b""
         count = 0
         byte = self._byte
         data = self._data
@@ -50,8 +54,6 @@ class UsbLine:
                 break
             else:
                 break
-        if not count:
-            return b""
         data = bytes(memoryview(data)[:count])
         now_ms = ticks_ms()
         silent_ms = ticks_diff(now_ms, self._heard_ms)

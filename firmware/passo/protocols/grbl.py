@@ -20,7 +20,7 @@ import micropython
 from micropython import const
 
 from passo.protocols import commands, errors, grbl_report
-from passo.protocols.commands import ACCEPTED, ALARM, NOTICE, REFUSED, RESTARTED, Command
+from passo.protocols.commands import ACCEPTED, ALARM, NOTICE, REFUSED, RESTARTED, Command, Event
 from passo.protocols.gcode import GCode
 from passo.protocols.gcode_words import LONGEST, length, rounded
 from passo.protocols.grbl_lines import Lines
@@ -32,40 +32,41 @@ _ALARMS = const(200)  # errors.py has alarms that much higher
 _LASER = const(32)
 _MAX_RPM = const(30)
 
-_RESET = const(0x18)
+# Kind · 1, value · 64, whether the amount is a change · 512, amount · 1024: in one integer, 20 tuples take much more.
+_VALUE = const(6)
+_CHANGE = const(9)
+_AMOUNT = const(10)
 _REAL_TIME = {
-    0x3F: (commands.STATUS, 0, 0),
-    0x21: (commands.HOLD, 0, 0),
-    0x7E: (commands.RESUME, 0, 0),
-    0x84: (commands.DOOR, 0, 0),
-    0x85: (commands.JOG_CANCEL, 0, 0),
-    0x9E: (commands.TOGGLE, commands.SPINDLE_STOP, 0),
-    0xA0: (commands.TOGGLE, 1, 0),
-    0xA1: (commands.TOGGLE, 2, 0),
-    0x95: (commands.OVERRIDE, commands.RAPID, 100),
-    0x96: (commands.OVERRIDE, commands.RAPID, 50),
-    0x97: (commands.OVERRIDE, commands.RAPID, 25),
+    0x18: commands.RESET,
+    0x21: commands.HOLD,
+    0x3F: commands.STATUS,
+    0x7E: commands.RESUME,
+    0x84: commands.DOOR,
+    0x85: commands.JOG_CANCEL,
+    0x9E: commands.TOGGLE | commands.SPINDLE_STOP << _VALUE,
+    0xA0: commands.TOGGLE | 1 << _VALUE,
+    0xA1: commands.TOGGLE | 2 << _VALUE,
+    0x95: commands.OVERRIDE | commands.RAPID << _VALUE | 100 << _AMOUNT,
+    0x96: commands.OVERRIDE | commands.RAPID << _VALUE | 50 << _AMOUNT,
+    0x97: commands.OVERRIDE | commands.RAPID << _VALUE | 25 << _AMOUNT,
 }
 for _first, _which in ((0x90, commands.FEED), (0x99, commands.POWER)):
-    _REAL_TIME[_first] = (commands.OVERRIDE, _which, 100)
-    for _byte, _change in ((1, 10), (2, -10), (3, 1), (4, -1)):
-        _REAL_TIME[_first + _byte] = (commands.OVERRIDE, _which, _change * 1000)
-# Changes are a thousand times what they change, so that +100 is not taken for 100 %.
+    _override = commands.OVERRIDE | _which << _VALUE
+    _REAL_TIME[_first] = _override | 100 << _AMOUNT
+    for _byte, _by in ((1, 10), (2, -10), (3, 1), (4, -1)):
+        _REAL_TIME[_first + _byte] = _override | 1 << _CHANGE | _by << _AMOUNT
 
 
 def real_time(byte):
     """The command of a real-time byte, or None."""
-    if byte == _RESET:
-        return Command(commands.RESET)
     found = _REAL_TIME.get(byte)
     if found is None:
         return None
-    kind, value, amount = found
-    command = Command(kind, value=value)
-    if abs(amount) >= 1000:
-        command.feed = amount // 1000
+    command = Command(found & 63, None, found >> _VALUE & 7)
+    if found >> _CHANGE & 1:
+        command.feed = found >> _AMOUNT
     else:
-        command.power = amount
+        command.power = found >> _AMOUNT
     return command
 
 
@@ -80,6 +81,7 @@ class Grbl:
         self._system = System(self.gcode, settings, machine, machine.blocks)
         self._status = Status(self.gcode, settings, machine)
         self._lines = Lines()
+        self._asked = None  # made when first asked
         self._configure()
         self._forget()
 
@@ -102,12 +104,24 @@ class Grbl:
 
     def feed(self, data, now_ms):
         """Commands, each to be answered by reply() before the next is asked for."""
-        if not data and (self._under_way is not None or not self._waiting()):
-            return ()
+        lines = self._lines
+        if self._under_way is not None or not (self._rest or self._start_lines or lines.at < lines.whole or lines.lost):
+            if not data:
+                return ()
+            if data == b"?":
+                return self._ask()
         return self._commands(data)
 
     def _waiting(self):
         return self._rest or self._start_lines or self._lines.waiting()
+
+    def _ask(self):
+        """The command of `?`: one, used again and again."""
+        if self._asked is None:
+            command = Command(commands.STATUS)
+            command.accepted = Event(ACCEPTED, command)
+            self._asked = (command,)
+        return self._asked
 
     @micropython.native
     def _commands(self, data):
@@ -133,6 +147,11 @@ class Grbl:
         plain = bytearray()
         asked = False
         for byte in data:
+            if byte == 0x3F:
+                if not asked:
+                    asked = True
+                    yield self._ask()[0]
+                continue
             command = real_time(byte) if byte > 0x7D or byte < 0x40 else None
             if command is None:
                 if byte < 0x80:
@@ -141,10 +160,7 @@ class Grbl:
                 plain = bytearray()
                 self._forget()
                 yield command
-            elif command.kind != commands.STATUS:
-                yield command
-            elif not asked:
-                asked = True
+            else:
                 yield command
         self._lines.take(bytes(plain))
 

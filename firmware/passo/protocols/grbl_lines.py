@@ -29,12 +29,12 @@ class Lines:
 
     def clear(self):
         self.at = self.whole = self._end = 0
-        self._lost = 0  # lines that found no room
+        self.lost = 0  # lines that found no room
         self._spoilt = False  # the one that has not ended yet is too long, or finds none
         self._after_return = False
 
     def waiting(self):
-        return self.at < self.whole or self._lost
+        return self.at < self.whole or self.lost
 
     def held(self):
         """Bytes that are kept."""
@@ -55,7 +55,7 @@ class Lines:
         if end > ROOM and self.at:
             self._move_up()
             end = self._end + len(data)
-        if end > ROOM or self._spoilt or self._lost:
+        if end > ROOM or self._spoilt or self.lost:
             self._take_each(data)
             return
         self.text[self._end : end] = data
@@ -84,7 +84,7 @@ class Lines:
 
     def _add(self, piece):
         end = self._end + len(piece)
-        if self._spoilt or self._lost or end > ROOM - len(_TOO_LONG):
+        if self._spoilt or self.lost or end > ROOM - len(_TOO_LONG):
             self._spoil()
         else:
             self.text[self._end : end] = piece
@@ -103,8 +103,8 @@ class Lines:
         line = _TOO_LONG if self._spoilt else b"\n"
         self._spoilt = False
         end = self._end + len(line)
-        if self._lost or end > ROOM:
-            self._lost += 1
+        if self.lost or end > ROOM:
+            self.lost += 1
             return
         self.text[self._end : end] = line
         self._end = self.whole = end
@@ -112,7 +112,7 @@ class Lines:
     def next(self):
         """The oldest line, which leaves the queue; None for one that was too long, or found no room."""
         if self.at == self.whole:
-            self._lost -= 1
+            self.lost -= 1
             return None
         end = self.text.find(b"\n", self.at)
         line = bytes(self.text[self.at : end])

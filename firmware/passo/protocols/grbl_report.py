@@ -4,7 +4,9 @@ from array import array
 
 from micropython import const
 
-from passo.protocols.grbl_text_viper import AXES, MACHINE, OFFSET, PROGRAMME, places, tell
+from passo.protocols.grbl_text_viper import (
+    AXES, INCHES, MACHINE, MILLIMETRES, OFFSET, PROGRAMME, UNITS, places, tell,
+)  # fmt: skip
 from passo.protocols.gcode_words import rounded
 
 VERSION = "1.1h"
@@ -32,7 +34,7 @@ _MASK = const(10)  # settings
 _INCHES = const(13)
 _MAX_RPM = const(30)
 _LONGEST = const(224)  # bytes of a report
-_FARTHEST_MM = const(1_000_000_000)
+_FARTHEST_MM = const(100_000_000)
 
 
 def message(text):
@@ -143,7 +145,7 @@ class Status:
         figures[0] = report["substate"]
         state = report["state"]
         at = tell(out, 0, _STATES[state], figures, 1 if state == "hold" or state == "door" else 0)
-        places(figures, axes, MACHINE if mask & 1 else PROGRAMME, inches)
+        places(figures, axes, MACHINE if mask & 1 else PROGRAMME)
         at = tell(out, at, b"|MPos:\0" if mask & 1 else b"|WPos:\0", figures, axes)
         figures[2] = figures[5] = 0
         if mask & 2:
@@ -159,7 +161,11 @@ class Status:
             figures[2] = 1
             speed //= 10
         figures[0] = speed
-        figures[3] = self._rpm if report["power"] == self._power else self._take_power(report["power"])
+        power = report["power"]
+        if power != self._power:
+            self._power = power
+            self._rpm = rounded(power * self._settings.value(_MAX_RPM), 1_000_000_000)
+        figures[3] = self._rpm
         at = tell(out, at, b"|FS:\0", figures, 2)
         pins = report["pins"]
         if pins:
@@ -184,6 +190,7 @@ class Status:
         self._settings_of = settings.version
         self._mask = settings.value(_MASK)
         self._inches = settings.value(_INCHES)
+        self._figures[UNITS:AXES] = INCHES if self._inches else MILLIMETRES
         self._pins = self._power = None  # that `_pressed` and `_rpm` are of
         for axis in range(gcode.axes):
             self._figures[AXES + 4 * axis + 1] = self._machine.steps_per_m[axis]
@@ -200,11 +207,6 @@ class Status:
             self._figures[at] = max(-_FARTHEST_MM, min(offset // 1_000_000, _FARTHEST_MM))
             self._figures[at + 1] = offset % 1_000_000
 
-    def _take_power(self, power):
-        self._power = power
-        self._rpm = rounded(power * self._settings.value(_MAX_RPM), 1_000_000_000)
-        return self._rpm
-
     def _now_and_then(self, report, at):
         busy = report["state"] in _BUSY
         out = self._out
@@ -214,7 +216,7 @@ class Status:
         else:
             self._wco = (_WCO_BUSY if busy else _IDLE) - 1
             self._overrides = self._overrides or 1
-            places(figures, self._gcode.axes, OFFSET, self._inches)
+            places(figures, self._gcode.axes, OFFSET)
             at = tell(out, at, b"|WCO:\0", figures, self._gcode.axes)
         if self._overrides:
             self._overrides -= 1

@@ -1,14 +1,18 @@
 """Numbers as text in a buffer that is used again and again: what a status report is made of, without garbage.
 
     figures = array("i", [0] * (AXES + 4 * axes))
+    figures[UNITS:AXES] = MILLIMETRES
     figures[AXES:AXES + 4] = …                      # of the first axis: steps, steps a metre, offset: mm, and nm above it
-    places(figures, axes, MACHINE, 0)               # the numbers to be told
+    places(figures, axes, MACHINE)                  # the numbers to be told
     at = tell(out, 0, b"MPos:\\0", figures, axes)   # MPos:0.000,-1.250,…
 
-A number is three integers: whole (or ~whole of a negative one), decimals, and how many of these. Places are told to 1000 km.
+A number is three integers: whole (or ~whole of a negative one), decimals, and what the first of these is worth, 0 where
+there is none. Places are told to 100 km, offsets too.
 One text for all interpreters, as motion/measure_viper.py: a board compiles it to machine code.
 """
 # ruff: noqa: F821
+
+from array import array
 
 import micropython
 from micropython import const
@@ -18,7 +22,12 @@ try:
 except NameError:
     ptr32 = ptr8 = None  # names that only viper's compiler knows
 
-AXES = const(12)  # where the axes begin in the figures, behind room for four numbers
+# The figures: room for three numbers, the unit of places, then four integers an axis.
+UNITS = const(9)
+AXES = const(12)
+# Tenths of a millimetre a unit, nanometres a unit of the last decimal, the first decimal.
+MILLIMETRES = array("i", (10, 1000, 100))
+INCHES = array("i", (254, 2540, 1000))
 MACHINE = const(0)
 PROGRAMME = const(1)
 OFFSET = const(2)  # between the two
@@ -43,36 +52,31 @@ def tell(out: ptr8, at: int, label: ptr8, figures: ptr32, count: int) -> int:
             out[at] = 45
             at += 1
             value = ~value
-        width = 1
-        unit = 10
-        while width < 10 and value >= unit:
-            width += 1
+        unit = 1
+        while value // unit > 9:
             unit *= 10
-        part = 0
-        while part < 2:
-            if part and width:
+        decimal = figures[number + 2]
+        while unit:
+            digit = value // unit
+            out[at] = 48 + digit
+            at += 1
+            value -= digit * unit
+            unit //= 10
+            if unit == 0 and decimal:
                 out[at] = 46
                 at += 1
-            at += width
-            place = at
-            while width:
-                place -= 1
-                tenth = value // 10
-                out[place] = 48 + value - 10 * tenth
-                value = tenth
-                width -= 1
-            value = figures[number + 1]
-            width = figures[number + 2]
-            part += 1
+                value = figures[number + 1]
+                unit = decimal
+                decimal = 0
         number += 3
         count -= 1
     return at
 
 
 @micropython.viper
-def places(figures: ptr32, axes: int, which: int, inches: int):
-    """Where the axes are, or the offsets, as numbers: millimetres with three decimals or inches with four, of whole
-    nanometres; both are rounded halves away from zero."""
+def places(figures: ptr32, axes: int, which: int):
+    """Where the axes are, or the offsets, as numbers in the figures' unit: of whole nanometres, which are rounded as they
+    are, halves away from zero."""
     number = 0
     at = 12
     while axes:
@@ -95,9 +99,11 @@ def places(figures: ptr32, axes: int, which: int, inches: int):
                 digits -= 1
             if left + (per_m >> 1) >= per_m:
                 nm += 1
+            if mm > 100_000:
+                mm = 100_000
             part = nm // 1_000_000
             nm -= 1_000_000 * part
-            mm = 1000 * (mm if mm < 1_000_000 else 1_000_000) + part
+            mm = 1000 * mm + part
             if figures[at] < 0:
                 mm = 0 - mm
                 nm = 0 - nm
@@ -112,22 +118,16 @@ def places(figures: ptr32, axes: int, which: int, inches: int):
                 mm = 0 - mm
                 nm = 0 - nm
                 negative ^= 1
-        decimals = 3
-        if inches:
-            decimals = 4
-            part = mm // 127  # five inches
-            nm = ((mm - 127 * part) * 1_000_000 + nm + 1270) // 2540
-            mm = nm // 10_000
-            nm -= 10_000 * mm
-            mm += 5 * part
-        else:
-            nm = (nm + 500) // 1000
-            if nm == 1000:
-                mm += 1
-                nm = 0
-        figures[number] = ~mm if negative and mm + nm else mm
+        mm *= 10
+        part = mm // figures[9]
+        nm += (mm - part * figures[9]) * 100_000 + (figures[10] >> 1)
+        nm //= figures[10]
+        if nm == 10 * figures[11]:
+            part += 1
+            nm = 0
+        figures[number] = ~part if negative and part + nm else part
         figures[number + 1] = nm
-        figures[number + 2] = decimals
+        figures[number + 2] = figures[11]
         number += 3
         at += 4
         axes -= 1

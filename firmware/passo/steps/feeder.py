@@ -312,7 +312,8 @@ class Feeder(Position):
         have been made (of a track: the place), so that it can be taken up again. The planner keeps its blocks.
         """
         self.retire(played)
-        position, stepping, at = self._walk(played)
+        stepping, at = self._walk(played)
+        position = list(self._found)
         block = self.planner.playing()
         index = self._along(block, at, stepping)
         self.ring.head = played

@@ -31,7 +31,12 @@ class Position:
     def position(self, played):
         """Steps of each axis since power-up when `played` words have appeared on the pins: exact. Where an interrupt
         has gone on meanwhile it is the position a moment later."""
-        return self._walk(played)[0]
+        return list(self.found(played))
+
+    def found(self, played):
+        """The same in an array that is used again and again."""
+        self._walk(played)
+        return self._found
 
     def pace(self, played):
         """The mean speed of the segment under way, as ramp.pace; 0 where none is."""
@@ -44,7 +49,7 @@ class Position:
     # that can take longer than the time between two interrupts, and then no answer would ever be right.
 
     def _walk(self, played):
-        """(position, stepping words since the last checkpoint played, where in the marks that stands)."""
+        """(stepping words since the last checkpoint played, where in the marks that stands); the position is in `_found`."""
         state = self.state
         while True:
             oldest = state[_OLDEST]
@@ -53,7 +58,7 @@ class Position:
                 self._begin(at + _FIELDS)
                 stepping = self._count(self._marks[at + _WORD], played)
                 if state[_OLDEST] == oldest:
-                    return list(self._found), stepping, at
+                    return stepping, at
             played = state[_PLAYED]  # an interrupt has gone beyond it, and may have written over those words
 
     def _begin(self, at):
@@ -80,7 +85,7 @@ class Position:
         block = self.planner.playing()
         if block is None or block.kind != TRACK:
             return None
-        _, stepping, at = self._walk(played)
+        stepping, at = self._walk(played)
         if self._marks[at + _ENDS] and at != self.state[_OLDEST] % _MARKS * self._stride:
             return self._marks[at + _MARK_INDEX]  # played to its end, and not retired yet
         return self._along(block, at, stepping)
