@@ -118,6 +118,7 @@ def _router(link):
     machine.run_ms(1900)
     asking.stream([b"G1F32476\n"])  # √3 · 18 750: each axis at 100 kHz
     machine.run_until(lambda: not asking.unanswered, 1000)
+    asking.status()  # as every sender does first; it makes the buffers
     return machine, asking
 
 

@@ -116,7 +116,9 @@ def check_checkpoints(seed, axes):
                 call[1](state, words, moving, negative, steps, ticks)
                 call[2](state, marks, steps_made, steps, ticks, ends)
             played = (state[checkpoints_plain.HEAD] - back) & 0x1FFFFFFF
-            results.append((result, call[4](state, marks, played), call[3](state, marks, played) if what < 2 else 0))
+            place = array("i", [0] * axes)
+            at = call[4](state, marks, played, place)
+            results.append((result, at, list(place), call[3](state, marks, played) if what < 2 else 0))
         assert results[0] == results[1]
         assert sides[0] == sides[1]
 

@@ -212,10 +212,10 @@ def check_position_asked_while_an_interrupt_goes_on():
     rig.feeder.fill(0, 20 * TICKS_PER_MS)
     find = asked.find
 
-    def interrupted(state, marks, played):
+    def interrupted(state, marks, played, place):
         asked.find = find
         rig.feeder.retire(250)
-        return find(state, marks, played)
+        return find(state, marks, played, place)
 
     asked.find = interrupted
     position = rig.feeder.position(50)

@@ -17,7 +17,7 @@ from passo.control.motors import Motors
 from passo.control.settings import ENABLE_INVERT, Settings
 from passo.motion.planner import Planner
 from passo.protocols import errors
-from passo.protocols.commands import IMMEDIATE, RESET, RESTARTED, Event
+from passo.protocols.commands import IMMEDIATE, RESET, STATUS
 from passo.steps.feeder import Feeder
 from passo.steps.ring import Ring, ring_size
 from passo.steps.word import COUNT_MASK, TICKS_PER_S, us_to_ticks
@@ -87,10 +87,7 @@ class App:
     def poll(self):
         """Links, then machine, then answers, then words for the player. False where the machine has to wait, because
         more bytes are coming: where interrupts play, those are taken first."""
-        now_ms = self.port.link_ms()
-        heard = 0
-        for link in self.links:
-            heard |= self._receive(link, now_ms)
+        heard = self._hear()
         if self.interrupt and heard and self._overtaken(heard):
             return False
         tripped = self.port.tripped()
@@ -98,14 +95,31 @@ class App:
             self.controller.fail(errors.ALARM_HARD_LIMIT, tripped)
         self.controller.poll()
         self._answer()
+        if self.interrupt and not heard and self._coming():
+            self._hear()  # half a turn would be a long time for who asks
         self._feed()
         return True
 
+    # What goes on each turn is in small pieces: a function of more than eleven words of variables and stack takes them off
+    # the heap, and that takes longer than a call.
+
+    def _hear(self):
+        """What the links bring. Returns _PART where bytes came, _WHOLE where more than questions did, or both."""
+        self._heard = 0
+        self._now_ms = self.port.link_ms()
+        for link in self.links:
+            self._receive(link)
+        return self._heard
+
+    def _coming(self):
+        for link in self.links:
+            if link.serial.any():
+                return True
+        return False
+
     def _overtaken(self, heard):
         """True while more bytes are coming and the machine may wait for them. What has been asked for moves at once."""
-        coming = heard == _PART
-        for link in self.links:
-            coming = coming or link.serial.any()
+        coming = heard == _PART or self._coming()
         if heard & _WHOLE:
             if not coming:
                 self.controller.program.begin()
@@ -131,38 +145,45 @@ class App:
             self.port.wait(controller.busy(), controller.fine())
             self._looked_ms = self.port.machine_ms()
 
-    def _receive(self, link, now_ms):
-        """What waits comes first, then what the line brings. Each command is answered before the next is asked for.
-        Returns _PART where bytes came, _WHOLE where commands did, or both."""
+    def _receive(self, link):
+        """What waits comes first, then what the line brings. Each command is answered before the next is asked for."""
         self.controller.links.speaker = link.number
-        heard = 0
         while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
             link.waiting.pop(0)
             self._answer()
-            heard = _WHOLE
+            self._heard |= _WHOLE
         data = link.serial.read()
         if data:
-            heard |= _PART
+            self._heard |= _PART
             if link.points and not link.waiting:
-                answers = link.points(data, now_ms, self.controller.objects)
+                answers = link.points(data, self._now_ms, self.controller.objects)
                 if answers:
                     link.serial.write(answers)
                 data = b""
-        for command in link.protocol.feed(data, now_ms):
-            heard |= _WHOLE
+        commands = link.protocol.feed(data, self._now_ms)
+        if commands:
+            self._carry_out(commands, link)
+
+    def _carry_out(self, commands, link):
+        for command in commands:
             command.link = link
-            if command.kind == RESET:
-                for other in self.links:
-                    other.waiting = []
-            if command.kind in IMMEDIATE or not link.waiting:
-                if self.controller.accept(command) == LATER:
-                    link.waiting.append(command)
-            elif len(link.waiting) < _WAITING:
+            self._begin(command)
+
+    def _begin(self, command):
+        link = command.link
+        if command.kind != STATUS:
+            self._heard |= _WHOLE
+        if command.kind == RESET:
+            for other in self.links:
+                other.waiting = []
+        if command.kind in IMMEDIATE or not link.waiting:
+            if self.controller.accept(command) == LATER:
                 link.waiting.append(command)
-            else:
-                self.controller.refuse(command, errors.TOO_MANY_WAITING)
-            self._answer()
-        return heard
+        elif len(link.waiting) < _WAITING:
+            link.waiting.append(command)
+        else:
+            self.controller.refuse(command, errors.TOO_MANY_WAITING)
+        self._answer()
 
     def _answer(self):
         for event in self.controller.take_events():

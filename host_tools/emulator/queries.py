@@ -20,6 +20,7 @@ _ASK = """
 from array import array
 from passo.steps.checkpoints import find
 state, marks = feeder.state, feeder._marks
+place = array("i", [0] * {each})
 asked = array("i", [0] * ({each} * {count}))
 def ask():
     begun = ticks_us()
@@ -27,7 +28,7 @@ def ask():
     return begun, ticks_us(), position
 def walk():
     played = player.played()
-    return (played - marks[find(state, marks, played)]) & 0x1FFFFFFF
+    return (played - marks[find(state, marks, played, place)]) & 0x1FFFFFFF
 def nothing():
     begun = ticks_us()
     return ticks_diff(ticks_us(), begun)

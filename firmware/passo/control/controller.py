@@ -67,7 +67,6 @@ class Controller:
         self._handlers = {
             commands.BAD: self._bad,
             commands.HELLO: self.accepted,
-            commands.STATUS: self._status,
             commands.STOP: self._stop,
             commands.HOME: self._home,
         }
@@ -114,9 +113,9 @@ class Controller:
             return "check"
         if self.program.jogging:
             return "jog"
-        if self._held():
+        if self._parts and self._held():
             return "hold"
-        running = self.objects.drawing or command or self.program.active() or self.occupied()
+        running = command or self.objects.drawing or self.program.active() or self._parts and self.occupied()
         return "run" if running else "idle"
 
     @property
@@ -137,11 +136,9 @@ class Controller:
 
     def busy(self):
         """True while something moves, waits or is about to: time matters."""
-        if self.pauses.standing():
+        if self.pauses.kind and self.pauses.standing():
             return False
-        if self.busy_with(commands.HOME) or not self.queue.still():
-            return True
-        return self.objects.busy()
+        return not self.queue.still() or self.busy_with(commands.HOME) or self.objects.busy()
 
     def live(self):
         """True while what is under way may change at any moment: few words should lie ahead."""
@@ -158,7 +155,8 @@ class Controller:
 
     def fine(self):
         """True while inputs decide where the machine stops: turns of the main loop should be short."""
-        return self.busy_with(commands.HOME) or self.busy_with(commands.PROBE)
+        command = self.command
+        return command is not None and (command.kind == commands.HOME or command.kind == commands.PROBE)
 
     def position(self):
         """Steps of each axis from machine zero, exact at this moment."""
@@ -169,6 +167,8 @@ class Controller:
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
         if command.accepted is not None and command.kind == commands.LINE and command.link.number == self.links.commander:
             result = self.program.again(command)
+        elif command.kind == commands.STATUS:
+            return self._status(command)
         else:
             result = self._handle(command)
         if result > 0:
@@ -201,16 +201,18 @@ class Controller:
             self.objects.poll()
         for part in self._parts:
             part.poll()
-        self.program.poll()
+        still = self.queue.still()
+        self.program.poll(still)
         self.pauses.poll(now_ms)
-        self.tools.poll()
-        self._poll_end()
+        self.tools.poll(still)
+        if still and not self.objects.store.count:
+            self._poll_end()
         if self._feeder.late != self._late:
             self._late = self._feeder.late
             self._note(errors.WORDS_LATE)
-        if self.settings.dirty and self.queue.still():
+        if self.settings.dirty and still:
             self.settings.save()
-        self._motors.poll(now_ms, not self.sleeping and not self.still(), self.queue.tool)
+        self._motors.poll(now_ms, not self.sleeping and not still, self.queue.tool)
 
     def may_feed(self):
         """True when the motors are ready for the words of what is queued."""
@@ -316,11 +318,7 @@ class Controller:
         report["state"] = self.state
         report["error"] = self.alarm or self.log.last
         report["position"] = self.queue.position(report.get("position"))
-        report["drawn"] = self.objects.count_drawn() & 0xFFFF
-        report["free"] = self.objects.store.free()
-        report["substate"] = self.pauses.substate()
-        report["pins"] = self.inputs.pins()
-        report["blocks"] = self.queue.room()
+        self.objects.report(report)
         self.program.report(report)
         self.tools.report(report)
         self._report_parts(report)
@@ -394,8 +392,6 @@ class Controller:
             self.fail(result)
 
     def _poll_end(self):
-        if self.objects.store.count or not self.queue.still():
-            return
         self.program.jogging = False
         if self.busy_with(commands.DRAW) or self.busy_with(commands.STOP):
             self.objects.end()

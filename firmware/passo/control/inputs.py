@@ -16,7 +16,8 @@ class Inputs:
         self._settings = settings
         self._machine = machine
         self._input = port.input
-        self._turned_of = None  # the settings' version that `_names_turned` is of
+        self._levels = getattr(port, "levels", None)  # of all inputs at once
+        self._pins_at = self._pins_of = None  # the levels, and the settings' version, that `_pins` is of
         self._sensors = []
         self._settings_of = settings.version  # that the sensors are of
         names = [item["name"] for item in board["inputs"]]
@@ -33,7 +34,7 @@ class Inputs:
         self._limits = [(letter, name, self._sensor(name)) for letter, name in found]
         self._buttons = [(name, self._sensor(name)) for name in _BUTTONS if name in names]
         self._door = self._sensor("door") if self._has_door else None
-        self._others = [item for item in _LETTERS if item[1] in names]
+        self._shown = self._limits + [item for item in _LETTERS if item[1] in names]
         self._watched = self._to_watch()
         self._seen = -1  # their states at the last turn, a bit each
         self._calm = False  # they are as the sensors have them: until one changes there is nothing to do
@@ -56,17 +57,12 @@ class Inputs:
 
     def read(self, name):
         """True while the input is active; the settings can turn limits and probe round."""
-        return self._input(name) != (name in self._turned())
-
-    def _turned(self):
-        """Names of the inputs that the settings turn round."""
-        settings = self._settings
-        if self._turned_of != settings.version:
-            self._turned_of = settings.version
-            self._names_turned = self._limit_names[:] if settings.value(table.LIMIT_INVERT) else []
-            if settings.value(table.PROBE_INVERT):
-                self._names_turned.append("probe")
-        return self._names_turned
+        active = self._input(name)
+        if name == "probe":
+            return active != bool(self._settings.value(table.PROBE_INVERT))
+        if name in self._limit_names:
+            return active != bool(self._settings.value(table.LIMIT_INVERT))
+        return active
 
     def limits_hit(self):
         """True where hard limits are watched and one is active."""
@@ -80,32 +76,36 @@ class Inputs:
 
     def pins(self):
         """Letters of what is active, as the status report has them: XYZ limits, P D H R S."""
+        levels = self._levels() if self._levels else None
+        if levels is not None and levels == self._pins_at and self._pins_of == self._settings.version:
+            return self._pins
+        self._pins_at = levels
+        self._pins_of = self._settings.version
         text = ""
-        read = self._input
-        turned = self._turned()
-        for letter, name, _ in self._limits:
-            if read(name) != (name in turned):
-                text += letter
-        for letter, name in self._others:
-            if read(name) != (name in turned):
-                text += letter
+        for item in self._shown:
+            if self.read(item[1]):
+                text += item[0]
+        self._pins = text
         return text
 
     def poll(self, now_ms):
-        read = self._input
-        seen = 0
-        for name in self._watched:
-            seen = seen << 1 | (1 if read(name) else 0)
+        seen = self._levels() if self._levels else self._look()
         if seen != self._seen or not self._calm or self._settings_of != self._settings.version:
-            if self._calm:
-                for sensor in self._sensors:
-                    sensor.pass_by(self._polled_ms)
             self._seen = seen
             self._sample(now_ms)
         self._polled_ms = now_ms
 
+    def _look(self):
+        seen = 0
+        for name in self._watched:
+            seen = seen << 1 | (1 if self._input(name) else 0)
+        return seen
+
     def _sample(self, now_ms):
         machine = self._machine
+        if self._calm:
+            for sensor in self._sensors:
+                sensor.pass_by(self._polled_ms)
         if self._settings_of != self._settings.version:
             self._settings_of = self._settings.version
             self._watched = self._to_watch()

@@ -141,6 +141,11 @@ class Objects:
         """Tool off at the end of the queue, and time for it to get there."""
         self._queue.lift(self._taken + 1)
 
+    def report(self, report):
+        """What the status report says of what is stored and drawn."""
+        report["drawn"] = self.count_drawn() & 0xFFFF
+        report["free"] = self.store.free()
+
     def count_drawn(self):
         if not self.drawing:
             return self.drawn

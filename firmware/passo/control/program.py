@@ -9,7 +9,7 @@ from micropython import const
 from passo.control import settings as table
 from passo.control.extent import farthest
 from passo.control.tools import thousandths
-from passo.motion.block import SPEED
+from passo.motion.block import GAIN, KIND, SPEED, TAG, TOP, WAIT
 from passo.motion.line import MAX_STEPS
 from passo.motion.profile import Limits
 from passo.protocols import commands, errors
@@ -346,38 +346,40 @@ class Program:
         if self._queue.waiting and self._queue.resting():
             self._queue.start()
 
-    def poll(self):
+    def poll(self, still):
+        """`still`: nothing is queued or plays."""
         machine = self._machine
         queue = self._queue
         queue.feed()
         if machine.command is not None:
             if machine.busy_with(commands.PROBE):
                 self._poll_probe()
-            elif (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE)) and queue.still():
+            elif (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE)) and still:
                 machine.finish()
         if queue.waiting and not self._fresh:
             self.begin()
         if self._limits_of != machine.settings.version:
             self._set_limits()
         self._fresh = False
-        if self._active and queue.still():
+        if still and self._active:
             self._active = False
 
     def report(self, report):
         """What the status report says of motion."""
-        block = self._queue.playing()
-        if block is None or block.walker is None:
-            report["number"] = report["feed"] = 0
-            return
-        report["number"] = block.tag if self._active else 0
-        report["feed"] = self._speed(block, self._queue.pace())
+        report["number"] = report["feed"] = 0
+        at = self._planner.row()
+        rows = self._planner.rows
+        if at >= 0 and rows[at + KIND] != WAIT:
+            if self._active:
+                report["number"] = rows[at + TAG]
+            report["feed"] = self._speed(rows, at, self._queue.pace())
 
-    def _speed(self, block, pace):
+    def _speed(self, rows, at, pace):
         """The speed along the path at this moment, in nm/s."""
         if not pace or self._limits is None:
             return 0
-        part = block.rows[block.at + SPEED]
-        top = block.top if block.gain else pace
+        part = rows[at + SPEED]
+        top = rows[at + TOP] if rows[at + GAIN] else pace
         if part != self._part or pace != self._pace or top != self._top:  # large integers: only where something has changed
             self._part = part
             self._pace = pace

@@ -41,12 +41,12 @@ class Tools:
         self.set_coolant(0)
         self.show_outputs(False)
 
-    def poll(self):
-        """Once a turn: a beam whose power follows the speed is off while nothing moves."""
+    def poll(self, still):
+        """Once a turn: a beam whose power follows the speed is off while nothing moves, which is `still`."""
         if self._settings_of != self._machine.settings.version:
             self._settings_of = self._machine.settings.version
             self._override_all()
-        if not self._queue.still():
+        if not still:
             self._dark = False
         elif not self._dark:
             self._dark = True
@@ -137,10 +137,13 @@ class Tools:
 
     def report(self, report):
         """What the status report says of spindle, coolant and overrides."""
-        report["power"] = min(self.power * self.overrides[2] // 100, 1_000_000)
+        power = 0
         if self.laser():
-            analogue = self._queue.analogue
-            report["power"] = min(analogue.value * self.overrides[2] // 100, 1000) * 1000 if self._queue.lit() else 0
+            if self._queue.lit():
+                power = min(self._queue.analogue.value * self.overrides[2] // 100, 1000) * 1000
+        elif self.power:
+            power = min(self.power * self.overrides[2] // 100, 1_000_000)
+        report["power"] = power
         report["spindle"] = self.spindle
         report["coolant"] = self.coolant
         report["overrides"] = self.overrides

@@ -67,6 +67,7 @@ class Planner:
         self.percent = array("i", [100, 100])  # overrides: of the feed, of rapid motion
         self._stride = ROW + axes
         self._rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
+        self.rows = self._rows
         self._walkers = [None] * _SIZE  # of ARC the circle's plan, made when first needed; of FREE and TRACK what is walked
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
         self._circle = None  # made by load()
@@ -386,6 +387,11 @@ class Planner:
     def retire(self):  # ISR: no allocation
         """The oldest fetched block has been played to its last word."""
         self._retired = (self._retired + 1) & _COUNT
+
+    def row(self):
+        """Where the oldest block not yet played to its last word stands in `rows`, as block.py has them; -1: there is none."""
+        retired = self._retired
+        return -1 if retired == self._fetched else retired % _SIZE * self._stride
 
     def playing(self):
         """The oldest block not yet played to its last word, or None. The same object each time; where it is not the

@@ -68,8 +68,10 @@ class ChipPort:
         self._beat_ms = ticks_ms()
         self._lines = []
         self._inputs = {}
+        self._mask = 0  # of their pins
         for entry in board["inputs"]:
             self._inputs[entry["name"]] = Input(entry, self)
+            self._mask |= 1 << entry["pin"]
         self._halting = [self._inputs[entry["name"]] for entry in board["inputs"] if entry["halt"]]
 
     # --- what the contract of ports asks for
@@ -128,12 +130,11 @@ class ChipPort:
             self._feeder.brake = False
         if self._watchdog is not None:
             self._watchdog.feed()
-        most_ms = 1 if busy else _IDLE_MS
         while True:
             for line in self._lines:
                 if line.any():
                     return
-            if ticks_diff(ticks_ms(), begun_ms) >= most_ms:
+            if ticks_diff(ticks_ms(), begun_ms) >= (1 if busy else _IDLE_MS):
                 return
             idle()  # until an interrupt: a byte, the feeder's turn, or a millisecond
 

@@ -37,9 +37,7 @@ class UsbLine:
     def read(self):
         """Bytes that have come, at most 64, b"" if none. Raises KeyboardInterrupt when the REPL is asked for."""
         # The console gives what it has byte by byte only: asked for more, it waits for them.
-        for _ in self._poll.ipoll(0):
-            break
-        else:
+        if not self.any():
             return b""
         count = 0
         byte = self._byte
@@ -54,7 +52,7 @@ class UsbLine:
                 break
             else:
                 break
-        data = bytes(memoryview(data)[:count])
+        data = bytes(byte) if count == 1 else bytes(memoryview(data)[:count])
         now_ms = ticks_ms()
         silent_ms = ticks_diff(now_ms, self._heard_ms)
         self._heard_ms = now_ms

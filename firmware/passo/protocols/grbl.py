@@ -24,7 +24,7 @@ from passo.protocols.commands import ACCEPTED, ALARM, NOTICE, REFUSED, RESTARTED
 from passo.protocols.gcode import GCode
 from passo.protocols.gcode_words import LONGEST, length, rounded
 from passo.protocols.grbl_lines import Lines
-from passo.protocols.grbl_report import RX_BYTES, Status
+from passo.protocols.grbl_report import Status
 from passo.protocols.grbl_system import System, answer
 
 NM_PER_M = 1_000_000_000
@@ -219,11 +219,11 @@ class Grbl:
         if self._short and command is self._under_way and event.kind == ACCEPTED:
             self._under_way = None
             return b"ok\r\n"
+        if command.kind == commands.STATUS:
+            return self._status.text(event.value, self._lines.room())
         return self._reply(event, command)
 
     def _reply(self, event, command):
-        if command.kind == commands.STATUS:
-            return self._status.text(event.value, max(0, RX_BYTES - self._lines.held()))
         if command is not self._under_way:
             return b""
         self._under_way = None

@@ -14,6 +14,7 @@ A line ends with \\n, \\r or \\r\\n. Once a line has found no room none finds it
 
 from micropython import const
 
+RX_BYTES = const(128)  # that a sender may have under way
 ROOM = const(1024)  # bytes of lines that are kept
 _RAW = const(256)  # of one line, comments included
 _TOO_LONG = b"\xff\n"  # stands for such a line
@@ -36,9 +37,9 @@ class Lines:
     def waiting(self):
         return self.at < self.whole or self.lost
 
-    def held(self):
-        """Bytes that are kept."""
-        return self._end - self.at
+    def room(self):
+        """Of the bytes that a sender may have under way, those that are not kept."""
+        return max(0, RX_BYTES - self._end + self.at)
 
     def take(self, data):
         if not data:

@@ -4,16 +4,13 @@ from array import array
 
 from micropython import const
 
-from passo.protocols.grbl_text_viper import (
-    AXES, INCHES, MACHINE, MILLIMETRES, OFFSET, PROGRAMME, UNITS, places, tell,
-)  # fmt: skip
 from passo.protocols.gcode_words import rounded
+from passo.protocols.grbl_text_viper import AXES, FARTHEST_MM, INCHES, MILLIMETRES, UNITS, places, tell
 
 VERSION = "1.1h"
 DATE = "20190830"  # of the grbl whose interface this is
 BANNER = "\r\nGrbl 1.1h ['$' for help]\r\n"
 HELP = "[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x]"
-RX_BYTES = const(128)
 NOTICES = (
     "", "Reset to continue", "'$H'|'$X' to unlock", "Caution: Unlocked", "Enabled", "Disabled", "Check Door",
     "Check Limits", "Sleeping", "Command handed over",
@@ -34,7 +31,6 @@ _MASK = const(10)  # settings
 _INCHES = const(13)
 _MAX_RPM = const(30)
 _LONGEST = const(224)  # bytes of a report
-_FARTHEST_MM = const(100_000_000)
 
 
 def message(text):
@@ -112,7 +108,7 @@ class Status:
     """The `<…>` report, which says some things only now and then."""
 
     def __init__(self, gcode, settings, machine):
-        """`machine`: the controller's face: steps_per_m."""
+        """`machine`: the controller's face: steps_per_m, blocks, and its pauses and inputs."""
         self._gcode = gcode
         self._settings = settings
         self._machine = machine
@@ -124,16 +120,41 @@ class Status:
         self._overrides = 0
         self._settings_of = self._offsets_of = self._system = None  # that the figures are of
 
+    def _take_over(self):
+        """Settings and offsets."""
+        gcode = self._gcode
+        settings = self._settings
+        if self._out is None:
+            self._out = bytearray(_LONGEST)
+            self._view = memoryview(self._out)
+            self._figures = array("i", [0] * (AXES + 4 * gcode.axes))
+        self._settings_of = settings.version
+        self._offsets_of = gcode.offsets.version
+        self._system = gcode.system
+        self._mask = settings.value(_MASK)
+        self._inches = settings.value(_INCHES)
+        self._pins = self._power = None  # that `_pressed` and `_rpm` are of
+        self._figures[UNITS:AXES] = INCHES if self._inches else MILLIMETRES
+        offsets = [gcode.offsets.of(gcode.system, axis) for axis in range(gcode.axes)]
+        self._offset = ("|WCO:%s\0" % place(offsets, self._inches)).encode()
+        at = AXES
+        for axis in range(gcode.axes):
+            offset = 0 if self._mask & 1 else offsets[axis]
+            self._figures[at + 1] = self._machine.steps_per_m[axis]
+            self._figures[at + 2] = max(0, min(offset // 1_000_000 + FARTHEST_MM, 2 * FARTHEST_MM))
+            self._figures[at + 3] = offset % 1_000_000
+            at += 4
+
     def text(self, report, room):
         """As bytes that are good until the next report. `report`: the controller's; `room`: for so many bytes of lines."""
         gcode = self._gcode
-        if self._settings_of != self._settings.version:
-            self._take_settings()
         if self._offsets_of != gcode.offsets.version or self._system != gcode.system:
-            self._take_offsets()
+            self._wco = 0
+            self._take_over()
+        elif self._settings_of != self._settings.version:
+            self._take_over()
         axes = gcode.axes
         mask = self._mask
-        inches = self._inches
         out = self._out
         figures = self._figures
         position = report["position"]
@@ -141,22 +162,25 @@ class Status:
         while axis < axes:
             figures[AXES + 4 * axis] = position[axis]
             axis += 1
-        figures[2] = 0
-        figures[0] = report["substate"]
         state = report["state"]
-        at = tell(out, 0, _STATES[state], figures, 1 if state == "hold" or state == "door" else 0)
-        places(figures, axes, MACHINE if mask & 1 else PROGRAMME)
+        if state == "hold" or state == "door":
+            figures[0] = self._machine.pauses.substate()
+            figures[2] = 0
+            at = tell(out, 0, _STATES[state], figures, 1)
+        else:
+            at = tell(out, 0, _STATES[state], figures, 0)
+        places(figures, axes)
         at = tell(out, at, b"|MPos:\0" if mask & 1 else b"|WPos:\0", figures, axes)
         figures[2] = figures[5] = 0
         if mask & 2:
-            figures[0] = report["blocks"]
+            figures[0] = self._machine.blocks
             figures[3] = room
             at = tell(out, at, b"|Bf:\0", figures, 2)
         if report["number"]:
             figures[0] = report["number"]
             at = tell(out, at, b"|Ln:\0", figures, 1)
-        speed = _minute(report["feed"], inches)
-        if inches:
+        speed = _minute(report["feed"], self._inches)
+        if self._inches:
             figures[1] = speed % 10
             figures[2] = 1
             speed //= 10
@@ -167,7 +191,7 @@ class Status:
             self._rpm = rounded(power * self._settings.value(_MAX_RPM), 1_000_000_000)
         figures[3] = self._rpm
         at = tell(out, at, b"|FS:\0", figures, 2)
-        pins = report["pins"]
+        pins = self._machine.inputs.pins()
         if pins:
             if pins != self._pins:
                 self._pins = pins
@@ -180,51 +204,22 @@ class Status:
             at = self._now_and_then(report, at)
         return self._view[: tell(out, at, b">\r\n\0", figures, 0)]
 
-    def _take_settings(self):
-        gcode = self._gcode
-        settings = self._settings
-        if self._out is None:
-            self._out = bytearray(_LONGEST)
-            self._view = memoryview(self._out)
-            self._figures = array("i", [0] * (AXES + 4 * gcode.axes))
-        self._settings_of = settings.version
-        self._mask = settings.value(_MASK)
-        self._inches = settings.value(_INCHES)
-        self._figures[UNITS:AXES] = INCHES if self._inches else MILLIMETRES
-        self._pins = self._power = None  # that `_pressed` and `_rpm` are of
-        for axis in range(gcode.axes):
-            self._figures[AXES + 4 * axis + 1] = self._machine.steps_per_m[axis]
-
-    def _take_offsets(self):
-        """Those told are due in this report."""
-        gcode = self._gcode
-        self._offsets_of = gcode.offsets.version
-        self._system = gcode.system
-        self._wco = 0
-        for axis in range(gcode.axes):
-            offset = gcode.offsets.of(gcode.system, axis)
-            at = AXES + 4 * axis + 2
-            self._figures[at] = max(-_FARTHEST_MM, min(offset // 1_000_000, _FARTHEST_MM))
-            self._figures[at + 1] = offset % 1_000_000
-
     def _now_and_then(self, report, at):
         busy = report["state"] in _BUSY
-        out = self._out
-        figures = self._figures
         if self._wco:
             self._wco -= 1
         else:
             self._wco = (_WCO_BUSY if busy else _IDLE) - 1
             self._overrides = self._overrides or 1
-            places(figures, self._gcode.axes, OFFSET)
-            at = tell(out, at, b"|WCO:\0", figures, self._gcode.axes)
+            at = tell(self._out, at, self._offset, self._figures, 0)
         if self._overrides:
             self._overrides -= 1
             return at
         self._overrides = (_OVERRIDES_BUSY if busy else _IDLE) - 1
+        figures = self._figures
         for which in range(3):
             figures[3 * which] = report["overrides"][which]
             figures[3 * which + 2] = 0
-        at = tell(out, at, b"|Ov:\0", figures, 3)
+        at = tell(self._out, at, b"|Ov:\0", figures, 3)
         accessories = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
-        return tell(out, at, ("|A:%s\0" % accessories).encode(), figures, 0) if accessories else at
+        return tell(self._out, at, ("|A:%s\0" % accessories).encode(), figures, 0) if accessories else at

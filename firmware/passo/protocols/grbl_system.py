@@ -8,6 +8,7 @@ Letters are capitals and blanks are gone already.
 from passo.protocols import commands, errors, grbl_report
 from passo.protocols.commands import Command
 from passo.protocols.gcode_words import X, Words
+from passo.protocols.grbl_lines import RX_BYTES
 
 _QUIET = ("idle", "alarm", "check")
 _QUERIES = ("$#", "$I", "$N")
@@ -99,7 +100,7 @@ class System:
     def _info(self):
         text = self._settings.get(INFO) or ""
         version = "[VER:%s.%s:%s]\r\n" % (grbl_report.VERSION, grbl_report.DATE, text)
-        return version + "[OPT:VMZ,%d,%d]\r\n" % (self._blocks, grbl_report.RX_BYTES)
+        return version + "[OPT:VMZ,%d,%d]\r\n" % (self._blocks, RX_BYTES)
 
     def _keep(self, key, text):
         try:

@@ -2,13 +2,15 @@
 
     figures = array("i", [0] * (AXES + 4 * axes))
     figures[UNITS:AXES] = MILLIMETRES
-    figures[AXES:AXES + 4] = …                      # of the first axis: steps, steps a metre, offset: mm, and nm above it
-    places(figures, axes, MACHINE)                  # the numbers to be told
+    figures[AXES:AXES + 4] = …                      # of the first axis: steps, steps a metre, offset: FARTHEST_MM + whole
+                                                    # millimetres, and nm above them
+    places(figures, axes)                           # the numbers to be told: steps as a length, less the offset
     at = tell(out, 0, b"MPos:\\0", figures, axes)   # MPos:0.000,-1.250,…
 
-A number is three integers: whole (or ~whole of a negative one), decimals, and what the first of these is worth, 0 where
-there is none. Places are told to 100 km, offsets too.
-One text for all interpreters, as motion/measure_viper.py: a board compiles it to machine code.
+A number is three integers: whole, decimals, and what the first of these is worth (0 where there is none), plus 65 536 where
+it is negative. Places are told to 100 km, offsets too.
+One text for all interpreters, as motion/measure_viper.py, whose rules for integers are kept: a board compiles it to machine
+code.
 """
 # ruff: noqa: F821
 
@@ -25,12 +27,10 @@ except NameError:
 # The figures: room for three numbers, the unit of places, then four integers an axis.
 UNITS = const(9)
 AXES = const(12)
+FARTHEST_MM = const(100_000_000)
 # Tenths of a millimetre a unit, nanometres a unit of the last decimal, the first decimal.
 MILLIMETRES = array("i", (10, 1000, 100))
 INCHES = array("i", (254, 2540, 1000))
-MACHINE = const(0)
-PROGRAMME = const(1)
-OFFSET = const(2)  # between the two
 
 
 @micropython.viper
@@ -48,19 +48,18 @@ def tell(out: ptr8, at: int, label: ptr8, figures: ptr32, count: int) -> int:
             out[at] = 44
             at += 1
         value = figures[number]
-        if value < 0:
+        decimal = figures[number + 2]
+        if decimal >> 16:
             out[at] = 45
             at += 1
-            value = ~value
+            decimal &= 0xFFFF
         unit = 1
         while value // unit > 9:
             unit *= 10
-        decimal = figures[number + 2]
         while unit:
-            digit = value // unit
-            out[at] = 48 + digit
+            out[at] = 48 + value // unit
             at += 1
-            value -= digit * unit
+            value %= unit
             unit //= 10
             if unit == 0 and decimal:
                 out[at] = 46
@@ -74,42 +73,32 @@ def tell(out: ptr8, at: int, label: ptr8, figures: ptr32, count: int) -> int:
 
 
 @micropython.viper
-def places(figures: ptr32, axes: int, which: int):
-    """Where the axes are, or the offsets, as numbers in the figures' unit: of whole nanometres, which are rounded as they
-    are, halves away from zero."""
+def places(figures: ptr32, axes: int):
+    """Where the axes are, less the offsets, as numbers in the figures' unit: of whole nanometres, which are rounded as
+    they are, halves away from zero."""
     number = 0
     at = 12
     while axes:
-        negative = which >> 1
-        mm = 0
+        left = figures[at]
+        sign = 1
+        if left >> 30 & 1:
+            left = (0 - left) & 0x3FFFFFFF
+            sign = -1
+        per_m = figures[at + 1]
+        mm = left // per_m
+        if mm > 100_000:
+            mm = 100_000
         nm = 0
-        if not negative:
-            left = figures[at]
-            if left < 0:
-                left = 0 - left
-            per_m = figures[at + 1]
-            mm = left // per_m
-            left -= mm * per_m
-            digits = 9
-            while digits:
-                left *= 10
-                part = left // per_m
-                left -= part * per_m
-                nm = 10 * nm + part
-                digits -= 1
-            if left + (per_m >> 1) >= per_m:
-                nm += 1
-            if mm > 100_000:
-                mm = 100_000
-            part = nm // 1_000_000
-            nm -= 1_000_000 * part
-            mm = 1000 * mm + part
-            if figures[at] < 0:
-                mm = 0 - mm
-                nm = 0 - nm
-        if which:
-            mm -= figures[at + 2]
-            nm -= figures[at + 3]
+        digits = 9
+        while digits:
+            left = left % per_m * 10
+            nm = 10 * nm + left // per_m
+            digits -= 1
+        if left % per_m + (per_m >> 1) >= per_m:
+            nm += 1
+        mm = (1000 * mm + nm // 1_000_000) * sign + 100_000_000 - figures[at + 2]
+        nm = nm % 1_000_000 * sign - figures[at + 3]
+        sign = 1
         while mm < 0 or nm < 0:
             if nm < 0:
                 nm += 1_000_000
@@ -117,17 +106,22 @@ def places(figures: ptr32, axes: int, which: int):
             else:
                 mm = 0 - mm
                 nm = 0 - nm
-                negative ^= 1
+                sign = 0 - sign
         mm *= 10
-        part = mm // figures[9]
-        nm += (mm - part * figures[9]) * 100_000 + (figures[10] >> 1)
-        nm //= figures[10]
-        if nm == 10 * figures[11]:
-            part += 1
-            nm = 0
-        figures[number] = ~part if negative and part + nm else part
+        unit = figures[9]
+        nm += mm % unit * 100_000
+        mm //= unit
+        unit = figures[10]
+        nm = (nm + (unit >> 1)) // unit
+        unit = figures[11]
+        if nm >= 10 * unit:
+            nm -= 10 * unit
+            mm += 1
+        if sign < 0 and mm + nm:
+            unit |= 0x10000
+        figures[number] = mm
         figures[number + 1] = nm
-        figures[number + 2] = figures[11]
+        figures[number + 2] = unit
         number += 3
         at += 4
         axes -= 1

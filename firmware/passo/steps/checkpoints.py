@@ -11,7 +11,7 @@ them, in an interrupt on some boards; the main loop reads them, and reads again 
     begin(state, words, moving, negative, steps, ticks)         directions, and the terms of its words
     end(state, marks, made, count, ticks, ends)                 it is counted, and has left its mark
     retire(state, marks, played)                                room is given back
-    find(state, marks, played)                                  the last mark played
+    find(state, marks, played, place)                           the last mark played, and where that was
 
 What they do, and the fields of the two arrays, stands in checkpoints_plain.py.
 """

@@ -107,8 +107,8 @@ def retire(state, marks, played):  # ISR: no allocation
     return ended
 
 
-def find(state, marks, played):
-    """Where in `marks` the last one played stands."""
+def find(state, marks, played, place):
+    """Where in `marks` the last one played stands; its position goes to `place`."""
     number = state[OLDEST]
     stride = FIELDS + state[AXES]
     while number != state[NEWEST]:
@@ -116,4 +116,7 @@ def find(state, marks, played):
         if (played - marks[(after & _LAST) * stride + WORD]) & COUNT >= _HALF:
             break
         number = after
-    return (number & _LAST) * stride
+    at = (number & _LAST) * stride
+    for axis in range(state[AXES]):
+        place[axis] = marks[at + FIELDS + axis]
+    return at

@@ -85,7 +85,7 @@ def retire(state: ptr32, marks: ptr32, played: int) -> int:
 
 
 @micropython.viper
-def find(state: ptr32, marks: ptr32, played: int) -> int:
+def find(state: ptr32, marks: ptr32, played: int, place: ptr32) -> int:
     number = state[14]
     stride = 5 + state[6]
     while number != state[15]:
@@ -93,4 +93,9 @@ def find(state: ptr32, marks: ptr32, played: int) -> int:
         if ((played - marks[(after & 127) * stride]) & 0x1FFFFFFF) >= 0x10000000:
             break
         number = after
-    return (number & 127) * stride
+    at = (number & 127) * stride
+    axis = stride - 5
+    while axis:
+        axis -= 1
+        place[axis] = marks[at + 5 + axis]
+    return at

@@ -16,7 +16,6 @@ _WORD = const(0)
 _MARK_INDEX = const(2)
 _ENDS = const(3)
 _MARK_PACE = const(4)
-_FIELDS = const(5)
 
 
 try:
@@ -40,7 +39,7 @@ class Position:
 
     def pace(self, played):
         """The mean speed of the segment under way, as ramp.pace; 0 where none is."""
-        at = find(self.state, self._marks, played) // self._stride
+        at = find(self.state, self._marks, played, self._found) // self._stride
         if at == self.state[_NEWEST] % _MARKS:
             return 0
         return self._marks[(at + 1) % _MARKS * self._stride + _MARK_PACE]
@@ -53,17 +52,12 @@ class Position:
         state = self.state
         while True:
             oldest = state[_OLDEST]
-            at = find(state, self._marks, played)
+            at = find(state, self._marks, played, self._found)
             if (played - self._marks[at + _WORD]) & COUNT_MASK < _HALF:
-                self._begin(at + _FIELDS)
                 stepping = self._count(self._marks[at + _WORD], played)
                 if state[_OLDEST] == oldest:
                     return stepping, at
             played = state[_PLAYED]  # an interrupt has gone beyond it, and may have written over those words
-
-    def _begin(self, at):
-        for axis in range(self.layout.axes):
-            self._found[axis] = self._marks[at + axis]
 
     def _count(self, word, played):
         ring = self.ring

@@ -54,6 +54,11 @@ class Port(ChipPort):
         """`board` is checked. Outputs go to their inactive level here."""
         ChipPort.__init__(self, board, _LEAD_TICKS, _LIVE_TICKS)
 
+    @micropython.viper
+    def levels(self) -> int:
+        """The pins of all inputs as one integer."""
+        return ptr32(0xD0000004)[0] & int(self._mask)
+
     def watch(self, pin, handler, edge):
         """Call `handler(pin)` in the interrupt of an edge."""
         pin.irq(handler, edge, hard=True)
