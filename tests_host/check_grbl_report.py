@@ -35,15 +35,16 @@ def check_places(seed):
     random = Random(seed)
     axes = random.between(1, 3)
     inches = random.between(0, 1)
-    figures = array("i", [0] * (AXES + 4 * axes))
+    figures = array("i", [0] * (AXES + 3 * axes))
     figures[UNITS:AXES] = INCHES if inches else MILLIMETRES
-    wanted = []
+    wanted, places_in_steps = [], array("i", [0] * axes)
     for axis in range(axes):
         steps, per_m, offset = draw_axis(random)
         wanted.append(rounded(steps * NM_PER_M, per_m) - offset)
-        place = AXES + 4 * axis
-        figures[place : place + 4] = array("i", (steps, per_m, offset // 1_000_000 + FARTHEST_MM, offset % 1_000_000))
-    places(figures, axes)
+        places_in_steps[axis] = steps
+        place = AXES + 3 * axis
+        figures[place : place + 3] = array("i", (per_m, offset // 1_000_000 + FARTHEST_MM, offset % 1_000_000))
+    places(figures, places_in_steps, axes)
     assert told(b"|WPos:", figures, axes) == "|WPos:" + grbl_report.place(wanted, inches)
 
 

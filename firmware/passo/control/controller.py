@@ -317,11 +317,12 @@ class Controller:
         report = self._report
         report["state"] = self.state
         report["error"] = self.alarm or self.log.last
-        report["position"] = self.queue.position(report.get("position"))
         self.objects.report(report)
         self.program.report(report)
         self.tools.report(report)
-        self._report_parts(report)
+        if self._parts:
+            self._report_parts(report)
+        report["position"] = self.queue.found()  # last: it does not last
         self.log.last = 0
         return self.accepted(command, report)
 

@@ -27,14 +27,17 @@ class Queue:
         self._walker = None  # of axes that run on their own
         self._chords = None  # of an arc that is handed to the planner piece by piece
 
-    def position(self, place=None):
-        """Where the machine is, exact at this moment: `place`, or a new list."""
+    def position(self):
+        """Where the machine is, exact at this moment."""
+        return list(self.found())
+
+    def found(self):
+        """The same in an array that is good until something asks the feeder again."""
         found = self._feeder.found(self._player.played())
         origin = self._origin
-        place = place or origin[:]
-        for axis in range(len(place)):
-            place[axis] = found[axis] - origin[axis]
-        return place
+        for axis in range(len(found)):
+            found[axis] -= origin[axis]
+        return found
 
     def set_origin(self):
         """Machine zero is here. Only at a stand, with nothing queued."""

@@ -24,6 +24,7 @@ class Tools:
         self._port = port
         self._outputs = [item["name"] for item in board["outputs"]]
         self._settings_of = None  # the settings' version that the power's range is of
+        self._lasing = False
         self._dark = False  # at a stand: a beam whose power follows the speed is off
         self._restart()
 
@@ -45,6 +46,7 @@ class Tools:
         """Once a turn: a beam whose power follows the speed is off while nothing moves, which is `still`."""
         if self._settings_of != self._machine.settings.version:
             self._settings_of = self._machine.settings.version
+            self._lasing = self.laser()
             self._override_all()
         if not still:
             self._dark = False
@@ -138,7 +140,7 @@ class Tools:
     def report(self, report):
         """What the status report says of spindle, coolant and overrides."""
         power = 0
-        if self.laser():
+        if self._lasing:
             if self._queue.lit():
                 power = min(self._queue.analogue.value * self.overrides[2] // 100, 1000) * 1000
         elif self.power:

@@ -127,7 +127,7 @@ class Status:
         if self._out is None:
             self._out = bytearray(_LONGEST)
             self._view = memoryview(self._out)
-            self._figures = array("i", [0] * (AXES + 4 * gcode.axes))
+            self._figures = array("i", [0] * (AXES + 3 * gcode.axes))
         self._settings_of = settings.version
         self._offsets_of = gcode.offsets.version
         self._system = gcode.system
@@ -140,10 +140,10 @@ class Status:
         at = AXES
         for axis in range(gcode.axes):
             offset = 0 if self._mask & 1 else offsets[axis]
-            self._figures[at + 1] = self._machine.steps_per_m[axis]
-            self._figures[at + 2] = max(0, min(offset // 1_000_000 + FARTHEST_MM, 2 * FARTHEST_MM))
-            self._figures[at + 3] = offset % 1_000_000
-            at += 4
+            self._figures[at] = self._machine.steps_per_m[axis]
+            self._figures[at + 1] = max(0, min(offset // 1_000_000 + FARTHEST_MM, 2 * FARTHEST_MM))
+            self._figures[at + 2] = offset % 1_000_000
+            at += 3
 
     def text(self, report, room):
         """As bytes that are good until the next report. `report`: the controller's; `room`: for so many bytes of lines."""
@@ -157,11 +157,6 @@ class Status:
         mask = self._mask
         out = self._out
         figures = self._figures
-        position = report["position"]
-        axis = 0
-        while axis < axes:
-            figures[AXES + 4 * axis] = position[axis]
-            axis += 1
         state = report["state"]
         if state == "hold" or state == "door":
             figures[0] = self._machine.pauses.substate()
@@ -169,7 +164,7 @@ class Status:
             at = tell(out, 0, _STATES[state], figures, 1)
         else:
             at = tell(out, 0, _STATES[state], figures, 0)
-        places(figures, axes)
+        places(figures, report["position"], axes)
         at = tell(out, at, b"|MPos:\0" if mask & 1 else b"|WPos:\0", figures, axes)
         figures[2] = figures[5] = 0
         if mask & 2:

@@ -1,10 +1,10 @@
 """Numbers as text in a buffer that is used again and again: what a status report is made of, without garbage.
 
-    figures = array("i", [0] * (AXES + 4 * axes))
+    figures = array("i", [0] * (AXES + 3 * axes))
     figures[UNITS:AXES] = MILLIMETRES
-    figures[AXES:AXES + 4] = …                      # of the first axis: steps, steps a metre, offset: FARTHEST_MM + whole
+    figures[AXES:AXES + 3] = …                      # of the first axis: steps a metre, offset: FARTHEST_MM + whole
                                                     # millimetres, and nm above them
-    places(figures, axes)                           # the numbers to be told: steps as a length, less the offset
+    places(figures, steps, axes)                    # the numbers to be told: an array of steps as lengths, less the offsets
     at = tell(out, 0, b"MPos:\\0", figures, axes)   # MPos:0.000,-1.250,…
 
 A number is three integers: whole, decimals, and what the first of these is worth (0 where there is none), plus 65 536 where
@@ -24,7 +24,7 @@ try:
 except NameError:
     ptr32 = ptr8 = None  # names that only viper's compiler knows
 
-# The figures: room for three numbers, the unit of places, then four integers an axis.
+# The figures: room for three numbers, the unit of places, then three integers an axis.
 UNITS = const(9)
 AXES = const(12)
 FARTHEST_MM = const(100_000_000)
@@ -73,18 +73,19 @@ def tell(out: ptr8, at: int, label: ptr8, figures: ptr32, count: int) -> int:
 
 
 @micropython.viper
-def places(figures: ptr32, axes: int):
+def places(figures: ptr32, steps: ptr32, axes: int):
     """Where the axes are, less the offsets, as numbers in the figures' unit: of whole nanometres, which are rounded as
     they are, halves away from zero."""
+    axis = 0
     number = 0
     at = 12
-    while axes:
-        left = figures[at]
+    while axis < axes:
+        left = steps[axis]
         sign = 1
         if left >> 30 & 1:
             left = (0 - left) & 0x3FFFFFFF
             sign = -1
-        per_m = figures[at + 1]
+        per_m = figures[at]
         mm = left // per_m
         if mm > 100_000:
             mm = 100_000
@@ -96,8 +97,8 @@ def places(figures: ptr32, axes: int):
             digits -= 1
         if left % per_m + (per_m >> 1) >= per_m:
             nm += 1
-        mm = (1000 * mm + nm // 1_000_000) * sign + 100_000_000 - figures[at + 2]
-        nm = nm % 1_000_000 * sign - figures[at + 3]
+        mm = (1000 * mm + nm // 1_000_000) * sign + 100_000_000 - figures[at + 1]
+        nm = nm % 1_000_000 * sign - figures[at + 2]
         sign = 1
         while mm < 0 or nm < 0:
             if nm < 0:
@@ -123,5 +124,5 @@ def places(figures: ptr32, axes: int):
         figures[number + 1] = nm
         figures[number + 2] = unit
         number += 3
-        at += 4
-        axes -= 1
+        at += 3
+        axis += 1
