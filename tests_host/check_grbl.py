@@ -69,6 +69,26 @@ def check_a_few_lines_a_turn():
     assert machine.controller.queue.target[0] == 55 * 320
 
 
+def check_asked_between_two_lines():
+    """Where lines take time, what comes while one is carried out is taken in behind it: questions and holds at once."""
+    machine = Machine().ready()
+    link = machine.app.links[0]
+    link.overhear = link.protocol.overhear
+    coming = [b"?", b"G91 G0 X2\n?G0 X3\n", b"G0 X4\n!", b"~?", b"", b""]
+    arrive = link.serial.read
+
+    def read():
+        return arrive() or (coming.pop(0) if coming else b"")
+
+    link.serial.read = read
+    machine.put("G91 G0 X1\nG91 G0 X1\n")
+    said = machine.turns()
+    assert [line[:5] for line in said] == ["ok", "<Run|", "ok", "<Run|", "ok", "ok", "<Hold", "ok"], said
+    machine.put(b"~")
+    machine.settle()
+    assert machine.controller.queue.target[0] == 11 * 320 and not coming
+
+
 def check_settings_lines():
     machine = Machine().ready()
     for line, said in (

@@ -41,6 +41,7 @@ class Link:
         self.serial = serial
         self.protocol = protocol
         self.points = getattr(protocol, "points", None)  # the short way of points, where the language has one
+        self.overhear = None  # where lines take time: what takes bytes in between two of them
         self.waiting = []
 
 
@@ -78,9 +79,10 @@ class App:
         self.links = []
         for link in board["links"]:
             protocol = assembly.open_protocol(link, board, self.controller, shared)
+            self.links.append(Link(len(self.links), link, port.serial(link), protocol))
             if self.interrupt and hasattr(protocol, "most"):
                 protocol.most = _MOST
-            self.links.append(Link(len(self.links), link, port.serial(link), protocol))
+                self.links[-1].overhear = protocol.overhear
         self.controller.resets.restarted()
         self._answer()
 
@@ -168,6 +170,16 @@ class App:
         for command in commands:
             command.link = link
             self._begin(command)
+            if link.overhear is not None:
+                self._overhear(link)
+
+    def _overhear(self, link):
+        """What must not wait for the lines before it."""
+        data = link.serial.read()
+        if data:
+            for command in link.overhear(data):
+                command.link = link
+                self._begin(command)
 
     def _begin(self, command):
         link = command.link

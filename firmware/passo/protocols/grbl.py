@@ -112,6 +112,14 @@ class Grbl:
                 return self._ask()
         return self._commands(data)
 
+    def overhear(self, data):
+        """Bytes that come between two commands of feed(). Returns what of them does not wait; its turn is at once."""
+        if max(data) > 0x7D or b"!" in data or b"\x18" in data:
+            return self._peel(data)
+        asked = b"?" in data
+        self._lines.take(data.replace(b"?", b"") if asked else data)
+        return self._ask() if asked else ()
+
     def _waiting(self):
         return self._rest or self._start_lines or self._lines.waiting()
 
