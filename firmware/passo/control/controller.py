@@ -52,8 +52,8 @@ class Controller:
         self.queue = kind(board, planner, feeder, player, port)
         self.objects = Absent(self.queue.lift)
         self.pauses = self.program = self.tools = Absent()
-        self._load(streamed, stored, planner)
         self.inputs = Inputs(board, settings, self, port)
+        self._load(streamed, stored, planner)
         self.links = Links(board, self)
         self.resets = Resets(self)
         self._homing = None
@@ -81,9 +81,11 @@ class Controller:
 
             self.objects = Objects(board, self.queue, self)
         if streamed:
+            from passo.control.pins import Pins
             from passo.control.program import Program
             from passo.control.tools import Tools
 
+            self.pins = Pins(board, self.inputs, self.settings)
             self.program = Program(board, self.queue, self, planner)
             self.tools = Tools(board, self.queue, self, planner, self.port)
         if streamed or board["track"] or [item for item in board["inputs"] if item["name"] in _PAUSING]:

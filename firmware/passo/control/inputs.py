@@ -8,7 +8,6 @@ from passo.control.sensor import Sensor
 from passo.protocols import errors
 
 _BUTTONS = ("reset", "hold", "resume")
-_LETTERS = (("P", "probe"), ("D", "door"), ("H", "hold"), ("R", "reset"), ("S", "resume"))
 
 
 class Inputs:
@@ -16,8 +15,7 @@ class Inputs:
         self._settings = settings
         self._machine = machine
         self._input = port.input
-        self._levels = getattr(port, "levels", None)  # of all inputs at once
-        self._pins_at = self._pins_of = None  # the levels, and the settings' version, that `_pins` is of
+        self.levels = getattr(port, "levels", None)  # of all inputs at once
         self._sensors = []
         self._settings_of = settings.version  # that the sensors are of
         names = [item["name"] for item in board["inputs"]]
@@ -31,10 +29,9 @@ class Inputs:
             if name in names:
                 found.append((axis["name"].upper(), name))
         self._limit_names = [name for _, name in found]
-        self._limits = [(letter, name, self._sensor(name)) for letter, name in found]
+        self.limits = [(letter, name, self._sensor(name)) for letter, name in found]
         self._buttons = [(name, self._sensor(name)) for name in _BUTTONS if name in names]
         self._door = self._sensor("door") if self._has_door else None
-        self._shown = self._limits + [item for item in _LETTERS if item[1] in names]
         self._watched = self._to_watch()
         self._seen = -1  # their states at the last turn, a bit each
         self._calm = False  # they are as the sensors have them: until one changes there is nothing to do
@@ -74,22 +71,8 @@ class Inputs:
     def door_open(self):
         return self._has_door and self.read("door")
 
-    def pins(self):
-        """Letters of what is active, as the status report has them: XYZ limits, P D H R S."""
-        levels = self._levels() if self._levels else None
-        if levels is not None and levels == self._pins_at and self._pins_of == self._settings.version:
-            return self._pins
-        self._pins_at = levels
-        self._pins_of = self._settings.version
-        text = ""
-        for item in self._shown:
-            if self.read(item[1]):
-                text += item[0]
-        self._pins = text
-        return text
-
     def poll(self, now_ms):
-        seen = self._levels() if self._levels else self._look()
+        seen = self.levels() if self.levels else self._look()
         if seen != self._seen or not self._calm or self._settings_of != self._settings.version:
             self._seen = seen
             self._sample(now_ms)
@@ -130,7 +113,7 @@ class Inputs:
         machine = self._machine
         moving = not machine.fine() and not machine.still()
         hit = None
-        for letter, name, sensor in self._limits:
+        for letter, name, sensor in self.limits:
             before = sensor.active
             sensor.sample(now_ms, 0)
             if moving and sensor.active and not before and hit is None:

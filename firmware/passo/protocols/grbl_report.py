@@ -108,7 +108,7 @@ class Status:
     """The `<…>` report, which says some things only now and then."""
 
     def __init__(self, gcode, settings, machine):
-        """`machine`: the controller's face: steps_per_m, blocks, and its pauses and inputs."""
+        """`machine`: the controller's face: steps_per_m, blocks, and its pauses and pins."""
         self._gcode = gcode
         self._settings = settings
         self._machine = machine
@@ -186,7 +186,7 @@ class Status:
             self._rpm = rounded(power * self._settings.value(_MAX_RPM), 1_000_000_000)
         figures[3] = self._rpm
         at = tell(out, at, b"|FS:\0", figures, 2)
-        pins = self._machine.inputs.pins()
+        pins = self._machine.pins.text()
         if pins:
             if pins != self._pins:
                 self._pins = pins

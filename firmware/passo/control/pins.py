@@ -1,0 +1,23 @@
+"""The letters of the inputs that are active, as a status report has them: XYZ limits, P probe, D door, H R S buttons."""
+
+_LETTERS = (("P", "probe"), ("D", "door"), ("H", "hold"), ("R", "reset"), ("S", "resume"))
+
+
+class Pins:
+    def __init__(self, board, inputs, settings):
+        names = [item["name"] for item in board["inputs"]]
+        self._inputs = inputs
+        self._settings = settings
+        self._shown = inputs.limits + [item for item in _LETTERS if item[1] in names]
+        self._levels = self._settings_of = None  # that the text is of
+        self._text = ""
+
+    def text(self):
+        """Read anew only where a pin has changed, if the port can tell."""
+        inputs = self._inputs
+        levels = inputs.levels() if inputs.levels else None
+        if levels is None or levels != self._levels or self._settings_of != self._settings.version:
+            self._levels = levels
+            self._settings_of = self._settings.version
+            self._text = "".join([item[0] for item in self._shown if inputs.read(item[1])])
+        return self._text
