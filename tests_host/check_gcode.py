@@ -55,8 +55,8 @@ class Machine:
 class Shop:
     """A parser with a machine that obeys it."""
 
-    def __init__(self):
-        self.machine = Machine()
+    def __init__(self, machine=None):
+        self.machine = machine or Machine()
         self.memory = Memory()
         self.gcode = GCode("xyz", Offsets(3, self.memory), self.machine)
 

@@ -1,11 +1,15 @@
 """Plain lines, dealt with in short, give what the whole of G-code gives: the same command and modal state, to the nm."""
 
-from check_gcode import ALPHABET, Shop
+from check_gcode import ALPHABET, Machine, Shop
 from draws import Random
 from passo.protocols import commands
+from passo.protocols.grbl_lines import Lines
 
-CASES = {"check_same_as_in_full": (("seed", "seed"),), "check_machine_code": (("seed", "seed"),)}
-RUNS = {"check_same_as_in_full": 150, "check_machine_code": 60}
+CASES = {
+    "check_same_as_in_full": (("seed", "seed"),), "check_several_at_once": (("seed", "seed"),),
+    "check_machine_code": (("seed", "seed"),),
+}  # fmt: skip
+RUNS = {"check_same_as_in_full": 150, "check_several_at_once": 40, "check_machine_code": 60}
 BEFORE = (
     b"G91", b"G90", b"G20", b"G21", b"M3 S500", b"M4 S900", b"M5", b"G92 X3 Y1.5", b"G10 L2 P1 X5 Z-2", b"G54", b"G55",
     b"F200", b"G43.1 Z1.25", b"G2 X2 Y0 I1 J0 F100", b"G93", b"G94", b"G80", b"G1", b"G53 G0 X1", b"G10 L2 P2 X-536.9",
@@ -34,46 +38,101 @@ def draw_line(random):
     return bytes(line)
 
 
+class Straight(Machine):
+    """A machine that plain lines go straight to: program, queue and planner in one."""
+
+    def __init__(self):
+        Machine.__init__(self)
+        self.program = self.planner = self
+        self.waiting = False
+        self.blocks = 96
+        self.travel = None
+        self.tool = None
+        self.took = []  # as facts()
+
+    def reach(self):
+        return self.travel
+
+    def takes(self, *tool):
+        self.tool = tool
+        return True
+
+    def room(self):
+        return self.blocks
+
+    def moved(self):
+        assert self.waiting
+
+    def follow(self, steps, first, tool, tag, rapid, nm_s):
+        before = self.took[-1][0] if self.took else self.target
+        target = [before[axis] + steps[first + axis] for axis in range(3)]
+        assert rapid == (not nm_s) and tool == self.tool[0]
+        self.took.append((target, nm_s, 0, tag) + self.tool)
+        self.blocks -= 1
+
+    def batch(self, gcode, lines, most):
+        """Have gcode.follow() take of `lines`: facts of what came of them."""
+        self.took = []
+        self.waiting = False
+        self.blocks = 96
+        count = gcode.follow(lines, most)
+        assert count == len(self.took)
+        if count:
+            assert self.target == self.took[-1][0]
+        return self.took
+
+
 def facts(command):
     return (
-        command.kind, list(command.target), command.feed, command.per_min, command.number, command.tool, command.power,
-        command.dynamic,
+        list(command.target), command.feed, command.per_min, command.number, command.tool, command.power, command.dynamic,
     )  # fmt: skip
+
+
+def shops(count, laser):
+    made = [Shop(Straight()) for _ in range(count)]
+    for shop in made:
+        shop.gcode.laser = laser
+        shop.gcode.max_rpm = 1_000_000
+    return made
 
 
 def check_same_as_in_full(seed):
     """Two machines, one of which never deals with a line in short; what is refused or waits in between counts too."""
     random = Random(seed)
-    short, full = Shop(), Shop()
+    short, full = shops(2, bool(seed & 1))
     dealt = 0
-    for shop in (short, full):
-        shop.gcode.laser = bool(seed & 1)
-        shop.gcode.max_rpm = 1_000_000
     for _ in range(60):
         if random.between(0, 9) == 0:
             line = random.choice(BEFORE)
         else:
             line = draw_line(random)
+        travel = random.choice((None, None, ([-90_000] * 3, [0, 70_000, 250_000])))
+        for shop in (short, full):
+            shop.machine.travel = travel
+        lines = Lines()
+        lines.take(line + b"\n")
+        before = short.machine.target[:]
+        taken = short.machine.batch(short.gcode, lines, random.between(1, 4))
         error = full.gcode.interpret(line)
-        command = short.gcode.plain(line, 0)
-        if command is None:
-            assert short.gcode.interpret(line) == error, line
-            made = short.gcode.commands
-        else:
+        made = [facts(command) for command in full.gcode.commands if command.kind == commands.LINE]
+        if taken:
             dealt += 1
-            assert error == 0, (line, error)
-            made = [command]
-        assert [facts(command) for command in made if command.kind == commands.LINE] == [
-            facts(command) for command in full.gcode.commands if command.kind == commands.LINE
-        ], line
+            assert error == 0 and not lines.waiting() and short.gcode.waits, (line, error)
+            for axis in range(3):
+                at = taken[0][0][axis]
+                assert not travel or at == before[axis] or travel[0][axis] <= at <= travel[1][axis], line
+        else:
+            assert short.machine.target == before and short.gcode.interpret(line) == error, line
+            taken = [facts(command) for command in short.gcode.commands if command.kind == commands.LINE]
+        assert taken == made, line
         for shop in (short, full):
             if error:
                 shop.gcode._settle()  # as the next line will do
         if random.between(0, 3) == 0:
             short.gcode.leave_plain()
             assert short.state() == full.state(), line
-        refused = random.between(0, 15) == 0
         moved = [command for command in full.gcode.commands if command.target]
+        refused = moved and short.machine.target == before and random.between(0, 5) == 0
         for shop in (short, full):
             if moved and not refused:
                 shop.machine.target = moved[-1].target[:]
@@ -81,9 +140,37 @@ def check_same_as_in_full(seed):
                 shop.gcode.forget_place()
         if random.between(0, 15) == 0:
             for shop in (short, full):
-                shop.machine.target = [random.between(0, 0) + at + 7 for at in full.machine.target]
+                shop.machine.target = [at + 7 for at in full.machine.target]
     short.gcode.leave_plain()
     assert dealt or short.state() == full.state()
+
+
+def check_several_at_once(seed):
+    """As many as there is room for, and as are wanted; the others wait, and give the same when their turn comes."""
+    random = Random(seed)
+    one, all = shops(2, False)
+    texts = [b"G1 F900", b"G91"][: random.between(1, 2)]
+    one.do(*texts)
+    all.do(*texts)
+    whole = [b"X%d.%dY-%d" % (random.between(-9, 9), random.between(0, 99), random.between(0, 9)) for _ in range(12)]
+    lines = Lines()
+    lines.take(b"\n".join(whole) + b"\n")
+    made = []
+    for line in whole:
+        single = Lines()
+        single.take(line + b"\n")
+        made += one.machine.batch(one.gcode, single, 4)
+    took = []
+    while lines.waiting():
+        most = random.between(1, 6)
+        before = len(took)
+        took += all.machine.batch(all.gcode, lines, most)
+        assert len(took) - before == min(most, len(whole) - before) and all.gcode.waits
+    assert took == made
+    lines.take(b"X1\n")
+    all.machine.took = []
+    all.machine.blocks = 1  # a block is kept for the tool
+    assert all.gcode.follow(lines, 4) == 0 and all.gcode.waits and lines.waiting()
 
 
 def check_machine_code(seed):
@@ -95,21 +182,29 @@ def check_machine_code(seed):
 
     plain = plain_text("protocols/gcode_plain_viper.py")["plain"]
     random = Random(seed)
-    place = array("i", [3, 0, 1, 10_000, 0, 0, 0, 0, -5_000_000, 9, 250_000, 83_333, 400_000] + [0] * 9)
+    place = array("i", [3, 0, 1, 10_000, 0, 0, 0, 0, -5_000_000, 9, 250_000, 83_333, 400_000] + [0] * 20)
     other = place[:]
     for _ in range(50):
         line = draw_line(random)
+        for numbers in place, other:
+            numbers[25:28] = array("i", [0, 0x1FFF0000, 0])
+            numbers[28:31] = array("i", [0x3FFFFFFF, 0x20001000, 0x3FFFFFFF])
+            numbers[31] = 700
         place[1] = other[1] = random.between(0, 1)
         place[19] = other[19] = random.between(0, 1)
+        place[32] = other[32] = random.between(0, 1)
         text = b"G1\n" + line + random.choice((b"", b"\n", b"\nX1"))
         assert plain(text, 3, len(text), place) == module.plain(text, 3, len(text), other), line
         assert place == other, line
 
 
 def check_the_frequent_line_is_dealt_with():
-    shop = Shop()
+    shop = Shop(Straight())
     for line in (b"G1 X1.5 F600", b"X2Y3.25", b"N100 G0 Z-5", b"G01X-1.000Y.5Z-0.2", b"g1 x 10 f 1200.5"):
-        assert shop.gcode.plain(line, 0) is not None, line
-        shop.machine.target = shop.gcode._steps[:]
-    for line in (b"G2 X1 I1", b"", b"X1 (note)", b"X1 ; note", b"M3", b"X1 S3", b"X1 X2", b"X", b"G1", b"X600"):
-        assert shop.gcode.plain(line, 0) is None, line
+        lines = Lines()
+        lines.take(line + b"\n")
+        assert shop.gcode.follow(lines, 9) == 1 and not lines.waiting(), line
+    for line in (b"G2 X1 I1", b"", b"X1 (note)", b"X1 ; note", b"M3", b"X1 S3", b"X1 X2", b"X", b"G1", b"X600", b"X1 F.001"):
+        lines = Lines()
+        lines.take(line + b"\n")
+        assert shop.gcode.follow(lines, 9) == 0 and lines.waiting() and not shop.gcode.waits, line

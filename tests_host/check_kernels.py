@@ -34,12 +34,12 @@ def check_walk(seed, axes):
     for one, twin, out in zip(lines, (line_plain, line), outs):
         walk = twin.walk
         one.begin(deltas)
-        assert twin.begin(array("i", [7] + deltas), 1, one._state) == most
+        assert twin.begin(array("i", [7] + deltas), 1, one.state) == most
         one.seek(begin)
-        walk(out, at, count, one._state)
-        walk(out, at, 1, one._state)
+        walk(out, at, count, one.state)
+        walk(out, at, 1, one.state)
     assert outs[0] == outs[1]
-    assert lines[0]._state == lines[1]._state
+    assert lines[0].state == lines[1].state
 
 
 def check_pace(seed, count):

@@ -5,11 +5,12 @@ from array import array
 from math import sqrt
 
 from draws import Random
-from passo.motion import measure_viper
+from passo.motion import measure_viper, row_viper
 from passo.motion.block import (
     CORNER, FASTEST, GAIN, LIMIT, REACH, ROW, SPEED, SQUARE, TICKS, TICKS_REST, TOP, UNIT, UNIT_SHIFT,
 )
-from passo.motion.profile import FEED, MOST, NEWEST, SIZE, STRIDE, TICKS_PER_S, WORK, Limits
+from passo.motion.profile import FEED, MOST, SIZE, STRIDE, TICKS_PER_S, WORK, Limits
+from passo.steps.word import COUNT_MASK
 
 CASES = {"check_numbers": (("seed", "seed"),), "check_machine_code": (("seed", "seed"),)}
 RUNS = {"check_numbers": 200, "check_machine_code": 40}
@@ -135,20 +136,35 @@ def plain_text(path):
 
 
 def check_machine_code(seed):
-    """Rows and work of a whole look-ahead, bit for bit."""
+    """Rows, work and counts of a whole look-ahead that the feeder takes from, bit for bit."""
     random = Random(seed)
     limits = machine(random)
     axes = len(limits.speeds)
     queues = []
-    plain = plain_text("motion/measure_viper.py")
-    program = [(draw_line(random, axes), random.between(0, 400) * 1_000_000) for _ in range(20)]
-    for measure, look_back in ((plain["measure"], plain["look_back"]), (measure_viper.measure, measure_viper.look_back)):
-        rows, work = new(axes, len(program))
-        depths = []
+    measuring, filling = plain_text("motion/measure_viper.py"), plain_text("motion/row_viper.py")
+    program = [(draw_line(random, axes), random.between(0, 400) * 1_000_000, random.between(0, 3)) for _ in range(20)]
+    for look in (lambda module, text, name: text[name], lambda module, text, name: getattr(module, name)):
+        measure, look_back = look(measure_viper, measuring, "measure"), look(measure_viper, measuring, "look_back")
+        enter, close, take = [look(row_viper, filling, name) for name in ("enter", "close", "take")]
+        rows, work = new(axes, 7)
+        counts = array("i", [0] * 5)
+        results = []
         for number in range(len(program)):
-            deltas, feed = program[number]
-            depths.append(queue(limits, deltas, feed, rows, work, number, measure))
-            work[NEWEST], work[30] = number, number + 1
-            depths.append(look_back(rows, work))
-        queues.append((depths, list(rows), list(work)))
+            deltas, feed, taken = program[number]
+            work[FEED] = min(limits.part(feed), MOST) if feed else 0
+            at = enter(rows, work, counts, array("i", [9, 9] + deltas), 2)
+            done = measure(rows, at, work, limits.terms)
+            results.append(done)
+            if done > 0:
+                results.append(close(rows, at, work, counts, taken << 3, number, 7 * number, 0))
+                results.append(look_back(rows, work, counts))
+            if taken == 3 or number % 5 == 4:
+                counts[1] = counts[0]  # released
+            while (counts[0] - counts[2]) & COUNT_MASK > 5 or taken:
+                results.append(take(rows, work, counts, 1 if taken & 1 else 0, 1 if taken & 2 else 0))
+                if results[-1] < 0:
+                    results.append(take(rows, work, counts, 1, 0))
+                taken = 0
+        queues.append((results, list(rows), list(work), list(counts)))
     assert queues[0] == queues[1]
+    assert len(queues[0][0]) > 20 and max(queues[0][0]) > 1

@@ -82,7 +82,7 @@ class Live:
     def __init__(self, seed, kind, patience, release=set_out):
         self.machine = machine = Machine(seed, kind)
         self._planner = planner = machine.rig.planner
-        self._ramp = machine.rig.feeder._ramp
+        self._ramp = machine.rig.feeder.ramp
         self._listen()
         self._known = 0  # blocks queued as the one under way began
         self.stands = []

@@ -6,7 +6,7 @@
 machine that is not homed; `job.hex` lines of bytes in hexadecimal, the next one sent when nothing moves any more, or
 after so many turns where the line ends with `@turns` (with `ramps` as the last argument, axes that run on their own
 accelerate); what the feeder makes is taken from the ring at once. Prints the digest, the number of words and how many
-of them step; of G-code also a checksum of the marks of power, and how many lines were refused. A board with fewer
+of them step; of G-code also a checksum of the changes of power, and how many lines were refused. A board with fewer
 steps/mm, on all axes, makes a large job quicker.
 """
 
@@ -77,7 +77,10 @@ class Sink:
 
     def _mark(self, word):
         power = self._ring.power
+        before = power.level
         power.play((word + 1) & COUNT_MASK)
+        if power.level == before:
+            return  # the output shows nothing of it
         words = self.words + ((word - self._played) & COUNT_MASK)
         self.marks = crc32(b"%d %d" % (words, power.level), self.marks) & 0xFFFFFFFF
 

@@ -14,6 +14,7 @@ from draws import Random
 from passo.motion.arc import TooSteep
 from passo.motion.block import ARC, COARSE, LINE
 from passo.motion.profile import Limits
+from passo.motion.steady import CUT_STEPS, CUT_TICKS
 from passo.steps.word import TICKS_PER_S
 from rig import Rig
 
@@ -72,33 +73,38 @@ class Machine:
 
     def _listen(self):
         """Have every segment noted as it is cut."""
-        feeder = self.rig.feeder
-        ramp = feeder._ramp
-        cut = ramp.cut
-        begin = ramp.begin
+        ramp = self.rig.planner.ramp
         self.number = -1
 
-        def listen_begin(block):
+        def listen_begin(block, begin=ramp.begin):
             self.number += 1
             begin(block)
 
-        def listen_cut(left, percent=100, hold=False):
-            walker = ramp._walker
+        def listen_cut(left, percent, hold, cut=ramp.cut):
             cut(left, percent, hold)
-            if ramp.steps:
-                path = int(ramp.steps)
-                if ramp._arc:
-                    path = int(walker.path) * int(ramp.steps) / int(walker.words) / (1 << COARSE)
-                self.segments.append((self.number, path, int(ramp.ticks)))
-                self.lags.append((int(ramp.steps),) + (arc_lags(walker) if ramp._arc else line_lags(walker)))
+            self._note(ramp, ramp._walker)
+
+        def listen_line(rows, at, state, left, percent, hold, cut=ramp.cut_line):
+            cut(rows, at, state, left, percent, hold)
+            self._note(ramp, self.rig.planner._line)
 
         ramp.cut = listen_cut
+        ramp.cut_line = listen_line
         ramp.begin = listen_begin
+
+    def _note(self, ramp, walker):
+        steps, ticks = int(ramp.state[CUT_STEPS]), int(ramp.state[CUT_TICKS])
+        if not steps:
+            return
+        arc = not ramp.short and ramp._arc
+        path = int(walker.path) * steps / int(walker.words) / (1 << COARSE) if arc else steps
+        self.segments.append((self.number, path, ticks))
+        self.lags.append((steps,) + (arc_lags(walker) if arc else line_lags(walker)))
 
     def add(self, move):
         """Queue one move; its facts go to `facts`: (length mm, path steps, speed, acceleration, corner)."""
         planner = self.rig.planner
-        before = planner._added
+        before = planner.counts[0]
         if move[0] == LINE:
             planner.line(move[1], 0, False, speed_nm_s=move[2])
         else:
@@ -107,10 +113,10 @@ class Machine:
             except TooSteep:
                 return
         self.place = [self.place[axis] + move[1][axis] for axis in range(3)]
-        if planner._added != before:
+        if planner.counts[0] != before:
             steps = max([abs(delta) for delta in move[1]])
             place = before % len(planner._walkers)
-            if planner._rows[place * planner._stride] == LINE:  # an arc too short for a step along the circle, too
+            if planner.rows[place * planner._stride] == LINE:  # an arc too short for a step along the circle, too
                 move = (LINE, move[1], move[2])
             else:
                 plan = planner._walkers[place]
@@ -259,7 +265,7 @@ def line_lags(line):
     brings it beyond k − ½: behind k − ½ by its share of the dominant axis's steps at most.
     """
     total = int(line.total)
-    shares = [abs(line.offset(axis, total)) / total for axis in range(3)]
+    shares = [abs(int(line.offset(axis, total))) / total for axis in range(3)]
     return [0 if share == 1 else share - 0.5 for share in shares], [0 if share == 1 else 0.5 for share in shares]
 
 

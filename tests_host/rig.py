@@ -28,6 +28,7 @@ class Rig:
         self.layout, self.drive, self.off = make_drive(self.board)
         self.ring = Ring(size)
         self.planner = Planner(axes)
+        self.planner.load()
         setup = SETUP_TICKS if kind == "step_dir" else 0
         self.feeder = Feeder(self.ring, self.layout, self.planner, self.drive, setup, LEAST_TICKS)
         self.played = 0

@@ -53,3 +53,13 @@ for _name in BINARY:
     _wrap(f"__r{_name}__")
 for _name in UNARY:
     _wrap(f"__{_name}__")
+
+
+class SmallRows:
+    """An array whose numbers come out as Small, and that stays the array it is of."""
+
+    def __init__(self, rows):
+        self._rows = rows
+
+    def __getitem__(self, place):
+        return Small(self._rows[place])

@@ -44,6 +44,8 @@ def test_a_halted_line_is_taken_up_from_rest_and_ends_where_it_should(rig):
 
 HANG = """
 from passo.motion.profile import Limits
+planner.load()
+feeder.ramp = planner.ramp
 planner.limits(Limits([400000] * 3, [400_000_000] * 3, [20_000_000_000] * 3, 10_000))
 planner.line((60000, 45000, -30000), 7_500_000, False)
 planner.flush()

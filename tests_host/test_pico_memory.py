@@ -10,6 +10,8 @@ LOCKED = """
 import micropython
 from passo.motion.profile import Limits
 port._timer.deinit()
+planner.load()
+feeder.ramp = planner.ramp
 planner.limits(Limits([400000] * 3, [400_000_000] * 3, [20_000_000_000] * 3, 10_000))
 for deltas in ((400, 300, -200), (-400, 20, 0), (0, 0, 200)):
     planner.line(deltas, 40_000, False)

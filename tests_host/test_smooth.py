@@ -4,19 +4,11 @@ import check_smooth
 from check_smooth import Smooth, drawn
 from draws import Random
 from properties import make_tests
-from small_int import Small
+from small_int import Small, SmallRows
 
 globals().update(make_tests(check_smooth))
 
 NUMBERS = "ticks ticks_rest top limit gain span time time_shift leave start".split()
-
-
-class SmallRows:
-    def __init__(self, rows):
-        self._rows = rows
-
-    def __getitem__(self, place):
-        return Small(self._rows[place])
 
 
 def test_no_integer_outgrows_a_board():
@@ -25,7 +17,7 @@ def test_no_integer_outgrows_a_board():
         random = Random(seed)
         machine = Smooth(seed, ("mixed", "tiny", "arcs", "lines", "reversals")[seed % 5], drawn(random, 10, 1_000_000), 4)
         rig = machine.rig
-        ramp = rig.feeder._ramp
+        ramp = rig.feeder.ramp
         smooth = rig.planner._under_way.smooth
         smooth._root = Small(smooth._root)
         begin, load = ramp.begin, smooth.load

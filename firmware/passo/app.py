@@ -9,6 +9,7 @@ knows every room.
 """
 
 import gc
+
 from micropython import const
 
 from passo.control.controller import LATER, Controller
@@ -26,7 +27,7 @@ LEAD_TICKS = const(30 * 12_500)  # from a main loop
 LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any moment, within 20 ms on the pins
 _TURNS_S = const(200)  # half a ring of words has to last as long as such a turn of the feeder
 _WAITING = const(64)  # commands of one link that may wait for their turn
-_LOOK_MS = const(4)  # while bytes keep coming, the machine is looked at so often
+_LOOK_MS = const(8)  # while bytes keep coming, the machine is looked at so often
 _MOST = const(4)  # lines a turn on a chip, where they take time
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
@@ -40,8 +41,7 @@ class Link:
         self.name = config["name"]
         self.serial = serial
         self.protocol = protocol
-        self.points = getattr(protocol, "points", None)  # the short way of points, where the language has one
-        self.overhear = None  # where lines take time: what takes bytes in between two of them
+        self.short = getattr(protocol, "short", None)  # of what comes most often, where the language has one
         self.waiting = []
 
 
@@ -62,6 +62,10 @@ class App:
         self.player = port.player(self.ring, self.layout)
         gc.collect()  # so that what is small fills the gaps and leaves room in one piece for what is large
         self.planner = Planner(self.layout.axes)
+        streamed, stored = assembly.streamed(board), assembly.stored(board)
+        if streamed:
+            self.planner.load()
+        languages = assembly.languages(board)
         least = self.player.min_word_ticks
         assembly.check_speed(board, least)
         setup = us_to_ticks(board["drive"]["setup_us"]) if drive is None else 0
@@ -72,17 +76,16 @@ class App:
         motors.release()
         gc.collect()
         settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)
-        kinds = assembly.streamed(board), assembly.stored(board)
-        self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port, settings, *kinds)
+        self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port, settings, streamed, stored)
         self._looked_ms = port.machine_ms()
-        shared = {}
+        self._heard = 0  # by this turn: _PART, _WHOLE
+        shared = {}  # what links of one language have in common
         self.links = []
-        for link in board["links"]:
-            protocol = assembly.open_protocol(link, board, self.controller, shared)
+        for link, language in zip(board["links"], languages):
+            protocol = language.opened(link, board, self.controller, shared)
             self.links.append(Link(len(self.links), link, port.serial(link), protocol))
             if self.interrupt and hasattr(protocol, "most"):
                 protocol.most = _MOST
-                self.links[-1].overhear = protocol.overhear
         self.controller.resets.restarted()
         self._answer()
 
@@ -125,7 +128,8 @@ class App:
         if heard & _WHOLE:
             if not coming:
                 self.controller.program.begin()
-            self._feed()
+            if not self.feeder.open:
+                self._feed()
         return coming and (self.port.machine_ms() - self._looked_ms) & COUNT_MASK < _LOOK_MS
 
     def _feed(self):
@@ -157,11 +161,10 @@ class App:
         data = link.serial.read()
         if data:
             self._heard |= _PART
-            if link.points and not link.waiting:
-                answers = link.points(data, self._now_ms, self.controller.objects)
-                if answers:
-                    link.serial.write(answers)
-                data = b""
+        if link.short and not link.waiting:
+            data = self._in_short(link, data)
+            if self.controller.queue.waiting:
+                self._heard |= _WHOLE
         commands = link.protocol.feed(data, self._now_ms)
         if commands:
             self._carry_out(commands, link)
@@ -170,16 +173,6 @@ class App:
         for command in commands:
             command.link = link
             self._begin(command)
-            if link.overhear is not None:
-                self._overhear(link)
-
-    def _overhear(self, link):
-        """What must not wait for the lines before it."""
-        data = link.serial.read()
-        if data:
-            for command in link.overhear(data):
-                command.link = link
-                self._begin(command)
 
     def _begin(self, command):
         link = command.link
@@ -196,6 +189,22 @@ class App:
         else:
             self.controller.refuse(command, errors.TOO_MANY_WAITING)
         self._answer()
+
+    def _in_short(self, link, data):
+        """Have the protocol deal in short with `data`, and with what comes while it does: as long as it has answers, and
+        the machine may wait. Returns what is left for feed()."""
+        serial = link.serial
+        short = link.short
+        while True:
+            answers = short(data, self._now_ms, self.controller)
+            if answers is None:
+                return data
+            if not answers:
+                return b""
+            serial.write(answers)
+            if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
+                return b""
+            data = serial.read()
 
     def _answer(self):
         for event in self.controller.take_events():

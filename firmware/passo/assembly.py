@@ -26,17 +26,19 @@ def stored(board):
     return _named(board, STORED)
 
 
-def open_protocol(link, board, controller, shared):
-    """The protocol of a link of the board file; only what is named is loaded. `shared`: what links of one language
-    have in common, a dict."""
-    name = link["protocol"]
-    if name not in PROTOCOLS:
-        raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
-    try:
-        language = __import__("passo.languages." + name, None, None, ("opened",))
-    except ImportError as missing:
-        raise BoardError("link %s: %s is not on this board (%s): flash it anew" % (link["name"], name, missing))
-    return language.opened(link, board, controller, shared)
+def languages(board):
+    """The modules of the languages of the board file's links: language.opened(link, board, controller, shared) is a
+    protocol. Only what is named is loaded, and early: machine code wants memory in one piece. Raises BoardError."""
+    modules = []
+    for link in board["links"]:
+        name = link["protocol"]
+        if name not in PROTOCOLS:
+            raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
+        try:
+            modules.append(__import__("passo.languages." + name, None, None, ("opened",)))
+        except ImportError as missing:
+            raise BoardError("link %s: %s is not on this board (%s): flash it anew" % (link["name"], name, missing))
+    return modules
 
 
 def make_drive(board):

@@ -33,43 +33,42 @@ from time import ticks_us, ticks_diff
 CHORDS = 64
 WIDTH = 24
 WINDOW = 127
+CHUNK = 48
 
 class Memory:
-    def __init__(self, app, head, text, lines, warm):
-        self.head, self.text, self.at = head, text, 0
+    def __init__(self, app, chunks, again, lines, warm):
+        self.chunks, self.again, self.at = chunks, again, 0
         self.left, self.due = lines * WIDTH, 0
-        self.until, self.warm, self.answers = lines, warm, 0
+        self.until, self.warm, self.answers, self.begun = lines, warm, 0, 0
         self.planner, self.feeder = app.planner, app.feeder
         self.least = 999
 
     @micropython.native
     def any(self):
-        return self.left and self.due < WINDOW
+        return self.left and self.due + CHUNK <= WINDOW
 
     @micropython.native
     def read(self):
-        if not self.left:
+        if not self.any():
             return b""
-        planner = self.planner
-        ahead = (planner._added - planner._fetched) & 0x1FFFFFFF
-        if self.answers > self.warm and ahead < self.least:
-            self.least = ahead
-        most = min(64, WINDOW - self.due, self.left)
-        if self.head:
-            data = self.head[:most]
-            self.head = self.head[most:]
-        else:
-            data = bytes(self.text[self.at : self.at + most])
-            self.at = (self.at + len(data)) % len(self.text)
-        self.left -= len(data)
-        self.due += len(data)
+        if self.answers > self.warm:
+            ahead = self.planner.ahead()
+            if ahead < self.least:
+                self.least = ahead
+        data = self.chunks[self.at]
+        self.at += 1
+        if self.at == len(self.chunks):
+            self.at = self.again
+        self.left -= CHUNK
+        self.due += CHUNK
         return data
 
     @micropython.native
     def write(self, data):
-        self.answers += 1
-        self.due -= WIDTH
-        if self.answers == self.warm:
+        count = data.count(b"ok")
+        self.answers += count
+        self.due -= count * WIDTH
+        if not self.begun and self.answers >= self.warm:
             self.begun, self.first = ticks_us(), self.answers
             print("warm")
         if self.answers == self.until:
@@ -77,12 +76,14 @@ class Memory:
 
 def attach(app, port):
     def go(path, head, lines, warm):
-        text = bytearray(CHORDS * WIDTH)
+        again = len(head) // CHUNK
+        chunks = [head[at : at + CHUNK] for at in range(0, len(head), CHUNK)]
         with open(path, "rb") as file:
-            file.readinto(text)
+            for _ in range(CHORDS * WIDTH // CHUNK):
+                chunks.append(file.read(CHUNK))
         gc.collect()
         print("free", gc.mem_free())
-        app.links[0].serial = port._lines[0] = Memory(app, head, text, lines, warm)
+        app.links[0].serial = port._lines[0] = Memory(app, chunks, again, lines, warm)
     gc.collect()
     print("ready", gc.mem_free())
     exec(sys.stdin.readline(), {"go": go, "app": app, "port": port})

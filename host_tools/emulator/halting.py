@@ -27,6 +27,8 @@ print(feeder.position(player.played()))
 """
 _RESUME = """
 from passo.motion.profile import Limits
+planner.load()
+feeder.ramp = planner.ramp
 planner.limits(Limits([400000] * {axes}, [400_000_000] * {axes}, [{acceleration}] * {axes}, 10_000))
 feeder.open = True
 planner.line({deltas!r}, {each} * {total}, False)

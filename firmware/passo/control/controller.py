@@ -164,22 +164,15 @@ class Controller:
         """Steps of each axis from machine zero, exact at this moment."""
         return self.queue.position()
 
-    @micropython.native
     def accept(self, command):
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
-        if command.accepted is not None and command.kind == commands.LINE and command.link.number == self.links.commander:
-            result = self.program.again(command)
-        elif command.kind == commands.STATUS:
+        if command.kind == commands.STATUS:
             return self._status(command)
-        else:
-            result = self._handle(command)
+        handler = self._handlers.get(command.kind)
+        result = self.links.refusal(command) or (handler(command) if handler else errors.UNKNOWN_COMMAND)
         if result > 0:
             self.refuse(command, result)
         return result
-
-    def _handle(self, command):
-        handler = self._handlers.get(command.kind)
-        return self.links.refusal(command) or (handler(command) if handler else errors.UNKNOWN_COMMAND)
 
     def refuse(self, command, number):
         """Log error `number` and tell the command's link."""
@@ -259,6 +252,7 @@ class Controller:
         homing = self._board["homing"]
         return errors.NOT_HOMED if homing and homing["required"] and not self.homed else 0
 
+    @micropython.native
     def occupied(self):
         """True while one of the added parts has the axes to itself."""
         for part in self._parts:
@@ -266,7 +260,6 @@ class Controller:
                 return True
         return False
 
-    @micropython.native
     def tell(self, event):
         """Hand an event to the link of its command."""
         self._events.append(event)

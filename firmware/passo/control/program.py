@@ -32,13 +32,12 @@ class Program:
         self._queue = queue
         self._machine = machine
         self._planner = planner
-        planner.load()
         self.jogging = False
         self._active = False  # motion has been queued and has not come to its end
         self._fresh = False  # motion was queued since the last turn
         self._limits_of = self._limits = None  # the settings' version that the planner knows, and its limits
         self._part = self._pace = self._top = None  # that the speed shown is of
-        self._travel_of = None  # that `_soft`, `_low` and `_high` are of
+        self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
         self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
 
@@ -56,6 +55,7 @@ class Program:
     def active(self):
         return self._active
 
+    @micropython.native
     def moved(self):
         """Something has been queued."""
         self._active = self._fresh = True
@@ -88,36 +88,23 @@ class Program:
             return machine.accepted(command)
         return self._begin(command)
 
-    @micropython.native
-    def again(self, command):
-        """_motion() of a line that is asked for by the same command again and again, in short where nothing is unusual."""
+    def takes(self, tool, power, dynamic):
+        """True where lines with this tool may go straight to the queue, within reach(): nothing is unusual now."""
         machine = self._machine
         queue = self._queue
         planner = self._planner
-        if (
-            machine.command is not None or machine.alarm or machine.sleeping or machine.checking or machine.occupied()
-            or machine.objects.drawing or machine.pauses.dropping or self._travel_of != machine.settings.version
-            or self._soft and machine.homed and not self._inside(command.target)
-            or command.also or command.per_min or command.power or planner.power or command.dynamic != planner.dynamic
-            or command.tool != queue.tool or not planner.accelerates
-        ):  # fmt: skip
-            return self._motion(command)
-        if queue.room() < _BLOCKS_A_MOTION:
-            return LATER
-        try:
-            queue.again(command.target, command.feed, command.tool, command.number)
-        except ValueError:
-            return errors.TARGET
-        self._active = self._fresh = True
-        machine.tell(command.accepted)
-        return 0
+        return not (
+            machine.command is not None or machine.alarm or machine.sleeping or machine.checking or self.jogging
+            or machine.occupied() or machine.objects.drawing or machine.pauses.dropping or not planner.accelerates
+            or tool != queue.tool or dynamic != planner.dynamic or (power or planner.power) and thousandths(power) != planner.power
+        )  # fmt: skip
 
     def _refusal(self, command):
         """0, or why one of the lines that follow `command` cannot be: then none of them begins."""
         self._set_limits()
         start = command.target
         for motion in command.also:
-            if self._limited() and not self._inside(motion.target):
+            if not self._inside(motion.target):
                 self._machine.fail(errors.ALARM_SOFT_LIMIT)
                 return errors.JOG_TRAVEL
             deltas = [to - at for to, at in zip(motion.target, start)]
@@ -128,27 +115,26 @@ class Program:
             start = motion.target
         return 0
 
-    def _limited(self):
-        """True where the travel counts; `_low` and `_high` are its ends."""
+    def reach(self):
+        """(lowest, highest) places of the axes where the travel counts now, else None; one object until that changes."""
         machine = self._machine
         settings = machine.settings
         if self._travel_of != settings.version:
             self._travel_of = settings.version
-            self._soft = settings.value(table.SOFT_LIMITS)
-            reach = [self._queue.reach(axis) for axis in range(len(self._axes))]
-            self._low = [ends[0] for ends in reach]
-            self._high = [ends[1] for ends in reach]
-        return self._soft and machine.homed
+            self._travel = self._find_travel() if settings.value(table.SOFT_LIMITS) else None
+        return self._travel if machine.homed else None
 
-    @micropython.native
+    def _find_travel(self):
+        ends = [self._queue.reach(axis) for axis in range(len(self._axes))]
+        return [low for low, _ in ends], [high for _, high in ends]
+
     def _inside(self, target):
-        """True where `target` is within the travel."""
-        low = self._low
-        high = self._high
-        for axis in range(len(target)):
-            place = target[axis]
-            if place < low[axis] or place > high[axis]:
-                return False
+        """True where `target` is within the travel, or that does not count."""
+        reach = self.reach()
+        if reach:
+            for axis in range(len(target)):
+                if not reach[0][axis] <= target[axis] <= reach[1][axis]:
+                    return False
         return True
 
     def _begin(self, command):
@@ -157,11 +143,8 @@ class Program:
         error = self._queue_motion(command)
         if error:
             return error
-        self._active = self._fresh = True
-        if command.accepted is None:
-            return self._machine.accepted(command)
-        self._machine.tell(command.accepted)
-        return 0
+        self.moved()
+        return self._machine.accepted(command)
 
     def _jog(self, command):
         error = self._unready(command) or self._too_long(command)
@@ -189,13 +172,10 @@ class Program:
         return errors.TARGET if longest > MAX_STEPS else 0
 
     def _reachable(self, command):
-        if not self._limited():
-            return True
         if not self._inside(command.target):
             return False
-        return command.kind != commands.ARC or self._arc_inside(command)
-
-    def _arc_inside(self, command):
+        if command.kind != commands.ARC or not self.reach():
+            return True
         for place in farthest(self._queue.target, command, [axis["steps_per_m"] for axis in self._axes]):
             if not self._inside(place):
                 return False

@@ -44,6 +44,7 @@ class Queue:
         self._origin = self._feeder.position(self._player.played())
         self.target = [0] * len(self._axes)
 
+    @micropython.native
     def room(self):
         """How many more blocks can be queued now; none behind an arc that is not all queued yet."""
         return 0 if self._chords else self._planner.room()

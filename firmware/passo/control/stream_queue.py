@@ -1,6 +1,5 @@
 """The queue of a machine that moves as it is told, not only what has been stored: lines at a feed, arcs, waits, power."""
 
-import micropython
 from micropython import const
 
 from passo.control.queue import Queue
@@ -11,6 +10,10 @@ _LONGEST_MS = const(80_000)  # of one wait: the planner's limit is 85 s
 
 
 class StreamQueue(Queue):
+    def __init__(self, board, planner, feeder, player, port):
+        Queue.__init__(self, board, planner, feeder, player, port)
+        self.planner = planner  # for who knows what it does to `target` and `waiting`
+
     def start(self):
         """Begin to move: what is queued may still be followed by more, without a stand in between."""
         self._planner.start()
@@ -45,7 +48,8 @@ class StreamQueue(Queue):
         if not self._planner.accelerates:
             ticks = self._ticks(self._towards(target), nm_s, ticks)
             nm_s = 0
-        self.again(target, nm_s, tool, tag, ticks)
+        self._planner.line(self._towards(target), ticks, tool, tag, not nm_s and not ticks, nm_s)
+        self._arrive(target)
 
     def fits(self, deltas, nm_s, ticks):
         """Raise ValueError where go() would, for a line of `deltas`."""
@@ -56,25 +60,6 @@ class StreamQueue(Queue):
     def _ticks(self, deltas, nm_s, ticks):
         """How long a line lasts without limits."""
         return ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
-
-    @micropython.native
-    def again(self, target, nm_s, tool, tag, ticks=0):
-        """go() with the tool as it is, and within limits or in `ticks`."""
-        here = self.target
-        deltas = self._deltas
-        axis = 0
-        for place in target:
-            deltas[axis] = place - here[axis]
-            axis += 1
-        while axis < len(deltas):
-            deltas[axis] = 0
-            axis += 1
-        self._planner.line(deltas, ticks, tool, tag, not nm_s and not ticks, nm_s)
-        axis = 0
-        for place in target:
-            here[axis] = place
-            axis += 1
-        self.waiting = True
 
     def arc(self, target, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker):
         """Go to `target` on a circle about `centre` (steps from here, in the plane): at `nm_s`, or in `ticks` where they

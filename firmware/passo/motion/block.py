@@ -76,7 +76,7 @@ class Block:
         takes no ramp."""
         self.rows = rows
         self.at = at
-        kind = self.kind = rows[at + KIND]
+        self.kind = rows[at + KIND]
         self.tool = rows[at + TOOL]
         self.first = rows[at + FIRST]
         self.tag = rows[at + TAG]
@@ -88,8 +88,6 @@ class Block:
         self.start = 0
         if gain and start:
             self.start = q_of(start, rows, at, rows[at + LIMIT])
-        if gain and kind == LINE and not self.smooth:  # the ramp reads the row itself
-            return
         self.ticks = rows[at + TICKS]
         self.ticks_rest = rows[at + TICKS_REST]
         self.limit = rows[at + LIMIT]

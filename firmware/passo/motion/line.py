@@ -42,8 +42,8 @@ class Line:
     def __init__(self, axes):
         self.axes = axes
         self.total = self.left = self.moving = self.negative = 0
-        self._state = array("i", [axes] + [0] * (4 + 3 * axes))
-        self.made = memoryview(self._state)[_RISE + 2 * axes :]  # signed steps since the feeder last cleared them
+        self.state = array("i", [axes] + [0] * (4 + 3 * axes))
+        self.made = memoryview(self.state)[_RISE + 2 * axes :]  # signed steps since the feeder last cleared them
 
     def begin(self, deltas):
         """Start on a vector, in steps. Raises ValueError above MAX_STEPS."""
@@ -54,8 +54,9 @@ class Line:
     @micropython.native
     def load(self, rows, at):  # ISR: no allocation
         """Start on the vector rows[at : at + axes] of an array, none above MAX_STEPS."""
-        state = self._state
-        self.total = self.left = begin(rows, at, state)
+        state = self.state
+        total = self.total = begin(rows, at, state)
+        self.left = total
         self.moving = state[_MOVING]
         self.negative = state[_NEGATIVE]
 
@@ -65,8 +66,8 @@ class Line:
             raise ValueError("no step %d in a line of %d" % (index, self.total))
         self.left = self.total - index
         for axis in range(self.axes):
-            decision = self._state[_RISE + axis] * (index + 1) + self.total - 2 * self.total * self._steps(axis, index)
-            self._state[_RISE + self.axes + axis] = decision
+            decision = self.state[_RISE + axis] * (index + 1) + self.total - 2 * self.total * self._steps(axis, index)
+            self.state[_RISE + self.axes + axis] = decision
 
     def offset(self, axis, index):
         """Signed steps of `axis` after `index` dominant steps: the line's place in closed form."""
@@ -76,10 +77,10 @@ class Line:
     def _steps(self, axis, index):
         if not self.total:
             return 0
-        return (self._state[_RISE + axis] * index + self.total - 1) // (2 * self.total)
+        return (self.state[_RISE + axis] * index + self.total - 1) // (2 * self.total)
 
     @micropython.native
     def walk(self, out, at, count):  # ISR: no allocation
         """Write the masks of the next `count` (≤ left, ≤ MAX_RUN) dominant steps to out[at:]; add them to `made`."""
-        walk(out, at, count, self._state)
+        walk(out, at, count, self.state)
         self.left -= count

@@ -1,11 +1,11 @@
 """What acceleration makes of a block, and the pass over the look-ahead: the arithmetic that every block costs.
 
     done = measure(rows, at, work, terms)       # the block whose row begins at rows[at]; its steps are in the row
-    raised = look_back(rows, work)
+    raised = look_back(rows, work, counts)
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python. So it keeps to 32-bit
 integers, none of which reaches 2³¹, and gives the same bits everywhere. `rows` are block.py's, `terms` profile.Limits',
-`work` is the planner's; their places are named there and stand here as numbers, which is what viper takes. Where viper
+`work` and `counts` the planner's; their places are named there and stand here as numbers, which is what viper takes. Where viper
 is 64 bits wide it reads a negative number as a positive one: bit 30 tells. Exponents are kept 1000 too large instead.
 
 Numbers come in three kinds:
@@ -496,11 +496,14 @@ def corner(rows: ptr32, at: int, work: ptr32, terms: ptr32):
 
 
 @micropython.viper
-def look_back(rows: ptr32, work: ptr32) -> int:
+def look_back(rows: ptr32, work: ptr32, counts: ptr32) -> int:
     """Raise the exits of blocks, from the newest back, as far as one changes; how many blocks back that was."""
-    count = work[30]
+    count = (counts[0] - counts[4]) & 0x1FFFFFFF
+    if count > 64:
+        count = 64
+    deepest = count + 2
     stride = work[31]
-    behind = work[29] * stride
+    behind = (counts[0] - 1) % work[32] * stride
     ends = work[32] * stride
     depth = 0
     while count > 1:
@@ -528,7 +531,7 @@ def look_back(rows: ptr32, work: ptr32) -> int:
                 square = rows[behind + 20]
         if square > rows[at + 22]:
             rows[at + 22] = square
-            depth = work[30] - count + 2
+            depth = deepest - count
         elif work[33] == 0:
             return depth
         behind = at

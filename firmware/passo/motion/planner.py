@@ -30,13 +30,14 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion import profile, ramp
+from passo.motion import profile
 from passo.motion.block import (
-    ARC, DYNAMIC, FIRST, FREE, GAIN, KIND, LINE, POWER, RAPID, ROW, SPEED, TAG, TICKS, TICKS_REST, TOOL, TRACK, WAIT,
-    Block,
+    ARC, FREE, GAIN, KIND, LIMIT, LINE, ROW, SPEED, TICKS, TICKS_REST, TRACK, WAIT, Block, q_of,
 )
 from passo.motion.line import MAX_STEPS, Line
 from passo.motion.profile import TICKS_PER_S
+from passo.motion.row_viper import close, enter, take
+from passo.motion.steady import Steady
 
 LOOK_AHEAD = const(64)
 IN_FLIGHT = const(32)
@@ -45,6 +46,12 @@ _COUNT = const(0x1FFFFFFF)
 LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 FEED_PERCENT = (10, 200)
 RAPID_PERCENT = (1, 100)
+# In `counts`: blocks, for ever, modulo 2²⁹.
+_ADDED = const(0)
+_FLUSHED = const(1)  # may be fetched
+_FETCHED = const(2)
+_RETIRED = const(3)  # played to their last word
+_FROZEN = const(4)  # their exits stay as they are
 # In `work`, as profile.py has them.
 _FEED = const(0)
 _GIVEN = const(1)
@@ -53,10 +60,12 @@ _IS_ARC = const(8)
 _SPEED = const(14)
 _LIMITED = const(15)
 _THROUGH = const(24)
-_NEWEST = const(29)
-_DEPTH = const(30)
 _ALL = const(33)
 _FACTOR = const(34)
+# What close() is told with the kind.
+_IS_ON = const(8)
+_IS_RAPID = const(16)
+_IS_DYNAMIC = const(32)
 
 
 class Planner:
@@ -66,29 +75,30 @@ class Planner:
         self.dynamic = False
         self.percent = array("i", [100, 100])  # overrides: of the feed, of rapid motion
         self._stride = ROW + axes
-        self._rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
-        self.rows = self._rows
+        self.rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
         self._walkers = [None] * _SIZE  # of ARC the circle's plan, made when first needed; of FREE and TRACK what is walked
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
         self._circle = None  # made by load()
+        self.ramp = Steady()
+        self.counts = array("i", [0] * 5)
         self._under_way = Block()  # the one fetched last
         self._playing = Block()
-        self._work = array("i", bytearray(4 * profile.WORK))
-        self._work[profile.STRIDE] = self._stride
-        self._work[profile.SIZE] = _SIZE
-        self._work[_FACTOR] = self._work[_FACTOR + 1] = 4096
+        self.work = array("i", bytearray(4 * profile.WORK))
+        self.work[profile.STRIDE] = self._stride
+        self.work[profile.SIZE] = _SIZE
+        self.work[_FACTOR] = self.work[_FACTOR + 1] = 4096
         self.accelerates = False  # it has limits
         self._limits = None
         self._terms = None  # the limits'
         self._measure = self._raise = None  # what works with them
-        self._start = 0  # square of the speed that takes no ramp
+        self.start_square = 0  # square of the speed that takes no ramp
         self._asked = 0  # the speed that `work` has been told, in nm/s; -1: none
         self.clear()
 
     def limits(self, limits):
-        """Accelerate within `limits` (profile.Limits) from now on; None: not at all. Only while nothing is queued."""
+        """Accelerate within `limits` (profile.Limits) from now on; None: not at all. Only after load(), and while nothing is
+        queued."""
         if limits is not None:
-            self.load()
             self._under_way.smooth = None
             if limits.jerk:
                 from passo.motion.jerk import smooth
@@ -96,40 +106,51 @@ class Planner:
                 self._under_way.smooth = smooth(limits)
         self._limits = limits
         self._terms = limits.terms if limits else None
-        self._start = limits.start if limits else 0
+        self.start_square = limits.start if limits else 0
         self.accelerates = limits is not None
-        self._work[_FEED] = self._work[_GIVEN] = 0
+        self.work[_FEED] = self.work[_GIVEN] = 0
         self._asked = 0
 
     def load(self):
-        """Make ready for limits() and arcs, while memory is still in one piece: they take a good part of a board's."""
-        if self._measure is None:
-            from passo.motion.measure_viper import look_back, measure
+        """Make ready for limits() and arcs, before there is a feeder, and while memory is still in one piece: they take a
+        good part of a board's."""
+        from passo.motion.measure_viper import look_back, measure
 
-            self._measure, self._raise = measure, look_back
-            ramp.load()
-            from passo.motion.circle import Circle
+        self._measure, self._raise = measure, look_back
+        from passo.motion.ramp import Ramp
 
-            self._circle = Circle(self.axes)
+        self.ramp = Ramp()
+        from passo.motion.circle import Circle
+
+        self._circle = Circle(self.axes)
 
     def clear(self):
         """Forget every block. Only while the feeder is stopped."""
-        self._added = self._flushed = self._fetched = self._retired = self._frozen = 0
-        self._work[_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
+        for which in range(len(self.counts)):
+            self.counts[which] = 0
+        self.work[_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
 
     @micropython.native
     def room(self):
         """How many more blocks can be queued now."""
-        return _SIZE - ((self._added - self._retired) & _COUNT)
+        counts = self.counts
+        return _SIZE - ((counts[_ADDED] - counts[_RETIRED]) & _COUNT)
 
     @micropython.native
     def empty(self):
         """True when every block has been played to its last word."""
-        return self._added == self._retired
+        counts = self.counts
+        return counts[_ADDED] == counts[_RETIRED]
 
     def resting(self):
         """True when every block that was released has been played to its last word."""
-        return self._retired == self._fetched
+        counts = self.counts
+        return counts[_RETIRED] == counts[_FETCHED]
+
+    def ahead(self):
+        """How many blocks are queued behind the one under way."""
+        counts = self.counts
+        return (counts[_ADDED] - counts[_FETCHED]) & _COUNT
 
     def slowest(self):
         """What the slowest axis can do, in nm/s."""
@@ -137,7 +158,6 @@ class Planner:
 
     # --- adding
 
-    @micropython.native
     def line(self, deltas, ticks, tool, tag=0, rapid=False, speed_nm_s=0):
         """Queue the line `deltas` (steps), to last `ticks` at its programmed speed. A line of no steps is no block.
 
@@ -145,15 +165,15 @@ class Planner:
         the axes may be. `rapid`: the override of rapid motion counts for it. An axis's limit makes it slower. Raises
         ValueError where it has too many steps, or steps further apart than LONGEST_TICKS.
         """
-        rows = self._rows
-        at = self._added % _SIZE * self._stride
+        at = self._free()
+        rows = self.rows
         for axis in range(self.axes):
             rows[at + ROW + axis] = deltas[axis]
         if self._terms is None:
             if not self._steady(at, deltas, ticks):
                 return
         else:
-            work = self._work
+            work = self.work
             work[_IS_ARC] = 0
             if speed_nm_s != self._asked or ticks:
                 self._ask(deltas, ticks, speed_nm_s)
@@ -164,9 +184,24 @@ class Planner:
                 return
         self._add(at, LINE, tool, tag, rapid)
 
+    @micropython.native
+    def follow(self, steps, first, tool, tag, rapid, speed_nm_s):
+        """line() in short: the steps are steps[first : first + axes] of an array, and line() would not refuse them."""
+        work = self.work
+        if speed_nm_s != self._asked:
+            self._ask(None, 0, speed_nm_s)
+        rows = self.rows
+        at = enter(rows, work, self.counts, steps, first)
+        if self._measure(rows, at, work, self._terms):
+            self._add(at, LINE, tool, tag, rapid)
+
+    def _free(self):
+        """Where the row of the next block begins."""
+        return self.counts[_ADDED] % _SIZE * self._stride
+
     def _ask(self, deltas, ticks, speed_nm_s):
         """Tell measure() the speed asked for, or the ticks."""
-        work = self._work
+        work = self.work
         limits = self._limits
         if ticks:
             speed_nm_s = limits.length(deltas) * TICKS_PER_S // ticks or 1
@@ -187,7 +222,7 @@ class Planner:
         row = array("i", bytearray(4 * self._stride))
         for axis in range(self.axes):
             row[ROW + axis] = deltas[axis]
-        work = self._work[:]
+        work = self.work[:]
         work[_IS_ARC] = 0
         result = self._measure(row, 0, work, self._terms)
         if result < 0:
@@ -204,7 +239,7 @@ class Planner:
         if not total:
             return False
         self._stand(at, max(ticks // total, 1))
-        self._rows[at + TICKS_REST] = ticks % total
+        self.rows[at + TICKS_REST] = ticks % total
         return True
 
     def _dominant(self, deltas, ticks):
@@ -218,10 +253,10 @@ class Planner:
 
     def _stand(self, at, ticks):
         """What has no acceleration."""
-        rows = self._rows
+        rows = self.rows
         rows[at + TICKS] = ticks
         rows[at + TICKS_REST] = rows[at + GAIN] = rows[at + SPEED] = 0
-        self._work[_THROUGH] = 0
+        self.work[_THROUGH] = 0
 
     def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, queued=True):
         """Queue an arc or helix from here to `deltas` (steps, all axes) about `center` (steps from here, in the plane).
@@ -248,11 +283,11 @@ class Planner:
             else:
                 self.fits(deltas, ticks, speed_nm_s)
             return
-        at = self._added % _SIZE * self._stride
+        at = self._free()
         self._asked = -1
-        work = self._work if queued else self._work[:]
+        work = self.work if queued else self.work[:]
         if not arc_speed.set_speed(
-            self._rows, at, work, limits, path, plane, center, deltas, clockwise, speed_nm_s, ticks
+            self.rows, at, work, limits, path, plane, center, deltas, clockwise, speed_nm_s, ticks
         ):
             self._refuse(-1)
         if queued:
@@ -260,58 +295,55 @@ class Planner:
 
     def _plan(self, size):
         """An array of `size` for the plan of the next arc: what is walked is kept by the place in the queue."""
-        place = self._added % _SIZE
+        place = self.counts[_ADDED] % _SIZE
         if not isinstance(self._walkers[place], array):
             self._walkers[place] = array("i", bytearray(4 * size))
         return self._walkers[place]
 
     def wait(self, ticks, tool, tag=0):
         """Queue `ticks` (1 … LONGEST_TICKS) without a step, the tool bit as given from their start."""
-        at = self._added % _SIZE * self._stride
+        at = self._free()
         self._stand(at, ticks)
         self._add(at, WAIT, tool, tag)
 
     def free(self, walker, tool, tag=0):
         """Queue axes that run independently: `walker` is a steps.timed.Timed with its axes set."""
-        at = self._added % _SIZE * self._stride
+        at = self._free()
         self._stand(at, 0)
-        self._walkers[self._added % _SIZE] = walker
+        self._walkers[self.counts[_ADDED] % _SIZE] = walker
         self._add(at, FREE, tool, tag)
 
     def track(self, walker, tag=0):
         """Queue a walk over a track: `walker` is a steps.track_walker.TrackWalker that has begun. It has the tool too."""
-        at = self._added % _SIZE * self._stride
+        at = self._free()
         self._stand(at, 0)
-        self._walkers[self._added % _SIZE] = walker
+        self._walkers[self.counts[_ADDED] % _SIZE] = walker
         self._add(at, TRACK, walker.tool, tag, False, walker.place)
 
     @micropython.native
     def _add(self, at, kind, tool, tag, rapid=False, first=0):
-        rows = self._rows
-        work = self._work
-        rows[at + KIND] = kind
-        rows[at + TOOL] = 1 if tool else 0
-        rows[at + TAG] = tag
-        rows[at + RAPID] = 1 if rapid else 0
-        rows[at + FIRST] = first
-        rows[at + POWER] = self.power
-        rows[at + DYNAMIC] = 0
+        power = self.power
         if self.dynamic:
-            rows[at + DYNAMIC] = 1
+            work = self.work
             if work[_THROUGH] and work[_LIMITED]:
-                rows[at + POWER] = self.power * work[_SPEED] // work[_FEED]
-        self._added = (self._added + 1) & _COUNT
-        if work[_THROUGH]:
+                power = power * work[_SPEED] // work[_FEED]
+            kind |= _IS_DYNAMIC
+        if tool:
+            kind |= _IS_ON
+        if rapid:
+            kind |= _IS_RAPID
+        if close(self.rows, at, self.work, self.counts, kind, tag, power, first):
             self._look_back(0)
 
     def flush(self):
         """Nothing more is coming for now: release all that is queued. The last block ends at rest."""
-        self._flushed = self._frozen = self._added
-        self._work[_THROUGH] = 0
+        counts = self.counts
+        counts[_FLUSHED] = counts[_FROZEN] = counts[_ADDED]
+        self.work[_THROUGH] = 0
 
     def start(self):
         """Release all that is queued, more of which may follow in time: the last block ends at rest only if none does."""
-        self._flushed = self._added
+        self.counts[_FLUSHED] = self.counts[_ADDED]
 
     def override(self, percent, rapid=None):
         """Feed at `percent` (10 … 200) of the programmed speed, rapid motion at `rapid` percent, from now on."""
@@ -319,7 +351,7 @@ class Planner:
         if rapid is not None:
             self.percent[1] = max(RAPID_PERCENT[0], min(rapid, RAPID_PERCENT[1]))
         for which in range(2):
-            self._work[_FACTOR + which] = self.percent[which] * self.percent[which] * 4096 // 10_000
+            self.work[_FACTOR + which] = self.percent[which] * self.percent[which] * 4096 // 10_000
         if self.accelerates:
             self._look_back(1)
 
@@ -329,21 +361,18 @@ class Planner:
 
         An exit is never lowered, what is under way may count on it: the ramp itself slows down to a lower override.
         """
-        added = self._added
-        count = (added - self._frozen) & _COUNT
-        work = self._work
-        work[_NEWEST] = (added - 1) % _SIZE
-        work[_DEPTH] = count if count < LOOK_AHEAD else LOOK_AHEAD
+        work = self.work
+        counts = self.counts
         work[_ALL] = all
-        depth = self._raise(self._rows, work)
-        while depth > (added - self._fetched) & _COUNT:
+        depth = self._raise(self.rows, work, counts)
+        block = self._under_way
+        while depth > (counts[_ADDED] - counts[_FETCHED]) & _COUNT:
             # The block under way is among them: it need not slow down as much as it thought. An interrupt may go on to
             # the next block meanwhile; then that one is looked at again.
-            fetched = self._fetched
-            block = self._under_way
-            if block.gain and (block.kind == ARC or block.smooth):
-                block.plan_leave(self._rows, (fetched - 1) % _SIZE * self._stride)
-            if self._fetched == fetched:
+            fetched = counts[_FETCHED]
+            if (block.kind == ARC or block.smooth) and block.gain:
+                block.plan_leave(self.rows, (fetched - 1) % _SIZE * self._stride)
+            if counts[_FETCHED] == fetched:
                 return
 
     # --- fetching: may run in an interrupt
@@ -352,29 +381,34 @@ class Planner:
     def next(self, moving=False):  # ISR: no allocation
         """The next block released, or None. To a machine that is `moving` any block is released: it cannot
         stop here. It is the same object each time, and its walker stands at its beginning."""
-        fetched = self._fetched
-        if fetched == self._added:
+        rows = self.rows
+        at = take(rows, self.work, self.counts, 1 if moving else 0, 0)
+        if at < 0:
             return None
-        if fetched == self._flushed:
-            if (self._added - fetched) & _COUNT < LOOK_AHEAD and not moving:
-                return None
-            self._flushed = (fetched + 1) & _COUNT
-        self._fetched = (fetched + 1) & _COUNT
         block = self._under_way
-        place = fetched % _SIZE
-        self._unpack(block, place)
-        if block.smooth:
-            block.smooth.load(self._rows, place * self._stride, (place + 1) % _SIZE * self._stride)
-        kind = block.kind
+        place = at // self._stride
+        kind = rows[at + KIND]
+        smooth = block.smooth
         if kind == LINE:
-            self._line.load(self._rows, place * self._stride + ROW)
-        elif kind == ARC:
+            walker = self._line
+            walker.load(rows, at + ROW)
+            if rows[at + GAIN] and not smooth:  # the ramp and the feeder read the row itself
+                block.kind = kind
+                block.rows = rows
+                block.at = at
+                block.walker = walker
+                block.start = q_of(self.start_square, rows, at, rows[at + LIMIT]) if self.start_square else 0
+                return block
+        self._unpack(block, place)
+        if smooth:
+            smooth.load(rows, at, (place + 1) % _SIZE * self._stride)
+        if kind == ARC:
             self._circle.load(self._walkers[place])
         return block
 
     @micropython.native
     def _unpack(self, block, place):  # ISR: no allocation
-        block.load(self._rows, place * self._stride, self._start)
+        block.load(self.rows, place * self._stride, self.start_square)
         kind = block.kind
         if kind == LINE:
             block.walker = self._line
@@ -384,20 +418,23 @@ class Planner:
             block.walker = None if kind == WAIT else self._walkers[place]
 
     @micropython.native
-    def retire(self):  # ISR: no allocation
-        """The oldest fetched block has been played to its last word."""
-        self._retired = (self._retired + 1) & _COUNT
+    def retire(self, count):  # ISR: no allocation
+        """The oldest `count` fetched blocks have been played to their last word."""
+        counts = self.counts
+        counts[_RETIRED] = (counts[_RETIRED] + count) & _COUNT
 
     def row(self):
         """Where the oldest block not yet played to its last word stands in `rows`, as block.py has them; -1: there is none."""
-        retired = self._retired
-        return -1 if retired == self._fetched else retired % _SIZE * self._stride
+        counts = self.counts
+        retired = counts[_RETIRED]
+        return -1 if retired == counts[_FETCHED] else retired % _SIZE * self._stride
 
     def playing(self):
         """The oldest block not yet played to its last word, or None. The same object each time; where it is not the
         one under way in the feeder, its walker is not its own any more."""
-        retired = self._retired
-        if retired == self._fetched:
+        counts = self.counts
+        retired = counts[_RETIRED]
+        if retired == counts[_FETCHED]:
             return None
         place = retired % _SIZE
         block = self._playing

@@ -1,10 +1,7 @@
-"""Cuts a block into segments of about a millisecond: how many dominant steps, and how many ticks they last.
+"""Cuts a block into segments of about a millisecond, with acceleration: how many dominant steps, how many ticks they last.
 
-A segment is never cut inside a dominant interval: where steps are further apart it is one step long. At programmed
-speed a line's total is exact: the ticks that do not divide by its steps are spread over all of it.
-
-With acceleration the ramp carries q, the square of the speed, in units of the block's own (see profile.py), because
-along the path q is linear: it gains at most `gain` a step. Each segment's end takes the largest q that
+The ramp carries q, the square of the speed, in units of the block's own (see profile.py), because along the path q is
+linear: it gains at most `gain` a step. Each segment's end takes the largest q that
 
     - the block's speed and the override allow, or, in a hold, the least that can be reached
     - still leaves room to slow down to the block's planned exit, `leave`
@@ -19,21 +16,21 @@ along the path q is linear: it gains at most `gain` a step. Each segment's end t
 The peak may be above both ends: so the steps in which a hold comes to its stand never take longer than from rest, however
 slow the machine is before them.
 
-Lines with acceleration are taken up and cut by ramp_viper.py, where jerk is not limited; the rest here is for arcs. All but
-load() may run in an interrupt: no allocation, no integer of 2³⁰.
+Lines with acceleration are taken up and cut by ramp_viper.py, where jerk is not limited; the rest here is for arcs. It
+takes a part of a board's memory that not every machine has to spare: Planner.load() makes it. All may run in an
+interrupt: no allocation, no integer of 2³⁰.
 """
-
-from array import array
 
 import micropython
 from micropython import const
 
-from passo.motion.block import ARC, COARSE
+from passo.motion.block import COARSE, GAIN, LINE
 from passo.motion.integers import divide
 from passo.motion.line import MAX_RUN
 from passo.motion.ramp_ticks import gained, loss, path_ticks, root_of
+from passo.motion.ramp_viper import begin, cut
+from passo.motion.steady import CUT_PACE, CUT_STEPS, CUT_TICKS, SEGMENT_TICKS, START, TOTAL, Q, Steady, V
 
-SEGMENT_TICKS = const(12_500)  # 1 ms
 _SMOOTH_TICKS = const(37_500)  # with limited jerk: the pace is even in a segment, off the curve by acceleration · t² / 8
 _MAX_RAMP = const(255)  # most steps of a segment whose speed may change, so that no product here reaches 2³⁰
 _FAR = const(0x1FFFFFFF)  # FAR and V_BITS of ramp_ticks, known to the compiler
@@ -41,124 +38,57 @@ HIGHEST = const(0x3FFFFFFF)
 _V_BITS = const(7)
 
 
-# The state that is shared with ramp_viper.py. The last segment cut:
-_STEPS = const(0)
-_TICKS = const(1)
-_PACE = const(2)
-_Q = const(3)  # where the next one begins, in the block's units
-_V = const(4)  # its root, _V_BITS fraction bits; 5 is q that takes no ramp, 6 the carry of ticks
-_TOTAL = const(7)  # dominant steps of the line
-
-_begin = _cut = None
-
-
-def load():
-    """Make ready for acceleration. It takes a part of a board's memory that not every machine has to spare."""
-    global _begin, _cut
-    from passo.motion.ramp_viper import begin as _begin
-    from passo.motion.ramp_viper import cut as _cut
-
-
-class Ramp:
-    """After cut(), `steps` and `ticks` hold the segment."""
+class Ramp(Steady):
+    """Steady, and with acceleration: a block begins at the speed that the one before ended with."""
 
     def __init__(self):
-        self.steps = self.ticks = 0
-        self.pace = 0  # the segment's mean speed in the block's units; -1: the programmed one
+        Steady.__init__(self)
+        self.cut_line = cut  # cut_line(block.rows, block.at, state, left, percent, hold)
         self._block = None
         self._walker = None
-        self._q = 0  # where the next segment begins, in the block's units
-        self._each = self._rest = self._total = self._carry = 0
-        self._state = array("i", [0] * 8)
         self._steady = True
-        self._short = False
         self._length = SEGMENT_TICKS
         self._arc = False
         self._done = 0  # words of the arc's run cut so far
         self._part = 0
-        self._start = 0  # q that takes no ramp, in the block's units
-        self._speed = 0  # v of _q, _V_BITS fraction bits
-
-    def stall(self):  # ISR: no allocation
-        """The machine stands: what comes next begins at rest."""
-        self._q = self._speed = 0
-
-    def moving(self):  # ISR: no allocation
-        """True when the next segment begins at a speed that was reached by acceleration: it could not stand here."""
-        return self._q > self._start
 
     @micropython.native
     def begin(self, block):  # ISR: no allocation
-        """Take up `block` at the speed the last one ended with."""
-        self._block = block
-        self._walker = block.walker
-        self._each = block.ticks
-        self._rest = block.ticks_rest
-        self._total = block.walker.total
-        self._carry = 0
-        self._arc = block.kind == ARC
-        self._done = 0
-        self._steady = not block.gain
-        self._length = _SMOOTH_TICKS if block.smooth else SEGMENT_TICKS
-        self._start = block.start
-        self._short = not self._arc and not block.smooth
-        if self._steady:
-            self._q = self._speed = 0
-            return
-        state = self._state
-        state[_TOTAL] = self._total
-        state[_V] = self._speed
-        _begin(block.rows, block.at, state, block.start)
-        self._q = state[_Q]
-        self._speed = state[_V]
+        line = block.kind == LINE
+        short = self.short = line and not block.smooth and block.rows[block.at + GAIN]
+        if not short:
+            gain = block.gain
+            self._block = block
+            self._walker = block.walker
+            self._arc = not line
+            self._done = 0
+            self._steady = not gain
+            self._length = _SMOOTH_TICKS if block.smooth else SEGMENT_TICKS
+            if not gain:
+                Steady.begin(self, block)
+                return
+            self._each = block.ticks
+            self._rest = block.ticks_rest
+            self._total = block.walker.total
+        state = self.state
+        if line:
+            state[TOTAL] = block.walker.total
+        begin(block.rows, block.at, state, block.start)
 
     @micropython.native
     def cut(self, left, percent=100, hold=False):  # ISR: no allocation
-        """The next segment of a walker that has `left` ≥ 1 dominant steps before its end or its next corner.
-
-        `percent` of the programmed speed is wanted; with `hold` none at all. `steps` is 0 where the machine stands.
-        """
-        if self._steady:
-            self._cut_steady(left, hold)
-        elif self._short:
-            state = self._state
-            block = self._block
-            state[_Q] = self._q
-            state[_V] = self._speed
-            _cut(block.rows, block.at, state, left, percent, hold)
-            self.steps = state[_STEPS]
-            if state[_STEPS]:
-                self.ticks = state[_TICKS]
-                self.pace = state[_PACE]
-                self._q = state[_Q]
-                self._speed = state[_V]
-        else:
+        """The next segment: `percent` of the programmed speed is wanted; with `hold` none at all. Its steps are 0 where the
+        machine stands."""
+        if not self._steady:
             self._cut_ramp(left, percent, hold)
-
-    @micropython.native
-    def _cut_steady(self, left, hold):  # ISR: no allocation
-        self.steps = 0
-        self.pace = -1
-        if hold:
-            return
-        if self._arc:
-            walker = self._walker
-            steps = self._arc_steps(left, walker, self._each, 0)
-            self.ticks = path_ticks(self._arc_path(steps, walker), self._each, self._rest)
+        elif not self._arc or hold:
+            Steady.cut(self, left, percent, hold)
         else:
-            steps = SEGMENT_TICKS // self._each or 1
-            if steps > left:
-                steps = left
-            if steps > MAX_RUN:
-                steps = MAX_RUN
-            self.ticks = self._nominal(steps)
-        self.steps = steps
-
-    @micropython.native
-    def _nominal(self, steps):  # ISR: no allocation
-        carry = self._carry + steps * self._rest
-        self._carry = carry % self._total
-        return steps * self._each + carry // self._total
+            walker = self._walker
+            state = self.state
+            state[CUT_PACE] = -1
+            state[CUT_STEPS] = self._arc_steps(left, walker, self._each, 0)
+            state[CUT_TICKS] = path_ticks(self._arc_path(state[CUT_STEPS], walker), self._each, self._rest)
 
     def _arc_steps(self, left, walker, each, most):  # ISR: no allocation
         """How many words of the arc's run last about a millisecond at `each` ticks a step of path."""
@@ -183,24 +113,25 @@ class Ramp:
         self._done += steps
         return divide(walker.path * steps, walker.words, 17 - COARSE)
 
-    # --- with acceleration
-
     def _cut_ramp(self, left, percent, hold):  # ISR: no allocation
         block = self._block
-        q = self._q
+        state = self.state
+        q = state[Q]
+        speed = state[V]
+        start = state[START]
         cap = block.top * percent // 100
         if cap > block.limit:
             cap = block.limit
         cap *= cap
         high = cap
-        self.steps = 0
+        state[CUT_STEPS] = 0
         if hold:
             cap = 0
-            if q <= self._start:
+            if q <= start:
                 return
-        elif q < self._start and q < cap or q > cap and q - (q >> 6) < self._start:  # no ramp is needed here
-            q = self._start if self._start < cap else cap
-            self._speed = root_of(q, self._speed)
+        elif q < start and q < cap or q > cap and q - (q >> 6) < start:  # no ramp is needed here
+            q = start if start < cap else cap
+            speed = state[V] = root_of(q, speed)
         gain = block.gain
         most = _FAR // gain or 1
         if most > _MAX_RAMP:
@@ -209,7 +140,7 @@ class Ramp:
         each = 0
         steps = 1
         if q:
-            each = self._step_ticks(block.span, self._speed)
+            each = self._step_ticks(block.span, speed)
             if self._arc:
                 steps = self._arc_steps(left, self._walker, each, most)
             else:
@@ -272,23 +203,23 @@ class Ramp:
             peak = q
         if peak < 1:
             peak = 1
-        after = root_of(aim, self._speed)
+        after = root_of(aim, speed)
         top = block.top
         if q == aim == peak and percent == 100 and q == top * top and not self._arc:
-            self.ticks = self._nominal(steps)
+            state[CUT_TICKS] = self._nominal(steps)
         else:
-            fast = root_of(peak, self._speed)
+            fast = root_of(peak, speed)
             each = self._step_ticks(block.span, fast)
             ticks = path_ticks(path, each, self._part)
-            if fast != self._speed:
-                ticks += loss(block, fast, fast - self._speed)
+            if fast != speed:
+                ticks += loss(block, fast, fast - speed)
             if fast != after:
                 ticks += loss(block, fast, fast - after)
-            self.ticks = ticks
-        self._q = aim
-        self.pace = self._speed + after >> _V_BITS + 1
-        self._speed = after
-        self.steps = steps
+            state[CUT_TICKS] = ticks
+        state[Q] = aim
+        state[CUT_PACE] = speed + after >> _V_BITS + 1
+        state[V] = after
+        state[CUT_STEPS] = steps
 
     def _step_ticks(self, span, speed):  # ISR: no allocation
         """span·64 / speed: the ticks of a step at `speed`; what is left over, in 128ths, goes to `_part`."""

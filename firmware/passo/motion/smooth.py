@@ -31,6 +31,7 @@ from passo.motion.integers import divide
 from passo.motion.ramp_ticks import gained, path_ticks, root_of
 from passo.motion.smooth_units import ratio
 from passo.motion.smooth_way import Way
+from passo.motion.steady import CUT_PACE, CUT_STEPS, CUT_TICKS, Q, V
 
 _V_BITS = const(7)  # ramp_ticks.V_BITS, known to the compiler
 _HIGHEST = const(0x3FFFFFFF)
@@ -42,7 +43,8 @@ class Smooth(Way):
         a `change` of q at most and `cap` the q wanted, in a hold 0, else `high`. All is as in Ramp._cut_ramp()."""
         block = ramp._block
         leave = block.leave
-        speed = ramp._speed
+        state = ramp.state
+        speed = state[V]
         ends = togo < 0 or not togo and not part
         stands = ends and leave <= block.start
         self._look(speed, q, cap, leave, block.start, togo, part)
@@ -89,11 +91,11 @@ class Smooth(Way):
                 ticks = ramp._nominal(steps)
             else:
                 ticks = self._mean(ramp, path, speed + after >> 1)
-        ramp.ticks = ticks
-        ramp._q = aim
-        ramp.pace = speed + after >> _V_BITS + 1
-        ramp._speed = after
-        ramp.steps = steps
+        state[CUT_TICKS] = ticks
+        state[Q] = aim
+        state[CUT_PACE] = speed + after >> _V_BITS + 1
+        state[V] = after
+        state[CUT_STEPS] = steps
         self.b = b
 
     def _look(self, speed, q, cap, leave, start, togo, part):  # ISR: no allocation
@@ -134,7 +136,7 @@ class Smooth(Way):
 
     def _choose(self, ramp, q, b, steps, path):  # ISR: no allocation
         """The largest b, and q, that a segment may end with."""
-        speed = ramp._speed
+        speed = ramp.state[V]
         self._tried = -1
         if not b and speed == self._cap:
             if self._cruise != speed or self._cruise_until != self._until or self._on:
@@ -256,7 +258,7 @@ class Smooth(Way):
 
     def _last(self, ramp, q, path, change):  # ISR: no allocation
         """Ticks of a path that ends at rest, none of them slower than need be."""
-        speed = ramp._speed
+        speed = ramp.state[V]
         half = 0x4000
         if q < change:
             part = divide(q >> 8, (change >> 8) + 1, 14)

@@ -125,7 +125,7 @@ class ChipPort:
 
     def wait(self, busy, fine=False):
         """End a turn of the main loop: sleep a while, no longer than until a byte comes."""
-        self._beat_ms = begun_ms = ticks_ms()
+        self._beat_ms = ticks_ms()
         if self._feeder is not None:
             self._feeder.brake = False
         if self._watchdog is not None:
@@ -134,7 +134,7 @@ class ChipPort:
             for line in self._lines:
                 if line.any():
                     return
-            if ticks_diff(ticks_ms(), begun_ms) >= (1 if busy else _IDLE_MS):
+            if ticks_diff(ticks_ms(), self._beat_ms) >= (1 if busy else _IDLE_MS):
                 return
             idle()  # until an interrupt: a byte, the feeder's turn, or a millisecond
 
@@ -169,6 +169,7 @@ class ChipPort:
 
     # --- interrupts
 
+    @micropython.native
     def _feed(self, timer):  # ISR: no allocation
         feeder = self._feeder
         if ticks_diff(ticks_ms(), self._beat_ms) > _HEARTBEAT_MS:

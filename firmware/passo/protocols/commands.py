@@ -94,7 +94,7 @@ RESTARTED = const(5)  # pushed to every link after a RESET, `command` None
 
 
 class Command:
-    accepted = None  # the Event that says so, of a LINE that is used again and again
+    accepted = None  # the Event that says so, of one that is used again and again
     limp = 0  # RUN, REST: mask of axes that have no current once they stand, until the next such command
 
     def __init__(self, kind, target=None, value=0, tool=False, error=0):

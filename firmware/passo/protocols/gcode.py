@@ -3,13 +3,13 @@
     gcode = GCode("xyz", offsets, machine)
     error = gcode.interpret(b"G1 X10 F600")     # 0: everything was right, and gcode.commands says what to do
     gcode.commands                              # a list that the next line overwrites, its commands too
-    command = gcode.plain(b"G1 X10 F600\n", 0)  # much faster, for lines that are nothing but a G0 or G1; others: None
+    count = gcode.follow(lines, 4)              # much faster, for lines that are nothing but a G0 or G1
 
 A line is parsed whole and checked whole before anything of it counts; one that is refused changes nothing. Order of
 execution is that of RS274/NGC (NIST IR 6556, table 8). Lengths are nanometres, speeds nanometres a second, both exact
 for what a line can say in millimetres, or in inches to five decimals. `machine` has `queue.target`, where the queue will
 end in steps, and `steps_per_m` of each axis: whatever moved the machine meanwhile, the next line starts from there. Its
-`arcs` knows the geometry of arcs (control.arcs).
+`arcs` knows the geometry of arcs (control.arcs); plain lines go straight to its `program` and `queue`.
 
 Extensions: G81, and an arc's sweep angle in degrees, H, in place of its end: `G3 I-5 J0 H90`, with the third axis a helix;
 more than 360 are more than one turn. The end comes from the machine's CORDIC.
@@ -22,7 +22,7 @@ import micropython
 from micropython import const
 
 from passo.protocols import commands, errors
-from passo.protocols.commands import Command, Event
+from passo.protocols.commands import Command
 from passo.protocols.gcode_codes import (
     AXIS_COMMANDS, COOLING, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PLANE, RETURN, STOPPING, SYSTEM,
     TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
@@ -45,21 +45,20 @@ _TARGET = const(13)  # steps
 _INCHES = const(19)  # 1: G20
 _NUMBER = const(20)  # of the line
 _AFTER = const(21)  # where the next line begins
-_PLACE = const(22)
+_DELTAS = const(22)  # steps of the last one
+_LOW = const(25)  # the travel: steps, + _BIAS
+_HIGH = const(28)
+_LEAST = const(31)  # feed, nm/s: steps are no more than 40 s apart
+_ONE_TOOL = const(32)  # 1: G0 and G1 may follow each other, the tool is the same
+_PLACE = const(33)
 _FARTHEST = const(0x1FFFFFFF)
-_RESERVE = const(12_000)  # bytes of a board's memory that must be free for them to be dealt with in short
+_BIAS = const(0x20000000)
 
-
-def _machine_code():
-    """What plain lines are dealt with in short by; None on a board that is short of memory: interpret() deals with all."""
-    gc.collect()
-    try:
-        if hasattr(gc, "mem_free") and gc.mem_free() <= _RESERVE:
-            raise MemoryError
-        from passo.protocols.gcode_plain_viper import plain
-    except MemoryError:  # too little is free, or not in one piece
-        return None
-    return plain
+gc.collect()
+try:
+    from passo.protocols.gcode_plain_viper import plain
+except MemoryError:  # a board that has too little, or not in one piece: interpret() deals with all lines
+    plain = None
 
 
 class GCode(Motions):
@@ -67,14 +66,14 @@ class GCode(Motions):
         """`axes`: the names of the machine's axes in their order, the first three of "xyz" at most."""
         Motions.__init__(self, len(axes), offsets, machine)
         self.ended = False  # the line was the programme's last
-        self.after = 0  # see plain()
+        self.waits = False  # see follow()
         self.laser = False
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
         self._place = array("i", [0] * _PLACE)  # for plain lines
         self._place[_AXES] = len(axes)
         self._offsets_known = 0
-        self._unknown = True  # plain() does not know where it is
-        self._plain = _machine_code()
+        self._reach = None  # the travel that `place` knows
+        self._unknown = True  # `place` does not say where it is
         self.reset()
 
     def reset(self):
@@ -144,38 +143,57 @@ class GCode(Motions):
     # --- plain lines
 
     @micropython.native
-    def plain(self, text, at):
-        """The command of the line that begins at text[at], if it is a plain G0 or G1, and `after`, where the next one
-        begins; None where interpret() has to look at it."""
-        if self._unknown or self.offsets.version != self._offsets_known or self._steps != self.machine.queue.target:
-            if not self._know():
-                return None
+    def follow(self, lines, most):
+        """Queue the plain lines of `lines` (grbl_lines.Lines), from the oldest on: as many as there is room for, and `most`
+        at most. How many it was; `waits`: the next one is not for interpret(), but has to wait for its turn here."""
+        self.waits = False
+        machine = self.machine
+        queue = machine.queue
+        if (
+            self._unknown or self.offsets.version != self._offsets_known or self._steps != queue.target
+            or self._reach is not machine.program.reach()
+        ) and not self._know():  # fmt: skip
+            return 0
+        tool = self._lit
+        if not machine.program.takes(tool, self._power, self._dynamic):
+            return 0
+        room = queue.room() - 1
+        if room < most:
+            most = room
+        self.waits = True
         place = self._place
-        motion = (self._plain(text, at, len(text), place) - 100) * 100
-        if motion < 0:
-            self.leave_plain()
-            return None
-        command = self._moves[0]
-        if motion != self.motion:
-            self.motion = motion
-            self._set_tool(command)
-        steps = self._steps
-        steps[0] = place[_TARGET]
-        if self.axes > 1:
-            steps[1] = place[_TARGET + 1]
-            if self.axes > 2:
-                steps[2] = place[_TARGET + 2]
-        command.feed = place[_FEED] if motion else 0
-        command.number = place[_NUMBER]
-        self.after = place[_AFTER]
-        return command
+        read = plain
+        text = lines.text
+        whole = lines.whole
+        at = lines.at
+        planner = queue.planner
+        count = 0
+        while count < most and at < whole:
+            motion = read(text, at, whole, place)
+            if not motion:
+                self.waits = False
+                break
+            feed = place[_FEED] if motion > 100 else 0
+            planner.follow(place, _DELTAS, tool, place[_NUMBER], not feed, feed)
+            at = place[_AFTER]
+            count += 1
+        if count:
+            lines.at = at
+            self.motion = place[_MODAL] * 100
+            steps = self._steps
+            target = queue.target
+            axis = 0
+            while axis < self.axes:
+                steps[axis] = target[axis] = place[_TARGET + axis]
+                axis += 1
+            queue.waiting = True
+            machine.program.moved()
+        return count
 
     def _know(self):
         """Fill in `place` from the modal state. False where that is not for plain lines."""
         self.leave_plain()
-        if self._plain is None:
-            return False
-        if self.motion not in (0, 100) or not self.per_minute or self.feed > _FARTHEST:
+        if plain is None or self.motion not in (0, 100) or not self.per_minute or self.feed > _FARTHEST:
             return False
         self._settle()
         place = self._place
@@ -184,6 +202,8 @@ class GCode(Motions):
         place[_MODAL] = self.motion // 100
         place[_FEED] = self.feed
         place[_NUMBER] = self.number
+        place[_LEAST] = 1
+        self._reach = self.machine.program.reach()
         for axis in range(self.axes):
             offset = self.offsets.of(self.system, axis)
             resolution = self.machine.steps_per_m[axis]
@@ -193,21 +213,20 @@ class GCode(Motions):
             place[_OFFSET + axis] = offset
             place[_RESOLUTION + axis] = resolution
             place[_TARGET + axis] = self._steps[axis]
+            place[_LEAST] += 25_000_000 // resolution
+            low, high = (-_FARTHEST, _FARTHEST) if self._reach is None else (self._reach[0][axis], self._reach[1][axis])
+            place[_LOW + axis] = max(low, -_FARTHEST) + _BIAS
+            place[_HIGH + axis] = min(high, _FARTHEST) + _BIAS
         self._steps = self._steps[:]
-        command = self._moves[0]
-        if command.accepted is None:
-            command.accepted = Event(commands.ACCEPTED, command)
-        command.kind = commands.LINE
-        command.target = self._steps
-        command.per_min = 0
-        self._set_tool(command)
+        others = self._tool(100 - self.motion)
+        place[_ONE_TOOL] = 1 if self._tool(self.motion) == others else 0
         self._offsets_known = self.offsets.version
         self._unknown = False
         return True
 
-    def _set_tool(self, command):
-        self._prepare(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
-        command.tool, command.power, command.dynamic = self._lit, self._power, self._dynamic
+    def _tool(self, motion):
+        self._prepare(motion, self.feed, 0, 0, self.spindle, self.rpm)
+        return self._lit, self._power, self._dynamic
 
     def _line(self):
         found = self._found

@@ -3,9 +3,10 @@
     motion = plain(text, at, len(text), place)  # 100 + G's number; 0: not such a line, or not to be dealt with in short
 
 The line begins at text[at], and ends with a line feed or the text. `place` (gcode.py names its numbers) says where the
-machine is and how lines count; after a plain line it says where that leads, and where the next line begins. What is unusual
-(any other word or character, more than six decimals, a place beyond half a metre, a mistake) is left to gcode.py, which
-alone knows the rules; what is understood here gives what it gives, to the nanometre. One text for all interpreters: a board
+machine is and how lines count; after a plain line it says where that leads, by how many steps, and where the next line
+begins; after another it has not changed what counts. What is unusual (any other word or character, more than six
+decimals, a place beyond the travel or half a metre, a very slow feed, a mistake) is left to gcode.py, which alone knows the
+rules; what is understood here gives what it gives, to the nanometre. One text for all interpreters: a board
 compiles it to machine code, elsewhere it is ordinary Python; see motion/measure_viper.py for what that asks of integers.
 """
 # ruff: noqa: F821
@@ -137,11 +138,12 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
                 place[16 + letter] = value
             letter = 0
     place[21] = at + 1
-    if have < 16 or motion and feed == 0 or at - begin > 80:
+    if have < 16 or motion and feed < place[31] or motion != place[2] and place[32] == 0 or at - begin > 80:
         return 0
     # --- nanometres to steps: · steps a metre / 10⁹, to the nearest, halves away from zero; in digits of 15 bits
     at = 0
     while at < axes:
+        place[22 + at] = 0
         if have >> (4 + at) & 1:
             value = place[16 + at]
             negative = value >> 30 & 1
@@ -173,11 +175,22 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
                 return 0
             if negative:
                 steps = 0 - steps
-            place[13 + at] = steps
+            value = steps + 0x20000000
+            if value < place[25 + at] or value > place[28 + at]:
+                return 0
+            value = place[13 + at]
+            if value >> 30 & 1:
+                value = 0 - ((0 - value) & 0x3FFFFFFF)
+            steps -= value
+            if steps > 2097151 or steps < 0 - 2097151:
+                return 0
+            place[22 + at] = steps
         at += 1
+    # --- all is right: from here on it counts
     at = 0
-    while at < 3:
+    while at < axes:
         place[4 + at] = place[16 + at]
+        place[13 + at] = place[13 + at] + place[22 + at]
         at += 1
     place[2] = motion
     place[3] = feed

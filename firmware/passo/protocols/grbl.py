@@ -12,11 +12,13 @@ next line is not looked at before the one before it is answered, so each is unde
     bytes ─► _peel ─► Lines ─► GCode or System ─► commands ─► controller ─► events ─► reply
                 └────► real-time commands ───────────────────────▲
 
+A line that is nothing but a G0 or G1 goes a short way, from its bytes to the planner's queue, while nothing is unusual:
+short(), before feed() has the rest. It is answered when it is queued.
+
 A sender may have 128 bytes under way. Lines beyond that are kept too while there is room; a line that found none is
 answered by error:11 and nothing of it is done.
 """
 
-import micropython
 from micropython import const
 
 from passo.protocols import commands, errors, grbl_report
@@ -36,6 +38,7 @@ _MAX_RPM = const(30)
 _VALUE = const(6)
 _CHANGE = const(9)
 _AMOUNT = const(10)
+_OKS = (b"", b"ok\r\n", b"ok\r\nok\r\n", b"ok\r\nok\r\nok\r\n", b"ok\r\nok\r\nok\r\nok\r\n")
 _REAL_TIME = {
     0x18: commands.RESET,
     0x21: commands.HOLD,
@@ -71,7 +74,7 @@ def real_time(byte):
 
 
 class Grbl:
-    most = 0x1FFFFFFF  # commands of lines that one feed() gives: what else has come waits for the next one
+    most = 0x1FFFFFFF  # lines that one short() takes; one that goes the long way costs as much as four
 
     def __init__(self, axes, offsets, settings, machine):
         """`axes`: names; `settings`: control's; `machine`: the controller's face: target, steps_per_m, state, blocks."""
@@ -91,7 +94,7 @@ class Grbl:
         self._under_way = None  # the command that an answer is awaited for
         self._rest = []  # of its line's commands
         self._start_line = None  # the line under way is a start-up line
-        self._short = False  # the line under way is a plain one
+        self._full = False  # the oldest line waits for its turn to go the short way
 
     def _configure(self):
         settings = self._settings
@@ -100,25 +103,39 @@ class Grbl:
         self.gcode.max_rpm = settings.value(_MAX_RPM)
         self.gcode.forget_place()
 
+    # --- bytes to motion
+
+    def short(self, data, now_ms, machine):
+        """The short way of plain lines, before feed() has the rest: the answers to those that are queued now. None where
+        `data` has real-time bytes: all of it is for feed() then."""
+        lines = self._lines
+        self._full = False
+        if data:
+            if not lines.take(data):
+                return None
+        if (
+            lines.at == lines.whole or self._under_way is not None or self._rest or self._start_lines
+            or self._version != self._settings.version or not machine.links.listening()
+        ):  # fmt: skip
+            return b""
+        gcode = self.gcode
+        count = gcode.follow(lines, self.most)
+        self._full = gcode.waits
+        return _OKS[count] if count < 5 else _OKS[1] * count
+
     # --- bytes to commands
 
     def feed(self, data, now_ms):
         """Commands, each to be answered by reply() before the next is asked for."""
-        lines = self._lines
-        if self._under_way is not None or not (self._rest or self._start_lines or lines.at < lines.whole or lines.lost):
-            if not data:
+        if not data:
+            lines = self._lines
+            if self._under_way is not None or self._full:
                 return ()
-            if data == b"?":
-                return self._ask()
+            if not (self._rest or self._start_lines or lines.at < lines.whole or lines.lost):
+                return ()
+        elif data == b"?":
+            return self._ask()
         return self._commands(data)
-
-    def overhear(self, data):
-        """Bytes that come between two commands of feed(). Returns what of them does not wait; its turn is at once."""
-        if max(data) > 0x7D or b"!" in data or b"\x18" in data:
-            return self._peel(data)
-        asked = b"?" in data
-        self._lines.take(data.replace(b"?", b"") if asked else data)
-        return self._ask() if asked else ()
 
     def _waiting(self):
         return self._rest or self._start_lines or self._lines.waiting()
@@ -131,23 +148,19 @@ class Grbl:
             self._asked = (command,)
         return self._asked
 
-    @micropython.native
     def _commands(self, data):
-        if data and (max(data) > 0x7D or b"?" in data or b"!" in data or b"\x18" in data):
+        if not self._lines.take(data):
             for command in self._peel(data):
                 yield command
-        else:
-            self._lines.take(data)
-        most = self.most
+            return  # the lines come with the next turn, the short way or not
+        most = (self.most + 3) >> 2
         while self._under_way is None and most:
             most -= 1
-            self._under_way = self._plain()
-            if self._under_way is None:
-                if not self._rest:
-                    if not self._waiting():
-                        return
-                    self._rest = self._understand(self._next_line())
-                self._under_way = self._rest.pop(0)
+            if not self._rest:
+                if not self._waiting():
+                    return
+                self._rest = self._understand(self._next_line())
+            self._under_way = self._rest.pop(0)
             yield self._under_way
 
     def _peel(self, data):
@@ -170,30 +183,13 @@ class Grbl:
                 yield command
             else:
                 yield command
-        self._lines.take(bytes(plain))
+        self._lines.take(plain)
 
     def _next_line(self):
         """A start-up line as text, or the oldest line, None for one that was too long; it leaves the queue."""
         return self._start_lines.pop(0) if self._start_lines else self._lines.next()
 
     # --- lines to commands
-
-    @micropython.native
-    def _plain(self):
-        """The command of the oldest line, if it is dealt with in short; None: it is for _understand(), or there is none."""
-        machine = self._machine
-        lines = self._lines
-        self._short = False
-        if self._rest or self._start_lines or lines.at == lines.whole or self._version != self._settings.version:
-            return None
-        if machine.alarm or machine.sleeping or machine.program.jogging or not machine.links.listening():
-            return None
-        gcode = self.gcode
-        command = gcode.plain(lines.text, lines.at)
-        if command is not None:
-            lines.at = gcode.after
-            self._short = True
-        return command
 
     def _understand(self, line):
         """The commands of a line, one at least."""
@@ -220,24 +216,15 @@ class Grbl:
 
     # --- events to bytes
 
-    @micropython.native
     def reply(self, event):
         """The bytes that tell the sender of `event`."""
         command = event.command
-        if self._short and command is self._under_way and event.kind == ACCEPTED:
-            self._under_way = None
-            return b"ok\r\n"
         if command.kind == commands.STATUS:
             return self._status.text(event.value, self._lines.room())
-        return self._reply(event, command)
-
-    def _reply(self, event, command):
         if command is not self._under_way:
             return b""
         self._under_way = None
         text = getattr(command, "text", "")
-        if self._short:
-            self._start_line = None
         if event.kind == REFUSED:
             self._rest = []
             self.gcode.forget_place()

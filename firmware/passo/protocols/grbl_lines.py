@@ -1,6 +1,6 @@
 """The lines that a sender has under way: bytes in, and out the oldest line when its turn has come.
 
-    lines.take(b"G1X1\\nG1")         # no real-time bytes among them
+    lines.take(b"G1X1\\nG1")         # False where there are real-time bytes among them
     while lines.waiting():
         line = lines.next()         # bytes; None for one that was too long or found no room
 
@@ -11,13 +11,42 @@ A line that is to be understood where it lies is text[at : …] up to its line f
 
 A line ends with \\n, \\r or \\r\\n. Once a line has found no room none finds it until all that are kept have had their turn.
 """
+# ruff: noqa: F821
 
+import micropython
 from micropython import const
+
+try:
+    ptr8
+except NameError:
+    ptr8 = None  # a name that only viper's compiler knows
 
 RX_BYTES = const(128)  # that a sender may have under way
 ROOM = const(1024)  # bytes of lines that are kept
+_REAL_TIME = const(-1)
+_SLOWLY = const(-2)
 _RAW = const(256)  # of one line, comments included
 _TOO_LONG = b"\xff\n"  # stands for such a line
+
+
+@micropython.viper
+def copy(text: ptr8, begin: int, data: ptr8, count: int, room: int) -> int:
+    """Put `count` bytes to text[begin:]; where the text behind its last line feed begins, 0: there is none. Nothing counts
+    of them where that is _REAL_TIME, or _SLOWLY: there is a carriage return, or no room."""
+    last = 0
+    at = 0
+    while at < count:
+        byte = int(data[at])
+        if at < room:
+            text[begin + at] = byte
+        at += 1
+        if byte == 10:
+            last = begin + at
+        elif byte > 0x7F or byte == 0x7E or byte == 0x3F or byte == 0x21 or byte == 0x18:
+            return -1
+        elif byte == 13:
+            room = -1
+    return last if at <= room else -2
 
 
 class Lines:
@@ -42,29 +71,25 @@ class Lines:
         return max(0, RX_BYTES - self._end + self.at)
 
     def take(self, data):
+        """Keep what has come. False, and nothing is kept, where real-time bytes are among it."""
         if not data:
-            return
+            return True
         if not self.text:
             self.text = bytearray(ROOM)
-        if self._after_return and data[0] == 10:  # the second byte of \r\n
-            data = data[1:]
-        self._after_return = False
-        if b"\r" in data and data.count(b"\r") != data.count(b"\r\n"):
-            self._after_return = data[-1] == 13
-            data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
-        end = self._end + len(data)
-        if end > ROOM and self.at:
+        if self._end + len(data) > ROOM and self.at:
             self._move_up()
-            end = self._end + len(data)
-        if end > ROOM or self._spoilt or self.lost:
+        end = self._end
+        last = copy(self.text, end, data, len(data), ROOM - end)
+        if last == _REAL_TIME:
+            return False
+        if last == _SLOWLY or self._spoilt or self.lost or self._after_return:
             self._take_each(data)
-            return
-        self.text[self._end : end] = data
-        last = data.rfind(b"\n") + 1
+            return True
         if last:
-            self.whole = self._end + last
-        self._end = end
+            self.whole = last
+        self._end = end + len(data)
         self._check_length()
+        return True
 
     def _move_up(self):
         """Make room behind what is kept."""
@@ -76,6 +101,10 @@ class Lines:
         self._end = held
 
     def _take_each(self, data):
+        if self._after_return and data[0] == 10:  # the second byte of \r\n
+            data = data[1:]
+        self._after_return = data[-1:] == b"\r"
+        data = data.replace(b"\r\n", b"\n").replace(b"\r", b"\n")
         pieces = data.split(b"\n")
         last = pieces.pop()
         for piece in pieces:

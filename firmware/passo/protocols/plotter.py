@@ -128,9 +128,12 @@ class Plotter:
         self._since = 0  # when the oldest pending byte came
         self._latest = 0  # when the newest one came
 
-    def points(self, data, now_ms, objects):
+    def short(self, data, now_ms, machine):
         """The short way of points, before feed() has the rest: those at the start of what has come go into the store, as
-        far as `objects` has room for them now. Returns the answers to them. `data`: not empty."""
+        far as the machine's `objects` have room for them now. Returns the answers to them."""
+        if not data:
+            return b""
+        objects = machine.objects
         self._hear(data, now_ms)
         taken = 0
         while len(self._bytes) >= PACKET and not self._broken:

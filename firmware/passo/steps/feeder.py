@@ -17,9 +17,11 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion.block import FREE, TRACK, WAIT
+from passo.motion import line
+from passo.motion.block import DYNAMIC, FIRST, FREE, POWER, RAPID, ROW, TICKS, TOOL, TOP, TRACK, WAIT
 from passo.motion.line import MAX_RUN
-from passo.motion.ramp import Ramp
+from passo.motion.row_viper import take
+from passo.motion.steady import CUT_PACE, CUT_STEPS, CUT_TICKS, Q
 from passo.steps import pace
 from passo.steps.checkpoints import begin, end, retire, room
 from passo.steps.pace import repay
@@ -57,7 +59,7 @@ class Feeder(Position):
         self.drive = drive
         self.setup_ticks = setup_ticks
         self.min_word_ticks = min_word_ticks
-        self._ramp = Ramp()
+        self.ramp = planner.ramp
         axes = layout.axes
         self._none = array("i", [0] * axes)  # no steps made
         self._found = array("i", self._none)  # for who asks where the machine is
@@ -74,14 +76,15 @@ class Feeder(Position):
         self.brake = False  # the same, set by the port for as long as the main loop does not run
         self.late = 0  # times the player ran dry inside a block
         self._power = -1  # of the last mark put; -1: the next segment puts one in any case
+        self._tool = layout.tool_mask
         if drive is not None:
             ring.words[ring.mask] = drive.levels()  # the pins before the first word
         self._reset(0)
 
     def _reset(self, played):
         self._block = None
-        self._ramp.stall()
-        self._stood = False
+        self.ramp.stall()
+        self.stood = False
         self._power = -1
         self._wait = 0
         state = self.state
@@ -98,164 +101,168 @@ class Feeder(Position):
         a block had been begun, so that the player ought not to have stood still meanwhile."""
         if not self.open:
             return False
-        self.retire(played)
+        state = self.state
+        marks = self._marks
+        ended = retire(state, marks, played)
+        if ended:
+            self.planner.retire(ended)
         self.ring.power.play(played)
-        if (self.hold or self.brake) and self.standing():
-            self._stood = True
+        held = self.hold or self.brake
+        if held and self.standing():
+            self.stood = True
             self._power = -1
             return False
-        state = self.state
-        amid = self._block is not None and not self._stood
+        amid = self._block is not None and not self.stood
         if amid and state[_OLDEST] == state[_NEWEST]:
             self.late += 1
-        self._stood = False
-        marks = self._marks
-        while room(state, marks, lead_ticks) and self._segment(lead_ticks):
-            pass
+        self.stood = False
+        while room(state, marks, lead_ticks):
+            if held and self.standing():
+                break
+            block = self._block
+            if block is None:
+                if not self._fetch():
+                    break
+                if held and self.standing():
+                    break
+                block = self._block
+            kind = block.kind
+            if self._wait:
+                more = self._stand(block)
+            elif kind == FREE or kind == TRACK:
+                more = block.walker.feed(self, held)
+            else:
+                more = self._line(block, block.walker, held, lead_ticks)
+            if not more:
+                break
         return amid
 
     @micropython.native
     def standing(self):  # ISR: no allocation
         """True when a hold has come to its stand; the words already made may still be playing."""
-        if not (self.hold or self.brake) or self._ramp.moving():
+        if not (self.hold or self.brake) or self.ramp.moving():
             return False
         block = self._block
         return block is None or block.kind != FREE or not block.walker.rolling()
 
     def amid(self):  # ISR: no allocation
         """True while a block has been begun that has words to come."""
-        return self._block is not None and not self._stood
+        return self._block is not None and not self.stood
 
     @micropython.native
     def retire(self, played):  # ISR: no allocation
         """Give back the room, and the blocks, of all segments that have been played to their end."""
         ended = retire(self.state, self._marks, played)
-        while ended:
-            self.planner.retire()
-            ended -= 1
-
-    @micropython.native
-    def _segment(self, lead_ticks):  # ISR: no allocation
-        """Make a segment, or several of one line. False where there is none to make now."""
-        held = self.hold or self.brake
-        if held and self.standing():
-            return False
-        if self._block is None:
-            if not self._fetch():
-                return False
-            if held and self.standing():
-                return False
-        block = self._block
-        if self._wait:
-            return self._stand(block)
-        kind = block.kind
-        if kind == FREE:
-            return self._free(block.walker, held)
-        if kind == TRACK:
-            return self._track(block.walker)
-        return self._line(block, block.walker, held, lead_ticks)
+        if ended:
+            self.planner.retire(ended)
 
     @micropython.native
     def _fetch(self):  # ISR: no allocation
-        block = self.planner.next(self._ramp.moving())
+        ramp = self.ramp
+        block = self.planner.next(ramp.moving())
         if block is None:
             return False
         self._block = block
-        state = self.state
-        state[_INDEX] = block.first
-        tool = self.layout.tool_mask
-        state[_LEVELS] = state[_LEVELS] & ~tool | (tool if block.tool else 0)
-        self._power = -1
+        rows = block.rows
+        at = block.at
+        self._open(rows, at)
         kind = block.kind
         if kind == WAIT:
-            self._wait = block.ticks
-            self._ramp.stall()
+            self._wait = rows[at + TICKS]
+            ramp.stall()
             self._mark_power(block, 0)
         elif kind == FREE or kind == TRACK:
-            self._ramp.stall()
+            ramp.stall()
             self._mark_power(block, -1)
         else:
-            self._ramp.begin(block)
+            ramp.begin(block)
         return True
 
     @micropython.native
+    def _open(self, rows, at):  # ISR: no allocation
+        """The tool, and where the index begins, of the block whose row begins at rows[at]."""
+        state = self.state
+        state[_INDEX] = rows[at + FIRST]
+        tool = self._tool
+        state[_LEVELS] = state[_LEVELS] & ~tool | (tool if rows[at + TOOL] else 0)
+        if rows[at + POWER] != self._power:
+            self._power = -1
+
+    @micropython.native
     def _line(self, block, walker, held, lead_ticks):  # ISR: no allocation
-        ramp = self._ramp
+        planner = self.planner
+        ramp = self.ramp
+        made = ramp.state
+        rows = block.rows
+        row = block.at
+        short = ramp.short
+        if short:
+            cut = ramp.cut_line
+            walk = line.walk
+            line_state = walker.state
         ring = self.ring
         words = ring.words
         size = ring.size
         state = self.state
         marks = self._marks
-        dynamic = block.dynamic
+        dynamic = rows[row + DYNAMIC]
         drive = self.drive
-        percent = self.planner.percent[block.rapid]
+        percent = planner.percent[rows[row + RAPID]]
+        left = walker.left
         while True:
-            ramp.cut(walker.left, percent, held)
-            steps = ramp.steps
+            if short:
+                cut(rows, row, made, left, percent, held)
+            else:
+                ramp.cut(left, percent, held)
+            steps = made[CUT_STEPS]
             if not steps:
+                walker.left = left
                 return False
-            ticks = ramp.ticks
+            ticks = made[CUT_TICKS]
             waits = ticks > HOLD_TICKS and steps == 1
             if waits:
                 self._wait = ticks - HOLD_TICKS
                 ticks = HOLD_TICKS
             if dynamic or self._power < 0:
-                self._mark_power(block, ramp.pace)
+                self._mark_power(block, made[CUT_PACE])
             else:
-                state[_PACE] = ramp.pace
+                state[_PACE] = made[CUT_PACE]
             at = begin(state, words, walker.moving, walker.negative, steps, ticks)
             run = steps
-            if at + steps > size:
-                run = size - at
-                walker.walk(words, at, run)
-                pace.pace(words, at, run, state)
-                self._settle(at, run)
+            while run:
+                part = run if at + run <= size else size - at
+                if short:
+                    walk(words, at, part, line_state)
+                    left -= part
+                else:
+                    walker.walk(words, at, part)
+                    left = walker.left
+                pace.pace(words, at, part, state)
+                if state[_DEBT] or drive is not None:
+                    self.settle(at, part)
                 at = 0
-                run = steps - run
-            walker.walk(words, at, run)
-            pace.pace(words, at, run, state)
-            if state[_DEBT] or drive is not None:
-                self._settle(at, run)
-            if walker.left == 0 and not waits:
-                ring.head = end(state, marks, walker.made, steps, ticks, 1)
-                self._block = None
+                run -= part
+            if left or waits:
+                ring.head = end(state, marks, walker.made, steps, ticks, 0)
+                if waits or not room(state, marks, lead_ticks):
+                    walker.left = left
+                    return True
+                continue
+            ring.head = end(state, marks, walker.made, steps, ticks, 1)
+            self._block = None
+            if not short or held or planner.start_square or not room(state, marks, lead_ticks):
                 return True
-            ring.head = end(state, marks, walker.made, steps, ticks, 0)
-            if waits or not room(state, marks, lead_ticks):
+            row = take(rows, planner.work, planner.counts, 1 if made[Q] else 0, 1)
+            if row < 0:
                 return True
-
-    @micropython.native
-    def _free(self, walker, held):  # ISR: no allocation
-        ring = self.ring
-        state = self.state
-        at = state[_HEAD] & ring.mask
-        most = ring.size - at
-        count = walker.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[_LEVELS], state[_BITS], held)
-        ends = walker.ends()
-        if not count and not ends:
-            return False
-        state[_LEVELS] = walker.levels
-        self._settle(at, count)
-        self._end(count, walker.ticks, ends, walker.made)
-        return True
-
-    @micropython.native
-    def _track(self, walker):  # ISR: no allocation
-        if not walker.ready():
-            self._stood = True  # there is no more yet: no word comes late
-            return False
-        ring = self.ring
-        state = self.state
-        tool = self.layout.tool_mask
-        levels = state[_LEVELS] & ~tool | (tool if walker.tool else 0)
-        state[_LEVELS] = levels
-        at = begin(state, ring.words, walker.moving, walker.negative, 0, 0)
-        most = ring.size - at
-        count = walker.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[_LEVELS], state[_BITS])
-        self._settle(at, count)
-        state[_INDEX] = walker.place
-        self._end(count, walker.ticks, not walker.active(), walker.made)
-        return True
+            self._block = block
+            block.at = row
+            walker.load(rows, row + ROW)
+            left = walker.left
+            ramp.begin(block)
+            self._open(rows, row)
+            dynamic = rows[row + DYNAMIC]
+            percent = planner.percent[rows[row + RAPID]]
 
     @micropython.native
     def _stand(self, block):  # ISR: no allocation
@@ -267,23 +274,25 @@ class Feeder(Position):
         state = self.state
         at = state[_HEAD] & ring.mask
         ring.words[at] = ticks << state[_BITS] | state[_LEVELS]
-        self._settle(at, 1)
-        self._end(1, ticks, not self._wait and (block.kind == WAIT or block.walker.left == 0), self._none)
+        self.settle(at, 1)
+        self.finish(1, ticks, not self._wait and (block.kind == WAIT or block.walker.left == 0), self._none)
         return True
 
     @micropython.native
     def _mark_power(self, block, pace):  # ISR: no allocation
         """The segment that follows has this mean speed: mark the power where it changes."""
         self.state[_PACE] = pace
-        power = block.power
-        if block.dynamic and pace >= 0:
-            power = power * pace // block.top if pace else 0
+        rows = block.rows
+        at = block.at
+        power = rows[at + POWER]
+        if rows[at + DYNAMIC] and pace >= 0:
+            power = power * pace // rows[at + TOP] if pace else 0
         if power != self._power:
             self._power = power
             self.ring.power.put(self.ring.head, power)
 
     @micropython.native
-    def _settle(self, at, count):  # ISR: no allocation
+    def settle(self, at, count):  # ISR: no allocation
         """Take what is owed off words[at : at + count] and give them their drive's levels."""
         words = self.ring.words
         state = self.state
@@ -296,7 +305,7 @@ class Feeder(Position):
             self.drive.apply(words, at, count)
 
     @micropython.native
-    def _end(self, count, ticks, ends, made):  # ISR: no allocation
+    def finish(self, count, ticks, ends, made):  # ISR: no allocation
         """Publish a segment of `count` words, with a checkpoint behind it."""
         state = self.state
         self.ring.head = end(state, self._marks, made, count, ticks, 1 if ends else 0)

@@ -27,6 +27,7 @@ from array import array
 import micropython
 from micropython import const
 
+from passo.motion.line import MAX_RUN
 from passo.steps.word import HOLD_TICKS, TICKS_PER_S
 
 ENDLESS = const(-1)
@@ -44,6 +45,11 @@ _LEVELS = const(3)  # directions and tool, step form
 _TICKS = const(4)  # length of what walk() wrote
 _HOLD = const(5)  # come to a stand, and keep what is to come
 _HEAD = const(6)
+
+# In the feeder's array, as checkpoints_plain.py has them.
+_RING_BITS = const(5)
+_RING_LEVELS = const(10)
+_RING_HEAD = const(13)
 
 _TOGO = const(0)  # steps to come; endless: at least 1
 _ENDLESS = const(1)
@@ -355,6 +361,22 @@ class Timed:
             if self._state[_HEAD + axis * _FIELDS + _Q]:
                 return True
         return False
+
+    @micropython.native
+    def feed(self, feeder, held):  # ISR: no allocation
+        """Have the feeder's ring take what comes next. False where that is nothing now."""
+        ring = feeder.ring
+        state = feeder.state
+        at = state[_RING_HEAD] & ring.mask
+        most = ring.size - at
+        count = self.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[_RING_LEVELS], state[_RING_BITS], held)
+        ends = self.ends()
+        if not count and not ends:
+            return False
+        state[_RING_LEVELS] = self.levels
+        feeder.settle(at, count)
+        feeder.finish(count, self.ticks, ends, self.made)
+        return True
 
     def walk(self, words, at, room, levels, bits, hold=False):  # ISR: no allocation
         """Write at most `room` words, about a millisecond, to words[at:]. Returns how many; see walk_plain()."""

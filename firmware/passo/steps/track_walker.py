@@ -22,9 +22,15 @@ from array import array
 import micropython
 from micropython import const
 
+from passo.motion.line import MAX_RUN
 from passo.motion.track import COUNT, SPEED, STATION, TOOL, WAIT, WAS
+from passo.steps.checkpoints import begin
 from passo.steps.word import TICKS_PER_MS
 
+# In the feeder's array, as checkpoints_plain.py has them.
+_RING_BITS = const(5)
+_RING_LEVELS = const(10)
+_RING_INDEX = const(16)
 _SEGMENT_TICKS = const(25_000)
 _PIECE_MS = const(2)  # longest word: what lies ahead of the player stays short, and is never one word alone
 _PIECE = const(25_000)
@@ -159,6 +165,24 @@ class TrackWalker:
         if self._dry:
             self._arrive()
         return not self._dry or self.gap > 0
+
+    @micropython.native
+    def feed(self, feeder, held):  # ISR: no allocation
+        """Have the feeder's ring take what comes next. False where that is nothing now."""
+        if not self.ready():
+            feeder.stood = True  # there is no more yet: no word comes late
+            return False
+        ring = feeder.ring
+        state = feeder.state
+        tool = feeder.layout.tool_mask
+        state[_RING_LEVELS] = state[_RING_LEVELS] & ~tool | (tool if self.tool else 0)
+        at = begin(state, ring.words, self.moving, self.negative, 0, 0)
+        most = ring.size - at
+        count = self.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[_RING_LEVELS], state[_RING_BITS])
+        feeder.settle(at, count)
+        state[_RING_INDEX] = self.place
+        feeder.finish(count, self.ticks, not self.active(), self.made)
+        return True
 
     @micropython.native
     def walk(self, words, at, room, base, bits):  # ISR: no allocation
