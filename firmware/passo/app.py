@@ -163,8 +163,6 @@ class App:
             self._heard |= _PART
         if link.short and not link.waiting:
             data = self._in_short(link, data)
-            if self.controller.queue.waiting:
-                self._heard |= _WHOLE
         commands = link.protocol.feed(data, self._now_ms)
         if commands:
             self._carry_out(commands, link)
@@ -202,6 +200,8 @@ class App:
             if not answers:
                 return b""
             serial.write(answers)
+            if self.controller.queue.waiting:
+                self._heard |= _WHOLE
             if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
                 return b""
             data = serial.read()
