@@ -96,16 +96,16 @@ def status():
     """From `?` on a link to the first byte of the answer, while three axes step at 100 kHz."""
     rows = []
     for link, name in (("pc", "USB"), ("serial", "UART, 115 200 baud")):
-        _router(link)
-        for what, lines in (("long lines", _long_lines()), ("a stream of lines of 1.5 mm", _short_lines())):
-            took_ms = on_a_copy(lambda: _status(link, lines))
+        router(link)
+        for what, lines in (("long lines", long_lines()), ("a stream of lines of 1.5 mm", _short_lines())):
+            took_ms = on_a_copy(lambda: answers(link, lines))
             times = [f"{ms:.2f}" for ms in (median(took_ms), _p99(took_ms), max(took_ms))]
             rows.append((name, what, len(took_ms), *times))
     return ("link", "stepping", "answers", "ms, median", "p99", "worst"), rows
 
 
 @lru_cache
-def _router(link):
+def router(link):
     """The router with faster drivers, up, its lines taken from `link`; nothing homes, so that nothing is locked."""
     board = copy.deepcopy(boards.load("router_3axis"))
     board["commands"] = link
@@ -122,7 +122,7 @@ def _router(link):
     return machine, asking
 
 
-def _long_lines():
+def long_lines():
     return [b"X290Y290Z290\n", b"X0Y0Z0\n"] * 10
 
 
@@ -132,13 +132,14 @@ def _short_lines():
     return [("X%.3fY%.3fZ%.3f\n" % ((um / 1000,) * 3)).encode() for um in (stations + stations[-2::-1]) * 4]
 
 
-def _status(link, lines):
-    machine, asking = _router(link)
+def answers(link, lines, count=ANSWERS):
+    """Milliseconds from `?` to its answer, asked at random moments while `lines` are stepped."""
+    machine, asking = router(link)
     random = Random(ANSWERS)
     asking.stream(lines)
     machine.run_ms(200)
     took_ms = []
-    while len(took_ms) < ANSWERS:
+    while len(took_ms) < count:
         machine.run_ms(random.uniform(2, 12))
         took_ms.append(asking.status())
     return took_ms
