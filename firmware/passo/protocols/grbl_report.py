@@ -145,6 +145,8 @@ class Status:
             self._figures[at + 2] = offset % 1_000_000
             at += 3
 
+    # In small pieces, whose variables do not go on the heap (see app.py).
+
     def text(self, report, room):
         """As bytes that are good until the next report. `report`: the controller's; `room`: for so many bytes of lines."""
         gcode = self._gcode
@@ -153,27 +155,49 @@ class Status:
             self._take_over()
         elif self._settings_of != self._settings.version:
             self._take_over()
-        axes = gcode.axes
-        mask = self._mask
-        out = self._out
+        self._at = 0
+        self._tell_place(report)
+        if self._mask & 2:
+            self._figures[0] = self._machine.blocks
+            self._figures[3] = room
+            self._tell(b"|Bf:\0", 2)
+        self._tell_speed(report)
+        pins = self._machine.pins.text()
+        if pins:
+            if pins != self._pins:
+                self._pins = pins
+                self._pressed = ("|Pn:%s\0" % pins).encode()
+            self._tell(self._pressed, 0)
+        if self._wco and self._overrides:
+            self._wco -= 1
+            self._overrides -= 1
+        else:
+            self._now_and_then(report)
+        self._tell(b">\r\n\0", 0)
+        return self._view[: self._at]
+
+    def _tell(self, label, count):
+        self._at = tell(self._out, self._at, label, self._figures, count)
+
+    def _tell_place(self, report):
         figures = self._figures
         state = report["state"]
         if state == "hold" or state == "door":
             figures[0] = self._machine.pauses.substate()
             figures[2] = 0
-            at = tell(out, 0, _STATES[state], figures, 1)
+            self._tell(_STATES[state], 1)
         else:
-            at = tell(out, 0, _STATES[state], figures, 0)
+            self._tell(_STATES[state], 0)
+        axes = self._gcode.axes
         places(figures, report["position"], axes)
-        at = tell(out, at, b"|MPos:\0" if mask & 1 else b"|WPos:\0", figures, axes)
+        self._tell(b"|MPos:\0" if self._mask & 1 else b"|WPos:\0", axes)
         figures[2] = figures[5] = 0
-        if mask & 2:
-            figures[0] = self._machine.blocks
-            figures[3] = room
-            at = tell(out, at, b"|Bf:\0", figures, 2)
+
+    def _tell_speed(self, report):
+        figures = self._figures
         if report["number"]:
             figures[0] = report["number"]
-            at = tell(out, at, b"|Ln:\0", figures, 1)
+            self._tell(b"|Ln:\0", 1)
         speed = _minute(report["feed"], self._inches)
         if self._inches:
             figures[1] = speed % 10
@@ -185,36 +209,24 @@ class Status:
             self._power = power
             self._rpm = rounded(power * self._settings.value(_MAX_RPM), 1_000_000_000)
         figures[3] = self._rpm
-        at = tell(out, at, b"|FS:\0", figures, 2)
-        pins = self._machine.pins.text()
-        if pins:
-            if pins != self._pins:
-                self._pins = pins
-                self._pressed = ("|Pn:%s\0" % pins).encode()
-            at = tell(out, at, self._pressed, figures, 0)
-        if self._wco and self._overrides:
-            self._wco -= 1
-            self._overrides -= 1
-        else:
-            at = self._now_and_then(report, at)
-        return self._view[: tell(out, at, b">\r\n\0", figures, 0)]
+        self._tell(b"|FS:\0", 2)
 
-    def _now_and_then(self, report, at):
+    def _now_and_then(self, report):
         busy = report["state"] in _BUSY
         if self._wco:
             self._wco -= 1
         else:
             self._wco = (_WCO_BUSY if busy else _IDLE) - 1
             self._overrides = self._overrides or 1
-            at = tell(self._out, at, self._offset, self._figures, 0)
+            self._tell(self._offset, 0)
         if self._overrides:
             self._overrides -= 1
-            return at
+            return
         self._overrides = (_OVERRIDES_BUSY if busy else _IDLE) - 1
         figures = self._figures
-        for which in range(3):
-            figures[3 * which] = report["overrides"][which]
-            figures[3 * which + 2] = 0
-        at = tell(self._out, at, b"|Ov:\0", figures, 3)
+        figures[0], figures[3], figures[6] = report["overrides"]
+        figures[2] = figures[5] = figures[8] = 0
+        self._tell(b"|Ov:\0", 3)
         accessories = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
-        return tell(self._out, at, ("|A:%s\0" % accessories).encode(), figures, 0) if accessories else at
+        if accessories:
+            self._tell(("|A:%s\0" % accessories).encode(), 0)
