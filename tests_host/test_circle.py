@@ -25,7 +25,7 @@ def test_no_integer_outgrows_a_board():
             into = array("i", [0] * PLAN)
             plan(into, (0, 1, 2), (-start[0], -start[1]), (0, 0, rise))
             circle = Circle(3)
-            circle._plan = [0] * PLAN
+            circle._plan = [0] * (PLAN + 1)
             circle.load([Small(value) for value in into])
             for _ in range(100):
                 if circle.left:

@@ -32,15 +32,13 @@ from array import array
 from micropython import const
 
 from passo.motion.arc_plan import (
-    D, DIAGONAL, E, FINE, LEADS, PATH, PATH_FINE, PLAN, RADIUS, REGION, SHIFT, STEPS, TAIL_A, TAIL_B, TAIL_Z, U, W, Z_HIGH,
-    Z_LOW, Z_STEPS,
+    D, DIAGONAL, E, FINE, LEADS, PATH, PATH_FINE, PLAN, REGION, STEPS, TAIL_A, TAIL_B, TAIL_Z, U, W, Z_HIGH, Z_LOW, Z_STEPS,
 )
 from passo.motion.block import COARSE
 from passo.motion.circle_run import Run
-from passo.motion.integers import divide
+from passo.motion.circle_viper import length, root, straight
 from passo.motion.line import MAX_RUN
 
-_LONGEST = const(255)  # most words of a run, so that no product here reaches 2³⁰
 _ONE = const(1 << 20)
 _Z_BITS = const(21)
 _Z_ONE = const(1 << 21)
@@ -53,7 +51,7 @@ class Circle(Run):
         Run.__init__(self, axes)
         self.to_go = self.fine = 0  # path from the run's beginning to the arc's end: to_go − fine / 2²⁰
         self.total = 0  # steps of the circle and of the last line
-        self._steps = self._z = self._z_sum = self._sixty_fourths = self._tail = self._used = self._next = self._sum = 0
+        self._steps = self._z = self._z_sum = self._sixty_fourths = self._tail = self._used = self._next = 0
 
     def load(self, plan):  # ISR: no allocation
         """Stand at the beginning of the arc `plan`."""
@@ -119,30 +117,30 @@ class Circle(Run):
             self._region = (self._region + 1) & 3
             self._u, self._w = -self._w, self._u
         u = self._u
-        count = min(self._straight(u, self._w), self._steps)
+        count = min(straight(plan, u, self._w), self._steps)
         before = self._next
         if u <= -plan[E]:
-            length = plan[DIAGONAL]
-            root = self._root(1)
+            long = plan[DIAGONAL]
+            near = root(plan, u, self._w, self._error, 1)
             if before < 0:
-                before = length
+                before = long
         else:
-            root = self._root(0)
+            near = root(plan, u, self._w, self._error, 0)
             if before < 0:
-                before = self._measure(root, u, 1)
-            length = self._measure(root, u, count)
-            root = self._sum - root
+                before = length(plan, near, u, 1)
+            long = length(plan, near, u, count)
+            near = plan[PLAN] - near
         if u + count >= plan[D]:
             self._next = plan[DIAGONAL]
         else:
-            self._next = self._measure(root, u + count, 1)
+            self._next = length(plan, near, u + count, 1)
         self._steps -= count
         # A word's time passes after its step: a run lasts from its first step to the first one of the next. Where the
         # third axis leads, time is its own.
-        self._used = length
+        self._used = long
         if plan[Z_HIGH] < LEADS:
             self._used += self._next - before
-        self._begin(count, self._climb(count, length), self._used)
+        self._begin(count, self._climb(count, long), self._used)
 
     def _run_tail(self):  # ISR: no allocation
         """The last short line, from the circle to the end, where there is one."""
@@ -153,41 +151,6 @@ class Circle(Run):
         self._begin_tail()
         self.to_go = self.path >> COARSE
         self.fine = 0
-
-    def _straight(self, u, w):  # ISR: no allocation
-        """How many steps from here may be one run."""
-        plan = self._plan
-        if u <= -plan[E]:
-            return 1
-        if u < 0:
-            ends = -u
-            slope = -u
-        else:
-            ends = plan[D] - u - 1  # the step onto the diagonal is a run of its own
-            slope = u
-        if ends < 1:
-            return 1
-        ratio = (w << 6) // (slope + 1)
-        count = _LONGEST
-        if ratio < 1024:
-            count = 3 * (ratio * w >> 14)  # w² / 85u
-        if count > w >> 3:
-            count = w >> 3
-        steep = plan[Z_HIGH] >> 15  # whole steps of the third axis a step
-        if steep and count * (steep + 1) > 320:
-            count = 320 // (steep + 1)
-        if count > _LONGEST:
-            count = _LONGEST
-        if u >= 0 and count > 1:  # the slope grows on the way
-            if w < 8192:
-                most = w * w // (85 * u + 43 * count)
-                if count > most:
-                    count = most
-            else:
-                count -= count >> 4
-        if count > ends:
-            count = ends
-        return count if count > 0 else 1
 
     def _climb(self, count, length):  # ISR: no allocation
         """Steps of the third axis that belong to `count` steps of the circle, `length` (2⁻²⁰) of path: the ratio has 30
@@ -214,53 +177,3 @@ class Circle(Run):
         self._z_sum = over
         self._z -= steps
         return steps
-
-    # --- lengths on the true circle; roots have SHIFT fraction bits
-
-    def _root(self, after):  # ISR: no allocation
-        """√(R² − u²), here or one step on, from w and the error: w − error / 2w, less the square of that over 2w."""
-        w = self._w
-        error = self._error
-        if after:
-            error += 2 * self._u + 1
-            if error + w < 0:
-                error += 2 * w + 1
-                w += 1
-        shift = self._plan[SHIFT]
-        if w < 1:
-            return 0
-        part = (error << (shift - 1)) // w
-        root = (w << shift) - part
-        if shift > 14:
-            part >>= shift - 14
-            root -= (part * part // (2 * w)) >> (28 - shift)
-        if root > self._plan[RADIUS]:
-            root = self._plan[RADIUS]
-        return root if root > 0 else 0
-
-    def _measure(self, root, u, count):  # ISR: no allocation
-        """Length, in 2⁻²⁰ steps, of the true arc from u to u + count, where √(R² − u²) is `root`.
-
-        Leaves w₁ + w₂ in `_sum`: it is the root of its own equation sum = 2w₁ − count·(2u + count) / sum, which two
-        rounds solve to 2·10⁻⁶.
-        """
-        plan = self._plan
-        shift = plan[SHIFT]
-        scale = shift - 8  # what makes R a number of 21 bits
-        fall = count * (2 * u + count) << scale
-        total = 2 * root
-        if total < 256:
-            total = 256
-        for _ in range(2):
-            by = total >> 8
-            total = 2 * root - divide(fall, by, shift)
-            if total > 2 * plan[RADIUS]:
-                total = 2 * plan[RADIUS]
-            if total < 256:
-                total = 256
-        self._sum = total
-        by = total >> 8
-        excess = divide((plan[RADIUS] - (total >> 1)) >> 7, by, FINE)  # R / mean w − 1
-        length = (count << FINE) + count * excess
-        chord = divide(count << scale, by, 12)
-        return length - ((length >> 16) * (chord * chord) // 3 >> 8)

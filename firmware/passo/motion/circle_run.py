@@ -8,6 +8,7 @@ from micropython import const
 
 from passo.motion.arc_plan import AXIS_A, AXIS_B, AXIS_Z, FINE, MIRROR, PLAN, TAIL_A, TAIL_B, TAIL_Z, Z_STEPS
 from passo.motion.block import COARSE
+from passo.motion.circle_viper import walk
 
 _Z_ONE = const(1 << 21)
 
@@ -25,7 +26,8 @@ class Run:
         self._w_rise = self._w_decision = self._z_rise = self._z_decision = self._z_start = self._z_climb = 0
         self.moving = self.negative = 0
         self.made = array("i", [0] * axes)
-        self._plan = array("i", [0] * PLAN)
+        self._plan = array("i", [0] * (PLAN + 1))
+        self._after = array("i", [0] * 3)
 
     def _begin(self, count, z, length):  # ISR: no allocation
         """A run of `count` circle steps and `z` steps of the third axis that lasts as long as `length` of path."""
@@ -107,39 +109,14 @@ class Run:
         self.made[axis] += -steps if self.negative >> axis & 1 else steps
 
     def _walk_circle(self, out, at, count):  # ISR: no allocation
-        u = self._u
-        w = self._w
-        first = w
-        error = self._error
         u_bit = 1 << self._u_axis
-        both = u_bit | 1 << self._w_axis
-        if u < 0:
-            for i in range(at, at + count):
-                error += 2 * u + 1
-                u += 1
-                near = error + 2 * w + 1
-                if near < -error:
-                    error = near
-                    w += 1
-                    out[i] = both
-                else:
-                    out[i] = u_bit
-        else:
-            for i in range(at, at + count):
-                error += 2 * u + 1
-                u += 1
-                near = error - 2 * w + 1
-                if -near < error:
-                    error = near
-                    w -= 1
-                    out[i] = both
-                else:
-                    out[i] = u_bit
-        self._u = u
-        self._w = w
-        self._error = error
+        after = self._after
+        made = walk(out, at, count, self._u, self._w, self._error, u_bit, u_bit | 1 << self._w_axis, after)
+        self._u = after[0]
+        self._w = after[1]
+        self._error = after[2]
         self._add(self._u_axis, count)
-        self._add(self._w_axis, abs(w - first))
+        self._add(self._w_axis, made)
 
     def _walk_third(self, out, at, count):  # ISR: no allocation
         bit = 1 << self._plan[AXIS_Z]

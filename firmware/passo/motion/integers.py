@@ -1,5 +1,7 @@
 """Integer mathematics that MicroPython's `math` lacks. Big integers are welcome, but in divide(): once a block."""
 
+import micropython
+
 NM_PER_M = 1_000_000_000
 
 
@@ -28,7 +30,8 @@ def length_nm(deltas, steps_per_m):
     return isqrt(total)
 
 
-def divide(value, by, bits):  # ISR: no allocation
+@micropython.viper
+def divide(value: int, by: int, bits: int) -> int:  # ISR: no allocation
     """value · 2ᵇⁱᵗˢ // by, the quotient below 2³⁰, for 0 < by < 2²²."""
     quotient = value // by
     rest = value % by

@@ -23,7 +23,6 @@ limit alone counts. A jerk that is reached within a step or so makes no differen
 All but the constructor may run in an interrupt: no allocation, no integer of 2³⁰.
 """
 
-import micropython
 from micropython import const
 
 from passo.motion.block import EXIT, REACH
@@ -183,7 +182,6 @@ class Smooth(Way):
                 self._b = self._between(self._b, high, above, short)
         self._aim = self._at_end(q, b + self._b)
 
-    @micropython.native
     def _between(self, low, high, above, short):  # ISR: no allocation
         """The largest b, were the excesses linear from `low`, just tried, to `high`, where they are `above` and `short`."""
         share = 0x4000
@@ -195,7 +193,6 @@ class Smooth(Way):
                 share = less
         return low + ((high - low) * share >> 14)
 
-    @micropython.native
     def _try(self, q, before, b, near):  # ISR: no allocation
         """End with b. How much speed is `_above`, and way `_short`, then?"""
         q = self._aim = self._tried = self._at_end(q, before + b)
@@ -203,7 +200,6 @@ class Smooth(Way):
         self._speed = root_of(q, near)
         self._judge(self._speed, b)
 
-    @micropython.native
     def _judge(self, speed, b):  # ISR: no allocation
         fade = b * b >> _V_BITS
         above = speed + (fade if b > 0 else -fade)

@@ -4,7 +4,6 @@ b is the square root of the speed, in the block's units, that would come on top 
 changes by `rate` a tick, at the given jerk; along the path q changes by b · `push` a step.
 """
 
-import micropython
 from micropython import const
 
 from passo.motion.block import GAIN, SPAN, SPEED, TOP
@@ -50,7 +49,6 @@ class Units:
         self._cruise = self._cruise_until = self._cruise_need = 0  # what _need() has last found for a steady speed
         self._spare = 0
 
-    @micropython.native
     def load(self, rows, at, behind):  # ISR: no allocation
         """Take up the block at rows[at], `behind` being where the next one is; b goes over into its units."""
         self._rows = rows
@@ -127,7 +125,6 @@ class Units:
         self._rest = rest
         self._cruise = -1
 
-    @micropython.native
     def _at_end(self, q, double):  # ISR: no allocation
         """q after the segment in which b is `double` / 2 on the average."""
         size = abs(double)

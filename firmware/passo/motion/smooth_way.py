@@ -1,6 +1,5 @@
 """How far it is to slow down from a speed and an acceleration to the end of a block, by an S-curve: see smooth.py."""
 
-import micropython
 from micropython import const
 
 from passo.motion.integers import divide
@@ -12,7 +11,6 @@ _FASTEST = const(32_767)
 
 
 class Way(Units):
-    @micropython.native
     def _need(self, fast, b):  # ISR: no allocation
         """The way to slow down to the block's end, `fast` being the top of the curve; in the same units as `_room`."""
         until = self._until
