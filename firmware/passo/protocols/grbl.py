@@ -77,7 +77,7 @@ class Grbl:
     most = 0x1FFFFFFF  # lines that one short() takes; one that goes the long way costs as much as four
 
     def __init__(self, axes, offsets, settings, machine):
-        """`axes`: names; `settings`: control's; `machine`: the controller's face: target, steps_per_m, state, blocks."""
+        """`axes`: names; `settings`: control's; `machine`: the controller's face: queue, steps_per_m, state, blocks."""
         self.gcode = GCode(axes, offsets, machine)
         self._settings = settings
         self._machine = machine
