@@ -9,7 +9,7 @@ pytestmark = [pytest.mark.on_a_copy]
 COUNT = 240
 HZ = 100_000  # of each of three axes
 OF_THE_WIRE = 0.9
-USB_IDLE, USB_STEPPING = 1500, 1000
+USB_IDLE, USB_STEPPING = 2000, 1500
 
 
 def all_is_well(sent, count):
