@@ -31,6 +31,7 @@ from passo.motion.ramp_ticks import gained, loss, path_ticks, root_of
 from passo.motion.ramp_viper import begin, cut
 from passo.motion.steady import CUT_PACE, CUT_STEPS, CUT_TICKS, SEGMENT_TICKS, START, TOTAL, Q, Steady, V
 
+_ARC_TICKS = const(75_000)  # its arithmetic takes a board 2 ms a segment
 _SMOOTH_TICKS = const(37_500)  # with limited jerk: the pace is even in a segment, off the curve by acceleration · t² / 8
 _MAX_RAMP = const(255)  # most steps of a segment whose speed may change, so that no product here reaches 2³⁰
 _FAR = const(0x1FFFFFFF)  # FAR and V_BITS of ramp_ticks, known to the compiler
@@ -63,7 +64,7 @@ class Ramp(Steady):
             self._arc = not line
             self._done = 0
             self._steady = not gain
-            self._length = _SMOOTH_TICKS if block.smooth else SEGMENT_TICKS
+            self._length = _SMOOTH_TICKS if block.smooth else SEGMENT_TICKS if line else _ARC_TICKS
             if not gain:
                 Steady.begin(self, block)
                 return
