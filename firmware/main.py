@@ -5,7 +5,7 @@ import sys
 
 # At the lower end of memory: given back when all is loaded, so that what comes and goes from then on is found a place at
 # once. Behind all that stays, finding one takes more than half a millisecond.
-room = bytearray(12_000)
+room = bytearray(8_000)
 gc.threshold(48_000)  # collect while importing: what stays lies close together; oftener costs a tenth of a second
 
 from passo.control.board_error import BoardError

@@ -5,7 +5,7 @@ from emulated import uf2  # noqa: F401
 from host_tools.emulator import gcode
 
 FREE_BYTES = 12_000  # with the larger ring of the faster axes, and the memory that the lines come from
-LINES_S = 500
+LINES_S = 450
 
 
 def test_short_lines_are_read_planned_and_stepped(uf2, show):
