@@ -79,8 +79,8 @@ class Planner:
         self._walkers = [None] * _SIZE  # of ARC the circle's plan, made when first needed; of FREE and TRACK what is walked
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
         self._circle = None  # made by load()
-        self.ramp = Steady()
-        self.counts = array("i", [0] * 5)
+        self.ramp = Steady()  # the feeder's; a Ramp after load()
+        self.counts = array("i", [0] * 5)  # _ADDED and what follows
         self._under_way = Block()  # the one fetched last
         self._playing = Block()
         self.work = array("i", bytearray(4 * profile.WORK))
