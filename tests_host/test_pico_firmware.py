@@ -91,7 +91,7 @@ def test_conversation_homing_and_squares_are_those_of_the_virtual_board(make_mac
     on_virtual_ms, expected_us, expected = converse(VirtualMachine(BOARD, start=START))
     assert path == expected
     assert abs(drawing_us - expected_us) < 1
-    assert 0 <= took_ms - on_virtual_ms < 30  # the path's time is exact; the rest is the chip's, in bytecode
+    assert 0 <= took_ms - on_virtual_ms < 20  # the path's time is exact; the rest is the chip's, in bytecode
     status = status_from(machine.ask(packet(COMMANDS["STATUS"]), 12))
     assert (status["state"], status["error"], status["x"], status["y"]) == ("idle", 0, 600, 300)
     assert machine.plant.errors == [] and machine.wire().lost == 0

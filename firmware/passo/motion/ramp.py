@@ -92,7 +92,7 @@ class Ramp(Steady):
             state[CUT_TICKS] = path_ticks(self._arc_path(state[CUT_STEPS], walker), self._each, self._rest)
 
     def _arc_steps(self, left, walker, each, most):  # ISR: no allocation
-        """How many words of the arc's run last about a millisecond at `each` ticks a step of path."""
+        """How many words of the arc's run last about as long as a segment at `each` ticks a step of path."""
         if walker.left == walker.words:
             self._done = 0
         path = walker.path or 1
