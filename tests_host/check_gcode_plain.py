@@ -44,7 +44,6 @@ class Straight(Machine):
     def __init__(self):
         Machine.__init__(self)
         self.program = self.planner = self
-        self.waiting = False
         self.blocks = 96
         self.travel = None
         self.tool = None
@@ -60,8 +59,8 @@ class Straight(Machine):
     def room(self):
         return self.blocks
 
-    def moved(self):
-        assert self.waiting
+    def followed(self, places, first, axes):
+        self.target = list(places[first : first + axes])
 
     def follow(self, steps, first, tool, tag, rapid, nm_s):
         before = self.took[-1][0] if self.took else self.target
@@ -73,7 +72,6 @@ class Straight(Machine):
     def batch(self, gcode, lines, most):
         """Have gcode.follow() take of `lines`: facts of what came of them."""
         self.took = []
-        self.waiting = False
         self.blocks = 96
         count = gcode.follow(lines, most)
         assert count == len(self.took)

@@ -60,6 +60,14 @@ class Program:
         """Something has been queued."""
         self._active = self._fresh = True
 
+    def followed(self, places, first, axes):
+        """Lines have gone straight to the planner; they lead to places[first : first + axes]."""
+        target = self._queue.target
+        for axis in range(axes):
+            target[axis] = places[first + axis]
+        self._queue.waiting = True
+        self.moved()
+
     def clear(self):
         """All motion has been dropped."""
         self.jogging = self._active = self._fresh = False

@@ -12,7 +12,7 @@ _LONGEST_MS = const(80_000)  # of one wait: the planner's limit is 85 s
 class StreamQueue(Queue):
     def __init__(self, board, planner, feeder, player, port):
         Queue.__init__(self, board, planner, feeder, player, port)
-        self.planner = planner  # for who knows what it does to `target` and `waiting`
+        self.planner = planner  # for plain lines: see Program.followed()
 
     def start(self):
         """Begin to move: what is queued may still be followed by more, without a stand in between."""

@@ -180,14 +180,8 @@ class GCode(Motions):
         if count:
             lines.at = at
             self.motion = place[_MODAL] * 100
-            steps = self._steps
-            target = queue.target
-            axis = 0
-            while axis < self.axes:
-                steps[axis] = target[axis] = place[_TARGET + axis]
-                axis += 1
-            queue.waiting = True
-            machine.program.moved()
+            machine.program.followed(place, _TARGET, self.axes)
+            self._steps[:] = queue.target[: self.axes]
         return count
 
     def _know(self):
