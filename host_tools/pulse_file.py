@@ -96,7 +96,8 @@ class Converter:
         from passo.control import arcs
         from passo.control.journal import Journal, MemorySlots
         from passo.control.settings import Settings
-        from passo.motion.circle import PLAN, Circle
+        from passo.motion.arc_plan import PLAN
+        from passo.motion.circle import Circle
         from passo.motion.line import MAX_RUN, Line
         from passo.protocols.gcode import GCode
         from passo.protocols.gcode_offsets import Offsets

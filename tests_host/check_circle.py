@@ -7,7 +7,7 @@ from draws import Random
 from passo.motion.arc import TooSteep, plan
 from passo.motion.arc_plan import LEADS, MAX_RADIUS, PLAN, STEPS, TAIL_A, TAIL_B, TAIL_Z, Z_HIGH, Z_STEPS
 from passo.motion.block import COARSE
-from passo.motion.circle import Circle
+from passo.motion.circle import RUN_PATH, U_AXIS, WORDS, Circle
 from passo.motion.line import MAX_RUN
 
 TURN = 2 * pi
@@ -74,7 +74,8 @@ class Walk:
         self.length = 0
         while circle.left:
             count = min(circle.left, MAX_RUN)
-            self.runs.append((count, circle.negative, circle.path / circle.words / (1 << COARSE), circle._u_axis))
+            path = circle.state[RUN_PATH] / circle.state[WORDS]
+            self.runs.append((count, circle.negative, path / (1 << COARSE), circle.state[U_AXIS]))
             self.length += self.runs[-1][2] * count
             circle.walk(OUT, 0, count)
             self.masks.extend(bytes([OUT[i] for i in range(count)]))
@@ -215,6 +216,18 @@ def check_helix(radius, rise, seed):
         hold_arc(arc)
     except TooSteep:
         return
+
+
+def check_one_step_in_millions():
+    """The third axis's only step, on the largest half circle there is, is not lost."""
+    radius = MAX_RADIUS
+    into = array("i", [0] * PLAN)
+    plan(into, (0, 1, 2), (-radius, 0), (-2 * radius, 0, -1))
+    circle = Circle(3)
+    circle.load(into)
+    while circle.left:
+        circle.walk(OUT, 0, circle.left)
+    assert list(circle.made) == [-2 * radius, 0, -1]
 
 
 def check_seek(radius, rise, part, seed):

@@ -13,6 +13,7 @@ from check_circle import about
 from draws import Random
 from passo.motion.arc import TooSteep
 from passo.motion.block import ARC, COARSE, LINE
+from passo.motion.circle import FALL, RISE, RUN_PATH, U_AXIS, WORDS
 from passo.motion.profile import Limits
 from passo.motion.steady import CUT_STEPS, CUT_TICKS
 from passo.steps.word import TICKS_PER_S
@@ -82,22 +83,24 @@ class Machine:
 
         def listen_cut(left, percent, hold, cut=ramp.cut):
             cut(left, percent, hold)
-            self._note(ramp, ramp._walker)
+            self._note(ramp)
 
-        def listen_line(rows, at, state, left, percent, hold, cut=ramp.cut_line):
-            cut(rows, at, state, left, percent, hold)
-            self._note(ramp, self.rig.planner._line)
+        def listen_short(rows, at, state, walker, left, percent, hold, cut=ramp.cut_short):
+            cut(rows, at, state, walker, left, percent, hold)
+            self._note(ramp)
 
         ramp.cut = listen_cut
-        ramp.cut_line = listen_line
+        ramp.cut_short = listen_short
         ramp.begin = listen_begin
 
-    def _note(self, ramp, walker):
+    def _note(self, ramp):
+        planner = self.rig.planner
+        walker = planner._circle if ramp._arc else planner._line
         steps, ticks = int(ramp.state[CUT_STEPS]), int(ramp.state[CUT_TICKS])
         if not steps:
             return
-        arc = not ramp.short and ramp._arc
-        path = int(walker.path) * steps / int(walker.words) / (1 << COARSE) if arc else steps
+        arc = ramp._arc
+        path = int(walker.state[RUN_PATH]) * steps / int(walker.state[WORDS]) / (1 << COARSE) if arc else steps
         self.segments.append((self.number, path, ticks))
         self.lags.append((steps,) + (arc_lags(walker) if arc else line_lags(walker)))
 
@@ -271,7 +274,8 @@ def line_lags(line):
 
 def arc_lags(circle):
     """The same of an arc: the axis that steps in every word, and the others, whose share changes all along, up to 1."""
-    leads = circle._u_axis if circle._count > 0 and circle._rise == circle._fall else -1
+    state = circle.state
+    leads = state[U_AXIS] if state[RISE] == state[FALL] and not circle._ending else -1
     return [0 if axis == leads else 0.5 for axis in range(3)], [0 if axis == leads else 0.5 for axis in range(3)]
 
 

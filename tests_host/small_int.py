@@ -63,3 +63,6 @@ class SmallRows:
 
     def __getitem__(self, place):
         return Small(self._rows[place])
+
+    def __setitem__(self, place, value):
+        self._rows[place] = Small(value)

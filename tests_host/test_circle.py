@@ -15,7 +15,7 @@ def test_no_integer_outgrows_a_board():
     from passo.motion.arc import plan
     from passo.motion.arc_plan import MAX_RADIUS, PLAN
     from passo.motion.circle import Circle
-    from small_int import Small
+    from small_int import Small, SmallRows
 
     random = Random(1)
     out = array("I", bytearray(4 * 255))
@@ -25,8 +25,8 @@ def test_no_integer_outgrows_a_board():
             into = array("i", [0] * PLAN)
             plan(into, (0, 1, 2), (-start[0], -start[1]), (0, 0, rise))
             circle = Circle(3)
-            circle._plan = [0] * (PLAN + 1)
+            circle.state = SmallRows(circle.state)
             circle.load([Small(value) for value in into])
-            for _ in range(100):
+            for _ in range(40):
                 if circle.left:
                     circle.walk(out, 0, min(int(circle.left), 255))

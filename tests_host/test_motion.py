@@ -17,6 +17,8 @@ def test_no_integer_outgrows_a_board():
         machine = Machine(seed, ("mixed", "tiny", "arcs", "lines", "reversals")[seed % 5], 6)
         ramp = machine.rig.feeder.ramp
         begin = ramp.begin
+        circle = machine.rig.planner._circle
+        circle.state = SmallRows(circle.state)
 
         def begin_small(block, begin=begin):
             for name in numbers:

@@ -25,64 +25,72 @@ Runs follow from the geometry alone: speed, hold and resume never change the pat
     while circle.left:
         circle.walk(out, 0, min(circle.left, MAX_RUN))
 
-`left` counts words to the end of the run, 0 only at the arc's end. All but seek() may run in an interrupt.
+`left` counts words to the end of the run, 0 only at the arc's end. All but seek() and offset() may run in an interrupt; what
+every run costs is circle_viper.py's.
 """
 
 from array import array
+
+import micropython
 from micropython import const
 
-from passo.motion.arc_plan import (
-    D, DIAGONAL, E, FINE, LEADS, PATH, PATH_FINE, PLAN, REGION, STEPS, TAIL_A, TAIL_B, TAIL_Z, U, W, Z_HIGH, Z_LOW, Z_STEPS,
-)
+from passo.motion import line
+from passo.motion.arc_plan import AXIS_A, AXIS_B, AXIS_Z, PATH, PATH_FINE, TAIL_A, TAIL_B, TAIL_Z
 from passo.motion.block import COARSE
-from passo.motion.circle_run import Run
-from passo.motion.circle_viper import length, root, straight
+from passo.motion.circle_viper import load, run, walk
 from passo.motion.line import MAX_RUN
 
-_ONE = const(1 << 20)
-_Z_BITS = const(21)
-_Z_ONE = const(1 << 21)
+# A walker's state. It begins with the arc's plan, where REGION, U and W are where it is, STEPS those of the circle to come
+# after this run, PATH and PATH_FINE what there is to go from the run's beginning, PATH − PATH_FINE / 2²⁰ steps, and the
+# tail is 0 once it is begun. Of the run:
+WORDS = const(21)
+RUN_PATH = const(22)  # its length in 2⁻¹³ steps along the circle
+MOVING = const(23)
+NEGATIVE = const(24)
+U_AXIS = const(25)  # the dominant axis, and the other
+W_AXIS = const(26)
+RISE = const(27)  # which of its words are steps of the circle, by Bresenham's method: all, unless the third axis dominates
+FALL = const(28)
+DECISION = const(29)
+Z_RISE = const(30)  # of the third axis a word, 21 fraction bits
+PLACE = const(31)  # of it between two steps
+# Of the arc:
+Z_LEFT = const(32)  # steps of the third axis to come after this run
+Z_SUM = const(33)  # its place after the run
+Z_OVER = const(34)  # what rounding has left over for it, 2⁻²⁰ of path
+ERROR = const(35)  # u² + w² − R²
+USED = const(36)  # length of the run, 2⁻²⁰
+NEXT = const(37)  # of the step after it; −1: not known yet
+REST = const(38)  # what rounding has left over of RUN_PATH, 2⁻²⁰
+_LINE = const(39)  # the state of a line's walker, for the tail; here too the steps made are counted
 
 
-class Circle(Run):
+class Circle:
     """One arc's walker; `made` and the masks `moving` and `negative` as in Line."""
 
     def __init__(self, axes):
-        Run.__init__(self, axes)
-        self.to_go = self.fine = 0  # path from the run's beginning to the arc's end: to_go − fine / 2²⁰
-        self.total = 0  # steps of the circle and of the last line
-        self._steps = self._z = self._z_sum = self._sixty_fourths = self._tail = self._used = self._next = 0
+        self.axes = axes
+        self.left = self.moving = self.negative = 0
+        self.state = array("i", [0] * (_LINE + 5 + 3 * axes))
+        self._line = memoryview(self.state)[_LINE:]
+        self._line[0] = axes
+        self.made = self._line[5 + 2 * axes :]
+        self._tail = array("i", [0] * axes)
+        self._ending = False  # the tail is being walked
+        self._plan = None
 
+    @micropython.native
     def load(self, plan):  # ISR: no allocation
         """Stand at the beginning of the arc `plan`."""
-        mine = self._plan
-        for i in range(PLAN):
-            mine[i] = plan[i]
-        self._region = mine[REGION]
-        self._u = mine[U]
-        self._w = mine[W]
-        self._error = 0  # u² + w² − R²
-        self._steps = mine[STEPS]  # circle steps to come after this run
-        self._z = abs(mine[Z_STEPS])  # steps of the third axis to come after this run
-        self._z_sum = _Z_ONE >> 1
-        self._sixty_fourths = self._coarse = 0  # what rounding has left over
-        self._tail = mine[TAIL_A] or mine[TAIL_B] or mine[TAIL_Z]
-        tail = max(abs(mine[TAIL_A]), abs(mine[TAIL_B]), abs(mine[TAIL_Z]))
-        self.total = mine[STEPS] + tail
-        self.to_go = mine[PATH] + 1
-        self.fine = _ONE - mine[PATH_FINE]
-        self._used = 0  # length of the run before, 2⁻²⁰
-        self._next = -1  # length of the next step: not known yet
+        self._plan = plan
+        self._ending = False
+        load(plan, self.state)
         self._run()
 
     def seek(self, index):
         """Stand before word `index`, as if that many had been walked. Walks them: main loop only."""
-        scratch = array("I", [0] * MAX_RUN)
-        self.load(array("i", self._plan))
-        while index > 0 and self.left:
-            count = min(index, self.left, MAX_RUN)
-            self.walk(scratch, 0, count)
-            index -= count
+        self.load(self._plan)
+        self._skip(index)
         for axis in range(self.axes):
             self.made[axis] = 0
 
@@ -90,90 +98,58 @@ class Circle(Run):
         """Signed steps of `axis` after `index` words. Walks them, on a walker of its own: main loop only."""
         other = Circle(self.axes)
         other.load(self._plan)
-        scratch = array("I", [0] * MAX_RUN)
-        while index > 0 and other.left:
-            count = min(index, other.left, MAX_RUN)
-            other.walk(scratch, 0, count)
-            index -= count
+        other._skip(index)
         return other.made[axis]
 
-    def last(self):  # ISR: no allocation
-        """True in the arc's last run."""
-        return not self._steps and not self._tail
+    def _skip(self, index):
+        scratch = array("I", [0] * MAX_RUN)
+        while index > 0 and self.left:
+            count = min(index, self.left, MAX_RUN)
+            self.walk(scratch, 0, count)
+            index -= count
 
-    # --- planning a run
+    @micropython.native
+    def walk(self, out, at, count):  # ISR: no allocation
+        """Write the masks of the next `count` (≤ left, ≤ MAX_RUN) words to out[at:]; add them to `made`."""
+        left = self.left - count
+        self.left = left
+        if self._ending:
+            line.walk(out, at, count, self._line)
+        else:
+            walk(out, at, count, self.state)
+            if not left:
+                self._run()
 
+    @micropython.native
     def _run(self):  # ISR: no allocation
-        """Set up the next run; `left` stays 0 where there is none."""
-        plan = self._plan
-        self.fine += self._used
-        self.to_go -= self.fine >> FINE
-        self.fine &= _ONE - 1
-        self._used = 0
-        if not self._steps:
-            self._run_tail()
-            return
-        if self._u >= plan[D]:  # over the diagonal: the axes change their parts
-            self._region = (self._region + 1) & 3
-            self._u, self._w = -self._w, self._u
-        u = self._u
-        count = min(straight(plan, u, self._w), self._steps)
-        before = self._next
-        if u <= -plan[E]:
-            long = plan[DIAGONAL]
-            near = root(plan, u, self._w, self._error, 1)
-            if before < 0:
-                before = long
-        else:
-            near = root(plan, u, self._w, self._error, 0)
-            if before < 0:
-                before = length(plan, near, u, 1)
-            long = length(plan, near, u, count)
-            near = plan[PLAN] - near
-        if u + count >= plan[D]:
-            self._next = plan[DIAGONAL]
-        else:
-            self._next = length(plan, near, u + count, 1)
-        self._steps -= count
-        # A word's time passes after its step: a run lasts from its first step to the first one of the next. Where the
-        # third axis leads, time is its own.
-        self._used = long
-        if plan[Z_HIGH] < LEADS:
-            self._used += self._next - before
-        self._begin(count, self._climb(count, long), self._used)
+        """Set up the next run, or the last line; `left` stays 0 where there is none."""
+        state = self.state
+        left = run(state)
+        if not left:
+            left = self._last_line(state)
+        self.left = left
+        self.moving = state[MOVING]
+        self.negative = state[NEGATIVE]
 
-    def _run_tail(self):  # ISR: no allocation
-        """The last short line, from the circle to the end, where there is one."""
-        self.left = 0
-        if not self._tail:
-            return
-        self._tail = 0
-        self._begin_tail()
-        self.to_go = self.path >> COARSE
-        self.fine = 0
-
-    def _climb(self, count, length):  # ISR: no allocation
-        """Steps of the third axis that belong to `count` steps of the circle, `length` (2⁻²⁰) of path: the ratio has 30
-        fraction bits, nothing is lost. Over a diagonal a step of the circle may be two long: the third axis makes up for
-        it later, so that it costs no word of its own."""
-        plan = self._plan
-        if not plan[Z_STEPS]:
+    def _last_line(self, state):  # ISR: no allocation
+        """The tail, from the circle to the end: all axes by Bresenham's method."""
+        a, b, z = state[TAIL_A], state[TAIL_B], state[TAIL_Z]
+        if not (a or b or z):
             return 0
-        length += self._sixty_fourths
-        part = length >> 14
-        self._sixty_fourths = length & 0x3FFF
-        climb = part * plan[Z_HIGH] + (part * plan[Z_LOW] >> 15)
-        total = self._z_sum + climb
-        steps = total >> _Z_BITS
-        over = total & (_Z_ONE - 1)
-        if steps > self._z or not self._steps:
-            climb += (self._z - steps) << _Z_BITS  # the end is exact
-            steps = self._z
-        elif steps > count and plan[Z_HIGH] < LEADS:
-            over = total - (count << _Z_BITS)
-            steps = count
-        self._z_start = self._z_sum
-        self._z_climb = climb
-        self._z_sum = over
-        self._z -= steps
-        return steps
+        tail = self._tail
+        for axis in range(self.axes):
+            tail[axis] = 0
+        tail[state[AXIS_A]] = a
+        tail[state[AXIS_B]] = b
+        if z:
+            tail[state[AXIS_Z]] = z
+        state[TAIL_A] = state[TAIL_B] = state[TAIL_Z] = 0
+        self._ending = True
+        words = line.begin(tail, 0, self._line)
+        state[WORDS] = words
+        state[PATH] = max(abs(a), abs(b)) or words
+        state[PATH_FINE] = 0
+        state[RUN_PATH] = state[PATH] << COARSE
+        state[MOVING] = self._line[4]
+        state[NEGATIVE] = self._line[3]
+        return words

@@ -1,148 +1,376 @@
-"""The arithmetic of arcs that every run of them costs: lengths on the true circle, how long a run may be, its steps.
+"""What every run of an arc costs: how long it may be, its length on the true circle, how it is walked, and its steps.
 
-One text for all interpreters, as in measure_viper.py: a board compiles it to machine code. `plan` is arc_plan.py's array,
-one place longer. Negative numbers come as arguments, never out of an array.
+    load(plan, state)                   # stand before the arc
+    words = run(state)                  # set up the next run; 0: the circle has come to its end
+    walk(out, at, count, state)         # the masks of `count` words of it
+
+The method stands in circle.py, and so do the numbers of `state`. One text for all interpreters: a board compiles it to
+machine code, elsewhere it is ordinary Python; see measure_viper.py for what that asks of integers. None reaches 2³⁰, and
+what may be negative, within ±2²⁹, is read out of an array as ((number + 2²⁹) & (2³⁰ − 1)) − 2²⁹.
 """
 # ruff: noqa: F821
 
 import micropython
 from micropython import const
 
-from passo.motion.integers import divide
-
 try:
     ptr32
 except NameError:
     ptr32 = None  # a name that only viper's compiler knows
 
-# arc_plan.py's, known to the compiler.
+# The plan, arc_plan.py's; what stands below the line has its place there.
+_AXIS_A = const(0)
+_AXIS_B = const(1)
+_AXIS_Z = const(2)
+_MIRROR = const(3)
+_REGION = const(4)
+_U = const(5)
+_W = const(6)
 _RADIUS = const(7)
 _SHIFT = const(8)
 _D = const(9)
 _E = const(10)
+_STEPS = const(11)
+_DIAGONAL = const(12)
+_Z_STEPS = const(13)
 _Z_HIGH = const(14)
-_FINE = const(20)
+_Z_LOW = const(15)
+_TO_GO = const(19)
+_PART = const(20)
 _PLAN = const(21)
+# And then circle.py's.
+_WORDS = const(21)
+_PATH = const(22)
+_MOVING = const(23)
+_NEGATIVE = const(24)
+_U_AXIS = const(25)
+_W_AXIS = const(26)
+_RISE = const(27)
+_FALL = const(28)
+_DECISION = const(29)
+_Z_RISE = const(30)
+_PLACE = const(31)
+_Z_LEFT = const(32)
+_Z_SUM = const(33)
+_Z_OVER = const(34)
+_ERROR = const(35)
+_USED = const(36)
+_NEXT = const(37)
+_REST = const(38)
+_LINE = const(39)
+_LEADS = const(22_938)  # arc_plan.LEADS
+_HALF = const(0x20000000)
+_ALL = const(0x3FFFFFFF)
+_Z_ONE = const(0x200000)  # 21 fraction bits
 _LONGEST = const(255)  # most words of a run, so that no product here reaches 2³⁰
 
 
 @micropython.viper
-def straight(plan: ptr32, u: int, w: int) -> int:  # ISR: no allocation
-    """How many steps from (u, w) may be one run."""
-    if u <= 0 - plan[_E]:
-        return 1
-    if u < 0:
-        ends = 0 - u
-        slope = ends
-    else:
-        ends = plan[_D] - u - 1  # the step onto the diagonal is a run of its own
-        slope = u
-    if ends < 1:
-        return 1
-    ratio = (w << 6) // (slope + 1)
-    count = _LONGEST
-    if ratio < 1024:
-        count = 3 * (ratio * w >> 14)  # w² / 85u
-    if count > w >> 3:
-        count = w >> 3
-    steep = plan[_Z_HIGH] >> 15  # whole steps of the third axis a step
-    if steep and count * (steep + 1) > 320:
-        count = 320 // (steep + 1)
-    if count > _LONGEST:
-        count = _LONGEST
-    if u >= 0 and count > 1:  # the slope grows on the way
-        if w < 8192:
-            most = w * w // (85 * u + 43 * count)
-            if count > most:
-                count = most
-        else:
-            count -= count >> 4
-    if count > ends:
-        count = ends
-    return count if count > 0 else 1
+def load(plan: ptr32, state: ptr32):  # ISR: no allocation
+    i = 0
+    while i < _PLAN:
+        state[i] = plan[i]
+        i += 1
+    rise = ((plan[_Z_STEPS] + _HALF) & _ALL) - _HALF
+    state[_Z_LEFT] = rise if rise > 0 else 0 - rise
+    state[_Z_SUM] = _Z_ONE >> 1
+    state[_Z_OVER] = state[_REST] = state[_ERROR] = state[_USED] = 0
+    state[_NEXT] = -1  # not known yet
+    state[_TO_GO] = plan[_TO_GO] + 1
+    state[_PART] = 0x100000 - plan[_PART]
 
 
 @micropython.viper
-def root(plan: ptr32, u: int, w: int, error: int, after: int) -> int:  # ISR: no allocation
-    """√(R² − u²), here or one step on, from w and the error: w − error / 2w, less the square of that over 2w.
-
-    It has SHIFT fraction bits."""
-    if after:
+def run(state: ptr32) -> int:  # ISR: no allocation
+    part = state[_PART] + ((state[_USED] + _HALF) & _ALL) - _HALF
+    state[_TO_GO] = state[_TO_GO] - (part >> 20)
+    state[_PART] = part & 0xFFFFF
+    state[_USED] = 0
+    left = state[_STEPS]
+    if left == 0:
+        return 0
+    u = ((state[_U] + _HALF) & _ALL) - _HALF
+    w = state[_W]
+    region = state[_REGION]
+    inside = state[_D]
+    if u >= inside:  # over the diagonal: the axes change their parts
+        region = (region + 1) & 3
+        part = u
+        u = 0 - w
+        w = part
+        state[_REGION] = region
+        state[_U] = u
+        state[_W] = w
+    # --- how many steps may be one run
+    across = state[_E]
+    steep = state[_Z_HIGH]
+    ends = 0 - u
+    slope = ends
+    if u >= 0:
+        ends = inside - u - 1  # the step onto the diagonal is a run of its own
+        slope = u
+    count = 1
+    if ends > 1 and u > 0 - across:
+        count = _LONGEST
+        part = (w << 6) // (slope + 1)
+        if part < 1024:
+            count = 3 * (part * w >> 14)  # w² / 85u
+        if count > w >> 3:
+            count = w >> 3
+        part = (steep >> 15) + 1  # whole steps of the third axis a step, and one
+        if part > 1 and count * part > 320:
+            count = 320 // part
+        if count > _LONGEST:
+            count = _LONGEST
+        if u >= 0 and count > 1:  # the slope grows on the way
+            if w < 8192:
+                part = w * w // (85 * u + 43 * count)
+                if count > part:
+                    count = part
+            else:
+                count -= count >> 4
+        if count > ends:
+            count = ends
+        if count < 1:
+            count = 1
+    if count > left:
+        count = left
+    # --- √(R² − u²), here or one step on, from w and the error: w − error / 2w, less the square of that over 2w
+    radius = state[_RADIUS]
+    shift = state[_SHIFT]
+    error = ((state[_ERROR] + _HALF) & _ALL) - _HALF
+    before = ((state[_NEXT] + _HALF) & _ALL) - _HALF
+    long = state[_DIAGONAL]
+    near = w
+    stage = 1
+    if u <= 0 - across:
+        stage = 2
+        if before < 0:
+            before = long
         error += 2 * u + 1
         if error + w < 0:
             error += 2 * w + 1
-            w += 1
-    shift = plan[_SHIFT]
-    if w < 1:
-        return 0
-    part = (error << (shift - 1)) // w
-    found = (w << shift) - part
-    if shift > 14:
-        part >>= shift - 14
-        found -= (part * part // (2 * w)) >> (28 - shift)
-    if found > plan[_RADIUS]:
-        found = plan[_RADIUS]
-    return found if found > 0 else 0
-
-
-@micropython.viper
-def length(plan: ptr32, near: int, u: int, count: int) -> int:  # ISR: no allocation
-    """Length, in 2⁻²⁰ steps, of the true arc from u to u + count, where √(R² − u²) is `near`.
-
-    Leaves w₁ + w₂ in plan[_PLAN]: it is the root of its own equation sum = 2w₁ − count·(2u + count) / sum, which two
-    rounds solve to 2·10⁻⁶.
-    """
-    shift = plan[_SHIFT]
+            near += 1
+    elif before < 0:
+        stage = 0
+    if near > 0:
+        twice = 2 * near
+        part = (error << (shift - 1)) // near
+        near = (near << shift) - part
+        if shift > 14:
+            part >>= shift - 14
+            near -= (part * part // twice) >> (28 - shift)
+        if near > radius:
+            near = radius
+    if near < 0:
+        near = 0
+    # --- lengths, of 2⁻²⁰ steps, on the true circle from √(R² − u²), which is `near`, on. 0: of the step before the run, if
+    # that is not known; 1: of the run; 2: of the step after it
+    after = long
     scale = shift - 8  # what makes R a number of 21 bits
-    fall = count * (2 * u + count) << scale
-    total = 2 * near
-    if total < 256:
-        total = 256
-    rounds = 2
-    while rounds:
-        total = 2 * near - int(divide(fall, total >> 8, shift))
-        if total > 2 * plan[_RADIUS]:
-            total = 2 * plan[_RADIUS]
-        if total < 256:
-            total = 256
-        rounds -= 1
-    plan[_PLAN] = total
-    by = total >> 8
-    excess = int(divide((plan[_RADIUS] - (total >> 1)) >> 7, by, _FINE))  # R / mean w − 1
-    long = (count << _FINE) + count * excess
-    chord = int(divide(count << scale, by, 12))
-    return long - ((long >> 16) * (chord * chord) // 3 >> 8)
+    while stage < 3:
+        some = 1
+        ends = u
+        if stage == 1:
+            some = count
+        elif stage == 2:
+            ends += count
+            if ends >= inside:
+                break  # over the diagonal
+        # w₁ + w₂ is the root of its own equation sum = 2w₁ − count·(2u + count) / sum, which two rounds solve to 2·10⁻⁶.
+        slope = some * (2 * ends + some) << scale
+        ends = shift
+        total = 2 * near
+        phase = 0
+        while phase < 4:
+            if phase and total > 2 * radius:
+                total = 2 * radius
+            if total < 256:
+                total = 256
+            by = total >> 8
+            if phase == 2:  # R / mean w − 1
+                slope = (radius - (total >> 1)) >> 7
+                ends = 20
+            elif phase == 3:  # the chord's part of R
+                slope = some << scale
+                ends = 12
+            found = slope // by  # slope · 2ᵉⁿᵈˢ // by
+            part = slope - found * by
+            bits = ends
+            while bits > 0:
+                digits = 8 if bits > 8 else bits
+                part <<= digits
+                digit = part // by
+                found = (found << digits) + digit
+                part -= digit * by
+                bits -= digits
+            if phase < 2:
+                total = 2 * near - found
+            elif phase == 2:
+                after = (some << 20) + some * found
+            phase += 1
+        after -= (after >> 16) * (found * found) // 3 >> 8
+        if stage == 0:
+            before = after
+        elif stage == 1:
+            long = after
+            near = total - near
+        stage += 1
+        if stage < 3:
+            after = state[_DIAGONAL]
+    state[_NEXT] = after
+    left -= count
+    state[_STEPS] = left
+    # A word's time passes after its step: a run lasts from its first step to the first one of the next. Where the third
+    # axis leads, time is its own.
+    used = long
+    if steep < _LEADS:
+        used += after - before
+    state[_USED] = used
+    # --- the third axis's steps: the ratio has 30 fraction bits, nothing is lost. Over a diagonal a step of the circle may
+    # be two long: the third axis makes up for it later, so that it costs no word of its own
+    words = count
+    rise = ((state[_Z_STEPS] + _HALF) & _ALL) - _HALF
+    state[_Z_RISE] = 0
+    if rise:
+        long += state[_Z_OVER]
+        part = long >> 14
+        state[_Z_OVER] = long & 0x3FFF
+        climb = part * steep + (part * state[_Z_LOW] >> 15)
+        place = state[_Z_SUM]
+        total = place + climb
+        steps = total >> 21
+        over = total & (_Z_ONE - 1)
+        part = state[_Z_LEFT]
+        if steps > part or left == 0:
+            climb += (part - steps) << 21  # the end is exact
+            steps = part
+        elif steps > count and steep < _LEADS:
+            over = total - (count << 21)
+            steps = count
+        state[_Z_SUM] = over
+        state[_Z_LEFT] = part - steps
+        if steps > count:  # it steps in every word, the circle now and then
+            words = steps
+            climb = _Z_ONE
+            place = 0
+        elif steps:
+            part = climb
+            climb = part // count
+            place += part - climb * count  # less than 2⁻¹⁰ step: nothing is lost at the end
+            if climb == 0:
+                climb = 1  # its one step is due
+        else:
+            climb = 0
+        state[_Z_RISE] = climb
+        state[_PLACE] = place
+    # --- its path, and its time's share of it
+    used += state[_REST]
+    if used < 0:
+        used = 0
+    state[_PATH] = used >> 7
+    state[_REST] = used & 127
+    state[_WORDS] = words
+    state[_RISE] = 2 * count
+    state[_FALL] = 2 * words
+    state[_DECISION] = 2 * count - words
+    # --- directions. ccw: u points to +y −x −y +x, w to +x +y −x −y; w's steps turn round at u = 0; cw mirrors y
+    odd = region & 1
+    part = state[_AXIS_B - odd]
+    state[_U_AXIS] = part
+    along = 1 << part
+    part = state[odd]
+    state[_W_AXIS] = part
+    other = 1 << part
+    u_back = (region + 1) >> 1 & 1
+    w_back = region >> 1
+    if u >= 0:
+        w_back ^= 1
+    if state[_MIRROR]:
+        if odd:
+            w_back ^= 1
+        else:
+            u_back ^= 1
+    moving = along | other
+    negative = 0
+    if u_back:
+        negative |= along
+    if w_back:
+        negative |= other
+    if rise:
+        part = 1 << state[_AXIS_Z]
+        moving |= part
+        if rise < 0:
+            negative |= part
+    state[_MOVING] = moving
+    state[_NEGATIVE] = negative
+    return words
 
 
 @micropython.viper
-def walk(
-    out: ptr32, at: int, count: int, u: int, w: int, error: int, u_bit: int, both: int, after: ptr32
-) -> int:  # ISR: no allocation
-    """Write the masks of `count` steps of a circle, `u_bit` or `both`, to out[at:]; returns how often w steps. u, w and
-    the error after it are in `after`."""
-    made = 0
+def walk(out: ptr32, at: int, count: int, state: ptr32):  # ISR: no allocation
+    u = ((state[_U] + _HALF) & _ALL) - _HALF
+    w = state[_W]
+    error = ((state[_ERROR] + _HALF) & _ALL) - _HALF
+    decision = ((state[_DECISION] + _HALF) & _ALL) - _HALF
+    rise = state[_RISE]
+    fall = state[_FALL]
+    climb = state[_Z_RISE]
+    place = state[_PLACE]
+    along = 1 << state[_U_AXIS]
+    both = along | 1 << state[_W_AXIS]
+    third = 1 << (state[_AXIS_Z] & 3)
+    made_u = 0 - u
+    made_w = w
+    made_z = 0
     end = at + count
     while at < end:
-        error += 2 * u + 1
-        mask = u_bit
-        if u < 0:
-            near = error + 2 * w + 1
-            if near < 0 - error:
-                error = near
-                w += 1
-                made += 1
-                mask = both
-        else:
-            near = error - 2 * w + 1
-            if 0 - near < error:
-                error = near
-                w -= 1
-                made += 1
-                mask = both
-        u += 1
+        mask = 0
+        if decision > 0:
+            decision -= fall
+            mask = along
+            error += 2 * u + 1
+            if u < 0:
+                near = error + 2 * w + 1
+                if near < 0 - error:
+                    error = near
+                    w += 1
+                    mask = both
+            else:
+                near = error - 2 * w + 1
+                if 0 - near < error:
+                    error = near
+                    w -= 1
+                    mask = both
+            u += 1
+        decision += rise
+        if climb:
+            place += climb
+            if place >= _Z_ONE:
+                place -= _Z_ONE
+                mask |= third
+                made_z += 1
         out[at] = mask
         at += 1
-    after[0] = u
-    after[1] = w
-    after[2] = error
-    return made
+    state[_U] = u
+    state[_W] = w
+    state[_ERROR] = error
+    state[_DECISION] = decision
+    state[_PLACE] = place
+    made_u += u
+    made_w = w - made_w if w > made_w else made_w - w
+    negative = state[_NEGATIVE]
+    if negative & along:
+        made_u = 0 - made_u
+    if negative & both & ~along:
+        made_w = 0 - made_w
+    if negative & third:
+        made_z = 0 - made_z
+    made = _LINE + 5 + 2 * state[_LINE]
+    at = made + state[_U_AXIS]
+    state[at] = state[at] + made_u
+    at = made + state[_W_AXIS]
+    state[at] = state[at] + made_w
+    if made_z:
+        at = made + state[_AXIS_Z]
+        state[at] = state[at] + made_z

@@ -370,7 +370,7 @@ class Planner:
             # The block under way is among them: it need not slow down as much as it thought. An interrupt may go on to
             # the next block meanwhile; then that one is looked at again.
             fetched = counts[_FETCHED]
-            if (block.kind == ARC or block.smooth) and block.gain:
+            if block.smooth and block.gain:
                 block.plan_leave(self.rows, (fetched - 1) % _SIZE * self._stride)
             if counts[_FETCHED] == fetched:
                 return
@@ -389,21 +389,23 @@ class Planner:
         place = at // self._stride
         kind = rows[at + KIND]
         smooth = block.smooth
+        walker = None
         if kind == LINE:
             walker = self._line
             walker.load(rows, at + ROW)
-            if rows[at + GAIN] and not smooth:  # the ramp and the feeder read the row itself
-                block.kind = kind
-                block.rows = rows
-                block.at = at
-                block.walker = walker
-                block.start = q_of(self.start_square, rows, at, rows[at + LIMIT]) if self.start_square else 0
-                return block
+        elif kind == ARC:
+            walker = self._circle
+            walker.load(self._walkers[place])
+        if walker is not None and rows[at + GAIN] and not smooth:  # the ramp and the feeder read the row itself
+            block.kind = kind
+            block.rows = rows
+            block.at = at
+            block.walker = walker
+            block.start = q_of(self.start_square, rows, at, rows[at + LIMIT]) if self.start_square else 0
+            return block
         self._unpack(block, place)
         if smooth:
             smooth.load(rows, at, (place + 1) % _SIZE * self._stride)
-        if kind == ARC:
-            self._circle.load(self._walkers[place])
         return block
 
     @micropython.native

@@ -1,11 +1,8 @@
-"""The ramp's arithmetic: ticks of a path, what a change of speed costs, a root. No integer reaches 2³⁰; all may run in an
-interrupt. Speeds are in the block's units (see profile.py), with V_BITS fraction bits."""
+"""The ramp's arithmetic, where jerk is limited: ticks of a path, what q gains along it, a root. No integer reaches 2³⁰; all
+may run in an interrupt. Speeds are in the block's units (see profile.py), with V_BITS fraction bits."""
 
 from micropython import const
 
-from passo.motion.integers import divide
-
-FAR = const(0x1FFFFFFF)  # 2²⁹ − 1: the most q a segment may gain
 V_BITS = const(7)  # fraction bits of a speed; with them it has 22 at most
 
 
@@ -43,23 +40,3 @@ def root_of(q, near):  # ISR: no allocation
     while root * root > q:
         root -= 1
     return (root << V_BITS) + ((q - root * root) << V_BITS - 1) // root
-
-
-def loss(block, fast, change):  # ISR: no allocation
-    """Ticks that a change of speed up to `fast` costs, against having that speed all along: t · change / 2·fast.
-
-    Rounded up: never more acceleration than allowed.
-    """
-    ratio = divide(change, fast, 14)  # ≤ 2¹⁴
-    shift = block.time_shift + V_BITS
-    while change >= 0x8000:
-        change >>= 1
-        shift -= 1
-    ticks = change * block.time  # 15 bits by 15
-    if shift >= 0:
-        ticks >>= shift
-    else:
-        ticks = ticks << -shift if ticks < FAR >> -shift else FAR
-    if ticks < 0x8000:
-        return (ticks * ratio >> 15) + 1
-    return (ticks >> 15) * ratio + ((ticks & 0x7FFF) * ratio >> 15) + 1

@@ -1,10 +1,10 @@
-"""How the ramp takes up an accelerated line and cuts it: what it costs most often, in short.
+"""How the ramp takes up an accelerated line or arc and cuts it.
 
     begin(rows, at, state, start)                   # the block whose row begins at rows[at]
-    cut(rows, at, state, left, percent, hold)       # state[0]: steps, state[1]: ticks, state[2]: pace
+    cut(rows, at, state, walker, left, percent, hold)   # state[0]: steps, state[1]: ticks, state[2]: pace
 
-What it reckons, and why, stands in ramp.py and ramp_ticks.py; the numbers of `state` do in steady.py, those of `rows` in
-block.py. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see
+What it reckons, and why, stands in ramp.py and ramp_ticks.py; the numbers of `state` do in steady.py and ramp.py, those of
+`rows` in block.py, those of `walker`, which an arc's tells of its path, in circle.py and arc_plan.py. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see
 measure_viper.py for what that asks of integers. None reaches 2³⁰.
 """
 # ruff: noqa: F821
@@ -48,8 +48,12 @@ def begin(rows: ptr32, at: int, state: ptr32, start: int):  # ISR: no allocation
 
 
 @micropython.viper
-def cut(rows: ptr32, at: int, state: ptr32, left: int, percent: int, hold: int):  # ISR: no allocation
-    """The next segment of a line that has `left` ≥ 1 dominant steps to come; see Ramp.cut()."""
+def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: int, hold: int):  # ISR: no allocation
+    """The next segment of a walker that has `left` ≥ 1 words to come to the line's end, or to that of the arc's run; see
+    Ramp.cut()."""
+    arc = 0
+    if rows[at] == 3:
+        arc = 1
     top = rows[at + 7]
     limit = rows[at + 8]
     gain = rows[at + 9]
@@ -63,9 +67,15 @@ def cut(rows: ptr32, at: int, state: ptr32, left: int, percent: int, hold: int):
     cap *= cap
     high = cap
     state[0] = 0
+    # --- stage 0: the speed without a ramp; 1: how many steps, and how fast at their end; 2: at the peak in between; 3: how
+    # many steps of an arc that keeps its speed
     stage = 1
     value = 0
-    if hold:
+    if gain == 0:
+        if hold:
+            return
+        stage = 3
+    elif hold:
         cap = 0
         if q <= start:
             return
@@ -73,64 +83,130 @@ def cut(rows: ptr32, at: int, state: ptr32, left: int, percent: int, hold: int):
         q = start if start < cap else cap
         value = q
         stage = 0
-    # --- the planned end, in the block's units
-    unit = rows[at + 15]
-    shift = rows[at + 23]
-    if shift >> 30 & 1:
-        shift = 0 - ((0 - shift) & 0x3FFFFFFF)
-    shift -= 14
-    leave = rows[at + 22]
-    leave = (leave >> 14) * unit + ((leave & 0x3FFF) * unit >> 14)
-    most = limit * limit
-    if shift >= 0:
-        leave >>= shift
-        if leave > most:
-            leave = most
-    elif leave >= most >> (0 - shift):
-        leave = most
-    else:
-        leave <<= 0 - shift
-    if leave < start:
-        leave = start
-    # --- stage 0: the speed without a ramp; 1: how many steps, and how fast at their end; 2: at the peak in between
     steps = 1
+    whole = 1
+    fraction = 0
+    rest = 0
     aim = 0
     peak = 0
     after = 0
     fast = 0
     while True:
-        if stage == 1:
-            most = 0x1FFFFFFF // gain
-            if most > 255:
-                most = 255
-            if most > left:
-                most = left
-            if q:
-                each = span // speed
-                rest = (span - each * speed) << 6
-                each = (each << 6 if each < 0x800000 else 0x1FFFFFFF) + rest // speed
-                steps = 12500 // each
-                if steps > most:
-                    steps = most
-                if hold and steps > q // gain:
-                    steps = q // gain + 1  # it stands after these
+        if stage & 1:
+            # --- about as many steps as a segment lasts, one of a line from rest
+            length = state[8]
+            each = length
+            far = 0x1FFFFFFF
+            if gain == 0:
+                each = rows[at + 2]
+                rest = rows[at + 3]
+            else:
+                far = far // gain
+                if q:
+                    each = span // speed
+                    part = (span - each * speed) << 6
+                    each = (each << 6 if each < 0x800000 else 0x1FFFFFFF) + part // speed
+            most = far if far < 255 else 255
+            steps = length // each
+            if arc:
+                words = walker[21]
+                path = walker[22]
+                steps <<= 13
+                value = path if path else 1
+                if steps >= value:
+                    steps = left
+                else:
+                    steps = steps * words // value
+                if gain and steps * value > (most << 13) * words:
+                    steps = (most << 13) * words // value
+                most = 500
+            elif hold and steps > q // gain:
+                steps = q // gain + 1  # it stands after these
+            if steps > most:
+                steps = most
+            if steps > left:
+                steps = left
             if steps == 0:
                 steps = 1
-            change = steps * gain
+            # --- their path, as whole steps and 2⁻¹⁷, and what is to go after them
+            whole = steps
+            togo = left - steps
+            part = 0
+            if arc:
+                value = path * steps
+                whole = value // words
+                value = (value - whole * words) << 4
+                fraction = (whole << 4) + value // words
+                whole = fraction >> 17
+                fraction &= 0x1FFFF
+                if stage == 3:
+                    break
+                value = path * (words - togo)
+                part = value // words
+                value = (value - part * words) << 4
+                part = (part << 4) + value // words + (walker[20] >> 3)
+                value = togo
+                togo = ((walker[19] + 0x20000000) & 0x3FFFFFFF) - 0x20000000 - (part >> 17)
+                part = (0 - part) & 0x1FFFF
+                if part:
+                    togo -= 1
+                if value == 0 and walker[11] == 0 and (walker[16] | walker[17] | walker[18]) == 0:
+                    togo = 0  # the arc's end
+                    part = 0
+            # --- how fast at their end
+            change = 0x1FFFFFFF
+            if whole <= far:
+                value = whole * gain + (gain >> 17) * fraction + (((gain & 0x1FFFF) >> 5) * fraction >> 12)
+                if value < change:
+                    change = value
+            if state[9]:  # it is smooth.py that goes on
+                state[0] = steps
+                state[4] = speed
+                state[10] = (whole << 17) + fraction
+                state[11] = togo
+                state[12] = part
+                state[13] = change
+                state[14] = cap
+                state[15] = high
+                state[16] = q
+                return
             if q < cap:
                 aim = cap if cap - q <= change else q + change
             else:
                 aim = cap if q - cap <= change else q - change
+            # the planned end, in the block's units
+            unit = rows[at + 15]
+            shift = rows[at + 23]
+            if shift >> 30 & 1:
+                shift = 0 - ((0 - shift) & 0x3FFFFFFF)
+            shift -= 14
+            leave = rows[at + 22]
+            leave = (leave >> 14) * unit + ((leave & 0x3FFF) * unit >> 14)
+            most = limit * limit
+            if shift >= 0:
+                leave >>= shift
+                if leave > most:
+                    leave = most
+            elif leave >= most >> (0 - shift):
+                leave = most
+            else:
+                leave <<= 0 - shift
+            if leave < start:
+                leave = start
             if aim > leave:
-                rest = left - steps
-                if rest <= 0x3FFFFFFF // gain:
-                    rest *= gain
-                    if rest < aim - leave:
-                        aim = leave + rest
+                if togo < 0:
+                    aim = leave
+                elif togo <= 0x3FFFFFFF // gain:
+                    value = togo * gain
+                    if value < aim - leave:
+                        leave += value
+                        value = (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
+                        if value < aim - leave:
+                            aim = leave + value
             peak = q if q > high else high
-            rest = (change + (aim - q)) >> 1
-            if rest <= peak - q:
-                peak = q + rest
+            value = (change + (aim - q)) >> 1
+            if value <= peak - q:
+                peak = q + value
             if peak < aim:
                 peak = aim
             if peak < q:
@@ -143,11 +219,11 @@ def cut(rows: ptr32, at: int, state: ptr32, left: int, percent: int, hold: int):
             root = speed >> 7
             if root == 0:
                 root = 0x2000
-            rest = (root + value // root) >> 1
-            while rest > root + 1 or rest < root - 1:
-                root = rest
-                rest = (root + value // root) >> 1
-            root = rest
+            part = (root + value // root) >> 1
+            while part > root + 1 or part < root - 1:
+                root = part
+                part = (root + value // root) >> 1
+            root = part
             while root * root > value:
                 root -= 1
             root = (root << 7) + ((value - root * root) << 6) // root
@@ -155,33 +231,41 @@ def cut(rows: ptr32, at: int, state: ptr32, left: int, percent: int, hold: int):
             speed = root
         elif stage == 1:
             after = root
-            if q == aim and q == peak and percent == 100 and q == top * top:
+            if q == aim and q == peak and percent == 100 and q == top * top and arc == 0:
                 break
             value = peak
         else:
             fast = root
+            each = span // fast
+            part = (span - each * fast) << 6
+            each = each << 6 if each < 0x800000 else 0x1FFFFFFF
+            most = part // fast
+            rest = ((part - most * fast) << 7) // fast
+            each += most
             break
         stage += 1
-    if stage == 1:  # at programmed speed
+    if stage == 1:  # a line at programmed speed
         rest = state[6] + steps * rows[at + 3]
         most = state[7]
         ticks = rest // most
         state[6] = rest - ticks * most
         ticks += steps * rows[at + 2]
     else:
-        each = span // fast
-        rest = (span - each * fast) << 6
-        each = each << 6 if each < 0x800000 else 0x1FFFFFFF
-        most = rest // fast
-        rest = ((rest - most * fast) << 7) // fast
-        each += most
-        ticks = steps * each
+        ticks = 0
         if each < 0x80000:
-            ticks += steps * rest >> 7
+            ticks = (whole * rest >> 7) + (fraction * rest >> 24)
+            ticks += ((fraction >> 7) * each >> 10) + ((fraction & 127) * each >> 17)
+        elif each < 0x800000:
+            ticks = fraction * (each >> 10) >> 7
+        else:
+            ticks = (fraction >> 7) * (each >> 10)
+        ticks += whole * each
         if ticks == 0:
             ticks = 1
         # --- what getting from speed to fast, and on to after, costs more
         most = speed
+        if stage == 3:
+            stage = 0
         while stage:
             change = fast - most
             if change:
@@ -214,6 +298,9 @@ def cut(rows: ptr32, at: int, state: ptr32, left: int, percent: int, hold: int):
             stage -= 1
     state[0] = steps
     state[1] = ticks
+    if gain == 0:
+        state[2] = -1
+        return
     state[2] = (speed + after) >> 8
     state[3] = aim
     state[4] = after

@@ -31,7 +31,7 @@ class Steady:
 
     def __init__(self):
         self.state = array("i", [0] * STATE)
-        self.short = False  # the block is an accelerated line: cut_line() is to be called instead of cut()
+        self.short = False  # the block is accelerated, or an arc: cut_short() is to be called instead of cut()
         self._each = self._rest = self._total = 0
 
     def stall(self):  # ISR: no allocation

@@ -18,7 +18,7 @@ import micropython
 from micropython import const
 
 from passo.motion import line
-from passo.motion.block import DYNAMIC, FIRST, FREE, POWER, RAPID, ROW, TICKS, TOOL, TOP, TRACK, WAIT
+from passo.motion.block import DYNAMIC, FIRST, FREE, LINE, POWER, RAPID, ROW, TICKS, TOOL, TOP, TRACK, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.row_viper import take
 from passo.motion.steady import CUT_PACE, CUT_STEPS, CUT_TICKS, Q
@@ -196,10 +196,12 @@ class Feeder(Position):
         rows = block.rows
         row = block.at
         short = ramp.short
+        straight = short and block.kind == LINE
         if short:
-            cut = ramp.cut_line
-            walk = line.walk
-            line_state = walker.state
+            cut = ramp.cut_short
+            path = walker.state
+            if straight:
+                walk = line.walk
         ring = self.ring
         words = ring.words
         size = ring.size
@@ -211,7 +213,7 @@ class Feeder(Position):
         left = walker.left
         while True:
             if short:
-                cut(rows, row, made, left, percent, held)
+                cut(rows, row, made, path, left, percent, held)
             else:
                 ramp.cut(left, percent, held)
             steps = made[CUT_STEPS]
@@ -231,8 +233,8 @@ class Feeder(Position):
             run = steps
             while run:
                 part = run if at + run <= size else size - at
-                if short:
-                    walk(words, at, part, line_state)
+                if straight:
+                    walk(words, at, part, path)
                     left -= part
                 else:
                     walker.walk(words, at, part)
@@ -250,7 +252,7 @@ class Feeder(Position):
                 continue
             ring.head = end(state, marks, walker.made, steps, ticks, 1)
             self._block = None
-            if not short or held or planner.start_square or not room(state, marks, lead_ticks):
+            if not straight or held or planner.start_square or not room(state, marks, lead_ticks):
                 return True
             row = take(rows, planner.work, planner.counts, 1 if made[Q] else 0, 1)
             if row < 0:
