@@ -327,8 +327,12 @@ def check_laser():
     assert line.tool and line.power == 300000
     (line,) = shop.do(b"X3 S0")
     assert not line.tool and line.power == 0
-    (line,) = shop.do(b"G0 X4 S300")[-1:]
+    (line,) = shop.do(b"G0 X4 S300")
     assert not line.tool and line.power == 0
+    (line,) = shop.do(b"G1 X5")
+    assert line.tool and line.power == 300000
+    assert kinds(shop.do(b"S200")) == kinds(shop.do(b"G0 S100")) == [commands.SPINDLE]
+    assert kinds(shop.do(b"G28 S50")) == [commands.SPINDLE, commands.LINE]
     made = shop.do(b"M3 G1 X5")
     assert kinds(made) == [commands.SPINDLE, commands.LINE] and made[0].tool and not made[1].dynamic
     (line,) = shop.do(b"G28")

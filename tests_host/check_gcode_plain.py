@@ -2,6 +2,7 @@
 
 from check_gcode import ALPHABET, Machine, Shop
 from draws import Random
+from passo.control.tools import thousandths
 from passo.protocols import commands
 from passo.protocols.grbl_lines import Lines
 
@@ -11,7 +12,7 @@ CASES = {
 }  # fmt: skip
 RUNS = {"check_same_as_in_full": 150, "check_several_at_once": 40, "check_machine_code": 60}
 BEFORE = (
-    b"G91", b"G90", b"G20", b"G21", b"M3 S500", b"M4 S900", b"M5", b"G92 X3 Y1.5", b"G10 L2 P1 X5 Z-2", b"G54", b"G55",
+    b"G91", b"G90", b"G20", b"G21", b"M3 S500", b"M4 S900", b"M5", b"M3", b"M4", b"S300", b"S0", b"M4 S.0004", b"G92 X3 Y1.5", b"G10 L2 P1 X5 Z-2", b"G54", b"G55",
     b"F200", b"G43.1 Z1.25", b"G2 X2 Y0 I1 J0 F100", b"G93", b"G94", b"G80", b"G1", b"G53 G0 X1", b"G10 L2 P2 X-536.9",
     b"T2",
 )  # fmt: skip
@@ -24,6 +25,12 @@ def number(random):
     return random.choice(("-", "", "", "")) + text
 
 
+def power(random):
+    if random.between(0, 7) == 0:
+        return number(random)
+    return random.choice(("0", "1", "500", "999.5", "%d" % random.between(0, 1200), "%d.%03d" % (random.between(0, 9), random.between(0, 999))))
+
+
 def draw_line(random):
     words = random.choice(("", "G0", "G1", "g01", "G00", "N7 G1", "G 1", "N12"))
     for letter in "XYZ":
@@ -31,6 +38,8 @@ def draw_line(random):
             words += random.choice((" ", "")) + letter + number(random)
     if random.between(0, 3) == 0:
         words += "F" + number(random).strip("-")
+    if random.between(0, 2) == 0:
+        words += random.choice((" S", "S")) + power(random)
     line = bytearray(words.encode())
     if random.between(0, 3) == 0 and line:
         at = random.between(0, len(line))
@@ -46,15 +55,20 @@ class Straight(Machine):
         self.program = self.planner = self
         self.blocks = 96
         self.travel = None
-        self.tool = None
+        self.tool = False  # the queue's, and the planner's
+        self.power = 0
+        self.dynamic = False
+        self.slow = False
         self.took = []  # as facts()
 
     def reach(self):
         return self.travel
 
-    def takes(self, *tool):
-        self.tool = tool
-        return True
+    def slow_tool(self):
+        return self.slow
+
+    def takes(self, tool, power, dynamic, beam):
+        return beam or (tool, thousandths(power), dynamic) == (self.tool, self.power, self.dynamic)
 
     def room(self):
         return self.blocks
@@ -65,9 +79,22 @@ class Straight(Machine):
     def follow(self, steps, first, tool, tag, rapid, nm_s):
         before = self.took[-1][0] if self.took else self.target
         target = [before[axis] + steps[first + axis] for axis in range(3)]
-        assert rapid == (not nm_s) and tool == self.tool[0]
-        self.took.append((target, nm_s, 0, tag) + self.tool)
+        assert rapid == (not nm_s)
+        self.took.append((target, nm_s, 0, tag, bool(tool), self.power, self.dynamic))
         self.blocks -= 1
+
+    def obey(self, made, laser):
+        """What the whole of G-code has made of a line."""
+        for command in made:
+            if command.kind == commands.SPINDLE:
+                self.tool, self.dynamic = command.tool, False
+                self.power = 0 if laser and not command.tool else thousandths(command.power)
+            elif command.target:
+                self.target = command.target[:]
+                self.tool, self.power, self.dynamic = facts(command)[-3:]
+
+    def light(self):
+        return self.tool, self.power, self.dynamic
 
     def batch(self, gcode, lines, most):
         """Have gcode.follow() take of `lines`: facts of what came of them."""
@@ -76,28 +103,31 @@ class Straight(Machine):
         count = gcode.follow(lines, most)
         assert count == len(self.took)
         if count:
-            assert self.target == self.took[-1][0]
+            assert self.target == self.took[-1][0] and self.tool == self.took[-1][4]
         return self.took
 
 
 def facts(command):
     return (
-        list(command.target), command.feed, command.per_min, command.number, command.tool, command.power, command.dynamic,
+        list(command.target), command.feed, command.per_min, command.number, command.tool, thousandths(command.power),
+        command.dynamic,
     )  # fmt: skip
 
 
-def shops(count, laser):
+def shops(count, laser, max_rpm=1_000_000, slow=False):
     made = [Shop(Straight()) for _ in range(count)]
     for shop in made:
         shop.gcode.laser = laser
-        shop.gcode.max_rpm = 1_000_000
+        shop.gcode.max_rpm = max_rpm
+        shop.machine.slow = slow
     return made
 
 
 def check_same_as_in_full(seed):
     """Two machines, one of which never deals with a line in short; what is refused or waits in between counts too."""
     random = Random(seed)
-    short, full = shops(2, bool(seed & 1))
+    most = random.choice((1_000_000, 1_000_000, 255_000, 24_000_000, 100_000_000, 2, 1, 333_333_333))
+    short, full = shops(2, bool(seed & 1), most, random.between(0, 9) == 0)
     dealt = 0
     for _ in range(60):
         if random.between(0, 9) == 0:
@@ -113,6 +143,7 @@ def check_same_as_in_full(seed):
         taken = short.machine.batch(short.gcode, lines, random.between(1, 4))
         error = full.gcode.interpret(line)
         made = [facts(command) for command in full.gcode.commands if command.kind == commands.LINE]
+        whole = not taken
         if taken:
             dealt += 1
             assert error == 0 and not lines.waiting() and short.gcode.waits, (line, error)
@@ -132,10 +163,11 @@ def check_same_as_in_full(seed):
         moved = [command for command in full.gcode.commands if command.target]
         refused = moved and short.machine.target == before and random.between(0, 5) == 0
         for shop in (short, full):
-            if moved and not refused:
-                shop.machine.target = moved[-1].target[:]
-            elif refused:
+            if refused:
                 shop.gcode.forget_place()
+            elif whole or shop is full:
+                shop.machine.obey(full.gcode.commands, full.gcode.laser)
+        assert short.machine.light() == full.machine.light(), line
         if random.between(0, 15) == 0:
             for shop in (short, full):
                 shop.machine.target = [at + 7 for at in full.machine.target]
@@ -180,7 +212,7 @@ def check_machine_code(seed):
 
     plain = plain_text("protocols/gcode_plain_viper.py")["plain"]
     random = Random(seed)
-    place = array("i", [3, 0, 1, 10_000, 0, 0, 0, 0, -5_000_000, 9, 250_000, 83_333, 400_000] + [0] * 20)
+    place = array("i", [3, 0, 1, 10_000, 0, 0, 0, 0, -5_000_000, 9, 250_000, 83_333, 400_000] + [0] * 23)
     other = place[:]
     for _ in range(50):
         line = draw_line(random)
@@ -190,7 +222,7 @@ def check_machine_code(seed):
             numbers[31] = 700
         place[1] = other[1] = random.between(0, 1)
         place[19] = other[19] = random.between(0, 1)
-        place[32] = other[32] = random.between(0, 1)
+        place[32] = other[32] = random.choice((0, 1, 255_000, 1_000_000, 100_000_000))
         text = b"G1\n" + line + random.choice((b"", b"\n", b"\nX1"))
         assert plain(text, 3, len(text), place) == module.plain(text, 3, len(text), other), line
         assert place == other, line
@@ -202,7 +234,33 @@ def check_the_frequent_line_is_dealt_with():
         lines = Lines()
         lines.take(line + b"\n")
         assert shop.gcode.follow(lines, 9) == 1 and not lines.waiting(), line
-    for line in (b"G2 X1 I1", b"", b"X1 (note)", b"X1 ; note", b"M3", b"X1 S3", b"X1 X2", b"X", b"G1", b"X600", b"X1 F.001"):
+    for line in (b"G2 X1 I1", b"", b"X1 (note)", b"X1 ; note", b"M3", b"X1 S-3", b"X1 X2", b"X", b"G1", b"X600", b"X1 F.001"):
         lines = Lines()
         lines.take(line + b"\n")
         assert shop.gcode.follow(lines, 9) == 0 and lines.waiting() and not shop.gcode.waits, line
+
+
+def check_a_laser_raster_is_dealt_with():
+    """Power from line to line, dark rapids in between, whether the power follows the speed or not."""
+    for mode in (b"M3", b"M4"):
+        (shop,) = shops(1, True)
+        shop.machine.obey(shop.do(mode + b" S0 F600"), True)
+        facts = []
+        for line in (b"G0X1Y1", b"G1X1.1S450", b"X1.2S0", b"X1.3S1000", b"X1.4", b"G0Y1.1", b"G1X1.3S.2", b"X1.2S1500", b"G0X0S300", b"G1X1"):
+            lines = Lines()
+            lines.take(line + b"\n")
+            facts += shop.machine.batch(shop.gcode, lines, 9)
+        dark = (False, 0)
+        lights = [dark, (True, 450), dark, (True, 1000), (True, 1000), dark, (True, 1), (True, 1000), dark, (True, 300)]
+        assert [fact[4:] for fact in facts] == [light + (mode == b"M4",) for light in lights]
+        lines.take(b"X1S5\n")  # no step to change it with
+        assert shop.gcode.follow(lines, 9) == 0 and not shop.gcode.waits
+
+
+def check_a_spindle_changes_its_speed_at_a_stand():
+    shop = Shop(Straight())
+    shop.machine.obey(shop.do(b"M3 S500 F600"), False)
+    for line, short in ((b"G1 X1 S500", 1), (b"X2 S501", 0), (b"X3", 1)):
+        lines = Lines()
+        lines.take(line + b"\n")
+        assert shop.gcode.follow(lines, 9) == short, line

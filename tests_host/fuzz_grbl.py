@@ -25,7 +25,7 @@ PATIENCE = 400  # turns without an answer, then whatever is under way is ended b
 LONG = (
     b"G2 X10 Y10 R8 F900", b"G3 X0 Y0 Z-1 I5 J0 P2 F400", b"G17", b"G20", b"G21", b"G91", b"G90", b"G18 G3 X3 Z-3 R3 F90",
     b"G1 X20 Y20 Z-20 F1500", b"G0 X300 Y200 Z-80", b"M4 S300", b"M5", b"M8", b"M9", b"M0", b"M6 T1", b"G30", b"G92.1",
-    b"G49", b"G81 X30 Y20 Z-9 R-2 F300", b"G80", b"G54", b"T3", b"F400", b"X10", b"Y-5", b"", b"%", b"(x) G1 X1 ; y",
+    b"G1 X5 Y2 S450 F900", b"X6S0", b"X7.5 S1000", b"G0X3S300", b"G1X4", b"M3 S200", b"S.5 X2", b"G49", b"G81 X30 Y20 Z-9 R-2 F300", b"G80", b"G54", b"T3", b"F400", b"X10", b"Y-5", b"", b"%", b"(x) G1 X1 ; y",
 )  # fmt: skip
 SYSTEM = (
     b"$", b"$$", b"$#", b"$G", b"$I", b"$N", b"$N0=G21", b"$N1=", b"$X", b"$C", b"$SLP", b"$H", b"$J=X1F100",

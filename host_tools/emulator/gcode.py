@@ -3,12 +3,14 @@
     machine = fast_router()                                     # booted, and waiting for its lines
     run = on_a_copy(lambda: run_lines(machine, 0.2, 100, 600))
     run["lines_s"], run["least"], run["late"]
+    run_raster(fast_router(laser=True), 0.1, 100, 600)          # the same figures of a picture's dots
     talk_to(machine)                                            # or it is as flashed, on USB
     first_steps(machine), holds(machine)
 
 The firmware is that of the board file, as it is flashed, but for two lines in main.py: they put the memory in the place
 of its first link. The sender counts characters, at most 127 bytes are under way. The lines are chords of a circle in
-space, absolute, to the micrometre, CHORDS of them over and over.
+space, absolute, to the micrometre, CHORDS of them over and over; or dots of a picture, each with another power, in rows
+of ROW, forth and back by turns.
 """
 
 import tempfile
@@ -23,6 +25,12 @@ from host_tools.emulator.machine import EmulatedMachine, written
 
 CHORDS = 64
 LINE_BYTES = 24
+DOT_BYTES = 12  # a line of a picture
+DOTS = 32  # different ones in a row
+CHUNK = 48  # bytes read at once
+DOTS_A_CHUNK = CHUNK // DOT_BYTES
+ROW = 4 * DOTS + 3
+LASER_PIN = 22
 CYCLES_PER_MS = 1000 * CYCLES_PER_US
 _RUN = b"        start.run(app, port)\n"
 _ATTACH = b"        import memory_line\n        memory_line.attach(app, port)\n"
@@ -30,15 +38,13 @@ _LINE = """
 import gc, micropython, sys
 from time import ticks_us, ticks_diff
 
-CHORDS = 64
-WIDTH = 24
 WINDOW = 127
 CHUNK = 48
 
 class Memory:
-    def __init__(self, app, chunks, again, lines, warm):
+    def __init__(self, app, chunks, again, lines, warm, width):
         self.chunks, self.again, self.at = chunks, again, 0
-        self.left, self.due = lines * WIDTH, 0
+        self.left, self.due, self.width = lines * width, 0, width
         self.until, self.warm, self.answers, self.begun = lines, warm, 0, 0
         self.planner, self.feeder = app.planner, app.feeder
         self.least = 999
@@ -67,7 +73,7 @@ class Memory:
     def write(self, data):
         count = data.count(b"ok")
         self.answers += count
-        self.due -= count * WIDTH
+        self.due -= count * self.width
         if not self.begun and self.answers >= self.warm:
             self.begun, self.first = ticks_us(), self.answers
             print("warm")
@@ -75,15 +81,15 @@ class Memory:
             print("done", self.answers - self.first, ticks_diff(ticks_us(), self.begun), self.least, self.feeder.late)
 
 def attach(app, port):
-    def go(path, head, lines, warm):
+    def go(path, head, lines, warm, width, order):
         again = len(head) // CHUNK
         chunks = [head[at : at + CHUNK] for at in range(0, len(head), CHUNK)]
         with open(path, "rb") as file:
-            for _ in range(CHORDS * WIDTH // CHUNK):
-                chunks.append(file.read(CHUNK))
+            read = [file.read(CHUNK) for _ in range(max(order) + 1)]
+        chunks += [read[place] for place in order]
         gc.collect()
         print("free", gc.mem_free())
-        app.links[0].serial = port._lines[0] = Memory(app, chunks, again, lines, warm)
+        app.links[0].serial = port._lines[0] = Memory(app, chunks, again, lines, warm, width)
     gc.collect()
     print("ready", gc.mem_free())
     exec(sys.stdin.readline(), {"go": go, "app": app, "port": port})
@@ -101,18 +107,38 @@ def chords(length_mm):
     return round(50 + radius, 3), padded(*[place(chord + 1) for chord in range(CHORDS)])
 
 
-def padded(*lines):
-    """Lines of LINE_BYTES each."""
-    text = b"".join(line.encode().ljust(LINE_BYTES - 1) + b"\n" for line in lines)
-    assert len(text) == LINE_BYTES * len(lines)
+def raster(dot_mm):
+    """(the bytes of two rows of dots, relative, forth and back, in which DOTS repeat; the order of their chunks.) Every
+    seventh dot is dark."""
+
+    def dots(sign, first, count):
+        powers = [(dot * 397 % 999 + 1) if dot % 7 else 0 for dot in range(first, first + count)]
+        return [f"X{sign * dot_mm:.1f}S{power}" for power in powers]
+
+    lines = []
+    for sign in (1, -1):
+        before, *others = dots(sign, 1, 3)
+        lines += [f"G0Y{sign * dot_mm:.1f}", "G1" + before, *others, *dots(sign, 4, DOTS)]
+    chunks = 1 + DOTS // DOTS_A_CHUNK
+    row = [0] + 4 * list(range(1, chunks))
+    return padded(*lines, width=DOT_BYTES), bytes(row + [chunks + chunk for chunk in row])
+
+
+def padded(*lines, width=LINE_BYTES):
+    """Lines of `width` bytes each."""
+    text = b"".join(line.encode().ljust(width - 1) + b"\n" for line in lines)
+    assert len(text) == width * len(lines)
     return text
 
 
-def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis"):
-    """A booted EmulatedMachine of the board file with axes of 250 mm/s and 2500 mm/s², that waits for run_lines()."""
+def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False):
+    """A booted EmulatedMachine of the board file with axes of 250 mm/s and 2500 mm/s², that waits for run_lines(); with a
+    `laser` in its spindle's place for run_raster()."""
     board = boards.load(name)
     for axis in board["axes"]:
         axis.update(max_mm_min=15_000, accel_mm_s2=2500)
+    if laser:
+        board["spindle"] = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": LASER_PIN, "pwm_hz": 5000, "laser": True}
     files = written(board)
     assert files["main.py"].count(_RUN) == 1
     files["main.py"] = files["main.py"].replace(_RUN, _ATTACH + _RUN)
@@ -122,7 +148,7 @@ def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis"):
         compile_module(source, target, "armv6m", "memory_line")
         files[target.name] = target.read_bytes()
     for length_mm in lengths_mm:
-        files[f"{length_mm}.txt"] = chords(length_mm)[1]
+        files[f"{length_mm}.txt"] = raster(length_mm)[0] if laser else chords(length_mm)[1]
     machine = EmulatedMachine(board, files, trace=None).boot()
     machine.pico.console.expect(b"ready")
     machine.free_bytes = int(machine.pico.console.expect(b"\n").split()[-1])
@@ -187,9 +213,19 @@ def run_lines(machine, length_mm, feed_mm_s, count, limit_ms=60_000):
     """Have `count` lines streamed; the figures of the last three quarters of them."""
     start, _ = chords(length_mm)
     head = padded("$X", "G21G90G94", f"G92X{start}Y50Z-20", f"G1F{60 * feed_mm_s:.0f}")
-    total = count + 4
+    return _run(machine, length_mm, head, count, LINE_BYTES, bytes(range(CHORDS * LINE_BYTES // CHUNK)), limit_ms)
+
+
+def run_raster(machine, dot_mm, feed_mm_s, count, mode="M4", limit_ms=60_000):
+    """The same with `count` lines of raster(dot_mm)."""
+    head = padded("$X", "G21G91G94", f"{mode}S0F{60 * feed_mm_s:.0f}", "G0", width=DOT_BYTES)
+    return _run(machine, dot_mm, head, count, DOT_BYTES, raster(dot_mm)[1], limit_ms)
+
+
+def _run(machine, name, head, count, width, order, limit_ms):
+    total = count + len(head) // width
     console = machine.pico.console
-    console.send(f"go('{length_mm}.txt',{head!r},{total},{count // 4})\n".encode())
+    console.send(f"go('{name}.txt',{head!r},{total},{count // 4},{width},{order!r})\n".encode())
     console.expect(b"warm", limit_ms * 1000)
     load = Load(machine.pico)
     console.expect(b"done", limit_ms * 1000)

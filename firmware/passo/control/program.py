@@ -96,15 +96,19 @@ class Program:
             return machine.accepted(command)
         return self._begin(command)
 
-    def takes(self, tool, power, dynamic):
-        """True where lines with this tool may go straight to the queue, within reach(): nothing is unusual now."""
+    def takes(self, tool, power, dynamic, beam):
+        """True where lines with this tool may go straight to the queue, within reach(): nothing is unusual now. `beam`:
+        each line brings its own tool and power."""
         machine = self._machine
         queue = self._queue
         planner = self._planner
         return not (
             machine.command is not None or machine.alarm or machine.sleeping or machine.checking or self.jogging
             or machine.occupied() or machine.objects.drawing or machine.pauses.dropping or not planner.accelerates
-            or tool != queue.tool or dynamic != planner.dynamic or (power or planner.power) and thousandths(power) != planner.power
+            or not beam and (
+                tool != queue.tool or dynamic != planner.dynamic
+                or (power or planner.power) and thousandths(power) != planner.power
+            )
         )  # fmt: skip
 
     def _refusal(self, command):
@@ -192,8 +196,13 @@ class Program:
     def _queue_motion(self, command):
         """0, or why the planner cannot."""
         planner = self._planner
-        if command.power or planner.power or command.dynamic != planner.dynamic:
-            self._queue.set_power(thousandths(command.power), command.dynamic)
+        power = thousandths(command.power)
+        changes = power != planner.power or command.tool != self._queue.tool
+        if changes or command.dynamic != planner.dynamic:
+            self._queue.set_power(power, command.dynamic)
+            if changes and not command.dynamic and command.kind == commands.LINE:
+                if not any(self._queue.deltas(command.target)):
+                    self._queue.set_tool(command.tool, command.number)  # no step brings the beam's change about
         ticks = minute_ticks(command) if command.per_min else 0
         try:
             if command.kind == commands.ARC:

@@ -109,6 +109,10 @@ class StreamQueue(Queue):
         self._planner.power = power
         self._planner.dynamic = dynamic
 
+    def slow_tool(self):
+        """True where a change of the tool takes time."""
+        return self.tool_ms(True) + self.tool_ms(False) > 0
+
     def pace(self):
         """The mean speed of the segment under way, as Feeder.pace()."""
         return self._feeder.pace(self._player.played())

@@ -49,8 +49,15 @@ _DELTAS = const(22)  # steps of the last one
 _LOW = const(25)  # the travel: steps, + _BIAS
 _HIGH = const(28)
 _LEAST = const(31)  # feed, nm/s: steps are no more than 40 s apart
-_ONE_TOOL = const(32)  # 1: G0 and G1 may follow each other, the tool is the same
-_PLACE = const(33)
+_FULL = const(32)  # S of full power; _ANY: S counts for nothing; _SAME: it must not change
+_RPM = const(33)  # S
+_LIT = const(34)  # 1: the beam is on
+_POWER = const(35)  # thousandths
+_PLACE = const(36)
+_ANY = const(0)
+_SAME = const(1)
+_OTHER = const(2000)  # no power
+_MOST_RPM = const(100_000_000)
 _FARTHEST = const(0x1FFFFFFF)
 _BIAS = const(0x20000000)
 
@@ -106,6 +113,7 @@ class GCode(Motions):
             self._unknown = True
             place = self._place
             self.feed = place[_FEED]
+            self.rpm = place[_RPM]
             self.number = place[_NUMBER]
             self.ended = False
             self.position = list(place[_POSITION : _POSITION + self.axes])
@@ -154,31 +162,41 @@ class GCode(Motions):
             or self._reach is not machine.program.reach()
         ) and not self._know():  # fmt: skip
             return 0
+        place = self._place
+        planner = queue.planner
+        beam = place[_FULL] > _SAME
         tool = self._lit
-        if not machine.program.takes(tool, self._power, self._dynamic):
+        if not machine.program.takes(tool, self._power, self._dynamic, beam):
             return 0
+        if beam:
+            place[_LIT] = tool = queue.tool
+            place[_POWER] = planner.power if planner.dynamic == self._dynamic else _OTHER
         room = queue.room() - 1
         if room < most:
             most = room
         self.waits = True
-        place = self._place
         read = plain
         text = lines.text
         whole = lines.whole
         at = lines.at
-        planner = queue.planner
         count = 0
         while count < most and at < whole:
             motion = read(text, at, whole, place)
             if not motion:
                 self.waits = False
                 break
+            if motion > 101:
+                motion -= 2
+                tool = place[_LIT]
+                planner.power = place[_POWER]
+                planner.dynamic = self._dynamic
             feed = place[_FEED] if motion > 100 else 0
             planner.follow(place, _DELTAS, tool, place[_NUMBER], not feed, feed)
             at = place[_AFTER]
             count += 1
         if count:
             lines.at = at
+            queue.tool = tool
             self.motion = place[_MODAL] * 100
             machine.program.followed(place, _TARGET, self.axes)
             self._steps[:] = queue.target[: self.axes]
@@ -187,7 +205,11 @@ class GCode(Motions):
     def _know(self):
         """Fill in `place` from the modal state. False where that is not for plain lines."""
         self.leave_plain()
-        if plain is None or self.motion not in (0, 100) or not self.per_minute or self.feed > _FARTHEST:
+        if (
+            plain is None or self.motion not in (0, 100) or not self.per_minute
+            or self.feed > _FARTHEST or self.rpm > _FARTHEST
+            or self.laser and (not _SAME < self.max_rpm <= _MOST_RPM or self.machine.queue.slow_tool())
+        ):  # fmt: skip
             return False
         self._settle()
         place = self._place
@@ -212,15 +234,17 @@ class GCode(Motions):
             place[_LOW + axis] = max(low, -_FARTHEST) + _BIAS
             place[_HIGH + axis] = min(high, _FARTHEST) + _BIAS
         self._steps = self._steps[:]
-        others = self._tool(100 - self.motion)
-        place[_ONE_TOOL] = 1 if self._tool(self.motion) == others else 0
+        place[_RPM] = self.rpm
+        place[_FULL] = self._full()
+        self._prepare(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
         self._offsets_known = self.offsets.version
         self._unknown = False
         return True
 
-    def _tool(self, motion):
-        self._prepare(motion, self.feed, 0, 0, self.spindle, self.rpm)
-        return self._lit, self._power, self._dynamic
+    def _full(self):
+        if self.spindle == 5:
+            return _ANY
+        return self.max_rpm if self.laser else _SAME
 
     def _line(self):
         found = self._found
@@ -262,7 +286,8 @@ class GCode(Motions):
         # before them.
         before = []
         turned = spindle != self.spindle or rpm != self.rpm and spindle != 5
-        if turned and not (self.laser and self._cutting and self.commands and spindle == self.spindle):
+        line = self._cutting or moves and motion == 0
+        if turned and not (self.laser and line and self.commands and spindle == self.spindle):
             before.append(self._spindle_command(spindle, rpm, motion))
         if found[TOOL_CHANGE] != NONE:
             before.append(Command(commands.PAUSE))

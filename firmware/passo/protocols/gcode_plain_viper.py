@@ -1,12 +1,15 @@
-"""The most frequent line of G-code, from its bytes to steps: G0 or G1 with axis words, and perhaps F or N.
+"""The most frequent line of G-code, from its bytes to steps: G0 or G1 with axis words, and perhaps F, S or N.
 
     motion = plain(text, at, len(text), place)  # 100 + G's number; 0: not such a line, or not to be dealt with in short
+
+A laser's beam is lit by the line as its S says, or dark in a G0: 2 more where that is not as before.
 
 The line begins at text[at], and ends with a line feed or the text. `place` (gcode.py names its numbers) says where the
 machine is and how lines count; after a plain line it says where that leads, by how many steps, and where the next line
 begins; after another it has not changed what counts. What is unusual (any other word or character, more than six
-decimals, a place beyond the travel or half a metre, a very slow feed, a mistake) is left to gcode.py, which alone knows the
-rules; what is understood here gives what it gives, to the nanometre. One text for all interpreters: a board
+decimals, a place beyond the travel or half a metre, a very slow feed, another speed of a spindle, a beam that changes
+without a step, a mistake) is left to gcode.py, which alone knows the rules; what is understood here gives what it gives,
+to the nanometre. One text for all interpreters: a board
 compiles it to machine code, elsewhere it is ordinary Python; see motion/measure_viper.py for what that asks of integers.
 """
 # ruff: noqa: F821
@@ -26,7 +29,10 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
     motion = place[2]
     feed = place[3]
     inches = place[19]
+    full = place[32]
+    rpm = place[33]
     number = 0
+    changes = 0
     have = 0
     at = 0
     while at < 3:
@@ -42,7 +48,7 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
             at += 1
         elif letter == 0:
             letter = byte & 0xDF
-            if byte < 65 or letter != 71 and letter != 70 and letter != 78 and (letter < 88 or letter > 90):
+            if letter < 88 and letter != 83 and letter != 71 and letter != 70 and letter != 78 or letter > 90 or byte < 65:
                 return 0
             value = 0
             digits = 0
@@ -71,41 +77,7 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
             # --- a word has ended, and the byte begins the next
             if digits == 0:
                 return 0
-            if letter == 71:
-                if value > 1 or negative or point or have & 1:
-                    return 0
-                have |= 1
-                motion = value
-            elif letter == 78:
-                if value > 10000000 or negative or point or have & 4:
-                    return 0
-                have |= 4
-                number = value
-            elif letter == 70 and inches:
-                if negative or decimals > 5 or have & 2:
-                    return 0
-                have |= 2
-                while decimals < 5:
-                    if value > 1500000:
-                        return 0
-                    value *= 10
-                    decimals += 1
-                if value > 16000000:
-                    return 0
-                feed = (value * 127 + 15) // 30  # 10⁻⁵ inches a minute to nm/s, rounded
-            elif letter == 70:
-                if negative or decimals > 3 or have & 2:
-                    return 0
-                have |= 2
-                while decimals < 3:
-                    if value > 4000000:
-                        return 0
-                    value *= 10
-                    decimals += 1
-                if value > 40000000:
-                    return 0
-                feed = (value * 50 + 1) // 3  # micrometres a minute to nm/s, rounded
-            else:
+            if letter >= 88:
                 letter -= 88
                 if letter >= axes or decimals > 6 or have >> (4 + letter) & 1:
                     return 0
@@ -136,9 +108,49 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
                 if value > 0x1FFFFFFF or value < 0 - 0x1FFFFFFF:
                     return 0
                 place[16 + letter] = value
+            elif letter == 71:
+                if value > 1 or negative or point or have & 1:
+                    return 0
+                have |= 1
+                motion = value
+            elif letter == 78:
+                if value > 10000000 or negative or point or have & 4:
+                    return 0
+                have |= 4
+                number = value
+            elif letter == 70 and inches:
+                if negative or decimals > 5 or have & 2:
+                    return 0
+                have |= 2
+                while decimals < 5:
+                    if value > 1500000:
+                        return 0
+                    value *= 10
+                    decimals += 1
+                if value > 16000000:
+                    return 0
+                feed = (value * 127 + 15) // 30  # 10⁻⁵ inches a minute to nm/s, rounded
+            else:
+                if negative or decimals > 3:
+                    return 0
+                while decimals < 3:
+                    if value > 50000000:
+                        return 0
+                    value *= 10
+                    decimals += 1
+                if letter == 70:
+                    if value > 40000000 or have & 2:
+                        return 0
+                    have |= 2
+                    feed = (value * 50 + 1) // 3  # micrometres a minute to nm/s, rounded
+                else:
+                    if value > 500000000 or have & 8:
+                        return 0
+                    have |= 8
+                    rpm = value
             letter = 0
     place[21] = at + 1
-    if have < 16 or motion and feed < place[31] or motion != place[2] and place[32] == 0 or at - begin > 80:
+    if have < 16 or motion and feed < place[31] or full == 1 and rpm != place[33] or at - begin > 80:
         return 0
     # --- nanometres to steps: · steps a metre / 10⁹, to the nearest, halves away from zero; in digits of 15 bits
     at = 0
@@ -186,6 +198,31 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
                 return 0
             place[22 + at] = steps
         at += 1
+    if full > 1:
+        # --- S in thousandths of full power, to the nearest, but not 0 for more than a millionth
+        letter = 1 if motion and rpm else 0
+        value = 0
+        if letter and rpm < full:
+            digits = rpm
+            decimals = 0
+            while decimals < 3:
+                digits *= 10
+                value = value * 10 + digits // full
+                digits %= full
+                decimals += 1
+            if digits << 1 >= full or value == 0 and rpm > (full - 1) // 1000000:
+                value += 1
+        elif letter:
+            value = 1000
+        if letter != place[34] or value != place[35]:
+            at = 0
+            while place[22 + at] == 0:
+                at += 1
+                if at == axes:
+                    return 0
+            place[34] = letter
+            place[35] = value
+            changes = 2
     # --- all is right: from here on it counts
     at = 0
     while at < axes:
@@ -195,4 +232,5 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
     place[2] = motion
     place[3] = feed
     place[20] = number
-    return 100 + motion
+    place[33] = rpm
+    return 100 + motion + changes

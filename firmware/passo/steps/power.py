@@ -25,7 +25,7 @@ class Power:
         self._percent = 100
         self._least = 0
         self._words = array("i", [0] * _SIZE)
-        self._values = array("i", [0] * _SIZE)
+        self._values = array("h", [0] * _SIZE)
         self._head = 0  # marks put and marks played, for ever, modulo 2²⁹
         self._tail = 0
 
