@@ -6,6 +6,7 @@ from host_tools.emulator import gcode
 
 FREE_BYTES = 12_000  # with the larger ring of the faster axes, and the memory that the lines come from
 LINES_S = 450
+DOTS_S = 400
 
 
 def test_short_lines_are_read_planned_and_stepped(uf2, show):
@@ -14,3 +15,9 @@ def test_short_lines_are_read_planned_and_stepped(uf2, show):
     run = gcode.run_lines(machine, 0.2, 200, 80)
     assert run["lines_s"] > LINES_S and run["late"] == 0
     show("lines of 0.2 mm a second on the Pico", f"{run['lines_s']:.0f}")
+
+
+def test_a_picture_is_read_planned_and_burnt(uf2, show):
+    run = gcode.run_raster(gcode.fast_router((0.1,), laser=True), 0.1, 100, 100)
+    assert run["lines_s"] > DOTS_S and run["late"] == 0
+    show("dots of 0.1 mm a second on the Pico", f"{run['lines_s']:.0f}")

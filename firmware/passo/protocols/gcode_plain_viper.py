@@ -4,13 +4,13 @@
 
 A laser's beam is lit by the line as its S says, or dark in a G0: 2 more where that is not as before.
 
-The line begins at text[at], and ends with a line feed or the text. `place` (gcode.py names its numbers) says where the
-machine is and how lines count; after a plain line it says where that leads, by how many steps, and where the next line
-begins; after another it has not changed what counts. What is unusual (any other word or character, more than six
+The line begins at text[at], and ends with a line feed or the text. `place` (gcode.py names its numbers) says where
+the machine is and how lines count; after a plain line it says where that leads, by how many steps, and where the next
+line begins; after another it has not changed what counts. What is unusual (any other word or character, more than six
 decimals, a place beyond the travel or half a metre, a very slow feed, another speed of a spindle, a beam that changes
-without a step, a mistake) is left to gcode.py, which alone knows the rules; what is understood here gives what it gives,
-to the nanometre. One text for all interpreters: a board
-compiles it to machine code, elsewhere it is ordinary Python; see motion/measure_viper.py for what that asks of integers.
+without a step, a mistake) is left to gcode.py, which alone knows the rules; what is understood here gives what it
+gives, to the nanometre. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary
+Python; see motion/measure_viper.py for what that asks of integers.
 """
 # ruff: noqa: F821
 
