@@ -1,0 +1,193 @@
+"""A laser on the emulated Pico: when its tool's pin is high, and what duty its PWM has.
+
+rp2040py models the PWM slices: counter, wrap, compare values that count from the next wrap on, and the pins. What the
+firmware writes to the compare register is looked at here, and once the pin itself.
+"""
+
+from functools import lru_cache
+
+import pytest
+from emulated import uf2  # noqa: F401
+
+from host_tools.emulator.cycles import CYCLES_PER_US
+from host_tools.emulator.machine import EmulatedMachine
+
+pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("laser")]
+CYCLES_PER_MS = 1000 * CYCLES_PER_US
+STEPS_MM = 80
+WITHIN_MS = 2.3  # the duty follows: a turn of the interrupt, and what it takes
+_CC = 0x0C
+_STEP, _DIR, _TOOL, _PWM = 2, 4, 6, 7
+
+
+class Laser:
+    """laser_xy, booted and unlocked. duty: [(cycle, thousandths)] as written; steps: cycles at which X steps."""
+
+    def __init__(self, uf2):
+        self.machine = EmulatedMachine("laser_xy", trace=None, uf2=uf2).boot()
+        self.slice = self.machine.pico.chip.pwm.channels[_PWM // 2]
+        self.duty = []
+        stock = self.slice.write_register
+
+        def write(offset, value):
+            stock(offset, value)
+            if offset == _CC and self.value() != (self.duty[-1][1] if self.duty else 0):
+                self.duty.append((self.machine.pico.cycle, self.value()))
+
+        self.slice.write_register = write
+        self.machine.run_until(lambda: b"unlock" in self.machine.received(), 5000)
+        self.steps = self.machine.pico.edges(_STEP)
+        self.tool = self.machine.pico.edges(_TOOL)
+        self.say("$X", "G21G91F3000")
+
+    def value(self):
+        """The duty that is set, in thousandths."""
+        return round((self.slice.cc >> 16) * 1000 / (self.slice.top + 1))
+
+    def say(self, *lines):
+        """Have lines answered."""
+        self.machine.take()
+        self.machine.send("".join(line + "\n" for line in lines).encode())
+        self.machine.run_until(lambda: self.machine.received().count(b"ok") >= len(lines), 3000)
+
+    def settle(self):
+        """Until no step has come for a while."""
+        count = -1
+        while count != len(self.steps):
+            count = len(self.steps)
+            self.machine.run_ms(30)
+
+    def lit(self):
+        return self.machine.pico.pads.state(_TOOL)
+
+    def dark(self):
+        return not self.lit() and self.value() == 0
+
+    def places(self):
+        """[(cycle, steps made by then)] at each rise of the step's pin."""
+        return [cycle for cycle, state in self.steps if state == 1]
+
+    def at(self, steps):
+        """The cycle of the step that leads from the place `steps`: what counts from there on begins with it."""
+        return self.places()[steps]
+
+
+@lru_cache
+def _booted(uf2):
+    return Laser(uf2)
+
+
+@pytest.fixture(scope="session")
+def laser(uf2):
+    return _booted(uf2)
+
+
+def follows(laser, marks):
+    """The duty is as in `marks`, [(cycle, thousandths)], each within WITHIN_MS of its time."""
+    assert [value for _, value in laser.duty] == [value for _, value in marks]
+    late = [(there - due) / CYCLES_PER_MS for (there, _), (due, _) in zip(laser.duty, marks)]
+    assert min(late) >= -0.001 and max(late) <= WITHIN_MS, late
+    return late
+
+
+def test_a_raster_burns_where_it_says(laser, show):
+    """At one speed, M3: each dot's power from its first step on, rapids and S0 dark; the tool's pin with the very step."""
+    assert laser.dark() and not laser.duty
+    pulses = laser.machine.pico.edges(_PWM)
+    laser.say("M3S0", "G0X1", "G1X.5S500", "X.5S1000", "X.5S0", "X.5S3", "G0X.5", "G1X.5", "X.5S250", "G0X1S0", "M5")
+    laser.settle()
+    mm = [0, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.5]
+    powers = [0, 500, 1000, 0, 3, 0, 3, 250, 0]
+    marks = [(laser.at(int(at * STEPS_MM)), power) for at, power in zip(mm, powers)][1:]
+    late = follows(laser, marks)
+    show("the laser's PWM follows its steps", f"{min(late):.2f} to {max(late):.2f} ms")
+    switched = [laser.at(int(at * STEPS_MM)) for at in (1, 2, 2.5, 3, 3.5, 4.5)]
+    assert [state for _, state in laser.tool] == [1, 0] * 3
+    for (cycle, _), step in zip(laser.tool, switched):
+        assert abs(cycle - step) <= CYCLES_PER_US, "the tool's pin changes with the step"
+    assert laser.dark()
+    on = sum(b[0] - a[0] for a, b in zip(pulses, pulses[1:]) if a[1] == 1)
+    want = sum((b[0] - a[0]) * a[1] / 1000 for a, b in zip(laser.duty, laser.duty[1:]))
+    assert abs(on - want) < 0.02 * want, "what the pin shows is what has been set"
+
+
+def test_power_follows_the_speed_and_is_dark_at_a_stand(laser):
+    laser.say("M4S800", "G1X6")
+    laser.settle()
+    top = max(value for _, value in laser.duty)
+    peak = [value for _, value in laser.duty].index(top)
+    rising = [value for _, value in laser.duty[: peak + 1]]
+    falling = [value for _, value in laser.duty[peak:]]
+    assert top == 800 and rising == sorted(rising) and falling == sorted(falling, reverse=True)
+    assert len(rising) > 8 and len(falling) > 8 and laser.dark()
+    last = laser.at(6 * STEPS_MM - 1)  # its interval lasts 4 ms
+    assert laser.duty[-1][0] - last < 8 * CYCLES_PER_MS
+    assert max(value for cycle, value in laser.duty if cycle > last) < 150
+    laser.say("G1X1S300", "G1X-1S600", "M5")
+    laser.settle()
+    assert laser.dark() and max(value for _, value in laser.duty[-30:]) <= 600
+
+
+def test_a_hold_is_dark_and_goes_on_as_it_was(laser):
+    for mode, most in ("M3", 400), ("M4", 400):
+        laser.say(mode + "S400", "G1X10")
+        laser.machine.run_ms(90)
+        assert laser.lit() and laser.value() == most
+        laser.machine.send(b"!")
+        laser.machine.run_ms(150)
+        assert laser.dark(), mode
+        laser.machine.run_ms(100)
+        assert laser.dark(), mode
+        laser.machine.send(b"~")
+        laser.machine.run_ms(80)
+        assert laser.lit() and laser.value() == most
+        laser.settle()
+        laser.say("M5")
+        laser.machine.run_ms(10)
+        assert laser.dark()
+    assert len(laser.places()) == 20 * STEPS_MM
+
+
+@pytest.mark.parametrize("how", ["reset", "door", "limit"])
+def test_it_is_dark_at_once(laser, how):
+    """In the middle of dots, the next ones queued: nothing of them is seen any more."""
+    if how == "limit":
+        laser.machine.pico.drive(9, 0)
+        laser.say("$21=1")
+    laser.say("M3S900", *["G1X1S%d" % (100 + 7 * dot) for dot in range(8)])
+    laser.machine.run_ms(60)
+    assert laser.lit() and laser.value() > 0
+    begun = laser.machine.pico.cycle
+    if how == "reset":
+        laser.machine.send(b"\x18")
+    else:
+        laser.machine.pico.drive(13 if how == "door" else 9, 1)
+    laser.machine.run_until(laser.dark, 200)
+    took_ms = (laser.machine.pico.cycle - begun) / CYCLES_PER_MS
+    assert took_ms < (60 if how == "door" else 20), took_ms
+    laser.machine.run_ms(100)
+    assert laser.dark() and laser.duty[-1][0] - begun <= took_ms * CYCLES_PER_MS
+    said = {"reset": b"ALARM:3", "door": b"Door", "limit": b"ALARM:1"}[how]
+    assert said in laser.machine.received()
+
+
+def test_a_beam_that_stands_changes_at_once(laser):
+    """M3 burns on at a stand; S alone, M5 and the override count there and then."""
+    laser.say("M3S500", "G1X1")
+    laser.settle()
+    assert laser.lit() and laser.value() == 500
+    laser.say("S200")
+    laser.machine.run_ms(5)
+    assert laser.lit() and laser.value() == 200
+    laser.machine.send(b"\x9a")
+    laser.machine.run_ms(15)
+    assert laser.lit() and laser.value() == 220
+    laser.say("G1X0S0")
+    laser.machine.run_ms(5)
+    assert laser.dark()
+    laser.say("G1X0S700")
+    laser.machine.run_ms(5)
+    assert laser.lit() and laser.value() == 770
+    laser.say("M5")
+    laser.machine.run_ms(5)
+    assert laser.dark()
