@@ -180,12 +180,13 @@ class UART:
     def any(self):
         return len(self.incoming)
 
-    def read(self, count=-1):
+    def readinto(self, buffer, count=-1):
         if count < 0:
-            count = len(self.incoming)
+            count = len(buffer)
         data = self.incoming[:count]
         self.incoming = self.incoming[count:]
-        return data or None
+        buffer[: len(data)] = data
+        return len(data) or None
 
     def write(self, data):
         self.outgoing += bytes(data)

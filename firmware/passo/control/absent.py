@@ -14,7 +14,7 @@ class Absent:
     def handlers(self):
         return {}
 
-    def _nothing(self, *about):
+    def _nothing(self, about=None):
         return None
 
     def poll(self, now_ms=0):

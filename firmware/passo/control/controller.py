@@ -62,6 +62,7 @@ class Controller:
         self._parts = []  # those that only some machines have: see add()
         self._lifting = False  # homing waits for the tool
         self._events = []
+        self._taken = []  # the two change places: none has to be made
         self._report = {}  # one for all: it is used up before the next
         self._late = 0
         self._handlers = {
@@ -181,9 +182,12 @@ class Controller:
 
     @micropython.native
     def take_events(self):
+        """What has happened since; good until it is asked for again."""
         events = self._events
         if events:
-            self._events = []
+            self._taken.clear()
+            self._events = self._taken
+            self._taken = events
         return events
 
     def poll(self):

@@ -19,5 +19,8 @@ class Pins:
         if levels is None or levels != self._levels or self._settings_of != self._settings.version:
             self._levels = levels
             self._settings_of = self._settings.version
-            self._text = "".join([item[0] for item in self._shown if inputs.read(item[1])])
+            self._read(inputs.read)
         return self._text
+
+    def _read(self, read):
+        self._text = "".join([item[0] for item in self._shown if read(item[1])])

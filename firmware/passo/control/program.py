@@ -36,7 +36,8 @@ class Program:
         self._active = False  # motion has been queued and has not come to its end
         self._fresh = False  # motion was queued since the last turn
         self._limits_of = self._limits = None  # the settings' version that the planner knows, and its limits
-        self._part = self._pace = self._top = None  # that the speed shown is of
+        self._part = None  # of the fastest speed, that the one asked for is
+        self._asked = 0  # nm/s
         self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
         self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
@@ -376,10 +377,10 @@ class Program:
         if not pace or self._limits is None:
             return 0
         part = rows[at + SPEED]
-        top = rows[at + TOP] if rows[at + GAIN] else pace
-        if part != self._part or pace != self._pace or top != self._top:  # large integers: only where something has changed
+        if part != self._part:  # a large integer in between: only where the speed asked for has changed
             self._part = part
-            self._pace = pace
-            self._top = top
-            self._shown = self._limits.speed(part) * pace // top
-        return self._shown
+            self._asked = self._limits.speed(part)
+        if not rows[at + GAIN]:
+            return self._asked
+        top = rows[at + TOP]
+        return self._asked // top * pace + self._asked % top * pace // top

@@ -6,6 +6,7 @@ from micropython import const
 
 _RECEIVE_BYTES = const(1024)  # 89 ms at 115 200 baud
 _SEND_BYTES = const(256)
+_MOST = const(128)  # bytes read in one go
 
 
 class UartLine:
@@ -19,14 +20,23 @@ class UartLine:
             rxbuf=_RECEIVE_BYTES,
             txbuf=_SEND_BYTES,
         )
+        self._data = bytearray(_MOST)
+        self._view = self._said = memoryview(self._data)
 
     def any(self):
         return self._uart.any()
 
     def read(self):
-        """All bytes that have come, b"" if none."""
-        count = self._uart.any()  # read() without it takes a buffer of 256 bytes each time
-        return self._uart.read(count) or b"" if count else b""
+        """Bytes that have come, at most 128, good until the next read; b"" if none."""
+        count = self._uart.any()
+        if not count:
+            return b""
+        if count > _MOST:
+            count = _MOST
+        self._uart.readinto(self._data, count)
+        if count != len(self._said):
+            self._said = self._view[:count]
+        return self._said
 
     def write(self, data):
         self._uart.write(data)

@@ -21,29 +21,33 @@ class UsbLine:
     def __init__(self):
         self._poll = poll()
         self._poll.register(sys.stdin, POLLIN)
-        self._in = sys.stdin.buffer
+        # What reading takes is made once: as methods, bytes and slices it would be garbage of each read.
+        self._ready = self._poll.ipoll
+        self._take = sys.stdin.buffer.readinto
         self._byte = bytearray(1)
         self._data = bytearray(_MOST)
+        self._view = self._said = memoryview(self._data)
         self._out = sys.stdout.buffer
         self._heard_ms = ticks_ms()
         micropython.kbd_intr(-1)
 
     def any(self):
-        for _ in self._poll.ipoll(0):
+        for _ in self._ready(0):
             return True
         return False
 
     @micropython.native
     def read(self):
-        """Bytes that have come, at most 64, b"" if none. Raises KeyboardInterrupt when the REPL is asked for."""
+        """Bytes that have come, at most 64, good until the next read; b"" if none. Raises KeyboardInterrupt when the REPL
+        is asked for."""
         # The console gives what it has byte by byte only: asked for more, it waits for them.
         if not self.any():
             return b""
         count = 0
         byte = self._byte
         data = self._data
-        take = self._in.readinto
-        ready = self._poll.ipoll
+        take = self._take
+        ready = self._ready
         while count < _MOST:
             for _ in ready(0):
                 take(byte)
@@ -52,13 +56,14 @@ class UsbLine:
                 break
             else:
                 break
-        data = bytes(byte) if count == 1 else bytes(memoryview(data)[:count])
+        if count != len(self._said):
+            self._said = self._view[:count]
         now_ms = ticks_ms()
         silent_ms = ticks_diff(now_ms, self._heard_ms)
         self._heard_ms = now_ms
-        if silent_ms >= _SILENCE_MS and data.startswith(_ESCAPE):
+        if silent_ms >= _SILENCE_MS and bytes(self._said[:2]) == _ESCAPE:
             raise KeyboardInterrupt
-        return data
+        return self._said
 
     def write(self, data):
         self._out.write(data)

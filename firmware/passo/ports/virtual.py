@@ -163,11 +163,18 @@ class MemoryLine:
     def __init__(self):
         self.incoming = b""
         self.outgoing = b""
+        self._lent = bytearray()
 
     def read(self):
+        """Bytes that have come, good until the next read, as those of a chip's lines are; b"" if none."""
+        lent = self._lent
+        lent[:] = bytes(len(lent))
         data = self.incoming
+        if not data:
+            return b""
         self.incoming = b""
-        return data
+        self._lent = bytearray(data)
+        return memoryview(self._lent)
 
     def write(self, data):
         self.outgoing += bytes(data)

@@ -199,7 +199,8 @@ class GCode(Motions):
             queue.tool = tool
             self.motion = place[_MODAL] * 100
             machine.program.followed(place, _TARGET, self.axes)
-            self._steps[:] = queue.target[: self.axes]
+            for axis in range(self.axes):
+                self._steps[axis] = queue.target[axis]
         return count
 
     def _know(self):

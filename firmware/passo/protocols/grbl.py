@@ -107,14 +107,14 @@ class Grbl:
 
     def short(self, data, now_ms, machine):
         """The short way of plain lines, before feed() has the rest: the answers to those that are queued now. None where
-        `data` has real-time bytes: all of it is for feed() then."""
+        `data` has real-time bytes other than `?`: all of it is for feed() then."""
         lines = self._lines
         self._full = False
         if data:
             if not lines.take(data):
                 return None
         if (
-            lines.at == lines.whole or self._under_way is not None or self._rest or self._start_lines
+            lines.at == lines.whole or lines.asked or self._under_way is not None or self._rest or self._start_lines
             or self._version != self._settings.version or not machine.links.listening()
         ):  # fmt: skip
             return b""
@@ -129,12 +129,12 @@ class Grbl:
         """Commands, each to be answered by reply() before the next is asked for."""
         if not data:
             lines = self._lines
+            if lines.asked:
+                return self._ask()
             if self._under_way is not None or self._full:
                 return ()
             if not (self._rest or self._start_lines or lines.at < lines.whole or lines.lost):
                 return ()
-        elif data == b"?":
-            return self._ask()
         return self._commands(data)
 
     def _waiting(self):
@@ -142,6 +142,7 @@ class Grbl:
 
     def _ask(self):
         """The command of `?`: one, used again and again."""
+        self._lines.asked = False
         if self._asked is None:
             command = Command(commands.STATUS)
             command.accepted = Event(ACCEPTED, command)
@@ -153,6 +154,8 @@ class Grbl:
             for command in self._peel(data):
                 yield command
             return  # the lines come with the next turn, the short way or not
+        if self._lines.asked:
+            yield self._ask()[0]
         most = (self.most + 3) >> 2
         while self._under_way is None and most:
             most -= 1

@@ -1,6 +1,7 @@
 """The lines that a sender has under way: bytes in, and out the oldest line when its turn has come.
 
-    lines.take(b"G1X1\\nG1")         # False where there are real-time bytes among them
+    lines.take(b"G1X1\\nG?1")        # False where there are real-time bytes among them, but for `?`:
+    lines.asked                     # True; it is the caller's to clear
     while lines.waiting():
         line = lines.next()         # bytes; None for one that was too long or found no room
 
@@ -25,28 +26,37 @@ RX_BYTES = const(128)  # that a sender may have under way
 ROOM = const(1024)  # bytes of lines that are kept
 _REAL_TIME = const(-1)
 _SLOWLY = const(-2)
+_QUESTION = const(4096)
 _RAW = const(256)  # of one line, comments included
 _TOO_LONG = b"\xff\n"  # stands for such a line
 
 
 @micropython.viper
 def copy(text: ptr8, begin: int, data: ptr8, count: int, room: int) -> int:
-    """Put `count` bytes to text[begin:]; where the text behind its last line feed begins, 0: there is none. Nothing counts
-    of them where that is _REAL_TIME, or _SLOWLY: there is a carriage return, or no room."""
+    """Put `count` bytes to text[begin:], but for `?`. Where the text behind its last line feed begins, 0: there is none; and
+    how many `?` were left out · _QUESTION. Nothing counts of them where that is _REAL_TIME, or _SLOWLY: there is a carriage
+    return, or no room."""
     last = 0
     at = 0
+    end = begin
+    room += begin
     while at < count:
         byte = int(data[at])
-        if at < room:
-            text[begin + at] = byte
         at += 1
+        if byte == 0x3F:
+            continue
+        if end < room:
+            text[end] = byte
+        end += 1
         if byte == 10:
-            last = begin + at
-        elif byte > 0x7F or byte == 0x7E or byte == 0x3F or byte == 0x21 or byte == 0x18:
+            last = end
+        elif byte > 0x7F or byte == 0x7E or byte == 0x21 or byte == 0x18:
             return -1
         elif byte == 13:
             room = -1
-    return last if at <= room else -2
+    if end > room:
+        return -2
+    return last | (begin + count - end) << 12
 
 
 class Lines:
@@ -58,6 +68,7 @@ class Lines:
         self.clear()
 
     def clear(self):
+        self.asked = False  # `?` was among what has come
         self.at = self.whole = self._end = 0
         self.lost = 0  # lines that found no room
         self._spoilt = False  # the one that has not ended yet is too long, or finds none
@@ -85,9 +96,14 @@ class Lines:
         if last == _SLOWLY or self._spoilt or self.lost or self._after_return:
             self._take_each(data)
             return True
+        end += len(data)
+        if last >= _QUESTION:
+            self.asked = True
+            end -= last // _QUESTION
+            last %= _QUESTION
         if last:
             self.whole = last
-        self._end = end + len(data)
+        self._end = end
         self._check_length()
         return True
 
@@ -101,6 +117,12 @@ class Lines:
         self._end = held
 
     def _take_each(self, data):
+        data = bytes(data)
+        if b"?" in data:
+            self.asked = True
+            data = data.replace(b"?", b"")
+            if not data:
+                return
         if self._after_return and data[0] == 10:  # the second byte of \r\n
             data = data[1:]
         self._after_return = data[-1:] == b"\r"

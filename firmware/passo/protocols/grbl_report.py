@@ -126,7 +126,7 @@ class Status:
         settings = self._settings
         if self._out is None:
             self._out = bytearray(_LONGEST)
-            self._view = memoryview(self._out)
+            self._view = self._said = memoryview(self._out)
             self._figures = array("i", [0] * (AXES + 3 * gcode.axes))
         self._settings_of = settings.version
         self._offsets_of = gcode.offsets.version
@@ -174,7 +174,9 @@ class Status:
         else:
             self._now_and_then(report)
         self._tell(b">\r\n\0", 0)
-        return self._view[: self._at]
+        if len(self._said) != self._at:
+            self._said = self._view[: self._at]
+        return self._said
 
     def _tell(self, label, count):
         self._at = tell(self._out, self._at, label, self._figures, count)

@@ -299,11 +299,12 @@ class Pulses:
     # --- control commands
 
     def _control(self, data, at, found):
-        end = data.find(b"}", at)
+        text = bytes(data[at:])
+        end = text.find(b"}")
         if end < 0:
-            self._frame = (self._frame + data[at:])[: _LONGEST + 1]
+            self._frame = (self._frame + text)[: _LONGEST + 1]
             return len(data)
-        text = self._frame + data[at:end]
+        text = self._frame + text[:end]
         self._frame = None
         try:
             words = text.decode().split() if len(text) <= _LONGEST else []
@@ -312,7 +313,7 @@ class Pulses:
         command = self._command(words, found)
         if command is not None:
             found.append(command)
-        return end + 1
+        return at + end + 1
 
     def _command(self, words, found):
         """The Command of a control command's words; None where it has been dealt with."""

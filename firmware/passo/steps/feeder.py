@@ -63,6 +63,7 @@ class Feeder(Position):
         axes = layout.axes
         self._none = array("i", [0] * axes)  # no steps made
         self._found = array("i", self._none)  # for who asks where the machine is
+        self._stepping = 0
         self._stride = _FIELDS + axes
         self._marks = array("i", [0] * (_MARKS * self._stride))
         state = self.state = array("i", [0] * (_PLACE + axes))
@@ -323,10 +324,10 @@ class Feeder(Position):
         have been made (of a track: the place), so that it can be taken up again. The planner keeps its blocks.
         """
         self.retire(played)
-        stepping, at = self._walk(played)
+        at = self._walk(played)
         position = list(self._found)
         block = self.planner.playing()
-        index = self._along(block, at, stepping)
+        index = self._along(block, at, self._stepping)
         self.ring.head = played
         self.ring.power.clear()
         for axis in range(self.layout.axes):

@@ -48,15 +48,15 @@ class Position:
     # that can take longer than the time between two interrupts, and then no answer would ever be right.
 
     def _walk(self, played):
-        """(stepping words since the last checkpoint played, where in the marks that stands); the position is in `_found`."""
+        """Where in the marks the last checkpoint played stands; `_stepping`: words since that step; `_found`: the position."""
         state = self.state
         while True:
             oldest = state[_OLDEST]
             at = find(state, self._marks, played, self._found)
             if (played - self._marks[at + _WORD]) & COUNT_MASK < _HALF:
-                stepping = self._count(self._marks[at + _WORD], played)
+                self._stepping = self._count(self._marks[at + _WORD], played)
                 if state[_OLDEST] == oldest:
-                    return stepping, at
+                    return at
             played = state[_PLAYED]  # an interrupt has gone beyond it, and may have written over those words
 
     def _count(self, word, played):
@@ -79,7 +79,7 @@ class Position:
         block = self.planner.playing()
         if block is None or block.kind != TRACK:
             return None
-        stepping, at = self._walk(played)
+        at = self._walk(played)
         if self._marks[at + _ENDS] and at != self.state[_OLDEST] % _MARKS * self._stride:
             return self._marks[at + _MARK_INDEX]  # played to its end, and not retired yet
-        return self._along(block, at, stepping)
+        return self._along(block, at, self._stepping)
