@@ -28,7 +28,7 @@ LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any mom
 _TURNS_S = const(200)  # half a ring of words has to last as long as such a turn of the feeder
 _WAITING = const(64)  # commands of one link that may wait for their turn
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
-_MOST = const(4)  # lines a turn on a chip, where they take time
+_MOST = const(2)  # lines a turn on a chip, where they take time
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 
