@@ -18,10 +18,10 @@ def asked(uf2):
 
 
 def test_answers_come_in_time_while_three_axes_step(asked, show):
-    """A collection of garbage, and who has to wait behind it, may take longer; the bench says what p99 is."""
+    """All but one: asking leaves next to no garbage, but what is there already may be collected now."""
     took_ms = sorted(bench_moving.answers("pc", bench_moving.long_lines(), ANSWERS))
-    show("`?` on the Pico at 3 x 100 kHz", f"median {median(took_ms):.1f} ms, all but two within {took_ms[-3]:.1f} ms")
-    assert median(took_ms) <= 4.5 and took_ms[-3] <= 6.5
+    show("`?` on the Pico at 3 x 100 kHz", f"median {median(took_ms):.1f} ms, all but one within {took_ms[-2]:.1f} ms")
+    assert median(took_ms) <= 4.5 and took_ms[-2] <= 5
 
 
 def test_places_are_told_to_the_last_digit(asked):
