@@ -7,6 +7,9 @@ from host_tools.emulator import gcode
 FREE_BYTES = 12_000  # with the larger ring of the faster axes, and the memory that the lines come from
 LINES_S = 450
 DOTS_S = 400
+# Quarters of 0.5 and 1 mm radius, between lines and next to each other.
+TIGHT = ["G21G91F600", "G1X0.3", "G3X0.5Y0.5J0.5", "G1Y0.3", "G2X0.5Y0.5I0.5", "G2X1Y-1J-1", "G3X1Y1J1", "G1X0.3"]
+END_STEPS = [1152, 416, 0]  # 3.6 mm, 1.3 mm
 
 
 def test_short_lines_are_read_planned_and_stepped(uf2, show):
@@ -21,3 +24,11 @@ def test_a_picture_is_read_planned_and_burnt(uf2, show):
     run = gcode.run_raster(gcode.fast_router((0.1,), laser=True), 0.1, 100, 100)
     assert run["lines_s"] > DOTS_S and run["late"] == 0
     show("dots of 0.1 mm a second on the Pico", f"{run['lines_s']:.0f}")
+
+
+def test_tight_arcs_are_stepped_in_time(uf2):
+    """On the board as it is; where it stands at the end its pins tell."""
+    machine = gcode.router()
+    start = list(machine.plant.position)
+    assert gcode.late_words(machine, TIGHT) == 0
+    assert [after - before for after, before in zip(machine.plant.position, start)] == END_STEPS

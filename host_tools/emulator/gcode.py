@@ -4,6 +4,7 @@
     run = on_a_copy(lambda: run_lines(machine, 0.2, 100, 600))
     run["lines_s"], run["least"], run["late"]
     run_raster(fast_router(laser=True), 0.1, 100, 600)          # the same figures of a picture's dots
+    late_words(router(), ["G21G91", "F600", "G2X1Y1I1"])        # axes as the board file has them, a programme to its end
     talk_to(machine)                                            # or it is as flashed, on USB
     first_steps(machine), holds(machine)
 
@@ -84,9 +85,10 @@ def attach(app, port):
     def go(path, head, lines, warm, width, order):
         again = len(head) // CHUNK
         chunks = [head[at : at + CHUNK] for at in range(0, len(head), CHUNK)]
-        with open(path, "rb") as file:
-            read = [file.read(CHUNK) for _ in range(max(order) + 1)]
-        chunks += [read[place] for place in order]
+        if order:
+            with open(path, "rb") as file:
+                read = [file.read(CHUNK) for _ in range(max(order) + 1)]
+            chunks += [read[place] for place in order]
         gc.collect()
         print("free", gc.mem_free())
         app.links[0].serial = port._lines[0] = Memory(app, chunks, again, lines, warm, width)
@@ -139,6 +141,13 @@ def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False):
         axis.update(max_mm_min=15_000, accel_mm_s2=2500)
     if laser:
         board["spindle"] = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": LASER_PIN, "pwm_hz": 5000, "laser": True}
+    texts = {f"{length}.txt": raster(length)[0] if laser else chords(length)[1] for length in lengths_mm}
+    return router(board, texts)
+
+
+def router(board=None, texts=()):
+    """The same of a board, a dict, router_3axis unless given; `texts`: files for run_lines(), late_words() wants none."""
+    board = board or boards.load("router_3axis")
     files = written(board)
     assert files["main.py"].count(_RUN) == 1
     files["main.py"] = files["main.py"].replace(_RUN, _ATTACH + _RUN)
@@ -147,8 +156,7 @@ def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False):
         source.write_text(_LINE)
         compile_module(source, target, "armv6m", "memory_line")
         files[target.name] = target.read_bytes()
-    for length_mm in lengths_mm:
-        files[f"{length_mm}.txt"] = raster(length_mm)[0] if laser else chords(length_mm)[1]
+    files.update(texts)
     machine = EmulatedMachine(board, files, trace=None).boot()
     machine.pico.console.expect(b"ready")
     machine.free_bytes = int(machine.pico.console.expect(b"\n").split()[-1])
@@ -239,3 +247,12 @@ def _run(machine, name, head, count, width, order, limit_ms):
         "asleep": shares.get("asleep", 0),
         "timers": shares.get("timers", 0),
     }
+
+
+def late_words(machine, lines, limit_ms=60_000):
+    """Have a programme carried out to its end; how often the player ran dry inside a block."""
+    lines = ["$X", *lines, "G4P0.01"]
+    head = padded(*lines, *[""] * (len(lines) % 2))
+    machine.pico.console.send(f"go('',{head!r},{len(head) // LINE_BYTES},0,{LINE_BYTES},b'')\n".encode())
+    machine.pico.console.expect(b"done", limit_ms * 1000)
+    return int(machine.pico.console.expect(b"\n").split()[-1])
