@@ -112,13 +112,24 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0):
         other = _tail((region + quarters) & 3, before, end_x, end_y)
         if less + max(abs(other[0]), abs(other[1])) < steps + max(abs(tail[0]), abs(tail[1])):
             steps, place, tail = less, before, other
-    z = deltas[plane[2]] if plane[2] >= 0 else 0
+    into[AXIS_A], into[AXIS_B], into[AXIS_Z] = plane
+    into[MIRROR] = 1 if clockwise else 0
+    into[REGION], into[U], into[W] = region, u, w
+    into[D], into[E], into[STEPS] = inside, across, steps
+    into[TAIL_A], into[TAIL_B] = tail[0], tail[1] * sign
+    return _measure(into, square, place, quarters, deltas[plane[2]] if plane[2] >= 0 else 0)
+
+
+def _measure(into, square, place, quarters, z):
+    """The lengths in the plan of an arc to `place`, and the third axis's steps. In a piece of its own: a board that has run
+    for a while may have no place for both in one."""
+    u, inside, across, steps = into[U], into[D], into[E], into[STEPS]
     swept = _rise(square, place[0]) - _rise(square, u) + quarters * QUARTER if steps else 0
     shift = _shift(square)
     radius = isqrt(square << 2 * shift)
     corner = QUARTER - _rise(square, across - 1) - _rise(square, inside)
     turned = path = arc_length(radius, swept)  # SHIFT fraction bits
-    extra = max(abs(tail[0]), abs(tail[1])) << shift
+    extra = max(abs(into[TAIL_A]), abs(into[TAIL_B])) << shift
     tail_z = _share(z, extra, turned)
     z -= tail_z
     ratio = (abs(z) << (30 + shift)) // turned if turned else 0
@@ -130,14 +141,10 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0):
         raise ValueError("an arc of more than %d steps" % MOST_STEPS)
     if steps and abs(z) << shift > MAX_SLOPE * turned:
         raise TooSteep("a helix of more than %d steps along one of its circle's" % MAX_SLOPE)
-    into[AXIS_A], into[AXIS_B], into[AXIS_Z] = plane
-    into[MIRROR] = 1 if clockwise else 0
-    into[REGION], into[U], into[W] = region, u, w
     into[RADIUS], into[SHIFT] = radius, shift
-    into[D], into[E], into[STEPS] = inside, across, steps
     into[DIAGONAL] = arc_length(isqrt(square << 2 * FINE), corner) if steps else 0
     into[Z_STEPS], into[Z_HIGH], into[Z_LOW] = z, ratio >> 15, ratio & 0x7FFF
-    into[TAIL_A], into[TAIL_B], into[TAIL_Z] = tail[0], tail[1] * sign, tail_z
+    into[TAIL_Z] = tail_z
     into[PATH] = whole
     into[PATH_FINE] = ((path << FINE) >> shift) & ((1 << FINE) - 1)
     return whole << 10 | into[PATH_FINE] >> 10, swept
