@@ -3,8 +3,8 @@
 GT2 belts on pulleys of 20 teeth at 1/16 step: 80 steps/mm. $30=1000: S1000 is full power, and M4 has it follow the
 speed.
 
-The tool's pin is exact to the step: it is high only where the beam may burn. The power's pin carries the PWM, which
-changes within 2 ms. A laser with a single input gets both: the tool's pin through 1 kΩ to the input, and from the input
+The tool's pin is exact to the step: it is high only where the beam may burn. The power's pin carries the PWM, whose duty
+changes with the step too, or within 2 ms of it where steps are slow. A laser with a single input gets both: the tool's pin through 1 kΩ to the input, and from the input
 a Schottky diode to the power's pin, its cathode at the pin.
 """
 

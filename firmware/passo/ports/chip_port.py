@@ -58,6 +58,7 @@ class ChipPort:
         if spindle["pwm"]:
             self._pwm = PWM(Pin(spindle["pin"]), freq=spindle["pwm_hz"], duty_u16=0)
         self._shown = 0  # power
+        self._beam = None  # the player, where it sees to the power of the words it plays
         self._player = None
         self._feeder = None
         self._timer = None
@@ -98,7 +99,9 @@ class ChipPort:
 
     def power(self, level):  # ISR: no allocation
         """Show the tool's analogue power, 0 … 1000, at once."""
-        if level != self._shown:
+        if self._beam is not None:
+            self._beam.show(level)
+        elif level != self._shown:
             if self._pwm is not None:
                 self._pwm.duty_u16(level * 65535 // 1000)
             self._shown = level  # last: an interrupt may have shown another meanwhile, then the next one does so again
@@ -186,7 +189,7 @@ class ChipPort:
                 amid = feeder.fill(played, self.lead_ticks)
                 if player.start() and amid:
                     feeder.late += 1  # making these took longer than those before them lasted
-            if self._pwm is not None:
+            if self._pwm is not None and self._beam is None:
                 self.power(feeder.ring.power.level)
 
     def _set_out(self, played):  # ISR: no allocation
@@ -197,6 +200,8 @@ class ChipPort:
         ring = feeder.ring
         lead_ticks = _FIRST_TICKS
         feeder.fill(played, lead_ticks)
+        if ring.head == played:
+            self.power(ring.power.level)  # of the last word, which has begun since
         while ring.head != played:
             player.start()
             if lead_ticks >= self.lead_ticks or self._trip is not None:

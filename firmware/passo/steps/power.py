@@ -24,39 +24,39 @@ class Power:
         self._dark = False  # that is none, whatever the value, until the next mark
         self._percent = 100
         self._least = 0
-        self._words = array("i", [0] * _SIZE)
-        self._values = array("h", [0] * _SIZE)
-        self._head = 0  # marks put and marks played, for ever, modulo 2²⁹
-        self._tail = 0
+        self.words = array("i", [0] * _SIZE)
+        self.values = array("h", [0] * _SIZE)
+        self.head = 0  # marks put and marks played, for ever, modulo 2²⁹
+        self.tail = 0
 
     def put(self, word, value):  # ISR: no allocation
         """From the word number `word` on the power is `value`."""
-        at = self._head % _SIZE
-        self._words[at] = word
-        self._values[at] = value
-        self._head = (self._head + 1) & _COUNT
+        at = self.head % _SIZE
+        self.words[at] = word
+        self.values[at] = value
+        self.head = (self.head + 1) & _COUNT
 
     def next(self):
         """The word of the next mark to be played, or -1."""
-        return self._words[self._tail % _SIZE] if self._tail != self._head else -1
+        return self.words[self.tail % _SIZE] if self.tail != self.head else -1
 
     def play(self, played):  # ISR: no allocation
         """`played` words have begun: take up the marks among them."""
-        tail = self._tail
-        if tail == self._head:
+        tail = self.tail
+        if tail == self.head:
             return
         value = self.value
-        while tail != self._head and (played - 1 - self._words[tail % _SIZE]) & _COUNT < _HALF:
-            value = self._values[tail % _SIZE]
+        while tail != self.head and (played - 1 - self.words[tail % _SIZE]) & _COUNT < _HALF:
+            value = self.values[tail % _SIZE]
             tail = (tail + 1) & _COUNT
-        self._tail = tail
+        self.tail = tail
         self.set(value)
 
     def set(self, value):  # ISR: no allocation
         """The power is `value`, whatever the last mark said."""
         self.value = value
         self._dark = False
-        self.level = self._scaled(value)
+        self.level = self.scaled(value)
 
     def show(self, played, on):
         """At a stand, `played` words having begun: the value counts, or the output is off until the next mark."""
@@ -68,7 +68,7 @@ class Power:
         value = -1
         while value != self.value:  # an interrupt may take up a mark meanwhile
             value = self.value
-            self.level = 0 if self._dark else self._scaled(value)
+            self.level = 0 if self._dark else self.scaled(value)
 
     def adjust(self, percent, least):
         """Every value counts `percent` of itself from now on; those up to `least`, but 0, show as the weakest level,
@@ -77,7 +77,7 @@ class Power:
         self._least = least
         self._show()
 
-    def _scaled(self, value):  # ISR: no allocation
+    def scaled(self, value):  # ISR: no allocation
         if not value:
             return 0
         value = value * self._percent // 100
@@ -89,5 +89,5 @@ class Power:
 
     def clear(self):
         """Forget all marks: everything not yet played is dropped. The power is off."""
-        self._tail = self._head
+        self.tail = self.head
         self.set(0)

@@ -1,5 +1,5 @@
 """Addresses that differ between the RP2040 and the RP2350, and register writes at start-up. Datasheets: 2.19.6 (GPIO),
-3.7 (PIO), 2.5.7 (DMA), 2.4.8 (NVIC) of the RP2040's; 9.11, 11.7, 12.6.10, 3.7 of the RP2350's."""
+3.7 (PIO), 2.5.7 (DMA), 2.4.8 (NVIC), 4.5.3 (PWM) of the RP2040's; 9.11, 11.7, 12.6.10, 3.7, 12.5.3 of the RP2350's."""
 
 import sys
 
@@ -8,6 +8,7 @@ from machine import Pin, mem32
 
 RP2350 = "RP2350" in sys.implementation._machine
 IO_BANK0 = 0x40028000 if RP2350 else 0x40014000
+PWM = 0x400A8000 if RP2350 else 0x40050000
 WATCHDOG = 0x400D8000 if RP2350 else 0x40058000
 BUSY = 1 << (26 if RP2350 else 24)  # of a DMA channel's control register
 _OUT_OVER = 12 if RP2350 else 8

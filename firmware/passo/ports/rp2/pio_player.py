@@ -88,12 +88,14 @@ class PioPlayer:
             chip.give_to_pio(base + bit, block, invert >> bit & 1)
         _drive(self._state)
 
-    def _set_up_dma(self, channel_a, request):
+    def _set_up_dma(self, channel_a, request, after_a=None):
+        """`after_a`: the channel that A chains to, if not B."""
         a, b, c = self._dma
         state = self._state
         a.config(
             read=state[_WORDS], write=state[_PIO] + 0x10 + 4 * state[_NUMBER], count=0,
-            ctrl=a.pack_ctrl(size=2, inc_write=False, high_pri=True, treq_sel=request, chain_to=b.channel),
+            ctrl=a.pack_ctrl(size=2, inc_write=False, high_pri=True, treq_sel=request,
+                             chain_to=after_a or b.channel),
         )  # fmt: skip
         for dma, table, register, after in (
             (b, state[_ADDRESSES], 0x14, c.channel),  # A's address, which does not start it
@@ -106,7 +108,7 @@ class PioPlayer:
 
     def start(self):  # ISR: no allocation
         """Play from the ring what is published there; call it again when there is more. True where it has run dry."""
-        return _append(self._state, self._ring.head)
+        return append(self._state, self._ring.head)
 
     def hold(self, on):  # ISR: no allocation
         """While held, start() does nothing: not even one that was under way when an interrupt halted the player."""
@@ -302,7 +304,7 @@ def _resume(state: ptr32):
 
 
 @micropython.viper
-def _append(state: ptr32, head: int) -> bool:
+def append(state: ptr32, head: int) -> bool:
     if state[_HELD]:
         return False
     dry = False

@@ -23,6 +23,7 @@ from passo.steps.wiring import inverted_pins, word_pins, word_times
 _FEED_MS = const(2)
 _LEAD_TICKS = const(12 * 12_500)  # more than the longest word, so that one is always waiting behind it
 _LIVE_TICKS = const(6 * 12_500)
+_BEAM_RING = const(1024)  # words: beside a larger ring there is no memory for BeamPlayer
 
 
 class Guard:
@@ -75,8 +76,6 @@ class Port(ChipPort):
 
             self._player = TimerPlayer(ring, layout, pins, pulse_ticks, max(least, SHORTEST_TICKS), invert)
             return self._player
-        from passo.ports.rp2.pio_player import PioPlayer
-
         halt_pin = None
         if self._halting:
             item = self._halting[0]
@@ -84,7 +83,15 @@ class Port(ChipPort):
                 chip.invert_input(item.number)
                 item.level = 1
             halt_pin = item.pin
-        self._player = PioPlayer(ring, layout, pins[0], pulse_ticks, least, invert, halt_pin)
+        rest = ring, layout, pins[0], pulse_ticks, least, invert, halt_pin
+        if self._pwm is None or ring.size > _BEAM_RING:
+            from passo.ports.rp2.pio_player import PioPlayer
+
+            self._player = PioPlayer(*rest)
+        else:
+            from passo.ports.rp2.beam_player import BeamPlayer
+
+            self._player = self._beam = BeamPlayer(self._board["spindle"]["pin"], *rest)
         return self._player
 
     def feed_from_interrupt(self, feeder, player):

@@ -1,0 +1,136 @@
+"""The waveform player of a laser: its power changes with the very word that it is marked at.
+
+    A ──► D ──► B ──► C ──► A
+
+A fourth DMA channel, D, takes part in the chain of pio_player.py: as a run of words ends it copies a number from a third
+table to the PWM's compare register. Runs are cut eight words behind each mark. A has put the last of these into the
+FIFO as the marked word left it for the pins, so that the power changes within a microsecond of its levels; the PWM
+takes it up at its next wrap.
+
+Where so few words have been made that these eight are not there yet, below 750 steps/s or so, the interrupt that feeds
+sees to the mark within 2 ms of its word.
+"""
+# ruff: noqa: F821
+
+from array import array
+
+import micropython
+import rp2
+import uctypes
+from machine import mem32
+from micropython import const
+
+from passo.ports.rp2 import chip
+from passo.ports.rp2.pio_player import PioPlayer, append
+
+_COUNT = const(0x1FFFFFFF)  # word.COUNT_MASK
+_HALF = const(0x10000000)
+_MARKS = const(127)  # power.py has room for one more
+_AHEAD = const(9)  # words handed over as a mark counts, its own included
+_TABLE = const(256)  # bytes: one number for each run
+_TABLE_RING = const(8)
+_CC = const(12)  # registers of a PWM slice
+_TOP = const(16)
+_SLICE = const(20)
+# Of the player's state, as pio_player.py has them.
+_MASK = const(8)
+_CHANNELS = const(15)
+_PLAYING = const(17)
+_ARMED = const(18)
+_SLOT = const(19)
+_PLAYED = const(20)
+# Addresses, in an array of our own.
+_D = const(0)
+_DUTIES = const(1)
+_COMPARE = const(2)
+
+
+class BeamPlayer(PioPlayer):
+    """`pin`: that of the PWM, which has been set up; the rest as PioPlayer's."""
+
+    def __init__(self, pin, ring, *rest):
+        compare = chip.PWM + _SLICE * (pin >> 1 & 7) + _CC
+        self._full = mem32[compare - _CC + _TOP] + 1
+        self._table = bytearray(2 * _TABLE)
+        table = (uctypes.addressof(self._table) + _TABLE - 1) & ~(_TABLE - 1)
+        self._beam = array("I", [0, table, compare])
+        self._power = ring.power
+        self._mark = 0  # the next one that D has not been told of; they count for ever, modulo 2²⁹
+        self._duty = 0  # behind the last one that it has
+        PioPlayer.__init__(self, ring, *rest)
+
+    def _set_up_dma(self, channel_a, request, after_a=None):
+        d = self._last = rp2.DMA()
+        PioPlayer._set_up_dma(self, channel_a, request, d.channel)
+        ctrl = d.pack_ctrl(
+            size=2, inc_write=False, high_pri=True, ring_size=_TABLE_RING, ring_sel=False, chain_to=self._dma[1].channel
+        )
+        d.config(read=self._beam[_DUTIES], write=self._beam[_COMPARE], count=1, ctrl=ctrl)
+        self._beam[_D] = 0x50000000 + 0x40 * d.channel
+        self._state[_CHANNELS] |= 1 << d.channel
+
+    @micropython.native
+    def show(self, level):  # ISR: no allocation
+        """The power is `level`, 0 … 1000, at once."""
+        self._duty = level * self._full // 1000
+        _show(self._beam, self._duty)
+
+    @micropython.native
+    def start(self):  # ISR: no allocation
+        """As PioPlayer.start(). The power that D has not been told of, or that is not the mark's any more, shows now."""
+        state = self._state
+        power = self._power
+        mark = self._mark
+        if state[_PLAYING] != 1 or (mark - power.tail) & _COUNT >= _HALF:
+            mark = power.tail
+        if mark == power.tail:
+            self.show(power.level)
+        beam = self._beam
+        head = self._ring.head
+        last = power.head
+        dry = False
+        while mark != last:
+            at = mark & _MARKS
+            word = (power.words[at] + _AHEAD) & _COUNT
+            if (head - word) & _COUNT >= _HALF:
+                break
+            duty = power.scaled(power.values[at]) * self._full // 1000
+            if not _tell(state, beam, word, self._duty, duty):
+                break
+            if append(state, word):
+                dry = True
+            if state[_ARMED] != word:  # no room for more runs
+                self._mark = mark
+                return dry
+            self._duty = duty
+            mark = (mark + 1) & _COUNT
+        self._mark = mark
+        _tell(state, beam, head, self._duty, self._duty)
+        return append(state, head) or dry
+
+
+@micropython.viper
+def _show(beam: ptr32, duty: int):
+    ptr32(beam[_COMPARE])[0] = duty << 16 | duty  # for both outputs of the slice
+
+
+@micropython.viper
+def _tell(state: ptr32, beam: ptr32, word: int, before: int, duty: int) -> bool:
+    """What D is to write behind the words up to `word`, which are to be appended next; `before`: where they are two runs,
+    because the ring ends among them, behind the first. False where they have been appended already."""
+    duties = ptr32(beam[_DUTIES])
+    slot = 0
+    armed = state[_PLAYED]
+    if state[_PLAYING] == 1:
+        slot = state[_SLOT]
+        armed = state[_ARMED]
+    else:
+        ptr32(beam[_D])[0] = beam[_DUTIES]
+    count = (word - armed) & _COUNT
+    if count >= _HALF:
+        return False
+    if count > state[_MASK] + 1 - (armed & state[_MASK]):
+        duties[slot] = before << 16 | before
+        slot = (slot + 1) & 63
+    duties[slot] = duty << 16 | duty
+    return True
