@@ -6,7 +6,7 @@ from host_tools.emulator import gcode
 
 FREE_BYTES = 12_000  # with the larger ring of the faster axes, and the memory that the lines come from
 LINES_S = 450
-DOTS_S = 400
+DOTS_S = 350
 # Quarters of 0.5 and 1 mm radius, between lines and next to each other.
 TIGHT = ["G21G91F600", "G1X0.3", "G3X0.5Y0.5J0.5", "G1Y0.3", "G2X0.5Y0.5I0.5", "G2X1Y-1J-1", "G3X1Y1J1", "G1X0.3"]
 END_STEPS = [1152, 416, 0]  # 3.6 mm, 1.3 mm
