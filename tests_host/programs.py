@@ -85,13 +85,18 @@ class Machine:
             cut(left, percent, hold)
             self._note(ramp)
 
+        ramp.cut = listen_cut
+        ramp.begin = listen_begin
+        self._listen_short()
+
+    def _listen_short(self):
+        ramp = self.rig.planner.ramp
+
         def listen_short(rows, at, state, walker, left, percent, hold, cut=ramp.cut_short):
             cut(rows, at, state, walker, left, percent, hold)
             self._note(ramp)
 
-        ramp.cut = listen_cut
         ramp.cut_short = listen_short
-        ramp.begin = listen_begin
 
     def _note(self, ramp):
         planner = self.rig.planner

@@ -8,9 +8,6 @@ from small_int import Small, SmallRows
 
 globals().update(make_tests(check_smooth))
 
-NUMBERS = "ticks ticks_rest top limit gain span time time_shift leave start".split()
-
-
 def test_no_integer_outgrows_a_board():
     """Ramp and jerk on Small integers, from very low jerk to very high, with overrides and holds."""
     for seed in range(15):
@@ -18,17 +15,14 @@ def test_no_integer_outgrows_a_board():
         machine = Smooth(seed, ("mixed", "tiny", "arcs", "lines", "reversals")[seed % 5], drawn(random, 10, 1_000_000), 4)
         rig = machine.rig
         ramp = rig.feeder.ramp
-        smooth = rig.planner._under_way.smooth
-        smooth._root = Small(smooth._root)
-        begin, load = ramp.begin, smooth.load
+        ramp.state = SmallRows(ramp.state)
+        cut, load = ramp.cut_short, ramp.smooth
 
-        def begin_small(block, begin=begin):
-            for name in NUMBERS:
-                setattr(block, name, Small(getattr(block, name)))
-            begin(block)
+        def cut_small(rows, at, state, walker, left, percent, hold, cut=cut):
+            cut(SmallRows(rows), Small(at), state, walker, Small(left), Small(percent), hold)
 
-        ramp.begin = begin_small
-        smooth.load = lambda rows, at, behind, load=load: load(SmallRows(rows), at, behind)
+        ramp.cut_short = cut_small
+        ramp.smooth = lambda rows, at, state, load=load: load(SmallRows(rows), at, state)
 
         def each(machine, random=random):
             if random.between(0, 3) == 0:

@@ -12,10 +12,11 @@ import gc
 
 from micropython import const
 
+from passo import protocols as rules
 from passo.control.controller import LATER, Controller
 from passo.control.journal import Journal, MemorySlots
 from passo.control.motors import Motors
-from passo.control.settings import ENABLE_INVERT, Settings
+from passo.control.settings import ENABLE_INVERT, JERK, Settings
 from passo.motion.planner import Planner
 from passo.protocols import errors
 from passo.protocols.commands import IMMEDIATE, RESET, STATUS
@@ -29,6 +30,7 @@ _TURNS_S = const(200)  # half a ring of words has to last as long as such a turn
 _WAITING = const(64)  # commands of one link that may wait for their turn
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
 _MOST = const(2)  # lines a turn on a chip, where they take time
+_SPARE = const(100_000)  # bytes; a board that has less free before its languages are loaded
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 
@@ -46,9 +48,10 @@ class Link:
 
 
 class App:
-    def __init__(self, board, port, protocols=None, slots=None):
+    def __init__(self, board, port, protocols=None, slots=None, room=None):
         """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the
-        settings are kept, None: nowhere. Raises BoardError."""
+        settings are kept, None: nowhere; `room`: a list of memory kept free, the last of which S-curves may have. Raises
+        BoardError."""
         from passo import assembly  # main.py forgets it again
 
         self.board = board
@@ -64,7 +67,13 @@ class App:
         self.planner = Planner(self.layout.axes)
         streamed, stored = assembly.streamed(board), assembly.stored(board)
         if streamed:
-            self.planner.load()
+            jerk = settings.value(JERK) > 0
+            if jerk and room:
+                room.clear()
+                gc.collect()
+            self.planner.load(jerk)
+            if jerk and room is not None and gc.mem_free() < _SPARE:
+                rules.short_way = False
         languages = assembly.languages(board)
         least = self.player.min_word_ticks
         assembly.check_speed(board, least)
@@ -88,6 +97,12 @@ class App:
                 protocol.most = _MOST
         self.controller.resets.restarted()
         self._answer()
+
+    def load(self):
+        """What not every machine wants, and what there is no memory for while the app is made: main.py calls this then."""
+        if self.controller.settings.value(JERK):
+            self.controller.program.renew()
+            self._answer()
 
     def poll(self):
         """Links, then machine, then answers, then words for the player. False where the machine has to wait, because

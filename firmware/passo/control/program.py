@@ -41,6 +41,7 @@ class Program:
         self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
         self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
+        machine.settings.renew = self.renew
 
     def handlers(self):
         return {
@@ -240,7 +241,19 @@ class Program:
             settings.value(table.START) * 50 // 3,
             settings.value(table.JERK) * 1000,
         )
-        self._planner.limits(self._limits)
+        if not self._planner.limits(self._limits):
+            self._machine.notice(errors.NOTICE_JERK)
+
+    def renew(self):
+        """Another jerk may have been set: load what it takes, or say that there is no memory for it."""
+        machine = self._machine
+        if self._limits_of == machine.settings.version:
+            return
+        try:
+            machine.arcs  # loads what it would find no room for afterwards
+        except MemoryError:
+            pass
+        self._set_limits()
 
     # --- probing
 

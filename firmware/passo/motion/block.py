@@ -5,8 +5,15 @@ with two dozen attributes would take twice the memory. A Block is one of these r
 whoever asks what is playing; it is filled again and again, so nothing is allocated when one is fetched.
 """
 
+# ruff: noqa: F821
+
 import micropython
 from micropython import const
+
+try:
+    ptr32
+except NameError:
+    ptr32 = None  # a name that only viper's compiler knows
 
 LINE = const(0)
 WAIT = const(1)
@@ -43,11 +50,11 @@ EXIT = const(22)  # square of the speed at its end, as planned
 UNIT_SHIFT = const(23)
 FASTEST = const(24)  # square of the speed that the axes allow
 ROW = const(25)  # then the line's signed steps, one number an axis
+_UNIT = const(15)  # the same, known to the compiler
+_UNIT_SHIFT = const(23)
 
 
 class Block:
-    smooth = None  # smooth.Smooth, where jerk is limited
-
     def __init__(self):
         self.kind = WAIT
         self.walker = None  # what the feeder walks: the planner's line or circle, independent axes, a track's walker
@@ -65,7 +72,6 @@ class Block:
         self.gain = 0  # q a dominant step; 0: no acceleration, the programmed speed from first to last
         self.span = 0  # ticks a step · 2 · top
         self.time = self.time_shift = 0  # ticks a unit of speed takes: time / 2 ** time_shift
-        self.leave = 0  # q at the end, as planned
         self.start = 0  # q at which it may be begun and ended without a ramp
         self.rows = None  # where it stands as a row
         self.at = 0
@@ -94,27 +100,21 @@ class Block:
         self.span = rows[at + SPAN]
         self.time = rows[at + TIME]
         self.time_shift = rows[at + TIME_SHIFT]
-        self.leave = 0
-        if gain:
-            self.plan_leave(rows, at)
-
-    @micropython.native
-    def plan_leave(self, rows, at):  # ISR: no allocation
-        """Take over the planned end from the row."""
-        leave = q_of(rows[at + EXIT], rows, at, rows[at + LIMIT])
-        self.leave = leave if leave > self.start else self.start
 
 
-@micropython.native
-def q_of(square, rows, at, limit):  # ISR: no allocation
+@micropython.viper
+def q_of(square: int, rows: ptr32, at: int, limit: int) -> int:  # ISR: no allocation
     """q of the square of a speed, in a block's units; `limit` squared at most."""
-    unit = rows[at + UNIT]
-    shift = rows[at + UNIT_SHIFT] - 14
+    unit = rows[at + _UNIT]
+    shift = rows[at + _UNIT_SHIFT]
+    if shift >> 30 & 1:  # negative, also where it was read into 64 bits
+        shift = 0 - ((0 - shift) & 0x3FFFFFFF)
+    shift -= 14
     q = (square >> 14) * unit + ((square & 0x3FFF) * unit >> 14)
     most = limit * limit
     if shift < 0:
-        if q >= most >> -shift:
+        if q >= most >> (0 - shift):
             return most
-        return q << -shift
+        return q << (0 - shift)
     q >>= shift
     return q if q < most else most

@@ -97,23 +97,25 @@ class Planner:
 
     def limits(self, limits):
         """Accelerate within `limits` (profile.Limits) from now on; None: not at all. Only after load(), and while nothing is
-        queued."""
+        queued. False where there is no memory for their jerk: then it is not limited."""
+        kept = True
         if limits is not None:
-            self._under_way.smooth = None
-            if limits.jerk:
-                from passo.motion.jerk import smooth
+            ramp = self.ramp
+            if limits.jerk or ramp.smooth:
+                from passo.motion.jerk import set_jerk
 
-                self._under_way.smooth = smooth(limits)
+                kept = set_jerk(ramp, limits, self._stride, len(self.rows))
         self._limits = limits
         self._terms = limits.terms if limits else None
         self.start_square = limits.start if limits else 0
         self.accelerates = limits is not None
         self.work[_FEED] = self.work[_GIVEN] = 0
         self._asked = 0
+        return kept
 
-    def load(self):
+    def load(self, jerk=False):
         """Make ready for limits() and arcs, before there is a feeder, and while memory is still in one piece: they take a
-        good part of a board's."""
+        good part of a board's. `jerk`: for limits with a jerk, too."""
         from passo.motion.measure_viper import look_back, measure
 
         self._measure, self._raise = measure, look_back
@@ -123,6 +125,10 @@ class Planner:
         from passo.motion.circle import Circle
 
         self._circle = Circle(self.axes)
+        if jerk:
+            from passo.motion import jerk
+
+            jerk.load()
 
     def clear(self):
         """Forget every block. Only while the feeder is stopped."""
@@ -362,18 +368,8 @@ class Planner:
         An exit is never lowered, what is under way may count on it: the ramp itself slows down to a lower override.
         """
         work = self.work
-        counts = self.counts
         work[_ALL] = all
-        depth = self._raise(self.rows, work, counts)
-        block = self._under_way
-        while depth > (counts[_ADDED] - counts[_FETCHED]) & _COUNT:
-            # The block under way is among them: it need not slow down as much as it thought. An interrupt may go on to
-            # the next block meanwhile; then that one is looked at again.
-            fetched = counts[_FETCHED]
-            if block.smooth and block.gain:
-                block.plan_leave(self.rows, (fetched - 1) % _SIZE * self._stride)
-            if counts[_FETCHED] == fetched:
-                return
+        self._raise(self.rows, work, self.counts)
 
     # --- fetching: may run in an interrupt
 
@@ -388,7 +384,6 @@ class Planner:
         block = self._under_way
         place = at // self._stride
         kind = rows[at + KIND]
-        smooth = block.smooth
         walker = None
         if kind == LINE:
             walker = self._line
@@ -396,7 +391,7 @@ class Planner:
         elif kind == ARC:
             walker = self._circle
             walker.load(self._walkers[place])
-        if walker is not None and rows[at + GAIN] and not smooth:  # the ramp and the feeder read the row itself
+        if walker is not None and rows[at + GAIN]:  # the ramp and the feeder read the row itself
             block.kind = kind
             block.rows = rows
             block.at = at
@@ -404,8 +399,6 @@ class Planner:
             block.start = q_of(self.start_square, rows, at, rows[at + LIMIT]) if self.start_square else 0
             return block
         self._unpack(block, place)
-        if smooth:
-            smooth.load(rows, at, (place + 1) % _SIZE * self._stride)
         return block
 
     @micropython.native

@@ -29,12 +29,10 @@ from micropython import const
 
 from passo.motion.block import ARC, GAIN
 from passo.motion.ramp_viper import begin, cut
-from passo.motion.steady import CUT_STEPS, SEGMENT_TICKS, TOTAL, Steady
+from passo.motion.steady import SEGMENT_TICKS, TOTAL, Steady
 
 _ARC_TICKS = const(75_000)  # what every run of a tight arc costs a board is up to half a millisecond
 _SMOOTH_TICKS = const(37_500)  # with limited jerk: the pace is even in a segment, off the curve by acceleration · t² / 8
-_FAR = const(0x1FFFFFFF)
-_V_BITS = const(7)
 # In `state`, behind what steady.py has there:
 _LENGTH = const(8)  # ticks a segment should last
 _SMOOTH = const(9)  # 1: cut() leaves off where smooth.py goes on, for which the rest is
@@ -54,9 +52,8 @@ class Ramp(Steady):
         Steady.__init__(self)
         self.state = array("i", [0] * (_BEGIN + 1))
         self.cut_short = cut  # cut_short(block.rows, block.at, state, walker.state, left, percent, hold)
-        self._block = None
+        self.smooth = None  # takes up a block where jerk is limited: smooth.load()
         self._arc = False
-        self._part = 0
 
     @micropython.native
     def begin(self, block):  # ISR: no allocation
@@ -64,48 +61,18 @@ class Ramp(Steady):
         at = block.at
         gain = rows[at + GAIN]
         arc = self._arc = block.kind == ARC
-        smooth = gain and block.smooth
-        self.short = (gain or arc) and not smooth
+        self.short = gain or arc
+        smooth = gain and self.smooth
         state = self.state
         state[_SMOOTH] = 1 if smooth else 0
         state[_LENGTH] = _SMOOTH_TICKS if smooth else _ARC_TICKS if arc else SEGMENT_TICKS
         if not arc:
             state[TOTAL] = block.walker.total
-        if smooth:
-            self._block = block
-            self._each = block.ticks
-            self._rest = block.ticks_rest
-            self._total = state[TOTAL]
         if gain:
             begin(rows, at, state, block.start)
+            if smooth:
+                smooth(rows, at, state)
         elif arc:
             self.stall()
         else:
             Steady.begin(self, block)
-
-    @micropython.native
-    def cut(self, left, percent=100, hold=False):  # ISR: no allocation
-        """The next segment: `percent` of the programmed speed is wanted; with `hold` none at all. Its steps are 0 where the
-        machine stands."""
-        if self.state[_SMOOTH]:
-            self._cut_smooth(left, percent, hold)
-        else:
-            Steady.cut(self, left, percent, hold)
-
-    def _cut_smooth(self, left, percent, hold):  # ISR: no allocation
-        state = self.state
-        block = self._block
-        cut(block.rows, block.at, state, block.walker.state, left, percent, hold)
-        steps = state[CUT_STEPS]
-        if steps:
-            path, togo, part, change = state[_PATH], state[_TO_GO], state[_PART], state[_CHANGE]
-            block.smooth.cut(self, state[_BEGIN], steps, path, togo, part, change, state[_CAP], state[_HIGH])
-
-    def _step_ticks(self, span, speed):  # ISR: no allocation
-        """span·64 / speed: the ticks of a step at `speed`; what is left over, in 128ths, goes to `_part`."""
-        whole = span // speed
-        rest = (span % speed) << 6
-        part = rest % speed
-        self._part = (part << _V_BITS) // speed
-        whole = whole << 6 if whole < 0x800000 else _FAR
-        return whole + rest // speed

@@ -3,7 +3,7 @@
     begin(rows, at, state, start)                   # the block whose row begins at rows[at]
     cut(rows, at, state, walker, left, percent, hold)   # state[0]: steps, state[1]: ticks, state[2]: pace
 
-What it reckons, and why, stands in ramp.py and ramp_ticks.py; the numbers of `state` do in steady.py and ramp.py, those of
+What it reckons, and why, stands in ramp.py; the numbers of `state` do in steady.py and ramp.py, those of
 `rows` in block.py, those of `walker`, which an arc's tells of its path, in circle.py and arc_plan.py. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see
 measure_viper.py for what that asks of integers. None reaches 2³⁰.
 """

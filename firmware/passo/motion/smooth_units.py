@@ -1,178 +1,135 @@
 """The units of a block in which smooth.py reckons: what jerk and acceleration do to b, from one block to the next.
 
+    load(rows, at, state)       # the block whose row begins at rows[at]; b goes over into its units
+
 b is the square root of the speed, in the block's units, that would come on top while the acceleration fades. In time it
 changes by `rate` a tick, at the given jerk; along the path q changes by b · `push` a step.
+
+`rows` are block.py's, `state` is as smooth.py has it. All may run in an interrupt: no allocation, no integer of 2³⁰.
 """
 
 from micropython import const
 
-from passo.motion.block import GAIN, SPAN, SPEED, TOP
-from passo.motion.integers import divide, isqrt
-from passo.motion.profile import TICKS_PER_S
-from passo.motion.ramp_ticks import root_of
+from passo.motion.integers import divide
+from passo.motion.smooth_way import root_of
 
-_V_BITS = const(7)  # fraction bits of speeds, as ramp_ticks has them, and of b
-_HIGHEST = const(0x3FFFFFFF)
 _MOST_B = const(22_900)  # the square root of the fastest
 _LEAST_B = const(64)  # of b at the highest acceleration: a higher jerk than that needs is not made use of
 
+# Of a row, as block.py has them.
+_TOP = const(7)
+_GAIN = const(9)
+_ROW_SPAN = const(10)
+_SPEED = const(18)
+# Of the state, as smooth.py has them.
+_B = const(17)
+_RATE = const(18)
+_RATE_SHIFT = const(19)
+_PUSH = const(20)
+_MOST = const(21)
+_LIMIT = const(22)
+_W = const(23)
+_SLOW = const(24)
+_SCALE = const(25)
+_FIRST = const(26)
+_REST = const(27)
+_HALF = const(28)
+_CRUISE = const(30)
+_SPAN = const(34)
+_BEHIND = const(33)
+_ROOT = const(43)
+_SHIFT = const(44)
+_STRIDE = const(45)
+_SIZE = const(46)
 
-class Units:
-    def __init__(self, limits):
-        """`limits`: profile.Limits with a jerk, nm/s³ along the path."""
-        self._shift = self._root = 0  # √(jerk / 2) a tick, of a unit of speed of fastest / 2²⁸: root / 2 ** shift
-        while self._root < 1 << 14:
-            self._shift += 1
-            self._root = isqrt((limits.jerk << 27 + 2 * self._shift) // limits.fastest) // TICKS_PER_S
-        self.b = 0
-        # Of the block:
-        self._rows = None
-        self._at = self._behind = 0
-        self._rate = 1  # what b grows in a tick: rate / 2 ** rate_shift
-        self._rate_shift = 0
-        self._push = 1  # what b does to q in a step: b · push / 2 ** 11
-        self._most = 1  # b at the highest acceleration
-        self._limit = 1  # no b is larger
-        self._w = 0  # the speed that acceleration takes to come and go
-        self._slow = False  # w is above any speed; then _need() is measured otherwise
-        self._scale = 1  # of _need(), a step
-        self._first = self._rest = 0  # b and q after one step from rest
-        self._half = 0  # of the speed there to its mean one, · 2¹³
-        # Of the segment:
-        self._wanted = self._cap = self._until = 0  # q and speed wanted, speed at the block's end
-        self._high = 0  # q wanted but for a hold
-        self._on = False  # slowing down goes on in the block behind
-        self._room = self._force = self._change = self._grow = 0
-        self._aim = self._b = self._ticks = self._above = self._short = 0
-        self._brakes = False
-        self._tried = self._speed = 0  # q last tried to end with, and its root
-        self._cruise = self._cruise_until = self._cruise_need = 0  # what _need() has last found for a steady speed
-        self._spare = 0
 
-    def load(self, rows, at, behind):  # ISR: no allocation
-        """Take up the block at rows[at], `behind` being where the next one is; b goes over into its units."""
-        self._rows = rows
-        self._at = at
-        self._behind = behind
-        gain = rows[at + GAIN]
-        if not gain:
-            self.b = 0
-            return
-        speed = rows[at + SPEED]
-        shift = self._shift + 5
-        while speed < 0x4000000:
-            speed <<= 2
-            shift -= 1
-        root = root_of(divide(rows[at + TOP], speed >> 6, 34), 0)
-        while root >= 0x8000:
-            root >>= 1
-            shift -= 1
-        rate = self._root * root >> 15
-        span = rows[at + SPAN]
-        by = shift + 2
-        while span >= 0x8000:
-            span >>= 1
-            by -= 1
-        push = scaled(span * rate, -by) or 1
-        most = quotient(gain, push, 11)
-        if most < _LEAST_B:
-            most = _LEAST_B
-            push = quotient(gain, most, 11)
-            rate = quotient(gain, span, 12)
-            shift += 7 - by
-        while rate >= 0x8000:
-            rate >>= 1
-            shift -= 1
-        while rate < 0x2000:
-            rate <<= 1
-            shift += 1
-        self._most = most
-        self._limit = most if most < _MOST_B else _MOST_B
-        size = scaled(abs(self.b) * rate // self._rate, self._rate_shift - shift)  # 15 bits by 15
-        if size > self._limit:
-            size = self._limit
-        self.b = size if self.b > 0 else -size
-        self._rate = rate
-        self._rate_shift = shift
-        self._push = push
-        self._slow = most > 16_190
-        if self._slow:
-            self._scale = push
-        else:
-            self._w = (most * most >> 13) or 1
-            self._scale = (gain >> 2) or 1
-        self._step_from_rest(gain)
-
-    def _step_from_rest(self, gain):  # ISR: no allocation
-        """How fast the first step from rest can end."""
-        b = cube_root(self._push)
-        self._half = 0x6000  # the acceleration grows all along
-        if b <= self._limit:
-            rest = (self._push >> 12) * b + ((self._push & 0xFFF) * b >> 12)
-            rest += rest >> 1
-        else:
-            b = self._limit
-            w = self._w
-            rest = gain - (gain >> 2)
-            if not self._slow and gain // w > w // 3:
-                rest = gain - w * w // 12
-                fast = root_of(rest, 0) >> _V_BITS
-                while fast >= 0x2000:
-                    fast >>= 1
-                    w >>= 1
-                self._half = divide(fast * (fast + w // 2) >> 6, fast * fast + w * w // 12 >> 6, 14)
-        self._first = b
-        self._rest = rest
-        self._cruise = -1
-
-    def _at_end(self, q, double):  # ISR: no allocation
-        """q after the segment in which b is `double` / 2 on the average."""
-        size = abs(double)
-        if self._slow:
-            change = (self._force >> 12) * size + ((self._force & 0xFFF) * size >> 12)
-        else:
-            most = 2 * self._most
-            change = self._change // most * size + self._change % most * size // most
-        if change > self._change:
-            change = self._change
-        if double < 0:
-            return q - change if q > change else 0
-        return q + change if change < _HIGHEST - q else _HIGHEST
-
-    def _grown(self, ticks):  # ISR: no allocation
-        """How much b may change in `ticks`."""
-        shift = self._rate_shift - 1
-        while ticks >= 0x8000:
-            ticks >>= 1
-            shift -= 1
-        grown = ticks * (self._rate >> 1)
-        if 0 < shift < 29:  # what is less than one counts later
-            grown += self._spare & (1 << shift) - 1
-            self._spare = grown
-        return scaled(grown, -shift) or 1
-
-    def _fading(self, speed):  # ISR: no allocation
-        """b that fades in just `speed`."""
-        return root_of(speed << _V_BITS, abs(self.b) << _V_BITS) >> _V_BITS
-
-    def _half_ramp(self, speed):  # ISR: no allocation
-        """Half the ticks that it takes from rest to `speed`."""
-        b = self._fading(speed >> 1)
-        limit = self._limit
-        if b > limit:
-            b = limit + ((speed >> 1) - (limit * limit >> _V_BITS)) * 64 // limit
-        shift = self._rate_shift - 14
-        while b >= 0x8000:
-            b >>= 1
-            shift += 1
-        return scaled((b << 14) // self._rate, shift)
+def load(rows, at, state):  # ISR: no allocation
+    """Take up the block; b goes over into its units."""
+    behind = at + state[_STRIDE]
+    state[_BEHIND] = behind if behind < state[_SIZE] else 0
+    gain = rows[at + _GAIN]
+    speed = rows[at + _SPEED]
+    shift = state[_SHIFT] + 5
+    while speed < 0x4000000:
+        speed <<= 2
+        shift -= 1
+    root = root_of(divide(rows[at + _TOP], speed >> 6, 34), 0)
+    while root >= 0x8000:
+        root >>= 1
+        shift -= 1
+    rate = state[_ROOT] * root >> 15
+    span = rows[at + _ROW_SPAN]
+    by = shift + 2
+    while span >= 0x8000:
+        span >>= 1
+        by -= 1
+    push = scaled(span * rate, -by) or 1
+    most = quotient(gain, push, 11)
+    if most < _LEAST_B:
+        most = _LEAST_B
+        push = quotient(gain, most, 11)
+        rate = quotient(gain, span, 12)
+        shift += 7 - by
+    while rate >= 0x8000:
+        rate >>= 1
+        shift -= 1
+    while rate < 0x2000:
+        rate <<= 1
+        shift += 1
+    state[_MOST] = most
+    limit = most if most < _MOST_B else _MOST_B
+    state[_LIMIT] = limit
+    b = state[_B]
+    if b:
+        size = scaled(abs(b) * rate // state[_RATE], state[_RATE_SHIFT] - shift)  # 15 bits by 15
+        if size > limit:
+            size = limit
+        state[_B] = (size if b > 0 else -size)
+    state[_RATE] = rate
+    state[_RATE_SHIFT] = shift
+    state[_PUSH] = push
+    if most > 16190:
+        state[_SLOW] = 1
+        state[_SCALE] = push
+    else:
+        state[_SLOW] = 0
+        state[_W] = (most * most >> 13) or 1
+        state[_SCALE] = (gain >> 2) or 1
+    state[_FIRST] = 0  # found out where it is wanted
+    state[_CRUISE] = 0x3FFFFFFF
+    state[_SPAN] = rows[at + _ROW_SPAN]
 
 
 def scaled(value, shift):  # ISR: no allocation
     """value · 2ˢʰⁱᶠᵗ, 2³⁰ − 1 at most."""
     if shift <= 0:
         return value >> -shift if shift > -31 else 0
-    return value << shift if shift < 30 and value <= _HIGHEST >> shift else _HIGHEST
+    return value << shift if shift < 30 and value <= 0x3FFFFFFF >> shift else 0x3FFFFFFF
+
+
+def step_from_rest(gain, state):  # ISR: no allocation
+    """How fast the first step from rest can end."""
+    push = state[_PUSH]
+    limit = state[_LIMIT]
+    b = cube_root(push)
+    half = 0x6000  # the acceleration grows all along
+    if b <= limit:
+        rest = (push >> 12) * b + ((push & 0xFFF) * b >> 12)
+        rest += rest >> 1
+    else:
+        b = limit
+        w = state[_W]
+        rest = gain - (gain >> 2)
+        if not state[_SLOW] and gain // w > w // 3:
+            rest = gain - w * w // 12
+            fast = root_of(rest, 0) >> 7
+            while fast >= 0x2000:
+                fast >>= 1
+                w >>= 1
+            half = divide(fast * (fast + w // 2) >> 6, fast * fast + w * w // 12 >> 6, 14)
+    state[_FIRST] = b
+    state[_REST] = rest
+    state[_HALF] = half
 
 
 def quotient(value, by, bits):  # ISR: no allocation
@@ -180,15 +137,7 @@ def quotient(value, by, bits):  # ISR: no allocation
     while by >= 0x200000:
         by >>= 1
         value >>= 1
-    return divide(value, by, bits) if value // by < _HIGHEST >> bits else _HIGHEST
-
-
-def ratio(part, other):  # ISR: no allocation
-    """part / (part + other), of 2¹⁴; both ≥ 0."""
-    while part >= 0x4000 or other >= 0x4000:
-        part >>= 1
-        other >>= 1
-    return (part << 14) // ((part + other) or 1)
+    return divide(value, by, bits) if value // by < 0x3FFFFFFF >> bits else 0x3FFFFFFF
 
 
 def cube_root(push):  # ISR: no allocation

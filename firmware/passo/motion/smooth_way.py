@@ -1,68 +1,156 @@
-"""How far it is to slow down from a speed and an acceleration to the end of a block, by an S-curve: see smooth.py."""
+"""How far it is to slow down from a speed and an acceleration to the end of a block, by an S-curve: see smooth.py, which has
+the numbers of `state`.
 
+All may run in an interrupt: no allocation, no integer of 2³⁰. Three functions that come many times a segment are machine code
+on a board; see measure_viper.py for what that asks.
+"""
+
+import micropython
 from micropython import const
 
 from passo.motion.integers import divide
-from passo.motion.ramp_ticks import root_of
-from passo.motion.smooth_units import Units
 
-_V_BITS = const(7)  # V_BITS, known to the compiler
-_FASTEST = const(32_767)
+_HIGHEST = const(0x3FFFFFFF)
+# Of the state, as smooth.py has them.
+_Q = const(3)
+_V = const(4)
+_CHANGE = const(13)
+_MOST = const(21)
+_W = const(23)
+_SLOW = const(24)
+_UNTIL = const(35)
+_ON = const(36)
+_ROOM = const(37)
+_FORCE = const(38)
+_FAST = const(39)
+_AIM = const(40)
+_SPEED = const(41)
+_ABOVE = const(42)
 
 
-class Way(Units):
-    def _need(self, fast, b):  # ISR: no allocation
-        """The way to slow down to the block's end, `fast` being the top of the curve; in the same units as `_room`."""
-        until = self._until
-        size = abs(b)
-        most = self._most
-        fine = fast < 0x40000  # below 2048: two bits more of the speeds, one of their roots
-        if fine:
-            fast >>= _V_BITS - 2
-            until >>= _V_BITS - 2
-            size <<= 1
-            most <<= 1
-        else:
-            fast = fast >> _V_BITS if fast < _FASTEST << _V_BITS else _FASTEST
-            until >>= _V_BITS
-        drop = fast - until
-        if drop <= 0:
+@micropython.viper
+def root_of(q: int, near: int) -> int:  # ISR: no allocation
+    """√q with 7 fraction bits; quick where `near`, a speed, is near it."""
+    if q < 1:
+        return 0
+    root = near >> 7
+    if root == 0:
+        root = 0x2000
+    better = (root + q // root) >> 1
+    while better > root + 1 or better < root - 1:
+        root = better
+        better = (root + q // root) >> 1
+    root = better
+    while root * root > q:
+        root -= 1
+    return (root << 7) + ((q - root * root) << 6) // root
+
+
+@micropython.viper
+def ratio(part: int, other: int) -> int:  # ISR: no allocation
+    """part / (part + other), of 2¹⁴; both ≥ 0."""
+    while part >= 0x4000 or other >= 0x4000:
+        part >>= 1
+        other >>= 1
+    other += part
+    return (part << 14) // (other if other else 1)
+
+
+@micropython.viper
+def step_ticks(span: int, speed: int) -> int:  # ISR: no allocation
+    """span·64 / speed: the ticks of a step at `speed`."""
+    whole = span // speed
+    return (whole << 6 if whole < 0x800000 else 0x1FFFFFFF) + ((span % speed) << 6) // speed
+
+
+def need(state, fast, b):  # ISR: no allocation
+    """The way to slow down to the block's end, `fast` being the top of the curve; in the same units as `room`."""
+    until = state[_UNTIL]
+    most = state[_MOST]
+    slow = state[_SLOW]
+    on = state[_ON]
+    size = abs(b)
+    fine = fast < 0x40000  # below 2048: two bits more of the speeds, one of their roots
+    if fine:
+        fast >>= 5
+        until >>= 5
+        size <<= 1
+        most <<= 1
+    else:
+        fast = fast >> 7 if fast < 4194176 else 32767
+        until >>= 7
+    drop = fast - until
+    if drop <= 0:
+        return 0
+    square = size * size >> 14
+    if b < 0:
+        left = drop - square
+        if left <= 0:
             return 0
-        square = size * size >> 2 * _V_BITS
-        if b < 0:
-            left = drop - square
-            if left <= 0:
-                return 0
-            if left < square and not self._on:  # more than can fade till then: it is on the last part of the curve
-                square = left
-                size = root_of(left, size)
-                drop = 2 * left
-                fast = until + drop
-        near = self._way(size * (fast - square // 3), most)
-        if self._on:
-            far = self._way_on(fast, until, root_of(drop, 0), most)
-        elif self._slow:
-            far = (fast + until) * (root_of(drop, 0) * 23_170 >> 16)
-        else:
-            w = self._w << 2 if fine else self._w
-            far = drop + w >> 1 if drop >= w else root_of(w * drop, 0) >> _V_BITS
-            far = (fast + until >> 1) * far + (far >> 1 if fast + until & 1 else 0)
-        far += near if b > 0 else -near
-        if fine:
-            far >>= 3 if self._slow else 4
-        return far
-
-    def _way_on(self, fast, until, last, most):  # ISR: no allocation
-        """From the top of the curve to `until`, the acceleration being at its highest there, or `last`."""
+        if left < square and not on:  # more than can fade till then: it is on the last part of the curve
+            square = left
+            size = root_of(left, size)
+            drop = 2 * left
+            fast = until + drop
+    near = size * (fast - square // 3)
+    near = near >> 1 if slow else (near >> 14) * most + ((near & 0x3FFF) * most >> 14)
+    if on:  # from the top of the curve to `until`, the acceleration being at its highest there, or `last`
+        last = root_of(drop, 0)
         rest = 0
         if last > most:
             last = most
-            rest = fast - (last * last >> 2 * _V_BITS)
+            rest = fast - (last * last >> 14)
             rest = (rest - until) * (rest + until)
-            rest = divide(rest, last, 11) if self._slow else rest >> 2
-        return self._way(last * (fast - (last * last >> 2 * _V_BITS) // 3), most) + rest
+            rest = divide(rest, last, 11) if slow else rest >> 2
+        far = last * (fast - (last * last >> 14) // 3)
+        far = (far >> 1 if slow else (far >> 14) * most + ((far & 0x3FFF) * most >> 14)) + rest
+    elif slow:
+        far = (fast + until) * (root_of(drop, 0) * 23170 >> 16)
+    else:
+        w = state[_W]
+        if fine:
+            w <<= 2
+        far = (drop + w) >> 1 if drop >= w else root_of(w * drop, 0) >> 7
+        far = ((fast + until) >> 1) * far + (far >> 1 if (fast + until) & 1 else 0)
+    far += near if b > 0 else -near
+    if fine:
+        far >>= 3 if slow else 4
+    return far
 
-    def _way(self, product, most):  # ISR: no allocation
-        if self._slow:
-            return product >> 1
-        return (product >> 14) * most + ((product & 0x3FFF) * most >> 14)
+
+def judge(state, speed, b):  # ISR: no allocation
+    """End at `speed` with b. How much way is short then? `_ABOVE`: how much speed too much it is."""
+    fade = b * b >> 7
+    above = speed + (fade if b > 0 else -fade)
+    room = state[_ROOM]
+    fast = state[_FAST]
+    if room:
+        state[_ABOVE] = above - fast
+        return need(state, speed + fade, b) - room
+    until = state[_UNTIL]  # the block ends here
+    state[_ABOVE] = above - (until if until < fast else fast)
+    return 0
+
+
+def attempt(state, before, b):  # ISR: no allocation
+    """End with b, from `before`: as judge()."""
+    q = state[_AIM] = at_end(state, state[_Q], before + b)
+    speed = state[_SPEED] = root_of(q, state[_V])
+    return judge(state, speed, b)
+
+
+def at_end(state, q, double):  # ISR: no allocation
+    """q after the segment in which b is `double` / 2 on the average."""
+    size = abs(double)
+    most = state[_CHANGE]
+    if state[_SLOW]:
+        force = state[_FORCE]
+        change = (force >> 12) * size + ((force & 0xFFF) * size >> 12)
+    else:
+        by = 2 * state[_MOST]
+        change = most // by * size + most % by * size // by
+    if change > most:
+        change = most
+    if double < 0:
+        return q - change if q > change else 0
+    return q + change if change < _HIGHEST - q else _HIGHEST

@@ -92,6 +92,7 @@ NOTICE_DOOR = const(6)
 NOTICE_LIMITS = const(7)
 NOTICE_SLEEPING = const(8)
 NOTICE_HANDED_OVER = const(9)
+NOTICE_JERK = const(10)
 
 
 def _texts():
