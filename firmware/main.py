@@ -4,8 +4,8 @@ import gc
 import sys
 
 # At the lower end of memory: given back when all is loaded, so that what comes and goes from then on is found a place at
-# once. Behind all that stays, finding one takes more than half a millisecond. S-curves take the second piece of it.
-room = [bytearray(3_000), bytearray(5_000)]
+# once. Behind all that stays, finding one takes more than half a millisecond.
+room = bytearray(8_000)
 gc.threshold(48_000)  # collect while importing: what stays lies close together; oftener costs a tenth of a second
 
 from passo.control.board_error import BoardError
@@ -24,6 +24,7 @@ def checked(board):
 
 
 def main():
+    global room
     try:
         from board import BOARD
     except Exception as error:
@@ -44,11 +45,12 @@ def main():
         from passo.control.journal import FileSlots
 
         port = start.port(board)
-        app = App(board, port, None, FileSlots("settings"), room)
+        app = App(board, port, None, FileSlots("settings"))
         forget("passo.assembly")
-        room.clear()
+        room = None
         gc.collect()
         app.load()
+        gc.collect()
         gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms
         start.run(app, port)
     except BoardError as wrong:

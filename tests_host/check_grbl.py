@@ -323,6 +323,24 @@ def check_arcs_are_walked():
             assert (radius - 1) ** 2 <= across * across + along * along <= (radius + 1) ** 2, (line, place)
 
 
+def check_what_a_board_has_no_memory_for():
+    """Arcs where they do not fit, and S-curves where an interrupt makes the words: said, and nothing else is lost."""
+    machine = Machine().ready()
+    controller = machine.controller
+    controller.arcs_fit = False
+    assert machine.ask("G1F600X1") == ["ok"] and machine.ask("G2X3I1") == ["error:%d" % errors.NO_MEMORY]
+    assert machine.ask("X2") == ["ok"]
+    machine.settle()
+    assert tuple(machine.controller.position()) == (640, 0, 0)
+    controller.program.curves = False
+    assert machine.ask("$141=5000") == ["ok", "[MSG:No S-curves on this board]"]
+    assert not machine.app.planner.ramp.smooth
+    controller.program.curves = True
+    machine.ask("$141=6000")
+    machine.turns(3)
+    assert machine.app.planner.ramp.smooth
+
+
 def check_arcs_far_too_slow_are_refused():
     """Also where the arc goes as chords, and at the speed at which only their diagonal steps would be too far apart."""
     for feed, said in ((".004", "error:34"), (".0055", "error:34"), (".02", "ok")):

@@ -12,11 +12,10 @@ import gc
 
 from micropython import const
 
-from passo import protocols as rules
 from passo.control.controller import LATER, Controller
 from passo.control.journal import Journal, MemorySlots
 from passo.control.motors import Motors
-from passo.control.settings import ENABLE_INVERT, JERK, Settings
+from passo.control.settings import ENABLE_INVERT, Settings
 from passo.motion.planner import Planner
 from passo.protocols import errors
 from passo.protocols.commands import IMMEDIATE, RESET, STATUS
@@ -30,7 +29,7 @@ _TURNS_S = const(200)  # half a ring of words has to last as long as such a turn
 _WAITING = const(64)  # commands of one link that may wait for their turn
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
 _MOST = const(2)  # lines a turn on a chip, where they take time
-_SPARE = const(100_000)  # bytes; a board that has less free before its languages are loaded
+_ARCS = const(18_000)  # bytes free: arcs take a third of them, and files want more than a kilobyte in one piece afterwards
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 
@@ -48,10 +47,9 @@ class Link:
 
 
 class App:
-    def __init__(self, board, port, protocols=None, slots=None, room=None):
+    def __init__(self, board, port, protocols=None, slots=None):
         """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the
-        settings are kept, None: nowhere; `room`: a list of memory kept free, the last of which S-curves may have. Raises
-        BoardError."""
+        settings are kept, None: nowhere. Raises BoardError."""
         from passo import assembly  # main.py forgets it again
 
         self.board = board
@@ -66,15 +64,11 @@ class App:
         gc.collect()  # so that what is small fills the gaps and leaves room in one piece for what is large
         self.planner = Planner(self.layout.axes)
         streamed, stored = assembly.streamed(board), assembly.stored(board)
+        self._streamed = streamed
         if streamed:
-            jerk = settings.value(JERK) > 0
-            if jerk and room:
-                room.clear()
-                gc.collect()
-            self.planner.load(jerk)
-            if jerk and room is not None and gc.mem_free() < _SPARE:
-                rules.short_way = False
+            self.planner.load()
         languages = assembly.languages(board)
+        serials = [port.serial(link) for link in board["links"]]  # their buffers want memory in one piece, too
         least = self.player.min_word_ticks
         assembly.check_speed(board, least)
         setup = us_to_ticks(board["drive"]["setup_us"]) if drive is None else 0
@@ -86,23 +80,29 @@ class App:
         gc.collect()
         settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)
         self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port, settings, streamed, stored)
+        self.controller.program.curves = not self.interrupt
         self._looked_ms = port.machine_ms()
         self._heard = 0  # by this turn: _PART, _WHOLE
         shared = {}  # what links of one language have in common
         self.links = []
-        for link, language in zip(board["links"], languages):
+        for link, language, serial in zip(board["links"], languages, serials):
             protocol = language.opened(link, board, self.controller, shared)
-            self.links.append(Link(len(self.links), link, port.serial(link), protocol))
+            self.links.append(Link(len(self.links), link, serial, protocol))
             if self.interrupt and hasattr(protocol, "most"):
                 protocol.most = _MOST
         self.controller.resets.restarted()
         self._answer()
 
     def load(self):
-        """What not every machine wants, and what there is no memory for while the app is made: main.py calls this then."""
-        if self.controller.settings.value(JERK):
-            self.controller.program.renew()
-            self._answer()
+        """What arcs take: a job under way might find no memory for it in one piece. main.py has just made room."""
+        if not self._streamed:
+            return
+        if gc.mem_free() < _ARCS:
+            self.controller.arcs_fit = False
+            return
+        import passo.control.arcs
+        import passo.motion.arc
+        import passo.motion.arc_speed
 
     def poll(self):
         """Links, then machine, then answers, then words for the player. False where the machine has to wait, because

@@ -24,6 +24,6 @@ class Absent:
         return 0
 
     count_drawn = free
-    busy = end = renew = _nothing
+    busy = end = _nothing
     active = begin = standing = substate = laser = _nothing
     show_outputs = report = clear = restart = _nothing

@@ -45,6 +45,7 @@ class Controller:
         self.alarm = 0
         self.checking = False  # commands are only checked
         self.sleeping = False
+        self.arcs_fit = True  # set by the app: False where there is no memory for arcs
         self.command = None  # the long command under way
         kind = Queue
         if streamed:
@@ -127,7 +128,9 @@ class Controller:
 
     @property
     def arcs(self):
-        """What a language asks about arcs."""
+        """What a language asks about arcs; None where there is no memory for what they take."""
+        if not self.arcs_fit:
+            return None
         from passo.control import arcs
 
         return arcs

@@ -41,7 +41,8 @@ class Program:
         self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
         self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
-        machine.settings.renew = self.renew
+        self._jerk = 0  # as it was set
+        self.curves = True  # set by the app: False where S-curves would take an interrupt more stack than there is
 
     def handlers(self):
         return {
@@ -232,6 +233,7 @@ class Program:
             return
         self._limits_of = settings.version
         self._part = None
+        jerk = settings.value(table.JERK)
         axes = range(len(self._axes))
         self._limits = Limits(
             [settings.value(table.STEPS + axis) for axis in axes],
@@ -239,21 +241,13 @@ class Program:
             [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
             settings.value(table.JUNCTION) * 1000,
             settings.value(table.START) * 50 // 3,
-            settings.value(table.JERK) * 1000,
+            jerk * 1000 if self.curves else 0,
         )
-        if not self._planner.limits(self._limits):
-            self._machine.notice(errors.NOTICE_JERK)
-
-    def renew(self):
-        """Another jerk may have been set: load what it takes, or say that there is no memory for it."""
-        machine = self._machine
-        if self._limits_of == machine.settings.version:
-            return
-        try:
-            machine.arcs  # loads what it would find no room for afterwards
-        except MemoryError:
-            pass
-        self._set_limits()
+        self._planner.limits(self._limits)
+        if jerk != self._jerk:
+            self._jerk = jerk
+            if jerk and not self.curves:
+                self._machine.notice(errors.NOTICE_JERK)
 
     # --- probing
 

@@ -114,7 +114,6 @@ class Settings:
         self._texts = {}
         self.dirty = False
         self.version = 0  # goes up with each change of a number
-        self.renew = None  # called when another jerk has been set
         self._load(journal.read() or "")
         self.damaged = journal.damaged
         self._apply()
@@ -142,8 +141,6 @@ class Settings:
             return error
         self._changed[number] = value
         self._touch()
-        if number == JERK and self.renew:
-            self.renew()
         return 0
 
     def _refusal(self, number, value):

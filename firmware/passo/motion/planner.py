@@ -97,25 +97,23 @@ class Planner:
 
     def limits(self, limits):
         """Accelerate within `limits` (profile.Limits) from now on; None: not at all. Only after load(), and while nothing is
-        queued. False where there is no memory for their jerk: then it is not limited."""
-        kept = True
+        queued."""
         if limits is not None:
             ramp = self.ramp
             if limits.jerk or ramp.smooth:
-                from passo.motion.jerk import set_jerk
+                from passo.motion.smooth import limit
 
-                kept = set_jerk(ramp, limits, self._stride, len(self.rows))
+                limit(ramp, limits, self._stride, len(self.rows))
         self._limits = limits
         self._terms = limits.terms if limits else None
         self.start_square = limits.start if limits else 0
         self.accelerates = limits is not None
         self.work[_FEED] = self.work[_GIVEN] = 0
         self._asked = 0
-        return kept
 
-    def load(self, jerk=False):
+    def load(self):
         """Make ready for limits() and arcs, before there is a feeder, and while memory is still in one piece: they take a
-        good part of a board's. `jerk`: for limits with a jerk, too."""
+        good part of a board's."""
         from passo.motion.measure_viper import look_back, measure
 
         self._measure, self._raise = measure, look_back
@@ -125,10 +123,6 @@ class Planner:
         from passo.motion.circle import Circle
 
         self._circle = Circle(self.axes)
-        if jerk:
-            from passo.motion import jerk
-
-            jerk.load()
 
     def clear(self):
         """Forget every block. Only while the feeder is stopped."""

@@ -97,8 +97,12 @@ _STATE = const(47)
 
 
 def limit(ramp, limits, stride, size):
-    """Have `ramp` keep to the jerk of `limits`, nm/s³ along the path; `stride` and `size`: of a row of the planner's, and all.
-    From now on the ramp's `state` is longer, and its cut_short() the one here."""
+    """Have `ramp` keep to the jerk of `limits`, nm/s³ along the path, 0: any; `stride` and `size`: of a row of the planner's,
+    and all. With a jerk the ramp's `state` is longer from now on, and its cut_short() the one here."""
+    if not limits.jerk:
+        ramp.cut_short = cut
+        ramp.smooth = None
+        return
     state = ramp.state = array("i", bytearray(4 * _STATE))
     shift = root = 0
     while root < 1 << 14:

@@ -152,6 +152,8 @@ class ChipPort:
         played = self._player.played()
         if self._trip is None and played == ring.head:
             self._set_out(played)
+            if self._trip is not None:
+                self.power(0)
         self._aside = False
 
     # --- what start.py asks for
@@ -191,6 +193,8 @@ class ChipPort:
                     feeder.late += 1  # making these took longer than those before them lasted
             if self._pwm is not None and self._beam is None:
                 self.power(feeder.ring.power.level)
+            if self._trip is not None:
+                self.power(0)  # a halting input came in between
 
     def _set_out(self, played):  # ISR: no allocation
         """From a standstill, or a turn behind, the first words go out before the others are made: these are handed over in

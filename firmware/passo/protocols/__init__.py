@@ -1,1 +1,0 @@
-short_way = True  # False, before languages are loaded: the memory of their short ways is wanted for something else

@@ -68,6 +68,7 @@ NO_TRACK = const(125)
 TRACK_FULL = const(126)
 RETURN_OR_CONTINUE = const(127)
 PASSES = const(128)
+NO_MEMORY = const(129)
 
 ALARM_LOCKED = const(200)
 ALARM_HARD_LIMIT = const(201)

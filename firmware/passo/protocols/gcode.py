@@ -21,7 +21,6 @@ from array import array
 import micropython
 from micropython import const
 
-from passo import protocols
 from passo.protocols import commands, errors
 from passo.protocols.commands import Command
 from passo.protocols.gcode_codes import (
@@ -63,12 +62,10 @@ _FARTHEST = const(0x1FFFFFFF)
 _BIAS = const(0x20000000)
 
 gc.collect()
-plain = None  # where a board has too little memory, or not in one piece: interpret() deals with all lines
-if protocols.short_way:
-    try:
-        from passo.protocols.gcode_plain_viper import plain
-    except MemoryError:
-        pass
+try:
+    from passo.protocols.gcode_plain_viper import plain
+except MemoryError:  # a board that has too little, or not in one piece: interpret() deals with all lines
+    plain = None
 
 
 class GCode(Motions):

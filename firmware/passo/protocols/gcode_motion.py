@@ -117,6 +117,8 @@ class Motions(Reader):
         if max(first, second) >= self.axes:
             raise Refused(errors.UNSUPPORTED)
         arcs = self.machine.arcs
+        if arcs is None:
+            raise Refused(errors.NO_MEMORY)
         in_plane = 1 << first | 1 << second
         swept = self._take(H)
         if not swept and not self._left >> X & in_plane:
