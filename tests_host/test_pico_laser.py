@@ -9,6 +9,8 @@ from functools import lru_cache
 import pytest
 from emulated import uf2  # noqa: F401
 
+from host_tools import boards
+from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLES_PER_US
 from host_tools.emulator.machine import EmulatedMachine
 
@@ -17,6 +19,7 @@ CYCLES_PER_MS = 1000 * CYCLES_PER_US
 STEPS_MM = 80
 WITHIN_MS = 0.01  # from a step to its duty, or back, while enough words lie ahead
 _CC = 0x0C
+_STOP = 15
 _STEP, _DIR, _TOOL, _PWM = 2, 4, 6, 7
 
 
@@ -24,7 +27,10 @@ class Laser:
     """laser_xy, booted and unlocked. duty: [(cycle, thousandths)] as written; steps: cycles at which X steps."""
 
     def __init__(self, uf2):
-        self.machine = EmulatedMachine("laser_xy", trace=None, uf2=uf2).boot()
+        board = boards.load("laser_xy")
+        stop = {"name": "stop", "pin": _STOP, "active": 0, "pull": "up", "halt": True}
+        board = {**board, "inputs": [*board["inputs"], stop]}
+        self.machine = EmulatedMachine(board, trace=None, uf2=uf2).boot()
         self.slice = self.machine.pico.chip.pwm.channels[_PWM // 2]
         self.duty = []
         stock = self.slice.write_register
@@ -199,3 +205,20 @@ def test_a_beam_that_stands_changes_at_once(laser):
     laser.say("M5")
     laser.machine.run_ms(5)
     assert laser.dark()
+
+
+def test_a_halt_stays_dark(laser):
+    """Wherever the interrupt that feeds is just then: what it was about to show is not shown any more."""
+    laser.say("M3S900", "G1X20")
+    laser.machine.run_ms(80)
+    assert laser.lit() and laser.value() == 900
+
+    def shown(phase):
+        laser.machine.run_ms(phase / 5)
+        known = len(laser.duty)
+        laser.machine.pico.drive(_STOP, 0)
+        laser.machine.run_ms(20)
+        return [value for _, value in laser.duty[known:]], laser.lit()
+
+    for phase in range(10):
+        assert on_a_copy(lambda: shown(phase)) == ([0], 0), phase

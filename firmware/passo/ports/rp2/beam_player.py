@@ -39,6 +39,7 @@ _PLAYING = const(17)
 _ARMED = const(18)
 _SLOT = const(19)
 _PLAYED = const(20)
+_HELD = const(21)
 # Addresses, in an array of our own.
 _D = const(0)
 _DUTIES = const(1)
@@ -79,6 +80,8 @@ class BeamPlayer(PioPlayer):
     def start(self):  # ISR: no allocation
         """As PioPlayer.start(). The power that D has not been told of, or that is not the mark's any more, shows now."""
         state = self._state
+        if state[_HELD]:
+            return False
         power = self._power
         mark = self._mark
         if state[_PLAYING] != 1 or (mark - power.tail) & _COUNT >= _HALF:
