@@ -5,7 +5,7 @@ import sys
 
 # At the lower end of memory: given back when all is loaded, so that what comes and goes from then on is found a place at
 # once. Behind all that stays, finding one takes more than half a millisecond.
-room = bytearray(8_000)
+room = bytearray(7_000)
 gc.threshold(48_000)  # collect while importing: what stays lies close together; oftener costs a tenth of a second
 
 from passo.control.board_error import BoardError
@@ -48,8 +48,6 @@ def main():
         app = App(board, port, None, FileSlots("settings"))
         forget("passo.assembly")
         room = None
-        gc.collect()
-        app.load()
         gc.collect()
         gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms
         start.run(app, port)

@@ -64,11 +64,9 @@ class App:
         gc.collect()  # so that what is small fills the gaps and leaves room in one piece for what is large
         self.planner = Planner(self.layout.axes)
         streamed, stored = assembly.streamed(board), assembly.stored(board)
-        self._streamed = streamed
         if streamed:
             self.planner.load()
         languages = assembly.languages(board)
-        serials = [port.serial(link) for link in board["links"]]  # their buffers want memory in one piece, too
         least = self.player.min_word_ticks
         assembly.check_speed(board, least)
         setup = us_to_ticks(board["drive"]["setup_us"]) if drive is None else 0
@@ -81,28 +79,18 @@ class App:
         settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)
         self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port, settings, streamed, stored)
         self.controller.program.curves = not self.interrupt
+        self.controller.arcs_want = _ARCS if self.interrupt else 0
         self._looked_ms = port.machine_ms()
         self._heard = 0  # by this turn: _PART, _WHOLE
         shared = {}  # what links of one language have in common
         self.links = []
-        for link, language, serial in zip(board["links"], languages, serials):
+        for link, language in zip(board["links"], languages):
             protocol = language.opened(link, board, self.controller, shared)
-            self.links.append(Link(len(self.links), link, serial, protocol))
+            self.links.append(Link(len(self.links), link, port.serial(link), protocol))
             if self.interrupt and hasattr(protocol, "most"):
                 protocol.most = _MOST
         self.controller.resets.restarted()
         self._answer()
-
-    def load(self):
-        """What arcs take: a job under way might find no memory for it in one piece. main.py has just made room."""
-        if not self._streamed:
-            return
-        if gc.mem_free() < _ARCS:
-            self.controller.arcs_fit = False
-            return
-        import passo.control.arcs
-        import passo.motion.arc
-        import passo.motion.arc_speed
 
     def poll(self):
         """Links, then machine, then answers, then words for the player. False where the machine has to wait, because

@@ -10,6 +10,8 @@ carries out motion as it comes, `pauses` holds and resumes, `inputs` watches swi
 `resets` begins anew.
 """
 
+import gc
+
 import micropython
 from micropython import const
 
@@ -45,7 +47,7 @@ class Controller:
         self.alarm = 0
         self.checking = False  # commands are only checked
         self.sleeping = False
-        self.arcs_fit = True  # set by the app: False where there is no memory for arcs
+        self.arcs_want = 0  # set by the app: bytes that have to be free before the first arc
         self.command = None  # the long command under way
         kind = Queue
         if streamed:
@@ -129,8 +131,11 @@ class Controller:
     @property
     def arcs(self):
         """What a language asks about arcs; None where there is no memory for what they take."""
-        if not self.arcs_fit:
-            return None
+        if self.arcs_want:
+            gc.collect()
+            if gc.mem_free() < self.arcs_want:
+                return None
+            self.arcs_want = 0
         from passo.control import arcs
 
         return arcs
