@@ -23,25 +23,26 @@ TRACK = const(4)  # a path written down step by step
 
 COARSE = const(13)  # fraction bits of the lengths that an arc's walker tells the ramp
 
-# A row. What is noted as "of 2²⁸" is a fraction of the machine's fastest speed or of its square (profile.py).
+# A row. What is noted as "of 2²⁸" is a fraction of the machine's fastest speed or of its square (profile.py). q is the square
+# of a speed in the block's own unit, which is the programmed speed / TOP.
 KIND = const(0)
-TOOL = const(1)
-TICKS = const(2)
-TICKS_REST = const(3)
-FIRST = const(4)
-TAG = const(5)
-RAPID = const(6)
+TOOL = const(1)  # the tool bit from this block's first word on
+TICKS = const(2)  # WAIT: its length; others: whole ticks a dominant step, of an arc: a step of path
+TICKS_REST = const(3)  # LINE: ticks that remain over all dominant steps, spread evenly; ARC: 128ths of a tick
+FIRST = const(4)  # dominant step to begin at: not 0 where an interrupted block is resumed; TRACK: place
+TAG = const(5)  # a number that the controller wants back when the block has been played
+RAPID = const(6)  # 1: the override for rapid motion counts, not that for the feed
 TOP = const(7)
-LIMIT = const(8)
-GAIN = const(9)
-SPAN = const(10)
-TIME = const(11)
+LIMIT = const(8)  # never above, whatever the override says
+GAIN = const(9)  # q a dominant step; 0: no acceleration, the programmed speed from first to last
+SPAN = const(10)  # ticks a step · 2 · TOP
+TIME = const(11)  # ticks a unit of speed takes: TIME / 2 ** TIME_SHIFT
 TIME_SHIFT = const(12)
 RATIO = const(13)
 RATIO_SHIFT = const(14)
 UNIT = const(15)  # q of a square of 2²⁸: · UNIT / 2 ** UNIT_SHIFT
-POWER = const(16)
-DYNAMIC = const(17)
+POWER = const(16)  # of the tool, 0 … 1000, at the programmed speed
+DYNAMIC = const(17)  # 1: power in proportion to the speed
 SPEED = const(18)  # as programmed, of 2²⁸
 SQUARE = const(19)  # its square
 CORNER = const(20)  # square of the speed at which the corner at its beginning may be passed
@@ -55,51 +56,28 @@ _UNIT_SHIFT = const(23)
 
 
 class Block:
+    """What others than the ramp and the feeder ask of a row, which read it themselves; `start` is the planner's to fill in."""
+
     def __init__(self):
         self.kind = WAIT
         self.walker = None  # what the feeder walks: the planner's line or circle, independent axes, a track's walker
-        self.tool = 0  # the tool bit from this block's first word on
-        self.ticks = 0  # WAIT: its length; others: whole ticks a dominant step, of an arc: a step of path
-        self.ticks_rest = 0  # LINE: ticks that remain over all dominant steps, spread evenly; ARC: 128ths of a tick
-        self.first = 0  # dominant step to begin at: not 0 where an interrupted block is resumed; TRACK: place
-        self.tag = 0  # a number that the controller wants back when the block has been played
-        self.power = 0  # of the tool, 0 … 1000, at the programmed speed
-        self.dynamic = 0  # 1: power in proportion to the speed
-        self.rapid = 0  # 1: the override for rapid motion counts, not that for the feed
-        # Speed, in the block's own unit, which is the programmed speed / top; q is its square (profile.py).
-        self.top = 0
-        self.limit = 0  # never above, whatever the override says
-        self.gain = 0  # q a dominant step; 0: no acceleration, the programmed speed from first to last
-        self.span = 0  # ticks a step · 2 · top
-        self.time = self.time_shift = 0  # ticks a unit of speed takes: time / 2 ** time_shift
+        self.ticks = self.ticks_rest = self.first = self.tag = self.dynamic = 0
         self.start = 0  # q at which it may be begun and ended without a ramp
         self.rows = None  # where it stands as a row
         self.at = 0
 
     @micropython.native
-    def load(self, rows, at, start):  # ISR: no allocation
-        """Unpack the row that begins at rows[at]; the walker is the planner's affair. `start`: square of the speed that
-        takes no ramp."""
+    def load(self, rows, at):  # ISR: no allocation
+        """Unpack the row that begins at rows[at]; the walker is the planner's affair."""
         self.rows = rows
         self.at = at
         self.kind = rows[at + KIND]
-        self.tool = rows[at + TOOL]
         self.first = rows[at + FIRST]
         self.tag = rows[at + TAG]
-        self.rapid = rows[at + RAPID]
-        self.power = rows[at + POWER]
         self.dynamic = rows[at + DYNAMIC]
-        self.top = rows[at + TOP]
-        gain = self.gain = rows[at + GAIN]
         self.start = 0
-        if gain and start:
-            self.start = q_of(start, rows, at, rows[at + LIMIT])
         self.ticks = rows[at + TICKS]
         self.ticks_rest = rows[at + TICKS_REST]
-        self.limit = rows[at + LIMIT]
-        self.span = rows[at + SPAN]
-        self.time = rows[at + TIME]
-        self.time_shift = rows[at + TIME_SHIFT]
 
 
 @micropython.viper

@@ -397,7 +397,7 @@ class Planner:
 
     @micropython.native
     def _unpack(self, block, place):  # ISR: no allocation
-        block.load(self.rows, place * self._stride, self.start_square)
+        block.load(self.rows, place * self._stride)
         kind = block.kind
         if kind == LINE:
             block.walker = self._line

@@ -19,8 +19,10 @@ blocks it goes on from one to the next at full acceleration, but sets in, and fa
 first and the last of them have room for; there, and where motion sets out again before it has stood, the acceleration's
 limit alone counts. A jerk that is reached within a step or so makes no difference to none.
 
-Little of it is machine code on a board, which would take three times the memory. All but the constructor may run in an interrupt: no allocation, no integer of 2³⁰.
+All but limit() may run in an interrupt: no allocation, no integer of 2³⁰. On a chip's they would take more stack than there
+is beside a main loop that plans an arc: Program.curves keeps them out there.
 """
+
 from array import array
 
 from micropython import const
@@ -61,7 +63,7 @@ _CAP = const(14)
 _HIGH = const(15)
 _BEGIN = const(16)
 # Of the block, by load():
-_B = const(17)  #
+_B = const(17)
 _RATE = const(18)  # what b grows in a tick: rate / 2 ** rate_shift
 _RATE_SHIFT = const(19)
 _PUSH = const(20)  # what b does to q in a step: b · push / 2 ** 11
@@ -97,7 +99,7 @@ _STATE = const(47)
 
 
 def limit(ramp, limits, stride, size):
-    """Have `ramp` keep to the jerk of `limits`, nm/s³ along the path, 0: any; `stride` and `size`: of a row of the planner's,
+    """Have `ramp` keep to the jerk of `limits`, nm/s³ along the path (0: any); `stride` and `size`: of a row of the planner's,
     and all. With a jerk the ramp's `state` is longer from now on, and its cut_short() the one here."""
     if not limits.jerk:
         ramp.cut_short = cut

@@ -29,7 +29,7 @@ from passo.protocols.gcode_codes import (
 )
 from passo.protocols.gcode_motion import Motions, new_moves
 from passo.protocols.gcode_reader import NONE, Refused
-from passo.protocols.gcode_words import F, M_CODES, N, S, X, rounded
+from passo.protocols.gcode_words import F, M_CODES, S, rounded
 
 _JOG_GROUPS = (NON_MODAL, DISTANCE, UNITS)
 _CUTTING = (100, 200, 300)

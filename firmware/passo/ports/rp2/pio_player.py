@@ -95,7 +95,7 @@ class PioPlayer:
         a.config(
             read=state[_WORDS], write=state[_PIO] + 0x10 + 4 * state[_NUMBER], count=0,
             ctrl=a.pack_ctrl(size=2, inc_write=False, high_pri=True, treq_sel=request,
-                             chain_to=after_a or b.channel),
+                             chain_to=b.channel if after_a is None else after_a),
         )  # fmt: skip
         for dma, table, register, after in (
             (b, state[_ADDRESSES], 0x14, c.channel),  # A's address, which does not start it
