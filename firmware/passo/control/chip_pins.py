@@ -9,7 +9,7 @@ from passo.control.board_error import BoardError
 # (first, last) of each run of pins, and the first of those at the end that can only be inputs
 _PINS = {
     "rp2040": (((0, 29),), 30),
-    "rp2350": (((0, 47),), 48),
+    "rp2350": (((0, 29),), 30),  # those from 30 on, of an RP2350B, have other registers
     "esp32": (((0, 5), (12, 19), (21, 23), (25, 27), (32, 39)), 34),
     "esp32s2": (((0, 21), (33, 46)), 46),
     "esp32s3": (((0, 21), (33, 48)), 49),

@@ -33,17 +33,17 @@ _CC = const(12)  # registers of a PWM slice
 _TOP = const(16)
 _SLICE = const(20)
 # Of the player's state, as pio_player.py has them.
-_MASK = const(8)
-_CHANNELS = const(15)
-_PLAYING = const(17)
-_ARMED = const(18)
-_SLOT = const(19)
-_PLAYED = const(20)
-_HELD = const(21)
+_D = const(5)
+_MASK = const(10)
+_CHANNELS = const(17)
+_PLAYING = const(19)
+_ARMED = const(20)
+_SLOT = const(21)
+_PLAYED = const(22)
+_HELD = const(23)
 # Addresses, in an array of our own.
-_D = const(0)
-_DUTIES = const(1)
-_COMPARE = const(2)
+_DUTIES = const(0)
+_COMPARE = const(1)
 
 
 class BeamPlayer(PioPlayer):
@@ -54,7 +54,7 @@ class BeamPlayer(PioPlayer):
         self._full = mem32[compare - _CC + _TOP] + 1
         self._table = bytearray(2 * _TABLE)
         table = (uctypes.addressof(self._table) + _TABLE - 1) & ~(_TABLE - 1)
-        self._beam = array("I", [0, table, compare])
+        self._beam = array("I", [table, compare])
         self._power = ring.power
         self._mark = 0  # the next one that D has not been told of; they count for ever, modulo 2²⁹
         self._duty = 0  # behind the last one that it has
@@ -67,7 +67,7 @@ class BeamPlayer(PioPlayer):
             size=2, inc_write=False, high_pri=True, ring_size=_TABLE_RING, ring_sel=False, chain_to=self._dma[1].channel
         )
         d.config(read=self._beam[_DUTIES], write=self._beam[_COMPARE], count=1, ctrl=ctrl)
-        self._beam[_D] = 0x50000000 + 0x40 * d.channel
+        self._state[_D] = 0x50000000 + 0x40 * d.channel
         self._state[_CHANNELS] |= 1 << d.channel
 
     @micropython.native
@@ -128,7 +128,7 @@ def _tell(state: ptr32, beam: ptr32, word: int, before: int, duty: int) -> bool:
         slot = state[_SLOT]
         armed = state[_ARMED]
     else:
-        ptr32(beam[_D])[0] = beam[_DUTIES]
+        ptr32(state[_D])[0] = beam[_DUTIES]
     count = (word - armed) & _COUNT
     if count >= _HALF:
         return False

@@ -34,23 +34,25 @@ _SM = const(1)
 _A = const(2)
 _B = const(3)
 _C = const(4)
-_COUNTS = const(5)
-_ADDRESSES = const(6)
-_WORDS = const(7)
-_MASK = const(8)
-_NUMBER = const(9)  # of the state machine in its block
-_FIRST = const(10)  # address of the program
-_PULSE = const(11)  # pulse ticks − 2, for the program's ISR; −1 where there are no pulses
-_PINS = const(12)  # pin control: words' pins and pulse pins
-_TOOL = const(13)  # pin control: the tool's pin as the one to set
-_BITS = const(14)
-_CHANNELS = const(15)  # mask of the three, for the abort register
-_BUSY = const(16)
-_PLAYING = const(17)  # 0 still, 1 playing, 2 the last word ends
-_ARMED = const(18)  # words of the ring that stand in the table, modulo 2²⁹
-_SLOT = const(19)  # the table's end mark
-_PLAYED = const(20)  # words played, while not playing
-_HELD = const(21)
+_D = const(5)  # of a player that has a fourth; else A's again
+_COUNTS = const(6)
+_ADDRESSES = const(7)
+_WORDS = const(8)
+_ABORT = const(9)
+_MASK = const(10)
+_NUMBER = const(11)  # of the state machine in its block
+_FIRST = const(12)  # address of the program
+_PULSE = const(13)  # pulse ticks − 2, for the program's ISR; −1 where there are no pulses
+_PINS = const(14)  # pin control: words' pins and pulse pins
+_TOOL = const(15)  # pin control: the tool's pin as the one to set
+_BITS = const(16)
+_CHANNELS = const(17)  # mask of them, for the abort register
+_BUSY = const(18)
+_PLAYING = const(19)  # 0 still, 1 playing, 2 the last word ends
+_ARMED = const(20)  # words of the ring that stand in the table, modulo 2²⁹
+_SLOT = const(21)  # the table's end mark
+_PLAYED = const(22)  # words played, while not playing
+_HELD = const(23)
 
 
 class PioPlayer:
@@ -71,9 +73,10 @@ class PioPlayer:
         self._dma = [rp2.DMA() for _ in range(3)]
         channels = [0x50000000 + 0x40 * dma.channel for dma in self._dma]
         out = base | layout.bits << 20
-        self._state = array("I", [0] * 22)
+        self._state = array("I", [0] * 24)
         for index, value in (
             (_PIO, pio), (_SM, pio + 0xC8 + 0x18 * number), (_A, channels[0]), (_B, channels[1]), (_C, channels[2]),
+            (_D, channels[0]), (_ABORT, chip.ABORT),
             (_COUNTS, counts), (_ADDRESSES, counts + 4 * _RUNS), (_WORDS, uctypes.addressof(ring.words)),
             (_MASK, ring.mask), (_NUMBER, number), (_PULSE, pulse_ticks - 2 if pulse_ticks else 0xFFFFFFFF),
             (_PINS, out | (base << 5 | layout.axes << 26 if pulse_ticks else 0)),
@@ -143,11 +146,11 @@ def _run(state: ptr32, instruction: int):
 
 @micropython.viper
 def _still(state: ptr32):
-    """No DMA channel is active."""
-    for field in range(_A, _C + 1):
+    """No DMA channel is active. None is enabled either: one that is aborted may set off the next (RP2350-E5)."""
+    for field in range(_A, _D + 1):
         channel = ptr32(state[field])
         channel[4] = channel[4] & ~1
-    abort = ptr32(state[_A] & ~0xFFF | 0x444)
+    abort = ptr32(state[_ABORT])
     abort[0] = state[_CHANNELS]
     while abort[0] & state[_CHANNELS]:
         pass
@@ -297,7 +300,7 @@ def _resume(state: ptr32):
     ptr32(state[_COUNTS])[0] = 0
     ptr32(state[_B])[0] = state[_ADDRESSES] + 4
     ptr32(state[_C])[0] = state[_COUNTS] + 4
-    for field in range(_A, _C + 1):
+    for field in range(_A, _D + 1):
         channel = ptr32(state[field])
         channel[4] = channel[4] | 1
     state[_PLAYING] = 1

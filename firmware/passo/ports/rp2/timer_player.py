@@ -39,6 +39,7 @@ _PLAYING = const(13)
 _GIVEN = const(14)  # words given to the state machine, modulo 2²⁹
 _PLAYED = const(15)
 _HELD = const(16)
+_TOGGLE = const(17)  # address of the register that turns pins over
 
 
 class TimerPlayer:
@@ -64,11 +65,12 @@ class TimerPlayer:
         pulses = 0
         for bit in range(layout.bits):
             pulses |= (layout.pulse_mask >> bit & 1) << pins[bit]
-        self._state = array("I", [0] * 17)
+        self._state = array("I", [0] * 18)
         for index, value in (
             (_PIO, pio), (_SM, pio + 0xC8 + 0x18 * number), (_NUMBER, number), (_WORDS, uctypes.addressof(ring.words)),
             (_MASK, ring.mask), (_BITS, layout.bits), (_TABLES, uctypes.addressof(self._tables)), (_ALL, 0),
             (_STEPS, pulses), (_TOOL, 1 << pins[-1]), (_INVERT, inverted), (_SPIN, pulse_ticks * cycles // 16),
+            (_TOGGLE, chip.TOGGLE),
         ):  # fmt: skip
             self._state[index] = value
         for bit in range(layout.bits):
@@ -85,7 +87,8 @@ class TimerPlayer:
             return
         words = ptr32(state[_WORDS])
         table = ptr32(state[_TABLES])
-        sio = ptr32(0xD0000000)
+        pins = ptr32(0xD0000010)
+        toggle = ptr32(state[_TOGGLE])
         pio = ptr32(state[_PIO])
         shift = state[_NUMBER] << 3
         mask = state[_MASK]
@@ -95,14 +98,14 @@ class TimerPlayer:
         while (given - level - played) & _COUNT:  # usually one word; more where the interrupt came late
             word = words[played & mask]
             want = (table[word & 127] | table[128 + ((word >> 7) & 127)]) ^ state[_INVERT]
-            sio[7] = (sio[4] ^ want) & state[_ALL]
+            toggle[0] = (pins[0] ^ want) & state[_ALL]
             played = (played + 1) & _COUNT
             state[_PLAYED] = played
             if state[_STEPS]:
                 spin = state[_SPIN]
                 while spin > 0:
                     spin -= 1
-                sio[7] = (sio[4] ^ state[_INVERT]) & state[_STEPS]
+                toggle[0] = (pins[0] ^ state[_INVERT]) & state[_STEPS]
             level = (pio[3] >> shift) & 15
         while given != head and level < _DEEP:
             pio[4 + state[_NUMBER]] = words[given & mask]
@@ -149,9 +152,10 @@ def _set_up(state: ptr32):
 def _show(state: ptr32, levels: int):
     """Put the levels of a word on the pins: those that change, all at once."""
     table = ptr32(state[_TABLES])
-    sio = ptr32(0xD0000000)
+    pins = ptr32(0xD0000010)
+    toggle = ptr32(state[_TOGGLE])
     want = (table[levels & 127] | table[128 + ((levels >> 7) & 127)]) ^ state[_INVERT]
-    sio[7] = (sio[4] ^ want) & state[_ALL]
+    toggle[0] = (pins[0] ^ want) & state[_ALL]
 
 
 @micropython.viper
@@ -198,8 +202,9 @@ def _empty(state: ptr32):
 def _halt(state: ptr32):
     ptr32(state[_PIO] + 0x3000)[0] = 1 << state[_NUMBER]
     state[_PLAYING] = 0
-    sio = ptr32(0xD0000000)
-    sio[7] = (sio[4] ^ state[_INVERT]) & (state[_STEPS] | state[_TOOL])
+    pins = ptr32(0xD0000010)
+    toggle = ptr32(state[_TOGGLE])
+    toggle[0] = (pins[0] ^ state[_INVERT]) & (state[_STEPS] | state[_TOOL])
 
 
 @micropython.viper

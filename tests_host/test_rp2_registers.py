@@ -1,0 +1,108 @@
+"""The registers of both chips, as the pico-sdk's headers have them: src/{rp2040,rp2350}/hardware_regs/include/hardware/regs.
+
+There is no emulated RP2350: an address that only the RP2040 has is found here or on the bench.
+"""
+
+import ast
+import os
+import re
+import sys
+import types
+from pathlib import Path
+
+import pytest
+
+from host_tools.build import FIRMWARE
+
+RP2 = FIRMWARE / "passo" / "ports" / "rp2"
+CHIPS = "rp2040", "rp2350"
+# Name in chip.py: macros whose sum it is, and the values on either chip.
+DIFFERENT = {
+    "IO_BANK0": (("IO_BANK0_BASE",), 0x40014000, 0x40028000),
+    "PWM": (("PWM_BASE",), 0x40050000, 0x400A8000),
+    "WATCHDOG": (("WATCHDOG_BASE",), 0x40058000, 0x400D8000),
+    "ABORT": (("DMA_BASE", "DMA_CHAN_ABORT_OFFSET"), 0x50000444, 0x50000464),
+    "TOGGLE": (("SIO_BASE", "SIO_GPIO_OUT_XOR_OFFSET"), 0xD000001C, 0xD0000028),
+    "BUSY": (("DMA_CH0_CTRL_TRIG_BUSY_BITS",), 1 << 24, 1 << 26),
+    "_OUT_OVER": (("IO_BANK0_GPIO0_CTRL_OUTOVER_LSB",), 8, 12),
+}
+SAME = {
+    ("IO_BANK0_GPIO0_CTRL_INOVER_LSB",): 16,
+    ("IO_BANK0_GPIO0_CTRL_OFFSET",): 4,
+    ("IO_BANK0_GPIO1_CTRL_OFFSET",): 12,
+    ("IO_BANK0_GPIO0_CTRL_FUNCSEL_VALUE_PIO0_0",): 6,
+    ("IO_BANK0_GPIO0_CTRL_FUNCSEL_VALUE_PIO1_0",): 7,
+    ("WATCHDOG_CTRL_OFFSET",): 0,
+    ("WATCHDOG_CTRL_ENABLE_BITS",): 1 << 30,
+    ("DMA_BASE",): 0x50000000,
+    ("DMA_CH1_READ_ADDR_OFFSET",): 0x40,
+    ("DMA_CH0_CTRL_TRIG_OFFSET",): 0x0C,
+    ("DMA_CH0_AL1_CTRL_OFFSET",): 0x10,
+    ("DMA_CH0_AL1_READ_ADDR_OFFSET",): 0x14,
+    ("DMA_CH0_AL1_TRANS_COUNT_TRIG_OFFSET",): 0x1C,
+    ("DMA_CH0_AL3_READ_ADDR_TRIG_OFFSET",): 4 * 15,
+    ("PIO0_BASE",): 0x50200000,
+    ("PIO1_BASE",): 0x50300000,
+    ("PIO_CTRL_OFFSET",): 0,
+    ("PIO_CTRL_SM_RESTART_LSB",): 4,
+    ("PIO_CTRL_CLKDIV_RESTART_LSB",): 8,
+    ("PIO_FLEVEL_OFFSET",): 4 * 3,
+    ("PIO_TXF0_OFFSET",): 0x10,
+    ("PIO_IRQ_OFFSET",): 4 * 12,
+    ("PIO_SM0_CLKDIV_OFFSET",): 0xC8,
+    ("PIO_SM1_CLKDIV_OFFSET",): 0xC8 + 0x18,
+    ("PIO_SM0_EXECCTRL_OFFSET",): 0xC8 + 4,
+    ("PIO_SM0_EXECCTRL_WRAP_BOTTOM_LSB",): 7,
+    ("PIO_SM0_SHIFTCTRL_OFFSET",): 0xC8 + 4 * 2,
+    ("PIO_SM0_SHIFTCTRL_FJOIN_RX_LSB",): 31,
+    ("PIO_SM0_ADDR_OFFSET",): 0xC8 + 4 * 3,
+    ("PIO_SM0_INSTR_OFFSET",): 0xC8 + 4 * 4,
+    ("PIO_SM0_PINCTRL_OFFSET",): 0xC8 + 4 * 5,
+    ("PIO_SM0_PINCTRL_OUT_COUNT_LSB",): 20,
+    ("PIO_SM0_PINCTRL_SET_BASE_LSB",): 5,
+    ("PIO_SM0_PINCTRL_SET_COUNT_LSB",): 26,
+    ("SIO_BASE", "SIO_GPIO_IN_OFFSET"): 0xD0000004,
+    ("SIO_BASE", "SIO_GPIO_OUT_OFFSET"): 0xD0000010,
+    ("PWM_CH0_CC_OFFSET",): 12,
+    ("PWM_CH0_TOP_OFFSET",): 16,
+    ("PWM_CH1_CSR_OFFSET",): 20,
+    ("DREQ_PIO0_TX0",): 0,
+    ("DREQ_PIO1_TX0",): 8,
+}
+# In ports/rp2, beside chip.py: DMA, PIO block 0, its CTRL's clearing alias, GPIO_IN, GPIO_OUT.
+ELSEWHERE = {0x50000000, 0x50200000, 0x50203000, 0xD0000004, 0xD0000010}
+
+
+@pytest.mark.parametrize("number", [0, 1])
+def test_what_differs(number, monkeypatch):
+    fake = types.SimpleNamespace(Pin=None, mem32=None, freq=None)
+    monkeypatch.setitem(sys.modules, "machine", fake)
+    monkeypatch.setattr(sys.implementation, "_machine", "Raspberry Pi Pico with " + CHIPS[number].upper(), raising=False)
+    chip = {"__name__": "chip"}
+    exec((RP2 / "chip.py").read_text(encoding="utf-8"), chip)
+    for name, (_, *values) in DIFFERENT.items():
+        assert chip[name] == values[number], name
+
+
+def test_no_other_address_is_written_out():
+    found = set()
+    for path in RP2.glob("*.py"):
+        if path.name != "chip.py":
+            nodes = ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+            found |= {node.value for node in nodes if isinstance(node, ast.Constant) and isinstance(node.value, int)}
+    assert {value for value in found if value >= 0x40000000 and value != 0xFFFFFFFF} == ELSEWHERE
+
+
+def test_as_the_headers_have_them():
+    sdk = os.environ.get("PICO_SDK_PATH")
+    if not sdk:
+        pytest.skip("PICO_SDK_PATH names no pico-sdk")
+    for number, chip in enumerate(CHIPS):
+        folder = Path(sdk) / "src" / chip / "hardware_regs" / "include" / "hardware" / "regs"
+        text = "".join((folder / (name + ".h")).read_text() for name in
+                       ("addressmap", "dma", "dreq", "io_bank0", "pio", "pwm", "sio", "watchdog"))  # fmt: skip
+        defined = {name: int(value, 0) for name, value in
+                   re.findall(r"#define (\w+)\s+(?:_u\()?(0x[0-9a-fA-F]+|\d+)\)?\s", text)}  # fmt: skip
+        wanted = {macros: values[number] for macros, *values in DIFFERENT.values()}
+        for macros, value in {**wanted, **SAME}.items():
+            assert sum(defined[macro] for macro in macros) == value, (chip, macros)
