@@ -207,6 +207,43 @@ def test_a_beam_that_stands_changes_at_once(laser):
     assert laser.dark()
 
 
+def test_an_override_counts_once(laser):
+    """What has been handed over already may still have the old power; once the new one shows, it stays."""
+    laser.say("M3S500", "G1X10")
+    laser.machine.run_ms(60)
+
+    def shown(phase):
+        laser.machine.run_ms(phase / 4)
+        known = len(laser.duty)
+        laser.machine.send(b"\x9a")
+        laser.machine.run_ms(40)
+        return [value for _, value in laser.duty[known:]]
+
+    for phase in range(8):
+        assert on_a_copy(lambda: shown(phase)) == [550], phase
+
+
+def test_an_override_amid_dots_counts_once(laser):
+    powers = [300 + 400 * (dot & 1) + dot for dot in range(40)]
+    old, new = powers, [power * 11 // 10 for power in powers]
+    laser.say("M3S0", "G0X1", *["G1X.2S%d" % power for power in powers[:12]])
+    laser.machine.run_until(laser.lit, 300)
+
+    def shown(phase):
+        laser.machine.run_ms(phase / 2)
+        seen = laser.value()
+        laser.machine.send(b"\x9a")
+        laser.say(*["G1X.2S%d" % power for power in powers[12:]], "G0X1", "M5")
+        laser.settle()
+        return seen, [value for _, value in laser.duty]
+
+    wanted = [old[:at] + new[at - again :] + [0] for at in range(1, 40) for again in (0, 1)]
+    for phase in range(8):
+        seen, values = on_a_copy(lambda: shown(phase))
+        assert values in wanted, (phase, values)
+        assert seen in old and values.index(seen) + 8 > [value == power for value, power in zip(values, old)].index(False)
+
+
 def test_a_halt_stays_dark(laser):
     """Wherever the interrupt that feeds is just then: what it was about to show is not shown any more."""
     laser.say("M3S900", "G1X20")

@@ -27,6 +27,7 @@ _COUNT = const(0x1FFFFFFF)  # word.COUNT_MASK
 _HALF = const(0x10000000)
 _MARKS = const(127)  # power.py has room for one more
 _AHEAD = const(9)  # words handed over as a mark counts, its own included
+_RUNS = const(64)
 _TABLE = const(256)  # bytes: one number for each run
 _TABLE_RING = const(8)
 _CC = const(12)  # registers of a PWM slice
@@ -72,9 +73,11 @@ class BeamPlayer(PioPlayer):
 
     @micropython.native
     def show(self, level):  # ISR: no allocation
-        """The power is `level`, 0 … 1000, at once."""
-        self._duty = level * self._full // 1000
-        _show(self._beam, self._duty)
+        """The power is `level`, 0 … 1000, at once. While words play that is for start() to see to, so that what D has been
+        told before does not show again."""
+        state = self._state
+        if state[_HELD] or state[_PLAYING] != 1 or self._ring.head == self.played():
+            _show(self._beam, level * self._full // 1000, 0)
 
     @micropython.native
     def start(self):  # ISR: no allocation
@@ -86,9 +89,10 @@ class BeamPlayer(PioPlayer):
         mark = self._mark
         if state[_PLAYING] != 1 or (mark - power.tail) & _COUNT >= _HALF:
             mark = power.tail
-        if mark == power.tail:
-            self.show(power.level)
         beam = self._beam
+        if mark == power.tail:
+            self._duty = power.level * self._full // 1000
+            _show(beam, self._duty, _RUNS)
         head = self._ring.head
         last = power.head
         dry = False
@@ -113,8 +117,14 @@ class BeamPlayer(PioPlayer):
 
 
 @micropython.viper
-def _show(beam: ptr32, duty: int):
-    ptr32(beam[_COMPARE])[0] = duty << 16 | duty  # for both outputs of the slice
+def _show(beam: ptr32, duty: int, runs: int):
+    """At once, and behind so many runs: all of them where D has been told of no mark that is still to come."""
+    duty |= duty << 16  # for both outputs of the slice
+    ptr32(beam[_COMPARE])[0] = duty
+    duties = ptr32(beam[_DUTIES])
+    while runs:
+        runs -= 1
+        duties[runs] = duty
 
 
 @micropython.viper
@@ -134,6 +144,6 @@ def _tell(state: ptr32, beam: ptr32, word: int, before: int, duty: int) -> bool:
         return False
     if count > state[_MASK] + 1 - (armed & state[_MASK]):
         duties[slot] = before << 16 | before
-        slot = (slot + 1) & 63
+        slot = (slot + 1) & (_RUNS - 1)
     duties[slot] = duty << 16 | duty
     return True
