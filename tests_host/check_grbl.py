@@ -126,10 +126,11 @@ def check_restore():
     machine.do("$110=1000")
     assert machine.ask("$RST=#")[1] == "ok"
     machine.turns(5)
-    assert machine.ask("$#")[0] == "[G54:0.000,0.000,0.000]" and machine.ask("$N")[0] == "$N0="
+    assert machine.ask("$#")[0] == "[G54:0.000,0.000,0.000]" and machine.ask("$N")[0] == "$N0=G21"
     assert "$110=1000.000" in machine.ask("$$")
     assert machine.ask("$RST=*")[1] == "ok"
     machine.turns(5)
+    assert machine.ask("$N")[0] == "$N0="
     assert "$110=5000.000" in Machine(slots=machine.slots).ready().ask("$$")
 
 

@@ -143,7 +143,7 @@ def check_the_board_follows():
     settings.change(25, 600_000)
     settings.change(27, 2_000)
     assert settings.homing(0) == (1600, 400, 320) and settings.homing(2) == (4000, 400, 800)
-    settings.restore(True, False)
+    settings.restore(True, 0)
     assert board["axes"][0]["steps_per_m"] == 320_000 and board["axes"][0]["travel_steps"] == 96_000
 
 
@@ -158,7 +158,7 @@ def check_defaults_are_not_kept():
     again.change(111, 2_000)
     again.save()
     assert make(slots).get("x_new") == "of a later firmware"
-    again.restore(True, True)
+    again.restore(True, 2)
     again.save()
     assert make(slots).value(110) == 5_000_000 and make(slots).get("x_new") is None
 

@@ -106,10 +106,10 @@ class Controller:
 
     @property
     def state(self):
-        if self.alarm:
-            return "alarm"
         if self.sleeping:
             return "sleep"
+        if self.alarm:
+            return "alarm"
         command = self.command
         if command is not None and command.kind == commands.HOME:
             return "home"

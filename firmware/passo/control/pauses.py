@@ -76,13 +76,14 @@ class Pauses:
         machine.notice(errors.NOTICE_DOOR)
         if machine.busy_with(commands.HOME):
             machine.fail(errors.ALARM_HOMING_DOOR)
-        elif machine.program.jogging:
-            self.drop()
-        elif machine.state in ("idle", "run", "hold", "check"):
+        elif machine.state in ("idle", "run", "hold", "jog", "door"):
+            if machine.program.jogging:
+                self.drop()
             self._stop("door")
 
     def _stop(self, kind):
         self.kind = kind
+        self._stood = False
         self._resume_ms = None
         self._queue.hold(True)
 
@@ -91,9 +92,10 @@ class Pauses:
         ready = self._stood and self._resume_ms is None
         if ready and not (self.kind == "door" and machine.inputs.door_open()):
             self._resume_ms = self._port.machine_ms()
-            if self._was_lit:
+            if self._was_lit and not self._queue.lit():
                 self._queue.rest(True)
                 self._resume_ms += self._queue.tool_ms(True)
+            if self.kind == "door":
                 machine.tools.show_outputs(True)
         return machine.accepted(command)
 
@@ -105,9 +107,8 @@ class Pauses:
     def _toggle(self, command):
         machine = self._machine
         if command.value == commands.SPINDLE_STOP:
-            if self.kind == "hold" and self._stood and machine.tools.spindle != 5:
-                self._was_lit = not self._was_lit
-                self._queue.rest(self._was_lit)
+            if self.kind == "hold" and self._stood and self._was_lit and not machine.tools.laser():
+                self._queue.rest(not self._queue.lit())
         elif machine.state in ("idle", "run", "hold"):
             machine.tools.set_coolant(machine.tools.coolant ^ command.value)
         return machine.accepted(command)
@@ -120,14 +121,19 @@ class Pauses:
         if not self._queue.standing():
             return
         if self.dropping:
+            kind = self.kind
             self._queue.drop()
             self._machine.program.dropped()
             self.clear()
+            if kind == "door":
+                self._stop(kind)
         elif not self._stood:
             self._stood = True
-            self._was_lit = self._queue.lit()
-            if self._was_lit and (self.kind == "door" or self._machine.tools.laser()):
+            lit = self._queue.lit()
+            self._was_lit = self._was_lit or lit
+            if lit and (self.kind == "door" or self._machine.tools.laser()):
                 self._queue.rest(False)
+            if self.kind == "door":
                 self._machine.tools.show_outputs(False)
         elif self._resume_ms is not None and (now_ms - self._resume_ms) & COUNT_MASK < COUNT_MASK // 2:
             self.clear()

@@ -94,10 +94,12 @@ class Program:
             error = self._refusal(command)
             if error:
                 return error
-        if machine.checking:
-            self._queue.target = command.target[:]
-            return machine.accepted(command)
-        return self._begin(command)
+        return self._checked(command) if machine.checking else self._begin(command)
+
+    def _checked(self, command):
+        """What is only checked leads somewhere all the same."""
+        self._queue.target = command.target[:]
+        return self._machine.accepted(command)
 
     def takes(self, tool, power, dynamic, beam):
         """True where lines with this tool may go straight to the queue, within reach(): nothing is unusual now. `beam`:
@@ -260,23 +262,18 @@ class Program:
             return errors.NO_PROBE
         if not self._settled():
             return LATER
-        machine.command = command
         if machine.checking:
-            machine.finish((self._queue.position(), False))
-            return 0
+            return self._checked(command)
         if not self._reachable(command):
-            machine.command = None
             machine.fail(errors.ALARM_SOFT_LIMIT)
             return errors.JOG_TRAVEL
         if machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
-            machine.finish((self._queue.position(), False))
-            machine.fail(errors.ALARM_PROBE_STATE)
-            return 0
+            return self._missed(command, errors.ALARM_PROBE_STATE)
         self._touch = None
         error = self._queue_motion(command)
         if error:
-            machine.command = None
             return error
+        machine.command = command
         self._queue.flush()
         self._active = True
         return 0
@@ -289,9 +286,17 @@ class Program:
             self._touch = queue.position()
             machine.pauses.drop()
         elif self._touch is None and queue.still():
-            machine.finish((queue.position(), False))
-            if not command.value & _PROBE_MAY_MISS:
-                machine.fail(errors.ALARM_PROBE_MISSED)
+            self._missed(command, 0 if command.value & _PROBE_MAY_MISS else errors.ALARM_PROBE_MISSED)
+
+    def _missed(self, command, alarm):
+        """The alarm, where it is one, is told before the answer."""
+        machine = self._machine
+        machine.command = None
+        if alarm:
+            machine.fail(alarm)
+        machine.command = command
+        machine.finish((self._queue.position(), False))
+        return 0
 
     def dropped(self):
         """A hold has come to its stand, and what was queued behind it is gone."""

@@ -33,7 +33,7 @@ class Resets:
         alarm = 0
         if machine.busy_with(commands.HOME):
             alarm = errors.ALARM_HOMING_RESET
-        elif not machine.queue.still() and not machine.pauses.standing():
+        elif not (machine.queue.still() or machine.pauses.standing() or machine.busy_with(commands.DWELL)):
             alarm = errors.ALARM_RESET
         elif machine.sleeping or machine.alarm in errors.NEED_RESET:
             machine.alarm = errors.ALARM_LOCKED
@@ -49,7 +49,7 @@ class Resets:
 
     def _unlock(self, command):
         machine = self._machine
-        if machine.alarm in errors.NEED_RESET:
+        if machine.sleeping or machine.alarm in errors.NEED_RESET:
             return errors.LOCKED
         if machine.alarm:
             if machine.inputs.door_open():

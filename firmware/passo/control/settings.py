@@ -140,6 +140,8 @@ class Settings:
         if error:
             return error
         self._changed[number] = value
+        if number == HOMING and not value:
+            self._changed[SOFT_LIMITS] = 0
         self._touch()
         return 0
 
@@ -191,11 +193,12 @@ class Settings:
     # --- all of them
 
     def restore(self, numbers, texts):
-        """Back to the board file's values: of all `numbers`, and of all `texts`."""
+        """Back to the board file's values: of all `numbers`, and of `texts`: 1 the places, G…, 2 all of them."""
         if numbers:
             self._changed = {}
-        if texts:
-            self._texts = {}
+        for key in list(self._texts):
+            if texts == 2 or texts and key[0] == "G":
+                del self._texts[key]
         self._touch()
 
     def save(self):

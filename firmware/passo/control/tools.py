@@ -25,6 +25,7 @@ class Tools:
         self._outputs = [item["name"] for item in board["outputs"]]
         self._settings_of = None  # the settings' version that the power's range is of
         self._lasing = False
+        self._own = False  # jogs, probing and homing are under way: none of them is the programme's
         self._dark = False  # at a stand: a beam whose power follows the speed is off
         self._restart()
 
@@ -33,19 +34,21 @@ class Tools:
         self.spindle = OFF
         self.power = 0  # millionths
         self._queue.set_power(0, False)
-        self.coolant = 0
+        self.coolant = self._cools = 0  # as it should be, and as it is
         self._override_all()
 
     def restart(self):
         """As after power-up, outputs too."""
         self._restart()
-        self.set_coolant(0)
         self.show_outputs(False)
 
     def poll(self, still):
         """Once a turn: a beam whose power follows the speed is off while nothing moves, which is `still`."""
-        if self._settings_of != self._machine.settings.version:
-            self._settings_of = self._machine.settings.version
+        machine = self._machine
+        own = machine.program.jogging or machine.fine()
+        if own != self._own or self._settings_of != machine.settings.version:
+            self._own = own
+            self._settings_of = machine.settings.version
             self._lasing = self.laser()
             self._override_all()
         if not still:
@@ -87,7 +90,7 @@ class Tools:
             if command.tool != lit:
                 self._queue.set_tool(command.tool, 0)
                 machine.program.moved()
-                if not laser:
+                if still or not laser:
                     self._queue.flush()
                     machine.command = command
                     return 0
@@ -107,11 +110,13 @@ class Tools:
 
     def set_coolant(self, value):
         self.coolant = value
-        self._put("flood", value & 1)
-        self._put("mist", value & 2)
+        self.show_outputs(True)
 
     def show_outputs(self, on):
-        """The spindle's direction, off while the tool is off in a pause."""
+        """Coolant and the spindle's direction; all of them off while the door holds the machine."""
+        self._cools = self.coolant if on else 0
+        self._put("flood", self._cools & 1)
+        self._put("mist", self._cools & 2)
         self._put("reverse", on and self.spindle == 4)
 
     def _put(self, name, on):
@@ -130,7 +135,10 @@ class Tools:
         return self._machine.accepted(command)
 
     def _override_all(self):
-        self._planner.override(self.overrides[0], self.overrides[1])
+        if self._own:
+            self._planner.override(100, 100)
+        else:
+            self._planner.override(self.overrides[0], self.overrides[1])
         settings = self._machine.settings
         least = settings.value(table.MIN_RPM) * 1000 // settings.value(table.MAX_RPM)
         self._queue.analogue.adjust(self.overrides[2], min(least, 999))
@@ -140,12 +148,11 @@ class Tools:
     def report(self, report):
         """What the status report says of spindle, coolant and overrides."""
         power = 0
-        if self._lasing:
-            if self._queue.lit():
-                power = min(self._queue.analogue.value * self.overrides[2] // 100, 1000) * 1000
-        elif self.power:
-            power = min(self.power * self.overrides[2] // 100, 1_000_000)
+        lit = self._queue.lit()
+        if lit:
+            power = self._queue.analogue.value * 1000 if self._lasing else self.power
+            power = min(power * self.overrides[2] // 100, 1_000_000)
         report["power"] = power
-        report["spindle"] = self.spindle
-        report["coolant"] = self.coolant
+        report["spindle"] = self.spindle if lit else OFF
+        report["coolant"] = self._cools
         report["overrides"] = self.overrides

@@ -287,6 +287,8 @@ class GCode(Motions):
         # before them.
         before = []
         turned = spindle != self.spindle or rpm != self.rpm and spindle != 5
+        if self.laser and spindle == 3 and not self.commands and (self.motion in _CUTTING) != self._cutting:
+            turned = True  # M3 burns at a stand too, while G1, G2 or G3 holds
         line = self._cutting or moves and motion == 0
         if turned and not (self.laser and line and self.commands and spindle == self.spindle):
             before.append(self._spindle_command(spindle, rpm, motion))

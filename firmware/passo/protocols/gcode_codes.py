@@ -53,7 +53,6 @@ for _group, _codes in _LISTS:
         GROUP_OF[_code] = _group
 
 AXIS_COMMANDS = (0, 100, 200, 300, 3820, 3830, 3840, 3850, G81, 1000, 2800, 3000, 9200, 4310, 4900)
-_WHOLE = set([code // 100 for code in GROUP_OF])
 
 
 def why_unknown(code):
@@ -61,6 +60,6 @@ def why_unknown(code):
     if code in (5910, 5920, 5930):
         return errors.NO_SUCH_SYSTEM
     whole = code // 100
-    if code % 100 and whole * 100 in GROUP_OF and whole in _WHOLE:
+    if code % 100 and whole * 100 in GROUP_OF and whole not in (28, 30, 61, 90, 92):
         return errors.NOT_INTEGER
     return errors.UNSUPPORTED

@@ -6,7 +6,7 @@
     words.fixed(X, 6)                               # -1250000: the value in millionths
 
 Blanks are dropped wherever they stand, `(…)` and `;…` are comments, `/` is ignored, small letters are capitals. A
-number has at most nine digits that count; further decimals are dropped.
+number has at most nine digits that count, and twelve decimals; further decimals are dropped.
 """
 
 from array import array
@@ -18,9 +18,10 @@ LONGEST = const(80)  # characters of a line, blanks and comments aside
 M_CODES = const(1_000_000)
 _CODES = const(40)  # G and M words a line of 80 characters can hold
 _NINE_DIGITS = const(100_000_000)
+_DECIMALS = const(12)
 
 F, G, H, I, J, K, L, M, N, P, R, S, T, X, Y, Z = [ord(letter) - 65 for letter in "FGHIJKLMNPRSTXYZ"]
-_POWERS = tuple([10**exponent for exponent in range(20)])
+_POWERS = tuple([10**exponent for exponent in range(_DECIMALS + 1)])
 
 
 def _mask(letters):
@@ -66,7 +67,7 @@ class Words:
                 if letter < 0:
                     return errors.LETTER
                 digits = 1
-                if value < _NINE_DIGITS:
+                if value < _NINE_DIGITS and decimals < _DECIMALS:
                     value = value * 10 + byte - 48
                     if point:
                         decimals += 1
@@ -140,11 +141,12 @@ class Words:
         return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
 
 
-def length(line):
-    """Characters of a line that count: blanks and comments do not."""
-    count = comment = 0
+def bare(line):
+    """The characters of a line that count: without blanks and comments."""
+    kept = bytearray()
+    comment = 0
     for byte in line:
-        if byte <= 32 or byte == 47:
+        if byte <= 32 or byte > 126 or byte == 47:
             continue
         if comment:
             if byte == 41 and comment == 40:
@@ -152,8 +154,8 @@ def length(line):
         elif byte == 40 or byte == 59:
             comment = byte
         else:
-            count += 1
-    return count
+            kept.append(byte)
+    return kept
 
 
 def rounded(value, by):

@@ -24,7 +24,7 @@ from micropython import const
 from passo.protocols import commands, errors, grbl_report
 from passo.protocols.commands import ACCEPTED, ALARM, NOTICE, REFUSED, RESTARTED, Command, Event
 from passo.protocols.gcode import GCode
-from passo.protocols.gcode_words import LONGEST, length, rounded
+from passo.protocols.gcode_words import LONGEST, bare, rounded
 from passo.protocols.grbl_lines import Lines
 from passo.protocols.grbl_report import Status
 from passo.protocols.grbl_system import System, answer
@@ -38,6 +38,7 @@ _MAX_RPM = const(30)
 _VALUE = const(6)
 _CHANGE = const(9)
 _AMOUNT = const(10)
+_SHOWN = (commands.SPINDLE, commands.COOLANT, commands.OVERRIDE)  # by a status report at once
 _OKS = (b"", b"ok\r\n", b"ok\r\nok\r\n", b"ok\r\nok\r\nok\r\n", b"ok\r\nok\r\nok\r\nok\r\n")
 _REAL_TIME = {
     0x18: commands.RESET,
@@ -197,10 +198,12 @@ class Grbl:
     def _understand(self, line):
         """The commands of a line, one at least."""
         self.gcode.leave_plain()
+        if not self._machine.checking:
+            self.gcode.coolant = self._machine.tools.coolant  # real-time bytes change it too
         self._start_line = None
         if self._version != self._settings.version:
             self._configure()
-        if line is None or len(line) > LONGEST and length(line) > LONGEST:
+        if line is None or len(line) > LONGEST and len(bare(line)) > LONGEST:
             return [Command(commands.BAD, error=errors.LINE_TOO_LONG)]
         if isinstance(line, str):
             self._start_line = line
@@ -210,9 +213,9 @@ class Grbl:
         elif not line.strip() or line.strip() == b"%":
             result = answer("")
         elif not self._machine.links.listening():
-            result = errors.COMMANDED_ELSEWHERE if length(line) else answer("")
+            result = errors.COMMANDED_ELSEWHERE if bare(line) else answer("")
         elif self._machine.state in ("alarm", "jog", "sleep"):
-            result = errors.LOCKED if length(line) else answer("")
+            result = errors.LOCKED if bare(line) else answer("")
         else:
             result = self.gcode.interpret(line) or self.gcode.commands or answer("")
         return [Command(commands.BAD, error=result)] if isinstance(result, int) else result
@@ -224,6 +227,8 @@ class Grbl:
         command = event.command
         if command.kind == commands.STATUS:
             return self._status.text(event.value, self._lines.room())
+        if command is not self._under_way or command.kind in _SHOWN:
+            self._status.overrides = 0
         if command is not self._under_way:
             return b""
         self._under_way = None
@@ -232,7 +237,7 @@ class Grbl:
             self._rest = []
             self.gcode.forget_place()
             return (text + self._answer("error:%d" % event.error)).encode()
-        if command.kind == commands.PROBE:
+        if command.kind == commands.PROBE and event.value:
             text += self._probed(event.value)
         if command.kind == commands.HOME:
             self._start_lines = self._system.start_lines()
@@ -280,5 +285,5 @@ class Grbl:
 
 
 def plain_text(line):
-    """A `$` line as text, capitals, without blanks; what is no ASCII is left out."""
-    return "".join([chr(byte) for byte in line if 32 < byte < 127]).upper()
+    """A `$` line as text, capitals, without blanks and comments; what is no ASCII is left out."""
+    return bytes(bare(line)).decode().upper()

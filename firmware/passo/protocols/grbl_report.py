@@ -117,7 +117,7 @@ class Status:
 
     def reset(self):
         self._wco = 0  # reports until the offsets are due
-        self._overrides = 0
+        self.overrides = 0
         self._settings_of = self._offsets_of = self._system = None  # that the figures are of
 
     def _take_over(self):
@@ -168,9 +168,9 @@ class Status:
                 self._pins = pins
                 self._pressed = ("|Pn:%s\0" % pins).encode()
             self._tell(self._pressed, 0)
-        if self._wco and self._overrides:
+        if self._wco and self.overrides:
             self._wco -= 1
-            self._overrides -= 1
+            self.overrides -= 1
         else:
             self._now_and_then(report)
         self._tell(b">\r\n\0", 0)
@@ -219,12 +219,12 @@ class Status:
             self._wco -= 1
         else:
             self._wco = (_WCO_BUSY if busy else _IDLE) - 1
-            self._overrides = self._overrides or 1
+            self.overrides = self.overrides or 1
             self._tell(self._offset, 0)
-        if self._overrides:
-            self._overrides -= 1
+        if self.overrides:
+            self.overrides -= 1
             return
-        self._overrides = (_OVERRIDES_BUSY if busy else _IDLE) - 1
+        self.overrides = (_OVERRIDES_BUSY if busy else _IDLE) - 1
         figures = self._figures
         figures[0], figures[3], figures[6] = report["overrides"]
         figures[2] = figures[5] = figures[8] = 0

@@ -10,7 +10,7 @@ from passo.protocols.commands import Command
 from passo.protocols.gcode_words import X, Words
 from passo.protocols.grbl_lines import RX_BYTES
 
-_QUIET = ("idle", "alarm", "check")
+_QUIET = ("idle", "alarm")
 _QUERIES = ("$#", "$I", "$N")
 _INCHES = 13
 _START_LINES = ("N0", "N1")
@@ -100,7 +100,7 @@ class System:
     def _info(self):
         text = self._settings.get(INFO) or ""
         version = "[VER:%s.%s:%s]\r\n" % (grbl_report.VERSION, grbl_report.DATE, text)
-        return version + "[OPT:VMZ,%d,%d]\r\n" % (self._blocks, RX_BYTES)
+        return version + "[OPT:VNMZ,%d,%d]\r\n" % (self._blocks, RX_BYTES)
 
     def _keep(self, key, text):
         try:
@@ -112,7 +112,7 @@ class System:
     def _restore(self, what):
         if what not in ("$", "#", "*"):
             return errors.STATEMENT
-        self._settings.restore(what != "#", what != "$")
+        self._settings.restore(what != "#", "$#*".find(what))
         if what != "$":
             self._gcode.offsets.load()
         error = self._settings.save()
