@@ -5,7 +5,7 @@ from random import Random
 import pytest
 from emulated import rig, uf2  # noqa: F401
 
-from host_tools.emulator.halting import INTERRUPT_PIN, PLAYER_PIN, in_hand, resume, set_out, trials
+from host_tools.emulator.halting import INTERRUPT_PIN, PLAYER_PIN, amid_start, in_hand, resume, set_out, trials
 
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("rig")]
 DELTAS = (2000, 1555, -1250)
@@ -40,6 +40,12 @@ def test_a_halted_line_is_taken_up_from_rest_and_ends_where_it_should(rig):
     again = [cycle for cycle in rises if cycle > edge + 2000 * 125]
     assert len(again) == DELTAS[0] - index
     assert again[1] - again[0] > 20 * 1250, "from rest: twenty times slower than it was"
+
+
+def test_a_halt_amid_the_start_lets_nothing_begin(rig):
+    """At a stand, the input comes while the first words are being handed over: no step follows."""
+    for before_us, steps, reported in amid_start(rig, INTERRUPT_PIN, DELTAS, RATE_HZ, range(6, 66, 4)):
+        assert not steps and reported == [0, 0, 0], before_us
 
 
 HANG = """

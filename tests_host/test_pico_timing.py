@@ -4,6 +4,7 @@ packets arrive and garbage is collected without pause."""
 import pytest
 from emulated import rig, timer_rig, uf2  # noqa: F401
 
+from host_tools.emulator.halting import INTERRUPT_PIN, amid_start
 from host_tools.emulator.rig import router
 from host_tools.emulator.traffic import points
 
@@ -138,3 +139,9 @@ def test_the_timer_player_keeps_time(timer_rig, show):
     assert max(jitter_us) - min(jitter_us) < 10, "a fifth of the interval"
     assert abs(run.span_off) / 125 < 10, "it does not drift"
     show("timer player at 20 kHz", f"lateness within {max(jitter_us) - min(jitter_us):.1f} µs over {run.steps} steps")
+
+
+@pytest.mark.xdist_group("timer")
+def test_a_halt_amid_the_start_of_the_timer_player(timer_rig):
+    for before_us, steps, reported in amid_start(timer_rig, INTERRUPT_PIN, (600, 400, -300), 20_000, range(50, 72, 2)):
+        assert not steps and reported == [0, 0, 0], before_us

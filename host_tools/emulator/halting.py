@@ -52,8 +52,7 @@ print((stood, index, feeder.position(player.played())))
 
 def set_out(rig, deltas, steps_s, after_us, loop="pass"):
     """Start a line and let it run for a while, under a main loop that also does what `loop` says."""
-    rig.clear()
-    rig.pico.console.start(_MOVE.format(deltas=deltas, ticks=ticks_of(deltas, steps_s), loop=loop))
+    _start(rig, deltas, steps_s, loop)
     while not any(rig.step_edges):
         rig.pico.run(200)
     rig.pico.run(after_us)
@@ -82,6 +81,25 @@ def trials(rig, pin, waits_us):
     return found
 
 
+def amid_start(rig, pin, deltas, steps_s, before_us):
+    """For each of `before_us`, the microseconds that `pin` is pressed before the first step would come: (that number,
+    cycles from then to each step that comes all the same, position reported)."""
+
+    def first():
+        set_out(rig, deltas, steps_s, 0)
+        return min(cycle for log in rig.step_edges for cycle, _ in log)
+
+    def attempt(cycle):
+        rig.pico.at(cycle, lambda: rig.pico.drive(pin, 1))
+        _start(rig, deltas, steps_s)
+        rig.pico.run((cycle - rig.pico.cycle) / CYCLES_PER_US + 20_000)
+        return [edge - cycle for log in rig.step_edges for edge, _ in log], _said(rig, 500_000)
+
+    begins = on_a_copy(first)
+    for us in before_us:
+        yield us, *on_a_copy(lambda: attempt(begins - us * CYCLES_PER_US))
+
+
 def in_hand(rig, pin, tries):
     """A trial whose freeze falls between the player's `pull` and its `out`; None if none of the `tries` waits (µs) meets
     that cycle."""
@@ -95,6 +113,11 @@ def in_hand(rig, pin, tries):
         if on_a_copy(lambda: attempt(wait_us)):
             return on_a_copy(lambda: trial(rig, pin, wait_us))
     return None
+
+
+def _start(rig, deltas, steps_s, loop="pass"):
+    rig.clear()
+    rig.pico.console.start(_MOVE.format(deltas=deltas, ticks=ticks_of(deltas, steps_s), loop=loop))
 
 
 def _press(rig, pin):

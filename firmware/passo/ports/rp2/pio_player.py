@@ -347,10 +347,10 @@ def append(state: ptr32, head: int) -> bool:
     if ended == 0:
         # The chain may have read the end mark just before it was replaced: then C stands behind it and A rests.
         place = c[0]
-        active = (ptr32(state[_A])[3] | b[3] | c[3]) & state[_BUSY]
+        active = (ptr32(state[_A])[3] | ptr32(state[_D])[3] | b[3] | c[3]) & state[_BUSY]
         if ((place - state[_COUNTS]) >> 2) & (_RUNS - 1) == after and active == 0 and c[0] == place:
             ended = 1
-    if ended:
+    if ended and state[_HELD] == 0:
         c[0] = state[_COUNTS] + (first << 2)
         b[15] = state[_ADDRESSES] + (first << 2)
     return dry

@@ -172,7 +172,7 @@ def _start(state: ptr32, head: int):
         state[_GIVEN] = state[_PLAYED]
     state[_PLAYING] = 1
     given = state[_GIVEN]
-    if given == state[_PLAYED] and given != head:
+    if given == state[_PLAYED] and given != head and state[_HELD] == 0:
         # None is left to raise the interrupt. It takes over with this one, before the next line here.
         state[_GIVEN] = (given + 1) & _COUNT
         ptr32(state[_PIO])[4 + number] = ptr32(state[_WORDS])[given & state[_MASK]]
