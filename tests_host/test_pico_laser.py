@@ -13,6 +13,7 @@ from host_tools import boards
 from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLES_PER_US
 from host_tools.emulator.machine import EmulatedMachine
+from host_tools.emulator.rig import Rig
 
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("laser")]
 CYCLES_PER_MS = 1000 * CYCLES_PER_US
@@ -259,3 +260,55 @@ def test_a_halt_stays_dark(laser):
 
     for phase in range(10):
         assert on_a_copy(lambda: shown(phase)) == ([0], 0), phase
+
+
+PLAY = """
+port.close()
+ring = app.ring
+def play(word):
+    ring.words[ring.head & ring.mask] = word
+    ring.head += 1
+    player.start()
+"""
+MS_STEP = 12_500 << 5 | 1  # X steps, and a millisecond passes
+
+
+def test_a_chain_under_way_is_not_taken_for_one_that_rests(uf2):
+    """A run handed over in the moment in which A has ended the one before it, and D has not: A must not be given it twice.
+
+    D is held here. As append() looks where the chain stands (the third time that it reads C's address), the chain takes
+    up the new run: A is done with its single word at once, and D has its turn again, but no time.
+    """
+    board = boards.load("laser_xy")
+    rig = Rig({**board, "links": board["links"][:1]}, uf2)
+    rig.pico.exec(PLAY)
+    channels = rig.pico.chip.dma.channels
+    (d,) = [channel for channel in channels if channel.read_uint32(4) >> 16 == 0x4005]
+    b = channels[d._chain_to]
+    c = channels[b._chain_to]
+    (a,) = [channel for channel in channels if channel._chain_to == d.index and channel is not d]
+    let, read = d.schedule_transfer, c.read_uint32
+    waiting, looks = [], []
+    d.schedule_transfer = lambda: waiting.append(True)
+    rig.pico.exec(f"play({MS_STEP})")
+    assert waiting, "A has ended, and D is about to begin"
+
+    def look(offset):
+        if offset == 0:
+            looks.append(True)
+            if len(looks) == 3:
+                stock = [channel.schedule_transfer for channel in (a, b, c)]
+                for channel in (a, b, c):
+                    channel.schedule_transfer = channel.transfer
+                d.transfer()
+                for channel, schedule in zip((a, b, c), stock):
+                    channel.schedule_transfer = schedule
+        return read(offset)
+
+    c.read_uint32 = look
+    rig.pico.exec(f"play({MS_STEP})")
+    assert len(looks) >= 3 and len(waiting) == 2
+    d.schedule_transfer = let
+    let()
+    rig.pico.run(5000)
+    assert len([state for _, state in rig.step_edges[0] if state]) == 2 and rig.pico.exec("print(player.played())") == "2\r\n"
