@@ -153,12 +153,12 @@ def test_a_wrong_board_file_gives_one_line(uf2, text, wanted):
     assert not any(state == 1 for edges in driven for _, state in edges), "no coil is ever on"
 
 
-def with_fault(module, after, inserted):
+def with_fault(module, after, inserted, board=BOARD):
     """The firmware's files with lines put into a module."""
-    texts = {path.as_posix(): (FIRMWARE / path).read_text() for path in selected(boards.load(BOARD))}
+    texts = {path.as_posix(): (FIRMWARE / path).read_text() for path in selected(boards.load(board))}
     assert texts[module].count(after) == 1
     texts[module] = texts[module].replace(after, after + inserted)
-    files = dict(firmware_files(BOARD))
+    files = dict(firmware_files(board))
     with tempfile.TemporaryDirectory() as folder:
         changed, target = Path(folder) / "changed.py", Path(folder) / "changed.mpy"
         changed.write_text(folded(texts)[module])

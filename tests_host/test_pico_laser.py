@@ -14,24 +14,28 @@ from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLES_PER_US
 from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.rig import Rig
+from test_pico_firmware import TURN, with_fault
 
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("laser")]
 CYCLES_PER_MS = 1000 * CYCLES_PER_US
+BOARD = "laser_xy"
 STEPS_MM = 80
 WITHIN_MS = 0.01  # from a step to its duty, or back, while enough words lie ahead
 _CC = 0x0C
 _STOP = 15
-_STEP, _DIR, _TOOL, _PWM = 2, 4, 6, 7
+_STEP, _DIR, _TOOL, _PWM, _ENABLE = 2, 4, 6, 7, 14
+_HALF_RAPIDS = b"\x96"  # what makes the faults below happen
 
 
 class Laser:
     """laser_xy, booted and unlocked. duty: [(cycle, thousandths)] as written; steps: cycles at which X steps."""
 
-    def __init__(self, uf2):
-        board = boards.load("laser_xy")
-        stop = {"name": "stop", "pin": _STOP, "active": 0, "pull": "up", "halt": True}
-        board = {**board, "inputs": [*board["inputs"], stop]}
-        self.machine = EmulatedMachine(board, trace=None, uf2=uf2).boot()
+    def __init__(self, uf2, files=None):
+        board = boards.load(BOARD)
+        if files is None:
+            stop = {"name": "stop", "pin": _STOP, "active": 0, "pull": "up", "halt": True}
+            board = {**board, "inputs": [*board["inputs"], stop]}
+        self.machine = EmulatedMachine(board, files, trace=None, uf2=uf2).boot()
         self.slice = self.machine.pico.chip.pwm.channels[_PWM // 2]
         self.duty = []
         stock = self.slice.write_register
@@ -279,7 +283,7 @@ def test_a_chain_under_way_is_not_taken_for_one_that_rests(uf2):
     D is held here. As append() looks where the chain stands (the third time that it reads C's address), the chain takes
     up the new run: A is done with its single word at once, and D has its turn again, but no time.
     """
-    board = boards.load("laser_xy")
+    board = boards.load(BOARD)
     rig = Rig({**board, "links": board["links"][:1]}, uf2)
     rig.pico.exec(PLAY)
     channels = rig.pico.chip.dma.channels
@@ -312,3 +316,32 @@ def test_a_chain_under_way_is_not_taken_for_one_that_rests(uf2):
     let()
     rig.pico.run(5000)
     assert len([state for _, state in rig.step_edges[0] if state]) == 2 and rig.pico.exec("print(player.played())") == "2\r\n"
+
+
+def burning(uf2, *fault):
+    laser = Laser(uf2, with_fault(*fault, BOARD))
+    laser.say("M3S500", "G1X100")
+    laser.machine.run_ms(100)
+    assert laser.lit() and laser.value() == 500
+    laser.machine.send(_HALF_RAPIDS)
+    return laser
+
+
+def test_what_goes_wrong_where_words_are_made_leaves_it_dark(uf2):
+    """The interrupt that feeds halts at once; the main loop makes all else safe and leaves a report."""
+    fault = "        if self.planner.percent[1] != self.planner.percent[0]:\n            raise ValueError('on purpose')\n"
+    laser = burning(uf2, "passo/steps/feeder.py", "        self.ring.power.play(played)\n", fault)
+    laser.machine.run_until(laser.dark, 10)
+    made = len(laser.steps)
+    laser.machine.run_ms(300)
+    assert laser.dark() and laser.machine.pico.pads.state(_ENABLE) == 1 and len(laser.steps) == made
+    assert b"ValueError: on purpose" in laser.machine.pico.files()["crash.txt"]
+
+
+def test_it_does_not_burn_on_where_a_hang_has_brought_it_to_a_stand(uf2):
+    fault = "            while controller.tools.overrides[1] == 50:\n                pass\n"
+    laser = burning(uf2, "passo/app.py", TURN, fault)
+    laser.machine.run_ms(280)
+    made = len(laser.steps)
+    laser.machine.run_ms(400)
+    assert laser.value() == 0 and len(laser.steps) == made, "long before the watchdog"

@@ -66,6 +66,7 @@ class ChipPort:
         self._aside = False  # the main loop makes words: the interrupt leaves the feeder alone
         self._behind = False  # it has left out a turn
         self._trip = None  # the halting input that has stopped the player, until the main loop has been told
+        self._failed = None  # what an interrupt raised
         self._beat_ms = ticks_ms()
         self._lines = []
         self._inputs = {}
@@ -127,7 +128,10 @@ class ChipPort:
         return trip.name
 
     def wait(self, busy, fine=False):
-        """End a turn of the main loop: sleep a while, no longer than until a byte comes."""
+        """End a turn of the main loop: sleep a while, no longer than until a byte comes. Raises what an interrupt could not
+        deal with: it has halted the player."""
+        if self._failed is not None:
+            raise self._failed
         self._beat_ms = ticks_ms()
         if self._feeder is not None:
             self._feeder.brake = False
@@ -182,17 +186,21 @@ class ChipPort:
         if self._aside:
             self._behind = True
         elif self._trip is None and feeder.open:
-            player = self._player
-            played = player.played()
-            if played == feeder.ring.head or self._behind:
-                self._behind = False
-                self._set_out(played)
-            else:
-                amid = feeder.fill(played, self.lead_ticks)
-                if player.start() and amid:
-                    feeder.late += 1  # making these took longer than those before them lasted
-            if self._pwm is not None and self._beam is None:
-                self.power(feeder.ring.power.level)
+            try:
+                player = self._player
+                played = player.played()
+                if played == feeder.ring.head or self._behind:
+                    self._behind = False
+                    self._set_out(played)
+                else:
+                    amid = feeder.fill(played, self.lead_ticks)
+                    if player.start() and amid:
+                        feeder.late += 1  # making these took longer than those before them lasted
+                if self._pwm is not None and self._beam is None:
+                    self.power(feeder.ring.power.level)
+            except Exception as error:  # out of here it would end the timer, and leave the tool as it is
+                self._failed = error
+                self.trip(None)
             if self._trip is not None:
                 self.power(0)  # a halting input came in between
 
@@ -205,7 +213,8 @@ class ChipPort:
         lead_ticks = _FIRST_TICKS
         feeder.fill(played, lead_ticks)
         if ring.head == played:
-            self.power(ring.power.level)  # of the last word, which has begun since
+            # Of the last word, which has begun since; where the main loop does not run, a beam does not stand on one place.
+            self.power(0 if feeder.brake and self._beam is not None else ring.power.level)
         while ring.head != played:
             player.start()
             if lead_ticks >= self.lead_ticks or self._trip is not None:
