@@ -56,6 +56,8 @@ def summary(job):
         yield f"pause   line {number}: {text}: it goes on when the operator resumes"
     if len(job.pauses) > _MOST_SHOWN:
         yield f"        and {len(job.pauses) - _MOST_SHOWN} more pauses"
+    for number, text in job.probes[:_MOST_SHOWN]:
+        yield f"probe   line {number}: {text}: nothing is touched here, it goes its whole way"
 
 
 def plot_accelerations(axes, job):

@@ -36,11 +36,15 @@ app.add_typer(torch, name="torch")
 
 
 def main():
-    """Run `passo`; a Failure is one line on stderr and exit status 1."""
+    """Run `passo`; a Failure, or what the system refuses, is one line on stderr and exit status 1."""
     try:
         app()
     except Failure as failure:
         print(f"passo: {failure}", file=sys.stderr)
+        sys.exit(1)
+    except OSError as refusal:
+        where = f"{refusal.filename}: " if refusal.filename else ""
+        print(f"passo: {where}{refusal.strerror or refusal}", file=sys.stderr)
         sys.exit(1)
 
 

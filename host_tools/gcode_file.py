@@ -11,6 +11,8 @@ def read(path):
         data = Path(path).read_bytes()
     except OSError as error:
         raise Failure(f"cannot read {path}: {error.strerror}") from error
+    if b"\0" in data:
+        raise Failure(f"{path} is no text: there are zero bytes in it")
     lines = []
     for number, line in enumerate(data.splitlines(), 1):
         stripped = strip(line)

@@ -6,12 +6,15 @@
         for number in client.stream(lines, count=True): …    # the line of the file that was answered last
 """
 
+import os
 import re
 import time
 
 from host_tools.failure import Failure
 
 RX_BYTES = 128
+_LONGEST_TAGGED = 72  # characters, of 80 with the number
+_HIGHEST = 9_999_999
 _SLICE_S = 0.02
 RESET = b"\x18"
 
@@ -35,8 +38,8 @@ def open_port(port, baud):
     try:
         return serial.serial_for_url(port, baudrate=baud, timeout=_SLICE_S, write_timeout=5)
     except (serial.SerialException, ValueError, OSError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise LinkError(f"cannot open port {port}: {reason}") from error
+        number = getattr(error, "errno", None)
+        raise LinkError(f"cannot open port {port}: {os.strerror(number) if number else error}") from error
 
 
 class GrblClient:
@@ -49,6 +52,7 @@ class GrblClient:
         self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
         self._serial = open_port(port, baud)
         self._buffer = b""
+        self._heard = time.monotonic()  # when something has come last
 
     def __enter__(self):
         return self
@@ -78,11 +82,17 @@ class GrblClient:
         except (OSError, TypeError, ValueError) as error:
             raise LinkError(f"port {self.port} went away: {error}") from error
         *whole, self._buffer = self._buffer.split(b"\n")
+        if whole:
+            self._heard = time.monotonic()
         said = [line.strip().decode("ascii", "replace") for line in whole]
         for line in said:
             self._note("<", line.encode())
             self._notice(line)
         return [line for line in said if line]
+
+    def silent(self):
+        """True where nothing has come for longer than an answer may take."""
+        return time.monotonic() - self._heard > self.timeout_s
 
     def _notice(self, line):
         if line.startswith("<") and line.endswith(">"):
@@ -144,27 +154,30 @@ class GrblClient:
                 raise LinkError(f"{self.port}: no status report")
         return self.status
 
-    def stream(self, lines, count=True, idle=None):
+    def stream(self, lines, count=True, idle=None, numbered=False):
         """Send [(number, bytes)]; yields each number as its line is answered.
 
         `count`: up to 128 bytes are under way; otherwise each line waits for the answer of the one before. `idle()` is
-        called while waiting. At the first error the machine is held and what is under way dropped; raises Refused.
+        called while waiting. `numbered`: lines get their numbers as N words, so that a status report says in `Ln` which
+        one is being carried out. At the first error the machine is held and what is under way dropped; raises Refused.
         """
-        waiting = list(reversed(lines))
+        waiting = [(number, line, tagged(number, line) if numbered else line) for number, line in reversed(lines)]
         under_way = []
         self.alarm = None
         while waiting or under_way:
-            while waiting and self._room(under_way, waiting[-1][1], count):
+            while waiting and self._room(under_way, waiting[-1][-1], count):
                 under_way.append(waiting.pop())
-                self._write(under_way[-1][1] + b"\n")
+                self._write(under_way[-1][-1] + b"\n")
             for answer in self.lines():
-                number, line = under_way[0] if under_way else (None, b"")
+                number, line, _ = under_way[0] if under_way else (None, b"", b"")
                 where = f"line {number}, {line.decode('ascii', 'replace')}" if under_way else "after the last line"
                 if answer.startswith("ALARM:"):
                     raise Refused(f"{where}: alarm {self.alarm}: {alarm_text(self.alarm)}", number)
                 if answer.startswith("error:") and under_way:
                     self.halt()
                     raise Refused(f"{where}: {explain(answer)}", number)
+                if answer.startswith("Grbl "):
+                    raise LinkError(f"{where}: the controller was reset")
                 if answer == "ok" and under_way:
                     yield under_way.pop(0)[0]
             if idle:
@@ -173,7 +186,7 @@ class GrblClient:
     def _room(self, under_way, line, count):
         if not count:
             return not under_way
-        return sum(len(sent) + 1 for _, sent in under_way) + len(line) + 1 <= RX_BYTES
+        return sum(len(sent) + 1 for _, _, sent in under_way) + len(line) + 1 <= RX_BYTES
 
     def halt(self):
         """Come to a stand and drop everything, so that no position is lost."""
@@ -191,6 +204,11 @@ class GrblClient:
             if idle:
                 idle()
             time.sleep(0.1)
+
+
+def tagged(number, line):
+    """`line` with its number, where it has room for one and is no $ line."""
+    return line if line.startswith(b"$") or len(line) > _LONGEST_TAGGED or number > _HIGHEST else b"N%d%s" % (number, line)
 
 
 def fields_of(report):

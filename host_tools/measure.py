@@ -36,7 +36,7 @@ class Result:
 def read_trace(path):
     """The rows of a trace CSV. Raises Failure with the line that is wrong."""
     try:
-        with open(path, newline="", encoding="utf-8") as file:
+        with open(path, newline="", encoding="utf-8", errors="replace") as file:
             reader = csv.reader(file)
             if next(reader, None) != _HEADER:
                 raise Failure(f"{path} is not a trace: its first line should be {','.join(_HEADER)}")

@@ -6,6 +6,7 @@ from typing import Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.grbl_client import Refused
 
 _KEPT_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59")
 
@@ -73,24 +74,41 @@ def read(file):
     for number, line in enumerate(lines, 1):
         if line and not line.startswith(("$", "G10L2P")):
             raise Failure(f"{file}, line {number}: {line!r} is no setting")
-    return [line for line in lines if line]
+    lines = [line for line in lines if line]
+    if not lines:
+        raise Failure(f"{file} has no settings")
+    return lines
 
 
 def restore(client, wanted):
-    """Send what differs from what the controller has; the lines that did. Offsets are read in the units of $13."""
+    """Send what differs from what the controller has; the lines that did. Offsets are read in the units of $13. What is
+    refused is sent again behind the others, as long as that helps: a setting may have to wait for another."""
     have = set(backup(client))
     changed = sorted([line for line in wanted if line not in have], key=_order)
-    if any(line.startswith("G10") for line in changed):
+    if any(line.startswith(("G10", "$N")) for line in changed):
         client.command("$X")
         inches = "$13=1" in have
         client.command("G20" if inches else "G21")
-    for line in changed:
-        client.command(line)
+    left = changed
+    while left:
+        refusals = _send(client, left)
+        if len(refusals) == len(left):
+            raise refusals[left[0]]
+        left = list(refusals)
     return changed
 
 
+def _send(client, lines):
+    """{line: Refused} of those that were."""
+    refusals = {}
+    for line in lines:
+        try:
+            client.command(line)
+        except Refused as refusal:
+            refusals[line] = refusal
+    return refusals
+
+
 def _order(line):
-    """Homing before what needs it, units of the report last: they change how offsets read."""
-    if line.startswith("$22="):
-        return 0, line
-    return (2 if line.startswith("$13=") else 1), line
+    """Offsets before the units of the report, which change how they read."""
+    return line.startswith("$13="), line

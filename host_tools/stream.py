@@ -1,6 +1,8 @@
 """`passo stream`: a G-code file to a controller that speaks grbl."""
 
+import bisect
 import contextlib
+import os
 import select
 import sys
 import time
@@ -10,6 +12,7 @@ from typing import Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.grbl_client import LinkError
 
 _STATUS_S = 0.25
 
@@ -25,6 +28,9 @@ def stream(
     timeout: float = typer.Option(5.0, min=0.1, help="Seconds an answer may take."),
 ):
     """Send a G-code file and show how far it is. Stops at the first error and says which line.
+
+    What is shown is the line that moves the machine: lines go out with their numbers in the file as N words, unless the
+    file has such words of its own.
 
     Keys while it runs: p pause, r resume, also after M0, M1 and M6, a abort (also Ctrl-C). The machine comes to a stand
     before anything is dropped.
@@ -44,16 +50,24 @@ def stream(
     with GrblClient(port or ports.only(), baud, timeout, log) as client:
         client.connect()
         if home:
-            client.command("$H", 600)
+            _home(client)
         elif unlock:
             client.command("$X")
         if client.ask_status()["state"] == "Alarm":
             raise Failure("the machine is in alarm; give --home or --unlock")
         with Panel(client, lines) as panel:
-            for number in client.stream(lines, flow == "count", panel.turn):
+            for number in client.stream(lines, flow == "count", panel.turn, panel.numbered):
                 panel.done(number)
             client.wait_idle(panel.turn)
         print(f"{file}: {len(lines)} lines in {gcode_file.clock(panel.seconds())}")
+
+
+def _home(client):
+    try:
+        client.command("$H", 600)
+    except KeyboardInterrupt:
+        client.reset()
+        raise Aborted("aborted while homing") from None
 
 
 class Aborted(Failure):
@@ -65,7 +79,8 @@ class Panel:
 
     def __init__(self, client, lines):
         self._client = client
-        self._total = len(lines)
+        self._numbers = [number for number, _ in lines]
+        self.numbered = not any(b"N" in line.upper() for _, line in lines)  # the machine says where it is
         self._done = 0
         self._line = 0
         self._begun = time.monotonic()
@@ -98,15 +113,21 @@ class Panel:
         return now - self._begun - self._paused_s
 
     def done(self, number):
+        """Line `number` of the file has been answered."""
         self._done += 1
-        self._line = number
+        if not self.numbered:
+            self._line = number
 
     def turn(self):
         """Keys, and the screen now and then."""
         if sys.stdin.isatty() and select.select([sys.stdin], [], [], 0)[0]:
-            self.key(sys.stdin.read(1))
+            self.key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))
+        if self.numbered:
+            self._line = max(self._line, int(self._client.status.get("Ln", 0)))
         now = time.monotonic()
         self._pause(self._client.status.get("state", "").startswith(("Hold", "Door")), now)
+        if self._asked and self._client.silent():
+            raise LinkError(f"port {self._client.port}: no answer any more, at line {self._line}")
         if now - self._asked >= _STATUS_S:
             self._asked = now
             self._client.real_time(b"?")
@@ -134,7 +155,8 @@ class Panel:
         from host_tools.gcode_file import clock
 
         status = self._client.status
-        share = self._done / self._total
+        done = bisect.bisect_left(self._numbers, self._line) if self.numbered else self._done
+        share = done / len(self._numbers)
         left = clock(self.seconds() / share * (1 - share)) if share > 0.01 else "–"
         place = status.get("MPos") or status.get("WPos") or ""
         keys = "PAUSED: r resumes, a aborts" if self._paused_at is not None else "p pause, a abort"

@@ -5,7 +5,8 @@
     job.seconds, job.low, job.high, job.errors
 
 It starts at machine zero, unlocked, soft limits off: where the job's box lies on a machine is for the caller to judge.
-Pauses for the operator are noted in `pauses` and resumed at once; their time counts for nothing.
+Pauses for the operator are noted in `pauses` and resumed at once; their time counts for nothing. There is nothing that a
+probe could touch: what probes goes its whole way, and is noted in `probes`.
 """
 
 from host_tools import boards
@@ -108,6 +109,13 @@ class Track:
         return None
 
 
+def fits(under_way, line):
+    """True where `line` may be sent too. Probing goes alone: the alarm at its end would refuse what follows."""
+    if under_way and (b"G38" in line.upper() or b"G38" in under_way[-1][1].upper()):
+        return False
+    return sum(len(sent) + 1 for _, sent in under_way) + len(line) < WINDOW
+
+
 class VirtualJob:
     def __init__(self, board, changes=()):
         """`changes`: $ lines carried out first, as text. Raises Failure where the board has no link for G-code."""
@@ -133,6 +141,7 @@ class VirtualJob:
         self._line = self._port.serial(checked["links"][0])
         self.errors = []  # (line of the file, its text, what was wrong)
         self.pauses = []  # (line of the file, its text)
+        self.probes = []  # the same
         self.seconds = 0.0
         self._line.incoming += b"$X\n$20=0\n" + b"".join(change.encode() + b"\n" for change in changes)
         for _ in range(50):
@@ -145,7 +154,7 @@ class VirtualJob:
         under_way = []
         idle_turns = 0
         while waiting or under_way:
-            while waiting and sum(len(line) + 1 for _, line in under_way) + len(waiting[-1][1]) < WINDOW:
+            while waiting and fits(under_way, waiting[-1][1]):
                 number, line = waiting.pop()
                 under_way.append((number, line))
                 self._line.incoming += line + b"\n"
@@ -183,8 +192,7 @@ class VirtualJob:
         from passo.protocols import errors
 
         if said.startswith("ALARM:"):
-            self.errors.append((under_way[0][0] if under_way else 0, "", f"alarm {said[6:]}"))
-            self._line.incoming += b"\x18$X\n"
+            self._note_alarm(int(said[6:]), under_way)
         if said == "ok" or said.startswith("error:"):
             if not under_way:
                 return
@@ -192,6 +200,19 @@ class VirtualJob:
             if said != "ok":
                 code = int(said[6:])
                 self.errors.append((number, line.decode(), f"error {code}, {errors.text(code)}"))
+
+    def _note_alarm(self, number, under_way):
+        from passo.protocols import errors
+
+        line, text = under_way[0] if under_way else (0, b"")
+        if number + 200 in errors.NEED_RESET:
+            raise Failure(f"line {line}: alarm {number}, {errors.text(200 + number)}")
+        if number + 200 in (errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED):
+            self.probes.append((line, text.decode()))
+        else:
+            self.errors.append((line, text.decode(), f"alarm {number}, {errors.text(200 + number)}"))
+        under_way.append((line, b"$X"))
+        self._line.incoming += b"$X\n"
 
     @property
     def low(self):

@@ -7,6 +7,7 @@
 A STATUS answer is twelve bytes and every other answer one, so a `?` makes the reader wait for eleven more.
 """
 
+import os
 import time
 
 from host_tools.failure import Failure
@@ -55,8 +56,8 @@ def open_port(port, baud):
         opened.reset_input_buffer()
         return opened
     except (serial.SerialException, ValueError, OSError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise LinkError(f"cannot open port {port}: {reason}") from error
+        number = getattr(error, "errno", None)
+        raise LinkError(f"cannot open port {port}: {os.strerror(number) if number else error}") from error
 
 
 class Wire:

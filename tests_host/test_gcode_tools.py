@@ -1,10 +1,12 @@
 """`passo stream`, `passo check` and `passo settings` against the firmware of the router."""
 
+import threading
+
 import pytest
 
-from host_tools import check, gcode_file, settings, stream
+from host_tools import check, cli, gcode_file, settings, stream
 from host_tools.failure import Failure
-from host_tools.grbl_client import GrblClient, Refused, fields_of
+from host_tools.grbl_client import RESET, GrblClient, LinkError, Refused, fields_of, tagged
 from host_tools.virtual_job import VirtualJob
 from running_router import Running
 
@@ -43,6 +45,9 @@ def test_lines_of_a_file(job):
         gcode_file.read(job.with_name("none"))
     job.write_bytes(b"; nothing\n")
     with pytest.raises(Failure, match="no line"):
+        gcode_file.read(job)
+    job.write_bytes(b"G0X1\n\x7fELF\0\n")
+    with pytest.raises(Failure, match="no text"):
         gcode_file.read(job)
 
 
@@ -94,6 +99,75 @@ def test_keys(board, job):
         assert not board.app.controller.alarm
 
 
+@pytest.mark.parametrize("prefix, numbered", [(b"", True), (b"N100", False)])
+def test_progress_is_that_of_the_motion(job, prefix, numbered):
+    """Everything has been answered long before the machine is there: it says itself where it is."""
+    running = Running("real")
+    job.write_bytes(b"\n\nG1 F30\n" + b"".join([prefix + b"X%d\n" % (x % 2) for x in range(1, 7)]))
+    lines = gcode_file.read(job)
+    try:
+        with GrblClient(running.line.name) as client, stream.Panel(client, lines) as panel:
+            assert panel.numbered == numbered
+            client.connect()
+            client.command("$X")
+            for number in client.stream(lines, True, None, panel.numbered):
+                panel.done(number)
+            running.until(lambda: running.world.steps > 0)
+            client.real_time(b"!")
+            running.until(running.app.controller.pauses.standing)
+            client.ask_status()
+            panel.turn()
+            if numbered:
+                assert 4 <= panel._line < 9 and "100%" not in panel.text() and "–" not in panel.text()
+            else:
+                assert panel._line == 9 and "100%" in panel.text()
+            client.halt()
+    finally:
+        running.close()
+
+
+def test_what_may_be_numbered():
+    assert tagged(7, b"G1X1") == b"N7G1X1" and len(tagged(9_999_999, b"G" * 72)) == 80
+    for number, line in ((7, b"$H"), (7, b"G" * 73), (10_000_000, b"G0")):
+        assert tagged(number, line) == line
+
+
+def test_a_reset_ends_a_job(board, job):
+    job.write_bytes(b"M0\nG1 X5 F600\n")
+    with GrblClient(board.line.name) as client:
+        client.connect()
+        client.command("$X")
+        asked = []
+
+        def reset():
+            if board.app.controller.pauses.standing() and not asked:
+                asked.append(client.real_time(RESET))
+
+        with pytest.raises(LinkError, match="line 1, M0: the controller was reset"):
+            list(client.stream(gcode_file.read(job), True, reset))
+
+
+def test_a_board_that_falls_silent_ends_a_job(job):
+    running = Running("fast")
+    job.write_bytes(b"M0\n")
+    stopped = []
+
+    def stop():
+        running.until(running.app.controller.pauses.standing)
+        running._stop = True
+        stopped.append(True)
+
+    stopper = threading.Thread(target=stop)
+    try:
+        stopper.start()
+        with pytest.raises(LinkError, match="no answer any more"):
+            stream.stream(job, running.line.name, 115200, "count", False, True, None, 0.7)
+        assert stopped
+    finally:
+        stopper.join()
+        running.close()
+
+
 def test_nobody_answers(tmp_path, job):
     with pytest.raises(Failure, match="cannot open"):
         stream.stream(job, str(tmp_path / "port"), 115200, "ok", False, False, None, 5.0)
@@ -122,6 +196,33 @@ def test_check_measures_time():
     assert any("line 3: X20M0" in line for line in check.summary(job))
 
 
+def test_check_probes_nothing():
+    """No alarm ends the job, no line of it gets lost, and it is no error."""
+    job = VirtualJob("router_3axis")
+    job.run([(1, b"G91"), (2, b"G38.2Z-2F300"), (3, b"G1Z1"), (4, b"G38.4Z2"), (5, b"g38.5X5"), (6, b"G1X1"), (7, b"Q1")])
+    assert job.probes[:2] == [(2, "G38.2Z-2F300"), (4, "G38.4Z2")]
+    assert [number for number, _, _ in job.errors] == [7]
+    assert job.low[2] == -2 and job.high[0] == 1
+    assert any("probe   line 2: G38.2Z-2F300" in line for line in check.summary(job))
+
+
+def test_settings_that_wait_for_each_other(board):
+    """Steps/mm times speed is bounded: where both change, one may have to go first."""
+    with GrblClient(board.line.name) as client:
+        client.connect()
+        client.command("$X")
+        for lines in (("$100=5000.000", "$110=100.000"), ("$100=100.000", "$110=6000.000"), ("$20=0", "$22=0")):
+            assert settings.restore(client, list(lines)) == list(lines)
+        settings.restore(client, ["$20=1", "$22=1"])
+        assert {"$20=1", "$22=1"} <= set(client.command("$$"))
+        with pytest.raises(Refused, match="error 12"):
+            settings.restore(client, ["$100=99999.000", "$111=900.000"])
+        assert "$111=900.000" in client.command("$$")
+        client.command("$SLP")
+        client.connect()
+        assert settings.restore(client, ["$N1=G54"]) == ["$N1=G54"]
+
+
 def test_settings_round_trip(board, tmp_path, capsys):
     file = tmp_path / "kept.txt"
     with GrblClient(board.line.name) as client:
@@ -144,7 +245,18 @@ def test_settings_refuses(tmp_path):
     file.write_text("$110=1\nhello\n")
     with pytest.raises(Failure, match="line 2"):
         settings.settings("restore", file, "x", 115200)
+    file.write_text("\n")
+    with pytest.raises(Failure, match="no settings"):
+        settings.settings("restore", file, "x", 115200)
     with pytest.raises(Failure, match="FILE"):
         settings.settings("backup", None, "x", 115200)
     with pytest.raises(Failure, match="show, backup or restore"):
         settings.settings("erase", None, "x", 115200)
+
+
+def test_what_the_system_refuses_is_one_line(board, job, monkeypatch, capsys):
+    words = ["passo", "stream", str(job), "--port", board.line.name, "--log", str(job / "wire.log")]
+    monkeypatch.setattr("sys.argv", words)
+    with pytest.raises(SystemExit) as left:
+        cli.main()
+    assert left.value.code == 1 and capsys.readouterr().err == f"passo: {job / 'wire.log'}: Not a directory\n"
