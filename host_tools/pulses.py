@@ -138,49 +138,73 @@ def run(
     times: Annotated[Optional[int], typer.Argument(min=1, max=100, help="How many times.")] = None,
     port: Port = None, baud: Baud = 115200, wait: Wait = True,
 ):  # fmt: skip
-    """Play the stored file, or go on after a pause."""
+    """Play the stored file, or go on after a pause.
+
+    Example: passo pulses run 5
+    """
     _order(("run", times) if times else ("run",), port, baud, wait)
 
 
 @app.command()
 def reverse(port: Port = None, baud: Baud = 115200, wait: Wait = True):
-    """Play backward from where it is, to the start of the file; `run` goes forward again."""
+    """Play backward from where it is, to the start of the file; `run` goes forward again.
+
+    Example: passo pulses reverse
+    """
     _order(("back",), port, baud, wait)
 
 
 @app.command()
 def pause(port: Port = None, baud: Baud = 115200):
-    """Pause at the next step."""
+    """Pause at the next step.
+
+    Example: passo pulses pause
+    """
     _order(("pause",), port, baud)
 
 
 @app.command()
 def stop(port: Port = None, baud: Baud = 115200):
-    """Stop at once, the tool off; the file is at its start again."""
+    """Stop at once, the tool off; the file is at its start again.
+
+    Example: passo pulses stop
+    """
     _order(("stop",), port, baud)
 
 
 @app.command()
 def step(back: Back = False, port: Port = None, baud: Baud = 115200):
-    """One command of the file; --back: the last one backward."""
+    """One command of the file; --back: the last one backward.
+
+    Example: passo pulses step --back
+    """
     _order(("step", "back") if back else ("step",), port, baud)
 
 
 @app.command("return")
 def return_(back: Back = False, port: Port = None, baud: Baud = 115200, wait: Wait = True):
-    """Go back the way the moves by hand came, and on with the file."""
+    """Go back the way the moves by hand came, and on with the file.
+
+    Example: passo pulses return
+    """
     _order(("return", "back") if back else ("return",), port, baud, wait)
 
 
 @app.command("continue")
 def continue_(back: Back = False, port: Port = None, baud: Baud = 115200, wait: Wait = True):
-    """Forget the moves by hand and go on with the file from here."""
+    """Forget the moves by hand and go on with the file from here.
+
+    Example: passo pulses continue
+    """
     _order(("continue", "back") if back else ("continue",), port, baud, wait)
 
 
 @app.command()
 def repeat(times: Annotated[int, typer.Argument(min=1, max=100)], port: Port = None, baud: Baud = 115200):
-    """How many times the file is played."""
+    """How many times the file is played.
+
+    Example: passo pulses repeat 10
+    """
     _order(("repeat", times), port, baud, wait=False)
 
 
@@ -188,7 +212,10 @@ def repeat(times: Annotated[int, typer.Argument(min=1, max=100)], port: Port = N
 def speed(
     mm_min: Annotated[int, typer.Argument(min=1, help="mm/min along the path.")], port: Port = None, baud: Baud = 115200
 ):
-    """Another speed, now, up to the next one of the file; also what a +0 waits for."""
+    """Another speed, now, up to the next one of the file; also what a +0 waits for.
+
+    Example: passo pulses speed 300
+    """
     _order(("speed", mm_min), port, baud, wait=False)
 
 
@@ -227,7 +254,7 @@ def _switch(name):
             raise Failure(f"{name} on or off, not {state}")
         _order((name, state), port, baud)
 
-    switch.__doc__ = f"Switch the {name} by hand, at a stand."
+    switch.__doc__ = f"Switch the {name} by hand, at a stand.\n\nExample: passo pulses {name} on"
     app.command(name)(switch)
 
 
@@ -240,7 +267,10 @@ def status(
     watch: Annotated[bool, typer.Option("--watch", help="Again and again, until Ctrl-C.")] = False,
     port: Port = None, baud: Baud = 115200,
 ):  # fmt: skip
-    """Where it is and what it does: the port's image, progress, speed, what a wait still lasts."""
+    """Where it is and what it does: the port's image, progress, speed, what a wait still lasts.
+
+    Example: passo pulses status --watch
+    """
     import time
 
     from host_tools.pulses_client import POLL_S

@@ -75,11 +75,13 @@ def check_no_homing_no_soft_limits():
 
 
 def check_a_reset_in_a_dwell_loses_nothing():
-    machine = Machine().ready()
-    machine.put("G4 P60\n")
-    machine.turns(10)
-    machine.put(b"\x18")
-    assert machine.turns(5) == [BANNER] and machine.status()["state"] == "Idle"
+    for line in ("G4 P60", "M3 S100"):
+        machine = Machine(tool={"pin": 8, "active": 1, "on_ms": 5000, "off_ms": 0}).ready()
+        machine.put(line + "\n")
+        machine.turns(10)
+        assert machine.status()["state"] == "Run"
+        machine.put(b"\x18")
+        assert machine.turns(5) == [BANNER] and machine.status()["state"] == "Idle", line
 
 
 def check_a_missed_probe_is_told_before_the_answer():
@@ -138,6 +140,20 @@ def check_an_open_door_stops_spindle_and_coolant():
     assert closed(machine) == (1, 1)
     machine.settle()
     assert machine.controller.position() == [2880, 0, 0]
+
+
+def check_nothing_turns_on_behind_an_open_door():
+    machine = Machine(spindle={"max_rpm": 24000, "min_rpm": 6000, "pwm": True, "pin": 18}).ready()
+    machine.do("M3 S12000")
+    machine.settle()
+    opened(machine)
+    machine.put("S24000\nM8\n")
+    machine.turns(20)
+    machine.put(b"\x9a\xa1\x9e")
+    machine.turns(20)
+    assert machine.world.tool == machine.world.power_level == machine.world.outputs["flood"] == 0
+    assert machine.world.outputs["mist"] == 0
+    assert closed(machine) == (1, 1) and machine.world.power_level == 1000
 
 
 def check_a_door_ends_a_jog_and_stays_open():

@@ -128,7 +128,7 @@ class Fuzz:
         line = bytearray(line)
         for _ in range(random.between(0, 3)):
             at = random.between(0, len(line))
-            line = line[:at] + bytes((random.choice(ALPHABET),)) + line[at + random.between(0, 1) :]
+            line = line[:at] + bytes((random.choice(ALPHABET),)) * random.choice((1, 1, 1, 1, 30)) + line[at + random.between(0, 1) :]
         return bytes(line)
 
     def _words(self):

@@ -33,7 +33,7 @@ class Resets:
         alarm = 0
         if machine.busy_with(commands.HOME):
             alarm = errors.ALARM_HOMING_RESET
-        elif not (machine.queue.still() or machine.pauses.standing() or machine.busy_with(commands.DWELL)):
+        elif not (machine.queue.still() or machine.pauses.standing() or self._waits()):
             alarm = errors.ALARM_RESET
         elif machine.sleeping or machine.alarm in errors.NEED_RESET:
             machine.alarm = errors.ALARM_LOCKED
@@ -46,6 +46,11 @@ class Resets:
             machine.fail(alarm)
         self.restarted()
         return machine.accepted(command)
+
+    def _waits(self):
+        """True while the machine stands and something else takes its time."""
+        command = self._machine.command
+        return command is not None and command.kind in (commands.DWELL, commands.SPINDLE)
 
     def _unlock(self, command):
         machine = self._machine

@@ -110,7 +110,7 @@ class Tools:
 
     def set_coolant(self, value):
         self.coolant = value
-        self.show_outputs(True)
+        self.show_outputs(self._machine.pauses.kind != "door")
 
     def show_outputs(self, on):
         """Coolant and the spindle's direction; all of them off while the door holds the machine."""
