@@ -95,6 +95,31 @@ def check_a_missed_probe_is_told_before_the_answer():
     assert machine.ask("G38.3 Z-2 F200") == ["[PRB:0.000,0.000,-2.000:0]", "ok"]
 
 
+def check_hard_limits_count_in_every_state():
+    """At rest, in jogs, while probing and in a hold; not while homing, and not where they were hit before."""
+    for begin in ("", "$J=X50F3000", "G38.2 Z-20 F100", "G1 X50 F3000\n!"):
+        machine = home(Machine())
+        machine.do("$21=1")
+        machine.put(begin + "\n")
+        machine.turns(40)
+        machine.world.switches["limit_y"] = 1
+        said = machine.turns(20)
+        assert "ALARM:1" in said and "[MSG:Reset to continue]" in said, begin
+        machine.put(b"\x18")
+        assert machine.turns(3) == [BANNER, UNHOMED, "[MSG:Check Limits]"]
+        machine.do("$X", "G91 G0 Y1")
+        machine.settle()
+        assert machine.status()["state"] == "Idle" and machine.status()["Pn"] == "Y"
+        del machine.world.switches["limit_y"]
+        machine.turns(20)
+        assert home(machine).controller.homed
+    machine.do("$21=0")
+    machine.world.switches["limit_y"] = 1
+    machine.turns(20)
+    machine.do("$21=1")
+    assert machine.turns(20) == [] and machine.status()["state"] == "Idle"
+
+
 # --- door
 
 

@@ -5,7 +5,7 @@
 
 from passo.control import settings as table
 from passo.control.sensor import Sensor
-from passo.protocols import errors
+from passo.protocols import commands, errors
 
 _BUTTONS = ("reset", "hold", "resume")
 
@@ -94,6 +94,8 @@ class Inputs:
             self._watched = self._to_watch()
             for sensor in self._sensors:
                 sensor.debounce_ms = self._settings.value(table.HOMING_DEBOUNCE)
+            for _, _, sensor in self.limits:
+                sensor.restart(now_ms)  # one that was hit before it was watched is no news
         if self._door is not None:
             before = self._door.active
             self._door.sample(now_ms, 0)
@@ -111,12 +113,12 @@ class Inputs:
         if not self._settings.value(table.HARD_LIMITS):
             return
         machine = self._machine
-        moving = not machine.fine() and not machine.still()
+        watching = not machine.alarm and not machine.busy_with(commands.HOME)
         hit = None
         for letter, name, sensor in self.limits:
             before = sensor.active
             sensor.sample(now_ms, 0)
-            if moving and sensor.active and not before and hit is None:
+            if watching and sensor.active and not before and hit is None:
                 hit = name
                 self.hit = letter
         if hit is not None:
