@@ -25,6 +25,7 @@ is beside a main loop that plans an arc: Program.curves keeps them out there.
 
 from array import array
 
+import micropython
 from micropython import const
 
 from passo.motion.block import q_of
@@ -32,7 +33,7 @@ from passo.motion.integers import divide, isqrt
 from passo.motion.profile import TICKS_PER_S
 from passo.motion.ramp_viper import cut
 from passo.motion.smooth_units import load, scaled, step_from_rest
-from passo.motion.smooth_way import at_end, attempt, judge, need, ratio, root_of, step_ticks
+from passo.motion.smooth_way import at_end, need, ratio, root_of, step_ticks
 
 _LINE = const(0)  # block.py's, known to the compiler
 _HIGHEST = const(0x3FFFFFFF)
@@ -90,12 +91,23 @@ _FAST = const(39)  # the speed wanted
 _AIM = const(40)  # q last tried to end with
 _SPEED = const(41)  # its root
 _ABOVE = const(42)  # how much speed is above the one wanted then
+_LEAVE = const(43)  # the block's planned exit, in its units
+_WAY = const(44)
+_GROW = const(45)  # what b may change by
+_GUESS = const(46)  # speed at its end if b stays
+_BRAKES = const(47)
 # Of the machine: √(jerk / 2) a tick, of a unit of speed of fastest / 2²⁸, root / 2 ** shift; the planner's rows.
-_ROOT = const(43)
-_SHIFT = const(44)
-_STRIDE = const(45)
-_SIZE = const(46)
-_STATE = const(47)
+_ROOT = const(48)
+_SHIFT = const(49)
+_STRIDE = const(50)
+_SIZE = const(51)
+_STATE = const(52)
+# Of _WAY.
+_STAY = const(0)  # its end is known
+_GO_ON = const(1)  # it does not begin at rest
+_CHOOSE = const(2)
+_SET_OUT = const(3)
+_REST_TO_REST = const(4)
 
 
 def limit(ramp, limits, stride, size):
@@ -120,27 +132,35 @@ def limit(ramp, limits, stride, size):
     ramp.smooth = load
 
 
+@micropython.native
 def cut_short(rows, at, state, walker, left, percent, hold):  # ISR: no allocation
     """The next segment: what ramp_viper.cut() does up to how fast it ends."""
     cut(rows, at, state, walker, left, percent, hold)
-    if state[_SMOOTH] and state[_CUT_STEPS]:
+    if state[_SMOOTH] and state[_CUT_STEPS]:  # one after the other: inside each other they would take more stack
+        look(rows, at, state)
+        if state[_WAY] == _GO_ON:
+            set_pace(rows, at, state)
+        if state[_WAY] == _CHOOSE:
+            choose(state)
+        elif state[_WAY] == _SET_OUT:
+            set_out(state)
+        elif state[_WAY] == _REST_TO_REST:
+            state[_CUT_TICKS] = rest_to_rest(state)
         end(rows, at, state)
+        if not state[_CUT_TICKS]:
+            stop(state)
 
 
-def end(rows, at, state):  # ISR: no allocation
-    """How fast the segment ends, and how long it takes."""
+def look(rows, at, state):  # ISR: no allocation
+    """What lies ahead of the segment: the speeds wanted, the room; and how much b may change."""
     q = state[_Q] = state[_BEGIN]
     speed = state[_V]
     start = state[_START]
     cap = state[_CAP]
-    high = state[_HIGH]
-    change = state[_CHANGE]
-    steps = state[_CUT_STEPS]
     togo = state[_TO_GO]
-    part = state[_PART]
     if togo < 0:
-        togo = part = 0
-    ends = not togo and not part
+        togo = state[_TO_GO] = state[_PART] = 0
+    part = state[_PART]
     leave = q_of(rows[at + _EXIT], rows, at, rows[at + _ROW_LIMIT])
     on = False
     if leave > start:
@@ -148,8 +168,6 @@ def end(rows, at, state):  # ISR: no allocation
         on = rows[behind + _EXIT] + rows[behind + _REACH] <= rows[at + _EXIT]
     else:
         leave = start
-    stands = ends and leave == start
-    # What lies ahead: the speeds wanted, and the room.
     until = root_of(leave + (leave >> 8), speed)  # units of blocks differ by as much
     fast = speed if cap == q else root_of(cap, speed)
     room = _HIGHEST
@@ -157,6 +175,7 @@ def end(rows, at, state):  # ISR: no allocation
     if togo < _HIGHEST // scale:
         room = gained(scale, togo, part)
         room -= room >> 10
+    state[_LEAVE] = leave
     state[_ON] = on
     state[_UNTIL] = until
     state[_FAST] = fast
@@ -164,45 +183,73 @@ def end(rows, at, state):  # ISR: no allocation
     if state[_SLOW]:
         path = state[_PATH]
         state[_FORCE] = gained(state[_PUSH], path >> 17, path & 0x1FFFF)
-    b = 0 if q <= start else state[_B]
-    state[_B] = b
-    ticks = grow = 0
-    after = -1
-    brakes = True
+    if q <= start:
+        state[_B] = 0
+    state[_GROW] = state[_CUT_TICKS] = 0
+    state[_SPEED] = -1
+    state[_BRAKES] = 1
+    state[_WAY] = _GO_ON
     if not speed:
-        ticks = set_out(rows[at + _GAIN], state, leave, stands)
-        aim = state[_AIM]
-        b = state[_B]
+        if not state[_FIRST]:
+            step_from_rest(rows[at + _GAIN], state)
+        state[_AIM] = leave
+        state[_WAY] = _REST_TO_REST if leave == start and not togo and not part else _SET_OUT
+
+
+def set_pace(rows, at, state):  # ISR: no allocation
+    """How much b may change in a segment that does not begin at rest, and a speed to end with if it stays."""
+    q = state[_Q]
+    speed = state[_V]
+    b = state[_B]
+    if not b and speed == state[_FAST]:
+        room = state[_ROOM]
+        until = state[_UNTIL]
+        if state[_CRUISE] != speed or state[_CRUISE_UNTIL] != until or state[_ON]:
+            state[_CRUISE] = speed
+            state[_CRUISE_UNTIL] = until
+            state[_ROOM] = _HIGHEST
+            state[_CRUISE_NEED] = need(state, speed, 0)
+            state[_ROOM] = room
+        if state[_CRUISE_NEED] <= room:
+            state[_AIM] = q
+            state[_SPEED] = speed
+            state[_BRAKES] = 0
+            state[_WAY] = _STAY
+            return
+    steps = state[_CUT_STEPS]
+    guess = speed
+    if steps > 3:
+        grow = grown(state, (state[_PATH] >> 12) * step_ticks(state[_SPAN], speed) >> 5)
     else:
-        aim = q
-        if not b and speed == fast:
-            if state[_CRUISE] != speed or state[_CRUISE_UNTIL] != until or on:
-                state[_CRUISE] = speed
-                state[_CRUISE_UNTIL] = until
-                state[_CRUISE_NEED] = need(state, speed, 0)
-            brakes = state[_CRUISE_NEED] > room
-        if brakes:
-            guess = speed
-            if steps > 3:
-                grow = grown(state, (state[_PATH] >> 12) * step_ticks(state[_SPAN], speed) >> 5)
-            else:
-                guess = root_of(at_end(state, q, 2 * b), speed)
-                grow = grown(state, mean(state, speed + guess >> 1))
-                if steps == 1:
-                    if not state[_FIRST]:
-                        step_from_rest(rows[at + _GAIN], state)
-                    if grow > state[_FIRST]:
-                        grow = state[_FIRST]
-            brakes = choose(state, b, grow, guess)
-            aim = state[_AIM]
-            after = state[_SPEED]
-            b = state[_B]
-        else:
-            after = speed
-    found = aim
+        guess = root_of(at_end(state, q, 2 * b), speed)
+        grow = grown(state, mean(state, speed + guess >> 1))
+        if steps == 1:
+            if not state[_FIRST]:
+                step_from_rest(rows[at + _GAIN], state)
+            if grow > state[_FIRST]:
+                grow = state[_FIRST]
+    state[_GROW] = grow
+    state[_GUESS] = guess
+    state[_WAY] = _CHOOSE
+
+
+def end(rows, at, state):  # ISR: no allocation
+    """How fast the segment ends, and how long it takes; 0: stop() has to say."""
+    q = state[_Q]
+    speed = state[_V]
+    cap = state[_CAP]
+    high = state[_HIGH]
+    change = state[_CHANGE]
+    togo = state[_TO_GO]
+    part = state[_PART]
+    leave = state[_LEAVE]
+    aim = state[_AIM]
+    b = state[_B]
+    ticks = state[_CUT_TICKS]
+    stands = leave == state[_START]
     if aim > leave:  # the block's planned end can be reached, whatever the jerk
         most = leave
-        if not ends:
+        if togo or part:
             gain = rows[at + _GAIN]
             most = aim
             if togo <= _HIGHEST // gain:
@@ -217,10 +264,10 @@ def end(rows, at, state):  # ISR: no allocation
                 b = 0
             aim = most
             ticks = 0
-    if stands:
+    if stands and not togo and not part:
         aim = leave
         b = 0
-    elif togo < 8 and aim < q and leave == start:
+    elif togo < 8 and aim < q and stands:
         if not state[_FIRST]:
             step_from_rest(rows[at + _GAIN], state)
         least = state[_REST] if togo else gained(state[_REST], 0, part)
@@ -234,17 +281,20 @@ def end(rows, at, state):  # ISR: no allocation
     elif aim > q and aim > (high if q <= high else rows[at + _ROW_LIMIT] * rows[at + _ROW_LIMIT]):
         aim = high if q <= high else q
         b = 0
-    elif not brakes and abs(b) <= grow and abs(aim - cap) <= cap >> 10 and abs(cap - q) <= change:
+    elif not state[_BRAKES] and abs(b) <= state[_GROW] and abs(aim - cap) <= cap >> 10 and abs(cap - q) <= change:
         aim = cap
         b = 0
-    if aim != found or after < 0:
+    after = state[_SPEED]
+    if aim != state[_AIM] or after < 0:
         after = root_of(aim, speed)
     if b < 0 and (b * b >> 7) > after:
-        b = -fading(state, after)
+        b = -(root_of(after << 7, abs(state[_B]) << 7) >> 7)
     if not ticks:
         if not aim:
-            ticks = last(rows[at + _GAIN], state, leave)
+            if not state[_FIRST]:
+                step_from_rest(rows[at + _GAIN], state)  # stop() is next
         elif q == aim == cap and rows[at] == _LINE and q == rows[at + _TOP] * rows[at + _TOP]:
+            steps = state[_CUT_STEPS]
             rest = state[_CARRY] + steps * rows[at + _TICKS_REST]
             state[_CARRY] = rest % state[_TOTAL]
             ticks = steps * rows[at + _TICKS] + rest // state[_TOTAL]
@@ -252,14 +302,16 @@ def end(rows, at, state):  # ISR: no allocation
             ticks = mean(state, speed + after >> 1)
     state[_CUT_TICKS] = ticks
     state[_CUT_PACE] = speed + after >> 8
+    state[_SPEED] = speed
     state[_Q] = aim
     state[_V] = after
     state[_B] = b
 
 
-def choose(state, b, grow, guess):  # ISR: no allocation
-    """The largest b, and q, that a segment may end with, from b; `guess`: a speed to end with if that stays. True where it
-    has to brake."""
+def choose(state):  # ISR: no allocation
+    """The largest b, and q, that the segment may end with."""
+    b = state[_B]
+    grow = state[_GROW]
     high = state[_LIMIT]
     low = -high
     if b + grow < high:
@@ -267,26 +319,37 @@ def choose(state, b, grow, guess):  # ISR: no allocation
     if b - grow > low:
         low = b - grow
     if low < 0:  # but what can fade till the block's end, or till a stand
-        most = guess if state[_ON] else guess - state[_UNTIL]
-        most = -fading(state, most) if most > 0 else 0
+        most = state[_GUESS] if state[_ON] else state[_GUESS] - state[_UNTIL]
+        most = -(root_of(most << 7, abs(b) << 7) >> 7) if most > 0 else 0
         if low < most:
             low = most if most < high else high
-    short = attempt(state, b, high)
-    above = state[_ABOVE]
+    q = state[_Q]
+    near = state[_V]
+    room = state[_ROOM]
+    above = short = tries = 0
     new = high
-    if above > 0 or short > 0:
-        lack = attempt(state, b, low)
-        new = low
-        if state[_ABOVE] <= 0 and lack <= 0:
-            new = between(state, low, high, above, lack, short)
-            if high - low > 500:  # far apart: once more
-                lack = attempt(state, b, new)
-                if state[_ABOVE] <= 0 and lack <= 0:
-                    new = between(state, new, high, above, lack, short)
-            state[_AIM] = at_end(state, state[_Q], b + new)
-            state[_SPEED] = -1
+    while True:
+        aim = state[_AIM] = at_end(state, q, b + new)
+        speed = state[_SPEED] = root_of(aim, near)
+        lack = need(state, speed, new) - room
+        if not tries:
+            above = state[_ABOVE]
+            short = lack
+            if above <= 0 and short <= 0:
+                break
+            new = low
+        else:
+            if state[_ABOVE] <= 0 and lack <= 0:
+                new = between(state, new, high, above, lack, short)
+            elif tries == 1:
+                break
+            if tries == 2 or high - low <= 500:  # far apart: once more
+                state[_AIM] = at_end(state, q, b + new)
+                state[_SPEED] = -1
+                break
+        tries += 1
     state[_B] = new
-    return short > 0
+    state[_BRAKES] = 1 if short > 0 else 0
 
 
 def between(state, low, high, above, lack, short):  # ISR: no allocation
@@ -343,15 +406,10 @@ def gained(gain, steps, part):  # ISR: no allocation
     return steps * gain + (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
 
 
-def fading(state, speed):  # ISR: no allocation
-    """b that fades in just `speed`."""
-    return root_of(speed << 7, abs(state[_B]) << 7) >> 7
-
-
 def half_ramp(state, speed):  # ISR: no allocation
     """Half the ticks that it takes from rest to `speed`."""
     speed >>= 1
-    b = fading(state, speed)
+    b = root_of(speed << 7, abs(state[_B]) << 7) >> 7
     limit = state[_LIMIT]
     if b > limit:
         b = limit + (speed - (limit * limit >> 7)) * 64 // limit
@@ -362,31 +420,36 @@ def half_ramp(state, speed):  # ISR: no allocation
     return scaled((b << 14) // state[_RATE], shift)
 
 
-def set_out(gain, state, leave, stands):  # ISR: no allocation
-    """Ticks of the first step from rest; `stands`: to rest, too."""
-    if not state[_FIRST]:
-        step_from_rest(gain, state)
+def rest_to_rest(state):  # ISR: no allocation
+    """Ticks of a path from rest to rest."""
+    rest = state[_REST]
+    change = state[_CHANGE]
+    even = divide(root_of(rest if rest < change else change, 0), state[_HALF], 13)
+    ticks = mean(state, even)
+    ticks += (ticks >> 2) * 3
+    fast = state[_FAST] or root_of(state[_HIGH], 0)
+    if fast < even + (even >> 3):
+        ticks = mean(state, fast) + 2 * half_ramp(state, fast)
+    return ticks
+
+
+def set_out(state):  # ISR: no allocation
+    """The first step from rest, and its ticks."""
     fast = state[_FAST]
+    room = state[_ROOM]
+    b = state[_FIRST]
     aim = state[_REST]
     if aim > state[_CHANGE]:
         aim = state[_CHANGE]
-    b = state[_FIRST]
     speed = root_of(aim, 0)
     even = divide(speed, state[_HALF], 13)
-    if stands:
-        state[_AIM] = leave
-        ticks = mean(state, even)
-        ticks += (ticks >> 2) * 3
-        fast = fast or root_of(state[_HIGH], 0)
-        if fast < even + (even >> 3):
-            ticks = mean(state, fast) + 2 * half_ramp(state, fast)
-        return ticks
-    if speed > fast and judge(state, fast, 0) <= 0:
+    if speed > fast and need(state, fast, 0) <= room:
         state[_AIM] = state[_CAP]
         state[_B] = 0
-        return mean(state, fast) + half_ramp(state, fast)
+        state[_CUT_TICKS] = mean(state, fast) + half_ramp(state, fast)
+        return
     tries = 0
-    while tries < 12 and (judge(state, speed, b) > 0 or state[_ABOVE] > 0):
+    while tries < 12 and (need(state, speed, b) > room or state[_ABOVE] > 0):
         aim = (aim >> 6) * 41 or 1
         b = b * 41 >> 6
         speed = root_of(aim, 0)
@@ -394,13 +457,13 @@ def set_out(gain, state, leave, stands):  # ISR: no allocation
         tries += 1
     state[_AIM] = aim
     state[_B] = b
-    return mean(state, even)
+    state[_CUT_TICKS] = mean(state, even)
 
 
-def last(gain, state, leave):  # ISR: no allocation
-    """Ticks of a path that ends at rest, none of them slower than need be."""
-    q = state[_Q]
-    speed = state[_V]
+def stop(state):  # ISR: no allocation
+    """The ticks of a segment that ends at rest; end() has left the speed before it in _SPEED."""
+    q = state[_BEGIN]
+    speed = state[_SPEED]
     change = state[_CHANGE]
     half = 0x4000
     if q < change:
@@ -410,5 +473,5 @@ def last(gain, state, leave):  # ISR: no allocation
     least = mean(state, speed) + half_ramp(state, speed)
     if least < ticks:
         ticks = least
-    least = set_out(gain, state, leave, True)
-    return ticks if ticks < least else least
+    least = rest_to_rest(state)
+    state[_CUT_TICKS] = least if least < ticks else ticks

@@ -8,6 +8,7 @@ changes by `rate` a tick, at the given jerk; along the path q changes by b · `p
 `rows` are block.py's, `state` is as smooth.py has it. All may run in an interrupt: no allocation, no integer of 2³⁰.
 """
 
+import micropython
 from micropython import const
 
 from passo.motion.integers import divide
@@ -37,10 +38,10 @@ _HALF = const(28)
 _CRUISE = const(30)
 _SPAN = const(34)
 _BEHIND = const(33)
-_ROOT = const(43)
-_SHIFT = const(44)
-_STRIDE = const(45)
-_SIZE = const(46)
+_ROOT = const(48)
+_SHIFT = const(49)
+_STRIDE = const(50)
+_SIZE = const(51)
 
 
 def load(rows, at, state):  # ISR: no allocation
@@ -100,10 +101,11 @@ def load(rows, at, state):  # ISR: no allocation
     state[_SPAN] = rows[at + _ROW_SPAN]
 
 
-def scaled(value, shift):  # ISR: no allocation
+@micropython.viper
+def scaled(value: int, shift: int) -> int:  # ISR: no allocation
     """value · 2ˢʰⁱᶠᵗ, 2³⁰ − 1 at most."""
     if shift <= 0:
-        return value >> -shift if shift > -31 else 0
+        return value >> (0 - shift) if shift > -31 else 0
     return value << shift if shift < 30 and value <= 0x3FFFFFFF >> shift else 0x3FFFFFFF
 
 
@@ -140,7 +142,8 @@ def quotient(value, by, bits):  # ISR: no allocation
     return divide(value, by, bits) if value // by < 0x3FFFFFFF >> bits else 0x3FFFFFFF
 
 
-def cube_root(push):  # ISR: no allocation
+@micropython.viper
+def cube_root(push: int) -> int:  # ISR: no allocation
     """(¾ q a step and b)^⅓: what b is after a step from rest; `push` is q a step and b · 2⁴."""
     shift = 5
     value = push
@@ -156,4 +159,4 @@ def cube_root(push):  # ISR: no allocation
     while better < root:
         root = better
         better = (2 * root + value // (root * root)) // 3
-    return scaled(root, shift)
+    return root << shift if shift > 0 else root >> (0 - shift)

@@ -64,8 +64,16 @@ def step_ticks(span: int, speed: int) -> int:  # ISR: no allocation
 
 
 def need(state, fast, b):  # ISR: no allocation
-    """The way to slow down to the block's end, `fast` being the top of the curve; in the same units as `room`."""
+    """End at the speed `fast` with b: the way to slow down to the block's end then, in the units of `_ROOM`. `_ABOVE`: how
+    much speed too much it is."""
     until = state[_UNTIL]
+    above = b * b >> 7
+    if not state[_ROOM]:  # the block ends here
+        wanted = state[_FAST]
+        state[_ABOVE] = fast + (above if b > 0 else -above) - (until if until < wanted else wanted)
+        return 0
+    state[_ABOVE] = fast + (above if b > 0 else -above) - state[_FAST]
+    fast += above  # the top of the curve
     most = state[_MOST]
     slow = state[_SLOW]
     on = state[_ON]
@@ -116,27 +124,6 @@ def need(state, fast, b):  # ISR: no allocation
     if fine:
         far >>= 3 if slow else 4
     return far
-
-
-def judge(state, speed, b):  # ISR: no allocation
-    """End at `speed` with b. How much way is short then? `_ABOVE`: how much speed too much it is."""
-    fade = b * b >> 7
-    above = speed + (fade if b > 0 else -fade)
-    room = state[_ROOM]
-    fast = state[_FAST]
-    if room:
-        state[_ABOVE] = above - fast
-        return need(state, speed + fade, b) - room
-    until = state[_UNTIL]  # the block ends here
-    state[_ABOVE] = above - (until if until < fast else fast)
-    return 0
-
-
-def attempt(state, before, b):  # ISR: no allocation
-    """End with b, from `before`: as judge()."""
-    q = state[_AIM] = at_end(state, state[_Q], before + b)
-    speed = state[_SPEED] = root_of(q, state[_V])
-    return judge(state, speed, b)
 
 
 def at_end(state, q, double):  # ISR: no allocation
