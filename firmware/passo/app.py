@@ -116,7 +116,9 @@ class App:
         self._heard = 0
         self._now_ms = self.port.link_ms()
         for link in self.links:
-            self._receive(link)
+            commands = self._receive(link)
+            if commands:
+                self._carry_out(commands, link)
         return self._heard
 
     def _coming(self):
@@ -150,12 +152,17 @@ class App:
     def turn(self):
         """poll(), then let time pass."""
         if self.poll():
-            controller = self.controller
-            self.port.wait(controller.busy(), controller.fine())
-            self._looked_ms = self.port.machine_ms()
+            self.rest()
+
+    def rest(self):
+        """The end of a turn."""
+        controller = self.controller
+        self.port.wait(controller.busy(), controller.fine())
+        self._looked_ms = self.port.machine_ms()
 
     def _receive(self, link):
-        """What waits comes first, then what the line brings. Each command is answered before the next is asked for."""
+        """What waits comes first, then the commands in what the line brings: each is to be answered before the next is
+        asked for."""
         self.controller.links.speaker = link.number
         while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
             link.waiting.pop(0)
@@ -166,9 +173,7 @@ class App:
             self._heard |= _PART
         if link.short and not link.waiting:
             data = self._in_short(link, data)
-        commands = link.protocol.feed(data, self._now_ms)
-        if commands:
-            self._carry_out(commands, link)
+        return link.protocol.feed(data, self._now_ms)
 
     def _carry_out(self, commands, link):
         for command in commands:

@@ -134,8 +134,11 @@ def _measure(into, square, place, quarters, z):
     z -= tail_z
     ratio = (abs(z) << (30 + shift)) // turned if turned else 0
     if steps and ratio >> 15 < LEADS:  # a word's time passes after its step: the last one's too
-        path += arc_length(radius, _next(square, inside, across, place[0], corner))
-        path -= arc_length(radius, _next(square, inside, across, u, corner))
+        for sign, at in (1, place[0]), (-1, u):
+            angle = corner
+            if -across < at < inside:
+                angle = _rise(square, at + 1) - _rise(square, at)
+            path += sign * arc_length(radius, angle)
     whole = (path >> shift) + (extra >> shift or abs(tail_z))
     if whole >= MOST_STEPS:
         raise ValueError("an arc of more than %d steps" % MOST_STEPS)
@@ -159,13 +162,6 @@ def _steps(square, inside, across, u, w, end_u, quarters):
     if not steps:
         return 0, (u, w)
     return steps, (end_u, inside if end_u == -across else nearest(square, end_u))
-
-
-def _next(square, inside, across, u, corner):
-    """Angle of the step that follows `u`."""
-    if u >= inside or u <= -across:
-        return corner
-    return _rise(square, u + 1) - _rise(square, u)
 
 
 def _tail(region, place, end_x, end_y):

@@ -87,7 +87,8 @@ class Start:
         """Turn for ever; after the grace period the watchdog minds it."""
         guarded = False
         while True:
-            app.turn()
+            if app.poll():  # app.turn() would cost stack, of which interrupts want theirs
+                app.rest()
             if not guarded and ticks_diff(ticks_ms(), self._since_ms) > GRACE_MS:
                 guarded = True
                 port.guard()
