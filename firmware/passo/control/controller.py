@@ -136,7 +136,8 @@ class Controller:
             if gc.mem_free() < self.arcs_want:
                 return None
             self.arcs_want = 0
-        __import__("passo.motion.cordic")  # before who imports it: inside each other, they take stack that interrupts want
+        import passo.motion.cordic  # noqa: F401 (first: loaded inside each other they take stack that interrupts want)
+
         from passo.control import arcs
 
         return arcs
