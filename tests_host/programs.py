@@ -100,11 +100,11 @@ class Machine:
 
     def _note(self, ramp):
         planner = self.rig.planner
-        walker = planner._circle if ramp._arc else planner._line
+        arc = self.rig.feeder._block.kind == ARC
+        walker = planner._circle if arc else planner._line
         steps, ticks = int(ramp.state[CUT_STEPS]), int(ramp.state[CUT_TICKS])
         if not steps:
             return
-        arc = ramp._arc
         path = int(walker.state[RUN_PATH]) * steps / int(walker.state[WORDS]) / (1 << COARSE) if arc else steps
         self.segments.append((self.number, path, ticks))
         self.lags.append((steps,) + (arc_lags(walker) if arc else line_lags(walker)))

@@ -101,6 +101,7 @@ class Program:
         self._queue.target = command.target[:]
         return self._machine.accepted(command)
 
+    @micropython.native
     def takes(self, tool, power, dynamic, beam):
         """True where lines with this tool may go straight to the queue, within reach(): nothing is unusual now. `beam`:
         each line brings its own tool and power."""

@@ -323,8 +323,8 @@ class Planner:
     @micropython.native
     def _add(self, at, kind, tool, tag, rapid=False, first=0):
         power = self.power
+        work = self.work
         if self.dynamic:
-            work = self.work
             if work[_THROUGH] and work[_LIMITED]:
                 power = power * work[_SPEED] // work[_FEED]
             kind |= _IS_DYNAMIC
@@ -332,8 +332,10 @@ class Planner:
             kind |= _IS_ON
         if rapid:
             kind |= _IS_RAPID
-        if close(self.rows, at, self.work, self.counts, kind, tag, power, first):
-            self._look_back(0)
+        rows = self.rows
+        counts = self.counts
+        if close(rows, at, work, counts, kind, tag, power, first):
+            self._raise(rows, work, counts)
 
     def flush(self):
         """Nothing more is coming for now: release all that is queued. The last block ends at rest."""
@@ -352,18 +354,10 @@ class Planner:
             self.percent[1] = max(RAPID_PERCENT[0], min(rapid, RAPID_PERCENT[1]))
         for which in range(2):
             self.work[_FACTOR + which] = self.percent[which] * self.percent[which] * 4096 // 10_000
-        if self.accelerates:
-            self._look_back(1)
-
-    @micropython.native
-    def _look_back(self, all):
-        """Raise the exits of the blocks that may still change, from the newest back, as far as one does; `all`: of all.
-
-        An exit is never lowered, what is under way may count on it: the ramp itself slows down to a lower override.
-        """
-        work = self.work
-        work[_ALL] = all
-        self._raise(self.rows, work, self.counts)
+        if self.accelerates:  # no exit is lowered, what is under way may count on it: the ramp itself slows down
+            self.work[_ALL] = 1
+            self._raise(self.rows, self.work, self.counts)
+            self.work[_ALL] = 0
 
     # --- fetching: may run in an interrupt
 

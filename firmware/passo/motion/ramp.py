@@ -27,12 +27,10 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion.block import ARC, GAIN
+from passo.motion.block import GAIN, LINE
 from passo.motion.ramp_viper import begin, cut
-from passo.motion.steady import SEGMENT_TICKS, TOTAL, Steady
+from passo.motion.steady import Steady
 
-_ARC_TICKS = const(75_000)  # what every run of a tight arc costs a board is up to half a millisecond
-_SMOOTH_TICKS = const(37_500)  # with limited jerk: the pace is even in a segment, off the curve by acceleration · t² / 8
 # In `state`, behind what steady.py has there:
 _LENGTH = const(8)  # ticks a segment should last
 _SMOOTH = const(9)  # 1: cut() leaves off where smooth.py goes on, for which the rest is
@@ -53,26 +51,19 @@ class Ramp(Steady):
         self.state = array("i", [0] * (_BEGIN + 1))
         self.cut_short = cut  # cut_short(block.rows, block.at, state, walker.state, left, percent, hold)
         self.smooth = None  # takes up a block where jerk is limited: smooth.load()
-        self._arc = False
 
     @micropython.native
     def begin(self, block):  # ISR: no allocation
         rows = block.rows
         at = block.at
         gain = rows[at + GAIN]
-        arc = self._arc = block.kind == ARC
-        self.short = gain or arc
-        smooth = gain and self.smooth
-        state = self.state
-        state[_SMOOTH] = 1 if smooth else 0
-        state[_LENGTH] = _SMOOTH_TICKS if smooth else _ARC_TICKS if arc else SEGMENT_TICKS
-        if not arc:
-            state[TOTAL] = block.walker.total
-        if gain:
-            begin(rows, at, state, block.start)
-            if smooth:
-                smooth(rows, at, state)
-        elif arc:
-            self.stall()
-        else:
+        total = block.walker.total if block.kind == LINE else 0
+        if total and not gain:
+            self.short = False
             Steady.begin(self, block)
+            return
+        self.short = True
+        smooth = gain and self.smooth
+        begin(rows, at, self.state, block.start, total, 1 if smooth else 0)
+        if smooth:
+            smooth(rows, at, self.state)

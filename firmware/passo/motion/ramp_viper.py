@@ -1,6 +1,6 @@
 """How the ramp takes up an accelerated line or arc and cuts it.
 
-    begin(rows, at, state, start)                   # the block whose row begins at rows[at]
+    begin(rows, at, state, start, total, smooth)    # the block whose row begins at rows[at]
     cut(rows, at, state, walker, left, percent, hold)   # state[0]: steps, state[1]: ticks, state[2]: pace
 
 What it reckons, and why, stands in ramp.py; the numbers of `state` do in steady.py and ramp.py, those of
@@ -18,8 +18,17 @@ except NameError:
 
 
 @micropython.viper
-def begin(rows: ptr32, at: int, state: ptr32, start: int):  # ISR: no allocation
-    """The speed it begins with in its own units, and `start`, a square of 2²⁸, in them."""
+def begin(rows: ptr32, at: int, state: ptr32, start: int, total: int, smooth: int):  # ISR: no allocation
+    """The speed it begins with in its own units, and how long a segment should last: 1 ms, but of an arc 6, because what
+    every run of a tight one costs a board is up to half a millisecond, and `smooth`, with limited jerk, 3, because the
+    pace is even in a segment, off the curve by acceleration · t² / 8. `start`: the q that takes no ramp."""
+    state[7] = total
+    state[8] = 37500 if smooth else 75000 if rows[at] == 3 else 12500
+    state[9] = smooth
+    if rows[at + 9] == 0:
+        state[3] = 0
+        state[4] = 0
+        return
     limit = rows[at + 8]
     most = limit << 7
     speed = state[4]

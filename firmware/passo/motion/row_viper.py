@@ -3,9 +3,11 @@
     at = enter(rows, work, counts, steps, first)    # the steps of a line go to the next free row, which begins at rows[at]
     through = close(rows, at, work, counts, kind, tag, power, first)    # the row is done, and is counted
     at = take(rows, work, counts, moving, lines)    # the next one released, for the feeder
+    power = begun(rows, at, state, tool)            # ... which begins with it
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see measure_viper.py.
-The numbers of a row are block.py's, those of `work` profile.py's, of `counts` and the flags of `kind` the planner's.
+The numbers of a row are block.py's, those of `work` profile.py's, of `counts` and the flags of `kind` the planner's, of
+`state` those of checkpoints_plain.py.
 """
 # ruff: noqa: F821
 
@@ -61,3 +63,14 @@ def take(rows: ptr32, work: ptr32, counts: ptr32, moving: int, lines: int) -> in
         counts[1] = (fetched + 1) & 0x1FFFFFFF
     counts[2] = (fetched + 1) & 0x1FFFFFFF
     return at
+
+
+@micropython.viper
+def begun(rows: ptr32, at: int, state: ptr32, tool: int) -> int:  # ISR: no allocation
+    """Where the index of the block begins, and its tool, `tool` being its bit in the levels. Returns its power."""
+    state[16] = rows[at + 4]
+    levels = state[10] & ~tool
+    if rows[at + 1]:
+        levels |= tool
+    state[10] = levels
+    return rows[at + 16]

@@ -81,6 +81,7 @@ class Lines:
         """Of the bytes that a sender may have under way, those that are not kept."""
         return max(0, RX_BYTES - self._end + self.at)
 
+    @micropython.native
     def take(self, data):
         """Keep what has come. False, and nothing is kept, where real-time bytes are among it."""
         if not data:

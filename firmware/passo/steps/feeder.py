@@ -18,9 +18,9 @@ import micropython
 from micropython import const
 
 from passo.motion import line
-from passo.motion.block import DYNAMIC, FIRST, FREE, LINE, POWER, RAPID, ROW, TICKS, TOOL, TOP, TRACK, WAIT
+from passo.motion.block import DYNAMIC, FREE, LINE, POWER, RAPID, ROW, TICKS, TOP, TRACK, WAIT
 from passo.motion.line import MAX_RUN
-from passo.motion.row_viper import take
+from passo.motion.row_viper import begun, take
 from passo.motion.steady import CUT_PACE, CUT_STEPS, CUT_TICKS, Q
 from passo.steps import pace
 from passo.steps.checkpoints import begin, end, retire, room
@@ -182,11 +182,7 @@ class Feeder(Position):
     @micropython.native
     def _open(self, rows, at):  # ISR: no allocation
         """The tool, and where the index begins, of the block whose row begins at rows[at]."""
-        state = self.state
-        state[_INDEX] = rows[at + FIRST]
-        tool = self._tool
-        state[_LEVELS] = state[_LEVELS] & ~tool | (tool if rows[at + TOOL] else 0)
-        if rows[at + POWER] != self._power:
+        if begun(rows, at, self.state, self._tool) != self._power:
             self._power = -1
 
     @micropython.native
