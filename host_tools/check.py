@@ -56,6 +56,8 @@ def summary(job):
         yield f"pause   line {number}: {text}: it goes on when the operator resumes"
     if len(job.pauses) > _MOST_SHOWN:
         yield f"        and {len(job.pauses) - _MOST_SHOWN} more pauses"
+    for number, text in job.skipped[:_MOST_SHOWN]:
+        yield f"skipped line {number}: {text}: no part of a job"
     for number, text in job.probes[:_MOST_SHOWN]:
         yield f"probe   line {number}: {text}: nothing is touched here, it goes its whole way"
 

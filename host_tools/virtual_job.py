@@ -6,7 +6,8 @@
 
 It starts at machine zero, unlocked, soft limits off: where the job's box lies on a machine is for the caller to judge.
 Pauses for the operator are noted in `pauses` and resumed at once; their time counts for nothing. There is nothing that a
-probe could touch: what probes goes its whole way, and is noted in `probes`.
+probe could touch: what probes goes its whole way, and is noted in `probes`. $ lines other than settings and jogs are no
+part of a job: they are noted in `skipped`.
 """
 
 from host_tools import boards
@@ -109,6 +110,11 @@ class Track:
         return None
 
 
+def _is_order(line):
+    """True of $H, $X, $C and the like."""
+    return line[:1] == b"$" and not line[1:2].isdigit() and line[1:2] not in b"Jj"
+
+
 def fits(under_way, line):
     """True where `line` may be sent too. Probing goes alone: the alarm at its end would refuse what follows."""
     if under_way and (b"G38" in line.upper() or b"G38" in under_way[-1][1].upper()):
@@ -142,6 +148,7 @@ class VirtualJob:
         self.errors = []  # (line of the file, its text, what was wrong)
         self.pauses = []  # (line of the file, its text)
         self.probes = []  # the same
+        self.skipped = []
         self.seconds = 0.0
         self._line.incoming += b"$X\n$20=0\n" + b"".join(change.encode() + b"\n" for change in changes)
         for _ in range(50):
@@ -150,7 +157,8 @@ class VirtualJob:
 
     def run(self, lines, progress=None):
         """Carry out [(number, bytes)] to the end of their motion. `progress(number)` is called now and then."""
-        waiting = list(reversed(lines))
+        self.skipped = [(number, line.decode()) for number, line in lines if _is_order(line)]
+        waiting = [(number, line) for number, line in reversed(lines) if not _is_order(line)]
         under_way = []
         idle_turns = 0
         while waiting or under_way:

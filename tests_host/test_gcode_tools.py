@@ -206,6 +206,15 @@ def test_check_probes_nothing():
     assert any("probe   line 2: G38.2Z-2F300" in line for line in check.summary(job))
 
 
+def test_check_carries_out_jobs_only():
+    job = VirtualJob("router_3axis")
+    orders = [(number, line) for number, line in enumerate((b"$H", b"$X", b"$C", b"$SLP", b"$RST=*", b"$h"), 1)]
+    job.run(orders + [(7, b"$110=600"), (8, b"G0X2")])
+    assert [number for number, _ in job.skipped] == [1, 2, 3, 4, 5, 6] and not job.errors
+    assert job.high[0] == 2 and 590 <= job.track.fastest[0] <= 612
+    assert any("skipped line 1: $H" in line for line in check.summary(job))
+
+
 def test_settings_that_wait_for_each_other(board):
     """Steps/mm times speed is bounded: where both change, one may have to go first."""
     with GrblClient(board.line.name) as client:
