@@ -74,6 +74,17 @@ def check_no_homing_no_soft_limits():
     assert "$20=0" in Machine(slots=machine.slots).ask("$$")
 
 
+def check_a_setting_counts_for_the_next_line():
+    """Also where both come at once."""
+    machine = Machine().ready()
+    machine.put("$110=600\n$120=100\nG0 X2\nX4\n")
+    assert machine.turns(3) == ["ok"] * 4
+    fastest = 0
+    while machine.controller.state == "run":
+        fastest = max(fastest, int(machine.status()["FS"].split(",")[0]))
+    assert 590 <= fastest <= 600, fastest
+
+
 def check_a_reset_in_a_dwell_loses_nothing():
     for line in ("G4 P60", "M3 S100"):
         machine = Machine(tool={"pin": 8, "active": 1, "on_ms": 5000, "off_ms": 0}).ready()

@@ -202,6 +202,8 @@ class Program:
     def _queue_motion(self, command):
         """0, or why the planner cannot."""
         planner = self._planner
+        if self._limits_of != self._machine.settings.version:
+            self._set_limits()
         power = thousandths(command.power)
         changes = power != planner.power or command.tool != self._queue.tool
         if changes or command.dynamic != planner.dynamic:
@@ -372,8 +374,7 @@ class Program:
         if self._limits_of != machine.settings.version:
             self._set_limits()
         self._fresh = False
-        if still and self._active:
-            self._active = False
+        self._active = self._active and not still
 
     def report(self, report):
         """What the status report says of motion."""
