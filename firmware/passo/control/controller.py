@@ -136,7 +136,8 @@ class Controller:
             if gc.mem_free() < self.arcs_want:
                 return None
             self.arcs_want = 0
-        import passo.motion.cordic  # noqa: F401 (first: loaded inside each other they take stack that interrupts want)
+        # first: loaded inside each other they take stack that interrupts want
+        from passo.motion.cordic import end_point  # noqa: F401
 
         from passo.control import arcs
 
