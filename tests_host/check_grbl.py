@@ -327,7 +327,7 @@ def check_arcs_are_walked():
 
 
 def check_what_a_board_has_no_memory_for():
-    """Arcs where they do not fit, and S-curves where an interrupt makes the words: said, and nothing else is lost."""
+    """Arcs and S-curves where they do not fit: said, and nothing else is lost."""
     machine = Machine().ready()
     controller = machine.controller
     controller.arcs_want = 1 << 40
@@ -337,10 +337,10 @@ def check_what_a_board_has_no_memory_for():
     assert machine.ask("X2") == ["ok"]
     machine.settle()
     assert tuple(machine.controller.position()) == (640, 0, 0)
-    controller.program.curves = False
+    controller.program.curves_want = 1 << 40
     assert machine.ask("$141=5000") == ["ok", "[MSG:No S-curves on this board]"]
     assert not machine.app.planner.ramp.smooth
-    controller.program.curves = True
+    controller.program.curves_want = 0
     machine.ask("$141=6000")
     machine.turns(3)
     assert machine.app.planner.ramp.smooth

@@ -10,6 +10,12 @@ DOTS_S = 350
 # Quarters of 0.5 and 1 mm radius, between lines and next to each other.
 TIGHT = ["G21G91F600", "G1X0.3", "G3X0.5Y0.5J0.5", "G1Y0.3", "G2X0.5Y0.5I0.5", "G2X1Y-1J-1", "G3X1Y1J1", "G1X0.3"]
 END_STEPS = [1152, 416, 0]  # 3.6 mm, 1.3 mm
+# From rest and back to it, long and short, with corners of all kinds; back to where it began.
+GENTLE = ["G21G91F3000", "G1X1", "Y0.6", "X0.2Y0.1", "X0.2", "X0.2Y-0.1", "X-1.6Y-0.6"]
+JERK = 5000  # mm/s³
+FIRST_STEPS = 16  # 0.05 mm: (6 · 0.05 mm / J)^⅓ = 39 ms from rest; at 250 mm/s² alone they take 20 ms
+GENTLE_MS = 32
+X_STEP = 2
 
 
 def test_short_lines_are_read_planned_and_stepped(uf2, show):
@@ -32,3 +38,14 @@ def test_tight_arcs_are_stepped_in_time(uf2):
     start = list(machine.plant.position)
     assert gcode.late_words(machine, TIGHT) == 0
     assert [after - before for after, before in zip(machine.plant.position, start)] == END_STEPS
+
+
+def test_s_curves_are_stepped_in_time(uf2):
+    """Lines, on the board as it is but for what it keeps free for arcs."""
+    machine = gcode.router()
+    start = list(machine.plant.position)
+    pulses = machine.pico.edges(X_STEP)
+    assert gcode.late_words(machine, [f"$141={JERK}", *GENTLE]) == 0
+    assert machine.plant.position == start
+    rising = [cycle for cycle, level in pulses if level == 1]
+    assert rising[FIRST_STEPS] - rising[0] > GENTLE_MS * gcode.CYCLES_PER_MS

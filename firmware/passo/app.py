@@ -30,6 +30,7 @@ _WAITING = const(64)  # commands of one link that may wait for their turn
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
 _MOST = const(3)  # lines a turn on a chip, where they take time
 _ARCS = const(18_000)  # bytes free: arcs take a third of them, and files want more than a kilobyte in one piece afterwards
+_CURVES = const(27_000)  # S-curves take 8 500, and arcs are to fit beside them
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 
@@ -78,7 +79,7 @@ class App:
         gc.collect()
         settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)
         self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port, settings, streamed, stored)
-        self.controller.program.curves = not self.interrupt
+        self.controller.program.curves_want = _CURVES if self.interrupt else 0
         self.controller.arcs_want = _ARCS if self.interrupt else 0
         self._looked_ms = port.machine_ms()
         self._heard = 0  # by this turn: _PART, _WHOLE

@@ -3,6 +3,8 @@
 Everything is in steps and nanometres a second; no language's units or modes are known here.
 """
 
+import gc
+
 import micropython
 from micropython import const
 
@@ -42,7 +44,7 @@ class Program:
         self._touch = None  # where the probe changed
         self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
         self._jerk = 0  # as it was set
-        self.curves = True  # set by the app: False where S-curves would take an interrupt more stack than there is
+        self.curves_want = 0  # set by the app: bytes that have to be free before S-curves are loaded
 
     def handlers(self):
         return {
@@ -239,6 +241,7 @@ class Program:
         self._limits_of = settings.version
         self._part = None
         jerk = settings.value(table.JERK)
+        curves = jerk and self._has_room_for_curves()
         axes = range(len(self._axes))
         self._limits = Limits(
             [settings.value(table.STEPS + axis) for axis in axes],
@@ -246,13 +249,21 @@ class Program:
             [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
             settings.value(table.JUNCTION) * 1000,
             settings.value(table.START) * 50 // 3,
-            jerk * 1000 if self.curves else 0,
+            jerk * 1000 if curves else 0,
         )
         self._planner.limits(self._limits)
         if jerk != self._jerk:
             self._jerk = jerk
-            if jerk and not self.curves:
+            if jerk and not curves:
                 self._machine.notice(errors.NOTICE_JERK)
+
+    def _has_room_for_curves(self):
+        if self.curves_want:
+            gc.collect()
+            if gc.mem_free() < self.curves_want:
+                return False
+            self.curves_want = 0
+        return True
 
     # --- probing
 

@@ -19,8 +19,9 @@ blocks it goes on from one to the next at full acceleration, but sets in, and fa
 first and the last of them have room for; there, and where motion sets out again before it has stood, the acceleration's
 limit alone counts. A jerk that is reached within a step or so makes no difference to none.
 
-All but limit() may run in an interrupt: no allocation, no integer of 2³⁰. On a chip's they would take more stack than there
-is beside a main loop that plans an arc: Program.curves keeps them out there.
+All but limit() may run in an interrupt: no allocation, no integer of 2³⁰. There a level of calls costs some 250 bytes of
+stack, which the main loop's way to an arc's plan leaves little of: cut_short() calls what a segment needs one after the
+other, and what one tells the next is in `state`.
 """
 
 from array import array
