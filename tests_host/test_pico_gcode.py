@@ -42,10 +42,10 @@ def test_tight_arcs_are_stepped_in_time(uf2):
 
 def test_s_curves_are_stepped_in_time(uf2):
     """Lines, on the board as it is but for what it keeps free for arcs."""
-    machine = gcode.router()
+    machine = gcode.router(jerk=JERK)
     start = list(machine.plant.position)
     pulses = machine.pico.edges(X_STEP)
-    assert gcode.late_words(machine, [f"$141={JERK}", *GENTLE]) == 0
+    assert gcode.late_words(machine, GENTLE) == 0
     assert machine.plant.position == start
     rising = [cycle for cycle, level in pulses if level == 1]
     assert rising[FIRST_STEPS] - rising[0] > GENTLE_MS * gcode.CYCLES_PER_MS

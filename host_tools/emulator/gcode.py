@@ -23,6 +23,8 @@ from host_tools.build import compile_module
 from host_tools.emulator.cycles import CYCLES_PER_TICK, CYCLES_PER_US
 from host_tools.emulator.load import Load
 from host_tools.emulator.machine import EmulatedMachine, written
+from passo.control.journal import Journal, MemorySlots
+from passo.control.settings import JERK
 
 CHORDS = 64
 LINE_BYTES = 24
@@ -34,6 +36,7 @@ ROW = 4 * DOTS + 3
 LASER_PIN = 22
 CYCLES_PER_MS = 1000 * CYCLES_PER_US
 _RUN = b"        start.run(app, port)\n"
+_CURVES = b"        import passo.motion.smooth\n"
 _ATTACH = b"        import memory_line\n        memory_line.attach(app, port)\n"
 _LINE = """
 import gc, micropython, sys
@@ -147,18 +150,23 @@ def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False):
     return router(board, texts)
 
 
-def router(board=None, texts=()):
-    """The same of a board, a dict, router_3axis unless given; `texts`: files for run_lines(), late_words() wants none."""
+def router(board=None, texts=(), jerk=0):
+    """The same of a board, a dict, router_3axis unless given; `texts`: files for run_lines(), late_words() wants none.
+    With a `jerk`, mm/s³, S-curves are loaded before the rig takes what memory they need."""
     board = board or boards.load("router_3axis")
     files = written(board)
     assert files["main.py"].count(_RUN) == 1
-    files["main.py"] = files["main.py"].replace(_RUN, _ATTACH + _RUN)
+    files["main.py"] = files["main.py"].replace(_RUN, (_CURVES if jerk else b"") + _ATTACH + _RUN)
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "memory_line.py", Path(folder) / "memory_line.mpy"
         source.write_text(_LINE)
         compile_module(source, target, "armv6m", "memory_line")
         files[target.name] = target.read_bytes()
     files.update(texts)
+    if jerk:
+        slots = MemorySlots()
+        Journal(slots).write(f"{JERK}={jerk * 1000}")
+        files.update({f"settings.{slot}": slots.read(slot) for slot in range(2) if slots.read(slot)})
     machine = EmulatedMachine(board, files, trace=None).boot()
     machine.pico.console.expect(b"ready")
     machine.free_bytes = int(machine.pico.console.expect(b"\n").split()[-1])

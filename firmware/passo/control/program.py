@@ -262,6 +262,10 @@ class Program:
             gc.collect()
             if gc.mem_free() < self.curves_want:
                 return False
+            try:
+                import passo.motion.smooth  # noqa: F401
+            except MemoryError:  # there was enough, but not in one piece
+                return False
             self.curves_want = 0
         return True
 
