@@ -68,6 +68,7 @@ class Controller:
         self._taken = []  # the two change places: none has to be made
         self._report = {}  # one for all: it is used up before the next
         self._late = 0
+        self._still = True  # as poll() has found it
         self._handlers = {
             commands.BAD: self._bad,
             commands.HELLO: self.accepted,
@@ -149,10 +150,10 @@ class Controller:
         return self.queue.room()
 
     def busy(self):
-        """True while something moves, waits or is about to: time matters."""
+        """True while something moves, waits or is about to, or poll() does not know yet that it has ended: time matters."""
         if self.pauses.kind and self.pauses.standing():
             return False
-        return not self.queue.still() or self.busy_with(commands.HOME) or self.objects.busy()
+        return not (self._still and self.queue.still()) or self.busy_with(commands.HOME) or self.objects.busy()
 
     def live(self):
         """True while what is under way may change at any moment: few words should lie ahead."""
@@ -211,7 +212,7 @@ class Controller:
             self.objects.poll()
         for part in self._parts:
             part.poll()
-        still = self.queue.still()
+        still = self._still = self.queue.still()
         self.program.poll(still)
         self.pauses.poll(now_ms)
         self.tools.poll(still)
