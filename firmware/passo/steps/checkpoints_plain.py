@@ -8,8 +8,8 @@ from passo.steps.pace_plain import TERMS, set_terms
 
 COUNT = const(0x1FFFFFFF)  # word.COUNT_MASK
 _HALF = const(0x10000000)
-MARKS = const(128)  # most segments made and not yet played, a power of two
-_LAST = const(127)
+MARKS = const(64)  # most segments made and not yet played, a power of two
+_LAST = const(63)
 
 # The state. First the terms of the segment under way, as pace.py has them.
 BITS = const(5)  # of a word's levels

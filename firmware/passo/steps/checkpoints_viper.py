@@ -7,9 +7,9 @@ import micropython
 @micropython.viper
 def room(state: ptr32, marks: ptr32, lead_ticks: int) -> int:
     oldest = state[14]
-    if ((state[15] - oldest) & 0x1FFFFFFF) >= 127:
+    if ((state[15] - oldest) & 0x1FFFFFFF) >= 63:
         return 0
-    at = (oldest & 127) * (5 + state[6])
+    at = (oldest & 63) * (5 + state[6])
     if ((state[13] - marks[at]) & 0x1FFFFFFF) > state[8]:
         return 0
     if ((state[12] - marks[at + 1]) & 0x1FFFFFFF) < lead_ticks:
@@ -49,7 +49,7 @@ def end(state: ptr32, marks: ptr32, made: ptr32, count: int, ticks: int, ends: i
     state[12] = ticks
     number = (state[15] + 1) & 0x1FFFFFFF
     axes = state[6]
-    at = (number & 127) * (5 + axes)
+    at = (number & 63) * (5 + axes)
     marks[at] = head
     marks[at + 1] = ticks
     marks[at + 2] = state[16]
@@ -75,7 +75,7 @@ def retire(state: ptr32, marks: ptr32, played: int) -> int:
     state[18] = played
     while oldest != state[15]:
         number = (oldest + 1) & 0x1FFFFFFF
-        at = (number & 127) * stride
+        at = (number & 63) * stride
         if ((played - marks[at]) & 0x1FFFFFFF) >= 0x10000000:
             break
         oldest = number
@@ -90,10 +90,10 @@ def find(state: ptr32, marks: ptr32, played: int, place: ptr32) -> int:
     stride = 5 + state[6]
     while number != state[15]:
         after = (number + 1) & 0x1FFFFFFF
-        if ((played - marks[(after & 127) * stride]) & 0x1FFFFFFF) >= 0x10000000:
+        if ((played - marks[(after & 63) * stride]) & 0x1FFFFFFF) >= 0x10000000:
             break
         number = after
-    at = (number & 127) * stride
+    at = (number & 63) * stride
     axis = stride - 5
     while axis:
         axis -= 1

@@ -44,7 +44,7 @@ _NEWEST = const(15)
 _INDEX = const(16)
 _PACE = const(17)
 _PLACE = const(19)
-_MARKS = const(128)
+_MARKS = const(64)
 _FIELDS = const(5)
 _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
 
