@@ -1,11 +1,16 @@
 """G-code on the emulated Pico, from bytes to steps: what `make bench ARGS=gcode` measures must not collapse."""
 
+import re
+
 from emulated import uf2  # noqa: F401
 
 from host_tools.emulator import gcode
+from host_tools.emulator.machine import EmulatedMachine
 
 FREE_BYTES = 12_000  # with the larger ring of the faster axes, and the memory that the lines come from
 LINES_S = 450
+LINK = "serial"
+ANSWER = re.compile(rb"(^|\n)(ok|error:\d+)\r\n")
 DOTS_S = 350
 # Quarters of 0.5 and 1 mm radius, between lines and next to each other.
 TIGHT = ["G21G91F600", "G1X0.3", "G3X0.5Y0.5J0.5", "G1Y0.3", "G2X0.5Y0.5I0.5", "G2X1Y-1J-1", "G3X1Y1J1", "G1X0.3"]
@@ -49,3 +54,21 @@ def test_s_curves_are_stepped_in_time(uf2):
     assert machine.plant.position == start
     rising = [cycle for cycle, level in pulses if level == 1]
     assert rising[FIRST_STEPS] - rising[0] > GENTLE_MS * gcode.CYCLES_PER_MS
+
+
+def test_a_router_as_it_is_has_memory_for_its_arcs(uf2):
+    """With its questions before them and a settings file behind them; over the UART, nothing changed."""
+    machine = EmulatedMachine("router_3axis", trace=None).boot()
+    machine.run_until(lambda: b"$X" in machine.received(LINK), 10_000)
+
+    def ask(line):
+        machine.take(LINK)
+        machine.send(line + b"\n", LINK)
+        machine.run_until(lambda: ANSWER.search(machine.received(LINK)), 10_000)
+        return machine.take(LINK)
+
+    for line in (b"$LINK=0", b"$X", b"$$", b"$#", b"$110=4000", b"G91G1X1F600", b"G2X2I1F600", b"G3X-2I-1Z1"):
+        assert ANSWER.search(ask(line))[2] == b"ok", line
+    machine.settle()
+    for line in (b"$$", b"$111=4000", b"G10L20P1X0", b"$#", b"G2X1Y1J1"):
+        assert ANSWER.search(ask(line))[2] == b"ok", line

@@ -5,6 +5,8 @@
 Letters are capitals and blanks are gone already.
 """
 
+from micropython import const
+
 from passo.protocols import commands, errors, grbl_report
 from passo.protocols.commands import Command
 from passo.protocols.gcode_words import X, Words
@@ -13,6 +15,7 @@ from passo.protocols.grbl_lines import RX_BYTES
 _QUIET = ("idle", "alarm")
 _QUERIES = ("$#", "$I", "$N")
 _INCHES = 13
+_A_FEW = const(6)
 _START_LINES = ("N0", "N1")
 INFO = "I"
 
@@ -42,7 +45,7 @@ class System:
         if line == "$":
             return answer(grbl_report.HELP + "\r\n")
         if line == "$$":
-            return answer(self._all()) if state not in ("run", "hold") else errors.BUSY
+            return self._all() if state not in ("run", "hold") else errors.BUSY
         if line == "$G":
             return answer(grbl_report.modes(self._gcode, self.inches()))
         if line == "$LOG":
@@ -92,7 +95,13 @@ class System:
         return [Command(commands.HAND_OVER, value=int(text[1:]))]
 
     def _all(self):
-        return "".join(["$%d=%s\r\n" % (number, self._show(number)) for number in self._settings.numbers])
+        """The settings, a few an answer: all in one piece would ask for more memory than a board may have so."""
+        numbers = self._settings.numbers
+        told = []
+        for first in range(0, len(numbers), _A_FEW):
+            lines = ["$%d=%s\r\n" % (number, self._show(number)) for number in numbers[first : first + _A_FEW]]
+            told += answer("".join(lines))
+        return told
 
     def _show(self, number):
         return grbl_report.decimal(self._settings.value(number), self._settings.places(number))
