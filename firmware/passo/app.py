@@ -29,8 +29,8 @@ _TURNS_S = const(200)  # half a ring of words has to last as long as such a turn
 _WAITING = const(64)  # commands of one link that may wait for their turn
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
 _MOST = const(3)  # lines a turn on a chip, where they take time
-_ARCS = const(16_500)  # bytes free: arcs take 6 500, and files want more than a kilobyte in one piece afterwards
-_CURVES = const(27_000)  # S-curves take 8 500, and arcs are to fit beside them
+_ARCS = const(16_000)  # bytes free: arcs take 10 000 of them
+_CURVES = const(31_000)  # S-curves take 8 500, and arcs are to fit beside them
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 

@@ -142,6 +142,7 @@ class Controller:
 
         from passo.control import arcs
 
+        self._planner.load_arcs()
         return arcs
 
     @property

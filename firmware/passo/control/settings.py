@@ -206,7 +206,7 @@ class Settings:
         if self.dirty:
             try:
                 self._journal.write(self._dump())
-            except OSError:
+            except (OSError, MemoryError):
                 return errors.MEMORY
             self.dirty = self.damaged = False
         return 0

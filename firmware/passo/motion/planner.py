@@ -42,6 +42,7 @@ from passo.motion.steady import Steady
 LOOK_AHEAD = const(64)
 IN_FLIGHT = const(32)
 _SIZE = const(96)  # both
+ARCS = const(16)  # most arcs among them: a plan takes as much memory again as a block
 _COUNT = const(0x1FFFFFFF)
 LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 FEED_PERCENT = (10, 200)
@@ -76,7 +77,10 @@ class Planner:
         self.percent = array("i", [100, 100])  # overrides: of the feed, of rapid motion
         self._stride = ROW + axes
         self.rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
-        self._walkers = [None] * _SIZE  # of ARC the circle's plan, made when first needed; of FREE and TRACK what is walked
+        self._walkers = [None] * _SIZE  # of ARC the circle's plan; of FREE and TRACK what is walked
+        self._plans = ()  # of arcs, each used again in its turn
+        self._users = array("i")  # the number of the block that it was last used for
+        self._turn = 0
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
         self._circle = None  # made by load()
         self.ramp = Steady()  # the feeder's; a Ramp after load()
@@ -128,13 +132,19 @@ class Planner:
         """Forget every block. Only while the feeder is stopped."""
         for which in range(len(self.counts)):
             self.counts[which] = 0
+        for which in range(len(self._users)):
+            self._users[which] = -1
         self.work[_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
 
     @micropython.native
     def room(self):
-        """How many more blocks can be queued now."""
+        """How many more blocks can be queued now; none while it would be one arc too many."""
         counts = self.counts
-        return _SIZE - ((counts[_ADDED] - counts[_RETIRED]) & _COUNT)
+        added = counts[_ADDED]
+        queued = (added - counts[_RETIRED]) & _COUNT
+        if self._plans and ((added - self._users[self._turn] - 1) & _COUNT) < queued:
+            return 0
+        return _SIZE - queued
 
     @micropython.native
     def empty(self):
@@ -267,15 +277,17 @@ class Planner:
         axes with different steps/mm, a radius of 0 or above 2²⁰ steps; arc.TooSteep for too steep a helix. `queued`: False
         only looks whether it would raise; there has to be room for it.
         """
-        from passo.motion import arc, arc_speed
-        from passo.motion.arc_plan import PLAN, STEPS
-
         limits = self._limits
         if limits is None:
             raise ValueError("an arc needs limits(), for its length")
         if limits.steps_per_m[plane[0]] != limits.steps_per_m[plane[1]]:
             raise ValueError("the plane's axes differ in steps/mm")
-        plan = self._plan(PLAN)
+        self.load_arcs()
+        from passo.motion import arc, arc_speed
+        from passo.motion.arc_plan import STEPS
+
+        turn = self._turn
+        plan = self._plans[turn]
         path, _ = arc.plan(plan, plane, center, deltas, clockwise, turns)
         if not plan[STEPS]:
             if queued:
@@ -291,14 +303,21 @@ class Planner:
         ):
             self._refuse(-1)
         if queued:
+            number = self._users[turn] = self.counts[_ADDED]
+            self._walkers[number % _SIZE] = plan
+            self._turn = (turn + 1) % ARCS
             self._add(at, ARC, tool, tag)
+            if not self.room():
+                self.start()  # no more can come before it moves
 
-    def _plan(self, size):
-        """An array of `size` for the plan of the next arc: what is walked is kept by the place in the queue."""
-        place = self.counts[_ADDED] % _SIZE
-        if not isinstance(self._walkers[place], array):
-            self._walkers[place] = array("i", bytearray(4 * size))
-        return self._walkers[place]
+    def load_arcs(self):
+        """Have what arcs take, as long as that has not been done: first the code, which wants larger pieces of memory."""
+        if not self._plans:
+            from passo.motion import arc, arc_speed  # noqa: F401
+            from passo.motion.arc_plan import PLAN
+
+            self._users = array("i", [-1] * ARCS)
+            self._plans = [array("i", bytearray(4 * PLAN)) for _ in range(ARCS)]
 
     def wait(self, ticks, tool, tag=0):
         """Queue `ticks` (1 … LONGEST_TICKS) without a step, the tool bit as given from their start."""

@@ -112,5 +112,5 @@ class Start:
         try:
             with open(REPORT, "w") as file:
                 file.write(text.getvalue())
-        except OSError as full:
+        except (OSError, MemoryError) as full:
             print("no report written:", full)
