@@ -4,6 +4,7 @@ import gc
 
 from boards.router_3axis import BOARD
 from passo.control.journal import MemorySlots
+from passo.motion.planner import ARCS
 from passo.protocols import errors
 from passo.protocols.grbl import plain_text, real_time
 from passo.protocols.grbl_report import decimal
@@ -324,6 +325,20 @@ def check_arcs_are_walked():
             place = (x - 3000, y - 2500, z + 1800)
             across, along = place[plane[0]] - centre[0], place[plane[1]] - centre[1]
             assert (radius - 1) ** 2 <= across * across + along * along <= (radius + 1) ** 2, (line, place)
+
+
+def check_more_arcs_than_are_queued_at_once():
+    machine = Machine().ready()
+    planner = machine.app.planner
+    machine.do("G91F900")
+    full = 0
+    for number in range(3 * ARCS):
+        machine.do("G3X-.5Y-.5I-.5" if number & 1 else "G3X.5Y.5J.5")
+        assert planner.counts[0] - planner.counts[3] <= ARCS
+        full += not planner.room()
+    assert full > ARCS
+    machine.settle()
+    assert tuple(machine.controller.position()) == (0, 0, 0)
 
 
 def check_what_a_board_has_no_memory_for():
