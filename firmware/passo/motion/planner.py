@@ -79,7 +79,7 @@ class Planner:
         self.rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
         self._walkers = [None] * _SIZE  # of ARC the circle's plan; of FREE and TRACK what is walked
         self._plans = ()  # of arcs, each used again in its turn
-        self._users = array("i")  # the number of the block that it was last used for
+        self._users = array("i", [])  # the number of the block that it was last used for
         self._turn = 0
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
         self._circle = None  # made by load()
