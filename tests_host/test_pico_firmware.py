@@ -167,12 +167,12 @@ def with_fault(module, after, inserted, board=BOARD):
     return files
 
 
-TURN = "            controller = self.controller\n"
+TURN = "        controller = self.controller\n"
 JOG = packet(COMMANDS["RIGHT"])
 
 
 def test_a_crash_while_it_moves_leaves_safe_outputs_and_a_report(make_machine):
-    fault = "            if controller.state == 'jog':\n                raise ValueError('on purpose')\n"
+    fault = "        if controller.state == 'jog':\n            raise ValueError('on purpose')\n"
     machine = make_machine(BOARD, with_fault("passo/app.py", TURN, fault), start=START)
     until_up(machine)
     machine.send(JOG)
@@ -186,7 +186,7 @@ def test_a_crash_while_it_moves_leaves_safe_outputs_and_a_report(make_machine):
 
 
 def test_a_hang_ends_in_the_watchdog(make_machine):
-    fault = "            while controller.state == 'jog':\n                pass\n"
+    fault = "        while controller.state == 'jog':\n            pass\n"
     machine = make_machine(BOARD, with_fault("passo/app.py", TURN, fault), start=START)
     until_up(machine)
     machine.run_ms(2200)
