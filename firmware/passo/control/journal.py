@@ -10,13 +10,14 @@ of a write therefore leaves what was there before; one after it finds the new te
     passo <sequence> <length of the text in bytes> <CRC-32 of all the rest, in hexadecimal>\\n<text>
 """
 
+import gc
 import os
 from binascii import crc32
 
 from micropython import const
 
 SLOTS = const(2)
-_FILE = const(1200)
+_FILE = const(1148)
 _MAGIC = b"passo"
 
 
@@ -24,30 +25,30 @@ class Journal:
     def __init__(self, slots):
         """`slots`: read(0 or 1) → bytes, b"" where nothing is; write(0 or 1, bytes)."""
         self._slots = slots
+        self._slot = 0  # the one that holds the newest text
+        self._sequence = None  # not read yet
         self.damaged = False  # read() found slots, and none of them whole
 
     def read(self):
-        _, _, text = self._newest()
-        return text
-
-    def write(self, text):
-        """Raises OSError where the memory is full or broken; what was there before is still there then."""
-        slot, sequence, _ = self._newest()
-        body = text.encode()
-        self._slots.write((slot + 1) % SLOTS, _front(sequence + 1, body) + body)
-
-    def _newest(self):
-        """(slot, sequence, text) of the newest slot that is whole; (0, 0, None) if there is none."""
-        best = (0, 0, None)
-        used = False
+        used, newest = False, None
+        self._sequence = 0
         for slot in range(SLOTS):
             data = self._slots.read(slot)
             used = used or len(data) > 0
             sequence, text = _parse(data)
-            if text is not None and sequence > best[1]:
-                best = (slot, sequence, text)
-        self.damaged = used and best[2] is None
-        return best
+            if text is not None and sequence > self._sequence:
+                self._slot, self._sequence, newest = slot, sequence, text
+        self.damaged = used and newest is None
+        return newest
+
+    def write(self, text):
+        """Raises OSError where the memory is full or broken; what was there before is still there then."""
+        if self._sequence is None:
+            self.read()
+        slot, sequence = (self._slot + 1) % SLOTS, self._sequence + 1
+        body = text.encode()
+        self._slots.write(slot, _front(sequence, body) + body)
+        self._slot, self._sequence = slot, sequence
 
 
 def _front(sequence, body):
@@ -73,37 +74,32 @@ def _parse(data):
 
 class FileSlots:
     """Slots as two files, PATH.0 and PATH.1. An open file takes 1148 bytes in one piece on an RP2040, which a board that has
-    run for a while may not have: they are kept for it."""
+    run for a while may not have: they are kept for the next one written. A written file leaves much behind; it is
+    collected there and then, the machine at rest, and not when something has to stop."""
 
     def __init__(self, path):
         self._path = path
-        self._keep()
+        self._kept = bytearray(_FILE)
 
-    def _keep(self):
-        try:
-            self._kept = bytearray(_FILE)
-        except MemoryError:
-            pass  # it is asked for again at the next file
-
-    def _open(self, slot, mode):
-        self._kept = None
-        return open("%s.%d" % (self._path, slot), mode)
+    def _name(self, slot):
+        return "%s.%d" % (self._path, slot)
 
     def read(self, slot):
         try:
-            with self._open(slot, "rb") as file:
+            with open(self._name(slot), "rb") as file:
                 return file.read()
         except OSError:
             return b""
-        finally:
-            self._keep()
 
     def write(self, slot, data):
+        self._kept = None
         try:
-            with self._open(slot, "wb") as file:
+            with open(self._name(slot), "wb") as file:
                 file.write(data)
         finally:
-            self._keep()
+            file = None
+            gc.collect()
+            self._kept = bytearray(_FILE)
         if hasattr(os, "sync"):
             os.sync()
 
