@@ -1,8 +1,7 @@
 """Rules of grbl that a sender's author relies on and an ordinary job never meets: what each state allows, what the door,
 a hold and a reset do to spindle, coolant and overrides, and what is reported when."""
 
-from check_grbl import BANNER, LASER, UNHOMED, home
-from router import Machine, answers
+from router import BANNER, LASER, UNHOMED, Machine, answers, home
 
 CASES = {}
 RUNS = {}

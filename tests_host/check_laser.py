@@ -1,10 +1,9 @@
 """A laser on the whole firmware: lines that go the short way give the words and the power that the long way gives."""
 
-from check_grbl import LASER
 from digest import Sink, board_named, checked
 from draws import Random
 from passo.app import App
-from router import Machine
+from router import LASER, Machine
 
 CASES = {"check_short_is_long": (("seed", "seed"),)}
 RUNS = {"check_short_is_long": 12}

@@ -17,6 +17,9 @@ from passo.ports.virtual import VirtualPort
 
 HOME = (0, 0, 0)  # places where the limit switches of X, Y (low ends) and Z (high end) trip
 PULL_OFF = BOARD["homing"]["pull_off_steps"]
+LASER = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 18, "laser": True}
+UNHOMED = "[MSG:'$H'|'$X' to unlock]"
+BANNER = "Grbl 1.1h ['$' for help]"
 
 
 class World:
@@ -158,3 +161,9 @@ class Machine:
         self.said()
         self.do("$X")
         return self
+
+
+def home(machine):
+    machine.said()
+    assert machine.ask("$H") == ["ok"]
+    return machine
