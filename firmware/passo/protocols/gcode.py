@@ -151,7 +151,6 @@ class GCode(Motions):
     # --- plain lines
 
     @micropython.native
-    @micropython.native
     def follow(self, lines, most):
         """Queue the plain lines of `lines` (grbl_lines.Lines), from the oldest on: as many as there is room for, and `most`
         at most. How many it was; `waits`: the next one is not for interpret(), but has to wait for its turn here."""
