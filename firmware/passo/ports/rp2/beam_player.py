@@ -77,7 +77,7 @@ class BeamPlayer(PioPlayer):
         told before does not show again."""
         state = self._state
         if state[_HELD] or state[_PLAYING] != 1 or self._ring.head == self.played():
-            _show(self._beam, level * self._full // 1000, 0)
+            _show(state, self._beam, level * self._full // 1000, 0)
 
     @micropython.native
     def start(self):  # ISR: no allocation
@@ -92,7 +92,7 @@ class BeamPlayer(PioPlayer):
         beam = self._beam
         if mark == power.tail:
             self._duty = power.level * self._full // 1000
-            _show(beam, self._duty, _RUNS)
+            _show(state, beam, self._duty, _RUNS)
         head = self._ring.head
         last = power.head
         dry = False
@@ -117,10 +117,15 @@ class BeamPlayer(PioPlayer):
 
 
 @micropython.viper
-def _show(beam: ptr32, duty: int, runs: int):
-    """At once, and behind so many runs: all of them where D has been told of no mark that is still to come."""
+def _show(state: ptr32, beam: ptr32, duty: int, runs: int):
+    """At once, and behind so many runs: all of them where D has been told of no mark that is still to come. While held it is
+    dark, also where the halt comes in between."""
     duty |= duty << 16  # for both outputs of the slice
-    ptr32(beam[_COMPARE])[0] = duty
+    compare = ptr32(beam[_COMPARE])
+    if state[_HELD] == 0:
+        compare[0] = duty
+    if state[_HELD]:
+        compare[0] = 0
     duties = ptr32(beam[_DUTIES])
     while runs:
         runs -= 1
