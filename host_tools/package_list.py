@@ -8,7 +8,8 @@ The list holds every module that runs on some chip; mip fetches paths without a 
 import json
 import tomllib
 
-from host_tools.build import ROOT, module_files, runs_on
+from host_tools.build import module_files, runs_on
+from host_tools.resources import ROOT
 
 PACKAGE = ROOT / "package.json"
 

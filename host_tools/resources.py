@@ -1,0 +1,20 @@
+"""Where the project's own files are: in a checkout, or beside the package that pip has installed.
+
+    FIRMWARE        the folder that holds passo/, the firmware's package
+    MAIN            firmware/main.py
+    BOARDS          the folder of the project's board files
+"""
+
+from pathlib import Path
+
+HOST_TOOLS = Path(__file__).resolve().parent
+ROOT = HOST_TOOLS.parent  # of a checkout; of an installation site-packages
+
+if (ROOT / "firmware" / "main.py").is_file():
+    FIRMWARE = ROOT / "firmware"
+    MAIN = FIRMWARE / "main.py"
+    BOARDS = ROOT / "boards"
+else:  # package-dir in pyproject.toml says what lies where
+    FIRMWARE = ROOT
+    MAIN = HOST_TOOLS / "firmware" / "main.py"
+    BOARDS = ROOT / "passo_boards"
