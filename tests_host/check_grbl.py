@@ -5,10 +5,16 @@ from passo.control.journal import MemorySlots
 from passo.protocols import errors
 from passo.protocols.grbl import plain_text, real_time
 from passo.protocols.grbl_report import decimal
+from draws import Random
 from router import BANNER, UNHOMED, Machine, answers
 
-CASES = {"check_decimals": (("value", -(1 << 40), 1 << 40), ("places", 0, 4))}
-RUNS = {}
+CASES = {
+    "check_decimals": (("value", -(1 << 40), 1 << 40), ("places", 0, 4)),
+    "check_every_line_end_is_answered_in_order": (("seed", "seed"),),
+    "check_comments_and_blanks_do_not_count": (("first", 0, 3000), ("second", 0, 3000), ("third", 0, 3000), ("size", 1, 5000)),
+}
+RUNS = {"check_every_line_end_is_answered_in_order": 6, "check_comments_and_blanks_do_not_count": 20}
+EXAMPLES = {"check_comments_and_blanks_do_not_count": ((0, 0, 300, 5000), (300, 0, 0, 64), (0, 1000, 0, 7))}
 
 
 def check_greeting_and_lock():
@@ -320,6 +326,51 @@ def check_a_flood_is_refused_line_by_line():
     assert 100 < kept < 200 and said.count("error:11") == 300 - kept
     machine.settle()
     assert machine.controller.position() == [320 * kept, 0, 0]
+    assert machine.ask("G4P0") == ["ok"]
+
+
+FLOOD = [b"G91G1X%d.%dF3000;%s\n" % (number % 2, number % 10, b"c" * (number % 97)) for number in range(150)]
+
+
+def check_every_line_end_is_answered_in_order(seed):
+    """Lines of any length, in pieces of any size, all without waiting: the first are done, then each that found no room is
+    refused, as many answers as lines, and what was done is what was answered by ok."""
+    random = Random(seed)
+    machine = Machine().ready()
+    data = b"".join(FLOOD)
+    said = []
+    while data:
+        count = random.choice((1, 14, 64, 128, 4096))
+        machine.put(data[:count])
+        data = data[count:]
+        said += machine.turns(random.between(0, 1))
+    while len(answers(said)) < len(FLOOD):
+        said += machine.turns()
+    assert set(said) <= set(("ok", "error:11")), said
+    machine.settle()
+    tenths = 0
+    for number in range(len(FLOOD)):
+        if said[number] == "ok":
+            tenths += number % 2 * 10 + number % 10
+    assert machine.controller.position() == [32 * tenths, 0, 0]
+    assert machine.turns(20) == [] and machine.ask("G4P0") == ["ok"]
+
+
+def check_comments_and_blanks_do_not_count(first, second, third, size):
+    """However long they are, and in whatever pieces they come; what is too long without them is refused."""
+    machine = Machine().ready()
+    good = b"G0" + b" " * first + b"X1(" + b"a" * second + b")Y2;(" + b"b" * third
+    bad = b"(" + b"c" * second + b")G0X9" + b" " * first + b"." + b"0" * 80 + b"(" + b"d" * third
+    for line, answer in ((good, "ok"), (bad, "error:11"), (b"(" * (1 + second), "ok"), (b"G0Z-1", "ok")):
+        data = line + b"\n"
+        said = []
+        while data:
+            machine.put(data[:size])
+            data = data[size:]
+            said += machine.turns()
+        assert answers(said + machine.turns(2)) == [answer], line
+    machine.settle()
+    assert machine.controller.position() == [320, 640, -400]
 
 
 def check_lines_too_long():
@@ -327,7 +378,7 @@ def check_lines_too_long():
     assert machine.ask("G0X1" + "0" * 76) == ["error:2"]
     assert machine.ask("G0X1." + "0" * 76) == ["error:11"]
     assert machine.ask("G0 X1 " + " " * 60 + "(a comment)" + " " * 60) == ["ok"]
-    assert machine.ask("G0X2" + " " * 300) == ["error:11"]
+    assert machine.ask("G0X1" + " " * 300) == ["ok"] and machine.ask("G0X1;" + "c" * 300) == ["ok"]
     machine.settle()
     assert machine.controller.position() == [320, 0, 0]
 

@@ -141,8 +141,9 @@ class Words:
         return value * _POWERS[places] if places >= 0 else rounded(value, _POWERS[-places])
 
 
-def bare(line):
-    """The characters of a line that count: without blanks and comments."""
+def bare(line, unfinished=False):
+    """The characters of a line that count: without blanks and comments. Where it is `unfinished`, the beginning of a
+    comment that has not ended stays as its last character."""
     kept = bytearray()
     comment = 0
     for byte in line:
@@ -155,6 +156,8 @@ def bare(line):
             comment = byte
         else:
             kept.append(byte)
+    if unfinished and comment:
+        kept.append(comment)
     return kept
 
 

@@ -10,12 +10,15 @@ A line that is to be understood where it lies is text[at : …] up to its line f
     text   . . . G1X1↵G1X2↵G1      .
                  ^at       ^whole  ^_end
 
-A line ends with \\n, \\r or \\r\\n. Once a line has found no room none finds it until all that are kept have had their turn.
+A line ends with \\n, \\r or \\r\\n. Blanks and comments take room only until there is too little of it, however long they are.
+Once a line has found no room none finds it until all that are kept have had their turn.
 """
 # ruff: noqa: F821
 
 import micropython
 from micropython import const
+
+from passo.protocols.gcode_words import LONGEST, bare
 
 try:
     ptr8
@@ -27,7 +30,7 @@ ROOM = const(1024)  # bytes of lines that are kept
 _REAL_TIME = const(-1)
 _SLOWLY = const(-2)
 _QUESTION = const(4096)
-_RAW = const(256)  # of one line, comments included
+_RAW = const(256)  # of one line: then blanks and comments are left out of it
 _TOO_LONG = b"\xff\n"  # stands for such a line
 
 
@@ -136,17 +139,33 @@ class Lines:
         self._add(last)
 
     def _add(self, piece):
-        end = self._end + len(piece)
-        if self._spoilt or self.lost or end > ROOM - len(_TOO_LONG):
+        """Append a piece of the line that has not ended yet."""
+        if not piece:
+            return  # no line has begun behind the last line end
+        if self._spoilt or self.lost:
             self._spoil()
-        else:
-            self.text[self._end : end] = piece
-            self._end = end
-            self._check_length()
+            return
+        end = self._end + len(piece)
+        if end > ROOM - len(_TOO_LONG):
+            self._squeeze(piece)
+            return
+        self.text[self._end : end] = piece
+        self._end = end
+        self._check_length()
 
     def _check_length(self):
         if self._end - self.whole > _RAW:
+            self._squeeze(b"")
+
+    def _squeeze(self, piece):
+        """Of the line that has not ended yet, and `piece` behind it, keep only what counts. An open comment stays open."""
+        kept = bare(bytes(self.text[self.whole : self._end]) + piece, True)
+        end = self.whole + len(kept)
+        if len(kept) > LONGEST + 1 or end > ROOM - len(_TOO_LONG):
             self._spoil()
+            return
+        self.text[self.whole : end] = kept
+        self._end = end
 
     def _spoil(self):
         self._spoilt = True
@@ -172,4 +191,4 @@ class Lines:
         self.at = end + 1
         if line[-1:] == b"\r":
             line = line[:-1]
-        return None if len(line) > _RAW or line == _TOO_LONG[:1] else line
+        return None if line == _TOO_LONG[:1] else line
