@@ -31,6 +31,8 @@ _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so oft
 _MOST = const(3)  # lines a turn on a chip, where they take time
 _ARCS = const(16_000)  # bytes free: arcs take 8 500, and work is to go on beside them
 _CURVES = const(31_000)  # S-curves take 8 500, and arcs are to fit beside them
+_FULL = const(128)  # bytes of a read that left some in the line's buffer
+_MORE = const(8)  # such reads a turn: the whole buffer
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 
@@ -44,6 +46,7 @@ class Link:
         self.serial = serial
         self.protocol = protocol
         self.short = getattr(protocol, "short", None)  # of what comes most often, where the language has one
+        self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: `short` may be asked while commands wait
         self.waiting = []
 
 
@@ -172,7 +175,7 @@ class App:
         data = link.serial.read()
         if data:
             self._heard |= _PART
-        if link.short and not link.waiting:
+        if link.short and (link.keeps or not link.waiting):
             data = self._in_short(link, data)
         return link.protocol.feed(data, self._now_ms)
 
@@ -202,12 +205,17 @@ class App:
         the machine may wait. Returns what is left for feed()."""
         serial = link.serial
         short = link.short
+        more = _MORE
         while True:
             answers = short(data, self._now_ms, self.controller)
             if answers is None:
                 return data
             if not answers:
-                return b""
+                if len(data) < _FULL or not more:
+                    return b""
+                more -= 1
+                data = serial.read()  # the wire brings more than the machine takes: what is left there would be lost
+                continue
             serial.write(answers)
             if self.controller.queue.waiting:
                 self._heard |= _WHOLE

@@ -75,6 +75,7 @@ def real_time(byte):
 
 
 class Grbl:
+    keeps = True  # see app.py
     most = 0x1FFFFFFF  # lines that one short() takes; one that goes the long way costs as much as four
 
     def __init__(self, axes, offsets, settings, machine):
