@@ -195,10 +195,11 @@ def check_jogs():
 
 def check_operator_pauses():
     machine = Machine().ready()
-    for line in ("M0", "M1", "M6 T2"):
+    pause = "[MSG:Pause: ~ to continue]"
+    for line, told in (("M0", pause), ("M1", pause), ("M6 T2", "[MSG:Tool change: T2, ~ to continue]"), ("M6", None)):
         machine.put("G0 X1\n%s\nG0 X0\n" % line)
         said = machine.turns(60)
-        assert said == ["ok"], said
+        assert said == ["ok", told or "[MSG:Tool change: T2, ~ to continue]"], said
         assert machine.status()["state"] == "Hold:0" and machine.controller.position() == [320, 0, 0]
         machine.put(b"~")
         assert machine.turns(60) == ["ok", "ok"]

@@ -291,8 +291,8 @@ class Controller:
         if not on:
             self._motors.release()
 
-    def notice(self, number):
-        self._events.append(Event(NOTICE, None, number))
+    def notice(self, number, value=None):
+        self._events.append(Event(NOTICE, None, number, value))
 
     def press(self, name):
         """A button: "hold", "resume" or "reset"."""

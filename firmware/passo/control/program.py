@@ -364,6 +364,10 @@ class Program:
         if machine.checking:
             return machine.accepted(command)
         machine.command = command
+        if command.value:
+            machine.notice(errors.NOTICE_TOOL, command.value - 1)
+        else:
+            machine.notice(errors.NOTICE_PAUSE)
         machine.pauses.pause()
         return 0
 

@@ -94,6 +94,8 @@ NOTICE_LIMITS = const(7)
 NOTICE_SLEEPING = const(8)
 NOTICE_HANDED_OVER = const(9)
 NOTICE_JERK = const(10)
+NOTICE_PAUSE = const(11)
+NOTICE_TOOL = const(12)  # with the number of the tool
 
 
 def _texts():

@@ -293,7 +293,7 @@ class GCode(Motions):
         if turned and not (self.laser and line and self.commands and spindle == self.spindle):
             before.append(self._spindle_command(spindle, rpm, motion))
         if found[TOOL_CHANGE] != NONE:
-            before.append(Command(commands.PAUSE))
+            before.append(Command(commands.PAUSE, value=1 + tool))
         if coolant != self.coolant:
             before.append(Command(commands.COOLANT, value=coolant))
         if dwell is not None:

@@ -258,7 +258,8 @@ class Grbl:
         if event.kind == ALARM:
             return b"ALARM:%d\r\n" % (event.error - _ALARMS) if event.error > _ALARMS else b""
         if event.kind == NOTICE:
-            return grbl_report.message(grbl_report.NOTICES[event.error]).encode()
+            text = grbl_report.NOTICES[event.error]
+            return grbl_report.message(text if event.value is None else text % event.value).encode()
         if event.kind != RESTARTED:
             return b""
         self._forget()

@@ -13,7 +13,8 @@ BANNER = "\r\nGrbl 1.1h ['$' for help]\r\n"
 HELP = "[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x]"
 NOTICES = (
     "", "Reset to continue", "'$H'|'$X' to unlock", "Caution: Unlocked", "Enabled", "Disabled", "Check Door",
-    "Check Limits", "Sleeping", "Command handed over", "No S-curves on this board",
+    "Check Limits", "Sleeping", "Command handed over", "No S-curves on this board", "Pause: ~ to continue",
+    "Tool change: T%d, ~ to continue",
 )  # fmt: skip
 PROGRAMME_END = "Pgm End"
 RESTORING = "Restoring defaults"
