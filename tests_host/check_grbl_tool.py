@@ -103,6 +103,25 @@ def check_laser():
     assert machine.world.tool == 0
 
 
+def check_a_laser_stops_for_its_mode():
+    """M3, M4 and M5 wait for the motion before them, as in grbl; what changes only S goes on without a stand."""
+    for change, stops in (("M3", True), ("M3 S500", True), ("M5", True), ("M5 S500", True), ("S300", False)):
+        for words in ("\nX20", "X20"):
+            machine = Machine(spindle=LASER).ready()
+            machine.world.path = path = []
+            lines = "G90 F3000\nM4 S500 G1 X10\n%s%s\n" % (change, words)
+            if change[0] == "S" and words[0] == "\n":
+                continue
+            machine.put(lines)
+            machine.turns(100)
+            machine.settle()
+            at = [number for number in range(len(path)) if path[number][1] == 3000 + 3200][0]
+            gap_ms = (path[at + 1][0] - path[at][0]) / 12_500
+            slow = path[at][0] - path[at - 40][0] > 40 * 2 * 12_500_000 / (50 * 320)
+            assert (gap_ms > 1 and slow) == stops, (lines, gap_ms, slow)
+            assert path[-1][1] == 3000 + 6400
+
+
 def check_power_follows_the_speed():
     """M4: power / S is speed / F, in both ramps and in cruise; M3: the same power throughout."""
     machine = Machine(spindle=LASER).ready()

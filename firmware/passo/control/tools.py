@@ -73,7 +73,7 @@ class Tools:
         laser = self.laser()
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
-        if laser:
+        if laser and command.value == self.spindle:
             if machine.command is not None or self._queue.room() < _BLOCKS:
                 return LATER
         else:
