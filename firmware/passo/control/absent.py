@@ -26,4 +26,4 @@ class Absent:
     count_drawn = free
     busy = end = _nothing
     active = begin = standing = substate = laser = _nothing
-    show_outputs = report = clear = restart = _nothing
+    show_outputs = switch_off = report = clear = restart = _nothing

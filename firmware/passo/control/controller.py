@@ -310,6 +310,7 @@ class Controller:
             self.forget()
             self.homed = False
             self._release_parts()
+            self.tools.switch_off()
         else:
             self.shut_down()
         self.alarm = number

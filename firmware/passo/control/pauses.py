@@ -89,7 +89,7 @@ class Pauses:
 
     def _resume(self, command):
         machine = self._machine
-        ready = self._stood and self._resume_ms is None
+        ready = self._stood and self._resume_ms is None and not machine.alarm
         if ready and not (self.kind == "door" and machine.inputs.door_open()):
             self._resume_ms = self._port.machine_ms()
             if self._was_lit and not self._queue.lit():
@@ -129,6 +129,8 @@ class Pauses:
                 self._stop(kind)
         elif not self._stood:
             self._stood = True
+            if self._machine.alarm in errors.NEED_RESET:
+                self._machine.tools.switch_off()
             lit = self._queue.lit()
             self._was_lit = self._was_lit or lit
             if lit and (self.kind == "door" or self._machine.tools.laser()):

@@ -42,6 +42,14 @@ class Tools:
         self._restart()
         self.show_outputs(False)
 
+    def switch_off(self):
+        """Spindle and coolant off until the next reset. Only at a stand."""
+        self.spindle = OFF
+        self.power = self.coolant = 0
+        if self._queue.lit():
+            self._queue.rest(False)
+        self.show_outputs(False)
+
     def poll(self, still):
         """Once a turn: a beam whose power follows the speed is off while nothing moves, which is `still`."""
         machine = self._machine
