@@ -130,16 +130,19 @@ class GrblClient:
         self.alarm = None
 
     def command(self, line, timeout_s=None):
-        """Send one line; what is said before its ok. Raises Refused, or LinkError after `timeout_s`."""
+        """Send one line; what is said before its ok. Raises Refused, also where an alarm came before the ok, or LinkError
+        after `timeout_s`."""
+        self.alarm = None
         self._write(line.encode() + b"\n")
         deadline = time.monotonic() + (timeout_s or self.timeout_s)
         said = []
         while time.monotonic() < deadline:
             for answer in self.lines():
-                if answer == "ok":
+                if answer == "ok" and self.alarm is None:
                     return said
-                if answer.startswith("error:"):
-                    raise Refused(f"{line}: {explain(answer)}")
+                if answer == "ok" or answer.startswith("error:"):
+                    why = explain(answer) if self.alarm is None else f"alarm {self.alarm}: {alarm_text(self.alarm)}"
+                    raise Refused(f"{line}: {why}")
                 said.append(answer)
         raise LinkError(f"{self.port}: no answer to {line!r}")
 

@@ -403,7 +403,7 @@ class Controller:
             self.homed = True
             self.finish()
         elif result != RUNNING:
-            self.fail(result)
+            self.resets.homing_failed(result)
 
     def _poll_end(self):
         self.program.jogging = False

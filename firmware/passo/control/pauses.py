@@ -72,11 +72,15 @@ class Pauses:
         return machine.accepted(command)
 
     def open_door(self):
+        """As grbl: an alarm and check mode take no notice of the door, and homing ends with an alarm that says it."""
         machine = self._machine
-        machine.notice(errors.NOTICE_DOOR)
         if machine.busy_with(commands.HOME):
-            machine.fail(errors.ALARM_HOMING_DOOR)
-        elif machine.state in ("idle", "run", "hold", "jog", "door"):
+            machine.resets.homing_failed(errors.ALARM_HOMING_DOOR)
+            return
+        state = machine.state
+        if state not in ("alarm", "check"):
+            machine.notice(errors.NOTICE_DOOR)
+        if state in ("idle", "run", "hold", "jog", "door"):
             if machine.program.jogging:
                 self.drop()
             self._stop("door")
@@ -109,7 +113,7 @@ class Pauses:
         if command.value == commands.SPINDLE_STOP:
             if self.kind == "hold" and self._stood and self._was_lit and not machine.tools.laser():
                 self._queue.rest(not self._queue.lit())
-        elif machine.state in ("idle", "run", "hold"):
+        elif machine.state in ("idle", "run", "hold", "jog"):
             machine.tools.set_coolant(machine.tools.coolant ^ command.value)
         return machine.accepted(command)
 
@@ -125,12 +129,12 @@ class Pauses:
             self._queue.drop()
             self._machine.program.dropped()
             self.clear()
+            if self._machine.alarm in errors.NEED_RESET:
+                self._machine.tools.switch_off()
             if kind == "door":
                 self._stop(kind)
         elif not self._stood:
             self._stood = True
-            if self._machine.alarm in errors.NEED_RESET:
-                self._machine.tools.switch_off()
             lit = self._queue.lit()
             self._was_lit = self._was_lit or lit
             if lit and (self.kind == "door" or self._machine.tools.laser()):

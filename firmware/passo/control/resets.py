@@ -28,6 +28,13 @@ class Resets:
         if machine.inputs.door_open() and not machine.alarm:
             machine.pauses.open_door()
 
+    def homing_failed(self, alarm):
+        """Alarm, and the machine begins anew, as grbl does: nothing is done of what was sent behind the homing."""
+        machine = self._machine
+        machine.fail(alarm)
+        machine.tools.restart()
+        self.restarted()
+
     def _reset(self, command):
         machine = self._machine
         alarm = 0

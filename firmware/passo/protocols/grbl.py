@@ -234,7 +234,7 @@ class Grbl:
             return b""
         self._under_way = None
         text = getattr(command, "text", "")
-        if event.kind == REFUSED:
+        if event.kind == REFUSED and not self._failed_homing(event):
             self._rest = []
             self.gcode.forget_place()
             return (text + self._answer("error:%d" % event.error)).encode()
@@ -247,6 +247,12 @@ class Grbl:
                 text += grbl_report.message(grbl_report.PROGRAMME_END)
             text += self._answer("ok")
         return text.encode()
+
+    def _failed_homing(self, event):
+        """True for homing that an alarm has ended. grbl answers ok then, behind the alarm and before its banner."""
+        if event.command.kind != commands.HOME or event.error != errors.LOCKED:
+            return False
+        return errors.ALARM_HOMING_RESET <= self._machine.alarm <= errors.ALARM_TWO_MOTORS
 
     def _answer(self, text):
         if self._start_line is not None:
