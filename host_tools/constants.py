@@ -6,7 +6,8 @@ build use it.
 
 A board keeps every public name it has loaded: its text, an entry in the module's dict, and its own share of the
 table of names, which doubles when it is full. MicroPython folds a constant by itself only inside its module and behind
-an underscore. The lines stay where they are, so that a traceback tells the line of the source.
+an underscore, and its machine code can index an array by nothing but numbers: so MicroPython on a PC runs such a text too
+(`numbered_only`). The lines stay where they are, so that a traceback tells the line of the source.
 
 A name is left alone where it is more than a constant: bound twice, or in a module that is handed about as an object.
 """
@@ -113,7 +114,7 @@ def _number(expression, numbers):
     return eval(compile(ast.Expression(expression), "constant", "eval"), {"__builtins__": {}}, dict(numbers))
 
 
-def _fold(module, modules):
+def _fold(module, modules, keep_imports=False):
     """Write numbers for names, and note which names are still read from other modules."""
     known = {}  # local name: the module of the build that it stands for
     for name, source, original in module.aliases():
@@ -149,7 +150,7 @@ def _fold(module, modules):
         read[node.id] = read.get(node.id, 0) + 1
         for source in known.get(node.id, ()):
             source.kept.add("*")
-    for node in module.imports:
+    for node in () if keep_imports else module.imports:
         if node.module in modules or any(f"{node.module}.{alias.name}" in modules for alias in node.names):
             _import(module, node, modules, read)
 
@@ -201,13 +202,27 @@ def _edited(module):
     return b"".join(lines).decode()
 
 
+def _modules(texts):
+    """The modules of a build by name, with `numbers` filled in. Raises Failure for what is not Python."""
+    modules = {module.name: module for module in (_Module(path, text) for path, text in texts.items())}
+    _evaluate(modules)
+    return modules
+
+
+def numbered_only(texts):
+    """{path: text} with numbers where constants are read; definitions and imports stay, for tests to read them."""
+    modules = _modules(texts)
+    for module in modules.values():
+        _fold(module, modules, keep_imports=True)
+    return {module.path: _edited(module) for module in modules.values()}
+
+
 def folded(texts):
     """{path: text} of the modules of a build, with numbers for constants, and private attributes and arguments under
     short names.
 
     Raises Failure for what is not Python."""
-    modules = {module.name: module for module in (_Module(path, text) for path, text in texts.items())}
-    _evaluate(modules)
+    modules = _modules(texts)
     for module in modules.values():
         _fold(module, modules)
     for module in modules.values():

@@ -8,7 +8,7 @@ from math import atan2, pi, sqrt
 
 from check_circle import Walk, draw_arc, foot
 from passo.motion.profile import Limits
-from passo.steps.checkpoints_plain import SETUP
+from passo.records import FEED_SETUP
 from passo.steps.word import TICKS_PER_S
 from rig import Rig
 
@@ -29,7 +29,7 @@ def steps_of(add, feed, setup):
     a second."""
     rig = Rig(axes=3)
     if not setup:
-        rig.feeder.state[SETUP] = 0
+        rig.feeder.state[FEED_SETUP] = 0
     rig.planner.limits(Limits([STEPS_PER_M] * 3, [1000 * MM] * 3, [ACCELERATION_MM_S2 * MM] * 3, 0))
     add(rig.planner)
     steps = []

@@ -5,6 +5,10 @@ from array import array
 from draws import Random
 from passo.drives import coils, coils_plain
 from passo.motion import line, line_plain
+from passo.records import (
+    FEED_AXES, FEED_BITS, FEED_HEAD, FEED_LIMIT, FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PLACE, FEED_SETUP,
+    FEED_TICKS, MARKS, MARK_FIELDS,
+)  # fmt: skip
 from passo.steps import checkpoints, checkpoints_plain, pace, pace_plain, position, position_plain, timed
 
 CASES = {
@@ -87,18 +91,18 @@ def check_checkpoints(seed, axes):
     random = Random(seed)
     sides = []
     for _ in range(2):
-        state = array("i", [0] * (checkpoints_plain.PLACE + axes))
-        state[checkpoints_plain.BITS], state[checkpoints_plain.AXES], state[checkpoints_plain.MASK] = 2 * axes + 1, axes, 63
-        state[checkpoints_plain.LIMIT], state[checkpoints_plain.SETUP] = 2000, 63
-        marks = array("i", [0] * (checkpoints_plain.MARKS * (checkpoints_plain.FIELDS + axes)))
+        state = array("i", [0] * (FEED_PLACE + axes))
+        state[FEED_BITS], state[FEED_AXES], state[FEED_MASK] = 2 * axes + 1, axes, 63
+        state[FEED_LIMIT], state[FEED_SETUP] = 2000, 63
+        marks = array("i", [0] * (MARKS * (MARK_FIELDS + axes)))
         sides.append((state, marks, array("I", [0] * 64), array("i", [0] * axes)))
-    for index in (checkpoints_plain.HEAD, checkpoints_plain.TICKS, checkpoints_plain.OLDEST):
+    for index in (FEED_HEAD, FEED_TICKS, FEED_OLDEST):
         sides[0][0][index] = sides[1][0][index] = random.between(0, 0x1FFFFFFF)
     for index in range(axes):
         edge = (0, 0x0FFFFFF0, -0x0FFFFFF0)[random.between(0, 2)]
-        sides[0][0][checkpoints_plain.PLACE + index] = sides[1][0][checkpoints_plain.PLACE + index] = edge
+        sides[0][0][FEED_PLACE + index] = sides[1][0][FEED_PLACE + index] = edge
     for side in sides:
-        side[0][checkpoints_plain.NEWEST] = side[0][checkpoints_plain.OLDEST]
+        side[0][FEED_NEWEST] = side[0][FEED_OLDEST]
     for _ in range(200):
         moving, negative = random.between(0, (1 << axes) - 1), random.between(0, (1 << axes) - 1)
         steps, ticks = random.between(0, 255), random.between(1, 0x100000)
@@ -115,7 +119,7 @@ def check_checkpoints(seed, axes):
                     steps_made[axis] = made[axis]
                 call[1](state, words, moving, negative, steps, ticks)
                 call[2](state, marks, steps_made, steps, ticks, ends)
-            played = (state[checkpoints_plain.HEAD] - back) & 0x1FFFFFFF
+            played = (state[FEED_HEAD] - back) & 0x1FFFFFFF
             place = array("i", [0] * axes)
             at = call[4](state, marks, played, place)
             results.append((result, at, list(place), call[3](state, marks, played) if what < 2 else 0))

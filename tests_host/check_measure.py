@@ -6,10 +6,11 @@ from math import sqrt
 
 from draws import Random
 from passo.motion import measure_viper, row_viper
-from passo.motion.block import (
-    CORNER, FASTEST, GAIN, LIMIT, REACH, ROW, SPEED, SQUARE, TICKS, TICKS_REST, TOP, UNIT, UNIT_SHIFT,
-)
-from passo.motion.profile import FEED, MOST, SIZE, STRIDE, TICKS_PER_S, WORK, Limits
+from passo.motion.profile import MOST, TICKS_PER_S, Limits
+from passo.records import (
+    ROW_CORNER, ROW_FASTEST, ROW_GAIN, ROW_LIMIT, ROW_REACH, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS,
+    ROW_TICKS_REST, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, WORK_FEED, WORK_FIELDS, WORK_SIZE, WORK_STRIDE,
+)  # fmt: skip
 from passo.steps.word import COUNT_MASK
 
 CASES = {"check_numbers": (("seed", "seed"),), "check_machine_code": (("seed", "seed"),)}
@@ -31,18 +32,18 @@ def draw_line(random, axes):
 
 
 def queue(limits, deltas, feed, rows, work, number, measure):
-    at = number * (ROW + len(deltas))
+    at = number * (ROW_STEPS + len(deltas))
     for axis in range(len(deltas)):
-        rows[at + ROW + axis] = deltas[axis]
-    work[FEED] = min(limits.part(feed), MOST) if feed else 0
+        rows[at + ROW_STEPS + axis] = deltas[axis]
+    work[WORK_FEED] = min(limits.part(feed), MOST) if feed else 0
     return measure(rows, at, work, limits.terms)
 
 
 def new(axes, count):
-    work = array("i", [0] * WORK)
-    work[STRIDE], work[SIZE] = ROW + axes, count
+    work = array("i", [0] * WORK_FIELDS)
+    work[WORK_STRIDE], work[WORK_SIZE] = ROW_STEPS + axes, count
     work[34] = work[35] = 4096
-    return array("i", [0] * ((ROW + axes) * count)), work
+    return array("i", [0] * ((ROW_STEPS + axes) * count)), work
 
 
 def direction(limits, deltas):
@@ -92,34 +93,34 @@ def check_numbers(seed):
         if done == -1:
             assert ticks / total > MOST * 0.999
             return
-        row = rows[number * (ROW + axes) :][: ROW + axes]
+        row = rows[number * (ROW_STEPS + axes) :][: ROW_STEPS + axes]
         unit = limits.fastest / (1 << 28)
         grain = 2 * unit / speed + 1e-6 + (4e-4 if not feed or feed >= fastest else 0)
-        assert near(row[SPEED] * unit, speed, grain)
-        assert near(row[TICKS] * total + row[TICKS_REST], ticks, grain + 3e-6, 1 + total)
-        assert near(row[TICKS] + row[TICKS_REST] / total, ticks / total, grain + 3e-6, 1)
-        if not row[GAIN]:
-            assert row[TICKS] > 8_000_000 and work[24] == 0
+        assert near(row[ROW_SPEED] * unit, speed, grain)
+        assert near(row[ROW_TICKS] * total + row[ROW_TICKS_REST], ticks, grain + 3e-6, 1 + total)
+        assert near(row[ROW_TICKS] + row[ROW_TICKS_REST] / total, ticks / total, grain + 3e-6, 1)
+        if not row[ROW_GAIN]:
+            assert row[ROW_TICKS] > 8_000_000 and work[24] == 0
             return
-        top, squares = row[TOP], limits.fastest * limits.fastest / (1 << 28)
+        top, squares = row[ROW_TOP], limits.fastest * limits.fastest / (1 << 28)
         acceleration = weakest(limits.accelerations, heading)
-        assert near(row[SQUARE] * squares, speed * speed, 2 * grain + 1e-4, 2 * squares)
-        assert near(row[FASTEST] * squares, fastest * fastest, 1e-3, 2 * squares)
-        assert top <= row[LIMIT] <= min(2 * top, 32_000)
-        assert near(row[LIMIT], min(fastest / speed, 2, 32_000 / top) * top, 4e-4, 1)
+        assert near(row[ROW_SQUARE] * squares, speed * speed, 2 * grain + 1e-4, 2 * squares)
+        assert near(row[ROW_FASTEST] * squares, fastest * fastest, 1e-3, 2 * squares)
+        assert top <= row[ROW_LIMIT] <= min(2 * top, 32_000)
+        assert near(row[ROW_LIMIT], min(fastest / speed, 2, 32_000 / top) * top, 4e-4, 1)
         gain = 2 * acceleration * length * top * top / (total * speed * speed)
-        assert near(row[GAIN], max(2, min(gain, MOST)), 2e-3 + 2 * grain, 1)
-        if row[GAIN] > 2:  # what the ramp can do in fact is enough for what the passes count on
-            assert row[REACH] <= row[GAIN] * total * (row[SPEED] / 16_384 / top) ** 2 * 1.0001
+        assert near(row[ROW_GAIN], max(2, min(gain, MOST)), 2e-3 + 2 * grain, 1)
+        if row[ROW_GAIN] > 2:  # what the ramp can do in fact is enough for what the passes count on
+            assert row[ROW_REACH] <= row[ROW_GAIN] * total * (row[ROW_SPEED] / 16_384 / top) ** 2 * 1.0001
             reach = min(2 * acceleration * length / squares, MOST)
-            assert row[GAIN] == MOST or near(min(row[REACH], MOST), reach, 4e-3 + 2 * grain, 2)
-        assert near(row[UNIT] / 2.0 ** row[UNIT_SHIFT], squares * top * top / speed / speed, 1e-3 + 2 * grain)
+            assert row[ROW_GAIN] == MOST or near(min(row[ROW_REACH], MOST), reach, 4e-3 + 2 * grain, 2)
+        assert near(row[ROW_UNIT] / 2.0 ** row[ROW_UNIT_SHIFT], squares * top * top / speed / speed, 1e-3 + 2 * grain)
         if number:
             exact = corner(limits, before, heading)
             if exact is None:
-                assert row[CORNER] == MOST * 2 + 1
+                assert row[ROW_CORNER] == MOST * 2 + 1
             else:
-                assert near(min(row[CORNER], MOST), min(exact / squares, MOST), 5e-3, 30)
+                assert near(min(row[ROW_CORNER], MOST), min(exact / squares, MOST), 5e-3, 30)
         before = heading
 
 
@@ -151,7 +152,7 @@ def check_machine_code(seed):
         results = []
         for number in range(len(program)):
             deltas, feed, taken = program[number]
-            work[FEED] = min(limits.part(feed), MOST) if feed else 0
+            work[WORK_FEED] = min(limits.part(feed), MOST) if feed else 0
             at = enter(rows, work, counts, array("i", [9, 9] + deltas), 2)
             done = measure(rows, at, work, limits.terms)
             results.append(done)

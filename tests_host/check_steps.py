@@ -6,8 +6,8 @@ from passo.motion.block import LINE
 from passo.motion.integers import length_nm
 from passo.motion.line import Line
 from passo.motion.planner import LOOK_AHEAD
+from passo.records import FEED_DEBT
 from passo.steps import position as asked
-from passo.steps.checkpoints_plain import DEBT
 from passo.steps.pace import pace, repay
 from passo.steps.pace_plain import new_terms, set_terms
 from passo.steps.ring import Ring
@@ -150,7 +150,7 @@ def check_turns(moves, each):
         wanted += steps * each
         rig.planner.line((dx, dy), steps * each, False)
     words = rig.run()
-    assert total_ticks(words) - wanted == rig.feeder.state[DEBT]
+    assert total_ticks(words) - wanted == rig.feeder.state[FEED_DEBT]
     tick = 0
     changed = [-SETUP_TICKS, -SETUP_TICKS]
     before = 0

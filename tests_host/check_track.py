@@ -2,7 +2,7 @@
 
 from draws import Random
 from passo.motion.track import COUNT, MOST, SPEED, STATION, TOOL, WAIT, Track, mark, run, units
-from passo.steps.checkpoints_plain import LEVELS
+from passo.records import FEED_LEVELS
 from passo.steps.track_walker import ENDLESS, TrackWalker
 from passo.steps.word import HOLD_TICKS
 from rig import Rig
@@ -97,7 +97,7 @@ class Ride:
     def go(self, backward=False, most=ENDLESS, fills=1 << 20, lead=100_000):
         """Walk on; after `fills` fills it is held, and taken off at its stand."""
         rig = self.rig
-        self.walker.begin(backward, most, bool(rig.feeder.state[LEVELS] & rig.layout.tool_mask))
+        self.walker.begin(backward, most, bool(rig.feeder.state[FEED_LEVELS] & rig.layout.tool_mask))
         rig.planner.track(self.walker)
         rig.planner.flush()
         while not rig.planner.empty() and fills:

@@ -15,7 +15,7 @@ from passo.motion.arc import TooSteep
 from passo.motion.block import ARC, COARSE, LINE
 from passo.motion.circle import FALL, RISE, RUN_PATH, U_AXIS, WORDS
 from passo.motion.profile import Limits
-from passo.motion.steady import CUT_STEPS, CUT_TICKS
+from passo.records import RAMP_STEPS, RAMP_TICKS
 from passo.steps.word import TICKS_PER_S
 from rig import Rig
 
@@ -102,7 +102,7 @@ class Machine:
         planner = self.rig.planner
         arc = self.rig.feeder._block.kind == ARC
         walker = planner._circle if arc else planner._line
-        steps, ticks = int(ramp.state[CUT_STEPS]), int(ramp.state[CUT_TICKS])
+        steps, ticks = int(ramp.state[RAMP_STEPS]), int(ramp.state[RAMP_TICKS])
         if not steps:
             return
         path = int(walker.state[RUN_PATH]) * steps / int(walker.state[WORDS]) / (1 << COARSE) if arc else steps

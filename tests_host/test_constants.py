@@ -5,7 +5,7 @@ import ast
 import pytest
 
 from host_tools.build import FIRMWARE, module_files
-from host_tools.constants import folded
+from host_tools.constants import folded, numbered_only
 from host_tools.failure import Failure
 
 A = """from micropython import const
@@ -76,3 +76,9 @@ def test_only_numbers_differ_in_the_firmware():
 def test_a_module_that_is_not_python_is_named():
     with pytest.raises(Failure, match="passo/b.py:1: invalid syntax"):
         both("x = \n")
+
+
+def test_numbers_alone_leave_imports_and_definitions():
+    texts = numbered_only({"passo/a.py": A, "passo/b.py": "from passo.a import FIVE, HALF\nx = FIVE\n"})
+    assert texts["passo/b.py"] == "from passo.a import FIVE, HALF\nx = 5\n"
+    assert "FIVE = const(5)" in texts["passo/a.py"]

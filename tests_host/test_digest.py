@@ -56,8 +56,9 @@ def compare_gcode(name, *job):
         assert digest(MICROPYTHON, *job) == made
 
 
-def digest(program, *job, firmware=MODULE_PATH[0], script=TESTS / "digest.py"):
+def digest(program, *job, firmware=None, script=TESTS / "digest.py"):
     """(hex digest, words, stepping words …) of a job (see digest.py's arguments), as `program` computes them."""
+    firmware = firmware or (MODULE_PATH[0] if program == MICROPYTHON else ROOT / "firmware")
     path = os.pathsep.join(str(folder) for folder in (firmware, *MODULE_PATH[1:]))
     environment = {**os.environ, "MICROPYPATH": path, "PYTHONPATH": os.pathsep.join([path, str(SHIMS)])}
     options = ["-X", "heapsize=64m"] if program == MICROPYTHON else []

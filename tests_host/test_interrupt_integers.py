@@ -12,8 +12,8 @@ from passo.drives import unipolar
 from passo.motion import line, planner, track
 from passo.motion.block import Block
 from passo.motion.line import MAX_STEPS
+from passo.records import FEED_OLDEST, FEED_PLACE, FEED_TICKS, MARK_FIELDS, MARK_TICKS
 from passo.steps import feeder, pace_plain, power, ring, timed, track_walker
-from passo.steps.checkpoints_plain import FIELDS, MARK_TICKS, OLDEST, PLACE, TICKS
 from passo.steps.word import COUNT_MASK
 from rig import DRIVES, LEAST_TICKS, Rig
 from small_int import Small
@@ -106,9 +106,9 @@ def test_counters_wrap():
     rig.ring.head = rig.played = Small(COUNT_MASK - 40)
     rig.feeder._reset(rig.played)
     state, marks = rig.feeder.state, rig.feeder._marks
-    state[TICKS] = COUNT_MASK - 5000
-    marks[state[OLDEST] * (FIELDS + 2) + MARK_TICKS] = state[TICKS]
-    state[PLACE] = (1 << 28) - 20
+    state[FEED_TICKS] = COUNT_MASK - 5000
+    marks[state[FEED_OLDEST] * (MARK_FIELDS + 2) + MARK_TICKS] = state[FEED_TICKS]
+    state[FEED_PLACE] = (1 << 28) - 20
     rig.planner.line((100, -37), 100 * 3000, False)
     rig.planner.flush()
     words = 0

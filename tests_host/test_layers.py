@@ -16,12 +16,13 @@ FILES = sorted(path.relative_to(FIRMWARE) for path in FIRMWARE.rglob("*.py"))
 # What of passo a room may import besides itself.
 MAY_IMPORT = {
     "passo": (),
-    "motion": (),
+    "records": (),
+    "motion": ("passo.records",),
     "drives": (),
-    "steps": ("passo.motion",),
-    "protocols": (),
-    "control": ("passo.motion", "passo.steps", "passo.protocols.commands", "passo.protocols.errors"),
-    "ports": ("passo.steps", "passo.drives"),
+    "steps": ("passo.motion", "passo.records"),
+    "protocols": ("passo.records",),
+    "control": ("passo.records", "passo.motion", "passo.steps", "passo.protocols.commands", "passo.protocols.errors"),
+    "ports": ("passo.records", "passo.steps", "passo.drives"),
     "web": ("passo.control",),
     "languages": ("passo.control", "passo.protocols"),
     "app": ("passo",),

@@ -8,9 +8,11 @@ from pathlib import Path
 
 import pytest
 
+from host_tools.build import unix_tree
+
 TESTS = Path(__file__).resolve().parent
 ROOT = TESTS.parent
-MODULE_PATH = (ROOT / "firmware", TESTS, ROOT)
+MODULE_PATH = (unix_tree(), TESTS, ROOT)
 MICROPYTHON = Path(sys.executable).parent / "micropython"
 MODULES = sorted(path.stem for path in TESTS.glob("check_*.py"))
 TIMEOUT_S = 300

@@ -2,7 +2,7 @@
 
 from concurrent.futures import ThreadPoolExecutor
 
-from host_tools.build import FIRMWARE, compile_module
+from host_tools.build import FIRMWARE, compile_module, unix_tree
 
 ARM = ("armv6m", "armv7emsp")
 ARCHITECTURES = ARM + ("xtensawin", "rv32imc")
@@ -21,7 +21,8 @@ def compiled_size(path, architecture, folder):
     if has_kernel(path) and architecture not in KERNEL_ARCHITECTURES:
         return None
     target = folder / architecture / path.with_suffix(".mpy")
-    compile_module(FIRMWARE / path, target, architecture, path)
+    root = unix_tree() if path.parts[0] == "passo" else FIRMWARE
+    compile_module(root / path, target, architecture, path)
     return target.stat().st_size
 
 

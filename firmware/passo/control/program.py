@@ -11,10 +11,11 @@ from micropython import const
 from passo.control import settings as table
 from passo.control.extent import farthest
 from passo.control.tools import thousandths
-from passo.motion.block import GAIN, KIND, SPEED, TAG, TOP, WAIT
+from passo.motion.block import WAIT
 from passo.motion.line import MAX_STEPS
 from passo.motion.profile import Limits
 from passo.protocols import commands, errors
+from passo.records import ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP
 from passo.steps.word import TICKS_PER_S
 
 LATER = const(-1)
@@ -400,20 +401,20 @@ class Program:
         report["number"] = report["feed"] = 0
         at = self._planner.row()
         rows = self._planner.rows
-        if at >= 0 and rows[at + KIND] != WAIT:
+        if at >= 0 and rows[at + ROW_KIND] != WAIT:
             if self._active:
-                report["number"] = rows[at + TAG]
+                report["number"] = rows[at + ROW_TAG]
             report["feed"] = self._speed(rows, at, self._queue.pace())
 
     def _speed(self, rows, at, pace):
         """The speed along the path at this moment, in nm/s."""
         if not pace or self._limits is None:
             return 0
-        part = rows[at + SPEED]
+        part = rows[at + ROW_SPEED]
         if part != self._part:  # a large integer in between: only where the speed asked for has changed
             self._part = part
             self._asked = self._limits.speed(part)
-        if not rows[at + GAIN]:
+        if not rows[at + ROW_GAIN]:
             return self._asked
-        top = rows[at + TOP]
+        top = rows[at + ROW_TOP]
         return self._asked // top * pace + self._asked % top * pace // top

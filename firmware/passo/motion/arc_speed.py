@@ -1,12 +1,12 @@
 """How fast an arc may be walked: what measure() finds out for lines, worked out with big integers, once an arc."""
 
-from passo.motion.block import SPAN, TICKS, TICKS_REST
 from passo.motion.integers import NM_PER_M, isqrt
 from passo.motion.measure_viper import measure
-from passo.motion.profile import (
-    ALONG, BEFORE, BIAS, FEED, GIVEN, HEADING, IS_ARC, LENGTH, LENGTH_SHIFT, MOST, STEPS, STEPS_SHIFT, STRENGTH,
-    TICKS_PER_S, TOP, floated,
-)
+from passo.motion.profile import BIAS, MOST, TICKS_PER_S, TOP, floated
+from passo.records import (
+    ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, WORK_ALONG, WORK_BEFORE, WORK_FEED, WORK_GIVEN, WORK_HEADING, WORK_IS_ARC,
+    WORK_LENGTH, WORK_LENGTH_SHIFT, WORK_STEPS, WORK_STEPS_SHIFT, WORK_STRENGTH,
+)  # fmt: skip
 
 
 def set_speed(rows, at, work, limits, path, plane, center, deltas, clockwise, speed_nm_s, ticks):
@@ -28,21 +28,21 @@ def set_speed(rows, at, work, limits, path, plane, center, deltas, clockwise, sp
     if (ticks << 10) // path > MOST:
         return False
     top = min(TOP, MOST * path // (ticks << 10))
-    work[IS_ARC] = 1
-    work[FEED] = min(limits.part(asked), MOST) if asked else 0
-    work[GIVEN] = top
-    work[LENGTH], shift = floated(length, 1, 28)
-    work[LENGTH_SHIFT] = 2 * BIAS - shift
-    work[STEPS], work[STEPS_SHIFT] = floated(path, 1 << 10, 15)
-    work[ALONG] = max(limits.part(fastest), limits.part(speed_nm_s))
-    work[STRENGTH] = (acceleration << 28) // limits.strongest
-    _set_direction(work, HEADING, limits, plane, (-center[0], -center[1]), clockwise, flat, rise, length)
+    work[WORK_IS_ARC] = 1
+    work[WORK_FEED] = min(limits.part(asked), MOST) if asked else 0
+    work[WORK_GIVEN] = top
+    work[WORK_LENGTH], shift = floated(length, 1, 28)
+    work[WORK_LENGTH_SHIFT] = 2 * BIAS - shift
+    work[WORK_STEPS], work[WORK_STEPS_SHIFT] = floated(path, 1 << 10, 15)
+    work[WORK_ALONG] = max(limits.part(fastest), limits.part(speed_nm_s))
+    work[WORK_STRENGTH] = (acceleration << 28) // limits.strongest
+    _set_direction(work, WORK_HEADING, limits, plane, (-center[0], -center[1]), clockwise, flat, rise, length)
     measure(rows, at, work, limits.terms)
-    rows[at + TICKS] = max((ticks << 10) // path, 1)
-    rows[at + TICKS_REST] = ((ticks << 10) % path << 7) // path
-    rows[at + SPAN] = (2 * ticks * top << 10) // path
+    rows[at + ROW_TICKS] = max((ticks << 10) // path, 1)
+    rows[at + ROW_TICKS_REST] = ((ticks << 10) % path << 7) // path
+    rows[at + ROW_SPAN] = (2 * ticks * top << 10) // path
     place = deltas[plane[0]] - center[0], deltas[plane[1]] - center[1]
-    _set_direction(work, BEFORE, limits, plane, place, clockwise, flat, rise, length)
+    _set_direction(work, WORK_BEFORE, limits, plane, place, clockwise, flat, rise, length)
     return True
 
 

@@ -16,16 +16,12 @@ from array import array
 import micropython
 from micropython import const
 
+from passo.records import LINE_MOVING, LINE_NEGATIVE, LINE_RISE
+
 MAX_STEPS = const(2_097_151)  # 2²¹ − 1
 MAX_RUN = const(500)  # most steps one walk() may take
 
 # A walker's state, in one array for the sake of its twin in machine code.
-_AXES = const(0)
-_DOMINANT = const(1)
-_FALL = const(2)  # twice the dominant steps: what a step takes off an axis's decision
-_NEGATIVE = const(3)
-_MOVING = const(4)
-_RISE = const(5)  # three numbers an axis, axes times the first, then the second, then the third:
 #   rise: twice its steps, what every dominant step adds to its decision
 #   decision, with the fall added so that it is never negative: a step is due above the fall
 #   made: its signed steps since the feeder last cleared them
@@ -43,7 +39,7 @@ class Line:
         self.axes = axes
         self.total = self.left = self.moving = self.negative = 0
         self.state = array("i", [axes] + [0] * (4 + 3 * axes))
-        self.made = memoryview(self.state)[_RISE + 2 * axes :]  # signed steps since the feeder last cleared them
+        self.made = memoryview(self.state)[LINE_RISE + 2 * axes :]  # signed steps since the feeder last cleared them
 
     def begin(self, deltas):
         """Start on a vector, in steps. Raises ValueError above MAX_STEPS."""
@@ -57,8 +53,8 @@ class Line:
         state = self.state
         total = self.total = begin(rows, at, state)
         self.left = total
-        self.moving = state[_MOVING]
-        self.negative = state[_NEGATIVE]
+        self.moving = state[LINE_MOVING]
+        self.negative = state[LINE_NEGATIVE]
 
     def seek(self, index):
         """Stand before dominant step `index` (0 … total), as if that many had been walked."""
@@ -66,8 +62,8 @@ class Line:
             raise ValueError("no step %d in a line of %d" % (index, self.total))
         self.left = self.total - index
         for axis in range(self.axes):
-            decision = self.state[_RISE + axis] * (index + 1) + self.total - 2 * self.total * self._steps(axis, index)
-            self.state[_RISE + self.axes + axis] = decision
+            decision = self.state[LINE_RISE + axis] * (index + 1) + self.total - 2 * self.total * self._steps(axis, index)
+            self.state[LINE_RISE + self.axes + axis] = decision
 
     def offset(self, axis, index):
         """Signed steps of `axis` after `index` dominant steps: the line's place in closed form."""
@@ -77,7 +73,7 @@ class Line:
     def _steps(self, axis, index):
         if not self.total:
             return 0
-        return (self.state[_RISE + axis] * index + self.total - 1) // (2 * self.total)
+        return (self.state[LINE_RISE + axis] * index + self.total - 1) // (2 * self.total)
 
     @micropython.native
     def walk(self, out, at, count):  # ISR: no allocation

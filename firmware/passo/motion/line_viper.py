@@ -3,10 +3,14 @@
 
 import micropython
 
+from passo.records import (
+    LINE_AXES, LINE_DOMINANT, LINE_FALL, LINE_MOVING, LINE_NEGATIVE, LINE_RISE,
+)  # fmt: skip
+
 
 @micropython.viper
 def begin(rows: ptr32, at: int, state: ptr32) -> int:
-    axes = state[0]
+    axes = state[LINE_AXES]
     total = 0
     dominant = 0
     moving = 0
@@ -23,23 +27,23 @@ def begin(rows: ptr32, at: int, state: ptr32) -> int:
         if steps > total:
             total = steps
             dominant = axis
-        state[5 + axis] = 2 * steps
+        state[LINE_RISE + axis] = 2 * steps
         axis += 1
-    state[1] = dominant
-    state[2] = 2 * total
-    state[3] = negative
-    state[4] = moving
+    state[LINE_DOMINANT] = dominant
+    state[LINE_FALL] = 2 * total
+    state[LINE_NEGATIVE] = negative
+    state[LINE_MOVING] = moving
     while axis:
         axis -= 1
-        state[5 + axes + axis] = state[5 + axis] + total
+        state[LINE_RISE + axes + axis] = state[LINE_RISE + axis] + total
     return total
 
 
 @micropython.viper
 def walk(out: ptr32, at: int, count: int, state: ptr32):
-    axes = state[0]
-    dominant = state[1]
-    fall = state[2]
+    axes = state[LINE_AXES]
+    dominant = state[LINE_DOMINANT]
+    fall = state[LINE_FALL]
     bit = 1 << dominant
     end = at + count
     i = at
@@ -48,13 +52,13 @@ def walk(out: ptr32, at: int, count: int, state: ptr32):
         i += 1
     axis = 0
     while axis < axes:
-        rise = state[5 + axis]
+        rise = state[LINE_RISE + axis]
         steps = 0
         if axis == dominant:
             steps = count
         elif rise:
             bit = 1 << axis
-            decision = state[5 + axes + axis]
+            decision = state[LINE_RISE + axes + axis]
             i = at
             while i < end:
                 if decision > fall:
@@ -63,8 +67,8 @@ def walk(out: ptr32, at: int, count: int, state: ptr32):
                     steps += 1
                 decision += rise
                 i += 1
-            state[5 + axes + axis] = decision
-        if (state[3] >> axis) & 1:
+            state[LINE_RISE + axes + axis] = decision
+        if (state[LINE_NEGATIVE] >> axis) & 1:
             steps = 0 - steps
-        state[5 + 2 * axes + axis] = state[5 + 2 * axes + axis] + steps
+        state[LINE_RISE + 2 * axes + axis] = state[LINE_RISE + 2 * axes + axis] + steps
         axis += 1

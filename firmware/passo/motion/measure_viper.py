@@ -24,6 +24,17 @@ function each would cost every block 26 µs a call, and there are some thirty of
 
 import micropython
 
+from passo.records import (
+    LIMIT_AXES, LIMIT_CORNER, LIMIT_CORNER_SHIFT, LIMIT_FASTEST, LIMIT_FASTEST_SHIFT, LIMIT_FINEST, LIMIT_GAIN,
+    LIMIT_GAIN_SHIFT, LIMIT_SPEED, LIMIT_SPEED_SHIFT, LIMIT_STEP, LIMIT_STRONGEST, LIMIT_STRONGEST_SHIFT, LIMIT_TIME,
+    LIMIT_TIME_SHIFT, QUEUE_ADDED, QUEUE_FROZEN, ROW_CORNER, ROW_EXIT, ROW_FASTEST, ROW_GAIN, ROW_LIMIT, ROW_RAPID,
+    ROW_RATIO, ROW_RATIO_SHIFT, ROW_REACH, ROW_SPAN, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST,
+    ROW_TIME, ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, WORK_ALL, WORK_ALONG, WORK_BEFORE, WORK_CHANGE, WORK_FACTOR,
+    WORK_FEED, WORK_FULL, WORK_FULL_SHIFT, WORK_GIVEN, WORK_GIVEN_SHIFT, WORK_HEADING, WORK_IS_ARC, WORK_LENGTH,
+    WORK_LENGTH_SHIFT, WORK_LIMITED, WORK_SIZE, WORK_SPEED, WORK_STEPS, WORK_STEPS_SHIFT, WORK_STRENGTH, WORK_STRIDE,
+    WORK_THROUGH, WORK_TOP, WORK_TOP_SHIFT,
+)  # fmt: skip
+
 try:
     ptr32
 except NameError:
@@ -35,7 +46,7 @@ def measure(rows, at, work, terms):
     """Fill in the row of a line or arc. 1; or 0, there are no steps; -1, they are too far apart; -2, there are too many.
 
     In three pieces, because a board wants memory for each in one."""
-    result = 1 if work[8] else direction(rows, at, work, terms)
+    result = 1 if work[WORK_IS_ARC] else direction(rows, at, work, terms)
     if result == 1:
         result = units(rows, at, work, terms)
         if result == 1:
@@ -48,11 +59,11 @@ def measure(rows, at, work, terms):
 @micropython.viper
 def direction(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     """A line's dominant steps, length and direction, and what the axes allow along it. Results as measure()'s."""
-    axes = terms[0]
+    axes = terms[LIMIT_AXES]
     total = 0
     i = 0
     while i < axes:
-        steps = rows[at + 25 + i]
+        steps = rows[at + ROW_STEPS + i]
         if steps >> 30 & 1:
             steps = 0 - steps
         steps &= 0x3FFFFFFF
@@ -74,19 +85,19 @@ def direction(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     most = 0
     i = 0
     while i < axes:
-        steps = rows[at + 25 + i]
+        steps = rows[at + ROW_STEPS + i]
         if steps >> 30 & 1:
             steps = 0 - steps
         steps &= 0x3FFFFFFF
-        high = terms[16 + i] >> 14
+        high = terms[LIMIT_STEP + i] >> 14
         if shift >= 0:
             steps <<= shift
-            along = steps * high + (steps * (terms[16 + i] & 0x3FFF) >> 14)
+            along = steps * high + (steps * (terms[LIMIT_STEP + i] & 0x3FFF) >> 14)
         else:
             along = (steps & ((1 << (0 - shift)) - 1)) * high >> (0 - shift)
             steps >>= 0 - shift
-            along += steps * high + (steps * (terms[16 + i] & 0x3FFF) >> 14)
-        work[16 + i] = along
+            along += steps * high + (steps * (terms[LIMIT_STEP + i] & 0x3FFF) >> 14)
+        work[WORK_HEADING + i] = along
         if along > most:
             most = along
         i += 1
@@ -95,7 +106,7 @@ def direction(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
         shift += 1
         i = 0
         while i < axes:
-            work[16 + i] = work[16 + i] << 1
+            work[WORK_HEADING + i] = work[WORK_HEADING + i] << 1
             i += 1
     # The root of the squares' sum, in digits of 14 bits: a² = aₕ²·2²⁸ + 2aₕaₗ·2¹⁴ + aₗ².
     square = 0
@@ -103,8 +114,8 @@ def direction(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     low = 0
     i = 0
     while i < axes:
-        high = work[16 + i] >> 14
-        rest = work[16 + i] & 0x3FFF
+        high = work[WORK_HEADING + i] >> 14
+        rest = work[WORK_HEADING + i] & 0x3FFF
         square += high * high
         middle += high * rest
         low += rest * rest >> 14
@@ -118,7 +129,7 @@ def direction(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
             root += bit
         bit >>= 1
     length = (root << 14) + (((square - root * root) << 14) + low) // (2 * root)
-    length_shift = terms[1] - 1000 + shift  # nanometres are length / 2 ** length_shift
+    length_shift = terms[LIMIT_FINEST] - 1000 + shift  # nanometres are length / 2 ** length_shift
     # Directions, and what the axes allow along them.
     fastest = 0x20000000
     strength = 0x20000000
@@ -126,7 +137,7 @@ def direction(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     low = length & 0x3FFF
     i = 0
     while i < axes:
-        along = work[16 + i]
+        along = work[WORK_HEADING + i]
         if along:
             bit = along // high
             rest = ((along % high) << 14) - bit * low
@@ -137,8 +148,8 @@ def direction(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
                 bit <<= 1
                 more += 1
             bit = (bit >> 13) + 1
-            rest = terms[20 + i] // bit
-            shift = terms[24 + i] - 1000 + more
+            rest = terms[LIMIT_FASTEST + i] // bit
+            shift = terms[LIMIT_FASTEST_SHIFT + i] - 1000 + more
             if shift < 0:
                 rest >>= 0 - shift
             elif rest < 0x20000000 >> shift:
@@ -147,8 +158,8 @@ def direction(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
                 rest = 0x20000000
             if rest < fastest:
                 fastest = rest
-            rest = terms[28 + i] // bit
-            shift = terms[32 + i] - 1000 + more
+            rest = terms[LIMIT_STRONGEST + i] // bit
+            shift = terms[LIMIT_STRONGEST_SHIFT + i] - 1000 + more
             if shift < 0:
                 rest >>= 0 - shift
             elif rest < 0x20000000 >> shift:
@@ -157,49 +168,49 @@ def direction(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
                 rest = 0x20000000
             if rest < strength:
                 strength = rest
-            if rows[at + 25 + i] >> 30 & 1:
+            if rows[at + ROW_STEPS + i] >> 30 & 1:
                 along = 0 - along
-        work[16 + i] = along
+        work[WORK_HEADING + i] = along
         i += 1
-    work[13] = total
-    work[9] = length
-    work[10] = length_shift + 1000
-    work[11] = fastest
-    work[12] = strength
+    work[WORK_STEPS] = total
+    work[WORK_LENGTH] = length
+    work[WORK_LENGTH_SHIFT] = length_shift + 1000
+    work[WORK_ALONG] = fastest
+    work[WORK_STRENGTH] = strength
     return 1
 
 
 @micropython.viper
 def units(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     """Speed and time, and the ramp's units. 1; 2, it is too slow for a ramp; -1, the steps are too far apart."""
-    total = work[13]
-    length = work[9]
-    length_shift = work[10] - 1000
-    fastest = work[11]
-    strength = work[12]
+    total = work[WORK_STEPS]
+    length = work[WORK_LENGTH]
+    length_shift = work[WORK_LENGTH_SHIFT] - 1000
+    fastest = work[WORK_ALONG]
+    strength = work[WORK_STRENGTH]
     if fastest < 1:
         fastest = 1
     if strength < 1:
         strength = 1
-    speed = work[0]
+    speed = work[WORK_FEED]
     if speed == 0:
         speed = fastest
     limited = 0
     if speed > fastest:
         speed = fastest
         limited = 1
-    work[15] = limited
-    work[14] = speed
+    work[WORK_LIMITED] = limited
+    work[WORK_SPEED] = speed
     full = speed
     full_shift = 0
     while full < 0x8000000:
         full <<= 1
         full_shift += 1
     # --- how long it lasts at that speed: `each` ticks a step, `rest` more over all
-    if work[8] == 0:
-        if work[1] and not limited:
-            ticks = work[1]
-            shift = work[2]
+    if work[WORK_IS_ARC] == 0:
+        if work[WORK_GIVEN] and not limited:
+            ticks = work[WORK_GIVEN]
+            shift = work[WORK_GIVEN_SHIFT]
         else:
             high = full >> 14
             bit = length // high
@@ -207,9 +218,9 @@ def units(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
             length_by = (bit << 14) + rest // high
             high = length_by >> 15
             low = length_by & 0x7FFF
-            bit = terms[2] >> 14
-            ticks = (high * bit << 1) + (high * (terms[2] & 0x3FFF) >> 13) + (low * bit >> 14)
-            shift = terms[3] - 1000 + full_shift - length_shift
+            bit = terms[LIMIT_SPEED] >> 14
+            ticks = (high * bit << 1) + (high * (terms[LIMIT_SPEED] & 0x3FFF) >> 13) + (low * bit >> 14)
+            shift = terms[LIMIT_SPEED_SHIFT] - 1000 + full_shift - length_shift
         while shift < 0 and ticks > 0:
             ticks >>= 1
             shift += 1
@@ -229,8 +240,8 @@ def units(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
             shift -= 1
         if each > 0x1FFFFFFF:
             return -1
-        rows[at + 2] = each if each > 0 else 1
-        rows[at + 3] = rest
+        rows[at + ROW_TICKS] = each if each > 0 else 1
+        rows[at + ROW_TICKS_REST] = rest
         steps = total
         while steps >= 0x8000:
             steps >>= 1
@@ -238,25 +249,25 @@ def units(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
         top = 16000
         if each >= 33553:
             top = 0x1FFFFFFF // (each + 1)
-        rows[at + 10] = 2 * top * each + 2 * top * rest // steps
+        rows[at + ROW_SPAN] = 2 * top * each + 2 * top * rest // steps
         steps_shift = 0
         steps = total
     else:
         steps = total
-        steps_shift = work[3] - 1000
-        top = work[1]
+        steps_shift = work[WORK_STEPS_SHIFT] - 1000
+        top = work[WORK_GIVEN]
     high = speed >> 14
-    rows[at + 18] = speed
-    rows[at + 19] = high * high + (high * (speed & 0x3FFF) >> 13)
+    rows[at + ROW_SPEED] = speed
+    rows[at + ROW_SQUARE] = high * high + (high * (speed & 0x3FFF) >> 13)
     high = fastest >> 14
-    rows[at + 24] = high * high + (high * (fastest & 0x3FFF) >> 13)
-    rows[at + 20] = 0
-    rows[at + 21] = 0
-    rows[at + 22] = 0
-    rows[at + 7] = top
+    rows[at + ROW_FASTEST] = high * high + (high * (fastest & 0x3FFF) >> 13)
+    rows[at + ROW_CORNER] = 0
+    rows[at + ROW_REACH] = 0
+    rows[at + ROW_EXIT] = 0
+    rows[at + ROW_TOP] = top
     if top < 64:
-        rows[at + 9] = 0
-        work[24] = 0
+        rows[at + ROW_GAIN] = 0
+        work[WORK_THROUGH] = 0
         return 2
     # --- the ramp's units, in short floats
     while steps < 0x4000:
@@ -298,15 +309,15 @@ def units(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
             high = top
         if high < most:
             most = high
-    rows[at + 8] = most
+    rows[at + ROW_LIMIT] = most
     speeds = full * full >> 15  # of speed², exponent 2·full_shift + 15
     tops = topped * topped >> 15
     # gain: q a step
     high = strong * length >> 15
-    high = high * terms[4] >> 15
+    high = high * terms[LIMIT_GAIN] >> 15
     low = (speeds * steps >> 15) + 1
     high = (high << 15) // low
-    shift = strong_shift - length_shift + terms[5] - 1000 - 2 * full_shift - steps_shift - 15
+    shift = strong_shift - length_shift + terms[LIMIT_GAIN_SHIFT] - 1000 - 2 * full_shift - steps_shift - 15
     while high >= 0x8000:
         high >>= 1
         shift += 1
@@ -322,7 +333,7 @@ def units(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
         high = 0x1FFFFFFF
     if high < 2:
         high = 2
-    rows[at + 9] = high
+    rows[at + ROW_GAIN] = high
     # reach: what the block can gain or lose, gain · steps · speed² / top²
     shift = 0
     while high < 0x4000:
@@ -343,56 +354,56 @@ def units(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
         shift -= 1
     if shift > 0 or high > 0x1FFFFFFF:
         high = 0x1FFFFFFF
-    rows[at + 21] = high
+    rows[at + ROW_REACH] = high
     # unit: q of a square, top² / speed²
     high = (tops << 15) // (speeds + 1)
     shift = 15 + 2 * full_shift - 2 * top_shift - 28
     while high >= 0x8000:
         high >>= 1
         shift -= 1
-    rows[at + 15] = high
-    rows[at + 23] = shift
+    rows[at + ROW_UNIT] = high
+    rows[at + ROW_UNIT_SHIFT] = shift
     # time: ticks a unit of speed takes
-    high = full * terms[6] >> 15
+    high = full * terms[LIMIT_TIME] >> 15
     low = topped * strong >> 15
     high = (high << 15) // (low + 1)
-    shift = top_shift + strong_shift - full_shift - terms[7] + 1015
+    shift = top_shift + strong_shift - full_shift - terms[LIMIT_TIME_SHIFT] + 1015
     while high < 0x4000:
         high <<= 1
         shift += 1
     while high >= 0x8000:
         high >>= 1
         shift -= 1
-    rows[at + 11] = high
-    rows[at + 12] = shift
-    rows[at + 13] = 0
-    rows[at + 14] = 0
-    if work[24]:
+    rows[at + ROW_TIME] = high
+    rows[at + ROW_TIME_SHIFT] = shift
+    rows[at + ROW_RATIO] = 0
+    rows[at + ROW_RATIO_SHIFT] = 0
+    if work[WORK_THROUGH]:
         # --- there is a block before, that goes through to this one: the ratio of the units
-        high = work[25] * topped >> 15
-        low = work[27] * full >> 15
+        high = work[WORK_FULL] * topped >> 15
+        low = work[WORK_TOP] * full >> 15
         high = (high << 15) // low  # exactly 1 where nothing changes
-        shift = work[28] + full_shift - work[26] - top_shift + 15
+        shift = work[WORK_TOP_SHIFT] + full_shift - work[WORK_FULL_SHIFT] - top_shift + 15
         while high < 0x2000:
             high <<= 1
             shift += 1
         while high >= 0x4000:
             high >>= 1
             shift -= 1
-        rows[at + 13] = high
-        rows[at + 14] = shift
-    work[25] = full
-    work[26] = full_shift + 1000
-    work[27] = topped
-    work[28] = top_shift + 1000
+        rows[at + ROW_RATIO] = high
+        rows[at + ROW_RATIO_SHIFT] = shift
+    work[WORK_FULL] = full
+    work[WORK_FULL_SHIFT] = full_shift + 1000
+    work[WORK_TOP] = topped
+    work[WORK_TOP_SHIFT] = top_shift + 1000
     return 1
 
 
 @micropython.viper
 def corner(rows: ptr32, at: int, work: ptr32, terms: ptr32):
     """The corner between the block before, where motion goes through from that, and this one."""
-    axes = terms[0]
-    if work[24]:
+    axes = terms[LIMIT_AXES]
+    if work[WORK_THROUGH]:
         shift = 0
         # The sum of the two directions and their difference, in 2⁻²⁸: their lengths are twice the sine of half the angle
         # between the lines, `sine`, and of half the angle turned through, `root`; both with exponents.
@@ -405,11 +416,11 @@ def corner(rows: ptr32, at: int, work: ptr32, terms: ptr32):
             most = 0
             i = 0
             while i < axes:
-                along = work[16 + i] - work[20 + i] if sign else work[16 + i] + work[20 + i]
+                along = work[WORK_HEADING + i] - work[WORK_BEFORE + i] if sign else work[WORK_HEADING + i] + work[WORK_BEFORE + i]
                 if along >> 30 & 1:
                     along = 0 - along
                 along &= 0x3FFFFFFF
-                work[9 + i] = along
+                work[WORK_CHANGE + i] = along
                 if along > most:
                     most = along
                 i += 1
@@ -427,12 +438,12 @@ def corner(rows: ptr32, at: int, work: ptr32, terms: ptr32):
                 square = 0
                 i = 0
                 while i < axes:
-                    along = work[9 + i]
+                    along = work[WORK_CHANGE + i]
                     if shift < 0:
                         along <<= 0 - shift
                     else:
                         along >>= shift
-                    work[9 + i] = along
+                    work[WORK_CHANGE + i] = along
                     square += along * along
                     i += 1
                 bit = 0x4000
@@ -447,11 +458,11 @@ def corner(rows: ptr32, at: int, work: ptr32, terms: ptr32):
             strong = 0x20000000
             i = 0
             while i < axes:
-                along = work[9 + i]
+                along = work[WORK_CHANGE + i]
                 if along:
                     bit = (along << 15) // root + 1
-                    rest = terms[28 + i] // bit
-                    high = terms[32 + i] - 1000
+                    rest = terms[LIMIT_STRONGEST + i] // bit
+                    high = terms[LIMIT_STRONGEST_SHIFT + i] - 1000
                     if high < 0:
                         rest >>= 0 - high
                     elif rest < 0x20000000 >> high:
@@ -476,9 +487,9 @@ def corner(rows: ptr32, at: int, work: ptr32, terms: ptr32):
             if sine_shift > 0:
                 low += sine << sine_shift >> 15
             high = high * low >> 15
-            high = high * terms[8] >> 15
+            high = high * terms[LIMIT_CORNER] >> 15
             high = (high << 15) // ((root * root >> 13) + 1)
-            shift = strong_shift + terms[9] - 968 + sine_shift - 2 * shift
+            shift = strong_shift + terms[LIMIT_CORNER_SHIFT] - 968 + sine_shift - 2 * shift
             while shift < 0 and high:
                 high >>= 1
                 shift += 1
@@ -487,52 +498,52 @@ def corner(rows: ptr32, at: int, work: ptr32, terms: ptr32):
                 shift -= 1
             if shift > 0 or high > 0x1FFFFFFF:
                 high = 0x1FFFFFFF
-        rows[at + 20] = high
-    work[24] = 1
+        rows[at + ROW_CORNER] = high
+    work[WORK_THROUGH] = 1
     i = 0
     while i < axes:
-        work[20 + i] = work[16 + i]
+        work[WORK_BEFORE + i] = work[WORK_HEADING + i]
         i += 1
 
 
 @micropython.viper
 def look_back(rows: ptr32, work: ptr32, counts: ptr32) -> int:
     """Raise the exits of blocks, from the newest back, as far as one changes; how many blocks back that was."""
-    count = (counts[0] - counts[4]) & 0x1FFFFFFF
+    count = (counts[QUEUE_ADDED] - counts[QUEUE_FROZEN]) & 0x1FFFFFFF
     if count > 64:
         count = 64
     deepest = count + 2
-    stride = work[31]
-    behind = (counts[0] - 1) % work[32] * stride
-    ends = work[32] * stride
+    stride = work[WORK_STRIDE]
+    behind = (counts[QUEUE_ADDED] - 1) % work[WORK_SIZE] * stride
+    ends = work[WORK_SIZE] * stride
     depth = 0
     while count > 1:
         at = behind - stride
         if at < 0:
             at = ends - stride
         square = 0
-        if rows[behind + 9] and rows[at + 9]:
-            factor = work[34 + rows[behind + 6]]
-            square = rows[behind + 19]
+        if rows[behind + ROW_GAIN] and rows[at + ROW_GAIN]:
+            factor = work[WORK_FACTOR + rows[behind + ROW_RAPID]]
+            square = rows[behind + ROW_SQUARE]
             square = ((square >> 14) * factor << 2) + ((square & 0x3FFF) * factor >> 12)
-            if rows[behind + 24] < square:
-                square = rows[behind + 24]
-            factor = work[34 + rows[at + 6]]
-            most = rows[at + 19]
+            if rows[behind + ROW_FASTEST] < square:
+                square = rows[behind + ROW_FASTEST]
+            factor = work[WORK_FACTOR + rows[at + ROW_RAPID]]
+            most = rows[at + ROW_SQUARE]
             most = ((most >> 14) * factor << 2) + ((most & 0x3FFF) * factor >> 12)
-            if rows[at + 24] < most:
-                most = rows[at + 24]
+            if rows[at + ROW_FASTEST] < most:
+                most = rows[at + ROW_FASTEST]
             if most < square:
                 square = most
-            most = rows[behind + 22] + rows[behind + 21]
+            most = rows[behind + ROW_EXIT] + rows[behind + ROW_REACH]
             if most < square:
                 square = most
-            if rows[behind + 20] < square:
-                square = rows[behind + 20]
-        if square > rows[at + 22]:
-            rows[at + 22] = square
+            if rows[behind + ROW_CORNER] < square:
+                square = rows[behind + ROW_CORNER]
+        if square > rows[at + ROW_EXIT]:
+            rows[at + ROW_EXIT] = square
             depth = deepest - count
-        elif work[33] == 0:
+        elif work[WORK_ALL] == 0:
             return depth
         behind = at
         count -= 1

@@ -31,13 +31,16 @@ import micropython
 from micropython import const
 
 from passo.motion import profile
-from passo.motion.block import (
-    ARC, FREE, GAIN, KIND, LIMIT, LINE, ROW, SPEED, TICKS, TICKS_REST, TRACK, WAIT, Block, q_of,
-)
+from passo.motion.block import ARC, FREE, LINE, TRACK, WAIT, Block, q_of
 from passo.motion.line import MAX_STEPS, Line
 from passo.motion.profile import TICKS_PER_S
 from passo.motion.row_viper import close, enter, take
 from passo.motion.steady import Steady
+from passo.records import (
+    QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED,
+    ROW_STEPS, ROW_TICKS, ROW_TICKS_REST, WORK_ALL, WORK_FACTOR, WORK_FEED, WORK_FIELDS, WORK_GIVEN,
+    WORK_GIVEN_SHIFT, WORK_IS_ARC, WORK_LIMITED, WORK_SIZE, WORK_SPEED, WORK_STRIDE, WORK_THROUGH,
+)  # fmt: skip
 
 LOOK_AHEAD = const(64)
 IN_FLIGHT = const(32)
@@ -47,22 +50,6 @@ _COUNT = const(0x1FFFFFFF)
 LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 FEED_PERCENT = (10, 200)
 RAPID_PERCENT = (1, 100)
-# In `counts`: blocks, for ever, modulo 2²⁹.
-_ADDED = const(0)
-_FLUSHED = const(1)  # may be fetched
-_FETCHED = const(2)
-_RETIRED = const(3)  # played to their last word
-_FROZEN = const(4)  # their exits stay as they are
-# In `work`, as profile.py has them.
-_FEED = const(0)
-_GIVEN = const(1)
-_GIVEN_SHIFT = const(2)
-_IS_ARC = const(8)
-_SPEED = const(14)
-_LIMITED = const(15)
-_THROUGH = const(24)
-_ALL = const(33)
-_FACTOR = const(34)
 # What close() is told with the kind.
 _IS_ON = const(8)
 _IS_RAPID = const(16)
@@ -75,7 +62,7 @@ class Planner:
         self.power = 0  # of the blocks added from now on: see Block
         self.dynamic = False
         self.percent = array("i", [100, 100])  # overrides: of the feed, of rapid motion
-        self._stride = ROW + axes
+        self._stride = ROW_STEPS + axes
         self.rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
         self._walkers = [None] * _SIZE  # of ARC the circle's plan; of FREE and TRACK what is walked
         self._plans = ()  # of arcs, each used again in its turn
@@ -84,13 +71,13 @@ class Planner:
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
         self._circle = None  # made by load()
         self.ramp = Steady()  # the feeder's; a Ramp after load()
-        self.counts = array("i", [0] * 5)  # _ADDED and what follows
+        self.counts = array("i", [0] * QUEUE_FIELDS)
         self._under_way = Block()  # the one fetched last
         self._playing = Block()
-        self.work = array("i", bytearray(4 * profile.WORK))
-        self.work[profile.STRIDE] = self._stride
-        self.work[profile.SIZE] = _SIZE
-        self.work[_FACTOR] = self.work[_FACTOR + 1] = 4096
+        self.work = array("i", bytearray(4 * WORK_FIELDS))
+        self.work[WORK_STRIDE] = self._stride
+        self.work[WORK_SIZE] = _SIZE
+        self.work[WORK_FACTOR] = self.work[WORK_FACTOR + 1] = 4096
         self.accelerates = False  # it has limits
         self._limits = None
         self._terms = None  # the limits'
@@ -112,7 +99,7 @@ class Planner:
         self._terms = limits.terms if limits else None
         self.start_square = limits.start if limits else 0
         self.accelerates = limits is not None
-        self.work[_FEED] = self.work[_GIVEN] = 0
+        self.work[WORK_FEED] = self.work[WORK_GIVEN] = 0
         self._asked = 0
 
     def load(self):
@@ -134,14 +121,14 @@ class Planner:
             self.counts[which] = 0
         for which in range(len(self._users)):
             self._users[which] = -1
-        self.work[_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
+        self.work[WORK_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
 
     @micropython.native
     def room(self):
         """How many more blocks can be queued now; none while it would be one arc too many."""
         counts = self.counts
-        added = counts[_ADDED]
-        queued = (added - counts[_RETIRED]) & _COUNT
+        added = counts[QUEUE_ADDED]
+        queued = (added - counts[QUEUE_RETIRED]) & _COUNT
         if self._plans and ((added - self._users[self._turn] - 1) & _COUNT) < queued:
             return 0
         return _SIZE - queued
@@ -150,17 +137,17 @@ class Planner:
     def empty(self):
         """True when every block has been played to its last word."""
         counts = self.counts
-        return counts[_ADDED] == counts[_RETIRED]
+        return counts[QUEUE_ADDED] == counts[QUEUE_RETIRED]
 
     def resting(self):
         """True when every block that was released has been played to its last word."""
         counts = self.counts
-        return counts[_RETIRED] == counts[_FETCHED]
+        return counts[QUEUE_RETIRED] == counts[QUEUE_FETCHED]
 
     def ahead(self):
         """How many blocks are queued behind the one under way."""
         counts = self.counts
-        return (counts[_ADDED] - counts[_FETCHED]) & _COUNT
+        return (counts[QUEUE_ADDED] - counts[QUEUE_FETCHED]) & _COUNT
 
     def slowest(self):
         """What the slowest axis can do, in nm/s."""
@@ -178,13 +165,13 @@ class Planner:
         at = self._free()
         rows = self.rows
         for axis in range(self.axes):
-            rows[at + ROW + axis] = deltas[axis]
+            rows[at + ROW_STEPS + axis] = deltas[axis]
         if self._terms is None:
             if not self._steady(at, deltas, ticks):
                 return
         else:
             work = self.work
-            work[_IS_ARC] = 0
+            work[WORK_IS_ARC] = 0
             if speed_nm_s != self._asked or ticks:
                 self._ask(deltas, ticks, speed_nm_s)
             result = self._measure(rows, at, work, self._terms)
@@ -207,7 +194,7 @@ class Planner:
 
     def _free(self):
         """Where the row of the next block begins."""
-        return self.counts[_ADDED] % _SIZE * self._stride
+        return self.counts[QUEUE_ADDED] % _SIZE * self._stride
 
     def _ask(self, deltas, ticks, speed_nm_s):
         """Tell measure() the speed asked for, or the ticks."""
@@ -215,12 +202,12 @@ class Planner:
         limits = self._limits
         if ticks:
             speed_nm_s = limits.length(deltas) * TICKS_PER_S // ticks or 1
-        work[_GIVEN_SHIFT] = 0
+        work[WORK_GIVEN_SHIFT] = 0
         while ticks > LONGEST_TICKS:
             ticks >>= 1
-            work[_GIVEN_SHIFT] += 1
-        work[_GIVEN] = ticks
-        work[_FEED] = min(limits.part(speed_nm_s), profile.MOST) if speed_nm_s else 0
+            work[WORK_GIVEN_SHIFT] += 1
+        work[WORK_GIVEN] = ticks
+        work[WORK_FEED] = min(limits.part(speed_nm_s), profile.MOST) if speed_nm_s else 0
         self._asked = -1 if ticks else speed_nm_s
 
     def fits(self, deltas, ticks, speed_nm_s):
@@ -231,9 +218,9 @@ class Planner:
         self._ask(deltas, ticks, speed_nm_s)
         row = array("i", bytearray(4 * self._stride))
         for axis in range(self.axes):
-            row[ROW + axis] = deltas[axis]
+            row[ROW_STEPS + axis] = deltas[axis]
         work = self.work[:]
-        work[_IS_ARC] = 0
+        work[WORK_IS_ARC] = 0
         result = self._measure(row, 0, work, self._terms)
         if result < 0:
             self._refuse(result)
@@ -249,7 +236,7 @@ class Planner:
         if not total:
             return False
         self._stand(at, max(ticks // total, 1))
-        self.rows[at + TICKS_REST] = ticks % total
+        self.rows[at + ROW_TICKS_REST] = ticks % total
         return True
 
     def _dominant(self, deltas, ticks):
@@ -264,9 +251,9 @@ class Planner:
     def _stand(self, at, ticks):
         """What has no acceleration."""
         rows = self.rows
-        rows[at + TICKS] = ticks
-        rows[at + TICKS_REST] = rows[at + GAIN] = rows[at + SPEED] = 0
-        self.work[_THROUGH] = 0
+        rows[at + ROW_TICKS] = ticks
+        rows[at + ROW_TICKS_REST] = rows[at + ROW_GAIN] = rows[at + ROW_SPEED] = 0
+        self.work[WORK_THROUGH] = 0
 
     def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, queued=True):
         """Queue an arc or helix from here to `deltas` (steps, all axes) about `center` (steps from here, in the plane).
@@ -303,7 +290,7 @@ class Planner:
         ):
             self._refuse(-1)
         if queued:
-            number = self._users[turn] = self.counts[_ADDED]
+            number = self._users[turn] = self.counts[QUEUE_ADDED]
             self._walkers[number % _SIZE] = plan
             self._turn = (turn + 1) % ARCS
             self._add(at, ARC, tool, tag)
@@ -329,14 +316,14 @@ class Planner:
         """Queue axes that run independently: `walker` is a steps.timed.Timed with its axes set."""
         at = self._free()
         self._stand(at, 0)
-        self._walkers[self.counts[_ADDED] % _SIZE] = walker
+        self._walkers[self.counts[QUEUE_ADDED] % _SIZE] = walker
         self._add(at, FREE, tool, tag)
 
     def track(self, walker, tag=0):
         """Queue a walk over a track: `walker` is a steps.track_walker.TrackWalker that has begun. It has the tool too."""
         at = self._free()
         self._stand(at, 0)
-        self._walkers[self.counts[_ADDED] % _SIZE] = walker
+        self._walkers[self.counts[QUEUE_ADDED] % _SIZE] = walker
         self._add(at, TRACK, walker.tool, tag, False, walker.place)
 
     @micropython.native
@@ -344,8 +331,8 @@ class Planner:
         power = self.power
         work = self.work
         if self.dynamic:
-            if work[_THROUGH] and work[_LIMITED]:
-                power = power * work[_SPEED] // work[_FEED]
+            if work[WORK_THROUGH] and work[WORK_LIMITED]:
+                power = power * work[WORK_SPEED] // work[WORK_FEED]
             kind |= _IS_DYNAMIC
         if tool:
             kind |= _IS_ON
@@ -359,12 +346,12 @@ class Planner:
     def flush(self):
         """Nothing more is coming for now: release all that is queued. The last block ends at rest."""
         counts = self.counts
-        counts[_FLUSHED] = counts[_FROZEN] = counts[_ADDED]
-        self.work[_THROUGH] = 0
+        counts[QUEUE_FLUSHED] = counts[QUEUE_FROZEN] = counts[QUEUE_ADDED]
+        self.work[WORK_THROUGH] = 0
 
     def start(self):
         """Release all that is queued, more of which may follow in time: the last block ends at rest only if none does."""
-        self.counts[_FLUSHED] = self.counts[_ADDED]
+        self.counts[QUEUE_FLUSHED] = self.counts[QUEUE_ADDED]
 
     def override(self, percent, rapid=None):
         """Feed at `percent` (10 … 200) of the programmed speed, rapid motion at `rapid` percent, from now on."""
@@ -372,11 +359,11 @@ class Planner:
         if rapid is not None:
             self.percent[1] = max(RAPID_PERCENT[0], min(rapid, RAPID_PERCENT[1]))
         for which in range(2):
-            self.work[_FACTOR + which] = self.percent[which] * self.percent[which] * 4096 // 10_000
+            self.work[WORK_FACTOR + which] = self.percent[which] * self.percent[which] * 4096 // 10_000
         if self.accelerates:  # no exit is lowered, what is under way may count on it: the ramp itself slows down
-            self.work[_ALL] = 1
+            self.work[WORK_ALL] = 1
             self._raise(self.rows, self.work, self.counts)
-            self.work[_ALL] = 0
+            self.work[WORK_ALL] = 0
 
     # --- fetching: may run in an interrupt
 
@@ -390,20 +377,20 @@ class Planner:
             return None
         block = self._under_way
         place = at // self._stride
-        kind = rows[at + KIND]
+        kind = rows[at + ROW_KIND]
         walker = None
         if kind == LINE:
             walker = self._line
-            walker.load(rows, at + ROW)
+            walker.load(rows, at + ROW_STEPS)
         elif kind == ARC:
             walker = self._circle
             walker.load(self._walkers[place])
-        if walker is not None and rows[at + GAIN]:  # the ramp and the feeder read the row itself
+        if walker is not None and rows[at + ROW_GAIN]:  # the ramp and the feeder read the row itself
             block.kind = kind
             block.rows = rows
             block.at = at
             block.walker = walker
-            block.start = q_of(self.start_square, rows, at, rows[at + LIMIT]) if self.start_square else 0
+            block.start = q_of(self.start_square, rows, at, rows[at + ROW_LIMIT]) if self.start_square else 0
             return block
         self._unpack(block, place)
         return block
@@ -423,20 +410,20 @@ class Planner:
     def retire(self, count):  # ISR: no allocation
         """The oldest `count` fetched blocks have been played to their last word."""
         counts = self.counts
-        counts[_RETIRED] = (counts[_RETIRED] + count) & _COUNT
+        counts[QUEUE_RETIRED] = (counts[QUEUE_RETIRED] + count) & _COUNT
 
     def row(self):
         """Where the oldest block not yet played to its last word stands in `rows`, as block.py has them; -1: there is none."""
         counts = self.counts
-        retired = counts[_RETIRED]
-        return -1 if retired == counts[_FETCHED] else retired % _SIZE * self._stride
+        retired = counts[QUEUE_RETIRED]
+        return -1 if retired == counts[QUEUE_FETCHED] else retired % _SIZE * self._stride
 
     def playing(self):
         """The oldest block not yet played to its last word, or None. The same object each time; where it is not the
         one under way in the feeder, its walker is not its own any more."""
         counts = self.counts
-        retired = counts[_RETIRED]
-        if retired == counts[_FETCHED]:
+        retired = counts[QUEUE_RETIRED]
+        if retired == counts[QUEUE_FETCHED]:
             return None
         place = retired % _SIZE
         block = self._playing

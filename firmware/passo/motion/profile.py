@@ -16,33 +16,18 @@ half the angle turned through, which is half the length of that change, it is a�
 from array import array
 
 from passo.motion.integers import NM_PER_M, isqrt
+from passo.records import (
+    LIMIT_AXES, LIMIT_CORNER, LIMIT_CORNER_SHIFT, LIMIT_FASTEST, LIMIT_FASTEST_SHIFT, LIMIT_FIELDS, LIMIT_FINEST, LIMIT_GAIN,
+    LIMIT_GAIN_SHIFT, LIMIT_SPEED, LIMIT_SPEED_SHIFT, LIMIT_STEP, LIMIT_STRONGEST, LIMIT_STRONGEST_SHIFT, LIMIT_TIME,
+    LIMIT_TIME_SHIFT,
+)  # fmt: skip
 
 TICKS_PER_S = 12_500_000  # of steps.word, which this room may not import
 ONE = 1 << 28
 TOP = 16_000
 FASTEST = 32_000  # twice TOP: its square is the largest q
 MOST = (1 << 29) - 1
-TERMS = 36
 BIAS = 1000  # of exponents, so that none is negative
-
-# `work`, between the planner and measure(), look_back().
-FEED = 0  # the speed asked for, of 2²⁸; 0: as fast as may be. An arc's, too
-GIVEN, GIVEN_SHIFT = 1, 2  # ticks that a line is to last, as a float; 0: its length over its speed. An arc: top
-STEPS_SHIFT = 3
-IS_ARC = 8
-LENGTH, LENGTH_SHIFT = 9, 10  # an arc's, nm as length / 2 ** shift, length of 27 or 28 bits
-ALONG, STRENGTH = 11, 12  # an arc's highest speed and acceleration
-STEPS = 13  # an arc's path, steps · 2 ** STEPS_SHIFT
-SPEED = 14  # after measure(): the speed programmed
-LIMITED = 15  # after measure(): 1, the axes cannot go as fast as asked for
-HEADING = 16  # direction at the block's beginning, of 2²⁸; a line's measure() finds out
-BEFORE = 20  # direction at the end of the block before
-THROUGH = 24  # 1: motion goes through from the block before; from here on up to 28, that block's speed and top
-STRIDE = 31
-SIZE = 32
-ALL = 33  # 1: go on where nothing has changed
-FACTOR = 34  # squares of the overrides of feed and of rapid motion, of 4096
-WORK = 36
 
 
 class Limits:
@@ -79,24 +64,24 @@ class Limits:
 
     def _terms(self):
         """What measure() wants to know, in an array: a number, or a float as two of them."""
-        terms = array("i", bytearray(4 * TERMS))
+        terms = array("i", bytearray(4 * LIMIT_FIELDS))
         axes = len(self.steps_per_m)
         finest = 0
         while (NM_PER_M << finest + 1) // min(self.steps_per_m) < ONE:
             finest += 1
         squared = self.fastest * self.fastest
-        terms[0] = axes
-        terms[1] = BIAS + finest - 14
-        terms[2], terms[3] = floated(TICKS_PER_S << 28, self.fastest, 28)
-        terms[4], terms[5] = floated(2 * self.strongest << 28, squared, 15)  # gain
-        terms[6], terms[7] = floated(TICKS_PER_S * self.fastest, self.strongest, 15)  # time
-        terms[8], terms[9] = floated(self.strongest * self.junction_deviation, squared, 15)  # corner
+        terms[LIMIT_AXES] = axes
+        terms[LIMIT_FINEST] = BIAS + finest - 14
+        terms[LIMIT_SPEED], terms[LIMIT_SPEED_SHIFT] = floated(TICKS_PER_S << 28, self.fastest, 28)
+        terms[LIMIT_GAIN], terms[LIMIT_GAIN_SHIFT] = floated(2 * self.strongest << 28, squared, 15)  # gain
+        terms[LIMIT_TIME], terms[LIMIT_TIME_SHIFT] = floated(TICKS_PER_S * self.fastest, self.strongest, 15)  # time
+        terms[LIMIT_CORNER], terms[LIMIT_CORNER_SHIFT] = floated(self.strongest * self.junction_deviation, squared, 15)  # corner
         for axis in range(axes):
-            terms[16 + axis] = (NM_PER_M << finest) // self.steps_per_m[axis]
-            terms[20 + axis], shift = floated(self.speeds[axis] << 28, self.fastest, 29)
-            terms[24 + axis] = shift + 15
-            terms[28 + axis], shift = floated(self.accelerations[axis] << 28, self.strongest, 29)
-            terms[32 + axis] = shift + 15
+            terms[LIMIT_STEP + axis] = (NM_PER_M << finest) // self.steps_per_m[axis]
+            terms[LIMIT_FASTEST + axis], shift = floated(self.speeds[axis] << 28, self.fastest, 29)
+            terms[LIMIT_FASTEST_SHIFT + axis] = shift + 15
+            terms[LIMIT_STRONGEST + axis], shift = floated(self.accelerations[axis] << 28, self.strongest, 29)
+            terms[LIMIT_STRONGEST_SHIFT + axis] = shift + 15
         return terms
 
 

@@ -25,22 +25,13 @@ that not every machine has to spare: Planner.load() makes it. All may run in an 
 from array import array
 
 import micropython
-from micropython import const
 
-from passo.motion.block import GAIN, LINE
+from passo.motion.block import LINE
 from passo.motion.ramp_viper import begin, cut
 from passo.motion.steady import Steady
+from passo.records import RAMP_FIELDS, ROW_GAIN
 
 # In `state`, behind what steady.py has there:
-_LENGTH = const(8)  # ticks a segment should last
-_SMOOTH = const(9)  # 1: cut() leaves off where smooth.py goes on, for which the rest is
-_PATH = const(10)  # of the segment
-_TO_GO = const(11)  # steps of path behind it
-_PART = const(12)  # and 2⁻¹⁷ of one
-_CHANGE = const(13)  # of q, at most
-_CAP = const(14)  # q wanted, in a hold 0
-_HIGH = const(15)  # but for the hold
-_BEGIN = const(16)  # q that it begins with
 
 
 class Ramp(Steady):
@@ -48,7 +39,7 @@ class Ramp(Steady):
 
     def __init__(self):
         Steady.__init__(self)
-        self.state = array("i", [0] * (_BEGIN + 1))
+        self.state = array("i", [0] * RAMP_FIELDS)
         self.cut_short = cut  # cut_short(block.rows, block.at, state, walker.state, left, percent, hold)
         self.smooth = None  # takes up a block where jerk is limited: smooth.load()
 
@@ -56,7 +47,7 @@ class Ramp(Steady):
     def begin(self, block):  # ISR: no allocation
         rows = block.rows
         at = block.at
-        gain = rows[at + GAIN]
+        gain = rows[at + ROW_GAIN]
         total = block.walker.total if block.kind == LINE else 0
         if total and not gain:
             self.short = False

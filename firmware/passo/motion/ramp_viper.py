@@ -1,7 +1,7 @@
 """How the ramp takes up an accelerated line or arc and cuts it.
 
     begin(rows, at, state, start, total, smooth)    # the block whose row begins at rows[at]
-    cut(rows, at, state, walker, left, percent, hold)   # state[0]: steps, state[1]: ticks, state[2]: pace
+    cut(rows, at, state, walker, left, percent, hold)   # state[RAMP_STEPS]: steps, state[RAMP_TICKS]: ticks, state[RAMP_PACE]: pace
 
 What it reckons, and why, stands in ramp.py; the numbers of `state` do in steady.py and ramp.py, those of
 `rows` in block.py, those of `walker`, which an arc's tells of its path, in circle.py and arc_plan.py. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see
@@ -10,6 +10,13 @@ measure_viper.py for what that asks of integers. None reaches 2³⁰.
 # ruff: noqa: F821
 
 import micropython
+
+from passo.records import (
+    RAMP_BEGIN, RAMP_CAP, RAMP_CARRY, RAMP_CHANGE, RAMP_HIGH, RAMP_LENGTH, RAMP_PACE, RAMP_PART, RAMP_PATH, RAMP_Q,
+    RAMP_SMOOTH, RAMP_START, RAMP_STEPS, RAMP_TICKS, RAMP_TOTAL, RAMP_TO_GO, RAMP_V, ROW_EXIT, ROW_GAIN, ROW_KIND, ROW_LIMIT,
+    ROW_RATIO, ROW_RATIO_SHIFT, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, ROW_TIME, ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT,
+    ROW_UNIT_SHIFT,
+)  # fmt: skip
 
 try:
     ptr32
@@ -22,23 +29,23 @@ def begin(rows: ptr32, at: int, state: ptr32, start: int, total: int, smooth: in
     """The speed it begins with in its own units, and how long a segment should last: 1 ms, but of an arc 6, because what
     every run of a tight one costs a board is up to half a millisecond, and `smooth`, with limited jerk, 3, because the
     pace is even in a segment, off the curve by acceleration · t² / 8. `start`: the q that takes no ramp."""
-    state[7] = total
-    state[8] = 37500 if smooth else 75000 if rows[at] == 3 else 12500
-    state[9] = smooth
-    if rows[at + 9] == 0:
-        state[3] = 0
-        state[4] = 0
+    state[RAMP_TOTAL] = total
+    state[RAMP_LENGTH] = 37500 if smooth else 75000 if rows[at + ROW_KIND] == 3 else 12500
+    state[RAMP_SMOOTH] = smooth
+    if rows[at + ROW_GAIN] == 0:
+        state[RAMP_Q] = 0
+        state[RAMP_V] = 0
         return
-    limit = rows[at + 8]
+    limit = rows[at + ROW_LIMIT]
     most = limit << 7
-    speed = state[4]
-    shift = rows[at + 14]
+    speed = state[RAMP_V]
+    shift = rows[at + ROW_RATIO_SHIFT]
     if shift >> 30 & 1:
         shift = 0 - ((0 - shift) & 0x3FFFFFFF)
     while speed >= 0x8000:
         speed >>= 1
         shift -= 1
-    speed *= rows[at + 13]  # 15 bits by 14
+    speed *= rows[at + ROW_RATIO]  # 15 bits by 14
     if shift > 30:
         speed = 0
     elif shift >= 0:
@@ -49,11 +56,11 @@ def begin(rows: ptr32, at: int, state: ptr32, start: int, total: int, smooth: in
         speed <<= 0 - shift
     if speed > most:
         speed = most
-    state[4] = speed
+    state[RAMP_V] = speed
     whole = speed >> 7
-    state[3] = whole * whole + (2 * whole * (speed & 127) >> 7)
-    state[6] = 0
-    state[5] = start
+    state[RAMP_Q] = whole * whole + (2 * whole * (speed & 127) >> 7)
+    state[RAMP_CARRY] = 0
+    state[RAMP_START] = start
 
 
 @micropython.viper
@@ -61,21 +68,21 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
     """The next segment of a walker that has `left` ≥ 1 words to come to the line's end, or to that of the arc's run; see
     Ramp.cut()."""
     arc = 0
-    if rows[at] == 3:
+    if rows[at + ROW_KIND] == 3:
         arc = 1
-    top = rows[at + 7]
-    limit = rows[at + 8]
-    gain = rows[at + 9]
-    span = rows[at + 10]
-    q = state[3]
-    speed = state[4]
-    start = state[5]
+    top = rows[at + ROW_TOP]
+    limit = rows[at + ROW_LIMIT]
+    gain = rows[at + ROW_GAIN]
+    span = rows[at + ROW_SPAN]
+    q = state[RAMP_Q]
+    speed = state[RAMP_V]
+    start = state[RAMP_START]
     cap = top * percent // 100
     if cap > limit:
         cap = limit
     cap *= cap
     high = cap
-    state[0] = 0
+    state[RAMP_STEPS] = 0
     # --- stage 0: the speed without a ramp; 1: how many steps, and how fast at their end; 2: at the peak in between; 3: how
     # many steps of an arc that keeps its speed
     stage = 1
@@ -103,12 +110,12 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
     while True:
         if stage & 1:
             # --- about as many steps as a segment lasts, one of a line from rest
-            length = state[8]
+            length = state[RAMP_LENGTH]
             each = length
             far = 0x1FFFFFFF
             if gain == 0:
-                each = rows[at + 2]
-                rest = rows[at + 3]
+                each = rows[at + ROW_TICKS]
+                rest = rows[at + ROW_TICKS_REST]
             else:
                 far = far // gain
                 if q:
@@ -168,28 +175,28 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
                 value = whole * gain + (gain >> 17) * fraction + (((gain & 0x1FFFF) >> 5) * fraction >> 12)
                 if value < change:
                     change = value
-            if state[9]:  # it is smooth.py that goes on
-                state[0] = steps
-                state[4] = speed
-                state[10] = (whole << 17) + fraction
-                state[11] = togo
-                state[12] = part
-                state[13] = change
-                state[14] = cap
-                state[15] = high
-                state[16] = q
+            if state[RAMP_SMOOTH]:  # it is smooth.py that goes on
+                state[RAMP_STEPS] = steps
+                state[RAMP_V] = speed
+                state[RAMP_PATH] = (whole << 17) + fraction
+                state[RAMP_TO_GO] = togo
+                state[RAMP_PART] = part
+                state[RAMP_CHANGE] = change
+                state[RAMP_CAP] = cap
+                state[RAMP_HIGH] = high
+                state[RAMP_BEGIN] = q
                 return
             if q < cap:
                 aim = cap if cap - q <= change else q + change
             else:
                 aim = cap if q - cap <= change else q - change
             # the planned end, in the block's units
-            unit = rows[at + 15]
-            shift = rows[at + 23]
+            unit = rows[at + ROW_UNIT]
+            shift = rows[at + ROW_UNIT_SHIFT]
             if shift >> 30 & 1:
                 shift = 0 - ((0 - shift) & 0x3FFFFFFF)
             shift -= 14
-            leave = rows[at + 22]
+            leave = rows[at + ROW_EXIT]
             leave = (leave >> 14) * unit + ((leave & 0x3FFF) * unit >> 14)
             most = limit * limit
             if shift >= 0:
@@ -254,11 +261,11 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
             break
         stage += 1
     if stage == 1:  # a line at programmed speed
-        rest = state[6] + steps * rows[at + 3]
-        most = state[7]
+        rest = state[RAMP_CARRY] + steps * rows[at + ROW_TICKS_REST]
+        most = state[RAMP_TOTAL]
         ticks = rest // most
-        state[6] = rest - ticks * most
-        ticks += steps * rows[at + 2]
+        state[RAMP_CARRY] = rest - ticks * most
+        ticks += steps * rows[at + ROW_TICKS]
     else:
         ticks = 0
         if each < 0x80000:
@@ -283,14 +290,14 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
                 ratio = (ratio << 8) + rest // fast
                 rest = (rest % fast) << 6
                 ratio = (ratio << 6) + rest // fast
-                shift = rows[at + 12]
+                shift = rows[at + ROW_TIME_SHIFT]
                 if shift >> 30 & 1:
                     shift = 0 - ((0 - shift) & 0x3FFFFFFF)
                 shift += 7
                 while change >= 0x8000:
                     change >>= 1
                     shift -= 1
-                change *= rows[at + 11]  # 15 bits by 15
+                change *= rows[at + ROW_TIME]  # 15 bits by 15
                 if shift > 30:
                     change = 0
                 elif shift >= 0:
@@ -305,11 +312,11 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
                     ticks += (change >> 15) * ratio + ((change & 0x7FFF) * ratio >> 15) + 1
             most = after
             stage -= 1
-    state[0] = steps
-    state[1] = ticks
+    state[RAMP_STEPS] = steps
+    state[RAMP_TICKS] = ticks
     if gain == 0:
-        state[2] = -1
+        state[RAMP_PACE] = -1
         return
-    state[2] = (speed + after) >> 8
-    state[3] = aim
-    state[4] = after
+    state[RAMP_PACE] = (speed + after) >> 8
+    state[RAMP_Q] = aim
+    state[RAMP_V] = after

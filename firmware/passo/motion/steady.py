@@ -11,42 +11,33 @@ import micropython
 from micropython import const
 
 from passo.motion.line import MAX_RUN
+from passo.records import RAMP_CARRY, RAMP_PACE, RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_TICKS, RAMP_V, STEADY_FIELDS
 
 SEGMENT_TICKS = const(12_500)  # 1 ms
 
-# `state`. The last segment cut:
-CUT_STEPS = const(0)
-CUT_TICKS = const(1)
-CUT_PACE = const(2)  # its mean speed in the block's units; -1: the programmed one
-Q = const(3)  # where the next one begins, in the block's units
-V = const(4)  # its root, 7 fraction bits
-START = const(5)  # q that takes no ramp, in the block's units
-CARRY = const(6)  # of ticks
-TOTAL = const(7)  # dominant steps of the line
-STATE = const(8)
 
 
 class Steady:
     """After cut(), the first of `state` tell of the segment."""
 
     def __init__(self):
-        self.state = array("i", [0] * STATE)
+        self.state = array("i", [0] * STEADY_FIELDS)
         self.short = False  # the block is accelerated, or an arc: cut_short() is to be called instead of cut()
         self._each = self._rest = self._total = 0
 
     def stall(self):  # ISR: no allocation
         """The machine stands: what comes next begins at rest."""
-        self.state[Q] = self.state[V] = 0
+        self.state[RAMP_Q] = self.state[RAMP_V] = 0
 
     def moving(self):  # ISR: no allocation
         """True when the next segment begins at a speed that was reached by acceleration: it could not stand here."""
-        return self.state[Q] > self.state[START]
+        return self.state[RAMP_Q] > self.state[RAMP_START]
 
     @micropython.native
     def begin(self, block):  # ISR: no allocation
         """Take up `block`."""
         state = self.state
-        state[Q] = state[V] = state[CARRY] = 0
+        state[RAMP_Q] = state[RAMP_V] = state[RAMP_CARRY] = 0
         self._each = block.ticks
         self._rest = block.ticks_rest
         self._total = block.walker.total
@@ -56,8 +47,8 @@ class Steady:
         """The next segment of a walker that has `left` ≥ 1 dominant steps before its end or its next corner. With `hold`
         its steps are 0: the machine stands."""
         state = self.state
-        state[CUT_STEPS] = 0
-        state[CUT_PACE] = -1
+        state[RAMP_STEPS] = 0
+        state[RAMP_PACE] = -1
         if hold:
             return
         steps = SEGMENT_TICKS // self._each or 1
@@ -65,12 +56,12 @@ class Steady:
             steps = left
         if steps > MAX_RUN:
             steps = MAX_RUN
-        state[CUT_TICKS] = self._nominal(steps)
-        state[CUT_STEPS] = steps
+        state[RAMP_TICKS] = self._nominal(steps)
+        state[RAMP_STEPS] = steps
 
     @micropython.native
     def _nominal(self, steps):  # ISR: no allocation
         state = self.state
-        carry = state[CARRY] + steps * self._rest
-        state[CARRY] = carry % self._total
+        carry = state[RAMP_CARRY] + steps * self._rest
+        state[RAMP_CARRY] = carry % self._total
         return steps * self._each + carry // self._total

@@ -30,30 +30,15 @@ from passo.protocols.gcode_codes import (
 from passo.protocols.gcode_motion import Motions, new_moves
 from passo.protocols.gcode_reader import NONE, Refused
 from passo.protocols.gcode_words import F, M_CODES, S, rounded
+from passo.records import (
+    PLAIN_AFTER, PLAIN_AXES, PLAIN_DELTAS, PLAIN_FEED, PLAIN_FIELDS, PLAIN_FULL, PLAIN_HIGH, PLAIN_INCHES,
+    PLAIN_LEAST, PLAIN_LIT, PLAIN_LOW, PLAIN_MODAL, PLAIN_NUMBER, PLAIN_OFFSET, PLAIN_POSITION, PLAIN_POWER,
+    PLAIN_RELATIVE, PLAIN_RESOLUTION, PLAIN_RPM, PLAIN_TARGET,
+)  # fmt: skip
 
 _JOG_GROUPS = (NON_MODAL, DISTANCE, UNITS)
 _CUTTING = (100, 200, 300)
 # `place`, what plain lines are understood by; three numbers each where they are the axes'.
-_AXES = const(0)
-_RELATIVE = const(1)  # 1: G91
-_MODAL = const(2)  # 0 or 1: G0 or G1 holds
-_FEED = const(3)  # nm/s
-_POSITION = const(4)  # machine coordinates, nm
-_OFFSET = const(7)  # machine place − programme place, nm
-_RESOLUTION = const(10)  # steps a metre
-_TARGET = const(13)  # steps
-_INCHES = const(19)  # 1: G20
-_NUMBER = const(20)  # of the line
-_AFTER = const(21)  # where the next line begins
-_DELTAS = const(22)  # steps of the last one
-_LOW = const(25)  # the travel: steps, + _BIAS
-_HIGH = const(28)
-_LEAST = const(31)  # feed, nm/s: steps are no more than 40 s apart
-_FULL = const(32)  # S of full power; _ANY: S counts for nothing; _SAME: it must not change
-_RPM = const(33)  # S
-_LIT = const(34)  # 1: the beam is on
-_POWER = const(35)  # thousandths
-_PLACE = const(36)
 _ANY = const(0)
 _SAME = const(1)
 _OTHER = const(2000)  # no power
@@ -76,8 +61,8 @@ class GCode(Motions):
         self.waits = False  # see follow()
         self.laser = False
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
-        self._place = array("i", [0] * _PLACE)  # for plain lines
-        self._place[_AXES] = len(axes)
+        self._place = array("i", [0] * PLAIN_FIELDS)  # for plain lines
+        self._place[PLAIN_AXES] = len(axes)
         self._offsets_known = 0
         self._reach = None  # the travel that `place` knows
         self._unknown = True  # `place` does not say where it is
@@ -112,11 +97,11 @@ class GCode(Motions):
         if not self._unknown:
             self._unknown = True
             place = self._place
-            self.feed = place[_FEED]
-            self.rpm = place[_RPM]
-            self.number = place[_NUMBER]
+            self.feed = place[PLAIN_FEED]
+            self.rpm = place[PLAIN_RPM]
+            self.number = place[PLAIN_NUMBER]
             self.ended = False
-            self.position = list(place[_POSITION : _POSITION + self.axes])
+            self.position = list(place[PLAIN_POSITION : PLAIN_POSITION + self.axes])
 
     def end_programme(self):
         """What M2 and M30 put back."""
@@ -164,13 +149,13 @@ class GCode(Motions):
             return 0
         place = self._place
         planner = queue.planner
-        beam = place[_FULL] > _SAME
+        beam = place[PLAIN_FULL] > _SAME
         tool = self._lit
         if not machine.program.takes(tool, self._power, self._dynamic, beam):
             return 0
         if beam:
-            place[_LIT] = tool = queue.tool
-            place[_POWER] = planner.power if planner.dynamic == self._dynamic else _OTHER
+            place[PLAIN_LIT] = tool = queue.tool
+            place[PLAIN_POWER] = planner.power if planner.dynamic == self._dynamic else _OTHER
         room = queue.room() - 1
         if room < most:
             most = room
@@ -187,18 +172,18 @@ class GCode(Motions):
                 break
             if motion > 101:
                 motion -= 2
-                tool = place[_LIT]
-                planner.power = place[_POWER]
+                tool = place[PLAIN_LIT]
+                planner.power = place[PLAIN_POWER]
                 planner.dynamic = self._dynamic
-            feed = place[_FEED] if motion > 100 else 0
-            planner.follow(place, _DELTAS, tool, place[_NUMBER], not feed, feed)
-            at = place[_AFTER]
+            feed = place[PLAIN_FEED] if motion > 100 else 0
+            planner.follow(place, PLAIN_DELTAS, tool, place[PLAIN_NUMBER], not feed, feed)
+            at = place[PLAIN_AFTER]
             count += 1
         if count:
             lines.at = at
             queue.tool = tool
-            self.motion = place[_MODAL] * 100
-            machine.program.followed(place, _TARGET, self.axes)
+            self.motion = place[PLAIN_MODAL] * 100
+            machine.program.followed(place, PLAIN_TARGET, self.axes)
             for axis in range(self.axes):
                 self._steps[axis] = queue.target[axis]
         return count
@@ -214,29 +199,29 @@ class GCode(Motions):
             return False
         self._settle()
         place = self._place
-        place[_RELATIVE] = 0 if self.absolute else 1
-        place[_INCHES] = 1 if self.inches else 0
-        place[_MODAL] = self.motion // 100
-        place[_FEED] = self.feed
-        place[_NUMBER] = self.number
-        place[_LEAST] = 1
+        place[PLAIN_RELATIVE] = 0 if self.absolute else 1
+        place[PLAIN_INCHES] = 1 if self.inches else 0
+        place[PLAIN_MODAL] = self.motion // 100
+        place[PLAIN_FEED] = self.feed
+        place[PLAIN_NUMBER] = self.number
+        place[PLAIN_LEAST] = 1
         self._reach = self.machine.program.reach()
         for axis in range(self.axes):
             offset = self.offsets.of(self.system, axis)
             resolution = self.machine.steps_per_m[axis]
             if max(abs(self.position[axis]), abs(offset), resolution) > _FARTHEST:
                 return False
-            place[_POSITION + axis] = self.position[axis]
-            place[_OFFSET + axis] = offset
-            place[_RESOLUTION + axis] = resolution
-            place[_TARGET + axis] = self._steps[axis]
-            place[_LEAST] += 25_000_000 // resolution
+            place[PLAIN_POSITION + axis] = self.position[axis]
+            place[PLAIN_OFFSET + axis] = offset
+            place[PLAIN_RESOLUTION + axis] = resolution
+            place[PLAIN_TARGET + axis] = self._steps[axis]
+            place[PLAIN_LEAST] += 25_000_000 // resolution
             low, high = (-_FARTHEST, _FARTHEST) if self._reach is None else (self._reach[0][axis], self._reach[1][axis])
-            place[_LOW + axis] = max(low, -_FARTHEST) + _BIAS
-            place[_HIGH + axis] = min(high, _FARTHEST) + _BIAS
+            place[PLAIN_LOW + axis] = max(low, -_FARTHEST) + _BIAS
+            place[PLAIN_HIGH + axis] = min(high, _FARTHEST) + _BIAS
         self._steps = self._steps[:]
-        place[_RPM] = self.rpm
-        place[_FULL] = self._full()
+        place[PLAIN_RPM] = self.rpm
+        place[PLAIN_FULL] = self._full()
         self._prepare(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
         self._offsets_known = self.offsets.version
         self._unknown = False

@@ -16,6 +16,12 @@ Python; see motion/measure_viper.py for what that asks of integers.
 
 import micropython
 
+from passo.records import (
+    PLAIN_AFTER, PLAIN_AXES, PLAIN_DELTAS, PLAIN_FEED, PLAIN_FULL, PLAIN_HIGH, PLAIN_INCHES, PLAIN_LEAST, PLAIN_LIT,
+    PLAIN_LOW, PLAIN_MODAL, PLAIN_NUMBER, PLAIN_OFFSET, PLAIN_POSITION, PLAIN_POWER, PLAIN_RELATIVE,
+    PLAIN_RESOLUTION, PLAIN_RPM, PLAIN_TARGET, PLAIN_TO,
+)  # fmt: skip
+
 try:
     ptr32, ptr8
 except NameError:
@@ -25,18 +31,18 @@ except NameError:
 @micropython.viper
 def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
     """See above."""
-    axes = place[0]
-    motion = place[2]
-    feed = place[3]
-    inches = place[19]
-    full = place[32]
-    rpm = place[33]
+    axes = place[PLAIN_AXES]
+    motion = place[PLAIN_MODAL]
+    feed = place[PLAIN_FEED]
+    inches = place[PLAIN_INCHES]
+    full = place[PLAIN_FULL]
+    rpm = place[PLAIN_RPM]
     number = 0
     changes = 0
     have = 0
     at = 0
     while at < 3:
-        place[16 + at] = place[4 + at]  # where the line leads, as far as it has been read
+        place[PLAIN_TO + at] = place[PLAIN_POSITION + at]  # where the line leads, as far as it has been read
         at += 1
     at = begin
     letter = 0
@@ -101,13 +107,13 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
                     decimals += 1
                 if negative:
                     value = 0 - value
-                digits = place[4 + letter] if place[1] else place[7 + letter]
+                digits = place[PLAIN_POSITION + letter] if place[PLAIN_RELATIVE] else place[PLAIN_OFFSET + letter]
                 if digits >> 30 & 1:
                     digits = 0 - ((0 - digits) & 0x3FFFFFFF)
                 value += digits
                 if value > 0x1FFFFFFF or value < 0 - 0x1FFFFFFF:
                     return 0
-                place[16 + letter] = value
+                place[PLAIN_TO + letter] = value
             elif letter == 71:
                 if value > 1 or negative or point or have & 1:
                     return 0
@@ -149,20 +155,20 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
                     have |= 8
                     rpm = value
             letter = 0
-    place[21] = at + 1
-    if have < 16 or motion and feed < place[31] or full == 1 and rpm != place[33] or at - begin > 80:
+    place[PLAIN_AFTER] = at + 1
+    if have < 16 or motion and feed < place[PLAIN_LEAST] or full == 1 and rpm != place[PLAIN_RPM] or at - begin > 80:
         return 0
     # --- nanometres to steps: · steps a metre / 10⁹, to the nearest, halves away from zero; in digits of 15 bits
     at = 0
     while at < axes:
-        place[22 + at] = 0
+        place[PLAIN_DELTAS + at] = 0
         if have >> (4 + at) & 1:
-            value = place[16 + at]
+            value = place[PLAIN_TO + at]
             negative = value >> 30 & 1
             if negative:
                 value = 0 - value
             value &= 0x3FFFFFFF
-            digits = place[10 + at]
+            digits = place[PLAIN_RESOLUTION + at]
             low = (value & 0x7FFF) * (digits & 0x7FFF) + 25856  # half of 10⁹ is 15258 · 2¹⁵ + 25856
             point = (value >> 15) * (digits & 0x7FFF) + (value & 0x7FFF) * (digits >> 15) + 15258 + (low >> 15)
             low &= 0x7FFF
@@ -188,15 +194,15 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
             if negative:
                 steps = 0 - steps
             value = steps + 0x20000000
-            if value < place[25 + at] or value > place[28 + at]:
+            if value < place[PLAIN_LOW + at] or value > place[PLAIN_HIGH + at]:
                 return 0
-            value = place[13 + at]
+            value = place[PLAIN_TARGET + at]
             if value >> 30 & 1:
                 value = 0 - ((0 - value) & 0x3FFFFFFF)
             steps -= value
             if steps > 2097151 or steps < 0 - 2097151:
                 return 0
-            place[22 + at] = steps
+            place[PLAIN_DELTAS + at] = steps
         at += 1
     if full > 1:
         # --- S in thousandths of full power, to the nearest, but not 0 for more than a millionth
@@ -214,23 +220,23 @@ def plain(text: ptr8, begin: int, count: int, place: ptr32) -> int:
                 value += 1
         elif letter:
             value = 1000
-        if letter != place[34] or value != place[35]:
+        if letter != place[PLAIN_LIT] or value != place[PLAIN_POWER]:
             at = 0
-            while place[22 + at] == 0:
+            while place[PLAIN_DELTAS + at] == 0:
                 at += 1
                 if at == axes:
                     return 0
-            place[34] = letter
-            place[35] = value
+            place[PLAIN_LIT] = letter
+            place[PLAIN_POWER] = value
             changes = 2
     # --- all is right: from here on it counts
     at = 0
     while at < axes:
-        place[4 + at] = place[16 + at]
-        place[13 + at] = place[13 + at] + place[22 + at]
+        place[PLAIN_POSITION + at] = place[PLAIN_TO + at]
+        place[PLAIN_TARGET + at] = place[PLAIN_TARGET + at] + place[PLAIN_DELTAS + at]
         at += 1
-    place[2] = motion
-    place[3] = feed
-    place[20] = number
-    place[33] = rpm
+    place[PLAIN_MODAL] = motion
+    place[PLAIN_FEED] = feed
+    place[PLAIN_NUMBER] = number
+    place[PLAIN_RPM] = rpm
     return 100 + motion + changes

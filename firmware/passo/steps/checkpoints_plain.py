@@ -4,119 +4,102 @@ without it."""
 
 from micropython import const
 
-from passo.steps.pace_plain import TERMS, set_terms
+from passo.records import (
+    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_HEAD, FEED_INDEX, FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST,
+    FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_SETUP, FEED_TICKS, MARK_ENDS, MARK_FIELDS, MARK_INDEX,
+    MARK_PACE, MARK_TICKS, MARK_WORD, PACE_FIELDS,
+)  # fmt: skip
+from passo.steps.pace_plain import set_terms
 
 COUNT = const(0x1FFFFFFF)  # word.COUNT_MASK
 _HALF = const(0x10000000)
-MARKS = const(64)  # most segments made and not yet played, a power of two
 _LAST = const(63)
 
 # The state. First the terms of the segment under way, as pace.py has them.
-BITS = const(5)  # of a word's levels
-AXES = const(6)
-MASK = const(7)  # the ring's size − 1
-LIMIT = const(8)  # words that may lie between the oldest mark and the next segment
-SETUP = const(9)  # ticks between a change of direction and the next step
-LEVELS = const(10)  # step form of the levels now: directions and tool
-DEBT = const(11)  # ticks of set-up that the intervals to come still owe
-TICKS = const(12)  # of all segments made, modulo 2²⁹, as the next three are
-HEAD = const(13)  # words made
-OLDEST = const(14)
-NEWEST = const(15)
-INDEX = const(16)  # dominant steps of its block made so far; of a track, the place
-PACE = const(17)  # mean speed of the segment under way, as ramp.pace; 0 at a stand
-PLAYED = const(18)  # words played when segments were last retired
-PLACE = const(19)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
-assert TERMS <= BITS
+assert PACE_FIELDS <= FEED_BITS
 
 # A mark. Then the position, of each axis.
-WORD = const(0)
-MARK_TICKS = const(1)
-MARK_INDEX = const(2)
-ENDS = const(3)  # 1 where the segment is its block's last
-MARK_PACE = const(4)
-FIELDS = const(5)
 
 
 def room(state, marks, lead_ticks):  # ISR: no allocation
     """1 where less than `lead_ticks` lie ahead and there is room for a segment; otherwise 0."""
-    oldest = state[OLDEST]
-    if (state[NEWEST] - oldest) & COUNT >= _LAST:
+    oldest = state[FEED_OLDEST]
+    if (state[FEED_NEWEST] - oldest) & COUNT >= _LAST:
         return 0
-    at = (oldest & _LAST) * (FIELDS + state[AXES])
-    if (state[HEAD] - marks[at + WORD]) & COUNT > state[LIMIT]:
+    at = (oldest & _LAST) * (MARK_FIELDS + state[FEED_AXES])
+    if (state[FEED_HEAD] - marks[at + MARK_WORD]) & COUNT > state[FEED_LIMIT]:
         return 0
-    return 1 if (state[TICKS] - marks[at + MARK_TICKS]) & COUNT < lead_ticks else 0
+    return 1 if (state[FEED_TICKS] - marks[at + MARK_TICKS]) & COUNT < lead_ticks else 0
 
 
 def begin(state, words, moving, negative, steps, ticks):  # ISR: no allocation
     """Set the directions of the axes `moving`, where they change by a stepless word of the set-up time, and the terms
     of a segment of `steps` in `ticks` (where steps is 0 it has its own). Returns where in `words` it begins."""
-    axes = state[AXES]
-    levels = state[LEVELS] & ~(moving << axes) | (moving & ~negative) << axes
-    if levels != state[LEVELS]:
-        state[LEVELS] = levels
-        setup = state[SETUP]
+    axes = state[FEED_AXES]
+    levels = state[FEED_LEVELS] & ~(moving << axes) | (moving & ~negative) << axes
+    if levels != state[FEED_LEVELS]:
+        state[FEED_LEVELS] = levels
+        setup = state[FEED_SETUP]
         if setup:
-            words[state[HEAD] & state[MASK]] = setup << state[BITS] | levels
-            state[HEAD] = (state[HEAD] + 1) & COUNT
-            state[DEBT] += setup
-            state[TICKS] = (state[TICKS] + setup) & COUNT
+            words[state[FEED_HEAD] & state[FEED_MASK]] = setup << state[FEED_BITS] | levels
+            state[FEED_HEAD] = (state[FEED_HEAD] + 1) & COUNT
+            state[FEED_DEBT] += setup
+            state[FEED_TICKS] = (state[FEED_TICKS] + setup) & COUNT
     if steps:
-        state[INDEX] += steps
-        set_terms(state, steps, ticks, levels, state[BITS])
-    return state[HEAD] & state[MASK]
+        state[FEED_INDEX] += steps
+        set_terms(state, steps, ticks, levels, state[FEED_BITS])
+    return state[FEED_HEAD] & state[FEED_MASK]
 
 
 def end(state, marks, made, count, ticks, ends):  # ISR: no allocation
     """Count a segment of `count` words and leave a mark behind it; the steps `made` are added to the position, and
     cleared. Returns the words made so far."""
-    state[HEAD] = (state[HEAD] + count) & COUNT
-    state[TICKS] = (state[TICKS] + ticks) & COUNT
-    number = (state[NEWEST] + 1) & COUNT
-    axes = state[AXES]
-    at = (number & _LAST) * (FIELDS + axes)
-    marks[at + WORD] = state[HEAD]
-    marks[at + MARK_TICKS] = state[TICKS]
-    marks[at + MARK_INDEX] = state[INDEX]
-    marks[at + ENDS] = ends
-    marks[at + MARK_PACE] = state[PACE]
+    state[FEED_HEAD] = (state[FEED_HEAD] + count) & COUNT
+    state[FEED_TICKS] = (state[FEED_TICKS] + ticks) & COUNT
+    number = (state[FEED_NEWEST] + 1) & COUNT
+    axes = state[FEED_AXES]
+    at = (number & _LAST) * (MARK_FIELDS + axes)
+    marks[at + MARK_WORD] = state[FEED_HEAD]
+    marks[at + MARK_TICKS] = state[FEED_TICKS]
+    marks[at + MARK_INDEX] = state[FEED_INDEX]
+    marks[at + MARK_ENDS] = ends
+    marks[at + MARK_PACE] = state[FEED_PACE]
     for axis in range(axes):
-        place = ((state[PLACE + axis] + made[axis] + _HALF) & COUNT) - _HALF
-        state[PLACE + axis] = place
-        marks[at + FIELDS + axis] = place
+        place = ((state[FEED_PLACE + axis] + made[axis] + _HALF) & COUNT) - _HALF
+        state[FEED_PLACE + axis] = place
+        marks[at + MARK_FIELDS + axis] = place
         made[axis] = 0
-    state[NEWEST] = number
-    return state[HEAD]
+    state[FEED_NEWEST] = number
+    return state[FEED_HEAD]
 
 
 def retire(state, marks, played):  # ISR: no allocation
     """Give back the room of all segments played to their end; returns how many of them are their block's last."""
     ended = 0
-    oldest = state[OLDEST]
-    stride = FIELDS + state[AXES]
-    state[PLAYED] = played
-    while oldest != state[NEWEST]:
+    oldest = state[FEED_OLDEST]
+    stride = MARK_FIELDS + state[FEED_AXES]
+    state[FEED_PLAYED] = played
+    while oldest != state[FEED_NEWEST]:
         number = (oldest + 1) & COUNT
         at = (number & _LAST) * stride
-        if (played - marks[at + WORD]) & COUNT >= _HALF:
+        if (played - marks[at + MARK_WORD]) & COUNT >= _HALF:
             break
         oldest = number
-        ended += marks[at + ENDS]
-    state[OLDEST] = oldest
+        ended += marks[at + MARK_ENDS]
+    state[FEED_OLDEST] = oldest
     return ended
 
 
 def find(state, marks, played, place):
     """Where in `marks` the last one played stands; its position goes to `place`."""
-    number = state[OLDEST]
-    stride = FIELDS + state[AXES]
-    while number != state[NEWEST]:
+    number = state[FEED_OLDEST]
+    stride = MARK_FIELDS + state[FEED_AXES]
+    while number != state[FEED_NEWEST]:
         after = (number + 1) & COUNT
-        if (played - marks[(after & _LAST) * stride + WORD]) & COUNT >= _HALF:
+        if (played - marks[(after & _LAST) * stride + MARK_WORD]) & COUNT >= _HALF:
             break
         number = after
     at = (number & _LAST) * stride
-    for axis in range(state[AXES]):
-        place[axis] = marks[at + FIELDS + axis]
+    for axis in range(state[FEED_AXES]):
+        place[axis] = marks[at + MARK_FIELDS + axis]
     return at

@@ -18,10 +18,14 @@ import micropython
 from micropython import const
 
 from passo.motion import line
-from passo.motion.block import DYNAMIC, FREE, LINE, POWER, RAPID, ROW, TICKS, TOP, TRACK, WAIT
+from passo.motion.block import FREE, LINE, TRACK, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.row_viper import begun, take
-from passo.motion.steady import CUT_PACE, CUT_STEPS, CUT_TICKS, Q
+from passo.records import (
+    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_HEAD, FEED_INDEX, FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST,
+    FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_SETUP, FEED_TICKS, MARKS, MARK_FIELDS, RAMP_PACE, RAMP_Q, RAMP_STEPS,
+    RAMP_TICKS, ROW_DYNAMIC, ROW_POWER, ROW_RAPID, ROW_STEPS, ROW_TICKS, ROW_TOP,
+)  # fmt: skip
 from passo.steps import pace
 from passo.steps.checkpoints import begin, end, retire, room
 from passo.steps.pace import repay
@@ -30,22 +34,6 @@ from passo.steps.word import HOLD_TICKS
 
 _COUNT = const(0x1FFFFFFF)  # COUNT_MASK, known to the compiler
 # In the arrays, as checkpoints_plain.py has them.
-_BITS = const(5)
-_AXES = const(6)
-_MASK = const(7)
-_LIMIT = const(8)
-_SETUP = const(9)
-_LEVELS = const(10)
-_DEBT = const(11)
-_TICKS = const(12)
-_HEAD = const(13)
-_OLDEST = const(14)
-_NEWEST = const(15)
-_INDEX = const(16)
-_PACE = const(17)
-_PLACE = const(19)
-_MARKS = const(64)
-_FIELDS = const(5)
 _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
 
 
@@ -64,14 +52,14 @@ class Feeder(Position):
         self._none = array("i", [0] * axes)  # no steps made
         self._found = array("i", self._none)  # for who asks where the machine is
         self._stepping = 0
-        self._stride = _FIELDS + axes
-        self._marks = array("i", [0] * (_MARKS * self._stride))
-        state = self.state = array("i", [0] * (_PLACE + axes))
-        state[_BITS] = layout.bits
-        state[_AXES] = axes
-        state[_MASK] = ring.mask
-        state[_LIMIT] = ring.size - _ROOM
-        state[_SETUP] = setup_ticks
+        self._stride = MARK_FIELDS + axes
+        self._marks = array("i", [0] * (MARKS * self._stride))
+        state = self.state = array("i", [0] * (FEED_PLACE + axes))
+        state[FEED_BITS] = layout.bits
+        state[FEED_AXES] = axes
+        state[FEED_MASK] = ring.mask
+        state[FEED_LIMIT] = ring.size - _ROOM
+        state[FEED_SETUP] = setup_ticks
         self.open = True  # the main loop closes it while the motors are not ready, or while it stops the machine
         self.hold = False  # set: come to a stand on the path; cleared: go on
         self.brake = False  # the same, set by the port for as long as the main loop does not run
@@ -89,10 +77,10 @@ class Feeder(Position):
         self._power = -1
         self._wait = 0
         state = self.state
-        state[_HEAD] = played
-        state[_DEBT] = state[_TICKS] = state[_OLDEST] = state[_NEWEST] = state[_INDEX] = state[_PACE] = 0
+        state[FEED_HEAD] = played
+        state[FEED_DEBT] = state[FEED_TICKS] = state[FEED_OLDEST] = state[FEED_NEWEST] = state[FEED_INDEX] = state[FEED_PACE] = 0
         end(state, self._marks, self._none, 0, 0, 1)
-        state[_OLDEST] = state[_NEWEST]
+        state[FEED_OLDEST] = state[FEED_NEWEST]
 
     # --- filling: may run in an interrupt
 
@@ -114,7 +102,7 @@ class Feeder(Position):
             self._power = -1
             return False
         amid = self._block is not None and not self.stood
-        if amid and state[_OLDEST] == state[_NEWEST]:
+        if amid and state[FEED_OLDEST] == state[FEED_NEWEST]:
             self.late += 1
         self.stood = False
         while room(state, marks, lead_ticks):
@@ -169,7 +157,7 @@ class Feeder(Position):
         self._open(rows, at)
         kind = block.kind
         if kind == WAIT:
-            self._wait = rows[at + TICKS]
+            self._wait = rows[at + ROW_TICKS]
             ramp.stall()
             self._mark_power(block, 0)
         elif kind == FREE or kind == TRACK:
@@ -204,28 +192,28 @@ class Feeder(Position):
         size = ring.size
         state = self.state
         marks = self._marks
-        dynamic = rows[row + DYNAMIC]
+        dynamic = rows[row + ROW_DYNAMIC]
         drive = self.drive
-        percent = planner.percent[rows[row + RAPID]]
+        percent = planner.percent[rows[row + ROW_RAPID]]
         left = walker.left
         while True:
             if short:
                 cut(rows, row, made, path, left, percent, held)
             else:
                 ramp.cut(left, percent, held)
-            steps = made[CUT_STEPS]
+            steps = made[RAMP_STEPS]
             if not steps:
                 walker.left = left
                 return False
-            ticks = made[CUT_TICKS]
+            ticks = made[RAMP_TICKS]
             waits = ticks > HOLD_TICKS and steps == 1
             if waits:
                 self._wait = ticks - HOLD_TICKS
                 ticks = HOLD_TICKS
             if dynamic or self._power < 0:
-                self._mark_power(block, made[CUT_PACE])
+                self._mark_power(block, made[RAMP_PACE])
             else:
-                state[_PACE] = made[CUT_PACE]
+                state[FEED_PACE] = made[RAMP_PACE]
             at = begin(state, words, walker.moving, walker.negative, steps, ticks)
             run = steps
             while run:
@@ -237,7 +225,7 @@ class Feeder(Position):
                     walker.walk(words, at, part)
                     left = walker.left
                 pace.pace(words, at, part, state)
-                if state[_DEBT] or drive is not None:
+                if state[FEED_DEBT] or drive is not None:
                     self.settle(at, part)
                 at = 0
                 run -= part
@@ -251,17 +239,17 @@ class Feeder(Position):
             self._block = None
             if not straight or held or planner.start_square or not room(state, marks, lead_ticks):
                 return True
-            row = take(rows, planner.work, planner.counts, 1 if made[Q] else 0, 1)
+            row = take(rows, planner.work, planner.counts, 1 if made[RAMP_Q] else 0, 1)
             if row < 0:
                 return True
             self._block = block
             block.at = row
-            walker.load(rows, row + ROW)
+            walker.load(rows, row + ROW_STEPS)
             left = walker.left
             ramp.begin(block)
             self._open(rows, row)
-            dynamic = rows[row + DYNAMIC]
-            percent = planner.percent[rows[row + RAPID]]
+            dynamic = rows[row + ROW_DYNAMIC]
+            percent = planner.percent[rows[row + ROW_RAPID]]
 
     @micropython.native
     def _stand(self, block):  # ISR: no allocation
@@ -271,8 +259,8 @@ class Feeder(Position):
         self._wait -= ticks
         ring = self.ring
         state = self.state
-        at = state[_HEAD] & ring.mask
-        ring.words[at] = ticks << state[_BITS] | state[_LEVELS]
+        at = state[FEED_HEAD] & ring.mask
+        ring.words[at] = ticks << state[FEED_BITS] | state[FEED_LEVELS]
         self.settle(at, 1)
         self.finish(1, ticks, not self._wait and (block.kind == WAIT or block.walker.left == 0), self._none)
         return True
@@ -280,12 +268,12 @@ class Feeder(Position):
     @micropython.native
     def _mark_power(self, block, pace):  # ISR: no allocation
         """The segment that follows has this mean speed: mark the power where it changes."""
-        self.state[_PACE] = pace
+        self.state[FEED_PACE] = pace
         rows = block.rows
         at = block.at
-        power = rows[at + POWER]
-        if rows[at + DYNAMIC] and pace >= 0:
-            power = power * pace // rows[at + TOP] if pace else 0
+        power = rows[at + ROW_POWER]
+        if rows[at + ROW_DYNAMIC] and pace >= 0:
+            power = power * pace // rows[at + ROW_TOP] if pace else 0
         if power != self._power:
             self._power = power
             self.ring.power.put(self.ring.head, power)
@@ -295,11 +283,11 @@ class Feeder(Position):
         """Take what is owed off words[at : at + count] and give them their drive's levels."""
         words = self.ring.words
         state = self.state
-        owed = state[_DEBT]
+        owed = state[FEED_DEBT]
         if owed:
-            debt = repay(words, at, count, state[_BITS], owed, self.min_word_ticks)
-            state[_TICKS] = (state[_TICKS] - owed + debt) & _COUNT
-            state[_DEBT] = debt
+            debt = repay(words, at, count, state[FEED_BITS], owed, self.min_word_ticks)
+            state[FEED_TICKS] = (state[FEED_TICKS] - owed + debt) & _COUNT
+            state[FEED_DEBT] = debt
         if self.drive is not None:
             self.drive.apply(words, at, count)
 
@@ -327,9 +315,9 @@ class Feeder(Position):
         self.ring.head = played
         self.ring.power.clear()
         for axis in range(self.layout.axes):
-            self.state[_PLACE + axis] = position[axis]
+            self.state[FEED_PLACE + axis] = position[axis]
         if self.drive is not None:
             self.drive.seek(position)
-        self.state[_LEVELS] &= ~self.layout.tool_mask
+        self.state[FEED_LEVELS] &= ~self.layout.tool_mask
         self._reset(played)
         return position, block, index

@@ -6,44 +6,38 @@ A segment that runs over the end of the ring is paced in two calls; the second g
 
 from array import array
 
-from micropython import const
+from passo.records import PACE_CARRY, PACE_FIELDS, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK
 
 # The terms of a segment, in one array for the sake of the twin in machine code.
-SHORT = const(0)  # a word of the shorter interval, without its mask
-TICK = const(1)  # one tick in a word
-REST = const(2)  # rest / over: the share of the intervals that are a tick longer
-OVER = const(3)
-CARRY = const(4)
-TERMS = const(5)  # how many there are
 
 
 def new_terms():
-    return array("i", [0] * TERMS)
+    return array("i", [0] * PACE_FIELDS)
 
 
 def set_terms(terms, steps, ticks, base, bits):  # ISR: no allocation
     """For a segment of `steps` that last `ticks`, `base` being ORed to their levels."""
-    terms[SHORT] = ticks // steps << bits | base
-    terms[TICK] = 1 << bits
-    terms[REST] = ticks % steps
-    terms[OVER] = steps
-    terms[CARRY] = 0
+    terms[PACE_SHORT] = ticks // steps << bits | base
+    terms[PACE_TICK] = 1 << bits
+    terms[PACE_REST] = ticks % steps
+    terms[PACE_OVER] = steps
+    terms[PACE_CARRY] = 0
 
 
 def pace(words, at, count, terms):  # ISR: no allocation
     """Turn the masks in words[at : at + count], count ≥ 1, into words."""
-    short = terms[SHORT]
-    rest = terms[REST]
-    over = terms[OVER]
-    carry = terms[CARRY]
+    short = terms[PACE_SHORT]
+    rest = terms[PACE_REST]
+    over = terms[PACE_OVER]
+    carry = terms[PACE_CARRY]
     for i in range(at, at + count):
         word = short | words[i]
         carry += rest
         if carry >= over:
             carry -= over
-            word += terms[TICK]
+            word += terms[PACE_TICK]
         words[i] = word
-    terms[CARRY] = carry
+    terms[PACE_CARRY] = carry
 
 
 def repay(words, at, count, bits, debt, least):  # ISR: no allocation

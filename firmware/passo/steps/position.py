@@ -3,19 +3,12 @@
 from micropython import const
 
 from passo.motion.block import TRACK
+from passo.records import FEED_NEWEST, FEED_OLDEST, FEED_PLAYED, MARKS, MARK_ENDS, MARK_INDEX, MARK_PACE, MARK_WORD
 from passo.steps.checkpoints import find
 from passo.steps.word import COUNT_MASK
 
 _HALF = const(0x10000000)
 # In the feeder's arrays, as checkpoints_plain.py has them.
-_OLDEST = const(14)
-_NEWEST = const(15)
-_PLAYED = const(18)
-_MARKS = const(64)
-_WORD = const(0)
-_MARK_INDEX = const(2)
-_ENDS = const(3)
-_MARK_PACE = const(4)
 
 
 try:
@@ -40,9 +33,9 @@ class Position:
     def pace(self, played):
         """The mean speed of the segment under way, as ramp.pace; 0 where none is."""
         at = find(self.state, self._marks, played, self._found) // self._stride
-        if at == self.state[_NEWEST] % _MARKS:
+        if at == self.state[FEED_NEWEST] % MARKS:
             return 0
-        return self._marks[(at + 1) % _MARKS * self._stride + _MARK_PACE]
+        return self._marks[(at + 1) % MARKS * self._stride + MARK_PACE]
 
     # In small pieces: each finds its variables' place on the stack, and nothing is allocated while words are counted. Else
     # that can take longer than the time between two interrupts, and then no answer would ever be right.
@@ -51,13 +44,13 @@ class Position:
         """Where in the marks the last checkpoint played stands; `_stepping`: words since that step; `_found`: the position."""
         state = self.state
         while True:
-            oldest = state[_OLDEST]
+            oldest = state[FEED_OLDEST]
             at = find(state, self._marks, played, self._found)
-            if (played - self._marks[at + _WORD]) & COUNT_MASK < _HALF:
-                self._stepping = self._count(self._marks[at + _WORD], played)
-                if state[_OLDEST] == oldest:
+            if (played - self._marks[at + MARK_WORD]) & COUNT_MASK < _HALF:
+                self._stepping = self._count(self._marks[at + MARK_WORD], played)
+                if state[FEED_OLDEST] == oldest:
                     return at
-            played = state[_PLAYED]  # an interrupt has gone beyond it, and may have written over those words
+            played = state[FEED_PLAYED]  # an interrupt has gone beyond it, and may have written over those words
 
     def _count(self, word, played):
         ring = self.ring
@@ -69,7 +62,7 @@ class Position:
         """How far `block` is, `stepping` words after the mark at `at`."""
         if block is None:
             return stepping
-        start = block.first if self._marks[at + _ENDS] else self._marks[at + _MARK_INDEX]
+        start = block.first if self._marks[at + MARK_ENDS] else self._marks[at + MARK_INDEX]
         if block.kind == TRACK and block.walker.backward:
             stepping = -stepping
         return (start + stepping) & COUNT_MASK
@@ -80,6 +73,6 @@ class Position:
         if block is None or block.kind != TRACK:
             return None
         at = self._walk(played)
-        if self._marks[at + _ENDS] and at != self.state[_OLDEST] % _MARKS * self._stride:
-            return self._marks[at + _MARK_INDEX]  # played to its end, and not retired yet
+        if self._marks[at + MARK_ENDS] and at != self.state[FEED_OLDEST] % MARKS * self._stride:
+            return self._marks[at + MARK_INDEX]  # played to its end, and not retired yet
         return self._along(block, at, self._stepping)

@@ -28,6 +28,7 @@ import micropython
 from micropython import const
 
 from passo.motion.line import MAX_RUN
+from passo.records import FEED_BITS, FEED_HEAD, FEED_LEVELS
 from passo.steps.word import HOLD_TICKS, TICKS_PER_S
 
 ENDLESS = const(-1)
@@ -47,9 +48,6 @@ _HOLD = const(5)  # come to a stand, and keep what is to come
 _HEAD = const(6)
 
 # In the feeder's array, as checkpoints_plain.py has them.
-_RING_BITS = const(5)
-_RING_LEVELS = const(10)
-_RING_HEAD = const(13)
 
 _TOGO = const(0)  # steps to come; endless: at least 1
 _ENDLESS = const(1)
@@ -367,13 +365,13 @@ class Timed:
         """Have the feeder's ring take what comes next. False where that is nothing now."""
         ring = feeder.ring
         state = feeder.state
-        at = state[_RING_HEAD] & ring.mask
+        at = state[FEED_HEAD] & ring.mask
         most = ring.size - at
-        count = self.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[_RING_LEVELS], state[_RING_BITS], held)
+        count = self.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[FEED_LEVELS], state[FEED_BITS], held)
         ends = self.ends()
         if not count and not ends:
             return False
-        state[_RING_LEVELS] = self.levels
+        state[FEED_LEVELS] = self.levels
         feeder.settle(at, count)
         feeder.finish(count, self.ticks, ends, self.made)
         return True

@@ -24,13 +24,11 @@ from micropython import const
 
 from passo.motion.line import MAX_RUN
 from passo.motion.track import COUNT, SPEED, STATION, TOOL, WAIT, WAS
+from passo.records import FEED_BITS, FEED_INDEX, FEED_LEVELS
 from passo.steps.checkpoints import begin
 from passo.steps.word import TICKS_PER_MS
 
 # In the feeder's array, as checkpoints_plain.py has them.
-_RING_BITS = const(5)
-_RING_LEVELS = const(10)
-_RING_INDEX = const(16)
 _SEGMENT_TICKS = const(25_000)
 _PIECE_MS = const(2)  # longest word: what lies ahead of the player stays short, and is never one word alone
 _PIECE = const(25_000)
@@ -175,12 +173,12 @@ class TrackWalker:
         ring = feeder.ring
         state = feeder.state
         tool = feeder.layout.tool_mask
-        state[_RING_LEVELS] = state[_RING_LEVELS] & ~tool | (tool if self.tool else 0)
+        state[FEED_LEVELS] = state[FEED_LEVELS] & ~tool | (tool if self.tool else 0)
         at = begin(state, ring.words, self.moving, self.negative, 0, 0)
         most = ring.size - at
-        count = self.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[_RING_LEVELS], state[_RING_BITS])
+        count = self.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[FEED_LEVELS], state[FEED_BITS])
         feeder.settle(at, count)
-        state[_RING_INDEX] = self.place
+        state[FEED_INDEX] = self.place
         feeder.finish(count, self.ticks, not self.active(), self.made)
         return True
 

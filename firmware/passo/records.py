@@ -1,0 +1,181 @@
+"""The fields of every array that several functions share, by name: each is the index of a field in its array.
+
+    rows[row + ROW_TICKS]       # a block in the planner's queue
+    state[FEED_HEAD]            # the feeder's state
+
+A kernel takes arrays, because machine code reads an integer of an array in a few cycles and an attribute in hundreds.
+`passo build` writes the numbers in place of these names, so that they cost a board neither time nor memory; the tests under
+MicroPython run such a build. Every array is an array('i') unless said otherwise, and every value stays below 2³⁰.
+"""
+
+from micropython import const
+
+# A block as a row of Planner.rows, which begins at `row`. "Of 2²⁸" is a fraction of the machine's fastest speed, or of its
+# square (motion/profile.py). q is the square of a speed in the block's own unit, which is the programmed speed / ROW_TOP.
+ROW_KIND = const(0)  # LINE, WAIT, FREE, ARC or TRACK, of motion/block.py
+ROW_TOOL = const(1)  # the tool bit from this block's first word on
+ROW_TICKS = const(2)  # WAIT: its length; others: whole ticks a dominant step, of an arc: a step of path
+ROW_TICKS_REST = const(3)  # LINE: ticks that remain over all dominant steps, spread evenly; ARC: 128ths of a tick
+ROW_FIRST = const(4)  # dominant step to begin at: not 0 if an interrupted block is resumed; TRACK: place
+ROW_TAG = const(5)  # a number that the controller wants back when the block has been played
+ROW_RAPID = const(6)  # 1: the override for rapid motion counts, not that for the feed
+ROW_TOP = const(7)  # the programmed speed, in the block's units
+ROW_LIMIT = const(8)  # the highest speed, whatever the override says, in the block's units
+ROW_GAIN = const(9)  # q a dominant step; 0: no acceleration, the programmed speed from first to last
+ROW_SPAN = const(10)  # ticks a step · 2 · ROW_TOP
+ROW_TIME = const(11)  # ticks a unit of speed takes: ROW_TIME / 2 ** ROW_TIME_SHIFT
+ROW_TIME_SHIFT = const(12)
+ROW_RATIO = const(13)  # its unit of speed over the previous block's: ROW_RATIO / 2 ** ROW_RATIO_SHIFT; 0: it begins at rest
+ROW_RATIO_SHIFT = const(14)
+ROW_UNIT = const(15)  # q of a square of 2²⁸: · ROW_UNIT / 2 ** ROW_UNIT_SHIFT
+ROW_POWER = const(16)  # of the tool, 0 … 1000, at the programmed speed
+ROW_DYNAMIC = const(17)  # 1: power in proportion to the speed
+ROW_SPEED = const(18)  # as programmed, of 2²⁸
+ROW_SQUARE = const(19)  # its square
+ROW_CORNER = const(20)  # square of the speed at which the corner at its beginning may be passed
+ROW_REACH = const(21)  # square of the speed that it can gain or lose
+ROW_EXIT = const(22)  # square of the speed at its end, as planned
+ROW_UNIT_SHIFT = const(23)
+ROW_FASTEST = const(24)  # square of the speed that the axes allow
+ROW_STEPS = const(25)  # then a line's signed steps, one number an axis
+
+# Planner.counts: blocks, for ever, modulo 2²⁹.
+QUEUE_ADDED = const(0)
+QUEUE_FLUSHED = const(1)  # may be fetched
+QUEUE_FETCHED = const(2)
+QUEUE_RETIRED = const(3)  # played to their last word
+QUEUE_FROZEN = const(4)  # their exits stay as they are
+QUEUE_FIELDS = const(5)
+
+# Planner.work: the planner's scratch, and what passes from one block to the next.
+WORK_FEED = const(0)  # the speed asked for, of 2²⁸; 0: as fast as may be. An arc's, too
+WORK_GIVEN = const(1)  # ticks that a line is to last, as a float; 0: its length over its speed. An arc: its top
+WORK_GIVEN_SHIFT = const(2)
+WORK_STEPS_SHIFT = const(3)
+WORK_IS_ARC = const(8)
+WORK_LENGTH = const(9)  # of the path, nm as WORK_LENGTH / 2 ** WORK_LENGTH_SHIFT, of 27 or 28 bits
+WORK_LENGTH_SHIFT = const(10)
+WORK_CHANGE = const(9)  # the length is done with then: the change of direction at a corner, one number an axis
+WORK_ALONG = const(11)  # the highest speed that the axes allow along the path, of 2²⁸
+WORK_STRENGTH = const(12)  # and the highest acceleration
+WORK_STEPS = const(13)  # dominant steps; of an arc: its path, steps · 2 ** WORK_STEPS_SHIFT
+WORK_SPEED = const(14)  # the speed programmed
+WORK_LIMITED = const(15)  # 1: the axes cannot go as fast as asked for
+WORK_HEADING = const(16)  # direction at the block's beginning, of 2²⁸, one number an axis
+WORK_BEFORE = const(20)  # direction at the end of the block before, one number an axis
+WORK_THROUGH = const(24)  # 1: motion may go through from the last block queued to the next without a stand
+WORK_FULL = const(25)  # speed and top of the block before, as short floats
+WORK_FULL_SHIFT = const(26)
+WORK_TOP = const(27)
+WORK_TOP_SHIFT = const(28)
+WORK_STRIDE = const(31)  # integers a row
+WORK_SIZE = const(32)  # rows
+WORK_ALL = const(33)  # 1: look_back() goes on even if nothing has changed
+WORK_FACTOR = const(34)  # squares of the overrides of feed and of rapid motion, of 4096
+WORK_FIELDS = const(36)
+
+# Limits.terms: what the axes can do, a number or a float as two (motion/profile.py).
+LIMIT_AXES = const(0)
+LIMIT_FINEST = const(1)  # exponent of the lengths of a step
+LIMIT_SPEED = const(2)
+LIMIT_SPEED_SHIFT = const(3)
+LIMIT_GAIN = const(4)
+LIMIT_GAIN_SHIFT = const(5)
+LIMIT_TIME = const(6)
+LIMIT_TIME_SHIFT = const(7)
+LIMIT_CORNER = const(8)
+LIMIT_CORNER_SHIFT = const(9)
+LIMIT_STEP = const(16)  # one number an axis, as are the next four: length of a step
+LIMIT_FASTEST = const(20)  # highest speed
+LIMIT_FASTEST_SHIFT = const(24)
+LIMIT_STRONGEST = const(28)  # highest acceleration
+LIMIT_STRONGEST_SHIFT = const(32)
+LIMIT_FIELDS = const(36)
+
+# Steady.state and Ramp.state. The last segment cut:
+RAMP_STEPS = const(0)
+RAMP_TICKS = const(1)
+RAMP_PACE = const(2)  # its mean speed in the block's units; -1: the programmed one
+RAMP_Q = const(3)  # where the next one begins, in the block's units
+RAMP_V = const(4)  # its root, 7 fraction bits
+RAMP_START = const(5)  # q that takes no ramp, in the block's units
+RAMP_CARRY = const(6)  # of ticks
+RAMP_TOTAL = const(7)  # dominant steps of the line
+STEADY_FIELDS = const(8)
+RAMP_LENGTH = const(8)  # ticks a segment should last
+RAMP_SMOOTH = const(9)  # 1: cut() stops where smooth.py goes on, for which the rest is
+RAMP_PATH = const(10)  # of the segment
+RAMP_TO_GO = const(11)  # steps of path behind it
+RAMP_PART = const(12)  # and 2⁻¹⁷ of one
+RAMP_CHANGE = const(13)  # of q, at most
+RAMP_CAP = const(14)  # q wanted, in a hold 0
+RAMP_HIGH = const(15)  # but for the hold
+RAMP_BEGIN = const(16)  # q that it begins with
+RAMP_FIELDS = const(17)
+
+# Line.state: a walker along a line.
+LINE_AXES = const(0)
+LINE_DOMINANT = const(1)  # the axis with most steps
+LINE_FALL = const(2)  # twice the dominant steps: what a step takes off an axis's decision
+LINE_NEGATIVE = const(3)  # mask of the axes that go backwards
+LINE_MOVING = const(4)  # mask of the axes that step
+LINE_RISE = const(5)  # three numbers an axis, `axes` times the first, then the second, then the third:
+#   rise: twice its steps, what every dominant step adds to its decision
+#   decision, with the fall added so that it is never negative: a step is due above the fall
+#   made: its signed steps since the feeder last cleared them
+
+# Feeder.state. First the terms of the segment under way, for steps/pace.py:
+PACE_SHORT = const(0)  # a word of the shorter interval, without its mask
+PACE_TICK = const(1)  # one tick in a word
+PACE_REST = const(2)  # PACE_REST / PACE_OVER: the share of the intervals that are a tick longer
+PACE_OVER = const(3)
+PACE_CARRY = const(4)
+PACE_FIELDS = const(5)
+FEED_BITS = const(5)  # of a word's levels
+FEED_AXES = const(6)
+FEED_MASK = const(7)  # the ring's size − 1
+FEED_LIMIT = const(8)  # words that may lie between the oldest mark and the next segment
+FEED_SETUP = const(9)  # ticks between a change of direction and the next step
+FEED_LEVELS = const(10)  # step form of the levels now: directions and tool
+FEED_DEBT = const(11)  # ticks of set-up that the intervals to come still owe
+FEED_TICKS = const(12)  # of all segments made, modulo 2²⁹, as the next four are
+FEED_HEAD = const(13)  # words made
+FEED_OLDEST = const(14)  # mark: the last segment played
+FEED_NEWEST = const(15)  # mark: the last segment made
+FEED_INDEX = const(16)  # dominant steps of its block made so far; of a track, the place
+FEED_PACE = const(17)  # mean speed of the segment under way, as RAMP_PACE; 0 at a stand
+FEED_PLAYED = const(18)  # words played when segments were last retired
+FEED_PLACE = const(19)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
+
+# A mark of Feeder._marks: a checkpoint at the end of a segment. Then the position, of each axis.
+MARK_WORD = const(0)  # words so far, modulo 2²⁹
+MARK_TICKS = const(1)
+MARK_INDEX = const(2)
+MARK_ENDS = const(3)  # 1 if the segment is its block's last
+MARK_PACE = const(4)
+MARK_FIELDS = const(5)
+MARKS = const(64)  # most segments made and not yet played, a power of two
+
+# GCode._place: what plain lines are understood by; three numbers each if they are the axes'. Places from PLAIN_LOW on have
+# 2²⁹ added, so that none is negative.
+PLAIN_AXES = const(0)
+PLAIN_RELATIVE = const(1)  # 1: G91
+PLAIN_MODAL = const(2)  # 0 or 1: G0 or G1 holds
+PLAIN_FEED = const(3)  # nm/s
+PLAIN_POSITION = const(4)  # machine coordinates, nm
+PLAIN_OFFSET = const(7)  # machine place − programme place, nm
+PLAIN_RESOLUTION = const(10)  # steps a metre
+PLAIN_TARGET = const(13)  # steps
+PLAIN_TO = const(16)  # where the line leads as far as it has been read, nm
+PLAIN_INCHES = const(19)  # 1: G20
+PLAIN_NUMBER = const(20)  # of the line
+PLAIN_AFTER = const(21)  # where the next line begins
+PLAIN_DELTAS = const(22)  # steps of the last one
+PLAIN_LOW = const(25)  # the travel, steps
+PLAIN_HIGH = const(28)
+PLAIN_LEAST = const(31)  # feed, nm/s: steps are no more than 40 s apart
+PLAIN_FULL = const(32)  # S of full power; 0: S counts for nothing; 1: it must not change
+PLAIN_RPM = const(33)  # S
+PLAIN_LIT = const(34)  # 1: the beam is on
+PLAIN_POWER = const(35)  # thousandths
+PLAIN_FIELDS = const(36)
