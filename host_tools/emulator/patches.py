@@ -5,8 +5,8 @@
 Each takes the emulated chip. The larger ones have a module of their own, which also says what is wrong: `uart`, `pio`;
 the pads and the USB port belong to `pico.EmulatedPico`, with switches of the same kind.
 
-Not modelled, here or there: the flash cache (all flash reads take one cycle more than RAM, none misses), the time of
-exception entry and exit, bus contention, the second core, the two-cycle synchroniser of inputs, and the time that
+The flash cache and the faults of accesses that are not aligned are in `flash_cache`. Not modelled, here or there: the time
+of exception entry and exit, bus contention, the second core, the two-cycle synchroniser of inputs, and the time that
 flash takes to erase (milliseconds here, tens of them on silicon). Timings are therefore a lower bound.
 """
 

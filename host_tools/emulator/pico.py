@@ -10,11 +10,13 @@
     pico.hard_reset(); pico.power_cycle()
 
 `files` is {path: bytes} or a folder of the PC; `image` a whole file system, as `image()` gives it. With neither the
-Pico is blank, as it comes out of its bag. `leave_out` names patches not to apply (see `patches`).
+Pico is blank, as it comes out of its bag. `leave_out` names patches not to apply (see `patches`). `flash_miss`: the cycles
+that a miss of the flash cache costs, which PASSO_FLASH_MISS says otherwise; 0 leaves them out (see `flash_cache`).
 """
 
-from host_tools.emulator import binary, cycles, filesystem, patches
+from host_tools.emulator import binary, cycles, filesystem, native, patches
 from host_tools.emulator.console import Console
+from host_tools.emulator.flash_cache import FlashCache, wanted_cycles
 from host_tools.emulator.loop import Loop
 from host_tools.emulator.pads import Pads
 from host_tools.emulator.usb import UsbPort
@@ -25,10 +27,11 @@ BOOT_LIMIT_US = 5_000_000
 
 
 class EmulatedPico:
-    def __init__(self, files=None, image=None, uf2=None, leave_out=()):
+    def __init__(self, files=None, image=None, uf2=None, leave_out=(), flash_miss=None):
         binary.load_emulator()
         self._uf2 = uf2 or binary.find_uf2()
         self._leave_out = leave_out
+        self._flash_miss = wanted_cycles() if flash_miss is None else flash_miss
         if files is not None:
             image = filesystem.make_image(files if isinstance(files, dict) else filesystem.folder_files(files))
         self._build(image)
@@ -44,7 +47,9 @@ class EmulatedPico:
         self._clock = self.chip.clock
         self._halted = False
         patches.apply(self.chip, self._leave_out)
-        self._loop = Loop(self.chip)
+        self.flash_cache = FlashCache(self.chip)
+        self.flash_cache.miss_cycles = self._flash_miss
+        self._loop = self._make_loop()
         self.pads = Pads(self.chip, "loop_back" not in self._leave_out)
         self.usb = UsbPort(self._device.cdc, "usb" not in self._leave_out)
         self.usb.on_reset = self.pads.after_reset
@@ -53,6 +58,13 @@ class EmulatedPico:
         if image is not None:
             start = filesystem.FLASH_OFFSET
             self.chip.flash[start : start + len(image)] = image
+
+    def _make_loop(self):
+        if "pio" not in self._leave_out and native.library():
+            return native.NativeLoop(self.chip, self.flash_cache)
+        if self._flash_miss:
+            self.flash_cache.watch()
+        return Loop(self.chip)
 
     # --- time
 

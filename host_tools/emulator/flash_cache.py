@@ -1,0 +1,185 @@
+"""The cache before the Pico's flash (RP2040 datasheet, 2.6.3): 16 kB, two ways, lines of 8 bytes; a hit costs nothing.
+
+    cache = FlashCache(chip)
+    cache.miss_cycles = 50          # what a miss costs; 0 is rp2040py's own time
+    cache.accesses, cache.misses
+
+Fetches of instructions and reads of data by the processor count, each access for itself; DMA's do not. The datasheet does
+not say which of two lines gives way: here the one used longer ago, or with `random` either. 0x11… allocates no line,
+0x12… and 0x13… look none up. A flush empties the cache and takes 1024 cycles; a disabled cache never hits.
+Not modelled: the processor's prefetch, which also fetches beyond a branch taken; the shorter transfer of an access that
+bypasses the cache; two masters at once.
+
+Where the processor is core.c (see `native`), the model is there, and costs no time. Otherwise `watch` puts it into
+rp2040py's own reads of memory, which makes everything five times slower, and only where a miss is to cost anything.
+"""
+
+import ctypes
+import os
+
+SETS = 1024
+_VALID = 1 << 31
+_FLUSH_CYCLES = 1024
+_CONTROL, _FLUSH, _HITS, _ACCESSES = 0x00, 0x04, 0x0C, 0x10
+_FLASH, _FLASH_END, _RAM, _OFFSET = 0x10000000, 0x14000000, 0x20000000, 0xFFFFFF
+_NO_ALLOCATION, _NO_LOOK_UP = 1 << 24, 1 << 25
+
+
+class Fault(Exception):
+    """What is a HardFault on silicon."""
+
+    WHAT = ""
+
+    def __init__(self, pc, address):
+        super().__init__(f"{self.WHAT} {address:#010x} at pc {pc:#010x}")
+        self.pc, self.address = pc, address
+
+
+class Unaligned(Fault):
+    """A Cortex-M0+ reads and writes words and halfwords at multiples of their size only."""
+
+    WHAT = "unaligned access to"
+
+
+class NotThumb(Fault):
+    """A Cortex-M0+ knows Thumb only: bit 0 of a branch's target is set."""
+
+    WHAT = "branch to the even address"
+
+
+class Core(ctypes.Structure):
+    """The state that core.c works on."""
+
+    _fields_ = [
+        ("r", ctypes.c_void_p),
+        ("ram", ctypes.c_void_p),
+        ("flash", ctypes.c_void_p),
+        ("rom", ctypes.c_void_p),
+        ("profile", ctypes.c_void_p * 2),
+        ("cycles", ctypes.c_int64),
+        ("accesses", ctypes.c_uint64),
+        ("misses", ctypes.c_uint64),
+        ("fault", ctypes.c_uint32),
+        ("miss_cycles", ctypes.c_uint32),
+        ("disabled", ctypes.c_uint32),
+        ("random", ctypes.c_uint32),
+        ("sio", ctypes.c_uint32 * 6),  # divider and spinlocks
+        ("tags", ctypes.c_uint32 * (2 * SETS)),
+    ]
+
+
+def _of_the_state(name):
+    return property(lambda self: getattr(self.state, name), lambda self, value: setattr(self.state, name, value))
+
+
+class FlashCache:
+    accesses, misses, miss_cycles = map(_of_the_state, ("accesses", "misses", "miss_cycles"))
+
+    def __init__(self, chip, random=False):
+        self.state = Core(random=int(random))
+        self._chip = chip
+        self._registers()
+
+    def flush(self):
+        ctypes.memset(self.state.tags, 0, ctypes.sizeof(self.state.tags))
+
+    def _registers(self):
+        """XIP_CTRL, with its counters as they are."""
+        control, state, clock = self._chip.xip_ctrl, self.state, self._chip.clock
+        read, write, reset = control.read_uint32, control.write_uint32, control.reset
+        cleared = [0, 0]  # accesses and hits before the counters were cleared
+
+        def counted():
+            return state.accesses - cleared[0], state.accesses - state.misses - cleared[1]
+
+        def read_uint32(offset):
+            if offset in (_HITS, _ACCESSES):
+                return min(counted()[offset == _HITS], 0xFFFFFFFF)
+            return read(offset)
+
+        def write_uint32(offset, value):
+            write(offset, value)
+            if offset == _CONTROL:
+                state.disabled = not value & 1
+            elif offset == _FLUSH and value & 1:
+                self.flush()
+                if state.miss_cycles:
+                    clock.tick(_FLUSH_CYCLES * 8.0)
+            elif offset in (_HITS, _ACCESSES):
+                place = offset == _HITS
+                cleared[place] += counted()[place]
+
+        def restart():
+            reset()
+            self.flush()
+            state.disabled = 0
+
+        control.read_uint32, control.write_uint32, control.reset = read_uint32, write_uint32, restart
+
+    def touch(self, address):
+        """An access by the processor; the cycles that it waits."""
+        state, tags = self.state, self.state.tags
+        line = (address & _OFFSET) >> 3
+        tag, first = line | _VALID, 2 * (line % SETS)
+        state.accesses += 1
+        if not (address & _NO_LOOK_UP or state.disabled):
+            if tags[first] == tag:
+                return 0
+            if tags[first + 1] == tag:
+                tags[first], tags[first + 1] = tag, tags[first]
+                return 0
+        state.misses += 1
+        if not (address & _NO_ALLOCATION or state.disabled):
+            if not state.random:
+                tags[first + 1] = tags[first]
+            else:
+                state.random = state.random * 1664525 + 1013904223 | 1
+                first += state.random >> 16 & 1
+            tags[first] = tag
+        return state.miss_cycles
+
+    def watch(self):
+        """Put the model, and the faults, into rp2040py's reads and writes."""
+        chip, core, tick, touch = self._chip, self._chip.core, self._chip.clock.tick, self.touch
+        flash, ram = memoryview(chip.flash), memoryview(chip.sram)
+
+        def reading(name, width, code):
+            stock = getattr(chip, name)
+            flash_as, ram_as = flash.cast("B").cast(code), ram.cast("B").cast(code)
+            ram_end, shift = _RAM + len(ram), width >> 1
+
+            def read(address):
+                if address & width - 1:
+                    raise Unaligned(core.pc - 2, address)
+                if _RAM <= address < ram_end:
+                    return ram_as[address - _RAM >> shift]
+                if _FLASH <= address < _FLASH_END:
+                    waits = touch(address)
+                    if waits:
+                        tick(waits * 8.0)
+                    return flash_as[(address & _OFFSET) >> shift]
+                return stock(address)
+
+            return read
+
+        def writing(name, width):
+            stock = getattr(chip, name)
+
+            def write(address, value):
+                if address & width - 1:
+                    raise Unaligned(core.pc - 2, address)
+                stock(address, value)
+
+            return write
+
+        for width, code in ((1, "B"), (2, "H"), (4, "I")):
+            name = f"read_uint{8 * width}"
+            setattr(chip, name, reading(name, width, code))
+        for width in (2, 4):
+            name = f"write_uint{8 * width}"
+            setattr(chip, name, writing(name, width))
+
+
+def wanted_cycles():
+    """What a miss costs if nobody says: PASSO_FLASH_MISS, or nothing."""
+    return int(os.environ.get("PASSO_FLASH_MISS") or 0)

@@ -1,0 +1,119 @@
+"""The loop that runs an emulated Pico where a C compiler is at hand: core.c beside rp2040py's processor.
+
+    loop = NativeLoop(chip, cache)      # of `flash_cache.FlashCache`
+    loop.run()                          # until loop.ended is set
+
+core.c carries out most instructions, some twenty-five times as fast as rp2040py; what concerns peripherals, exceptions and
+sleep is left to rp2040py, on the same registers and memories, at the same cycles. It is compiled once, into ~/.cache/passo.
+Without a compiler, or with PASSO_NATIVE=0, `loop.Loop` does the same at rp2040py's pace.
+
+An access that is not aligned raises Unaligned, and a branch to an even address NotThumb, where silicon has a HardFault.
+"""
+
+import ctypes
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from functools import lru_cache
+from pathlib import Path
+
+from host_tools.emulator.binary import CACHE
+from host_tools.emulator.cycles import CYCLE_NS
+from host_tools.emulator.flash_cache import Core, NotThumb, Unaligned
+
+_SOURCE = Path(__file__).with_name("core.c")
+_OPTIONS = ("-O2", "-std=gnu11", "-fno-strict-aliasing", "-shared", "-fPIC")
+_NOT_MINE, _UNALIGNED, _NOT_THUMB = 1, 2, 3
+
+
+@lru_cache(maxsize=1)
+def library():
+    """The compiled core.c, or None."""
+    if os.environ.get("PASSO_NATIVE") == "0" or sys.byteorder != "little":
+        return None
+    source = _SOURCE.read_bytes()
+    path = CACHE / f"core-{hashlib.sha256(source).hexdigest()[:16]}.so"
+    try:
+        if not path.exists():
+            _compile(path)
+        found = ctypes.CDLL(str(path))
+    except (OSError, subprocess.CalledProcessError):
+        return None
+    found.core_run.argtypes = (ctypes.c_void_p, ctypes.c_int64, ctypes.c_uint32)
+    found.core_run.restype = ctypes.c_uint32
+    assert found.core_size() == ctypes.sizeof(Core)
+    return found
+
+
+def _compile(path):
+    compiler = os.environ.get("CC") or shutil.which("cc") or shutil.which("gcc") or shutil.which("clang")
+    if not compiler:
+        raise FileNotFoundError("no C compiler")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=path.parent) as folder:
+        made = Path(folder) / path.name
+        command = [*compiler.split(), *_OPTIONS, "-o", str(made), str(_SOURCE)]
+        subprocess.run(command, check=True, capture_output=True)
+        made.replace(path)
+
+
+def _address(buffer):
+    """Where a buffer's bytes are; they stay there as long as the chip lives."""
+    return ctypes.addressof(ctypes.c_char.from_buffer(buffer))
+
+
+class NativeLoop:
+    def __init__(self, chip, cache):
+        self._chip = chip
+        self.clock = chip.clock
+        self.ended = False
+        state = self._state = cache.state
+        state.r, state.ram = _address(chip.core.registers), _address(chip.sram)
+        state.flash, state.rom = _address(chip.flash), _address(chip.bootrom)
+        self._pointer = ctypes.addressof(state)
+        self._run = library().core_run
+        reset = chip.sio.reset
+
+        def restart():
+            reset()
+            ctypes.memset(state.sio, 0, ctypes.sizeof(state.sio))
+
+        chip.sio.reset = restart
+
+    def run(self):
+        chip, core, clock, state, pointer, run = (
+            self._chip, self._chip.core, self.clock, self._state, self._pointer, self._run
+        )
+        self.ended = False
+        if chip.run_pin_low:
+            return
+        while not self.ended:
+            if core.waiting:
+                clock.tick(clock.nanos_to_next_alarm)
+                continue
+            budget = -(-clock.nanos_to_next_alarm // CYCLE_NS)
+            if core.interrupts_updated:
+                if core.check_for_interrupts():
+                    core.waiting = False
+                if core.interrupts_updated:
+                    budget = 1  # rp2040py looks again after the first instruction of the handler
+            masked = core.pm
+            said = run(pointer, int(budget), core.apsr | core.ipsr << 8 | core.current_mode << 1 | masked)
+            core.apsr = said
+            if said & 1 != masked:
+                core.pm = said & 1
+            spent = state.cycles
+            if spent:
+                clock.tick(spent * 8.0)
+            why = said >> 2 & 7
+            if why:
+                if why == _NOT_MINE:
+                    if not core.interrupts_updated and not self.ended:
+                        clock.tick(core.execute_instruction() * 8.0)
+                elif why == _UNALIGNED:
+                    raise Unaligned(core.pc, state.fault)
+                else:
+                    raise NotThumb(core.pc, state.fault)
