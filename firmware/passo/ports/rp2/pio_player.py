@@ -53,6 +53,11 @@ _ARMED = const(20)  # words of the ring that stand in the table, modulo 2²⁹
 _SLOT = const(21)  # the table's end mark
 _PLAYED = const(22)  # words played, while not playing
 _HELD = const(23)
+_STUCK = const(24)  # 1: a register that was waited for never came to its value
+
+# Looks at a register that should be right after two or three of them; as many take a fifth of a millisecond.
+_TRIES = const(1000)
+STUCK = RuntimeError("the player's DMA or state machine does not answer")  # here: an interrupt must not make one
 
 
 class PioPlayer:
@@ -73,7 +78,7 @@ class PioPlayer:
         self._dma = [rp2.DMA() for _ in range(3)]
         channels = [0x50000000 + 0x40 * dma.channel for dma in self._dma]
         out = base | layout.bits << 20
-        self._state = array("I", [0] * 24)
+        self._state = array("I", [0] * 25)
         for index, value in (
             (_PIO, pio), (_SM, pio + 0xC8 + 0x18 * number), (_A, channels[0]), (_B, channels[1]), (_C, channels[2]),
             (_D, channels[0]), (_ABORT, chip.ABORT),
@@ -146,14 +151,19 @@ def _run(state: ptr32, instruction: int):
 
 @micropython.viper
 def _still(state: ptr32):
-    """No DMA channel is active. None is enabled either: one that is aborted may set off the next (RP2350-E5)."""
+    """No DMA channel is active. None is enabled either: one that is aborted may set off the next (RP2350-E5). One that
+    does not stop is left alone: the state machine does not run, and nothing is played any more."""
     for field in range(_A, _D + 1):
         channel = ptr32(state[field])
         channel[4] = channel[4] & ~1
     abort = ptr32(state[_ABORT])
     abort[0] = state[_CHANNELS]
+    tries = _TRIES
     while abort[0] & state[_CHANNELS]:
-        pass
+        tries -= 1
+        if tries == 0:
+            state[_STUCK] = 1
+            return
 
 
 @micropython.viper
@@ -211,12 +221,16 @@ def _count(state: ptr32) -> int:
     read = 0
     level = 0
     address = 0
-    while True:
+    tries = _TRIES
+    while tries:
         read = a[0]
         level = (pio[3] >> shift) & 15
         address = sm[3]
         if a[0] == read and (pio[3] >> shift) & 15 == level:
             break
+        tries -= 1
+    if tries == 0:
+        state[_STUCK] = 1
     armed = state[_ARMED]  # after the address: an interrupt in between only makes it larger
     left = (armed - ((read - state[_WORDS]) >> 2)) & state[_MASK]
     if address == state[_FIRST] + 1:
@@ -308,6 +322,8 @@ def _resume(state: ptr32):
 
 @micropython.viper
 def append(state: ptr32, head: int) -> bool:
+    if state[_STUCK]:
+        raise STUCK  # the feeding interrupt catches it, and the main loop ends with it: outputs safe, a report
     if state[_HELD]:
         return False
     dry = False

@@ -1,0 +1,110 @@
+"""No wait in ports/ is without an end: what a chip's register never answers is given up, and said."""
+
+import ast
+import itertools
+import sys
+import types
+
+import pytest
+
+from host_tools.build import FIRMWARE
+
+PORTS = FIRMWARE / "passo" / "ports"
+ABORT, BUSY = 0x50000444, 1 << 24
+CHANNELS = 0b111
+
+
+class Registers:
+    """A chip whose registers keep what is written to them; those in `odd` answer by a function instead."""
+
+    def __init__(self, odd=()):
+        self.kept = {}
+        self.odd = dict(odd)
+
+    def pointer(self, address):
+        return address if isinstance(address, list) else Pointer(self, address)
+
+
+class Pointer:
+    def __init__(self, registers, address):
+        self._registers, self._address = registers, address
+
+    def __getitem__(self, index):
+        address = self._address + 4 * index
+        odd = self._registers.odd
+        return odd[address]() if address in odd else self._registers.kept.get(address, 0)
+
+    def __setitem__(self, index, value):
+        self._registers.kept[self._address + 4 * index] = value
+
+
+@pytest.fixture
+def player(monkeypatch):
+    """player(odd): pio_player's names, whose viper functions see Registers(odd); a state that plays."""
+    fakes = {name: types.ModuleType(name) for name in ("rp2", "uctypes", "passo.ports.rp2.chip", "passo.ports.rp2.programs")}
+    for name, fake in fakes.items():
+        monkeypatch.setitem(sys.modules, name, fake)
+
+    def make(odd=()):
+        names = {"__name__": "pio_player", "ptr32": Registers(odd).pointer}
+        source = (PORTS / "rp2" / "pio_player.py").read_text(encoding="utf-8")
+        exec(source, names)
+        state = [0] * 32
+        for name, value in {"_PIO": 0x50200000, "_SM": 0x502000C8, "_A": 0x50000000, "_B": 0x50000040, "_C": 0x50000080,
+                            "_D": 0x50000000, "_COUNTS": 0x20001000, "_ADDRESSES": 0x20001100, "_WORDS": 0x20002000,
+                            "_ABORT": ABORT, "_MASK": 4095, "_CHANNELS": CHANNELS, "_BUSY": BUSY, "_BITS": 9,
+                            "_FIRST": 20, "_PLAYING": 1}.items():  # fmt: skip
+            state[names[name]] = value
+        return types.SimpleNamespace(**names), state
+
+    return make
+
+
+NEVER_STOPS = {ABORT: lambda: CHANNELS}
+NEVER_THE_SAME = {0x50000000: itertools.count(0x20002000, 4).__next__}
+
+
+def test_channels_that_stop_are_waited_for(player):
+    looks = iter([CHANNELS, CHANNELS, 0b100] + [0] * 100)
+    module, state = player({ABORT: looks.__next__})
+    module._still(state)
+    assert next(looks) == 0 and not state[module._STUCK]
+
+
+@pytest.mark.parametrize("name", ["_still", "_quiet", "_halt", "_stop"])
+def test_channels_that_never_stop_are_given_up(player, name):
+    module, state = player(NEVER_STOPS)
+    getattr(module, name)(state)
+    assert state[module._STUCK]
+
+
+@pytest.mark.parametrize("name, more", [("_count", ()), ("_played", ()), ("_halt", ()), ("_stop", ()), ("_busy", (5,)),
+                                        ("_rest", (0,))])  # fmt: skip
+def test_a_place_that_never_settles_is_given_up(player, name, more):
+    module, state = player({**NEVER_THE_SAME, ABORT: lambda: 0})
+    getattr(module, name)(state, *more)
+    assert state[module._STUCK]
+
+
+def test_a_player_that_is_stuck_plays_nothing_and_says_so(player):
+    module, state = player(NEVER_STOPS)
+    module._halt(state)
+    registers = module._halt.__globals__["ptr32"].__self__
+    before = dict(registers.kept)
+    with pytest.raises(RuntimeError, match="does not answer"):
+        module.append(state, 5)
+    assert registers.kept == before
+
+
+def loops():
+    for path in sorted(PORTS.rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.While):
+                yield pytest.param(node, id=f"{path.relative_to(PORTS).as_posix()}:{node.lineno}")
+
+
+@pytest.mark.parametrize("loop", list(loops()))
+def test_who_only_waits_looks_at_the_clock(loop):
+    """A loop that does nothing but ask again ends by the clock, or by a count."""
+    if all(isinstance(statement, (ast.Pass, ast.Continue)) for statement in loop.body):
+        assert "ticks_diff(" in ast.unparse(loop.test), "a wait without an end"
