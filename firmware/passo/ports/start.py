@@ -17,6 +17,10 @@ import machine
 from machine import Pin
 from micropython import alloc_emergency_exception_buf, const
 
+if __file__.endswith(".py") and (1, 26) <= sys.implementation.version[:2] < (1, 28):
+    # Their own compiler for viper overwrites the index in `words[i] = …` (MicroPython #18800).
+    raise RuntimeError("source files want MicroPython 1.28; with 1.26 and 1.27 use passo flash, which sends compiled ones")
+
 GRACE_MS = const(2000)  # after a reset, in which Ctrl-C still gives the REPL
 REPORT = "crash.txt"
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN}
