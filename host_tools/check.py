@@ -28,6 +28,9 @@ def check(
     from host_tools import gcode_file
     from host_tools.virtual_job import VirtualJob
 
+    if out:
+        import matplotlib  # noqa: F401  before the job runs, not after it
+
     job = VirtualJob(board)
     job.run(gcode_file.read(file))
     for line in summary(job):

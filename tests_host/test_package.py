@@ -8,6 +8,7 @@ import tomllib
 from importlib.metadata import packages_distributions
 
 from host_tools import package_list
+from host_tools.resources import ROOT
 
 OWN = {"passo", "host_tools", "boards", "micropython"}
 
@@ -23,7 +24,7 @@ def test_the_file_is_as_written():
 
 def test_every_listed_file_is_there():
     for _, source in json.loads(package_list.PACKAGE.read_text(encoding="utf-8"))["urls"]:
-        assert (package_list.ROOT / source).is_file(), source
+        assert (ROOT / source).is_file(), source
 
 
 def imported(folder):
@@ -42,15 +43,36 @@ def plain(name):
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
+def pyproject():
+    return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+
+
+def project():
+    return pyproject()["project"]
+
+
 def test_every_import_of_the_host_tools_is_declared():
-    project = tomllib.loads((package_list.ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-    declared = {plain(re.match(r"[\w.-]+", line)[0]) for line in project["dependencies"] + extras(project)}
+    declared = {plain(re.match(r"[\w.-]+", line)[0]) for line in project()["dependencies"] + extras(project())}
     owners = packages_distributions()
     missing = {
-        name for name in imported(package_list.ROOT / "host_tools") if not declared & set(map(plain, owners.get(name, [])))
+        name for name in imported(ROOT / "host_tools") if not declared & set(map(plain, owners.get(name, [])))
     }
     assert not missing, f"imported, but not a dependency in pyproject.toml: {', '.join(sorted(missing))}"
 
 
 def extras(project):
     return [line for lines in project["optional-dependencies"].values() for line in lines]
+
+
+def test_every_package_is_installed():
+    """pyproject.toml names each folder with modules: one that it does not name is in no wheel."""
+    declared = pyproject()["tool"]["setuptools"]
+    folders = {path.parent.relative_to(ROOT).as_posix()
+               for top in ("host_tools", "firmware", "boards") for path in (ROOT / top).rglob("*.py")}  # fmt: skip
+    mapped = declared["package-dir"]
+
+    def folder_of(package):
+        start = max((name for name in mapped if package == name or package.startswith(name + ".")), key=len)
+        return mapped[start] + package[len(start) :].replace(".", "/")
+
+    assert {folder_of(package) for package in declared["packages"]} == folders

