@@ -1,0 +1,138 @@
+"""The project as pip installs it, not editable: a wheel of a copy of the sources, in a fresh environment, used in another
+folder. What it depends on is that of the environment the tests run in; the project itself is not.
+"""
+
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import sysconfig
+import venv
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from host_tools import boards
+from host_tools.resources import FIRMWARE, ROOT
+
+pytestmark = pytest.mark.xdist_group("install")
+COPIED = ("LICENSE", "README.md", "boards", "firmware", "host_tools", "pyproject.toml")
+GCODE = "G21G90\nG1X10F600\nG2X20Y10I10J0\nM2\n"
+SVG = (
+    '<svg xmlns="http://www.w3.org/2000/svg" width="40mm" height="30mm" viewBox="0 0 40 30">'
+    '<path d="M5 5 L35 5 L35 25 Z" fill="none" stroke="black"/></svg>'
+)
+
+
+@pytest.fixture(scope="module")
+def wheel(tmp_path_factory):
+    """The wheel's file."""
+    pytest.importorskip("setuptools", "70.1")
+    folder = tmp_path_factory.mktemp("wheel")
+    source = folder / "source"
+    source.mkdir()
+    for name in COPIED:
+        if (ROOT / name).is_dir():
+            shutil.copytree(ROOT / name, source / name, ignore=shutil.ignore_patterns("__pycache__"))
+        else:
+            shutil.copyfile(ROOT / name, source / name)
+    command = [sys.executable, "-m", "pip", "wheel", "--quiet", "--no-deps", "--no-index", "--no-build-isolation"]
+    done = subprocess.run([*command, "-w", folder, source], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    return next(folder.glob("passo-*.whl"))
+
+
+@pytest.fixture(scope="module")
+def passo(wheel, tmp_path_factory):
+    """passo(*arguments) runs the installed command in `passo.folder`; with start=True it only starts it."""
+    folder = tmp_path_factory.mktemp("installed")
+    environment = folder / "environment"
+    venv.create(environment, with_pip=False)
+    python = environment / "bin" / "python"
+    command = [sys.executable, "-m", "pip", "--quiet", "--disable-pip-version-check", "--python", python, "install"]
+    done = subprocess.run([*command, "--no-deps", "--no-index", "--no-compile", wheel], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout + done.stderr
+    site = next((environment / "lib").glob("python*/site-packages"))
+    # A path in a .pth file is searched, but the .pth files there are not read: an editable project stays out of it.
+    (site / "dependencies.pth").write_text(sysconfig.get_path("purelib") + "\n")
+    elsewhere = folder / "elsewhere"
+    elsewhere.mkdir()
+    kept = {name: value for name, value in os.environ.items() if name not in ("PYTHONPATH", "VIRTUAL_ENV")}
+
+    def run(*arguments, start=False):
+        words = [environment / "bin" / "passo", *arguments]
+        options = {"cwd": elsewhere, "env": {**kept, "COLUMNS": "200"}, "stdin": subprocess.DEVNULL, "text": True}
+        if start:
+            return subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.PIPE, **options)
+        return subprocess.run(words, capture_output=True, timeout=300, **options)
+
+    run.folder = elsewhere
+    run.site = site
+    return run
+
+
+def good(result):
+    assert result.returncode == 0, result.stdout + result.stderr
+    return result.stdout
+
+
+def test_the_wheel_is_whole(wheel):
+    names = set(zipfile.ZipFile(wheel).namelist())
+    modules = {path.relative_to(FIRMWARE).as_posix() for path in (FIRMWARE / "passo").rglob("*.py")}
+    modules |= {path.relative_to(ROOT).as_posix() for path in (ROOT / "host_tools").rglob("*.py")}
+    modules |= {f"passo_boards/{name}.py" for name in boards.names()} | {"host_tools/firmware/main.py"}
+    assert not modules - names
+
+
+def test_its_top_level_has_names_of_its_own(wheel):
+    top = {name.split("/")[0] for name in zipfile.ZipFile(wheel).namelist()}
+    assert {name for name in top if not name.endswith(".dist-info")} == {"host_tools", "passo", "passo_boards"}
+
+
+def test_version_and_first_steps(passo):
+    assert re.fullmatch(r"passo \d+\.\d+\.\d+\n", good(passo("--version")))
+    assert "Try this first" in good(passo())
+
+
+def test_nothing_of_the_checkout_is_used(passo):
+    script = "import host_tools.resources as r, passo; print(r.FIRMWARE, r.MAIN, r.BOARDS, passo.__path__[0])"
+    python = passo.site.parents[2] / "bin" / "python"
+    said = subprocess.run([python, "-c", script], cwd=passo.folder, capture_output=True, text=True, check=True).stdout
+    places = [Path(place) for place in said.split()]
+    assert len(places) == 4 and all(place.is_relative_to(passo.site) and place.exists() for place in places)
+
+
+def test_build_and_flash_from_another_folder(passo):
+    assert "bytes in all" in good(passo("build", "--board", "plotter_2014"))
+    built = passo.folder / "build" / "plotter_2014"
+    assert (built / "main.py").read_text() == (FIRMWARE / "main.py").read_text()
+    assert (built / "board.py").read_text() == (ROOT / "boards" / "plotter_2014.py").read_text()
+    assert (built / "passo" / "app.mpy").is_file() and (built / "passo" / "protocols" / "plotter.mpy").is_file()
+    last = good(passo("flash", "--board", "plotter_2014", "--dry-run")).splitlines()[-1]
+    assert str(passo.site / "host_tools" / "tidy_board.py") in last
+
+
+def test_a_board_file_of_the_users_own_by_path(passo, tmp_path):
+    own = tmp_path / "mine.py"
+    own.write_text((ROOT / "boards" / "plotter_2014.py").read_text().replace('"baud": 57600', '"baud": 19200'))
+    assert own.read_text() != (ROOT / "boards" / "plotter_2014.py").read_text()
+    good(passo("build", "--board", own))
+    assert (passo.folder / "build" / "mine" / "board.py").read_text() == own.read_text()
+    relative = os.path.relpath(own, passo.folder)
+    good(passo("flash", "--board", relative, "--dry-run"))
+    process = passo("board", "--board", relative, "--time", "fast", start=True)
+    assert process.stdout.readline().startswith("port: /dev/")
+    process.send_signal(signal.SIGTERM)
+    assert process.wait(20) == 0, process.stderr.read()
+    process.stdout.close()
+    process.stderr.close()
+
+
+def test_check_and_draw(passo):
+    (passo.folder / "part.gcode").write_text(GCODE)
+    (passo.folder / "part.svg").write_text(SVG)
+    assert "time" in good(passo("check", "part.gcode"))
+    good(passo("draw", "part.svg", "--dry-run"))
