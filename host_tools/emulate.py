@@ -1,6 +1,7 @@
 """`passo emulate`: the firmware as it is flashed, on an emulated Pico, with a machine wired to its pins."""
 
 import signal
+import sys
 import time
 from pathlib import Path
 from typing import Annotated, List, Optional
@@ -14,6 +15,7 @@ SLICE_US = 2000  # how long the emulated Pico runs before its lines are served a
 LAG_S = 0.1  # behind the wall clock by more than this is given up, not caught up with
 IDLE_MS = 20
 FLUSH_S = 0.5
+UP_LIMIT_MS = 10_000  # emulated; the largest firmware is up after 4 s
 
 
 def emulate(
@@ -43,9 +45,12 @@ def emulate(
 ):
     """Run the firmware on an emulated Pico, and a machine with it.
 
-    Prints the ports to open: `port: PATH` for UART0 (the first link), `usb: URL` for the USB serial port. It keeps to
-    the wall clock where it can; a busy Pico is emulated about 25 times slower than it is. SIGUSR1 presses the reset
-    button. Ends on SIGTERM or Ctrl-C.
+    Prints the ports to open: `usb: URL` for the USB serial port, once it is there, and `port: PATH` for UART0 (the first
+    link), once the firmware listens. It keeps to the wall clock where it can; a busy Pico is emulated about 25 times
+    slower than it is, so that a start may take a minute. SIGUSR1 presses the reset button. Ends on SIGTERM or Ctrl-C.
+
+    It runs MicroPython's own UF2 for the Pico: the file that PASSO_UF2 names, the newest in ~/.cache/passo/, or the
+    release that it fetches from micropython.org.
 
     Examples:
 
@@ -53,29 +58,44 @@ def emulate(
 
         passo emulate --blank --tcp 5001, then: make flash BOARD=plotter_2014 PORT=socket://localhost:5001
     """
-    from host_tools.emulator.machine import EmulatedMachine
+    from host_tools import boards
+    from host_tools.emulator.binary import find_uf2, load_emulator
     from passo.control.boardfile import BoardError
 
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: sys.exit(0))  # while nothing runs yet that has to be brought to an end
+    load_emulator()
+    from host_tools.emulator.machine import EmulatedMachine
+
+    uf2 = find_uf2()
+    boards.load(board)
     options = {
         "start": _positions(start),
         "bounce_ms": bounce_ms,
         "faults": _pairs("--fault", fault, None),
         "seed": seed,
     }
+    if not blank:
+        tell(f"building the firmware of {board}")
     try:
-        machine = EmulatedMachine(board, {} if blank else None, trace, vcd, **options)
+        machine = EmulatedMachine(board, {} if blank else None, trace, vcd, uf2, **options)
     except (BoardError, ValueError) as error:
         raise Failure(f"board {board}: {error}") from error
     except OSError as error:
         raise Failure(f"cannot write {error.filename}: {error.strerror}") from error
     try:
-        serve(machine, {0: uart0, 1: uart1}, tcp)
+        serve(machine, {0: uart0, 1: uart1}, tcp, blank)
     finally:
         machine.close()
     _summary(machine.plant)
 
 
-def serve(machine, symlinks, tcp):
+def tell(text):
+    """What is going on, for who waits for a port."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def serve(machine, symlinks, tcp, blank=False):
     """Run until SIGTERM or SIGINT, with a pty for each UART that a link uses and a socket for USB."""
     from host_tools.serial_line import PtyLine, TcpLine
 
@@ -90,24 +110,42 @@ def serve(machine, symlinks, tcp):
             ptys[name] = PtyLine(symlinks[machine.uart_number(name)])
         if tcp is not None:
             usb = TcpLine(tcp)
-        machine.boot()
-        for index, (name, line) in enumerate(ptys.items()):
-            print(f"port: {line.name}" if index == 0 else f"port {name}: {line.name}", flush=True)
-        if usb is not None:
+        if not ptys and usb is None:
+            raise Failure("all links of this board are on USB: give --tcp to open it")
+        if not blank:
+            tell("the Pico starts: it loads the firmware for some two seconds of its own time, up to a minute of yours")
+        machine.boot(lambda: stopped)
+        if usb is not None and not stopped:
             print(f"usb: {usb.name}", flush=True)
-        _loop(machine, ptys, usb, stopped, pressed)
+        _loop(machine, ptys, usb, stopped, pressed, blank)
+    except TimeoutError as error:
+        raise Failure(f"the Pico does not start: {error}") from error
     finally:
         for line in [*ptys.values(), *([usb] if usb else [])]:
             line.close()
 
 
-def _loop(machine, ptys, usb, stopped, pressed):
+def _announce(machine, ptys, blank):
+    """Print the ports of the UARTs once the firmware listens, or is not going to; whether that is done."""
+    if not blank and not machine.listening():
+        if machine.now_ms() < UP_LIMIT_MS:
+            return False
+        said = machine.pico.console.text.decode("utf-8", "replace").strip()
+        tell(f"the firmware has not come up{': its console says' if said else ''}\n{said}".strip())
+    for index, (name, line) in enumerate(ptys.items()):
+        print(f"port: {line.name}" if index == 0 else f"port {name}: {line.name}", flush=True)
+    return True
+
+
+def _loop(machine, ptys, usb, stopped, pressed, blank):
     from host_tools.serial_line import wait
 
     lines = [*ptys.values(), *([usb] if usb else [])]
     zero = time.monotonic() - machine.now_ms() / 1000  # wall time at emulated time 0
     flush_at = 0
+    announced = False
     while not stopped:
+        announced = announced or _announce(machine, ptys, blank)
         if pressed:
             pressed.clear()
             machine.pico.press_reset()
@@ -121,7 +159,7 @@ def _loop(machine, ptys, usb, stopped, pressed):
         for name, line in ptys.items():
             if machine.received(name):
                 line.write(machine.take(name))
-        said = machine.pico.console.take()
+        said = machine.pico.console.take() if announced or usb is not None else b""  # until then for `_announce`
         if usb is not None and said:
             usb.write(said)
         now = time.monotonic()

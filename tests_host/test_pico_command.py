@@ -3,15 +3,17 @@
 import os
 import re
 import signal
+import struct
 import subprocess
 import sys
 import time
 
 import pytest
 import serial
-from emulated import uf2  # noqa: F401
+from emulated import make_machine, uf2  # noqa: F401
 from test_board_command import ROOT, environment
 
+from host_tools.emulator.binary import Unavailable, find_uf2
 from passo.protocols.plotter_host import COMMANDS, packet
 
 COMMAND = [sys.executable, "-m", "host_tools.cli", "emulate"]
@@ -152,6 +154,72 @@ def test_one_clear_line(uf2, options, text):
     done = subprocess.run([*COMMAND, *options], capture_output=True, text=True, timeout=60, env=environ)
     assert done.returncode == 1 and done.stdout == ""
     assert text in done.stderr and done.stderr.count("\n") == 1, done.stderr
+
+
+def test_the_port_is_printed_when_the_firmware_answers(uf2, tmp_path):
+    """And before it something is said. From then on nothing is lost, and the first answer comes within a moment."""
+    with Emulator(uf2, "--board", BOARD, "--uart0", tmp_path / "plotter") as emulator:
+        with serial.Serial(emulator.ports["port"], timeout=ANSWER_LIMIT_S) as client:
+            client.write(HELLO)
+            assert client.read(1) == b"k"
+        status, seconds, errors = emulator.end()
+    assert status == 0 and "building" in errors and "starts" in errors
+
+
+def test_answers_come_from_then_on(make_machine):
+    machine = make_machine(BOARD)
+    assert not machine.listening()
+    machine.run_until(machine.listening, 10_000)
+    assert machine.ask(HELLO, limit_ms=300) == b"k"
+
+
+@pytest.mark.parametrize("said", ["building", "starts"])
+def test_it_ends_whatever_it_is_at(uf2, said):
+    process = subprocess.Popen([*COMMAND, "--board", BOARD], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+                               env=dict(environment(), PASSO_UF2=str(uf2)))  # fmt: skip
+    while said not in (line := process.stderr.readline()):
+        assert line, "it has ended by itself"
+    process.send_signal(signal.SIGTERM)
+    ports, errors = process.communicate(timeout=60)
+    assert (process.returncode, ports) == (0, "") and "Traceback" not in errors, errors
+
+
+def uf2_blocks(family=0xE48BFF56, total=2, text=b"MicroPython"):
+    """A file of two blocks."""
+    block = "<8I476sI"
+    numbers = 0x0A324655, 0x9E5D5157, 0x2000, 0x10000000, 256
+    return b"".join(struct.pack(block, *numbers, number, total, family, text, 0x0AB16F30) for number in range(2))
+
+
+@pytest.mark.parametrize("data, text", [
+    (b"", "is no UF2 file: 0 bytes"),
+    (b"MicroPython" * 1000, "is no UF2 file: 11000 bytes are not whole blocks"),
+    (bytes(5120), "is no UF2 file: block 0 of 10"),
+    (uf2_blocks() + uf2_blocks()[:512], "is not whole: 3 of 2 blocks"),
+    (uf2_blocks(family=0xE48BFF59), "is not for the RP2040 of a Pico: its family is 0xe48bff59"),
+    (uf2_blocks(total=3), "is not whole: 2 of 3 blocks"),
+    (uf2_blocks(text=b"CircuitPy"), "holds no MicroPython"),
+])  # fmt: skip
+def test_what_is_no_uf2_for_the_pico_is_refused(data, text, tmp_path, monkeypatch):
+    path = tmp_path / "pico.uf2"
+    path.write_bytes(data)
+    monkeypatch.setenv("PASSO_UF2", str(path))
+    with pytest.raises(Unavailable, match=re.escape(f"{path} {text}")):
+        find_uf2()
+
+
+def test_a_whole_uf2_is_taken(tmp_path, monkeypatch):
+    path = tmp_path / "pico.uf2"
+    path.write_bytes(uf2_blocks())
+    monkeypatch.setenv("PASSO_UF2", str(path))
+    assert find_uf2() == path
+
+
+def test_a_file_that_is_no_uf2_ends_at_once(tmp_path):
+    path = tmp_path / "pico.uf2"
+    path.write_bytes(bytes(5120))
+    done = subprocess.run(COMMAND, capture_output=True, text=True, timeout=60, env=dict(environment(), PASSO_UF2=str(path)))
+    assert done.returncode == 1 and done.stderr.startswith(f"passo: {path} is no UF2 file"), done.stderr
 
 
 def test_without_a_binary():

@@ -3,10 +3,13 @@
     path = find_uf2()      # raises Unavailable with what to do
 
 Looked for in this order: the file that PASSO_UF2 names; the newest ~/.cache/passo/*.uf2; what rp2040py has downloaded
-before; and, unless PASSO_OFFLINE is set, the official release, which rp2040py's own resolver fetches.
+before; and, unless PASSO_OFFLINE is set, the official release, which rp2040py's own resolver fetches. What is found must
+be a UF2 for the RP2040: anything else would be run all the same, and spin for ever.
 """
 
 import os
+import struct
+import sys
 from pathlib import Path
 
 from host_tools.failure import Failure
@@ -14,6 +17,10 @@ from host_tools.failure import Failure
 CACHE = Path("~/.cache/passo").expanduser()
 RELEASE = "1.27.0"  # the firmware needs 1.26 or later
 BOARD, FAMILY = "pico", "micropython"
+# A UF2 file is blocks of 512 bytes (github.com/microsoft/uf2): three magic numbers, and which chip it is for.
+BLOCK_BYTES = 512
+MAGIC_START, MAGIC_SECOND, MAGIC_END = 0x0A324655, 0x9E5D5157, 0x0AB16F30
+FAMILY_PRESENT, RP2040_FAMILY = 0x2000, 0xE48BFF56
 
 
 class Unavailable(Failure):
@@ -39,11 +46,29 @@ def find_uf2():
         path = Path(named).expanduser()
         if not path.is_file():
             raise Unavailable(f"PASSO_UF2 names {named}, which is no file")
-        return path
+        return checked(path)
     cached = sorted(CACHE.glob("*.uf2"), key=lambda path: path.stat().st_mtime)
-    if cached:
-        return cached[-1]
-    return _resolved()
+    return checked(cached[-1] if cached else _resolved())
+
+
+def checked(path):
+    """`path`, if it is a whole UF2 with MicroPython for the RP2040. Raises Unavailable with what it is instead."""
+    data = Path(path).read_bytes()
+    if len(data) < BLOCK_BYTES or len(data) % BLOCK_BYTES:
+        raise Unavailable(f"{path} is no UF2 file: {len(data)} bytes are not whole blocks of {BLOCK_BYTES}")
+    blocks = len(data) // BLOCK_BYTES
+    for number in range(blocks):
+        first, second, flags, _, _, _, total, family = struct.unpack_from("<8I", data, number * BLOCK_BYTES)
+        last = struct.unpack_from("<I", data, (number + 1) * BLOCK_BYTES - 4)[0]
+        if (first, second, last) != (MAGIC_START, MAGIC_SECOND, MAGIC_END):
+            raise Unavailable(f"{path} is no UF2 file: block {number} of {blocks} has not the numbers of one")
+        if not flags & FAMILY_PRESENT or family != RP2040_FAMILY:
+            raise Unavailable(f"{path} is not for the RP2040 of a Pico: its family is {family:#010x}")
+        if total != blocks:
+            raise Unavailable(f"{path} is not whole: {blocks} of {total} blocks")
+    if b"MicroPython" not in data:
+        raise Unavailable(f"{path} holds no MicroPython")
+    return path
 
 
 def _resolved():
@@ -52,6 +77,7 @@ def _resolved():
     hint = f"set PASSO_UF2 to one, or put it into {CACHE} (micropython.org/download/RPI_PICO, v1.26 or later)"
     if os.environ.get("PASSO_OFFLINE"):
         raise Unavailable(f"no MicroPython UF2 for the Pico: {hint}")
+    print(f"fetching MicroPython {RELEASE} for the Pico from micropython.org, once", file=sys.stderr, flush=True)
     try:
         path = retrieve(MICROPYTHON, RELEASE, BOARD)
     except OSError as error:

@@ -82,6 +82,10 @@ class EmulatedMachine:
         """The `Wire` of a link, the first one unless named."""
         return self.pico.uart(self.uart_number(link or self._first))
 
+    def listening(self):
+        """True once the firmware has opened the UARTs of all links: what is sent from then on is answered."""
+        return all(self.pico.chip.uart[self.uart_number(name)].enabled for name in self.uart_links())
+
     def uart_number(self, link):
         return int(self._links[link]["port"][4:])
 
@@ -91,9 +95,9 @@ class EmulatedMachine:
 
     # --- time
 
-    def boot(self):
-        """Switch on, and run until USB is up, which is before main.py starts."""
-        self.pico.boot()
+    def boot(self, given_up=None):
+        """Switch on, and run until USB is up, which is before main.py starts; or until given_up() is true."""
+        self.pico.boot(given_up=given_up)
         return self
 
     def now_ms(self):

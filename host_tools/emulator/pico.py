@@ -114,12 +114,12 @@ class EmulatedPico:
 
     # --- power
 
-    def boot(self, limit_us=BOOT_LIMIT_US):
-        """Switch on, and run until USB is up. Raises TimeoutError."""
+    def boot(self, limit_us=BOOT_LIMIT_US, given_up=None):
+        """Switch on, and run until USB is up, or given_up() is true. Raises TimeoutError."""
         from rp2040py.memory_map import FLASH_START_ADDRESS
 
         self.chip.core.pc = FLASH_START_ADDRESS
-        self._await_usb(self.usb.connections, limit_us)
+        self._await_usb(self.usb.connections, limit_us, given_up)
         return self
 
     def press_reset(self):
@@ -141,8 +141,8 @@ class EmulatedPico:
         self._build(self.image())
         return self.boot()
 
-    def _await_usb(self, before, limit_us):
-        if not self.run_until(lambda: self.usb.connections > before, limit_us):
+    def _await_usb(self, before, limit_us, given_up=None):
+        if not self.run_until(lambda: self.usb.connections > before or given_up and given_up(), limit_us):
             raise TimeoutError(f"USB did not come up within {limit_us / 1e6:g} s of emulated time")
 
     def hold_bootsel(self, held):
