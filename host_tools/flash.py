@@ -1,9 +1,10 @@
 """`passo flash`: build the firmware of a board and copy it there with mpremote.
 
 Unchanged files are not copied again. The package, main.py and board.py are replaced, modules of an older version in
-/passo are removed; saved settings and other files on the board stay.
+/passo are removed; saved settings and other files on the board stay. The board compiles nothing of it (see build.py).
 """
 
+import os
 import shlex
 import subprocess
 import sys
@@ -12,7 +13,7 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.build import build_tree, default_out, print_sizes
+from host_tools.build import build_tree, default_out
 from host_tools.failure import Failure
 
 TIDY = Path(__file__).resolve().parent / "tidy_board.py"
@@ -41,10 +42,15 @@ def reason_of(output):
     return lines[-1].removeprefix("mpremote: ") if lines else ""
 
 
+def check_port(port):
+    """Raises Failure if there is no such port, before anything is built for it."""
+    if "://" not in port and os.sep in port and not Path(port).exists():
+        raise Failure(f"there is no port {port}: is the board plugged in? (passo ports)")
+
+
 def probe(command, port):
     """Raises Failure unless a MicroPython board answers."""
-    if port.startswith("/") and not Path(port).exists():
-        raise Failure(f"there is no port {port}: is the board plugged in? (passo ports)")
+    check_port(port)
     try:
         result = subprocess.run(command, capture_output=True, text=True, timeout=PROBE_TIMEOUT_S)
     except subprocess.TimeoutExpired:
@@ -79,9 +85,11 @@ def flash(
     """
     if port is None and not dry_run:
         raise Failure("which port? Give --port; passo ports lists those that look like a board")
+    if port is not None and not dry_run:
+        check_port(port)
     out = default_out(board)
     rows = build_tree(board, out)
-    print_sizes(f"{board} in {out}", rows)
+    print(f"{board}: {len(rows)} files, {sum(row[2] for row in rows):,} bytes in {out} (passo build lists them)")
     asking, copying = commands(port or "PORT", out)
     if dry_run:
         print(shlex.join(asking))

@@ -10,6 +10,7 @@ A client may come, go and come back. What the board says while there is none is 
 """
 
 import errno
+import fcntl
 import os
 import select
 import socket
@@ -54,7 +55,8 @@ class _Line:
 
 
 class PtyLine(_Line):
-    """A pseudo-terminal, raw, so that bytes pass as they are. `link`: a symlink to make, replacing an old one."""
+    """A pseudo-terminal, raw, so that bytes pass as they are. `link`: a symlink to make, replacing one that is left over.
+    Raises Failure if another board has it: the symlink belongs to whoever holds the lock on .LINK.lock beside it."""
 
     def __init__(self, link=None):
         super().__init__()
@@ -64,10 +66,15 @@ class PtyLine(_Line):
         os.set_blocking(self._fd, False)
         self._open = True  # a client has the other end open
         self._link = Path(link) if link else None
+        self._lock = None
         self.name = str(link) if link else self._path
         self._hung_up()
         if self._link:
-            self._make_link()
+            try:
+                self._make_link()
+            except Failure:
+                os.close(self._fd)
+                raise
 
     def read(self):
         try:
@@ -90,8 +97,11 @@ class PtyLine(_Line):
         return [self._fd] if self._open else []  # a closed pty is always ready, with nothing to read
 
     def close(self):
-        if self._link and self._link.is_symlink() and os.readlink(self._link) == self._path:
-            self._link.unlink()
+        if self._link:
+            if self._link.is_symlink() and os.readlink(self._link) == self._path:
+                self._link.unlink()
+            if self._lock:
+                self._lock.release()
         os.close(self._fd)
 
     def _put(self, data):
@@ -108,11 +118,46 @@ class PtyLine(_Line):
 
     def _make_link(self):
         try:
+            self._lock = Lock(self._link.with_name(f".{self._link.name}.lock"))
+            if not self._lock.taken:
+                raise Failure(f"another board has the link {self._link}: end it first, or choose another name")
             if self._link.is_symlink():
                 self._link.unlink()
             self._link.symlink_to(self._path)
         except OSError as error:
+            if self._lock:
+                self._lock.release()
             raise Failure(f"cannot make the link {self._link}: {error.strerror}") from error
+
+
+class Lock:
+    """A file that one process at a time has locked. It ends with the process, however that ends; `taken`: we have it."""
+
+    def __init__(self, path):
+        self._path = path
+        self._fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
+        try:
+            fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
+            # Who had it may have removed the file since we opened it: then our lock is on a file without a name.
+            self.taken = _same(self._fd, path)
+        except BlockingIOError:
+            self.taken = False
+        if not self.taken:
+            os.close(self._fd)
+
+    def release(self):
+        if self.taken:
+            self._path.unlink(missing_ok=True)
+            os.close(self._fd)
+            self.taken = False
+
+
+def _same(fd, path):
+    """True if `fd` is open on the file that `path` names now."""
+    try:
+        return os.path.samestat(os.fstat(fd), os.stat(path))
+    except FileNotFoundError:
+        return False
 
 
 class TcpLine(_Line):

@@ -46,6 +46,21 @@ def test_dry_run_transcript(folder):
     assert (folder / "build/plotter_2014/passo/app.mpy").is_file()
 
 
+@pytest.mark.parametrize("port", ["/dev/no-such-port", "/dev/no/such/port"])
+def test_a_wrong_port_is_one_line(folder, port):
+    """Nothing is built for it, and no table goes before the reason."""
+    result = run_flash("--port", port)
+    assert isinstance(result.exception, Failure) and f"there is no port {port}" in str(result.exception)
+    assert result.output == "" and not (folder / "build").exists()
+
+
+def test_a_port_that_does_not_answer_is_two_lines(folder, small_firmware, monkeypatch):
+    monkeypatch.setattr(flash, "probe", lambda command, port: (_ for _ in ()).throw(flash.no_answer(port)))
+    result = run_flash("--port", "socket://localhost:1")
+    assert isinstance(result.exception, Failure) and "no MicroPython board answers" in str(result.exception)
+    assert len(result.output.splitlines()) == 1 and "passo build lists them" in result.output
+
+
 def test_a_port_must_be_named(folder):
     result = run_flash()
     assert isinstance(result.exception, Failure)

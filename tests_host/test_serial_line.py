@@ -124,15 +124,15 @@ def test_symlink(tmp_path):
     path.symlink_to("/nowhere")
     line = PtyLine(path)
     assert line.name == str(path) and os.path.realpath(path).startswith("/dev/")
-    other = PtyLine(path)
+    path.unlink()
+    path.symlink_to("/nowhere")
     line.close()
     assert path.is_symlink(), "another's link is left alone"
-    other.close()
-    assert not path.is_symlink()
+    path.unlink()
     path.write_text("precious")
     with pytest.raises(Failure, match="cannot make the link .*plotter: File exists"):
         PtyLine(path)
-    assert path.read_text() == "precious"
+    assert path.read_text() == "precious" and list(tmp_path.iterdir()) == [path]
 
 
 def test_tcp_port_in_use_and_a_second_client():
@@ -148,3 +148,29 @@ def test_tcp_port_in_use_and_a_second_client():
         assert second.recv(1) == b"k"
     first.close()
     line.close()
+
+
+def test_a_link_in_use_is_not_stolen(tmp_path):
+    """The second board is refused, the first one goes on; afterwards the name is free, and nothing is left behind."""
+    link = tmp_path / "plotter"
+    first = PtyLine(link)
+    target = os.readlink(link)
+    with pytest.raises(Failure, match=f"another board has the link {link}"):
+        PtyLine(link)
+    assert os.readlink(link) == target
+    with connect(first) as client:
+        client.write(b"still")
+        assert receive(first, 5) == b"still"
+    first.close()
+    assert list(tmp_path.iterdir()) == []
+    PtyLine(link).close()
+
+
+def test_a_link_that_a_killed_board_has_left_is_replaced(tmp_path):
+    link = tmp_path / "plotter"
+    link.symlink_to("/dev/pts/no-such")
+    (tmp_path / ".plotter.lock").write_text("")
+    line = PtyLine(link)
+    assert os.readlink(link) != "/dev/pts/no-such"
+    line.close()
+    assert list(tmp_path.iterdir()) == []
