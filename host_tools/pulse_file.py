@@ -169,33 +169,41 @@ class Converter:
 
     def _walk(self, number, line, command, arc):
         deltas = [to - at for at, to in zip(self.target, command.target)]
-        walker = self._line
+        letters = []
         try:
-            if arc:
-                walker = self._begin_arc(command, deltas)
-            elif any(deltas):
-                walker.begin(deltas)
-            else:
-                return
+            for walker in self._walkers_of(command, deltas) if arc else self._lines([deltas]):
+                while walker.left:
+                    count = min(walker.left, len(self._out))
+                    negative = walker.negative
+                    walker.walk(self._out, 0, count)
+                    letters += [letter_of(mask, negative & mask) for mask in self._out[:count]]
         except ValueError as error:
             raise Failure(f"line {number}: {line.decode()}: {error}") from error
-        letters = []
-        while walker.left:
-            count = min(walker.left, len(self._out))
-            negative = walker.negative
-            walker.walk(self._out, 0, count)
-            letters += [letter_of(mask, negative & mask) for mask in self._out[:count]]
         if letters:
             self._parts.append("".join(letters))
 
-    def _begin_arc(self, command, deltas):
+    def _lines(self, all_deltas):
+        """The walker of one line after the other."""
+        for deltas in all_deltas:
+            if any(deltas):
+                self._line.begin(deltas)
+                yield self._line
+
+    def _walkers_of(self, command, deltas):
+        """The walkers of an arc: a circle's, or as in control.stream_queue those of its chords."""
         from passo.motion import arc
+        from passo.motion.ellipse import Ellipse
 
         first, second = command.first, command.second
-        if self.steps_per_m[first] != self.steps_per_m[second]:
-            raise ValueError("the plane's axes differ in steps/mm: make lines of the arc first")
-        third = 3 - first - second if len(deltas) > 2 else -1
-        plane = (first, second, third)
-        arc.plan(self._plan, plane, command.centre, deltas, command.clockwise, command.turns - 1)
-        self._circle.load(self._plan)
-        return self._circle
+        plane = (first, second, 3 - first - second if len(deltas) > 2 else -1)
+        given = plane, command.centre
+        turns = command.clockwise, command.turns - 1, command.over_half
+        if self.steps_per_m[first] == self.steps_per_m[second]:
+            try:
+                arc.plan(self._plan, *given, deltas, *turns)
+                self._circle.load(self._plan)
+                return [self._circle]
+            except ValueError:  # too large, or too steep a helix
+                pass
+        ellipse = Ellipse(deltas, *given, self.steps_per_m, *turns)
+        return self._lines(ellipse.chord() for _ in range(ellipse.left))

@@ -17,6 +17,7 @@ CASES = {
     "check_speed": (("radius", 3, 3000), ("seed", "seed")),
     "check_helix": (("radius", 1, 700), ("rise", -100_000, 100_000), ("seed", "seed")),
     "check_seek": (("radius", 1, 300), ("rise", -300, 300), ("part", 0, 1000), ("seed", "seed")),
+    "check_more_than_the_steps_show": (("radius", 20, 300), ("seed", "seed")),
     "check_end_off_the_circle": (("radius", 1, 300), ("dx", -5, 5), ("dy", -5, 5), ("seed", "seed")),
 }
 RUNS = {"check_any_radius": 60, "check_large_radius": 8, "check_speed": 25, "check_helix": 40, "check_seek": 20}
@@ -266,9 +267,44 @@ def check_end_off_the_circle(radius, dx, dy, seed):
 
 def check_what_is_refused():
     into = array("i", [0] * PLAN)
-    for center, deltas in (((0, 0), (0, 0, 0)), ((MAX_RADIUS + 1, 0), (0, 0, 0)), ((5, 0), (5, 0, 0))):
-        try:
-            plan(into, (0, 1, 2), center, deltas)
-        except ValueError:
-            continue
-        raise AssertionError("accepted")
+    try:
+        plan(into, (0, 1, 2), (MAX_RADIUS + 1, 0), (0, 0, 0))
+    except ValueError:
+        return
+    raise AssertionError("accepted")
+
+
+def check_what_is_no_circle():
+    """A radius of less than a step, an end at the centre, a sweep that rounding has brought to nothing or below: a line."""
+    for center, deltas, over_half in (
+        ((0, 0), (0, 0, 7), True), ((0, 0), (1, 1, -7), None), ((5, 0), (5, 0, 0), None), ((5, 0), (0, 0, 3), False),
+        ((3000, 0), (0, 1, 0), False), ((3000, 3000), (-1, 1, 9), False),
+    ):
+        walk = Walk((0, 1, 2), center, deltas, False, 0) if over_half is None else None
+        into = array("i", [0] * PLAN)
+        plan(into, (0, 1, 2), center, deltas, False, 0, over_half)
+        assert not into[STEPS]
+        circle = Circle(3)
+        circle.load(into)
+        words = circle.left
+        circle.walk(OUT, 0, words)
+        assert circle.left == 0 and words == max([abs(by) for by in deltas])
+        assert list(circle.made) == list(deltas)
+        assert walk is None or walk.made == list(deltas)
+
+
+def check_more_than_the_steps_show(radius, seed):
+    """What rounding has brought to the other side of the start is a turn more, or less: all else as it was."""
+    plane, center, deltas, clockwise, _ = draw_arc(radius, seed)
+    quarter = Walk(plane, center, deltas, clockwise, 0).swept >> 30
+    for over_half in (False, True):
+        into = array("i", [0] * PLAN)
+        swept = plan(into, plane, center, deltas, clockwise, 1, over_half)[1]
+        before = Walk(plane, center, deltas, clockwise, 1).swept
+        off = (swept - before + (1 << 31)) >> 32
+        if quarter == 0:
+            assert off == (1 if over_half else 0)
+        elif quarter >= 3:
+            assert off == (0 if over_half else -1)
+        else:
+            assert off == 0

@@ -415,10 +415,8 @@ def check_sweep_angles(i, j, sweep, clockwise):
     x, y = i / 4, j / 4  # steps
     end = x - x * cos(angle) + y * sin(angle), y - x * sin(angle) - y * cos(angle)
     assert abs(move.target[0] - end[0]) <= 1 and abs(move.target[1] - end[1]) <= 1
-    if move.target[:2] != [0, 0]:
-        assert move.kind == commands.ARC and move.turns == sweep // 3_600_000 + 1
-    else:
-        assert move.kind == commands.ARC and move.turns >= 1 or move.kind == commands.LINE and sweep < 1_800_000
+    assert move.kind == commands.ARC and move.turns == (sweep - 1) // 3_600_000 + 1
+    assert move.over_half == ((sweep - 1) % 3_600_000 >= 1_800_000)
 
 
 def check_sweep_angle_lines():

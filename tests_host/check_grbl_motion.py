@@ -72,6 +72,27 @@ def check_arcs_are_walked():
             assert (radius - 1) ** 2 <= across * across + along * along <= (radius + 1) ** 2, (line, place)
 
 
+def check_tiny_arcs_are_no_circles():
+    """What is shorter than a step is nothing, or a step; its third axis moves all the same."""
+    for line, end, words in (
+        ("G3X9.9999Y0.001I-10J0F1000", (3200, 0, 0), 0),
+        ("G3X9.9999Y0.001R10F1000", (3200, 0, 0), 0),
+        ("G2X9.9999Y-0.001Z-1I-10J0F1000", (3200, 0, -400), 400),
+        ("G3X9.9999Y0.001Z1R10F1000", (3200, 0, 400), 400),
+        ("G18G3X9.999Z0.0001R5F1000", (3200, 0, 0), 0),
+        ("G18G2X9.9999Z0.001I-10K0Y0.5F1000", (3200, 160, 0), 160),
+        ("G3X10.0031Y0I0.0015J0F1000", (3201, 0, 0), 1),
+        ("G93G3X9.9999Y0.001Z1I-10J0F60", (3200, 0, 400), 400),
+    ):
+        machine = Machine().ready()
+        machine.do("G21G90G17", "G0X10Y0")
+        machine.settle()
+        machine.world.path = []
+        machine.do(line, "G94G1F600")
+        machine.settle()
+        assert tuple(machine.controller.position()) == end and len(machine.world.path) == words, line
+
+
 def check_more_arcs_than_are_queued_at_once():
     machine = Machine().ready()
     planner = machine.app.planner
@@ -127,6 +148,12 @@ def check_arcs_stay_inside():
     machine.do("$X", "G3 X10 Y10 J-5 F3000", "G2 X10 Y20 R10 F3000")
     machine.settle()
     assert machine.controller.position() == [3200, 6400, 0]
+    machine.do("G3 X10 Y20.0001 I-30", "G2 X10 Y20 I-30", "G2 X10 Y19.999 I-30 P1")  # whose circles would not
+    assert "ALARM:2" in machine.ask("G2 X10 Y20 I-30")
+    machine.put(b"\x18")
+    machine.turns(3)
+    machine.do("$X")
+    assert "ALARM:2" in machine.ask("G3 X10 Y19.998 I-30 F1000")
 
 
 def check_a_line_of_several_motions_is_refused_whole():

@@ -87,6 +87,19 @@ def check_a_beam_changes_without_a_step():
         assert (machine.world.tool, machine.world.power_level) == (1 if power else 0, power), line
 
 
+def check_a_beam_changes_on_an_arc_without_a_step():
+    """So does what an arc says that is shorter than a step."""
+    machine = Machine(spindle=LASER).ready()
+    machine.do("M3 S500", "G1 X2 F3000")
+    machine.settle()
+    steps = machine.world.steps
+    for line, power in (("G3 X2 Y0.0001 I-5 S800", 800), ("G2 X2 Y0 I-5 S0", 0), ("G3 Y.0001 R5 S10", 10)):
+        machine.do(line)
+        machine.settle()
+        assert (machine.world.tool, machine.world.power_level) == (1 if power else 0, power), line
+        assert machine.world.steps == steps
+
+
 def check_a_rapid_with_a_power_does_not_stand():
     """`G0 X… S…` between lines that burn takes no longer than `G0 X…`, and is as dark."""
     made = []

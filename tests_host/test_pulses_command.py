@@ -116,6 +116,39 @@ def test_gcode_becomes_the_steps_of_the_firmware(tmp_path):
 
 
 @pytest.mark.parametrize(
+    "lines, place",
+    [
+        ("G0X10Y0\nG3X9.9999Y0.001I-10J0Z1", (800, 0, 80)),
+        ("G0X10Y0\nG3X9.9999Y0.001R10Z1", (800, 0, 80)),
+        ("G2X0Y0Z-30I0.025J0", (0, 0, -2400)),  # too steep a helix for a circle
+    ],
+)
+def test_arcs_of_a_step_and_less(lines, place, tmp_path):
+    """The third axis's steps, and hardly any others."""
+    source, target = tmp_path / "part.gcode", tmp_path / "part.txt"
+    source.write_text(f"G21 G90 F600\n{lines}\n")
+    assert passo("convert", source, "-o", target) == (0, f"{target}\n")
+    board = check(boards.load("lpt_router"))
+    course = pulse_file.Course(pulse_file.items(target.read_bytes(), "xyz", board["track"]), board)
+    assert tuple(course.place) == place
+    assert course.steps <= 800 + abs(place[2]) and max(course.high[:2]) <= 804 and course.low[:2] > [-5, -5]
+
+
+def test_an_arc_on_unlike_axes_is_made_of_chords(tmp_path):
+    """A circle in X and Z, whose steps are not as long."""
+    board = tmp_path / "unlike.py"
+    text = boards.path("lpt_router").read_text()
+    cut = text.index('"name": "z"')
+    board.write_text(text[:cut] + text[cut:].replace("80000", "50000"))
+    source, target = tmp_path / "part.gcode", tmp_path / "part.txt"
+    source.write_text("G21 G90 G18 F600\nG2 X0 Z0 I5 K0\n")
+    assert passo("convert", source, "-o", target, "--board", board) == (0, f"{target}\n")
+    config = check(boards.load(str(board)))
+    course = pulse_file.Course(pulse_file.items(target.read_bytes(), "xyz", config["track"]), config)
+    assert course.place == [0, 0, 0] and (course.low, course.high) == ([0, 0, -250], [800, 0, 250])
+
+
+@pytest.mark.parametrize(
     "text, said",
     [("G1 X5", "line 1: G1X5: error 22"), ("G38.2 X5 F100", "no word for that"), ("G93 G1 X5 F2", "inverse time")],
 )

@@ -12,6 +12,7 @@ from passo.protocols import errors
 _CLOSE_NM = const(5_000)  # start and end radius may differ by this, or by a thousandth, but not by _FAR_NM
 _FAR_NM = const(500_000)
 _FINE = const(40)  # bits after the point
+_CLOSES = const(2_000_000)  # 1 / 5·10⁻⁷
 
 
 def check_centre(x, y, i, j):
@@ -40,6 +41,17 @@ def centre_of(x, y, radius, clockwise):
     if clockwise == (radius > 0):
         slope = -slope
     return 0, (x - (y * slope >> _FINE)) // 2, (y + (x * slope >> _FINE)) // 2
+
+
+def over_half(x, y, i, j, clockwise):
+    """True if the arc about (i, j) from (0, 0) to (x, y) sweeps more than half a turn: grbl's rule (mc_arc in
+    motion_control.c), without its roundings. An end behind the start is nearly a turn away; one less than 5·10⁻⁷ rad ahead of
+    it (ARC_ANGULAR_TRAVEL_EPSILON) closes the circle."""
+    cross = j * x - i * y
+    if clockwise:
+        cross = -cross
+    dot = i * (i - x) + j * (j - y)
+    return cross < 0 or dot > 0 and cross * _CLOSES <= dot
 
 
 def end_of(i, j, sweep_udeg, clockwise):

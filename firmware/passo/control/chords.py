@@ -19,10 +19,9 @@ class Chords:
 
         Raises ValueError where a step would last longer than the planner can say.
         """
-        fastest = isqrt(weaker * ellipse.radius_nm)
         if ellipse.flat_nm:
-            fastest = fastest * ellipse.length_nm // ellipse.flat_nm
-        self._nm_s = min(nm_s, fastest) or 1
+            nm_s = min(nm_s, isqrt(weaker * ellipse.radius_nm) * ellipse.length_nm // ellipse.flat_nm)
+        self._nm_s = nm_s or 1
         # A chord of one step on all axes is up to √3 of the coarsest step long.
         if 2 * NM_PER_M * TICKS_PER_S // (min(steps_per_m) * min(self._nm_s, slowest)) > COUNT_MASK:
             raise ValueError("steps more than 43 s apart")

@@ -1,5 +1,6 @@
 """How far an arc reaches beyond its ends."""
 
+from passo.motion.arc_plan import turns_off
 from passo.motion.integers import isqrt
 
 _DIRECTIONS = ((1, 0), (0, 1), (-1, 0), (0, -1))
@@ -17,9 +18,10 @@ def farthest(start, arc, steps_per_m):
     begin = (-i * wide, -j * high)
     if arc.clockwise:
         begin, end = end, begin
+    turns = arc.turns + turns_off(cross(begin, end), begin[0] * end[0] + begin[1] * end[1], arc.over_half)
     places = []
     for direction in _DIRECTIONS:
-        if arc.turns > 1 or swept(begin, direction, end):
+        if turns > 1 or turns and swept(begin, direction, end):
             place = list(arc.target)
             place[arc.first] = centre[0] + reach[0] * direction[0]
             place[arc.second] = centre[1] + reach[1] * direction[1]

@@ -211,8 +211,8 @@ class Program:
         changes = power != planner.power or command.tool != self._queue.tool
         if changes or command.dynamic != planner.dynamic:
             self._queue.set_power(power, command.dynamic)
-            if changes and not command.dynamic and command.kind == commands.LINE:
-                if not any(self._queue.deltas(command.target)):
+            if changes and not command.dynamic:
+                if not any(self._queue.deltas(command.target)) and not self._circles(command):
                     self._queue.set_tool(command.tool, command.number)  # no step brings the beam's change about
         ticks = minute_ticks(command) if command.per_min else 0
         try:
@@ -224,14 +224,18 @@ class Program:
             return errors.RADIUS if command.kind == commands.ARC else errors.TARGET
         return 0
 
+    def _circles(self, command):
+        """True for an arc that comes back to its start."""
+        return command.kind == commands.ARC and any(command.centre) and (command.over_half or command.turns > 1)
+
     def _queue_arc(self, command, ticks):
         plane = command.first, command.second, 3 - command.first - command.second
         if plane[2] >= len(self._axes):
             plane = plane[0], plane[1], -1
         accelerations = [self._machine.settings.value(table.ACCELERATION + axis) * 1000 for axis in plane[:2]]
         self._queue.arc(
-            command.target, plane, command.centre, command.clockwise, command.turns - 1, command.feed, ticks,
-            command.tool, command.number, min(accelerations),
+            command.target, plane, command.centre, command.clockwise, command.turns - 1, command.over_half,
+            command.feed, ticks, command.tool, command.number, min(accelerations),
         )
 
     def _set_limits(self):

@@ -61,7 +61,7 @@ class StreamQueue(Queue):
         """How long a line lasts without limits."""
         return ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
 
-    def arc(self, target, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker):
+    def arc(self, target, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, weaker):
         """Go to `target` on a circle about `centre` (steps from here, in the plane): at `nm_s`, or in `ticks` where they
         are not 0, v²/R within `weaker` (nm/s²). Raises ValueError where neither the planner nor chords can."""
         deltas = self.deltas(target)
@@ -69,23 +69,23 @@ class StreamQueue(Queue):
         changes = tool != self.tool and self.tool_ms(tool) > 0
         chords = None
         try:
-            planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag, not changes)
+            planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag, not changes, over_half)
         except ValueError:  # no circle in steps, or too steep a helix
-            chords = self._cut(deltas, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker)
+            chords = self._cut(deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, weaker)
         self._change_tool(tool, tag)
         if chords:
             self._chords = chords
             self.feed()
         elif changes:
-            planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag)
+            planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag, True, over_half)
         self._reach(deltas)
 
-    def _cut(self, deltas, plane, centre, clockwise, turns, nm_s, ticks, tool, tag, weaker):
+    def _cut(self, deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, weaker):
         from passo.control.chords import Chords
         from passo.motion.ellipse import Ellipse
 
         steps_per_m = [axis["steps_per_m"] for axis in self._axes]
-        ellipse = Ellipse(deltas, plane, centre, steps_per_m, clockwise, turns)
+        ellipse = Ellipse(deltas, plane, centre, steps_per_m, clockwise, turns, over_half)
         if ticks:
             nm_s = ellipse.length_nm * TICKS_PER_S // ticks
         return Chords(ellipse, nm_s, tool, tag, steps_per_m, weaker, self._planner.slowest())

@@ -1,6 +1,6 @@
 """What the walker of an arc needs to know beforehand, worked out with big integers, once a block.
 
-    path, turned = plan(into, plane, center, deltas, clockwise, turns)
+    path, turned = plan(into, plane, center, deltas, clockwise, turns, over_half)
 
 Vectors are in steps, the plane's axes have equal steps/mm. `into` is an array of circle.PLAN integers.
 """
@@ -17,6 +17,7 @@ from passo.motion.arc_plan import (
     MIRROR,
     PATH,
     PATH_FINE,
+    PLAN,
     RADIUS,
     REGION,
     SHIFT,
@@ -31,6 +32,7 @@ from passo.motion.arc_plan import (
     Z_STEPS,
     D,
     E,
+    turns_off,
 )
 from passo.motion.cordic import QUARTER, arc_length, vector
 from passo.motion.integers import isqrt
@@ -72,23 +74,29 @@ def _rise(square, u):
     return angle - (1 << 32) if angle > QUARTER else angle
 
 
-def plan(into, plane, center, deltas, clockwise=False, turns=0):
+def plan(into, plane, center, deltas, clockwise=False, turns=0, over_half=None):
     """Work out the arc from here to `deltas` (all axes) about `center` (the plane's two, from here).
 
-    `plane`: (a, b, third axis or -1); counter-clockwise is from a to b. `turns` full ones come on top; an end in
-    the same
-    direction as the start is one full turn. Returns (length along the circle, with that of the last short line,
-    in 2⁻¹⁰ steps; angle swept, 2⁻³² turn). Raises ValueError for a radius of 0 or above MAX_RADIUS or an arc of
-    more than 2²⁸ steps, and TooSteep.
+    `plane`: (a, b, third axis or -1); counter-clockwise is from a to b. `turns` full ones come on top. `over_half`:
+    the arc sweeps more than half a turn, without `turns`, as it was before rounding; an end in the direction of the
+    start is a full turn, then, and else none. None: only the steps are known; it is a full turn. What is too short or
+    too small for a step along the circle has no STEPS, only the last line.
+
+    Returns (length along the circle, with that of the last short line, in 2⁻¹⁰ steps; angle swept, 2⁻³² turn). Raises
+    ValueError for a radius above MAX_RADIUS or an arc of more than 2²⁸ steps, and TooSteep.
     """
     sign = -1 if clockwise else 1
     x, y = -center[0], -center[1] * sign
     end_x, end_y = deltas[plane[0]] - center[0], (deltas[plane[1]] - center[1]) * sign
     square = x * x + y * y
-    if not 0 < square <= MAX_RADIUS * MAX_RADIUS:
-        raise ValueError("an arc of radius 0 or of more than %d steps" % MAX_RADIUS)
-    if not end_x and not end_y:
-        raise ValueError("an arc that ends at its centre")
+    if square > MAX_RADIUS * MAX_RADIUS:
+        raise ValueError("an arc of a radius of more than %d steps" % MAX_RADIUS)
+    into[AXIS_A], into[AXIS_B], into[AXIS_Z] = plane
+    into[MIRROR] = 1 if clockwise else 0
+    cross = x * end_y - y * end_x
+    turns += turns_off(cross, x * end_x + y * end_y, over_half)
+    if turns < 0 or not square or not end_x and not end_y:
+        return _straight(into, plane, deltas)
     inside = isqrt(square >> 1)
     across = nearest(square, inside)
     region, u, w = region_of(x, y, False)
@@ -96,7 +104,6 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0):
     end_u = max(min(end_u, inside), -across)
     quarters = (last - region) & 3
     if not quarters:
-        cross = x * end_y - y * end_x
         if cross < 0 or cross == 0 and x * end_x + y * end_y > 0:
             quarters = 4
         elif end_u < u:
@@ -112,12 +119,20 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0):
         other = _tail((region + quarters) & 3, before, end_x, end_y)
         if less + max(abs(other[0]), abs(other[1])) < steps + max(abs(tail[0]), abs(tail[1])):
             steps, place, tail = less, before, other
-    into[AXIS_A], into[AXIS_B], into[AXIS_Z] = plane
-    into[MIRROR] = 1 if clockwise else 0
     into[REGION], into[U], into[W] = region, u, w
     into[D], into[E], into[STEPS] = inside, across, steps
     into[TAIL_A], into[TAIL_B] = tail[0], tail[1] * sign
     return _measure(into, square, place, quarters, deltas[plane[2]] if plane[2] >= 0 else 0)
+
+
+def _straight(into, plane, deltas):
+    """The plan of an arc without a step along the circle."""
+    for which in range(REGION, PLAN):
+        into[which] = 0
+    z = deltas[plane[2]] if plane[2] >= 0 else 0
+    into[TAIL_A], into[TAIL_B], into[TAIL_Z] = deltas[plane[0]], deltas[plane[1]], z
+    into[PATH] = max(abs(into[TAIL_A]), abs(into[TAIL_B])) or abs(z)
+    return into[PATH] << 10, 0
 
 
 def _measure(into, square, place, quarters, z):

@@ -9,17 +9,18 @@ steps: the sagitta of a chord of the angle φ is R·(1 − cos φ/2) < R·φ² /
 Big integers, once a chord.
 """
 
+from passo.motion.arc_plan import turns_off
 from passo.motion.cordic import TURN, arc_length, rotate, vector
-from passo.motion.integers import NM_PER_M, isqrt
+from passo.motion.integers import NM_PER_M, isqrt, length_nm
 
 
 class Ellipse:
     """`left` chords to come, `radius_nm`, and `length_nm` along the arc with what the third axis adds."""
 
-    def __init__(self, deltas, plane, center, steps_per_m, clockwise=False, turns=0):
-        """Vectors are in steps, arguments as of Planner.arc(). An end in the start's direction is a full turn.
+    def __init__(self, deltas, plane, center, steps_per_m, clockwise=False, turns=0, over_half=None):
+        """Vectors are in steps, arguments as of Planner.arc(). What is too short for a step along the arc is one chord.
 
-        Where the end is not on the circle the radius changes evenly. Raises ValueError for a radius of 0.
+        Where the end is not on the circle the radius changes evenly.
         """
         self._deltas = list(deltas)
         self._a, self._b, third = plane
@@ -28,15 +29,18 @@ class Ellipse:
         self._wide, self._high = wide, high
         x, y = -center[0] * wide, -center[1] * high
         end_x, end_y = (deltas[self._a] - center[0]) * wide, (deltas[self._b] - center[1]) * high
-        if not (x or y) or not (end_x or end_y):
-            raise ValueError("an arc of radius 0")
         start, radius = vector(x, y)
         sweep = (vector(end_x, end_y)[0] - start) % TURN
+        cross = x * end_y - y * end_x
         if clockwise:
             sweep = TURN - sweep
-        if x * end_y == y * end_x and x * end_x + y * end_y > 0:
+            cross = -cross
+        dot = x * end_x + y * end_y
+        if not cross and dot > 0:
             sweep = TURN
-        sweep += turns * TURN
+        sweep += (turns + turns_off(cross, dot, over_half)) * TURN
+        if sweep < 0 or not radius or not (end_x or end_y):
+            sweep = 0
         # ¼ step for φ = √(2 / R), R in steps of the finer axis.
         steps = radius // min(wide, high) + 1
         angle = arc_length(1 << 20, sweep)
@@ -50,7 +54,7 @@ class Ellipse:
         self.radius_nm = radius * NM_PER_M // (wide * high)
         rise = deltas[third] * NM_PER_M // steps_per_m[third] if third >= 0 else 0
         self.flat_nm = arc_length(self.radius_nm, sweep)
-        self.length_nm = isqrt(self.flat_nm * self.flat_nm + rise * rise)
+        self.length_nm = isqrt(self.flat_nm * self.flat_nm + rise * rise) if sweep else length_nm(deltas, steps_per_m)
 
     def chord(self):
         """The next chord, in steps of all axes; the last ends at `deltas` exactly."""

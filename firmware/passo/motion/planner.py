@@ -255,14 +255,15 @@ class Planner:
         rows[at + ROW_TICKS_REST] = rows[at + ROW_GAIN] = rows[at + ROW_SPEED] = 0
         self.work[WORK_THROUGH] = 0
 
-    def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, queued=True):
+    def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, queued=True,
+            over_half=None):
         """Queue an arc or helix from here to `deltas` (steps, all axes) about `center` (steps from here, in the plane).
 
-        `plane`: (a, b, third axis or -1), counter-clockwise is from a to b; `turns`: full ones on top. Its speed along
-        the path, or the `ticks` it lasts at that. On arcs v²/R stays within the weaker axis's acceleration. An arc too
-        short for a step along the circle is a line. Raises ValueError for what cannot be walked as a circle: the plane's
-        axes with different steps/mm, a radius of 0 or above 2²⁰ steps; arc.TooSteep for too steep a helix. `queued`: False
-        only looks whether it would raise; there has to be room for it.
+        `plane`: (a, b, third axis or -1), counter-clockwise is from a to b; `turns`: full ones on top; `over_half`: as
+        of arc.plan(). Its speed along the path, or the `ticks` it lasts at that. On arcs v²/R stays within the weaker
+        axis's acceleration. An arc too short for a step along the circle is a line. Raises ValueError for what cannot
+        be walked as a circle: the plane's axes with different steps/mm, a radius above 2²⁰ steps; arc.TooSteep for too
+        steep a helix. `queued`: False only looks whether it would raise; there has to be room for it.
         """
         limits = self._limits
         if limits is None:
@@ -275,7 +276,7 @@ class Planner:
 
         turn = self._turn
         plan = self._plans[turn]
-        path, _ = arc.plan(plan, plane, center, deltas, clockwise, turns)
+        path, _ = arc.plan(plan, plane, center, deltas, clockwise, turns, over_half)
         if not plan[STEPS]:
             if queued:
                 self.line(deltas, ticks, tool, tag, False, speed_nm_s)

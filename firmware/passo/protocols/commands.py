@@ -115,7 +115,8 @@ class Motion(Command):
     per_min × 1000. `tool` and `power` hold from the motion's start, `dynamic`: power follows the speed. `number` is the
     line of the programme. Arcs lie in the plane of the axes `first` and `second`; `centre` is the vector from the
     start to the centre in steps, the third axis goes in proportion to the swept angle, `turns` is 1 for up to a whole
-    turn, and one more for each turn beyond it. `also`: the LINEs that follow from the same line of the programme; all
+    turn, and one more for each turn beyond it; `over_half`: the last of them sweeps more than half a turn, which whole steps
+    cannot tell where it begins and ends at the same one. `also`: the LINEs that follow from the same line of the programme; all
     of them are checked before this one begins.
     """
 
@@ -131,6 +132,7 @@ class Motion(Command):
         self.clockwise = False
         self.centre = (0, 0)
         self.turns = 1
+        self.over_half = False
 
 
 class Run(Command):

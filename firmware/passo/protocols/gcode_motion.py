@@ -129,8 +129,11 @@ class Motions(Reader):
         place = self._target(False)
         across, along = place[first] - start[first], place[second] - start[second]
         error = i = j = 0
+        over_half = None
         if not swept and self._take(R):
-            error, i, j = arcs.centre_of(across, along, self._length(R), clockwise)
+            radius = self._length(R)
+            over_half = radius < 0
+            error, i, j = arcs.centre_of(across, along, radius, clockwise)
         elif self._left >> I & in_plane:
             i = self._length(I + first) if self._take(I + first) else 0
             j = self._length(I + second) if self._take(I + second) else 0
@@ -146,11 +149,15 @@ class Motions(Reader):
                 error = error or errors.TARGET
             across, along = arcs.end_of(i, j, sweep, clockwise)
             place[first], place[second] = start[first] + across, start[second] + along
-            turns = sweep // _DEGREES + 1
-        elif not error and self._take(P):
-            turns = self.words.fixed(P, 0)
-            if turns < 1 or self.words.fixed(P, 3) != turns * 1000:
-                error = errors.NOT_INTEGER
+            turns = (sweep - 1) // _DEGREES + 1
+            over_half = (sweep - 1) % _DEGREES >= _DEGREES // 2
+        elif not error:
+            if over_half is None:
+                over_half = arcs.over_half(across, along, i, j, clockwise)
+            if self._take(P):
+                turns = self.words.fixed(P, 0)
+                if turns < 1 or self.words.fixed(P, 3) != turns * 1000:
+                    error = errors.NOT_INTEGER
         if error:
             raise Refused(error)
         command = self._move(commands.ARC, place, self._feed or 1)
@@ -158,11 +165,8 @@ class Motions(Reader):
         centre[first] += i
         centre[second] += j
         centre = self._to_steps(centre)
-        if swept and command.target[first] == self._steps[first] and command.target[second] == self._steps[second]:
-            turns = (sweep + _DEGREES // 2) // _DEGREES  # it closes, to the step
-            if not turns:
-                command.kind = commands.LINE
         command.first, command.second, command.clockwise, command.turns = first, second, clockwise, turns
+        command.over_half = over_half
         command.centre = (centre[first] - self._steps[first], centre[second] - self._steps[second])
         return place
 
