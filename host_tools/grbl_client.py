@@ -6,21 +6,17 @@
         for number in client.stream(lines, count=True): …    # the line of the file that was answered last
 """
 
-import os
 import re
 import time
 
 from host_tools.failure import Failure
+from host_tools.serial_port import LinkError, open_exclusively
 
 RX_BYTES = 128
 _LONGEST_TAGGED = 72  # characters, of 80 with the number
 _HIGHEST = 9_999_999
 _SLICE_S = 0.02
 RESET = b"\x18"
-
-
-class LinkError(Failure):
-    """The port, the wire or the device at its other end failed."""
 
 
 class Refused(Failure):
@@ -31,17 +27,6 @@ class Refused(Failure):
         self.number = number
 
 
-def open_port(port, baud):
-    """A pyserial port: a device, a pty or any pyserial URL such as socket://host:port. Raises LinkError."""
-    import serial
-
-    try:
-        return serial.serial_for_url(port, baudrate=baud, timeout=_SLICE_S, write_timeout=5)
-    except (serial.SerialException, ValueError, OSError) as error:
-        number = getattr(error, "errno", None)
-        raise LinkError(f"cannot open port {port}: {os.strerror(number) if number else error}") from error
-
-
 class GrblClient:
     def __init__(self, port, baud=115200, timeout_s=5.0, log=None):
         self.port = port
@@ -50,7 +35,7 @@ class GrblClient:
         self.alarm = None
         self.banners = 0
         self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
-        self._serial = open_port(port, baud)
+        self._serial = open_exclusively(port, baud, _SLICE_S)
         self._buffer = b""
         self._heard = time.monotonic()  # when something has come last
 

@@ -7,20 +7,15 @@
 A STATUS answer is twelve bytes and every other answer one, so a `?` makes the reader wait for eleven more.
 """
 
-import os
 import time
 
-from host_tools.failure import Failure
+from host_tools.serial_port import LinkError, open_exclusively
 from passo.protocols import plotter_host as plotter
 
 _SLICE_S = 0.05  # how long one read waits: the finest grain of every time-out
 _STATUS_GAP_S = 0.5  # a STATUS answer that stalls this long is torn
 
 NAMES = {code: name for name, code in plotter.COMMANDS.items()}
-
-
-class LinkError(Failure):
-    """The port, the wire or the device at its other end failed."""
 
 
 def signed(data):
@@ -48,16 +43,14 @@ def answer_text(data):
 
 
 def open_port(port, baud):
-    """A pyserial port: a device, a pty or any pyserial URL such as socket://host:port. Raises LinkError."""
-    import serial
-
+    """A pyserial port for this program alone, what came before forgotten. Raises LinkError."""
+    opened = open_exclusively(port, baud, _SLICE_S)
     try:
-        opened = serial.serial_for_url(port, baudrate=baud, timeout=_SLICE_S, write_timeout=5)
         opened.reset_input_buffer()
-        return opened
-    except (serial.SerialException, ValueError, OSError) as error:
-        number = getattr(error, "errno", None)
-        raise LinkError(f"cannot open port {port}: {os.strerror(number) if number else error}") from error
+    except OSError as error:
+        opened.close()
+        raise LinkError(f"port {port} went away: {error}") from error
+    return opened
 
 
 class Wire:

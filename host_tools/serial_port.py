@@ -1,0 +1,121 @@
+"""Opening a serial port for one program alone.
+
+    opened = open_exclusively("/dev/ttyACM0", 57600, 0.05)      # a pyserial port
+
+A port is locked with flock, as pyserial and mpremote do, and a real serial device with TIOCEXCL too, which programs that do
+not lock run into; root passes over TIOCEXCL, and flock stops root as well. What is not a device on this computer, such as
+socket://host:port, is locked by a file in the folder for temporary files: its server would drop the first client for the
+second.
+"""
+
+import errno
+import hashlib
+import os
+import tempfile
+from pathlib import Path
+
+from host_tools.failure import Failure
+
+
+class LinkError(Failure):
+    """The port, the wire or the device at its other end failed."""
+
+
+def open_exclusively(port, baud, slice_s):
+    """A pyserial port: a device, a pty or any pyserial URL such as socket://host:port; one read waits `slice_s`. Raises
+    LinkError, which says whose it is if another program has it."""
+    import serial
+
+    lock = None
+    try:
+        if "://" in str(port):
+            lock = _lock_of_url(str(port))
+            opened = serial.serial_for_url(port, baudrate=baud, timeout=slice_s, write_timeout=5)
+            _closed_with(opened, lock)
+        else:
+            opened = serial.serial_for_url(port, baudrate=baud, timeout=slice_s, write_timeout=5, exclusive=True)
+            _keep_others_out(opened)
+        return opened
+    except (serial.SerialException, ValueError, OSError) as error:
+        if lock is not None:
+            os.close(lock)
+        number = getattr(error, "errno", None)
+        if number in (errno.EAGAIN, errno.EBUSY, errno.EACCES) and (others := _users_of(port)):
+            raise LinkError(f"port {port} is in use by {others}") from error
+        if number in (errno.EAGAIN, errno.EBUSY):
+            raise LinkError(f"port {port} is in use by another program") from error
+        raise LinkError(f"cannot open port {port}: {os.strerror(number) if number else error}") from error
+
+
+def _keep_others_out(opened):
+    """TIOCEXCL, which ends when the device is closed; not on a pty, where it would outlive a program that is killed."""
+    try:
+        import fcntl
+        import termios
+
+        if not os.path.realpath(opened.port).startswith("/dev/pts/"):
+            fcntl.ioctl(opened.fileno(), termios.TIOCEXCL)
+    except (ImportError, AttributeError, OSError, ValueError):
+        pass  # not every device can: flock holds
+
+
+def _lock_file(url):
+    name = hashlib.sha256(url.encode()).hexdigest()[:16]
+    return Path(tempfile.gettempdir()) / f"passo-{name}.lock"
+
+
+def _lock_of_url(url):
+    """The descriptor of a locked file that stands for `url`. Raises OSError (EAGAIN) if it is locked."""
+    try:
+        import fcntl
+    except ImportError:
+        return None
+    descriptor = os.open(_lock_file(url), os.O_RDWR | os.O_CREAT, 0o666)
+    try:
+        fcntl.flock(descriptor, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except OSError:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def _closed_with(opened, lock):
+    """Give the lock up when the port is closed."""
+    close = opened.close
+
+    def close_both():
+        nonlocal lock
+        close()
+        if lock is not None:
+            os.close(lock)
+            lock = None
+
+    opened.close = close_both
+
+
+def _users_of(port):
+    """The other programs that have `port` open, as far as this user may see them: "passo draw map.svg (process 1234)"."""
+    wanted = str(_lock_file(str(port))) if "://" in str(port) else os.path.realpath(port)
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        if process.name == str(os.getpid()):
+            continue
+        try:
+            if any(os.path.realpath(each) == wanted for each in (process / "fd").iterdir()):
+                found.append(f"{_command(process)} (process {process.name})")
+        except OSError:
+            continue  # gone by now, or of another user
+    return " and ".join(found)
+
+
+def _command(process):
+    """What a person typed, roughly: without the interpreter and its folders."""
+    words = (process / "cmdline").read_bytes().decode("utf-8", "replace").split("\0")
+    words = [word for word in words if word]
+    if words and Path(words[0]).name.startswith("python"):
+        words = words[1:]
+        if words[:1] == ["-m"]:
+            words = words[1:]
+    if words:
+        words[0] = {"host_tools.cli": "passo"}.get(words[0], Path(words[0]).name)
+    return " ".join(words)[:80] or "another program"
