@@ -4,7 +4,10 @@
     job.run(lambda number, drawn: ...)      # Broken if the client was cancelled
 """
 
-from host_tools.plotter_client import Cancelled
+import time
+
+from host_tools.failure import Failure
+from host_tools.plotter_client import POLL_S, Cancelled
 from host_tools.wire import LinkError
 
 
@@ -13,20 +16,26 @@ class Broken(Exception):
 
 
 class Job:
-    """`objects` are lists of (pen_down, x, y) in steps, each begun by a MOVE; `journal` may be None."""
+    """`objects` are lists of (pen_down, x, y) in steps, each begun by a MOVE; `journal` may be None. `warn(text)` is told
+    once if the journal cannot be written any more; the drawing goes on, for half of it on the paper is lost too."""
 
-    def __init__(self, client, objects, journal=None):
+    def __init__(self, client, objects, journal=None, warn=None):
         self.client = client
         self.objects = objects
         self.journal = journal
+        self.begun = False
+        self._warn = warn
+        self._warned = False
+        self._at = (0, 0)  # objects drawn, and points of the next one
 
     def run(self, progress=None):
         """Draw what the journal leaves to draw. `progress(number, drawn)`: points drawn of object `number`.
 
         Raises Broken after client.cancel(), LinkError when the link or the machine fails; in both cases the machine
-        has been stopped if it could be reached, and the journal is written.
+        has been stopped if it could be reached, and the journal is written; it is about once a second too.
         """
         first, drawn = (self.journal.object, self.journal.drawn) if self.journal else (0, 0)
+        self.begun = True
         for number in range(first, len(self.objects)):
             self._save(number, drawn)
             self._draw(number, drawn, progress)
@@ -48,29 +57,51 @@ class Job:
             return skip + max(sure, 0)
 
         def report(status):
+            drawn = counted(status)
+            if (number, drawn) > self._at:
+                self._save(number, drawn)
             if progress:
-                progress(number, counted(status))
+                progress(number, drawn)
 
         client.repeated_points = 0
+        asked = time.monotonic()
         try:
             for point in points:
                 client.point(*point)
                 stored += 1
+                if time.monotonic() - asked > POLL_S:  # what does not fit into the board's store is drawn as it comes
+                    report(client.status())
+                    asked = time.monotonic()
             client.end(len(points), report)
         except (Cancelled, LinkError) as reason:
             try:
                 self._save(number, counted(client.stop()))
             except LinkError:
-                pass  # out of reach: the journal still says where this object was begun
+                pass  # out of reach: the journal says what was drawn when the machine was heard last
             if isinstance(reason, Cancelled):
                 raise Broken(f"stopped at object {number + 1} of {len(self.objects)}") from reason
             raise
         if progress:
             progress(number + 1, 0)
 
+    def reached(self):
+        """How far it has come, in words."""
+        number, drawn = self._at
+        points = sum(len(points) for points in self.objects[:number]) + drawn
+        return f"{points} of {sum(map(len, self.objects))} points"
+
     def _save(self, number, drawn):
-        if self.journal:
+        self._at = (number, drawn)
+        if self.journal is None:
+            return
+        try:
             self.journal.save(number, drawn)
+        except Failure as failure:
+            if self._warn is None:
+                raise
+            if not self._warned:
+                self._warn(f"{failure}. The drawing goes on; broken off, it could not be continued from here")
+            self._warned = True
 
 
 def remaining(points, drawn):

@@ -1,9 +1,10 @@
 """How far a drawing has come, in a small file beside it, so that it can be continued.
 
-The file is replaced as a whole after every object and when the drawing is broken off: it is never half written. It
-counts finished objects, and the points drawn of the one that was not.
+The file is replaced as a whole, about once a second while something is drawn and when the drawing is broken off: it is
+never half written. It counts finished objects, and the points drawn of the one that was not.
 """
 
+import errno
 import json
 import os
 from pathlib import Path
@@ -29,16 +30,43 @@ class Journal:
         """Note that objects before `number` are drawn, and the first `drawn` points of that one."""
         self.object, self.drawn = number, drawn
         record = {"digest": self.digest, "points_per_object": self.most, "object": number, "drawn": drawn}
-        fresh = self.path.with_name(self.path.name + ".new")
         try:
-            fresh.write_text(json.dumps(record) + "\n", encoding="utf-8")
-            os.replace(fresh, self.path)
+            os.replace(self._write(json.dumps(record) + "\n"), self.path)
         except OSError as error:
-            reason = f"{error.strerror}; --journal names another place"
-            raise Failure(f"journal {self.path} cannot be written: {reason}") from error
+            raise self._unwritable(error) from error
+
+    def probe(self):
+        """Raise Failure if the journal could not be written; an old one stays as it is."""
+        try:
+            if self.path.is_dir():
+                raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+            self._write("{}\n").unlink()
+        except OSError as error:
+            raise self._unwritable(error) from error
+
+    def begun(self):
+        """Does the file tell of this drawing, begun and not finished?"""
+        try:
+            return Journal(self.path, self.digest, self.most)._take()
+        except Failure:
+            return False
+
+    def _write(self, text):
+        fresh = self.path.with_name(self.path.name + ".new")
+        fresh.write_text(text, encoding="utf-8")
+        return fresh
+
+    def _unwritable(self, error):
+        return Failure(f"journal {self.path} cannot be written: {error.strerror}; --journal names another place")
 
     def resume(self):
-        """Take over where the file says. Raises Failure if there is none or it belongs to something else."""
+        """Take over where the file says. Raises Failure if there is none, it belongs to something else, or could not be
+        written while drawing."""
+        self._take()
+        self.probe()
+
+    def _take(self):
+        """Read the file; is anything drawn? Raises Failure."""
         try:
             record = json.loads(self.path.read_text(encoding="utf-8"))
             digest, number, drawn = record["digest"], int(record["object"]), int(record["drawn"])
@@ -52,6 +80,7 @@ class Journal:
                 "use the options of the first run, or draw it anew without --continue"
             )
         self.object, self.drawn = number, drawn
+        return number > 0 or drawn > 0
 
     def finish(self):
         """The drawing is done: the journal is not needed any more."""

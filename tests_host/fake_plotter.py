@@ -25,6 +25,7 @@ class FakePlotter:
         self.fault_of_packets = 0.0  # chance that one byte of a packet is dropped, doubled or flipped
         self.lose_answers = 0.0  # chance that an answer never arrives
         self.mute = False
+        self.streams = False  # begins to draw as soon as its room is full, and makes room as it draws
         self.alarm = 0
         self.objects = []  # finished ones, as lists of (letter, x, y)
         self.stopped = []  # objects dropped by STOP, as far as they were drawn
@@ -36,6 +37,7 @@ class FakePlotter:
         self._held = None  # a point for which there is no room yet
         self._drawn = 0.0
         self._drawing_since = None
+        self._ended = False  # END has come for the object
         self._error = 0
         self._place = (0, 0)
         self._master, self._slave = os.openpty()
@@ -51,26 +53,44 @@ class FakePlotter:
     def __exit__(self, *_):
         self._running = False
         self._thread.join()
-        os.close(self._master)
-        os.close(self._slave)
+        self.unplug()
+
+    def unplug(self):
+        """The cable is out: both ends of the line are gone."""
+        self._running = False
+        for end in (self._master, self._slave):
+            if end is not None:
+                os.close(end)
+        self._master = self._slave = None
+
+    def drawn_points(self):
+        """What is drawn of the object that it is at."""
+        return self._points[: int(self._drawn)]
 
     def _run(self):
         while self._running:
-            ready, _, _ = select.select([self._master], [], [], 0.002)
-            now = time.monotonic()
-            if ready:
-                data = os.read(self._master, 4096)
-                self.received += data
-                data = self._spoil(data)
-                if data and not self._pending:
-                    self._since = now
-                self._latest = now if data else self._latest
-                self._pending += data
-            self._parse(now)
-            self._draw(now)
-            if self._held and len(self._points) < self.room:
-                point, self._held = self._held, None
-                self._obey(*point, now)
+            try:
+                self._turn()
+            except (OSError, TypeError, ValueError):
+                if self._running:
+                    raise  # and not the end of a line that was unplugged
+
+    def _turn(self):
+        ready, _, _ = select.select([self._master], [], [], 0.002)
+        now = time.monotonic()
+        if ready:
+            data = os.read(self._master, 4096)
+            self.received += data
+            data = self._spoil(data)
+            if data and not self._pending:
+                self._since = now
+            self._latest = now if data else self._latest
+            self._pending += data
+        self._parse(now)
+        self._draw(now)
+        if self._held and self._stored() < self.room:
+            point, self._held = self._held, None
+            self._obey(*point, now)
 
     def _spoil(self, data):
         if len(data) != 6 or self._random.random() >= self.fault_of_packets:
@@ -101,14 +121,17 @@ class FakePlotter:
             if x > TRAVEL[0] or y > TRAVEL[1]:
                 self._error = 104
                 return
-            if len(self._points) >= self.room:
+            if self._stored() >= self.room:
                 self._held = (letter, x, y)
+                if self.streams and self._drawing_since is None:
+                    self._drawing_since = now
                 return
             if not self._points:
                 self._drawn = 0.0
             self._points.append((letter, x, y))
             self._answer(b"n")
         elif letter == "e":
+            self._ended = True
             if self._drawing_since is None:
                 self._drawing_since = now
         elif letter == "x":
@@ -116,12 +139,12 @@ class FakePlotter:
             if self._points:
                 self.stopped.append(self._points[:done])
                 self._place = self._points[min(done, len(self._points) - 1)][1:]
-            self._points, self._drawing_since = [], None
+            self._points, self._drawing_since, self._ended = [], None, False
             self._answer(b"d")
         elif letter == "?":
             state = 4 if self.alarm else 0 if self._drawing_since is None else 1
             body = struct.pack(">cBBHHHH", b"?", state, self.alarm or self._error, *self._place, int(self._drawn),
-                               max(0, self.room - len(self._points)))
+                               max(0, self.room - self._stored()))
             self._error = 0
             self._answer(body + bytes([sum(body) % 256]))
         elif letter in "8426":
@@ -133,15 +156,18 @@ class FakePlotter:
                 self._place = (0, 0)
             self._answer({"r": b"k", "o": b"o", "s": b"s"}[letter])
 
+    def _stored(self):
+        return len(self._points) - (int(self._drawn) if self.streams else 0)
+
     def _draw(self, now):
         if self._drawing_since is None or self.alarm:
             return
         self._drawn = min((now - self._drawing_since) * self.points_per_s, len(self._points))
-        if self._drawn >= len(self._points):
+        if self._drawn >= len(self._points) and self._ended:
             if self._points:
                 self.objects.append(self._points)
                 self._place = self._points[-1][1:]
-            self._points, self._drawing_since = [], None
+            self._points, self._drawing_since, self._ended = [], None, False
             self._answer(b"d")
 
     def _answer(self, data):

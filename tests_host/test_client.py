@@ -177,6 +177,64 @@ def test_a_drawing_broken_off_again_and_again_is_continued_exactly(tmp_path, los
         assert done == wanted
 
 
+@pytest.mark.parametrize("room", [10000, 30])
+def test_an_unplugged_board_costs_a_second_of_drawing(tmp_path, room):
+    """Whether all points are stored before the drawing begins, or it is drawn while they arrive."""
+    points = a_polyline(300)
+    journal = Journal(tmp_path / "journal", "same", 1000)
+    seen = []
+    with FakePlotter(points_per_s=60, room=room) as fake, PlotterClient(fake.path, timeout_s=0.1) as client:
+        fake.streams = True
+        job = Job(client, [points], journal)
+
+        def progress(number, drawn):
+            seen.append((drawn, Journal(journal.path, "same", 1000)))
+            seen[-1][1].resume()
+            if drawn > 100:
+                fake.unplug()
+
+        with pytest.raises(LinkError):
+            job.run(progress)
+        done = len(fake.drawn_points())
+    assert all(drawn == kept.drawn for drawn, kept in seen)
+    again = Journal(journal.path, "same", 1000)
+    again.resume()
+    kept = again.drawn
+    assert 100 < kept <= done < kept + 100
+    assert job.reached() == f"{kept} of 300 points"
+    with FakePlotter() as fake, PlotterClient(fake.path) as client:
+        Job(client, [points], again).run()
+        lead = points[kept][0]  # a line goes on from the point before it
+        assert fake.objects[0][lead:] == as_packets(points)[kept:]
+
+
+def test_a_journal_that_cannot_be_written_any_more_is_said_once_and_the_drawing_goes_on(tmp_path):
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    told = []
+    with FakePlotter() as fake, PlotterClient(fake.path) as client:
+        journal = Journal(folder / "journal", "same", 1000)
+        journal.probe()
+        folder.rmdir()
+        Job(client, [SQUARE, SQUARE], journal, told.append).run()
+        assert fake.objects == [as_packets(SQUARE)] * 2
+    assert len(told) == 1 and "cannot be written" in told[0]
+
+
+def test_a_journal_is_tried_before_anything_moves(tmp_path):
+    Journal(tmp_path / "journal", "one", 1000).save(3, 4)
+    Journal(tmp_path / "journal", "two", 1000).probe()
+    kept = Journal(tmp_path / "journal", "one", 1000)
+    assert kept.begun() and (kept.object, kept.drawn) == (0, 0)
+    kept.resume()
+    assert (kept.object, kept.drawn) == (3, 4)
+    assert not Journal(tmp_path / "journal", "two", 1000).begun()
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["journal"]
+    for path in (tmp_path / "none" / "journal", tmp_path):
+        with pytest.raises(Failure, match="cannot be written: .*; --journal names another place"):
+            Journal(path, "one", 1000).probe()
+
+
 def test_continuing_something_else_is_refused(tmp_path):
     Journal(tmp_path / "journal", "one", 1000).save(3, 4)
     with pytest.raises(Failure, match="cannot continue: the drawing or its placement"):
