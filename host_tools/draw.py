@@ -1,5 +1,6 @@
 """`passo draw`: an SVG file, drawn by the plotter."""
 
+import contextlib
 import signal
 import sys
 import time
@@ -20,10 +21,16 @@ Examples:
 
     passo draw map.svg --scale 0.5 --origin 30,40 --dry-run --preview map.png
 
+    passo draw map.svg --port /dev/ttyACM0 --layer 2
+
     passo draw map.svg --port /dev/ttyACM0 --continue
 
-It is drawn in its real size where that fits, otherwise just so small that it does, in the middle of the table.
-Ctrl-C stops the machine, pen up, and --continue with the same options goes on from there.
+The page lies with its lower left corner at 0;0, in its real size; a page that is larger than the table and has lines out
+there is reduced. Layers drawn one after the other, with another pen each, fall on each other, whatever the options, as
+long as those of the place are the same.
+
+Ctrl-C stops the machine, pen up, and --continue with the same options goes on from there; so it does when the board was
+unplugged or the PC went to sleep.
 """
 
 
@@ -33,11 +40,15 @@ def draw(
     board: str = typer.Option("plotter_2014", help="Board by name, or the path of a board file."),
     baud: int = typer.Option(57600, help="Bits per second of a serial port."),
     fit: bool = typer.Option(False, "--fit", help="Enlarge or reduce to fill the table within the margin."),
+    center: bool = typer.Option(False, "--center", help="In the middle of the table."),
     scale: Optional[float] = typer.Option(None, help="Factor of the real size, e.g. 0.5."),
-    origin: Optional[str] = typer.Option(None, metavar="X,Y", help="Place of the lower left corner, in mm."),
-    margin: float = typer.Option(10.0, help="Margin kept free on the table, in mm."),
+    origin: Optional[str] = typer.Option(None, metavar="X,Y", help="Place of the lower left corner, in mm; default 0,0."),
+    place: str = typer.Option("page", help="What is placed and fitted: page, or outlines: the box around all layers' lines."),
+    margin: float = typer.Option(10.0, help="Margin that --fit keeps free on the table, in mm."),
     tolerance: float = typer.Option(0.1, min=0.01, max=1.0, help="How finely curves are followed, in mm."),
-    layer: Optional[list[int]] = typer.Option(None, help="Draw this layer only; may be given more than once."),
+    layer: Optional[list[int]] = typer.Option(
+        None, help="Draw this layer only, where it stands among all; may be given more than once."
+    ),
     crop: bool = typer.Option(True, "--crop/--no-crop", help="Leave out what lies outside the SVG's page."),
     speed: Optional[int] = typer.Option(None, min=1, max=65535, help="Drawing speed, in the board file's unit."),
     points: int = typer.Option(1000, min=2, max=60000, help="Most points of an object sent before it is drawn."),
@@ -51,23 +62,29 @@ def draw(
 ):
     from rich.console import Console
 
-    from host_tools import boards, drawing
+    from host_tools import drawing
     from host_tools.journal import Journal
 
-    machine = boards.load(board)
-    options = drawing.Options(margin, fit, scale, _corner(origin), tolerance, crop, tuple(layer or ()))
-    plan = drawing.load(file, machine, options)
+    machine = _plotter(board)
+    options = drawing.Options(
+        margin=margin, fit=fit, center=center, scale=scale, origin=_corner(origin), place=place, tolerance=tolerance,
+        crop=crop, layers=tuple(layer or ()),
+    )  # fmt: skip
     console = Console()
-    _describe(console, plan, machine, speed)
+    with console.status(f"reading {file}") as status:
+        plan = drawing.load(file, machine, options, lambda text, share: status.update(f"{text} {file}: {share:.0%}"))
+    seconds = _describe(console, plan, options, machine, speed)
     if preview:
-        from host_tools import plot
-
-        plot.save(preview, plot.strokes_of_lines(plan.lines, plan.steps_per_mm), file.name)
+        _picture(preview, plan, machine, seconds, file)
     if dry_run:
         return
     record = Journal(journal or Journal.beside(file), plan.digest(points), points)
     if resume:
         record.resume()
+    else:
+        record.probe()
+        if record.begun():
+            console.print("  [yellow]begun before and not finished: it is drawn anew; --continue would go on[/yellow]")
     _draw(console, plan, machine, record, port, baud, speed, home, log, timeout)
 
 
@@ -84,48 +101,96 @@ def _corner(text):
     return x, y
 
 
-def _describe(console, plan, machine, speed):
+def _plotter(name):
+    """The board file, checked and whole. Raises Failure if none of its links speaks the plotter's language."""
+    from host_tools import boards
+    from passo.control.boardfile import BoardError, check
+
+    try:
+        board = check(boards.load(name))
+    except BoardError as error:
+        raise Failure(f"board {name}: {error}") from error
+    spoken = sorted({link["protocol"] for link in board["links"]})
+    if "plotter" not in spoken:
+        way = "; docs/gcode.md says how a drawing becomes G-code for passo stream" if "grbl" in spoken else ""
+        raise Failure(f"board {name} speaks {', '.join(spoken)}: passo draw speaks to plotters only{way}")
+    return board
+
+
+def _describe(console, plan, options, machine, speed):
+    """Say what would be drawn; returns the seconds that it would take."""
     from rich.markup import escape
 
-    from host_tools import estimate
+    from host_tools import drawing, estimate
 
     down, up = plan.lengths_mm()
     times = estimate.Estimate(machine, speed)
     total = sum(times.object_s(plan.objects(sys.maxsize)[0]))
-    console.print(f"[bold]{escape(plan.name)}[/bold] at {plan.scale * 100:.1f} % of its real size")
-    (width, height), (left, bottom) = plan.size_mm, plan.origin_mm
-    console.print(f"  {width:.1f} × {height:.1f} mm, corner at {left:.1f}, {bottom:.1f}")
+    console.print(f"[bold]{escape(plan.name)}[/bold] at {drawing.percent(plan.scale)} % of its real size")
+    for name, (left, bottom, right, top) in (("page ", plan.page_mm), ("drawn", plan.box_mm)):
+        console.print(f"  {name} {right - left:.1f} × {top - bottom:.1f} mm, corner at {left:.1f}, {bottom:.1f}")
+    if len(plan.layers) > 1:
+        named = ", ".join(f"{number} {name or ''}".rstrip() for number, name in plan.layers.items())
+        chosen = f", drawn: {', '.join(map(str, options.layers))}" if options.layers else ""
+        console.print(f"  layers {escape(named)}{chosen}")
     console.print(f"  {len(plan.lines)} lines, {plan.points()} points")
     console.print(f"  pen down {down / 1000:.2f} m, pen up {up / 1000:.2f} m, about {estimate.clock(total)}")
     for note in plan.notes:
         console.print(f"  [yellow]{escape(note)}[/yellow]")
+    return total
+
+
+def _picture(path, plan, machine, seconds, file):
+    from host_tools import drawing, estimate, placement, plot
+
+    title = f"{file.name} at {drawing.percent(plan.scale)} %, about {estimate.clock(seconds)}"
+    table = (0.0, 0.0, *placement.table_mm(machine))
+    plot.save(path, plot.strokes_of_lines(plan.lines, plan.steps_per_mm), title, table, plan.page_mm)
 
 
 def _draw(console, plan, machine, record, port, baud, speed, home, log, timeout):
     from host_tools import ports
     from host_tools.job import Broken, Job
     from host_tools.plotter_client import Cancelled, PlotterClient
+    from host_tools.wire import LinkError
 
     begun = time.monotonic()
     with PlotterClient(port or ports.only(), baud, timeout, log) as client:
-        before = signal.signal(signal.SIGINT, lambda *_: client.cancel())
-        try:
-            with console.status("homing" if home else "preparing"):
-                _prepare(client, speed, home)
-            job = Job(client, plan.objects(record.most), record)
-            with _Progress(console, job, machine, speed) as progress:
-                job.run(progress)
-        except Broken as broken:
-            raise Failure(f"{broken}, pen up; go on with the same command and --continue ({record.path})") from None
-        except Cancelled:
-            client.stop()
-            raise Failure("stopped before drawing began") from None
-        finally:
-            signal.signal(signal.SIGINT, before)
+        with _cancelled_by_signals(client):
+            job = Job(client, plan.objects(record.most), record, lambda text: console.print(f"[yellow]{text}[/yellow]"))
+            try:
+                with console.status("homing" if home else "preparing"):
+                    _prepare(client, speed, home)
+                with _Progress(console, job, machine, speed) as progress:
+                    job.run(progress)
+            except Broken as broken:
+                raise Failure(f"{broken}, pen up; go on with the same command and --continue ({record.path})") from None
+            except Cancelled:
+                client.stop()
+                raise Failure("stopped before drawing began") from None
+            except LinkError as error:
+                if not job.begun:
+                    raise
+                raise Failure(
+                    f"{error}\n{job.reached()} drawn for certain; when the machine is there again, go on with the same "
+                    f"command and --continue ({record.path})"
+                ) from error
         record.finish()
         console.print(
             f"drawn in {time.monotonic() - begun:.0f} s: {client.packets} packets, {client.resends} sent again"
         )
+
+
+@contextlib.contextmanager
+def _cancelled_by_signals(client):
+    """Ctrl-C, a closed terminal and the end of the session stop the machine."""
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = [(number, signal.signal(number, lambda *_: client.cancel())) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in before:
+            signal.signal(number, handler)
 
 
 def _prepare(client, speed, home):

@@ -1,12 +1,13 @@
-"""From an SVG file to objects of points in steps, placed on the machine's area.
+"""From an SVG file to objects of points in steps, its page placed on the machine's table.
 
     drawing = load("map.svg", boards.load("plotter_2014"), Options(fit=True))
     for points in drawing.objects(1000):            # [(pen_down, x, y), ...], first of each a MOVE
         ...
 
-vpype reads the file: transforms, layers, all shapes. Curves become chords no longer than the tolerance, points within
-half the tolerance of their neighbours' line are left out, and rounding to steps adds at most half a step an axis.
-Text and pictures inside an SVG are not outlines and are left out. Layers are drawn one after another, lowest first.
+The page lies with its lower left corner at 0;0, in its real size, whichever layers are drawn: layers drawn one after the
+other, and files of one page size, fall on each other. Curves become chords no further from them than a quarter of the
+tolerance, points within half the tolerance of their neighbours' line are left out, and rounding to steps adds at most half
+a step an axis. What cannot be drawn is said in `notes`. Layers are drawn one after another, lowest first.
 """
 
 import hashlib
@@ -14,25 +15,12 @@ import json
 import math
 from dataclasses import dataclass, field
 
-from host_tools import boards
+from host_tools import boards, placement
 from host_tools.failure import Failure
+from host_tools.placement import MM_PER_PX, Options, percent  # noqa: F401
 
-MM_PER_PX = 25.4 / 96
 _JOIN_MM = 0.05  # ends this close are one line
-_EPSILON_MM = 1e-6
-
-
-@dataclass
-class Options:
-    """How a drawing is placed. Lengths in mm, `scale` as a factor of the real size."""
-
-    margin: float = 10.0
-    fit: bool = False
-    scale: float | None = None
-    origin: tuple[float, float] | None = None  # of the drawing's lower left corner
-    tolerance: float = 0.1
-    crop: bool = True
-    layers: tuple[int, ...] = ()
+_EDGE_MM = 0.1  # a line so little outside the page is drawn on its edge
 
 
 @dataclass
@@ -44,9 +32,11 @@ class Drawing:
     steps_per_mm: tuple[float, float]
     scale: float  # of the real size
     mm_per_px: float
-    corner_px: tuple[float, float]  # of the outlines' box in the file: left, bottom
+    corner_px: tuple[float, float]  # lower left, in the file, of what is placed
     origin_mm: tuple[float, float]  # where that corner stands on the machine
-    size_mm: tuple[float, float]
+    page_mm: tuple[float, float, float, float]  # the page on the machine: left, bottom, right, top
+    box_mm: tuple[float, float, float, float]  # the same of the outlines
+    layers: dict = field(default_factory=dict)  # number: name or None, of all in the file
     notes: list = field(default_factory=list)
 
     def objects(self, most):
@@ -84,114 +74,107 @@ class Drawing:
         return math.hypot((b[0] - a[0]) / self.steps_per_mm[0], (b[1] - a[1]) / self.steps_per_mm[1])
 
 
-def load(path, board, options=None):
-    """Read, place and order the drawing of an SVG file. Raises Failure where there is nothing to draw or no room."""
+def load(path, board, options=None, progress=None):
+    """Read, place and order the drawing of an SVG file. Raises Failure where there is nothing to draw or no room.
+    `progress(text, share)` is called now and then: what is being done, and how much of it is done, 0…1."""
+    from host_tools.svg_file import SvgFile
+
     options = options or Options()
+    progress = progress or (lambda text, share: None)
     steps_per_mm = boards.steps_per_mm(board)
-    notes = []
-    layers, size_px = _read(path, options.tolerance / MM_PER_PX, options, notes)
-    box = _box(layers)
-    factor = _scale(box, board, options, notes)
-    if factor > 1:
-        layers, size_px = _read(path, options.tolerance / MM_PER_PX / factor, options, [])
-        box = _box(layers)
-    mm_per_px = MM_PER_PX * factor
-    left, top, right, bottom = box
-    size = ((right - left) * mm_per_px, (bottom - top) * mm_per_px)
-    origin = _origin(size, board, options)
+    if options.place not in ("page", "outlines"):
+        raise Failure(f"what is placed is the page or the outlines, not {options.place!r}")
+    if options.scale is not None and options.scale <= 0:
+        raise Failure("--scale must be above 0")
+    progress("reading", 0.0)
+    file = SvgFile(path)
+    factor = options.scale or 1.0
+    if options.place == "page" and options.fit and options.scale is None:
+        factor = placement.fitted((0.0, 0.0, *file.size_px), board, options)
+    page = _read(file, path, factor, options, progress)
+    place = placement.Placement(page, board, options)
+    if place.factor > factor:
+        page = _read(file, path, place.factor, options, progress)
+    chosen = _chosen(page, path, options)
+    mm_per_px = MM_PER_PX * place.factor
+    left, bottom = place.corner_px
     placed = [
-        [(line - complex(left, bottom)).conjugate() * mm_per_px + complex(*origin) for line in lines]
-        for _, lines in sorted(layers.items())
+        [(line - complex(left, bottom)).conjugate() * mm_per_px + complex(*place.origin_mm) for line in lines]
+        for _, lines in sorted(chosen.items())
     ]
-    lines = _to_steps(_ordered(placed, options.tolerance), steps_per_mm, boards.travel_steps(board))
-    return Drawing(str(path), lines, steps_per_mm, factor, mm_per_px, (left, bottom), origin, size, notes)
+    box = placement.box_of(placed)
+    lines = _to_steps(_ordered(placed, options.tolerance, progress), steps_per_mm, boards.travel_steps(board))
+    names = {number: page.names.get(number) for number in sorted(page.layers)}
+    notes = [*_notes_of(page), *place.notes]
+    return Drawing(
+        str(path), lines, steps_per_mm, place.factor, mm_per_px, place.corner_px, place.origin_mm,
+        place.on_table((0.0, 0.0, *page.size_px)), box, names, notes,
+    )  # fmt: skip
 
 
-def _read(path, quantum_px, options, notes):
-    """{layer: [complex array, ...]} in px of 1/96 inch, y down, and the page's size."""
-    import vpype
-
-    try:
-        document = vpype.read_multilayer_svg(str(path), quantization=quantum_px, crop=False)
-    except FileNotFoundError as error:
-        raise Failure(f"no file {path}") from error
-    except Exception as error:
-        raise Failure(f"{path} is not an SVG file that can be read: {error}") from error
-    whole = document.length()
+def _read(file, path, factor, options, progress):
+    """The page, cropped, at least as fine as `options.tolerance` where it is drawn `factor` times its real size."""
+    deviation_px = options.tolerance / 4 / MM_PER_PX / max(factor, 1e-3)
+    page = file.outlines(deviation_px, lambda share: progress("reading", share))
+    page.layers = {number: lines for number, lines in page.layers.items() if lines}
+    if not page.layers:
+        raise Failure(f"{path}: nothing to draw: {_why_empty(page)}")
     if options.crop:
-        document.crop(0, 0, *document.page_size)
-        lost_mm = (whole - document.length()) * MM_PER_PX
-        if lost_mm > 0.1:
-            notes.append(f"{lost_mm:.0f} mm of lines lie outside the page and are left out; --no-crop draws them")
-    layers = {number: [line for line in lines if len(line) > 1] for number, lines in document.layers.items()}
-    layers = {number: lines for number, lines in layers.items() if lines}
-    if options.layers:
-        unknown = sorted(set(options.layers) - set(layers))
-        if unknown:
-            raise Failure(f"{path} has no layer {unknown[0]}; it has {', '.join(map(str, sorted(layers))) or 'none'}")
-        layers = {number: layers[number] for number in options.layers}
-    if not layers:
-        why = "all of it lies outside the page (--no-crop draws it)" if whole else _why_empty(path)
-        raise Failure(f"{path}: nothing to draw: {why}")
-    return layers, document.page_size
+        progress("cropping", 0.0)
+        whole = _length(page.layers)
+        page.layers = {number: _cropped(lines, page.size_px) for number, lines in page.layers.items()}
+        page.layers = {number: lines for number, lines in page.layers.items() if lines}
+        page.lost_mm = (whole - _length(page.layers)) * MM_PER_PX
+        if not page.layers:
+            raise Failure(f"{path}: nothing to draw: all of it lies outside the page (--no-crop draws it)")
+    return page
 
 
-def _why_empty(path):
-    with open(path, encoding="utf-8", errors="replace") as file:
-        text = file.read()
-    if "<text" in text:
-        return "it has text but no outlines; convert the text to paths first"
-    if "<image" in text:
-        return "it has a picture but no outlines"
+def _cropped(lines, size_px):
+    """The parts of lines on the page; what lies outside by less than _EDGE_MM is moved onto its edge."""
+    import numpy
+
+    from host_tools import svg_area
+
+    edge, (width, height) = _EDGE_MM / MM_PER_PX, size_px
+    inside = svg_area.clipped(lines, svg_area.rectangle(-edge, -edge, width + edge, height + edge))
+    return [numpy.clip(line.real, 0, width) + 1j * numpy.clip(line.imag, 0, height) for line in inside]
+
+
+def _length(layers):
+    return sum(float(abs(line[1:] - line[:-1]).sum()) for lines in layers.values() for line in lines)
+
+
+def _chosen(page, path, options):
+    """The layers that are drawn."""
+    if not options.layers:
+        return page.layers
+    unknown = sorted(set(options.layers) - set(page.layers))
+    if unknown:
+        raise Failure(f"{path} has no layer {unknown[0]}; it has {', '.join(map(str, sorted(page.layers)))}")
+    return {number: page.layers[number] for number in options.layers}
+
+
+def _why_empty(page):
+    if page.left_out:
+        return f"of what it has, nothing can be drawn: {_counted(page.left_out)}"
     return "the file has no lines, curves or shapes"
 
 
-def _box(layers):
-    everything = [line for lines in layers.values() for line in lines]
-    return (
-        min(line.real.min() for line in everything), min(line.imag.min() for line in everything),
-        max(line.real.max() for line in everything), max(line.imag.max() for line in everything),
-    )
+def _counted(left_out):
+    return ", ".join(f"{count} × {what}" if count > 1 else what for what, count in sorted(left_out.items()))
 
 
-def _table_mm(board):
-    return tuple(steps / per_mm for steps, per_mm in zip(boards.travel_steps(board), boards.steps_per_mm(board)))
+def _notes_of(page):
+    if page.left_out:
+        yield f"left out, or not as it should be: {_counted(page.left_out)}"
+    if page.unpainted:
+        yield f"{page.unpainted} × a shape without stroke and fill, which a viewer does not show, is drawn"
+    if page.lost_mm > 0.1:
+        yield f"{page.lost_mm:.0f} mm of lines lie outside the page and are left out; --no-crop draws them"
 
 
-def _scale(box, board, options, notes):
-    """The factor of the real size: the one asked for, or 1, or as much less as makes the drawing fit."""
-    width, height = (box[2] - box[0]) * MM_PER_PX, (box[3] - box[1]) * MM_PER_PX
-    room = [table - 2 * options.margin for table in _table_mm(board)]
-    if min(room) <= 0:
-        raise Failure(f"a margin of {options.margin:g} mm leaves no room on the table")
-    if options.scale is not None:
-        if options.scale <= 0:
-            raise Failure("--scale must be above 0")
-        return options.scale
-    largest = min(room[0] / max(width, 1e-9), room[1] / max(height, 1e-9))
-    if options.fit:
-        return largest if max(width, height) > 1e-6 else 1.0
-    if largest < 1:
-        notes.append(f"its real size of {width:.1f} × {height:.1f} mm does not fit: drawn at {largest * 100:.1f} %")
-    return min(1.0, largest)
-
-
-def _origin(size, board, options):
-    """Where the lower left corner stands: as asked for, or so that the drawing is in the middle of the table."""
-    table = _table_mm(board)
-    origin = options.origin
-    if origin is None:
-        origin = tuple((room - length) / 2 for room, length in zip(table, size))
-    for low, length, room in zip(origin, size, table):
-        if low < -_EPSILON_MM or low + length > room + _EPSILON_MM:
-            raise Failure(
-                f"the drawing, {size[0]:.1f} × {size[1]:.1f} mm with its corner at {origin[0]:.1f}, {origin[1]:.1f}, "
-                f"leaves the table of {table[0]:g} × {table[1]:g} mm; use --fit, or a smaller --scale or --origin"
-            )
-    return origin
-
-
-def _ordered(layers, tolerance_mm):
+def _ordered(layers, tolerance_mm, progress):
     """Lines of all layers, joined, thinned and put in an order with little pen-up travel, from 0;0 on."""
     import numpy
     import vpype
@@ -200,7 +183,8 @@ def _ordered(layers, tolerance_mm):
 
     ordered = []
     pen = 0j
-    for lines in layers:
+    for number, lines in enumerate(layers):
+        progress("ordering", number / len(layers))
         collection = vpype.LineCollection(lines)
         collection.merge(tolerance=_JOIN_MM)
         thin = []

@@ -1,4 +1,4 @@
-"""`passo plot`: a picture of a path: pen down dark, pen up light, axes in mm, start and end marked."""
+"""`passo plot`: a picture of a path: pen down dark, pen up light, axes in mm, start and end marked, the table around it."""
 
 from pathlib import Path
 from typing import Optional
@@ -9,12 +9,14 @@ from host_tools.failure import Failure
 
 _DOWN = "#1a1a2e"
 _UP = "#9cc3e6"
+_TABLE = "#b07a2a"
+_PAGE = "#8a8a8a"
 
 
 def plot(
     trace: Path = typer.Argument(..., help="A trace CSV, as passo board --trace writes it."),
     out: Optional[Path] = typer.Option(None, "-o", "--out", help="The picture; default TRACE.png."),
-    board: str = typer.Option("plotter_2014", help="Board that says how many steps a millimetre has."),
+    board: str = typer.Option("plotter_2014", help="Board that says how many steps a millimetre has, and how far it goes."),
     steps_per_mm: Optional[str] = typer.Option(None, metavar="N[,M]", help="Instead of --board; N for X, M for Y."),
 ):
     """Draw the path of a trace.
@@ -29,8 +31,31 @@ def plot(
 
     scale = _scale(steps_per_mm, board)
     out = out or trace.with_suffix(".png")
-    save(out, strokes_of_trace(read_trace(trace), scale), trace.stem)
+    rows = read_trace(trace)
+    save(out, strokes_of_trace(rows, scale), title_of_trace(trace.stem, rows), None if steps_per_mm else _table(board))
     print(out)
+
+
+def _table(name):
+    """The box that the machine can reach, in mm, or None if the board file does not say."""
+    from host_tools import boards, placement
+
+    try:
+        width, height = placement.table_mm(boards.load(name))
+    except (KeyError, IndexError, TypeError):
+        return None
+    return (0.0, 0.0, width, height)
+
+
+def title_of_trace(name, rows):
+    """Name and duration of a trace: from its first step to its end."""
+    from host_tools.estimate import clock
+
+    if not rows:
+        return name
+    moved = (row for before, row in zip(rows, rows[1:]) if (row.x, row.y) != (before.x, before.y))
+    seconds = (rows[-1].t_us - next(moved, rows[-1]).t_us) / 1e6
+    return f"{name}, {clock(seconds)} ({seconds:.1f} s)"
 
 
 def _scale(text, board):
@@ -70,8 +95,17 @@ def strokes_of_lines(lines, steps_per_mm):
     return strokes
 
 
-def save(path, strokes, title):
-    """Write the picture of `strokes` to `path`. Raises Failure if there are none or it cannot be written."""
+def show_box(axes, box, label, color, style="-"):
+    """A rectangle (left, bottom, right, top in mm) behind the path, such as the table or the page."""
+    left, bottom, right, top = box
+    label = f"{label} {right - left:g} × {top - bottom:g} mm"
+    xs, ys = (left, right, right, left, left), (bottom, bottom, top, top, bottom)
+    axes.plot(xs, ys, color=color, linewidth=1.4, linestyle=style, label=label, zorder=1.5)
+
+
+def save(path, strokes, title, table=None, page=None):
+    """Write the picture of `strokes` to `path`, with what the machine can reach and the page around it, each left, bottom,
+    right, top in mm or None. Raises Failure if there are no strokes or it cannot be written."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -87,6 +121,9 @@ def save(path, strokes, title):
             LineCollection(lines, colors=color, linewidths=width, capstyle="round", joinstyle="round",
                            label="pen down" if pen_down else "pen up")
         )
+    for box, label, color, style in ((table, "table", _TABLE, "-"), (page, "page", _PAGE, (0, (5, 4)))):
+        if box is not None:
+            show_box(axes, [round(side, 2) for side in box], label, color, style)
     start, end = strokes[0][1][0], strokes[-1][1][-1]
     axes.plot(*start, "o", color="#2a9d3f", markersize=8, label=f"start {start[0]:.1f}, {start[1]:.1f}")
     axes.plot(*end, "s", color="#d03030", markersize=7, label=f"end {end[0]:.1f}, {end[1]:.1f}")
@@ -98,7 +135,7 @@ def save(path, strokes, title):
     axes.set_title(title)
     axes.grid(color="#e6e6e6", linewidth=0.5)
     axes.set_axisbelow(True)
-    figure.legend(loc="outside lower center", ncols=4, frameon=False)
+    figure.legend(loc="outside lower center", ncols=3, frameon=False)
     try:
         figure.savefig(path, dpi=130)
     except (OSError, ValueError) as error:

@@ -27,7 +27,7 @@ def jobs(out):
     found = {name: [points] for name, points in objects.objects().items()}
     svg = out / "contours.svg"
     contours.save(svg)
-    found["contours"] = drawing.load(svg, boards.load(BOARD)).objects(POINTS_PER_OBJECT)
+    found["contours"] = drawing.load(svg, boards.load(BOARD), drawing.Options(center=True)).objects(POINTS_PER_OBJECT)
     return found
 
 

@@ -12,6 +12,8 @@ from pathlib import Path
 import numpy
 import pytest
 import svgelements
+from hypothesis import given, settings
+from hypothesis import strategies as st
 from scipy.spatial import KDTree
 
 from host_tools import boards, contours, drawing
@@ -79,7 +81,7 @@ FILES = [
 ]
 
 
-@pytest.mark.parametrize("options", [Options(), Options(fit=True, crop=False)], ids=["page", "fit"])
+@pytest.mark.parametrize("options", [Options(), Options(fit=True, place="outlines", crop=False)], ids=["page", "fit"])
 @pytest.mark.parametrize("name", FILES)
 def test_real_files_are_drawn_within_half_a_millimetre(corpus, name, options):
     plan, drawn, outline, outlines = drawn_and_outlines(corpus / f"{name}.svg", options)
@@ -100,7 +102,7 @@ def test_an_empty_file_is_a_clear_error(corpus):
 
 
 @pytest.mark.parametrize("body, message", [
-    ("<text>Passo</text>", "convert the text to paths"),
+    ('<image width="9" height="9"/>', "of what it has, nothing can be drawn: picture"),
     ('<line x1="200" y1="200" x2="300" y2="200"/>', "outside the page"),
     ("", "no lines, curves or shapes"),
 ])
@@ -117,34 +119,124 @@ def test_no_svg_is_a_clear_error(tmp_path):
         drawing.load(tmp_path / "b.svg", BOARD)
 
 
-def test_real_size_is_kept_where_it_fits_and_y_points_up(tmp_path):
+def test_real_size_is_kept_and_y_points_up_from_the_page_s_lower_edge(tmp_path):
     path = svg(tmp_path, '<path d="M10 10 H30 V50"/>')
     plan = drawing.load(path, BOARD, Options(origin=(20, 30)))
     assert plan.scale == 1
+    assert plan.lines in ([[(300, 1200), (500, 1200), (500, 800)]], [[(500, 800), (500, 1200), (300, 1200)]])
+    plan = drawing.load(path, BOARD, Options(origin=(20, 30), place="outlines"))
     assert plan.lines in ([[(200, 700), (400, 700), (400, 300)]], [[(400, 300), (400, 700), (200, 700)]])
+
+
+def size_of(box):
+    return box[2] - box[0], box[3] - box[1]
 
 
 def test_placement_options(tmp_path):
     path = svg(tmp_path, '<rect x="10" y="10" width="80" height="60"/>')
-    assert drawing.load(path, BOARD).origin_mm == pytest.approx((160, 120))
+    plan = drawing.load(path, BOARD)
+    assert plan.page_mm == pytest.approx((0, 0, 100, 100)) and plan.box_mm == pytest.approx((10, 30, 90, 90))
+    assert drawing.load(path, BOARD, Options(center=True)).page_mm == pytest.approx((150, 100, 250, 200))
+    assert drawing.load(path, BOARD, Options(center=True, place="outlines")).box_mm == pytest.approx((160, 120, 240, 180))
     fitted = drawing.load(path, BOARD, Options(fit=True, margin=20))
-    assert fitted.size_mm == pytest.approx((260 * 80 / 60, 260))
+    assert fitted.page_mm == pytest.approx((70, 20, 330, 280))
+    fitted = drawing.load(path, BOARD, Options(fit=True, margin=20, place="outlines"))
+    assert size_of(fitted.box_mm) == pytest.approx((260 * 80 / 60, 260))
     half = drawing.load(path, BOARD, Options(scale=0.5))
-    assert half.size_mm == pytest.approx((40, 30))
+    assert half.box_mm == pytest.approx((5, 15, 45, 45))
     with pytest.raises(Failure, match="leaves the table of 400 × 300 mm"):
         drawing.load(path, BOARD, Options(scale=10))
     with pytest.raises(Failure, match="leaves the table"):
         drawing.load(path, BOARD, Options(origin=(330, 0)))
     with pytest.raises(Failure, match="margin"):
-        drawing.load(path, BOARD, Options(margin=150))
+        drawing.load(path, BOARD, Options(margin=150, fit=True))
+    with pytest.raises(Failure, match="the page or the outlines"):
+        drawing.load(path, BOARD, Options(place="paper"))
+
+
+def page_of(tmp_path, width, height, body, name="page.svg", unit="mm"):
+    path = tmp_path / name
+    path.write_text(
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}{unit}" height="{height}{unit}" '
+        f'viewBox="0 0 {width} {height}"><g stroke="black" fill="none">{body}</g></svg>'
+    )
+    return path
 
 
 def test_what_is_too_large_is_reduced_and_says_so(tmp_path):
-    page = 'width="1000mm" height="1000mm" viewBox="0 0 1000 1000"'
-    path = svg(tmp_path, '<rect x="0" y="0" width="1000" height="1000"/>', page)
+    path = page_of(tmp_path, 1000, 1000, '<rect x="0" y="0" width="1000" height="1000"/>')
     plan = drawing.load(path, BOARD)
-    assert plan.size_mm == pytest.approx((280, 280))
-    assert "drawn at 28.0 %" in plan.notes[0]
+    assert plan.page_mm == plan.box_mm == pytest.approx((0, 0, 300, 300))
+    assert "does not fit the table of 400 × 300 mm: drawn at 30.0 %" in plan.notes[0]
+
+
+@pytest.mark.parametrize("width", [400.0, 400.04, 400.11, 400.3, 402, 440])
+def test_a_page_a_little_too_large_is_not_said_to_be_drawn_at_a_hundred_per_cent(tmp_path, width):
+    plan = drawing.load(page_of(tmp_path, width, 200, f'<rect width="{width}" height="200"/>'), BOARD)
+    if width - 400 < 0.05:  # half a step
+        assert plan.scale == 1 and not plan.notes
+    else:
+        assert plan.scale == pytest.approx(400 / width)
+        said = float(re.search(r"drawn at ([\d.]+) %", plan.notes[0])[1])
+        assert said < 100 and said == pytest.approx(plan.scale * 100, abs=0.05)
+
+
+def test_a_page_larger_than_the_table_keeps_its_size_if_its_lines_are_on_the_table(tmp_path):
+    plan = drawing.load(page_of(tmp_path, 420, 297, '<rect x="20" y="20" width="370" height="257"/>'), BOARD)
+    assert plan.scale == 1 and plan.box_mm == pytest.approx((20, 20, 390, 277)) and not plan.notes
+
+
+FRAMES = [
+    (100, 100, "mm"), (210, 297, "mm"), (297, 210, "mm"), (148, 210, "mm"), (200, 150, "mm"), (380, 280, "mm"),
+    (105, 148, "mm"), (400, 300, "mm"), (8.5, 11, "in"), (5.5, 8.5, "in"), (1000, 1000, "px"), (793.7, 1122.5, "px"),
+    (595.28, 841.89, "pt"), (21, 29.7, "cm"), (33.3, 77.7, "mm"), (0.1, 0.3, "in"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("options", [Options(), Options(fit=True), Options(center=True), Options(scale=0.37)],
+                         ids=["page", "fit", "center", "scale"])  # fmt: skip
+@pytest.mark.parametrize("width, height, unit", FRAMES)
+def test_a_frame_on_the_edge_of_its_page_has_four_sides(tmp_path, width, height, unit, options):
+    plan = drawing.load(page_of(tmp_path, width, height, f'<rect width="{width}" height="{height}"/>', unit=unit), BOARD, options)
+    left, bottom, right, top = (round(10 * side) for side in plan.page_mm)
+    right, top = min(right, 4000), min(top, 3000)
+    sides = {frozenset(side) for line in plan.lines for side in zip(line, line[1:])}
+    corners = [(left, bottom), (right, bottom), (right, top), (left, top)]
+    assert sides == {frozenset(side) for side in zip(corners, corners[1:] + corners[:1])}
+
+
+def test_lines_a_hair_outside_the_page_are_drawn_on_its_edge_and_others_cut_there(tmp_path):
+    body = '<path d="M-0.08 10 V50 M100.09 10 V50 M10 100.05 H50 M10 -0.05 H50 M-0.2 60 V90 M60 60 L140 60"/>'
+    plan = drawing.load(page_of(tmp_path, 100, 100, body), BOARD)
+    assert {frozenset(line) for line in plan.lines} == {
+        frozenset(line) for line in [((0, 900), (0, 500)), ((1000, 900), (1000, 500)), ((100, 0), (500, 0)),
+                                     ((100, 1000), (500, 1000)), ((600, 400), (1000, 400))]
+    }  # fmt: skip
+    assert "70 mm of lines lie outside the page" in plan.notes[0]
+
+
+@settings(max_examples=40, deadline=None)
+@given(
+    st.lists(st.tuples(st.integers(1, 3), st.lists(st.tuples(st.integers(-20, 220), st.integers(-20, 170)), min_size=2,
+                                                  max_size=5)), min_size=1, max_size=6),
+    st.sampled_from([{}, {"fit": True}, {"center": True}, {"scale": 0.7}, {"origin": (31, 17)},
+                     {"place": "outlines", "fit": True}, {"place": "outlines"}, {"place": "outlines", "center": True}]),
+)  # fmt: skip
+def test_layers_drawn_one_after_the_other_fall_on_each_other(tmp_path_factory, lines, placed):
+    """The ink of all layers drawn one by one is the ink of the whole, to the step."""
+    groups = [
+        f'<g id="layer{number}" stroke="black"><path d="M{" L".join(f"{x} {y}" for x, y in line)}"/></g>' for number, line in lines
+    ]
+    path = page_of(tmp_path_factory.mktemp("layers"), 200, 150, f"</g>{''.join(groups)}<g>")
+    try:
+        whole = drawing.load(path, BOARD, Options(**placed))
+    except Failure as nothing:
+        assert "nothing to draw" in str(nothing)
+        return
+    alone = [drawing.load(path, BOARD, Options(layers=(number,), **placed)) for number in whole.layers]
+    ink = [frozenset(pair) for plan in alone for line in plan.lines for pair in zip(line, line[1:])]
+    assert set(ink) == {frozenset(pair) for line in whole.lines for pair in zip(line, line[1:])}
+    assert {(plan.scale, plan.origin_mm, plan.page_mm) for plan in alone} == {(whole.scale, whole.origin_mm, whole.page_mm)}
 
 
 def test_layers_are_drawn_in_their_order_or_alone(tmp_path):
@@ -200,7 +292,7 @@ def test_the_contour_map_is_a_real_drawing(tmp_path):
     plan = drawing.load(tmp_path / "map.svg", BOARD)
     assert plan.points() >= 5000
     assert plan.scale == 1
-    assert plan.size_mm[0] < 380 and plan.size_mm[1] < 280
+    assert size_of(plan.page_mm)[0] < 380 and size_of(plan.page_mm)[1] < 280
 
 
 @pytest.fixture

@@ -1,0 +1,118 @@
+"""Where a drawing's page lies on the machine's table, and how large.
+
+    place = Placement(page, board, Options(center=True))
+    place.factor, place.origin_mm           # of the real size; where place.corner_px stands
+
+The page's lower left corner lies at 0;0, in its real size, if all that is drawn is on the table there; a larger page is
+reduced. Which layers are drawn changes nothing: those that are not count too.
+"""
+
+from dataclasses import dataclass
+
+from host_tools import boards
+from host_tools.failure import Failure
+
+MM_PER_PX = 25.4 / 96
+
+
+@dataclass
+class Options:
+    """How a drawing is placed. Lengths in mm, `scale` as a factor of the real size."""
+
+    margin: float = 10.0  # kept free on the table by `fit`
+    fit: bool = False
+    center: bool = False
+    scale: float | None = None
+    origin: tuple[float, float] | None = None  # of the lower left corner of the page, or of the outlines
+    place: str = "page"  # or "outlines": the box around all that is drawn takes the page's part
+    tolerance: float = 0.1
+    crop: bool = True
+    layers: tuple[int, ...] = ()
+
+
+def box_of(layers):
+    """Left, least y, right, largest y of lists of lines."""
+    everything = [line for lines in layers for line in lines]
+    return (
+        float(min(line.real.min() for line in everything)), float(min(line.imag.min() for line in everything)),
+        float(max(line.real.max() for line in everything)), float(max(line.imag.max() for line in everything)),
+    )  # fmt: skip
+
+
+def table_mm(board):
+    return tuple(steps / per_mm for steps, per_mm in zip(boards.travel_steps(board), boards.steps_per_mm(board)))
+
+
+def percent(factor):
+    """A factor in per cent; 100 only if it is exactly that."""
+    text = f"{factor * 100:.1f}"
+    return text if text != "100.0" or factor == 1 else f"{factor * 100:.4f}".rstrip("0").rstrip(".")
+
+
+def fitted(box_px, board, options):
+    """The factor that makes a box fill the table within the margin."""
+    room = [table - 2 * options.margin for table in table_mm(board)]
+    if min(room) <= 0:
+        raise Failure(f"a margin of {options.margin:g} mm leaves no room on the table")
+    size = [(high - low) * MM_PER_PX for low, high in (box_px[::2], box_px[1::2])]
+    return min(space / length for space, length in zip(room, size) if length > 1e-9) if max(size) > 1e-6 else 1.0
+
+
+class Placement:
+    """Where the page, or the box around all outlines, stands on the table, and how large; layers that are not drawn count
+    too."""
+
+    def __init__(self, page, board, options):
+        self.notes = []
+        self._board = board
+        self._table = table_mm(board)
+        outlines_px = box_of(page.layers.values())
+        box_px = (0.0, 0.0, *page.size_px) if options.place == "page" else outlines_px
+        self._box_px = box_px
+        self.corner_px = (box_px[0], box_px[3])
+        self.factor = options.scale or (fitted(box_px, board, options) if options.fit else 1.0)
+        self._stand(options)
+        free = options.origin is None and options.scale is None and not options.fit
+        if free and not self._has_room(outlines_px):
+            size = [(high - low) * MM_PER_PX for low, high in (box_px[::2], box_px[1::2])]
+            self.factor = min([1.0] + [table / length for table, length in zip(self._table, size) if length > 1e-9])
+            self._stand(options)
+            if self.factor < 1:
+                self.notes.append(
+                    f"the {options.place} of {size[0]:.1f} × {size[1]:.1f} mm {'does' if options.place == 'page' else 'do'}"
+                    f" not fit the table of {self._table[0]:g} × {self._table[1]:g} mm: drawn at {percent(self.factor)} %"
+                )
+        if not self._has_room(outlines_px):
+            left, low, right, high = self.on_table(outlines_px)
+            raise Failure(
+                f"the drawing, {right - left:.1f} × {high - low:.1f} mm with its corner at {left:.1f}, {low:.1f}, leaves "
+                f"the table of {self._table[0]:g} × {self._table[1]:g} mm; use --fit, --place outlines, or another "
+                "--scale or --origin"
+            )
+
+    def _stand(self, options):
+        size = [(high - low) * MM_PER_PX * self.factor for low, high in (self._box_px[::2], self._box_px[1::2])]
+        self.origin_mm = (0.0, 0.0)
+        if options.fit or options.center:
+            self.origin_mm = tuple((table - length) / 2 for table, length in zip(self._table, size))
+        if options.origin is not None:
+            self.origin_mm = options.origin
+
+    def on_table(self, box_px):
+        """A box of the file on the machine: left, bottom, right, top in mm."""
+        mm_per_px = MM_PER_PX * self.factor
+        x, y = self.origin_mm
+        left, bottom = self.corner_px
+        return (
+            x + (box_px[0] - left) * mm_per_px, y + (bottom - box_px[3]) * mm_per_px,
+            x + (box_px[2] - left) * mm_per_px, y + (bottom - box_px[1]) * mm_per_px,
+        )  # fmt: skip
+
+    def _has_room(self, box_px):
+        """Is a box on the table? Half a step beyond its edge is on it: that is rounded away."""
+        left, bottom, right, top = self.on_table(box_px)
+        slack = [0.5 / per_mm for per_mm in boards.steps_per_mm(self._board)]
+        return (
+            left > -slack[0] and bottom > -slack[1]
+            and right < self._table[0] + slack[0] and top < self._table[1] + slack[1]
+        )  # fmt: skip

@@ -1,0 +1,109 @@
+"""Polylines (complex numbers, x + iy) cut by areas, and areas made of closed polylines.
+
+    area = filled(rings, "evenodd")                 # a shapely geometry
+    inside = clipped(lines, area)
+
+Lines are cut segment by segment, so that a line that crosses itself stays one line.
+"""
+
+import numpy
+import shapely
+
+_SAME_PX = 1e-7
+
+
+def rectangle(left, top, right, bottom):
+    return shapely.box(left, top, right, bottom)
+
+
+def filled(rings, rule):
+    """What `rings`, closed or to be closed, enclose by the rule "nonzero" or "evenodd"."""
+    closed = []
+    for ring in rings:
+        ring = _without_repeats(numpy.append(ring, ring[0]))
+        if len(ring) > 3:
+            closed.append(ring)
+    if not closed:
+        return shapely.Polygon()
+    drawn = shapely.unary_union([shapely.LineString(_pairs(ring)) for ring in closed])
+    faces = shapely.get_parts(shapely.polygonize([drawn]))
+    inside = []
+    for face in faces:
+        place = shapely.point_on_surface(face)
+        turns = sum(_winding(ring, complex(place.x, place.y)) for ring in closed)
+        if turns % 2 if rule == "evenodd" else turns:
+            inside.append(face)
+    return shapely.unary_union(inside) if inside else shapely.Polygon()
+
+
+def grown(area, by):
+    """`area`, its edges `by` further out: a line along an edge lies within it for certain."""
+    return shapely.buffer(area, by, join_style="mitre", cap_style="square")
+
+
+def clipped(lines, area):
+    """The parts of `lines` inside `area`, in their order and direction. A dot is a line of the same place twice."""
+    shapely.prepare(area)
+    left, top, right, bottom = area.bounds if not area.is_empty else (0.0, 0.0, -1.0, -1.0)
+    box_is_area = not area.is_empty and area.area >= (right - left) * (bottom - top) * (1 - 1e-12)
+    kept = []
+    for line in lines:
+        xs, ys = line.real, line.imag
+        if xs.min() > right or xs.max() < left or ys.min() > bottom or ys.max() < top:
+            continue
+        in_box = xs.min() >= left and xs.max() <= right and ys.min() >= top and ys.max() <= bottom
+        if in_box and box_is_area:
+            kept.append(line)
+        else:
+            kept += _cut(line, area)
+    return kept
+
+
+def _cut(line, area):
+    points = _pairs(_without_repeats(line))
+    if len(points) < 2:
+        return [line] if shapely.intersects(area, shapely.Point(points[0])) else []
+    if shapely.covers(area, shapely.LineString(points)):
+        return [line]
+    segments = shapely.linestrings(numpy.stack((points[:-1], points[1:]), axis=1))
+    whole = shapely.covers(area, segments)
+    touched = shapely.intersects(area, segments)
+    runs = []
+    for segment, is_whole, is_touched, start, end in zip(segments, whole, touched, points, points[1:]):
+        if is_whole:
+            _append(runs, complex(*start), complex(*end))
+        elif is_touched:
+            for a, b in _pieces(shapely.intersection(segment, area), complex(*start)):
+                _append(runs, a, b)
+    return [numpy.array(run) for run in runs]
+
+
+def _append(runs, a, b):
+    if runs and abs(runs[-1][-1] - a) < _SAME_PX:
+        runs[-1].append(b)
+    else:
+        runs.append([a, b])
+
+
+def _pieces(geometry, start):
+    """The lines of what is left of a segment, as pairs of places in its direction."""
+    found = []
+    for part in shapely.get_parts(geometry):
+        if part.geom_type == "LineString" and not part.is_empty:
+            ends = sorted((complex(*part.coords[0]), complex(*part.coords[-1])), key=lambda place: abs(place - start))
+            found.append(tuple(ends))
+    return sorted(found, key=lambda ends: abs(ends[0] - start))
+
+
+def _without_repeats(line):
+    return line[numpy.append(True, line[1:] != line[:-1])]
+
+
+def _pairs(line):
+    return numpy.column_stack((line.real, line.imag))
+
+
+def _winding(ring, place):
+    """How often a closed ring goes round `place`, which is not on it."""
+    turned = numpy.angle((ring[1:] - place) / (ring[:-1] - place)).sum()
+    return round(turned / (2 * numpy.pi))

@@ -1,0 +1,266 @@
+"""Shapes of an SVG file as polylines: arrays of complex numbers x + iy.
+
+    segments, whole = path_segments("M0 0C1 1 2 2 3 0")
+    lines = flattened(segments, 0.1)        # chords at most 0.1 from their curves
+    lines = placed(lines, compose(parent, matrix("rotate(30)")))
+
+A matrix is (a, b, c, d, e, f) as in SVG's matrix(): x' = ax + cy + e, y' = bx + dy + f.
+"""
+
+import math
+import re
+
+import numpy
+
+IDENTITY = (1.0, 0.0, 0.0, 1.0, 0.0, 0.0)
+_PX = {"": 1.0, "px": 1.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "q": 96 / 101.6, "in": 96.0, "pt": 4 / 3, "pc": 16.0}
+_LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z%]*)\s*$")
+_NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
+_STEP = re.compile(r"(\w+)\s*\(([^()]*)\)")
+_MOST_DASHES = 100_000  # of one line: more are a mistake in the file
+
+
+def length(text, whole=None, font_size=16.0, default=0.0):
+    """A length in px; `whole` is what 100 % are. `default` if there is none, or it cannot be read."""
+    match = _LENGTH.match(text) if text else None
+    if not match:
+        return default
+    number, unit = float(match[1]), match[2].lower()
+    if unit == "%":
+        return default if whole is None else number * whole / 100
+    if unit in ("em", "rem", "ex"):
+        return number * font_size * (0.5 if unit == "ex" else 1)
+    return number * _PX[unit] if unit in _PX else default
+
+
+def numbers(text):
+    return [float(each) for each in _NUMBER.findall(text or "")]
+
+
+# --- matrices
+
+
+def matrix(text):
+    """The matrix of a transform attribute. Raises ValueError if it cannot be read."""
+    found = IDENTITY
+    for name, arguments in _STEP.findall(text or ""):
+        found = compose(found, _step(name, [float(each) for each in arguments.replace(",", " ").split()]))
+    if _STEP.sub("", text or "").replace(",", " ").strip():
+        raise ValueError(f"{text!r} is no transform")
+    return found
+
+
+def _step(name, given):
+    if (name, len(given)) == ("matrix", 6):
+        return tuple(given)
+    if name == "translate" and len(given) in (1, 2):
+        return (1.0, 0.0, 0.0, 1.0, given[0], given[1] if len(given) > 1 else 0.0)
+    if name == "scale" and len(given) in (1, 2):
+        return (given[0], 0.0, 0.0, given[-1], 0.0, 0.0)
+    if name == "rotate" and len(given) in (1, 3):
+        cosine, sine = math.cos(math.radians(given[0])), math.sin(math.radians(given[0]))
+        x, y = given[1:] or (0.0, 0.0)
+        return (cosine, sine, -sine, cosine, x - cosine * x + sine * y, y - sine * x - cosine * y)
+    if name in ("skewX", "skewY") and len(given) == 1:
+        lean = math.tan(math.radians(given[0]))
+        return (1.0, lean, 0.0, 1.0, 0.0, 0.0) if name == "skewY" else (1.0, 0.0, lean, 1.0, 0.0, 0.0)
+    raise ValueError(f"{name} does not want {len(given)} numbers")
+
+
+def compose(outer, inner):
+    """The matrix that first does `inner`, then `outer`."""
+    a, b, c, d, e, f = outer
+    p, q, r, s, t, u = inner
+    return (a * p + c * q, b * p + d * q, a * r + c * s, b * r + d * s, a * t + c * u + e, b * t + d * u + f)
+
+
+def inverse(of):
+    """The inverse matrix, or None if there is none."""
+    a, b, c, d, e, f = of
+    size = a * d - b * c
+    if not size:
+        return None
+    return (d / size, -b / size, -c / size, a / size, (c * f - d * e) / size, (b * e - a * f) / size)
+
+
+def stretch(of):
+    """The most that a matrix lengthens anything."""
+    return float(numpy.linalg.norm(numpy.array([[of[0], of[2]], [of[1], of[3]]]), 2))
+
+
+def placed(lines, by):
+    a, b, c, d, e, f = by
+    return [a * line.real + c * line.imag + e + 1j * (b * line.real + d * line.imag + f) for line in lines]
+
+
+def fitted(view_box, aspect, x, y, width, height):
+    """The matrix that shows `view_box` (x, y, width, height) in a viewport, by a preserveAspectRatio."""
+    left, top, wide, high = view_box
+    across, down = width / wide, height / high
+    words = (aspect or "xMidYMid meet").split()
+    if words[0] != "none":
+        across = down = max(across, down) if "slice" in words else min(across, down)
+    share = {"Min": 0.0, "Mid": 0.5, "Max": 1.0}
+    spare_x, spare_y = width - wide * across, height - high * down
+    if words[0] != "none":
+        x += spare_x * share.get(words[0][1:4], 0.5)
+        y += spare_y * share.get(words[0][5:8], 0.5)
+    return (across, 0.0, 0.0, down, x - left * across, y - top * down)
+
+
+# --- shapes
+
+
+def shape_path(tag, lengths, points):
+    """The path data of a basic shape, or None if it is not drawn. `lengths(name, axis)` reads an attribute."""
+    if tag == "line":
+        return _data("M", lengths("x1", "x"), lengths("y1", "y"), "L", lengths("x2", "x"), lengths("y2", "y"))
+    if tag in ("polyline", "polygon"):
+        places = numbers(points)
+        if len(places) < 4:
+            return None
+        return _data("M", *places[: len(places) // 2 * 2]) + ("Z" if tag == "polygon" else "")
+    if tag == "rect":
+        return _rect(lengths)
+    x, y = lengths("cx", "x"), lengths("cy", "y")
+    across = lengths("r", None) if tag == "circle" else lengths("rx", "x")
+    down = across if tag == "circle" else lengths("ry", "y")
+    if across <= 0 or down <= 0:
+        return None
+    arc = ("A", across, down, 0, 0, 1)
+    return _data("M", x + across, y, *arc, x, y + down, *arc, x - across, y, *arc, x, y - down, *arc, x + across, y, "Z")
+
+
+def _rect(lengths):
+    x, y, width, height = lengths("x", "x"), lengths("y", "y"), lengths("width", "x"), lengths("height", "y")
+    if width <= 0 or height <= 0:
+        return None
+    across, down = lengths("rx", "x", None), lengths("ry", "y", None)
+    across, down = down if across is None else across, across if down is None else down
+    across, down = min(across or 0.0, width / 2), min(down or 0.0, height / 2)
+    if across <= 0 or down <= 0:
+        return _data("M", x, y, "H", x + width, "V", y + height, "H", x, "Z")
+    arc = ("A", across, down, 0, 0, 1)
+    right, bottom = x + width, y + height
+    return _data(
+        "M", x + across, y, "H", right - across, *arc, right, y + down, "V", bottom - down, *arc, right - across, bottom,
+        "H", x + across, *arc, x, bottom - down, "V", y + down, *arc, x + across, y, "Z",
+    )  # fmt: skip
+
+
+def _data(*parts):
+    return " ".join(part if isinstance(part, str) else repr(part) for part in parts)
+
+
+def path_segments(data):
+    """svgelements' segments of a path, and whether all of it could be read; what comes before a mistake is kept."""
+    import svgelements
+
+    path = svgelements.Path()
+    try:
+        path.parse(data)
+    except (ValueError, IndexError, TypeError, AttributeError):
+        return list(path), False
+    return list(path), True
+
+
+def flattened(segments, deviation):
+    """Polylines of a path's segments, one a subpath, no chord further than `deviation` from its curve. A subpath without
+    length is its place twice; a move that nothing follows is nothing."""
+    import svgelements
+
+    lines, line = [], []
+
+    def finish():
+        if len(line) > 1:
+            array = numpy.array(line)
+            moved = numpy.append(True, array[1:] != array[:-1])
+            lines.append(array[moved] if moved.sum() > 1 else array[:2])
+
+    for segment in segments:
+        end = complex(segment.end) if segment.end is not None else None
+        if end is None:
+            continue
+        if isinstance(segment, svgelements.Move):
+            finish()
+            line = [end]
+            continue
+        if not line:
+            line = [complex(segment.start)]
+        if isinstance(segment, svgelements.CubicBezier):
+            line += cubic(line[-1], complex(segment.control1), complex(segment.control2), end, deviation)
+        elif isinstance(segment, svgelements.QuadraticBezier):
+            line += quadratic(line[-1], complex(segment.control), end, deviation)
+        elif isinstance(segment, svgelements.Arc):
+            line += _arc(segment, end, deviation)
+        else:
+            line.append(end)
+            if isinstance(segment, svgelements.Close):
+                finish()
+                line = [end]
+    finish()
+    return lines
+
+
+def cubic(a, b, c, d, deviation):
+    """Places of a Bézier curve behind `a`, its end included, no chord further than `deviation` from it."""
+    # A chord over the n-th part of a curve is at most max |B''| / 8n² off; B'' runs between 6 (a - 2b + c) and the next.
+    bend = max(abs(a - 2 * b + c), abs(b - 2 * c + d))
+    count = max(1, math.ceil(math.sqrt(0.75 * bend / deviation)))
+    if count == 1:
+        return [d]
+    t = numpy.linspace(0, 1, count + 1)[1:-1]
+    s = 1 - t
+    return [*(s * s * s * a + 3 * s * s * t * b + 3 * s * t * t * c + t * t * t * d), d]
+
+
+def quadratic(a, b, c, deviation):
+    """The same of a curve with one control point."""
+    count = max(1, math.ceil(math.sqrt(abs(a - 2 * b + c) / deviation / 4)))
+    if count == 1:
+        return [c]
+    t = numpy.linspace(0, 1, count + 1)[1:-1]
+    s = 1 - t
+    return [*(s * s * a + 2 * s * t * b + t * t * c), c]
+
+
+def _arc(segment, end, deviation):
+    radius = max(float(segment.rx), float(segment.ry)) if segment.rx and segment.ry else 0.0
+    sweep = abs(float(segment.sweep))
+    if not radius or not sweep:
+        return [end]
+    step = 2 * math.acos(max(0.0, 1 - min(deviation, radius) / radius))
+    count = max(2, math.ceil(sweep / step))
+    places = numpy.asarray(segment.npoint(numpy.linspace(0, 1, count + 1)[1:-1]), dtype=float).reshape(-1, 2)
+    return [*(places[:, 0] + 1j * places[:, 1]), end]
+
+
+def dashed(lines, pattern, offset):
+    """The dashes of polylines, by a stroke-dasharray (lengths) and its offset."""
+    if not pattern or min(pattern) < 0 or sum(pattern) <= 0:
+        return lines
+    pattern = list(pattern) * (2 if len(pattern) % 2 else 1)
+    period = sum(pattern)
+    ends = numpy.cumsum(pattern)
+    starts = ends - pattern
+    dashes = []
+    for line in lines:
+        along = numpy.concatenate(([0.0], numpy.cumsum(abs(numpy.diff(line)))))
+        whole = along[-1]
+        if whole / period * len(pattern) > _MOST_DASHES:
+            dashes.append(line)
+            continue
+        begin = -(offset % period)
+        for number in range(math.ceil((whole - begin) / period)):
+            for start, end in zip(starts[::2], ends[::2]):
+                low, high = begin + number * period + start, begin + number * period + end
+                if high >= 0 and low < whole:
+                    dashes.append(_between(line, along, max(low, 0.0), min(high, whole)))
+    return dashes
+
+
+def _between(line, along, low, high):
+    inner = line[(along > low) & (along < high)]
+    real = numpy.interp([low, high], along, line.real)
+    imag = numpy.interp([low, high], along, line.imag)
+    return numpy.concatenate(([real[0] + 1j * imag[0]], inner, [real[1] + 1j * imag[1]]))
