@@ -23,6 +23,7 @@ from host_tools.build import compile_module
 from host_tools.emulator.cycles import CYCLES_PER_TICK, CYCLES_PER_US
 from host_tools.emulator.load import Load
 from host_tools.emulator.machine import EmulatedMachine, written
+from host_tools.emulator.profile import Profile
 from passo.control.journal import Journal, MemorySlots
 from passo.control.settings import JERK
 
@@ -227,27 +228,30 @@ def _talk(machine, data, answers):
         raise TimeoutError(f"{data!r} was answered by {console.take()!r}")
 
 
-def run_lines(machine, length_mm, feed_mm_s, count, limit_ms=60_000):
-    """Have `count` lines streamed; the figures of the last three quarters of them."""
+def run_lines(machine, length_mm, feed_mm_s, count, limit_ms=60_000, profiled=False):
+    """Have `count` lines streamed; the figures of the last three quarters of them. `profiled`: with what they cost and where,
+    a `profile.Spent`."""
     start, _ = chords(length_mm)
     head = padded("$X", "G21G90G94", f"G92X{start}Y50Z-20", f"G1F{60 * feed_mm_s:.0f}")
-    return _run(machine, length_mm, head, count, LINE_BYTES, bytes(range(CHORDS * LINE_BYTES // CHUNK)), limit_ms)
+    return _run(machine, length_mm, head, count, LINE_BYTES, bytes(range(CHORDS * LINE_BYTES // CHUNK)), limit_ms, profiled)
 
 
-def run_raster(machine, dot_mm, feed_mm_s, count, mode="M4", limit_ms=60_000):
+def run_raster(machine, dot_mm, feed_mm_s, count, mode="M4", limit_ms=60_000, profiled=False):
     """The same with `count` lines of raster(dot_mm)."""
     head = padded("$X", "G21G91G94", f"{mode}S0F{60 * feed_mm_s:.0f}", "G0", width=DOT_BYTES)
-    return _run(machine, dot_mm, head, count, DOT_BYTES, raster(dot_mm)[1], limit_ms)
+    return _run(machine, dot_mm, head, count, DOT_BYTES, raster(dot_mm)[1], limit_ms, profiled)
 
 
-def _run(machine, name, head, count, width, order, limit_ms):
+def _run(machine, name, head, count, width, order, limit_ms, profiled):
     total = count + len(head) // width
     console = machine.pico.console
     console.send(f"go('{name}.txt',{head!r},{total},{count // 4},{width},{order!r})\n".encode())
     console.expect(b"warm", limit_ms * 1000)
     load = Load(machine.pico)
+    profile = Profile(machine.pico) if profiled else None
     console.expect(b"done", limit_ms * 1000)
     shares = load.end()
+    spent = profile and profile.end()
     answered, took_us, least, late = map(int, console.expect(b"\n").split())
     return {
         "lines_s": answered * 1e6 / took_us,
@@ -256,6 +260,8 @@ def _run(machine, name, head, count, width, order, limit_ms):
         "main": shares.get("main", 0),
         "asleep": shares.get("asleep", 0),
         "timers": shares.get("timers", 0),
+        "lines": answered,
+        "spent": spent,
     }
 
 

@@ -70,6 +70,7 @@ class NativeLoop:
         self._chip = chip
         self.clock = chip.clock
         self.ended = False
+        self.spent = None  # called with (pc, whether in an interrupt, cycles) of what rp2040py carries out
         state = self._state = cache.state
         state.r, state.ram = _address(chip.core.registers), _address(chip.sram)
         state.flash, state.rom = _address(chip.flash), _address(chip.bootrom)
@@ -112,7 +113,11 @@ class NativeLoop:
             if why:
                 if why == _NOT_MINE:
                     if not core.interrupts_updated and not self.ended:
-                        clock.tick(core.execute_instruction() * 8.0)
+                        pc, handler = core.pc, core.ipsr != 0
+                        spent = core.execute_instruction()
+                        clock.tick(spent * 8.0)
+                        if self.spent:
+                            self.spent(pc, handler, spent)
                 elif why == _UNALIGNED:
                     raise Unaligned(core.pc, state.fault)
                 else:

@@ -66,6 +66,11 @@ class EmulatedPico:
             self.flash_cache.watch()
         return Loop(self.chip)
 
+    @property
+    def native_loop(self):
+        """The loop that runs core.c, or None."""
+        return self._loop if isinstance(self._loop, native.NativeLoop) else None
+
     # --- time
 
     @property

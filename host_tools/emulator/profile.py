@@ -1,0 +1,194 @@
+"""Where the processor's time goes, to the cycle: of each place of code, by functions and by parts of the interpreter.
+
+    profile = Profile(pico)                     # from now on; only where core.c runs (see `native`)
+    pico.run(100_000)
+    spent = profile.end()                       # Spent
+    spent.functions(read_symbols("firmware.elf"))   # [(name, Cost)], the dearest first; the rest is machine code in RAM
+    spent.parts(read_symbols("firmware.elf"))       # {"lookup": Cost, …}
+
+`load` samples instead, and tells the main loop from interrupts; here both are apart as well. An ELF file belongs to the
+UF2 that runs; a build of MicroPython leaves both in one folder. Time asleep is nobody's.
+"""
+
+import bisect
+import ctypes
+import re
+import struct
+from collections import defaultdict
+from dataclasses import dataclass
+
+import numpy
+
+from host_tools.emulator.binary import Unavailable
+from host_tools.failure import Failure
+
+_FLASH, _RAM = 0x10000000, 0x20000000
+_FLASH_SLOTS, _RAM_SLOTS, _ROM_SLOTS = 1 << 20, 132 * 1024, 8 * 1024  # halfwords of code, as core.c numbers them
+_SLOTS = _FLASH_SLOTS + _RAM_SLOTS + _ROM_SLOTS
+_FUNCTION = 2
+IN_RAM = "machine code in RAM"
+
+# Parts of the interpreter by the names of their functions: the first that fits.
+PARTS = (
+    ("division", r"div(mod)?_[su]|_.?l?div|u?l?idiv|floor_divide|small_int_modulo|udivmod|_[su]divsi|_[su]modsi"),
+    ("collector", r"^gc_|^m_(malloc|free|realloc|del)|mutex"),
+    ("bytecode", r"mp_execute_bytecode|decode_uint"),
+    ("lookup", r"map_lookup|_(load|store)_(name|global|attr|method|build|super)|instance_|lookup|_attr$|qstr|dict|locals|globals"
+               r"|member|mp_obj_get_type|is_subclass"),
+    ("calls", r"call|code_state|prepare_args|fun_|get_int|int_get|get_buffer|native|convert_obj|nlr|closure|bound_meth|mp_arg"
+              r"|new_int|is_true|cstack|mp_get_index"),
+    ("operators", r"binary_|unary_|subscr|equal|_(int|list|array|bytes|tuple|len)_|array_|list_|byte|str_|iter|seq_|mpz|mul|len"),
+    ("interrupts", r"irq|alarm|sched_|hardware_timer|timer_hw|isr_|exception"),
+)
+OTHERS = "other C"
+_PARTS = [(name, re.compile(pattern)) for name, pattern in PARTS]
+
+
+@dataclass
+class Cost:
+    """Cycles of threads and of interrupt handlers, and those of them that waited for flash."""
+
+    main: int = 0
+    interrupts: int = 0
+    main_waits: int = 0
+    interrupts_waits: int = 0
+
+    @property
+    def cycles(self):
+        return self.main + self.interrupts
+
+    @property
+    def waits(self):
+        return self.main_waits + self.interrupts_waits
+
+    def __iadd__(self, other):
+        self.main += other.main
+        self.interrupts += other.interrupts
+        self.main_waits += other.main_waits
+        self.interrupts_waits += other.interrupts_waits
+        return self
+
+
+class Profile:
+    def __init__(self, pico):
+        self._state, self._loop = pico.flash_cache.state, pico.native_loop
+        if self._loop is None:
+            raise Unavailable("a profile needs a C compiler")
+        self._counts = [(ctypes.c_uint64 * (2 * _SLOTS))() for _ in range(2)]
+        for place, counts in enumerate(self._counts):
+            self._state.profile[place] = ctypes.addressof(counts)
+        self._loop.spent = self._spent
+
+    def _spent(self, pc, handler, cycles):
+        """What rp2040py itself carried out."""
+        self._counts[handler][2 * _slot(pc)] += cycles
+
+    def end(self):
+        self._state.profile[:] = [None, None]
+        self._loop.spent = None
+        return Spent([numpy.ctypeslib.as_array(counts).reshape(-1, 2).astype(numpy.int64) for counts in self._counts])
+
+
+def _slot(pc):
+    if pc < _FLASH:
+        return _FLASH_SLOTS + _RAM_SLOTS + pc // 2 % _ROM_SLOTS
+    if pc < _RAM:
+        return (pc & 0xFFFFFF) // 2 % _FLASH_SLOTS
+    return _FLASH_SLOTS + (pc - _RAM) // 2 % _RAM_SLOTS
+
+
+def _address(slot):
+    if slot < _FLASH_SLOTS:
+        return _FLASH + 2 * slot
+    if slot < _FLASH_SLOTS + _RAM_SLOTS:
+        return _RAM + 2 * (slot - _FLASH_SLOTS)
+    return 2 * (slot - _FLASH_SLOTS - _RAM_SLOTS)
+
+
+class Spent:
+    def __init__(self, counts):
+        main, interrupts = counts
+        used = numpy.flatnonzero(main[:, 0] + interrupts[:, 0])
+        self.places = {
+            _address(int(slot)): Cost(int(main[slot, 0]), int(interrupts[slot, 0]), int(main[slot, 1]), int(interrupts[slot, 1]))
+            for slot in used
+        }
+
+    def total(self):
+        return _sum(self.places.values())
+
+    def functions(self, symbols):
+        """[(name, Cost)], the dearest first."""
+        found = defaultdict(Cost)
+        for address, cost in self.places.items():
+            found[symbols.name(address)] += cost
+        return sorted(found.items(), key=lambda one: -one[1].cycles)
+
+    def parts(self, symbols=None):
+        """{part: Cost}; without symbols only by the memories that code lies in."""
+        found = defaultdict(Cost)
+        if symbols is None:
+            for address, cost in self.places.items():
+                found["flash" if _FLASH <= address < _RAM else "RAM" if address >= _RAM else "ROM"] += cost
+            return dict(found)
+        for name, cost in self.functions(symbols):
+            found[part_of(name)] += cost
+        return dict(found)
+
+
+def _sum(costs):
+    total = Cost()
+    for cost in costs:
+        total += cost
+    return total
+
+
+def part_of(name):
+    if name == IN_RAM or name.startswith("ROM"):
+        return name
+    for part, pattern in _PARTS:
+        if pattern.search(name):
+            return part
+    return OTHERS
+
+
+class Symbols:
+    """Functions of an ELF file by address."""
+
+    def __init__(self, functions):
+        self._starts, self._ends, self._names = map(list, zip(*sorted(functions)))
+
+    def name(self, address):
+        place = bisect.bisect_right(self._starts, address) - 1
+        if place >= 0 and address < self._ends[place]:
+            return self._names[place]
+        if address < 0x4000:
+            return "ROM"
+        return IN_RAM if address >= _RAM else "flash without a name"
+
+
+def read_symbols(path):
+    """Symbols of a 32-bit little-endian ELF file. Raises Failure."""
+    with open(path, "rb") as file:
+        data = file.read()
+    if data[:6] != b"\x7fELF\x01\x01":
+        raise Failure(f"{path} is no 32-bit ELF file")
+    offset, = struct.unpack_from("<I", data, 32)
+    size, count = struct.unpack_from("<HH", data, 46)
+    sections = [struct.unpack_from("<10I", data, offset + place * size) for place in range(count)]
+    found = []
+    for _, kind, _, _, start, length, link, _, _, each in sections:
+        if kind != 2:  # SHT_SYMTAB
+            continue
+        names = sections[link][4]
+        for at in range(start, start + length, each):
+            name, value, extent, info = struct.unpack_from("<IIIB", data, at)
+            if info & 15 == _FUNCTION:
+                text = data[names + name : data.index(0, names + name)].decode()
+                found.append((value & ~1, extent, text))
+    if not found:
+        raise Failure(f"{path} names no functions")
+    found.sort()
+    following = [start for start, *_ in found[1:]] + [found[-1][0]]
+    # Functions in assembly have no length: they end where the next one begins.
+    return Symbols([(start, start + extent if extent else end, text) for (start, extent, text), end in zip(found, following)])
