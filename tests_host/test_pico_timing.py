@@ -17,6 +17,7 @@ LINE_S = 0.012
 COLLECT = "gc.collect()"
 CYCLE_NS = 8
 BAUD = 115_200
+FLASH_MISS = 50  # cycles
 POINTS = 100
 
 
@@ -50,6 +51,19 @@ def test_every_interval_is_its_word(rig, axes, rates, show):
         f"pulses of {axes} axes at {', '.join(str(hz // 1000) for hz in rates)} kHz",
         f"{run.steps} steps, all where their words put them; 0 words late; interrupts leave {run.left():.0%}",
     )
+
+
+@pytest.mark.xdist_group("rig")
+@pytest.mark.parametrize("axes, hz", [(1, 480_000), (3, 400_000)])
+def test_every_interval_is_its_word_with_the_flash_cache(rig, axes, hz, show):
+    """From 10 kHz; each miss costs what it does on a Pico."""
+    cache = rig.pico.charge_flash(FLASH_MISS)
+    before = cache.misses
+    rig.wire().feed(points(POINTS), BAUD)
+    run = rig.play(back_and_forth((10_000, hz), axes), COLLECT)
+    assert (run.off, run.span_off, run.late) == (0, 0, 0)
+    assert cache.misses - before > 1000 and run.position == rig.counted()
+    show(f"pulses of {axes} axes at {hz // 1000} kHz, flash cache", f"0 words late; interrupts leave {run.left():.0%}")
 
 
 @pytest.mark.xdist_group("rig")

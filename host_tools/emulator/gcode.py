@@ -54,6 +54,9 @@ class Memory:
         self.planner, self.feeder = app.planner, app.feeder
         self.least = 999
 
+    def close(self):
+        pass
+
     @micropython.native
     def any(self):
         return self.left and self.due + CHUNK <= WINDOW

@@ -13,6 +13,7 @@ An access that is not aligned raises Unaligned, and a branch to an even address 
 import ctypes
 import hashlib
 import os
+import platform
 import shutil
 import subprocess
 import sys
@@ -34,7 +35,7 @@ def library():
     """The compiled core.c, or None."""
     if os.environ.get("PASSO_NATIVE") == "0" or sys.byteorder != "little":
         return None
-    source = _SOURCE.read_bytes()
+    source = _SOURCE.read_bytes() + repr((_OPTIONS, platform.machine())).encode()
     path = CACHE / f"core-{hashlib.sha256(source).hexdigest()[:16]}.so"
     try:
         if not path.exists():

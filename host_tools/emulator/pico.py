@@ -66,6 +66,13 @@ class EmulatedPico:
             self.flash_cache.watch()
         return Loop(self.chip)
 
+    def charge_flash(self, cycles):
+        """From now on a miss of the flash cache costs so many cycles; the FlashCache."""
+        if cycles and not self._flash_miss and self.native_loop is None:
+            self.flash_cache.watch()
+        self._flash_miss = self.flash_cache.miss_cycles = cycles
+        return self.flash_cache
+
     @property
     def native_loop(self):
         """The loop that runs core.c, or None."""

@@ -26,7 +26,7 @@ _FLASH, _RAM = 0x10000000, 0x20000000
 _FLASH_SLOTS, _RAM_SLOTS, _ROM_SLOTS = 1 << 20, 132 * 1024, 8 * 1024  # halfwords of code, as core.c numbers them
 _SLOTS = _FLASH_SLOTS + _RAM_SLOTS + _ROM_SLOTS
 _FUNCTION = 2
-IN_RAM = "machine code in RAM"
+IN_RAM, ROM, UNNAMED = "machine code in RAM", "ROM", "flash without a name"
 
 # Parts of the interpreter by the names of their functions: the first that fits.
 PARTS = (
@@ -144,7 +144,7 @@ def _sum(costs):
 
 
 def part_of(name):
-    if name == IN_RAM or name.startswith("ROM"):
+    if name in (IN_RAM, ROM, UNNAMED):
         return name
     for part, pattern in _PARTS:
         if pattern.search(name):
@@ -163,8 +163,8 @@ class Symbols:
         if place >= 0 and address < self._ends[place]:
             return self._names[place]
         if address < 0x4000:
-            return "ROM"
-        return IN_RAM if address >= _RAM else "flash without a name"
+            return ROM
+        return IN_RAM if address >= _RAM else UNNAMED
 
 
 def read_symbols(path):
