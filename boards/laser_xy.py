@@ -37,7 +37,8 @@ BOARD = {
     },
     "speed": {"unit": "steps_per_s", "default": 8000, "min": 10, "max": 20000},
     "planning": {"junction_um": 10, "arc_um": 2},
-    "spindle": {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 7, "pwm_hz": 5000, "laser": True},
+    "spindle": {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 7, "pwm_hz": 5000, "laser": True,
+                "coolant_ms": 1000},  # the air assist or exhaust: after the door it has so much time before the beam
     "idle_release_ms": 0,
     "store_points": 1000,
     "links": [

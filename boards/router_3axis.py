@@ -17,7 +17,7 @@ BOARD = {
         {"name": "z", "pins": [4, 7], "steps_per_m": 400000, "travel_steps": 32000, "max_mm_min": 1500,
          "accel_mm_s2": 150},
     ],
-    # The spindle's relay, or the input of its inverter.
+    # The spindle's relay, or the input of its inverter. "on_ms" would have every M3 and M4 wait for it.
     "tool": {"pin": 8},
     # Switches to ground that open when hit: a broken wire reads as a hit.
     "inputs": [
@@ -48,7 +48,8 @@ BOARD = {
     },
     "speed": {"unit": "steps_per_s", "default": 8000, "min": 10, "max": 26000},
     "planning": {"junction_um": 10, "arc_um": 2},
-    "spindle": {"max_rpm": 24000, "min_rpm": 0},
+    # After the door, or a spindle stopped in a hold, the cut goes on only when spindle and coolant are there again.
+    "spindle": {"max_rpm": 24000, "min_rpm": 0, "spin_up_ms": 4000, "coolant_ms": 1000},
     "idle_release_ms": 0,
     "store_points": 1000,
     "links": [

@@ -217,7 +217,7 @@ def check_door():
     machine.turns(3)
     assert machine.status()["state"] == "Door:0"
     machine.put(b"~")
-    machine.turns(3)
+    machine.turns(4200)
     assert machine.status()["state"] == "Idle"
 
 

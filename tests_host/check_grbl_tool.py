@@ -1,9 +1,187 @@
 """Spindle, coolant and laser over the grbl link."""
 
-from router import LASER, Machine
+from draws import Random
+from passo.steps.word import TICKS_PER_MS
+from router import LASER, Machine, World
 
-CASES = {}
-RUNS = {}
+CASES = {"check_nothing_moves_before_the_spindle": (("seed", "seed"),)}
+RUNS = {"check_nothing_moves_before_the_spindle": 8}
+SPIN_UP_MS = 400
+COOLANT_MS = 250
+
+
+class Watched(World):
+    """Notes when flood and mist come on, and each step with how long spindle and coolant have been on then, in ms."""
+
+    def __init__(self):
+        World.__init__(self)
+        self.on = {}
+        self.cut = []
+
+    def output(self, tick, name, level):
+        World.output(self, tick, name, level)
+        if not level:
+            self.on.pop(name, None)
+        elif name not in self.on:
+            self.on[name] = tick
+
+    def edges(self, tick, levels, changed):
+        before = self.steps
+        World.edges(self, tick, levels, changed)
+        if self.steps != before:
+            spun = tick - self.tool_changes[-1][0] if self.tool else -1
+            cooled = min([tick - self.on[name] for name in ("flood", "mist") if name in self.on] or [-1])
+            self.cut.append((tick, spun // TICKS_PER_MS, cooled // TICKS_PER_MS))
+
+    def since(self, tick):
+        """(least time of the spindle, of the coolant) of the steps from `tick` on."""
+        cut = [item for item in self.cut if item[0] >= tick]
+        return min([spun for _, spun, _ in cut]), min([cooled for _, _, cooled in cut])
+
+
+SPINDLE = {"max_rpm": 24000, "min_rpm": 0, "spin_up_ms": SPIN_UP_MS, "coolant_ms": COOLANT_MS}
+
+
+def cutting(length_mm=40, feed=3000):
+    """A machine in the middle of a cut."""
+    machine = Machine(Watched(), spindle=SPINDLE).ready()
+    machine.do("M3 S500 M8", "G1 X%d F%d" % (length_mm, feed))
+    machine.turns(50)
+    assert machine.status()["state"] == "Run" and machine.world.tool == 1
+    return machine
+
+
+def stand(machine, data, state):
+    machine.put(data)
+    machine.turns(60)
+    assert machine.status()["state"] == state
+    return machine.port.now
+
+
+def check_spindle_and_coolant_come_before_the_cut():
+    """After the door, after a spindle stopped in a hold, and after one that the operator has started again himself."""
+    for data, state, stopped, waits in (
+        (b"\x84", "Door:0", True, SPIN_UP_MS), (b"!", "Hold:0", False, 0), (b"!|\x9e", "Hold:0", True, SPIN_UP_MS),
+        (b"!|\x9e|\x9e", "Hold:0", False, SPIN_UP_MS), (b"!|\xa0|\xa0", "Hold:0", False, COOLANT_MS),
+        (b"!|\x84", "Door:0", True, SPIN_UP_MS), (b"\x84|~|!", "Door:0", True, SPIN_UP_MS), (b"!|\x9e|~|!", "Hold:0", False, 0),
+    ):  # fmt: skip
+        machine = cutting()
+        parts = data.split(b"|")
+        stand(machine, parts[0], "Door:0" if parts[0] == b"\x84" else "Hold:0")
+        for part in parts[1:]:
+            machine.put(part)
+            machine.turns(3)
+        machine.turns(10)
+        assert machine.status()["state"] == state and machine.world.tool == (0 if stopped else 1), data
+        steps = machine.world.steps
+        begun = machine.port.now
+        if data == b"!|\x9e|~|!":  # held again while it spun up: what is left of its time
+            machine.turns(10_000 // 8)
+        machine.put(b"~")
+        machine.turns(2)
+        if waits:
+            assert machine.status()["state"] in ("Door:3", "Hold:1"), data
+        machine.settle()
+        assert machine.world.steps > steps and machine.world.place[0] == 3000 + 12800, data
+        if waits == SPIN_UP_MS:
+            assert machine.world.since(begun)[0] >= SPIN_UP_MS, data
+        if waits == COOLANT_MS or b"\x84" in data:
+            assert machine.world.since(begun)[1] >= COOLANT_MS, data
+        first = [tick for tick, _, _ in machine.world.cut if tick >= begun][0]
+        assert first - begun <= (waits + 100) * TICKS_PER_MS or b"|!" in data, data
+
+
+def check_the_door_while_the_spindle_comes():
+    """It goes off again, and has its whole time again; a hold then stops what has not begun."""
+    machine = cutting()
+    stand(machine, b"\x84", "Door:0")
+    for again in (b"door", b"!"):
+        machine.put(b"~")
+        machine.turns(SPIN_UP_MS * 3 // 4)
+        assert machine.status()["state"] == "Door:3" and machine.world.tool == 1
+        steps = machine.world.steps
+        if again == b"door":
+            machine.world.switches["door"] = 0
+            machine.turns(20)
+            assert machine.status()["state"] == "Door:1"
+            machine.world.switches["door"] = 1
+            machine.turns(10)
+        else:
+            machine.put(again)
+            machine.turns(5)
+        assert machine.status()["state"] == "Door:0" and machine.world.tool == 0 and machine.world.outputs["flood"] == 0
+        machine.turns(2 * SPIN_UP_MS)
+        assert machine.world.steps == steps
+    begun = machine.port.now
+    machine.put(b"~")
+    machine.settle()
+    spun, cooled = machine.world.since(begun)
+    assert spun >= SPIN_UP_MS and cooled >= COOLANT_MS
+
+
+def check_nothing_moves_before_the_spindle(seed):
+    """Whatever an operator does: no step sooner than that after spindle or coolant were switched on, and none without the
+    spindle."""
+    random = Random(seed)
+    machine = cutting(20, 600)
+    machine.do("G1 X0", "X20")
+    begun = machine.port.now
+    first = machine.world.tool_changes[0][0]
+    for _ in range(20):
+        held = machine.status()["state"] == "Hold:0"
+        what = random.choice((b"!", b"~", b"\x84", b"door") + ((b"~", b"\x9e", b"\xa0", b"\xa1") if held else ()))
+        if what == b"door":
+            machine.world.switches["door"] = random.between(0, 1)
+        else:
+            machine.put(what)
+        machine.turns(random.choice((1, 5, 60, SPIN_UP_MS // 2, SPIN_UP_MS + 50)))
+    machine.world.switches["door"] = 1
+    while machine.status()["state"] != "Idle":
+        machine.put(b"~")
+        machine.turns(SPIN_UP_MS + 50)
+    for tick, spun, cooled in machine.world.cut:
+        if tick > begun:
+            assert spun >= SPIN_UP_MS or tick // TICKS_PER_MS - spun <= first // TICKS_PER_MS + 1
+            assert cooled == -1 or cooled >= COOLANT_MS
+    assert machine.world.place[0] == 3000 + 6400
+
+
+def check_a_beam_waits_for_the_coolant_only():
+    """And it is dark until then, though M3 holds."""
+    machine = Machine(Watched(), spindle=dict(LASER, spin_up_ms=SPIN_UP_MS, coolant_ms=COOLANT_MS)).ready()
+    machine.do("M3 S500 M8", "G1 X40 F3000")
+    machine.turns(30)
+    stand(machine, b"\x84", "Door:0")
+    begun = machine.port.now
+    machine.put(b"~")
+    machine.settle()
+    spun, cooled = machine.world.since(begun)
+    assert COOLANT_MS <= cooled < SPIN_UP_MS and spun < 30
+    assert machine.world.place[0] == 3000 + 12800
+
+
+def check_the_first_spin_up():
+    """M3 itself waits for tool.on_ms, by default not at all; so does a change of direction."""
+    for on_ms in (0, 700):
+        machine = Machine(Watched(), tool={"pin": 8, "on_ms": on_ms}).ready()
+        for line in ("M3 S500", "M4", "M4 S600", "S700", "M5"):
+            begun = machine.port.now
+            machine.do(line)
+            took = (machine.port.now - begun) // TICKS_PER_MS
+            waits = line in ("M3 S500", "M4") and on_ms
+            assert waits <= took <= waits + 60, (line, took)
+
+
+def check_times_as_shipped():
+    machine = Machine(Watched()).ready()
+    machine.do("M3 S500 M8", "G1 X50 F3000")
+    machine.turns(30)
+    stand(machine, b"\x84", "Door:0")
+    begun = machine.port.now
+    machine.put(b"~")
+    machine.settle()
+    spun, cooled = machine.world.since(begun)
+    assert 4000 <= spun <= 4100 and cooled >= 1000
 
 
 def check_what_is_refused_leaves_the_tool():

@@ -4,7 +4,7 @@
 class Absent:
     kind = ""  # as of Pauses
     drawing = False  # as of Objects, and `store`
-    count = 0
+    count = coolant = 0
 
     def __init__(self, lift=None):
         self.jogging = self.dropping = False

@@ -45,7 +45,7 @@ _DRIVE = {
 _TOOL = {
     "pin": _PIN,
     "active": _BIT,
-    "on_ms": (int, 0, 0, 10_000),
+    "on_ms": (int, 0, 0, 60_000),  # what is switched on takes effect so much later: a pen, a spindle after M3
     "off_ms": (int, 0, 0, 10_000),
 }
 _HOMING = {
@@ -66,6 +66,9 @@ _SPINDLE = {
     "pin": (int, -1, -1, 48),
     "pwm_hz": (int, 5000, 10, 100_000),
     "laser": (bool, False, 0, 1),
+    # Where the door, or the operator in a hold, has switched them off: so long after they are on again the machine goes on.
+    "spin_up_ms": (int, 4000, 0, 60_000),  # not for lasers
+    "coolant_ms": (int, 1000, 0, 60_000),
 }
 _SPEED = {
     "unit": ("steps_per_s", "half_period_us"),

@@ -96,7 +96,7 @@ class Controller:
         if streamed or board["track"] or [item for item in board["inputs"] if item["name"] in _PAUSING]:
             from passo.control.pauses import Pauses
 
-            self.pauses = Pauses(self.queue, self, self.port)
+            self.pauses = Pauses(board, self.queue, self, self.port)
 
     def add(self, part):
         """Take in a Part (part.py), which calls this itself as it is made."""

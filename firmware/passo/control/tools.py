@@ -89,6 +89,7 @@ class Tools:
             if result:
                 return result
         if not machine.checking:
+            turned = command.value != self.spindle
             self.spindle = command.value
             self.power = command.power if command.value != OFF else 0
             self._queue.set_power(0 if laser and not command.tool else thousandths(self.power), False)
@@ -105,6 +106,11 @@ class Tools:
             elif not laser or still and lit:
                 self._queue.analogue.set(thousandths(self.power))
                 self._queue.restore_power()
+                if turned and lit and not laser and self._queue.tool_ms(True):  # the other way round
+                    self._queue.wait(self._queue.tool_ms(True), 0)
+                    self._queue.flush()
+                    machine.command = command
+                    return 0
         return machine.accepted(command)
 
     def _cool(self, command):

@@ -96,6 +96,7 @@ NOTICE_HANDED_OVER = const(9)
 NOTICE_JERK = const(10)
 NOTICE_PAUSE = const(11)
 NOTICE_TOOL = const(12)  # with the number of the tool
+NOTICE_SPINDLE = const(13)
 
 
 def _texts():

@@ -14,7 +14,7 @@ HELP = "[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x]"
 NOTICES = (
     "", "Reset to continue", "'$H'|'$X' to unlock", "Caution: Unlocked", "Enabled", "Disabled", "Check Door",
     "Check Limits", "Sleeping", "Command handed over", "No S-curves on this board", "Pause: ~ to continue",
-    "Tool change: T%d, ~ to continue",
+    "Tool change: T%d, ~ to continue", "Restoring spindle",
 )  # fmt: skip
 PROGRAMME_END = "Pgm End"
 RESTORING = "Restoring defaults"
