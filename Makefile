@@ -64,9 +64,14 @@ $(STUBS): $(STAMP)
 	done
 	@mkdir -p $(VENV)/typings && touch $@
 
-test: $(STAMP) $(CLIENTS) $(STUBS)  ## all tests, under CPython and MicroPython, with coverage
-	$(BIN)/python -m pytest -n 2 --cov --cov-report=term --ignore-glob='*/test_pico_*' $(ARGS)
+# What ARGS chooses is run as it is: of a part of the tests the coverage says nothing.
+test: $(STAMP) $(CLIENTS) $(STUBS)  ## all tests, under CPython and MicroPython, with coverage; ARGS=tests_host/test_x.py
+ifdef ARGS
+	$(BIN)/python -m pytest -n 2 --dist loadgroup -o faulthandler_timeout=900 $(ARGS)
+else
+	$(BIN)/python -m pytest -n 2 --cov --cov-report=term --ignore-glob='*/test_pico_*'
 	$(BIN)/python -m pytest -n 2 --dist loadgroup -o faulthandler_timeout=900 $(PICO_TESTS)
+endif
 
 bench: $(STAMP)  ## the slower measurements
 	$(BIN)/python -m host_tools.bench $(ARGS)
