@@ -11,7 +11,7 @@
 
 `t_us` is virtual time since the start at the leading edge; x…a are steps from the machine's origin (from where it
 stood at the start while it has never homed), axes that it has not are 0; tool is 0…1000. The whole file has one zero:
-a homing rewrites the rows before it.
+a homing rewrites the rows before it. Time that is told to `skip` is left out of it.
 """
 
 import os
@@ -31,6 +31,7 @@ class Trace:
         self._zero = list(plant.position)
         self._rows = []
         self._written = 0
+        self._skipped = 0  # ticks left out so far
         names = [carriage.name for carriage in plant.carriages]
         in_order = all(name in COLUMNS for name in names) and names == sorted(names, key=COLUMNS.index)
         self._columns = [COLUMNS.index(name) if in_order else i for i, name in enumerate(names)]
@@ -46,9 +47,13 @@ class Trace:
     def row(self, tick, position, tool):
         """A step or an arrival of the tool at `tick`; `position` in the plant's steps."""
         rows = self._rows
-        rows.append((tick, *position, tool))
+        rows.append((tick - self._skipped, *position, tool))
         if len(rows) >= BATCH_ROWS and self._file is not None:
             self.flush()
+
+    def skip(self, ticks):
+        """Leave out `ticks` that have passed since the last row and before the next."""
+        self._skipped += ticks
 
     def flush(self):
         """Write what has been kept back."""

@@ -29,6 +29,9 @@ def board(
     trace: Annotated[
         Optional[Path], typer.Option(metavar="FILE.csv", help="Write where the machine is, step by step.")
     ] = None,
+    idle: Annotated[
+        bool, typer.Option("--idle/--no-idle", help="With or without the time in the trace in which nothing moves.")
+    ] = True,
     vcd: Annotated[
         Optional[Path], typer.Option(metavar="FILE.vcd", help="Write the pins, for GTKWave or PulseView.")
     ] = None,
@@ -45,6 +48,8 @@ def board(
 
     Prints the port to open: `port: PATH` for the first link, `port NAME: PATH` for the others. Ends, with motors and
     pen safe and all files written, on SIGTERM or Ctrl-C.
+
+    With --no-idle two traces of the same job are equal byte for byte: how long the PC thinks between two jobs is left out.
 
     Examples:
 
@@ -69,12 +74,13 @@ def board(
         "bounce_ms": bounce_ms,
         "faults": _pairs("--fault", fault, None),
         "seed": seed,
+        "idle": idle,
     }
     names = [entry["name"] for entry in config["links"]]
     serve(config, time_, _pairs("--protocol", protocol, names), _pairs("--link", link, names), tcp, trace, vcd, options)
 
 
-def serve(config, mode, protocols, links, tcp, trace, vcd, plant_options):
+def serve(config, mode, protocols, links, tcp, trace, vcd, options):
     """Run the board until SIGTERM or SIGINT; see `board` for the arguments."""
     from host_tools.serial_line import PtyLine, TcpLine, wait
     from host_tools.virtual_machine import Machine
@@ -96,7 +102,7 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, plant_options):
                 protocols,
                 trace,
                 vcd,
-                **plant_options,
+                **options,
             )
         except (BoardError, ValueError) as error:
             raise Failure(str(error)) from error

@@ -21,9 +21,11 @@ LAST_TICKS = 12_500_000  # the machine is watched for another second after the b
 
 class Machine:
     """The firmware on a virtual port. `board` is a board's name or dict, `lines` maps link names to serial lines,
-    `trace` and `vcd` are files' paths (None: none; True: the trace is kept in memory), `plant_options` go to Plant."""
+    `trace` and `vcd` are files' paths (None: none; True: the trace is kept in memory), `plant_options` go to Plant.
+    `idle`: False leaves the time in which nothing is under way out of the trace: how long the PC thinks is never twice the
+    same, all else is."""
 
-    def __init__(self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, **plant_options):
+    def __init__(self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, **plant_options):
         loaded = boards.load(board) if isinstance(board, str) else board
         self.board = check(loaded)
         self.plant = Plant(self.board, **plant_options)
@@ -41,6 +43,7 @@ class Machine:
         self.port = VirtualPort(self.board, world, mode, lines, sleep)
         self.app = App(check(loaded), self.port, protocols)
         self._homing = False
+        self._idle = idle
 
     def turn(self):
         """One turn of the firmware's main loop."""
@@ -50,7 +53,16 @@ class Machine:
         if self._homing and not homing and app.controller.homed and self.trace:
             self.trace.rezero(self.plant.position)
         self._homing = homing
-        self.port.wait(app.controller.busy(), homing)
+        self._wait(app.controller.busy(), homing)
+
+    def _wait(self, busy, homing):
+        port = self.port
+        if self._idle or not self.trace or port.pending(busy):
+            port.wait(busy, homing)
+            return
+        before = port.now
+        port.wait(busy, homing)
+        self.trace.skip(port.now - before)
 
     def flush(self):
         for file in self._files:

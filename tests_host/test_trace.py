@@ -1,10 +1,13 @@
 """The trace CSV and the VCD file: their format to the letter, and that they agree with the plant."""
 
+import time
+
 import pytest
 from vcd.reader import TokenKind, tokenize
 
-from host_tools import boards
+from host_tools import boards, run
 from host_tools.plant import Plant
+from host_tools.plotter_client import PlotterClient
 from host_tools.trace import BATCH_ROWS, HEADER, Trace
 from host_tools.virtual_machine import VirtualMachine
 
@@ -159,3 +162,37 @@ def test_vcd_reads_back(tmp_path):
     times = [time for time, _, _ in changes]
     assert times == sorted(times)
     assert machine.plant.errors == []
+
+
+SIDES = [(False, 200, 100), (True, 260, 100), (True, 230, 150), (True, 200, 100)]
+
+
+@pytest.mark.parametrize("sleeps_s", [(0.0, 0.0), (0.0137, 0.3)])
+def test_two_traces_of_a_job_are_equal_byte_for_byte(tmp_path, monkeypatch, sleeps_s):
+    """By the program and the pty of `make run`, however long the PC takes between two objects."""
+    first, second = tmp_path / "first.csv", tmp_path / "second.csv"
+    run.draw("first", [SIDES, SIDES], first)
+    ended = PlotterClient.end
+    paces = iter(sleeps_s)
+
+    def end(self, *arguments):
+        time.sleep(next(paces))
+        return ended(self, *arguments)
+
+    monkeypatch.setattr(PlotterClient, "end", end)
+    run.draw("second", [SIDES, SIDES], second)
+    assert first.read_bytes() == second.read_bytes() and len(first.read_bytes().splitlines()) > 300
+
+
+def test_time_at_rest_is_left_out_only_if_asked():
+    paces = []
+    for idle, rest_ms in ((True, 50), (True, 90), (False, 50), (False, 90)):
+        machine = VirtualMachine("plotter_2014", start=(30, 20), idle=idle)
+        assert machine.ask(packet("o")) == b"o"
+        machine.settle()
+        machine.run_ms(rest_ms)
+        assert machine.ask(packet("6")) == b"n"
+        machine.settle()
+        paces.append([row[0] for row in machine.trace.rows()])
+    assert paces[2] == paces[3] != paces[0]
+    assert [late - early for early, late in zip(paces[0], paces[1])][-1] == 40_000

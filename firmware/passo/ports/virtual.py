@@ -152,7 +152,8 @@ class VirtualPort:
             self._anchor()
             behind = quantum
         if behind > 0:
-            self.advance(min(behind, quantum) if pending else behind)
+            # At rest by whole milliseconds: what begins next sees the same of them whenever it begins.
+            self.advance(min(behind, quantum) if pending else behind - behind % TICKS_PER_MS)
         if self._sleep and (not pending or behind < quantum):
             self._sleep(max(1, quantum // (2 * TICKS_PER_MS)) if pending else IDLE_MS)
 
