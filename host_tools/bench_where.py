@@ -1,8 +1,8 @@
 """Where the time of a G-code line goes on the emulated Pico, for `bench`: by parts of the interpreter, to the cycle.
 
-    python -m host_tools.bench_where FILE.elf [count]       # also the dearest functions, with the flash cache
+    PASSO_FLASH_MISS=50 python -m host_tools.bench_where [FILE.elf [count]]     # the dearest functions and kernels
 
-FILE.elf belongs to the UF2 that runs.
+FILE.elf belongs to the UF2 that runs: PASSO_ELF, or the file beside that UF2, unless named.
 """
 
 import os
@@ -11,7 +11,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from host_tools.emulator import gcode
-from host_tools.emulator.binary import Unavailable
+from host_tools.emulator.binary import Unavailable, find_uf2
 from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLES_PER_US
 from host_tools.emulator.profile import IN_RAM, OTHERS, PARTS as _PARTS, ROM, UNNAMED, Cost, part_of, read_symbols
@@ -22,10 +22,10 @@ ORDER = (IN_RAM, *(name for name, _ in _PARTS), OTHERS, ROM, UNNAMED)
 
 
 def symbols():
-    """Of the ELF file that PASSO_ELF names; its absence is no failure."""
-    path = Path(os.environ.get("PASSO_ELF") or "")
+    """Of the ELF file that PASSO_ELF names, or that lies beside the UF2. Raises Unavailable."""
+    path = Path(os.environ.get("PASSO_ELF") or find_uf2().with_suffix(".elf"))
     if not path.is_file():
-        raise Unavailable(f"PASSO_ELF names no ELF file of the UF2 that runs: {str(path)!r}")
+        raise Unavailable(f"there is no {path}: PASSO_ELF names the ELF file of the UF2 that runs")
     return read_symbols(path)
 
 
@@ -58,14 +58,18 @@ def where():
     return header, rows
 
 
-def main(elf, count="40"):
-    os.environ["PASSO_ELF"] = elf
+def main(elf="", count="40"):
+    os.environ["PASSO_ELF"] = elf or os.environ.get("PASSO_ELF", "")
     names = symbols()
     for what, lines, spent in measured():
         print(f"\n{'µs of a ' + what:40} {'part':20} {'main':>8} {'interr.':>8} {'flash':>8}")
         for name, cost in [*spent.functions(names)[: int(count)], ("all", spent.total())]:
             figures = [value / CYCLES_PER_US / lines for value in (cost.main, cost.interrupts, cost.waits)]
             print(f"{name:40} {part_of(name):20} {figures[0]:8.1f} {figures[1]:8.1f} {figures[2]:8.1f}")
+        print(f"\n{'machine code in RAM, µs of a ' + what:40} {'calls':>20} {'main':>8} {'interr.':>8}")
+        for name, calls, cost in spent.kernels(names)[: int(count)]:
+            main, interrupts = (value / CYCLES_PER_US / lines for value in (cost.main, cost.interrupts))
+            print(f"{name:40} {calls / lines:20.2f} {main:8.1f} {interrupts:8.1f}")
 
 
 PARTS = {"where": where}

@@ -5,7 +5,9 @@ import struct
 import pytest
 from emulated import uf2  # noqa: F401
 
+from host_tools import bench_where
 from host_tools.emulator import native
+from host_tools.emulator.binary import Unavailable
 from host_tools.emulator.load import Load
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.emulator.profile import IN_RAM, OTHERS, ROM, UNNAMED, Profile, part_of, read_symbols
@@ -48,6 +50,50 @@ def test_every_cycle_is_counted_once(uf2):
     assert memories["RAM"].interrupts > 40 * 300 * 5, "forty ticks of three hundred turns"
     pico.run(RUN_US)
     assert spent.total() == total, "it has ended"
+
+
+KERNELS = """
+import micropython
+@micropython.viper
+def counted(count: int) -> int:
+    total = 0
+    while count:
+        total ^= count
+        count -= 1
+    return total
+@micropython.asm_thumb
+def assembled(r0):
+    add(r0, 1)
+class Thing:
+    @micropython.native
+    def method(self):
+        return counted(5)
+thing = Thing()
+def work():
+    for _ in range(30):
+        thing.method()
+        for _ in range(3):
+            assembled(1)
+"""
+
+
+@pytest.mark.skipif(native.library() is None, reason="NOT TESTED: a profile needs a C compiler")
+def test_kernels_are_named_and_their_calls_counted(uf2):
+    try:
+        names = bench_where.symbols()
+    except Unavailable as reason:
+        pytest.skip(f"NOT TESTED: {reason}")
+    pico = EmulatedPico(files={}, uf2=uf2).boot()
+    pico.exec(KERNELS)
+    profile = Profile(pico)
+    pico.exec("work()")
+    spent = profile.end()
+    found = {name: (calls, cost.cycles) for name, calls, cost in spent.kernels(names)}
+    assert {name: calls for name, (calls, _) in found.items()} == {
+        "__main__.counted": 30, "__main__.method": 30, "assembled": 90,
+    }  # fmt: skip
+    assert sum(cycles for _, cycles in found.values()) == spent.parts(names)[IN_RAM].cycles
+    assert found["__main__.counted"][1] > 30 * 5 * 4
 
 
 def elf(functions):

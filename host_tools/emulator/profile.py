@@ -5,6 +5,7 @@
     spent = profile.end()                       # Spent
     spent.functions(read_symbols("firmware.elf"))   # [(name, Cost)], the dearest first; the rest is machine code in RAM
     spent.parts(read_symbols("firmware.elf"))       # {"lookup": Cost, …}
+    spent.kernels(read_symbols("firmware.elf"))     # [(name, calls, Cost)] of the machine code in RAM
 
 `load` samples instead, and tells the main loop from interrupts; here both are apart as well. An ELF file belongs to the
 UF2 that runs; a build of MicroPython leaves both in one folder. Time asleep is nobody's.
@@ -20,12 +21,15 @@ from dataclasses import dataclass
 import numpy
 
 from host_tools.emulator.binary import Unavailable
+from host_tools.emulator.kernels import Kernels
 from host_tools.failure import Failure
 
 _FLASH, _RAM = 0x10000000, 0x20000000
 _FLASH_SLOTS, _RAM_SLOTS, _ROM_SLOTS = 1 << 20, 132 * 1024, 8 * 1024  # halfwords of code, as core.c numbers them
 _SLOTS = _FLASH_SLOTS + _RAM_SLOTS + _ROM_SLOTS
-_FUNCTION = 2
+_FLASH_BYTES = 1 << 20  # of the interpreter
+_OBJECTS, _FUNCTION = (0, 1), 2
+_END_OF_CODE = "__bss_start__"  # of the interpreter's own, in RAM
 IN_RAM, ROM, UNNAMED = "machine code in RAM", "ROM", "flash without a name"
 
 # Parts of the interpreter by the names of their functions: the first that fits.
@@ -71,6 +75,7 @@ class Cost:
 
 class Profile:
     def __init__(self, pico):
+        self._chip = pico.chip
         self._state, self._loop = pico.flash_cache.state, pico.native_loop
         if self._loop is None:
             raise Unavailable("a profile needs a C compiler")
@@ -86,7 +91,8 @@ class Profile:
     def end(self):
         self._state.profile[:] = [None, None]
         self._loop.spent = None
-        return Spent([numpy.ctypeslib.as_array(counts).reshape(-1, 2).astype(numpy.int64) for counts in self._counts])
+        counts = [numpy.ctypeslib.as_array(counts).reshape(-1, 2).astype(numpy.int64) for counts in self._counts]
+        return Spent(counts, bytes(self._chip.sram), bytes(self._chip.flash[:_FLASH_BYTES]))
 
 
 def _slot(pc):
@@ -106,7 +112,8 @@ def _address(slot):
 
 
 class Spent:
-    def __init__(self, counts):
+    def __init__(self, counts, ram, flash):
+        self._ram, self._flash = ram, flash
         main, interrupts = counts
         used = numpy.flatnonzero(main[:, 0] + interrupts[:, 0])
         self.places = {
@@ -135,6 +142,23 @@ class Spent:
             found[part_of(name)] += cost
         return dict(found)
 
+    def kernels(self, symbols):
+        """[(name, calls, Cost)] of the machine code in RAM, the dearest first; calls are those of its first instruction."""
+        kernels = Kernels(symbols, self._ram, self._flash)
+        found, calls, first = defaultdict(Cost), {}, {}
+        for address, cost in sorted(self.places.items()):
+            if symbols.name(address) == IN_RAM:
+                name = kernels.name(address)
+                found[name] += cost
+                if first.setdefault(name, address) == address:
+                    calls[name] = (cost.cycles - cost.waits) // self._cycles_at(address)
+        return sorted(((name or "?", calls[name], cost) for name, cost in found.items()), key=lambda one: -one[2].cycles)
+
+    def _cycles_at(self, address):
+        """Of the instruction that functions begin with, a PUSH or another."""
+        opcode = int.from_bytes(self._ram[address - _RAM : address - _RAM + 2], "little")
+        return 1 + (opcode & 0xFF).bit_count() if opcode >> 9 == 0x5A else 1
+
 
 def _sum(costs):
     total = Cost()
@@ -153,9 +177,10 @@ def part_of(name):
 
 
 class Symbols:
-    """Functions of an ELF file by address."""
+    """Functions of an ELF file by address, and where its other objects are."""
 
-    def __init__(self, functions):
+    def __init__(self, functions, objects):
+        self.objects = objects
         self._starts, self._ends, self._names = map(list, zip(*sorted(functions)))
 
     def name(self, address):
@@ -164,7 +189,9 @@ class Symbols:
             return self._names[place]
         if address < 0x4000:
             return ROM
-        return IN_RAM if address >= _RAM else UNNAMED
+        if address < _RAM:
+            return UNNAMED
+        return IN_RAM if address >= self.objects.get(_END_OF_CODE, _RAM) else "interpreter in RAM, without a name"
 
 
 def read_symbols(path):
@@ -176,19 +203,21 @@ def read_symbols(path):
     offset, = struct.unpack_from("<I", data, 32)
     size, count = struct.unpack_from("<HH", data, 46)
     sections = [struct.unpack_from("<10I", data, offset + place * size) for place in range(count)]
-    found = []
+    found, objects = [], {}
     for _, kind, _, _, start, length, link, _, _, each in sections:
         if kind != 2:  # SHT_SYMTAB
             continue
         names = sections[link][4]
         for at in range(start, start + length, each):
             name, value, extent, info = struct.unpack_from("<IIIB", data, at)
-            if info & 15 == _FUNCTION:
-                text = data[names + name : data.index(0, names + name)].decode()
+            text = data[names + name : data.index(0, names + name)].decode()
+            if info & 15 in _OBJECTS:
+                objects[text] = value
+            elif info & 15 == _FUNCTION:
                 found.append((value & ~1, extent, text))
     if not found:
         raise Failure(f"{path} names no functions")
     found.sort()
     following = [start for start, *_ in found[1:]] + [found[-1][0]]
     # Functions in assembly have no length: they end where the next one begins.
-    return Symbols([(start, start + extent if extent else end, text) for (start, extent, text), end in zip(found, following)])
+    return Symbols([(start, start + extent if extent else end, text) for (start, extent, text), end in zip(found, following)], objects)

@@ -1,0 +1,106 @@
+"""The firmware's functions in machine code, found in an emulated Pico's memory and named.
+
+    kernels = Kernels(symbols, ram, flash)      # `profile.Symbols` of the UF2 that runs, the two memories
+    kernels.name(0x2002dd14)                    # 'passo.steps.segment.cut', or None
+    kernels.starts                              # [(address, name)]
+
+Function objects are told by their type; a function's name is that of the dictionary entry which points to it, its module's
+the `__name__` beside it. Functions in assembly know no module. The layouts are those of MicroPython 1.23 to 1.28 on 32 bits.
+"""
+
+import bisect
+import struct
+
+_RAM, _FLASH = 0x20000000, 0x10000000
+_TYPES = ("mp_type_fun_viper", "mp_type_fun_native", "mp_type_fun_asm")
+_POOLS = ("mp_qstr_frozen_const_pool", "mp_qstr_const_pool")
+_QSTR_TAG, _QSTR = 7, 2  # the low bits of an object that is an interned string
+_LENGTH_BITS = 0x7FFFFFFF
+
+
+class Kernels:
+    def __init__(self, symbols, ram, flash):
+        self._ram, self._flash = bytes(ram), bytes(flash)
+        self._words = struct.unpack(f"<{len(self._ram) // 4}I", self._ram)
+        self._pools = self._find_pools(next(symbols.objects[name] for name in _POOLS if name in symbols.objects))
+        found = {}
+        for place, address, code, context in self._functions({symbols.objects.get(name): name for name in _TYPES}):
+            names = self._names(_RAM + 4 * place)
+            module = self._module(context) if context else ""
+            found[code] = ".".join(filter(None, (module, max(names, key=len) if names else "?")))
+        self.starts = sorted(found.items())
+        self._addresses = [address for address, _ in self.starts]
+
+    def name(self, address):
+        place = bisect.bisect_right(self._addresses, address) - 1
+        return self.starts[place][1] if place >= 0 else None
+
+    def _bytes(self, address, count):
+        memory, start = (self._ram, _RAM) if address >= _RAM else (self._flash, _FLASH)
+        return memory[address - start : address - start + count]
+
+    def _word(self, address):
+        data = self._bytes(address, 4) if address >= _FLASH else b""
+        return int.from_bytes(data, "little") if len(data) == 4 else 0
+
+    # --- functions
+
+    def _functions(self, types):
+        """(index of its word, address, of its code, of its module's context or 0)"""
+        types.pop(None, None)
+        for place in range(0, len(self._words) - 4, 4):  # blocks of the heap are 16 bytes
+            kind = types.get(self._words[place])
+            if kind:
+                assembly = kind == "mp_type_fun_asm"
+                code = self._words[place + (2 if assembly else 3)]
+                if _RAM <= code < _RAM + len(self._ram):
+                    yield place, _RAM + 4 * place, code & ~1, 0 if assembly else self._words[place + 1]
+
+    def _names(self, function):
+        if not hasattr(self, "_by_value"):
+            self._by_value = {}
+            for place in range(len(self._words) - 1):
+                if self._words[place] & _QSTR_TAG == _QSTR and self._words[place + 1] >= _RAM:
+                    self._by_value.setdefault(self._words[place + 1], []).append(self._words[place] >> 3)
+        names = (self._string(number) for number in self._by_value.get(function, ()))
+        return [name for name in names if name]
+
+    def _module(self, context):
+        """A module's context begins with the module, an object of its type and its globals."""
+        table = self._word(self._word(context + 4) + 12)
+        for entry in range(table, table + 8 * 64, 8):
+            key, value = self._word(entry), self._word(entry + 4)
+            if key & _QSTR_TAG == value & _QSTR_TAG == _QSTR and self._string(key >> 3) == "__name__":
+                return self._string(value >> 3)
+        return ""
+
+    # --- interned strings
+
+    def _find_pools(self, address):
+        """[(first number, how many, address)]: in flash, each knows the one before it; those in RAM are searched for."""
+        pools, last = [], address
+        while address:
+            pools.append(self._pool(address))
+            address = self._word(address)
+        while True:
+            first, count, _ = self._pool(last)
+            following = [
+                _RAM + 4 * place
+                for place in range(len(self._words) - 1)
+                if self._words[place] == last and self._words[place + 1] & _LENGTH_BITS == first + count
+            ]
+            if not following:
+                return pools
+            last = following[0]
+            pools.append(self._pool(last))
+
+    def _pool(self, address):
+        return self._word(address + 4) & _LENGTH_BITS, self._word(address + 12), address
+
+    def _string(self, number):
+        for first, count, pool in self._pools:
+            if first <= number < first + count:
+                place = number - first
+                length = self._bytes(self._word(pool + 20) + place, 1)[0]
+                return self._bytes(self._word(pool + 24 + 4 * place), length).decode(errors="replace")
+        return ""
