@@ -1,5 +1,11 @@
-"""`passo settings`: a controller's settings to a file and back."""
+"""`passo settings`: a controller's settings to a file and back.
 
+The first line of a back-up is its version. One without a version that has settings of Passo's own is of the first firmware,
+whose masks ($2 to $6 and $23) said what differs from the board file; one without either is of a grbl, whose masks mean what
+Passo's mean since version 2.
+"""
+
+import re
 from pathlib import Path
 from typing import Optional
 
@@ -8,6 +14,9 @@ import typer
 from host_tools.failure import Failure
 from host_tools.grbl_client import Refused
 
+VERSION = 2
+_HEADER = "; passo settings, version "
+_OWN = ("$140=", "$141=")  # that no grbl has
 _KEPT_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59")
 
 
@@ -19,7 +28,8 @@ def settings(
 ):
     """Show a controller's settings, save them to a file, or bring them back.
 
-    A back-up holds the $ settings, the work offsets and the start-up lines, one a line, as they are sent.
+    A back-up holds the $ settings, the work offsets and the start-up lines, one a line, as they are sent. What grbl's $$ says
+    can be restored as well, and back-ups of older firmware are converted.
 
     Examples:
 
@@ -36,13 +46,15 @@ def settings(
         raise Failure(f"show, backup or restore, not {action!r}")
     if action != "show" and file is None:
         raise Failure(f"passo settings {action} FILE: the file is missing")
-    wanted = read(file) if action == "restore" else []
+    wanted, version = read(file) if action == "restore" else ([], VERSION)
     with GrblClient(port or ports.only(), baud) as client:
         if action == "restore":
-            changed = restore(client, wanted)
+            changed = restore(client, meant(client, wanted, version))
             print(f"{len(changed)} of {len(wanted)} lines were different and are restored")
             return
         lines = backup(client)
+        if action == "backup" and masks(client) is not None:
+            lines.insert(0, f"{_HEADER}{VERSION}")
     if action == "show":
         print("\n".join(lines))
         return
@@ -65,19 +77,65 @@ def backup(client):
     return lines
 
 
+def masks(client):
+    """{number: what the board file says} of the settings that are masks; None where the firmware cannot tell."""
+    try:
+        said = client.command("$MASKS")
+    except Refused:
+        return None
+    for line in said:
+        if line.startswith("[MASKS:"):
+            pairs = [item.split("=") for item in line[7:].rstrip("]").split(",")]
+            return {int(number): int(value) for number, value in pairs}
+    return None
+
+
+def meant(client, wanted, version):
+    """The lines of a back-up as this controller understands them. Raises Failure where it would take a mask for another."""
+    board = masks(client)
+    if board is None:
+        if version >= VERSION and any(_mask(line) for line in wanted) and _is_passo(client.command("$$")):
+            raise Failure("the board's firmware is older than this back-up, and reads its masks otherwise: flash it anew first")
+        return wanted
+    if version >= VERSION:
+        return wanted
+    lines = [line for line in wanted if line != "$1=255"]  # of the first firmware it said nothing of the drivers' release
+    for index, line in enumerate(lines):
+        number, value = _mask(line) or (None, None)
+        if number in board:
+            lines[index] = f"${number}={value ^ board[number]}"
+    return lines
+
+
+def _mask(line):
+    """(number, value) of a line that sets a mask, else None."""
+    match = re.fullmatch(r"\$(2|3|4|5|6|23)=(\d+)", line)
+    return (int(match[1]), int(match[2])) if match else None
+
+
+def _is_passo(lines):
+    return any(line.startswith(_OWN) for line in lines)
+
+
 def read(file):
-    """The lines of a back-up. Raises Failure where one is none."""
+    """(lines, version) of a back-up. Raises Failure where it is none."""
     try:
         lines = file.read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeError) as error:
         raise Failure(f"cannot read {file}: {error}") from error
+    version = None
     for number, line in enumerate(lines, 1):
-        if line and not line.startswith(("$", "G10L2P")):
+        if line.startswith(_HEADER) and line[len(_HEADER) :].isdigit():
+            version = int(line[len(_HEADER) :])
+            if version > VERSION:
+                raise Failure(f"{file} is of a later passo: version {version}; this one knows {VERSION}")
+            lines[number - 1] = ""
+        elif line and not line.startswith(("$", "G10L2P")):
             raise Failure(f"{file}, line {number}: {line!r} is no setting")
     lines = [line for line in lines if line]
     if not lines:
         raise Failure(f"{file} has no settings")
-    return lines
+    return lines, version or (1 if _is_passo(lines) else VERSION)
 
 
 def restore(client, wanted):

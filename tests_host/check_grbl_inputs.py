@@ -26,6 +26,26 @@ def check_homing():
     assert machine.turns(4) == ["ALARM:7", "ok", BANNER, UNHOMED]
 
 
+def check_homing_direction():
+    """$23 as in grbl: a bit that is set homes to the negative end. A grbl user's value for such a machine changes nothing."""
+    machine = Machine().ready()
+    assert "$23=3" in machine.ask("$$")
+    machine.do("$23=3")
+    home(machine)
+    assert machine.controller.position() == [0, 0, 0]
+    assert [machine.world.place[axis] for axis in (0, 1, 2)] == [PULL_OFF, PULL_OFF, -PULL_OFF]
+    for mask, axis, level in ((7, 2, -1), (2, 0, 1), (1, 1, 1)):
+        machine = home(Machine())
+        machine.do("$23=%d" % mask)
+        start = machine.world.place[:]
+        machine.put(b"$H\n")
+        reached = start[axis]
+        while "ALARM:9" not in machine.said():  # the switch is at the other end
+            machine.app.turn()
+            reached = max(reached * level, machine.world.place[axis] * level) * level
+        assert (reached - start[axis]) * level > 10_000, mask
+
+
 def check_homing_alarms():
     for switch, level, alarm in (("limit_z", 0, "ALARM:9"), ("limit_z", 1, "ALARM:8"), ("limit_x", 0, "ALARM:9")):
         machine = Machine()
@@ -286,12 +306,12 @@ def check_buttons():
 def check_inverted_inputs_and_pulses():
     """$5 and $6 turn limits and probe round, $2 the pulses and $0 their length, with the next start."""
     machine = Machine(slots=MemorySlots()).ready()
-    machine.do("$5=1", "$6=1")
+    machine.do("$5=0", "$6=1")
     assert machine.status()["Pn"] == "XYZP"
     machine.world.switches.update({"limit_x": 0, "limit_y": 1, "limit_z": 1, "probe": 0})
     assert machine.status()["Pn"] == "X"
     assert machine.world.rest == 0 and machine.app.player.min_word_ticks == 76
-    machine.do("$5=0", "$6=0", "$2=5", "$0=10")
+    machine.do("$5=1", "$6=0", "$2=5", "$0=10")
     again = Machine(slots=machine.slots).ready()
     assert again.world.rest == 0b101 and again.app.player.min_word_ticks == 250
     again.do("G0 X1 Y1 Z1")
@@ -303,7 +323,7 @@ def check_inverted_inputs_and_pulses():
 def check_pins_follow_the_settings():
     """Direction and enable turned round with the next start, the drivers' release at once."""
     machine = Machine().ready()
-    machine.do("$3=1", "$4=1", "$1=30")
+    machine.do("$3=6", "$4=1", "$1=30")
     again = Machine(slots=machine.slots).ready()
     again.do("G0 X1 Y1")
     assert again.world.outputs["enable"] == 1

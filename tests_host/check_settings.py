@@ -7,9 +7,12 @@ from passo.control.boardfile import check
 from passo.control.journal import Journal, MemorySlots
 from passo.control.settings import Settings
 from passo.protocols import errors
+from passo.steps.wiring import inverted_pins
+from passo.steps.word import Layout
 from draws import Random
 
 CASES = {
+    "check_old_masks_are_converted": (("seed", "seed"),),
     "check_changes_come_back": (("changes", "list", 20, ("pick", 0, 40), ("value", -5, 1_000_000_000)),),
     "check_noise_in_both_slots": (("first", "bytes", 60), ("second", "bytes", 60)),
     "check_flipped_bits": (("seed", "seed"),),
@@ -171,6 +174,112 @@ def check_texts_are_bounded():
         except ValueError:
             continue
         raise AssertionError("kept")
+
+
+LIMITS = ("limit_x", "limit_y", "limit_z")
+
+
+def any_board(random):
+    """A router wired, mounted and switched in any way."""
+    board = check(BOARD)
+    board["drive"]["step_active"] = random.between(0, 1)
+    for axis in board["axes"]:
+        axis["reversed"] = bool(random.between(0, 1))
+    level = random.between(0, 1)
+    for item in board["inputs"]:
+        item["active"] = level if item["name"] in LIMITS else random.between(0, 1)
+    for item in board["outputs"]:
+        item["active"] = random.between(0, 1)
+    board["homing"]["high_end"] = "".join([name for name in "xyz" if random.between(0, 1)])
+    return board
+
+
+def wired(board, settings):
+    """What counts at the pins: (STEPs whose pulse is low, DIRs that are high in the positive direction, enable's, limits'
+    and the probe's active level, axes that home low), each by the way it takes there."""
+    layout = Layout("step_dir", 3, 6, [], 7)
+    pins = inverted_pins(board, layout)
+    named = {}
+    for item in board["inputs"] + board["outputs"]:
+        named[item["name"]] = item["active"]
+    levels = []
+    for number, name in ((table.ENABLE_INVERT, "enable"), (table.LIMIT_INVERT, "limit_x"), (table.PROBE_INVERT, "probe")):
+        levels.append(named[name] ^ settings.turned(number))
+    ends = 0
+    for axis in range(3):
+        ends |= (0 if "xyz"[axis] in board["homing"]["high_end"] else 1) << axis
+    return (pins & 7, ~pins >> 3 & 7) + tuple(levels) + (ends,)
+
+
+def check_masks_mean_what_they_mean_in_grbl():
+    """Whatever the board file says: what is reported is how the pins are, and what is set they are from then on."""
+    for seed in range(20):
+        random = Random(seed)
+        board = any_board(random)
+        settings = Settings(board, Journal(MemorySlots()))
+        for _ in range(3):
+            assert tuple([settings.value(number) for number in table.MASKS]) == wired(board, settings)
+            for number in table.MASKS:
+                assert settings.change(number, random.between(0, 7) & settings._table[number][4]) == 0
+    settings = Settings(check(BOARD), Journal(MemorySlots()))
+    assert settings.masks() == [(2, 0), (3, 7), (4, 0), (5, 1), (6, 0), (23, 3)]
+    settings = Settings(check(PLOTTER), Journal(MemorySlots()))
+    assert [settings.value(number) for number in (2, 4, 5, 6, 23)] == [0, 0, 1, 0, 3]
+
+
+def check_old_masks_are_converted(seed):
+    """Settings that the first firmware has kept, which said what differs from the board file: nothing changes at the pins."""
+    random = Random(seed)
+    state = random.between(0, 1 << 20)
+    board = any_board(Random(state))
+    bare = Settings(any_board(Random(state)), Journal(MemorySlots()))
+    before = wired(any_board(Random(state)), bare)
+    old = [(number, random.between(0, 7) & bare._table[number][4]) for number in table.MASKS if random.between(0, 1)]
+    slots = MemorySlots()
+    Journal(slots).write("\n".join(["%d=%d" % item for item in old] + ["110=1234", "G54=1,2,3"]))
+    changes = dict(old)
+    wanted = tuple([before[at] ^ changes.get(table.MASKS[at], 0) for at in range(len(table.MASKS))])
+    for _ in range(3):  # as it is read, as it has been written since, and with a change
+        settings = Settings(board, Journal(slots))
+        assert wired(board, settings) == wanted and settings.value(110) == 1234 and settings.get("G54") == "1,2,3"
+        settings.save()
+        board = any_board(Random(state))
+    settings.change(111, 5_000)
+    settings.save()
+    again = Settings(board, Journal(slots))
+    assert wired(board, again) == wanted and again.value(111) == 5_000
+    assert not [line for line in Journal(slots).read().split("\n") if line.split("=")[0] in ("2", "3", "4", "5", "6", "23")]
+
+
+def check_masks_of_both_firmwares():
+    """A board that has had the old firmware again: it has kept the new masks, and what it has written since counts."""
+    slots = MemorySlots()
+    settings = make(slots)
+    settings.change(23, 7)
+    settings.change(3, 1)
+    settings.save()
+    text = Journal(slots).read()
+    assert text == "2:3=1\n2:23=7"
+    Journal(slots).write(text + "\n23=1")
+    assert make(slots).value(23) == 2 and make(slots).value(3) == 1
+
+
+def check_mixed_limits():
+    """Switches of both kinds: $5 is the first one's, and turns all of them round."""
+    board = check(BOARD)
+    board["inputs"][1]["active"] = 0
+    settings = Settings(board, Journal(MemorySlots()))
+    assert settings.value(5) == 1 and settings.turned(5) == 0
+    settings.change(5, 0)
+    assert settings.turned(5) == 1
+
+
+def check_the_release_is_told():
+    board = check(BOARD)
+    for ms, told in ((0, 255), (30, 30), (254, 254), (5000, 254)):
+        board["idle_release_ms"] = ms
+        settings = Settings(board, Journal(MemorySlots()))
+        assert settings.value(1) == told and board["idle_release_ms"] == ms
 
 
 def check_a_full_memory_is_told():

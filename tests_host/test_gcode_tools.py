@@ -249,10 +249,61 @@ def test_settings_round_trip(board, tmp_path, capsys):
     assert "$110=1234.500" in said and "$N0=G54" in said and "G10L2P2X1.000Y-2.500Z0.000" in said
 
 
+def backup(board, file):
+    settings.settings("backup", file, board.line.name, 115200)
+    return file.read_text().splitlines()
+
+
+def test_backups_of_older_firmware_are_converted(board, tmp_path, capsys):
+    """Masks without a version said what differs from the board file; those of a grbl, and of version 2, mean what they say."""
+    file = tmp_path / "kept.txt"
+    masks = ["$2=0", "$3=7", "$4=0", "$5=1", "$6=0", "$23=3"]  # the router's, in grbl's words
+    lines = backup(board, file)
+    assert lines[0] == "; passo settings, version 2" and set(masks) < set(lines)
+    old = ["$1=255", "$2=1", "$3=0", "$4=0", "$5=0", "$6=1", "$23=1", "$110=4000.000"]
+    for own, wanted in ((["$140=0.000"], ["$2=1", "$3=7", "$5=1", "$6=1", "$23=2"]), ([], ["$2=1", "$3=0", "$5=0", "$6=1", "$23=1"])):
+        file.write_text("\n".join(old + own) + "\n")
+        settings.settings("restore", file, board.line.name, 115200)
+        assert {"$1=255", "$110=4000.000", *wanted} < set(backup(board, file))
+        settings.settings("restore", file, board.line.name, 115200)
+        assert "0 of" in capsys.readouterr().out
+    file.write_text("; passo settings, version 2\n" + "\n".join(masks + ["$140=0.000"]) + "\n")
+    settings.settings("restore", file, board.line.name, 115200)
+    assert set(masks) < set(backup(board, file))
+
+
+class OldFirmware:
+    """A client of the first firmware, which knows no $MASKS."""
+
+    def command(self, line):
+        if line == "$MASKS":
+            raise Refused("error 3")
+        return ["$23=0", "$140=0.000"]
+
+
+def test_masks_are_not_sent_to_a_firmware_that_reads_them_otherwise():
+    assert settings.meant(OldFirmware(), ["$23=0", "$110=1.000"], 1) == ["$23=0", "$110=1.000"]
+    assert settings.meant(OldFirmware(), ["$110=1.000"], 2) == ["$110=1.000"]
+    with pytest.raises(Failure, match="older"):
+        settings.meant(OldFirmware(), ["$23=3"], 2)
+
+
+def test_a_failed_homing_is_no_success_to_a_client(board):
+    board.world.switches["limit_z"] = 1
+    with GrblClient(board.line.name) as client:
+        client.connect()
+        with pytest.raises(Refused, match="alarm 8"):
+            client.command("$H")
+        assert client.ask_status()["state"] == "Alarm"
+
+
 def test_settings_refuses(tmp_path):
     file = tmp_path / "kept.txt"
     file.write_text("$110=1\nhello\n")
     with pytest.raises(Failure, match="line 2"):
+        settings.settings("restore", file, "x", 115200)
+    file.write_text("; passo settings, version 3\n$110=1\n")
+    with pytest.raises(Failure, match="later passo"):
         settings.settings("restore", file, "x", 115200)
     file.write_text("\n")
     with pytest.raises(Failure, match="no settings"):

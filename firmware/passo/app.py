@@ -77,7 +77,7 @@ class App:
         self.feeder = Feeder(self.ring, self.layout, self.planner, drive, setup and max(setup, least), least)
         self.interrupt = port.feed_from_interrupt(self.feeder, self.player)
         motors = Motors(port, self.player, self.layout, drive, off_levels, board)
-        motors.enable_inverted = bool(settings.value(ENABLE_INVERT))
+        motors.enable_inverted = bool(settings.turned(ENABLE_INVERT))
         motors.release()
         gc.collect()
         settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)

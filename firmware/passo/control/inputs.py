@@ -56,9 +56,9 @@ class Inputs:
         """True while the input is active; the settings can turn limits and probe round."""
         active = self._input(name)
         if name == "probe":
-            return active != bool(self._settings.value(table.PROBE_INVERT))
+            return active != bool(self._settings.turned(table.PROBE_INVERT))
         if name in self._limit_names:
-            return active != bool(self._settings.value(table.LIMIT_INVERT))
+            return active != bool(self._settings.turned(table.LIMIT_INVERT))
         return active
 
     def limits_hit(self):

@@ -6,10 +6,13 @@
     settings.save()                  # where something has changed; never while the machine moves
     settings.put("G54", "0,0,0")     # texts beside the numbers: offsets, start-up lines
 
-What pins do ($0, $2, $3, $4) changes with the next start, all else at once. Numbers are grbl 1.1's. Those with decimals
-are held in thousandths. $12 is kept and changes nothing: arcs are walked as circles, not in chords of a tolerance. What
-was never changed is not kept, so that a new board file shows; what this firmware does not know is kept for the one that
-does.
+What pins do ($0, $2, $3, $4) changes with the next start, all else at once. Numbers and meanings are grbl 1.1's, also of
+MASKS, whose defaults say how the board file has it. Those with decimals are held in thousandths. $12 is kept and changes
+nothing: arcs are walked as circles, not in chords of a tolerance. What was never changed is not kept, so that a new board
+file shows; what this firmware does not know is kept for the one that does.
+
+A line of what is kept is NUMBER=VALUE, of masks VERSION:NUMBER=VALUE. Without a version a mask is of the first firmware,
+where it said what differs from the board file: it is converted. That firmware in its turn leaves masks with a version alone.
 """
 
 from micropython import const
@@ -47,6 +50,38 @@ ACCELERATION = const(120)
 TRAVEL = const(130)
 START = const(140)  # Passo's own, and the next
 JERK = const(141)
+MASKS = (STEP_INVERT, DIRECTION_INVERT, ENABLE_INVERT, LIMIT_INVERT, PROBE_INVERT, HOMING_DIRECTION)
+_VERSION = "2:"
+
+
+def _active(items, names):
+    """The active level of the first of `items` that has one of these names; 0 where there is none."""
+    for item in items:
+        if item["name"] in names:
+            return item["active"]
+    return 0
+
+
+def _masks(board):
+    """What the board file says, as grbl has it, in the order of MASKS: steps whose pulse is low, directions where high is
+    positive, drivers enabled by high, limits and a probe that are active when high, axes that home at their low end."""
+    axes = board["axes"]
+    homing = board["homing"]
+    steps = directions = ends = 0
+    limits = []
+    for number in range(len(axes)):
+        axis = axes[number]
+        name = axis["name"]
+        sensor = homing["sensors"].get(name) if homing else None
+        limits.append(sensor or "limit_" + name)
+        if not board["drive"]["step_active"]:
+            steps |= 1 << number
+        if not axis["reversed"]:
+            directions |= 1 << number
+        if sensor and name not in homing["high_end"]:
+            ends |= 1 << number
+    inputs = board["inputs"]
+    return steps, directions, _active(board["outputs"], ("enable",)), _active(inputs, limits), _active(inputs, ("probe",)), ends
 
 
 def _table(board):
@@ -56,6 +91,8 @@ def _table(board):
     homing = board["homing"]
     spindle = board["spindle"]
     steps_per_m = axes[0]["steps_per_m"]
+    masks = _masks(board)
+    release_ms = board["idle_release_ms"]
     seek, locate, pull_off = 500_000, 25_000, 1_000
     if homing:
         seek = homing["seek_steps_s"] * 60_000_000 // steps_per_m
@@ -63,12 +100,12 @@ def _table(board):
         pull_off = homing["pull_off_steps"] * 1_000_000 // steps_per_m
     table = {
         PULSE_US: ("step_pulse_us", 0, board["drive"]["pulse_us"], 3, 100),
-        IDLE_DELAY: ("idle_delay_ms", 0, 255, 0, 255),
-        STEP_INVERT: ("step_invert", 0, 0, 0, mask),
-        DIRECTION_INVERT: ("direction_invert", 0, 0, 0, mask),
-        ENABLE_INVERT: ("enable_invert", 0, 0, 0, 1),
-        LIMIT_INVERT: ("limit_invert", 0, 0, 0, 1),
-        PROBE_INVERT: ("probe_invert", 0, 0, 0, 1),
+        IDLE_DELAY: ("idle_delay_ms", 0, min(release_ms, 254) if release_ms else 255, 0, 255),
+        STEP_INVERT: ("step_invert", 0, masks[0], 0, mask),
+        DIRECTION_INVERT: ("direction_invert", 0, masks[1], 0, mask),
+        ENABLE_INVERT: ("enable_invert", 0, masks[2], 0, 1),
+        LIMIT_INVERT: ("limit_invert", 0, masks[3], 0, 1),
+        PROBE_INVERT: ("probe_invert", 0, masks[4], 0, 1),
         REPORT: ("report_mask", 0, 1, 0, 255),
         JUNCTION: ("junction_deviation", 3, board["planning"]["junction_um"], 0, 10_000),
         ARC: ("arc_tolerance", 3, board["planning"]["arc_um"], 0, 10_000),
@@ -76,7 +113,7 @@ def _table(board):
         SOFT_LIMITS: ("soft_limits", 0, 1 if homing else 0, 0, 1),
         HARD_LIMITS: ("hard_limits", 0, 0, 0, 1),
         HOMING: ("homing", 0, 1 if homing else 0, 0, 1 if homing else 0),
-        HOMING_DIRECTION: ("homing_direction", 0, 0, 0, mask),
+        HOMING_DIRECTION: ("homing_direction", 0, masks[5], 0, mask),
         HOMING_LOCATE: ("homing_locate", 3, locate, 1, 999_999_999),
         HOMING_SEEK: ("homing_seek", 3, seek, 1, 999_999_999),
         HOMING_DEBOUNCE: ("homing_debounce_ms", 0, homing["debounce_ms"] if homing else 5, 0, 1000),
@@ -106,7 +143,6 @@ class Settings:
         self._board_travel = [axis["travel_steps"] for axis in board["axes"]]
         self._board_reversed = [axis["reversed"] for axis in board["axes"]]
         self._board_release_ms = board["idle_release_ms"]
-        self._board_high_end = board["homing"]["high_end"] if board["homing"] else ""
         self.max_steps_s = max_steps_s
         self._table = _table(board)
         self.numbers = sorted(self._table)
@@ -125,6 +161,14 @@ class Settings:
         if number in self._changed:
             return self._changed[number]
         return self._table[number][2]
+
+    def turned(self, number):
+        """Of one of MASKS: the bits in which it differs from the board file."""
+        return self.value(number) ^ self._table[number][2]
+
+    def masks(self):
+        """[(number, what the board file says)] of MASKS."""
+        return [(number, self._table[number][2]) for number in MASKS]
 
     def name(self, number):
         return self._table[number][0]
@@ -212,17 +256,21 @@ class Settings:
         return 0
 
     def _dump(self):
-        lines = ["%d=%d" % (number, self._changed[number]) for number in sorted(self._changed)]
+        lines = []
+        for number in sorted(self._changed):
+            lines.append("%s%d=%d" % (_VERSION if number in MASKS else "", number, self._changed[number]))
         lines += ["%s=%s" % (key, self._texts[key]) for key in sorted(self._texts)]
         return "\n".join(lines)
 
     def _load(self, text):
+        old = []  # masks of the first firmware
         for line in text.split("\n"):
             key, _, value = line.partition("=")
             if not key:
                 continue
+            new = key[:2] == _VERSION
             try:
-                number, amount = int(key), int(value)
+                number, amount = int(key[2:] if new else key), int(value)
             except ValueError:
                 self._texts[key] = value
                 continue
@@ -230,16 +278,22 @@ class Settings:
             if rule is None:
                 self._texts[key] = value
             elif rule[3] <= amount <= rule[4]:
-                self._changed[number] = amount
+                if number in MASKS and not new:
+                    old.append((number, amount))
+                else:
+                    self._changed[number] = amount
+        for number, amount in old:  # last: where there are both, that firmware has been the later one
+            self._changed[number] = amount ^ self._table[number][2]
+            self.dirty = True
 
     def _apply(self):
         """Hand the values that the board file also has to the board dict."""
         axes = self._board["axes"]
         for number in range(len(axes)):
             axes[number]["steps_per_m"] = self.value(STEPS + number)
-            turned = bool(self.value(DIRECTION_INVERT) >> number & 1)
+            turned = bool(self.turned(DIRECTION_INVERT) >> number & 1)
             axes[number]["reversed"] = self._board_reversed[number] != turned
-            axes[number]["step_inverted"] = bool(self.value(STEP_INVERT) >> number & 1)
+            axes[number]["step_inverted"] = bool(self.turned(STEP_INVERT) >> number & 1)
             travel_steps = self._board_travel[number]
             if TRAVEL + number in self._changed or STEPS + number in self._changed:
                 travel_steps = self.value(TRAVEL + number) * self.value(STEPS + number) // 1_000_000
@@ -256,12 +310,11 @@ class Settings:
             self._board["homing"]["debounce_ms"] = self.value(HOMING_DEBOUNCE)
 
     def _high_ends(self):
-        """Names of the axes that home at their high end: the board file's, turned round by $23."""
+        """Names of the axes that home at their high end."""
         names = ""
         for number in range(len(self._board["axes"])):
             name = self._board["axes"][number]["name"]
-            turned = self.value(HOMING_DIRECTION) >> number & 1
-            if name in self._board["homing"]["sensors"] and (name in self._board_high_end) != bool(turned):
+            if name in self._board["homing"]["sensors"] and not self.value(HOMING_DIRECTION) >> number & 1:
                 names += name
         return names
 

@@ -43,6 +43,11 @@ def link(number, name):
     return "[LINK:%d,%s]\r\n" % (number, name)
 
 
+def masks(settings):
+    """The line of $MASKS: what the board file says of the settings that are masks, by which old ones are converted."""
+    return "[MASKS:%s]\r\n" % ",".join(["%d=%d" % item for item in settings.masks()])
+
+
 def log(log):
     """The lines of $LOG, the oldest first: milliseconds, number, which link or input; then how many times each number
     has been since the start."""

@@ -50,6 +50,8 @@ class System:
             return answer(grbl_report.modes(self._gcode, self.inches()))
         if line == "$LOG":
             return answer(grbl_report.log(self._machine.log))
+        if line == "$MASKS":
+            return answer(grbl_report.masks(self._settings))
         if line[:5] == "$LINK":
             return self._link(line[5:])
         if line not in _QUERIES and not self._machine.links.listening():
