@@ -1,6 +1,5 @@
 """`passo pulses`: files of pulse codes, as LPTControl played them: played, turned round, repeated, checked, converted."""
 
-import sys
 from pathlib import Path
 from typing import Annotated, Optional
 
@@ -38,53 +37,33 @@ def _client(port, baud, log=None):
     return PulsesClient(port or ports.only(), baud, log)
 
 
-def status_text(status):
-    """A status in one line for people."""
-    parts = [f"{status['state']:<5} command {status['at']} of {status['of']}"]
-    if status["pass"] != "1/1":
-        parts.append(f"pass {status['pass']}")
-    parts.append(f"{'backward' if status['going'] == '-' else 'forward'} at {status['speed']} mm/min")
-    if status["wait"] != "0":
-        parts.append(f"waits {int(status['wait']) / 1000:.1f} s")
-    if status["ask"] == "1":
-        parts.append("WAITS FOR A SPEED")
-    if status["manual"] != "0":
-        parts.append(f"{status['manual']} steps by hand")
-    parts.append(f"place {status['place']}")
-    parts.append(f"tool {'on' if status['tool'] == '1' else 'off'}")
-    return ", ".join(parts) + f", port {status['port']}"
-
-
-def _show(status):
-    if sys.stderr.isatty():
-        print("\r\x1b[K" + status_text(status), end="", file=sys.stderr, flush=True)
-
-
-def _follow(client, wait):
-    """Show what goes on until the machine stands; Ctrl-C stops it."""
+def _follow(client, wait, playing):
+    """Show what goes on until the machine stands; Ctrl-C stops it. Raises Failure if what is `playing` is only paused."""
     from host_tools.pulses_client import check
+    from host_tools.pulses_panel import Panel, status_text
 
     if not wait:
         return
     try:
-        status = client.settle(_show)
+        with Panel(client) as panel:
+            status = panel.follow(playing)
     except KeyboardInterrupt:
         client.command("stop")
         raise Failure(f"stopped by Ctrl-C at {status_text(client.status())}") from None
-    finally:
-        if sys.stderr.isatty():
-            print("\r\x1b[K", end="", file=sys.stderr)
     for line in client.said:
         check(line, "the run")
     print(status_text(status))
     if status["state"] == "alarm":
         raise Failure("the machine is in alarm")
+    if status["state"] == "hold" and playing:
+        way = "passo pulses speed N goes on" if status["ask"] == "1" else "passo pulses run goes on, stop ends it"
+        raise Failure(f"paused at command {status['at']} of {status['of']}: {way}")
 
 
-def _order(words, port, baud, wait=True):
+def _order(words, port, baud, wait=True, playing=False):
     with _client(port, baud) as client:
         client.command(*words)
-        _follow(client, wait)
+        _follow(client, wait, playing)
 
 
 # --- on a board
@@ -100,7 +79,10 @@ def play(
 ):  # fmt: skip
     """Send a file and play it: checked whole and stored on the board first, or streamed.
 
-    Ctrl-C stops. Pause, turn round, change the speed and so on from another terminal, or with --no-wait.
+    Keys while it plays: p pause, r go on, b turn round, s stop (also Ctrl-C); a number and Enter is a new speed in mm/min,
+    also the one that a +0 in the file waits for. The port is this program's for so long: with --no-wait it ends as soon as
+    the file is on the board, and the other verbs of passo pulses command the run. Exit status 1 if the run was stopped, or
+    is paused when there are no keys to go on with.
 
     Examples:
 
@@ -117,11 +99,14 @@ def play(
         raise Failure("a file that is streamed is played once; leave out --stream or --repeat")
     if stream and not wait:
         raise Failure("to stream a file takes as long as it plays; leave out --no-wait")
+    from host_tools.pulses_panel import Panel
+
     with _client(port, baud, log) as client:
         try:
             if stream and speed:
                 client.command("speed", speed)
-            count = client.send_file(data, stream)
+            with Panel(client) as panel:
+                count = client.send_file(data, stream, idle=panel.turn if stream else None)
         except KeyboardInterrupt:
             client.command("stop")
             raise Failure("stopped by Ctrl-C") from None
@@ -130,7 +115,7 @@ def play(
             if speed:
                 client.command("speed", speed)
             client.command("run", repeat)
-        _follow(client, wait)
+        _follow(client, wait, playing=True)
 
 
 @app.command()
@@ -142,7 +127,7 @@ def run(
 
     Example: passo pulses run 5
     """
-    _order(("run", times) if times else ("run",), port, baud, wait)
+    _order(("run", times) if times else ("run",), port, baud, wait, playing=True)
 
 
 @app.command()
@@ -151,7 +136,7 @@ def reverse(port: Port = None, baud: Baud = 115200, wait: Wait = True):
 
     Example: passo pulses reverse
     """
-    _order(("back",), port, baud, wait)
+    _order(("back",), port, baud, wait, playing=True)
 
 
 @app.command()
@@ -187,7 +172,7 @@ def return_(back: Back = False, port: Port = None, baud: Baud = 115200, wait: Wa
 
     Example: passo pulses return
     """
-    _order(("return", "back") if back else ("return",), port, baud, wait)
+    _order(("return", "back") if back else ("return",), port, baud, wait, playing=True)
 
 
 @app.command("continue")
@@ -196,7 +181,7 @@ def continue_(back: Back = False, port: Port = None, baud: Baud = 115200, wait: 
 
     Example: passo pulses continue
     """
-    _order(("continue", "back") if back else ("continue",), port, baud, wait)
+    _order(("continue", "back") if back else ("continue",), port, baud, wait, playing=True)
 
 
 @app.command()
@@ -274,6 +259,7 @@ def status(
     import time
 
     from host_tools.pulses_client import POLL_S
+    from host_tools.pulses_panel import status_text
 
     with _client(port, baud) as client:
         try:

@@ -58,13 +58,18 @@ class PulsesClient:
         *whole, self._part = (self._part + data.replace(ACK, b"")).split(b"\n")
         return [line.decode("ascii", "replace").strip() for line in whole]
 
-    def _answer(self, begins, what, timeout_s=TIMEOUT_S):
-        """The next line that begins with one of `begins`; raises Failure at an error. Others are kept."""
+    def _answer(self, wanted, what, timeout_s=TIMEOUT_S, idle=None):
+        """The next line for which `wanted(line)`; raises Failure at an error. Others are kept, and so are errors with a place in
+        the file that is being sent. `idle()`, called while waiting, may ask for something itself."""
         deadline = time.monotonic() + timeout_s
         while time.monotonic() < deadline:
+            if idle:
+                idle()
             found = None
-            for line in self.lines():
-                if found is None and line.startswith((*begins, "error:", "alarm:")):
+            kept, self.said = (self.said, []) if idle else ([], self.said)
+            for line in kept + self.lines():
+                failed = line.startswith(("error:", "alarm:")) and (idle or " line " not in line)
+                if found is None and (failed or wanted(line)):
                     found = line
                 else:
                     self.said.append(line)
@@ -78,15 +83,16 @@ class PulsesClient:
     def command(self, *words):
         """A control command; raises Failure where it is refused."""
         self.send(frame(*words))
-        return self._answer(("ok",), " ".join(map(str, words)))
+        return self._answer(lambda line: line == "ok", " ".join(map(str, words)))
 
     def status(self):
         """The fields of the status line, as texts."""
         self.send(frame("?"))
-        return status_from(self._answer(("<",), "?"))
+        return status_from(self._answer(lambda line: line.startswith("<"), "?"))
 
-    def send_file(self, data, stream=False, show=None):
-        """Send a file to be stored, or to be played as it comes; returns how many commands it has. `show(part)`: 0…1."""
+    def send_file(self, data, stream=False, show=None, idle=None):
+        """Send a file to be stored, or to be played as it comes; returns how many commands it has. `show(part)`: 0…1.
+        `idle()` is called while waiting, and may give commands."""
         self.command("stream" if stream else "load", len(data))
         self.send(b"\n")
         self.acks = 0
@@ -100,13 +106,17 @@ class PulsesClient:
                 latest = time.monotonic()
                 if show:
                     show(sent / len(data))
-            for line in self.lines():
+            if idle:
+                idle()
+            kept, self.said = self.said, []
+            for line in kept + self.lines():
                 check(line, "the file")
                 self.said.append(line)
             if not stream and time.monotonic() - latest > TIMEOUT_S:
                 raise LinkError(f"port {self.port} takes no more of the file")
         self.send(frame("end"))  # behind all that is still to be played of a stream
-        return int(self._answer(("ok",), "end", float("inf") if stream else TIMEOUT_S).split()[1])
+        limit_s = float("inf") if stream else TIMEOUT_S
+        return int(self._answer(lambda line: line.startswith("ok "), "end", limit_s, idle or (lambda: None)).split()[1])
 
     def wait(self, words, show=None):
         """Until the board says one of `words`; returns it. `show(status)` every 0.1 s."""
@@ -121,16 +131,6 @@ class PulsesClient:
             if show and time.monotonic() - asked > POLL_S:
                 show(self.status())
                 asked = time.monotonic()
-
-    def settle(self, show=None):
-        """Until the machine stands; returns the last status."""
-        while True:
-            status = self.status()
-            if show:
-                show(status)
-            if status["state"] != "run":
-                return status
-            time.sleep(POLL_S)
 
 
 def check(line, what):

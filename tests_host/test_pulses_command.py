@@ -1,6 +1,11 @@
 """`passo pulses` against `passo board --board lpt_router`, and what it makes of files without a board."""
 
+import contextlib
 import csv
+import os
+import select
+import subprocess
+import sys
 import time
 
 import pytest
@@ -11,7 +16,7 @@ from host_tools.cli import app
 from host_tools.failure import Failure
 from passo.control.boardfile import check
 from passo.motion.line import Line
-from test_board_command import Board
+from test_board_command import Board, environment
 
 # As the document has them, whatever the firmware thinks.
 VECTOR = "80 86 86 84 DC D8 81 F1 D1 E5 F5 D5 80 00".split()
@@ -50,7 +55,8 @@ def test_a_session(tmp_path):
         assert "place 560,236,-40" in passo("play", good, "--stream", *where)[1]
         failure, _ = passo("play", bad, *where)
         assert failure.endswith("line 2 column 2: error 121: a number is missing, or unfinished")
-        assert "WAITS FOR A SPEED" in passo("play", ask, *where)[1]
+        failure, text = passo("play", ask, *where)
+        assert "WAITS FOR A SPEED" in text and failure == "paused at command 3 of 5: passo pulses speed N goes on"
         assert passo("speed", "500", *where)[0] == 0
         deadline = time.monotonic() + 30
         while "command 5 of 5" not in passo("status", *where)[1]:
@@ -69,6 +75,73 @@ def test_a_session(tmp_path):
         assert status == 0 and not errors
     rows = rows_of(trace)
     assert [0, 0, 0] in rows and rows[-1][2] == -40
+
+
+class Terminal:
+    """`passo pulses …` with a terminal of its own: keys go in, what is shown comes out."""
+
+    def __init__(self, *words):
+        self._master, slave = os.openpty()
+        command = [sys.executable, "-m", "host_tools.cli", "pulses", *map(str, words)]
+        self.process = subprocess.Popen(command, stdin=slave, stdout=slave, stderr=slave, env=environment())
+        os.close(slave)
+        self.text = ""
+
+    def key(self, keys):
+        os.write(self._master, keys.encode())
+
+    def wait_for(self, text):
+        """Read until `text` is shown behind what was waited for before."""
+        deadline = time.monotonic() + 30
+        while text not in self.text:
+            assert time.monotonic() < deadline, self.text
+            if select.select([self._master], [], [], 0.1)[0]:
+                self.text += os.read(self._master, 4096).decode()
+        self.text = self.text.split(text, 1)[1]
+
+    def end(self):
+        """The exit status; what is shown up to then is read."""
+        while self.process.poll() is None:
+            if select.select([self._master], [], [], 0.1)[0]:
+                with contextlib.suppress(OSError):
+                    self.text += os.read(self._master, 4096).decode()
+        os.close(self._master)
+        return self.process.wait(30)
+
+
+@pytest.mark.parametrize("stream", [False, True], ids=["stored", "streamed"])
+def test_keys_command_a_run_from_the_terminal_that_plays_it(tmp_path, stream):
+    file, short = tmp_path / "long.txt", tmp_path / "short.txt"
+    file.write_text("[+600" + "A" * 24000 + "]")  # 30 s
+    short.write_text("[+1200" + "B" * 800 + "]")
+    more = ["--stream"] if stream else []
+    with Board("--board", "lpt_router", "--time", "real") as board:
+        where = ["--port", board.port]
+        terminal = Terminal("play", file, *where, *more)
+        terminal.wait_for("run ")
+        second, _ = passo("pause", *where)  # of another terminal
+        assert f"port {board.port} is in use by" in second and f"process {terminal.process.pid}" in second
+        terminal.key("p")
+        terminal.wait_for("hold ")
+        terminal.wait_for("r go on")
+        terminal.key("r")
+        terminal.wait_for("run ")
+        terminal.key("1200\n")
+        terminal.wait_for("at 1200")
+        terminal.key("s")
+        assert terminal.end() == 1 and "stopped at" in terminal.text
+        terminal = Terminal("play", short, *where, *more)
+        assert terminal.end() == 0 and "command 803 of 803" in terminal.text
+
+
+def test_a_run_that_is_only_paused_does_not_end_well(tmp_path):
+    file = tmp_path / "ask.txt"
+    file.write_text("A+0A")
+    with Board("--board", "lpt_router", "--time", "fast") as board:
+        assert passo("play", file, "--port", board.port)[0].startswith("paused at command 2 of 3")
+        assert passo("stop", "--port", board.port)[0] == 0
+        assert passo("play", file, "--no-wait", "--port", board.port)[0] == 0
+        assert "WAITS FOR A SPEED" in passo("status", "--port", board.port)[1]
 
 
 @pytest.mark.parametrize("shape", pulse_shapes.SHAPES)
