@@ -1,5 +1,7 @@
 """`passo check`: a job of G-code on the virtual board: errors by line, bounds, time, speeds, a picture."""
 
+import contextlib
+import time
 from pathlib import Path
 from typing import Optional
 
@@ -8,6 +10,7 @@ import typer
 from host_tools.failure import Failure
 
 _MOST_SHOWN = 20  # errors
+_TELL_S = 0.2
 
 
 def check(
@@ -32,7 +35,9 @@ def check(
         import matplotlib  # noqa: F401  before the job runs, not after it
 
     job = VirtualJob(board)
-    job.run(gcode_file.read(file))
+    lines = gcode_file.read(file)
+    with _shown(file, lines) as progress:
+        job.run(lines, progress)
     for line in summary(job):
         print(line)
     if out:
@@ -42,6 +47,36 @@ def check(
         typer.echo(f"{file}:{number}: {text}: {what}", err=True)
     if job.errors:
         raise Failure(f"{file}: {len(job.errors)} lines would be refused; the first is line {job.errors[0][0]}")
+
+
+@contextlib.contextmanager
+def _shown(file, lines):
+    """What tells the person at the terminal which line the job is at."""
+    from rich.console import Console
+
+    last = lines[-1][0] if lines else 1
+    with Console(stderr=True).status(f"checking {file}") as status:
+        told = time.monotonic()
+
+        def progress(number):
+            nonlocal told
+            if time.monotonic() - told > _TELL_S:
+                told = time.monotonic()
+                status.update(f"checking {file}: line {number} of {last}, {number / last:.0%}")
+
+        yield progress
+
+
+def table_mm(board):
+    """What X and Y can reach in machine coordinates: left, bottom, right, top in mm; below zero where an axis homes at its
+    high end."""
+    ranges = []
+    high_end = (board["homing"] or {}).get("high_end", "")
+    for axis in board["axes"][:2]:
+        travel = axis["travel_steps"] / axis["steps_per_m"] * 1000
+        ranges.append((-travel, 0.0) if axis["name"] in high_end else (0.0, travel))
+    (left, right), (bottom, top) = ranges
+    return left, bottom, right, top
 
 
 def summary(job):
@@ -81,6 +116,20 @@ def plot_accelerations(axes, job):
     axes.legend(loc="upper right")
 
 
+def _show_table(axes, job):
+    """A small map: the table, and the box of the job on it if work zero is machine zero."""
+    from host_tools import plot
+
+    table = [round(side, 2) for side in table_mm(job.board)]
+    plot.show_box(axes, table, "table", plot.TABLE)
+    plot.show_box(axes, [round(side, 2) for side in (*job.low[:2], *job.high[:2])], "job", "#1a1a2e")
+    axes.plot(0, 0, "o", color="#2a9d3f", markersize=4, label="machine zero, as work zero")
+    axes.set_aspect("equal", adjustable="box")
+    axes.margins(0.08)
+    axes.tick_params(labelsize=6)
+    axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=7, frameon=False)
+
+
 def picture(path, job, title):
     """The path seen from above, the speed along it and the axes' accelerations over time."""
     import matplotlib
@@ -89,9 +138,13 @@ def picture(path, job, title):
     import matplotlib.pyplot as plt
     from matplotlib.collections import LineCollection
 
-    figure, (above, speed, acceleration) = plt.subplots(
-        3, 1, figsize=(9, 12), layout="constrained", gridspec_kw={"height_ratios": [3, 1, 1]}
+    from host_tools.gcode_file import clock
+
+    rows = [["above", "table"], ["speed", "speed"], ["acceleration", "acceleration"]]
+    figure, parts = plt.subplot_mosaic(
+        rows, figsize=(10.5, 12), layout="constrained", height_ratios=[3, 1, 1], width_ratios=[4, 1.3]
     )
+    above, speed, acceleration = parts["above"], parts["speed"], parts["acceleration"]
     for lowered, color, width in ((False, "#9cc3e6", 0.6), (True, "#1a1a2e", 0.9)):
         lines = [[place[:2] for place in places] for kind, places in job.track.strokes if kind == lowered]
         labels = ("above Z0", "below Z0") if job.track.by_height else ("tool off", "tool on")
@@ -99,7 +152,11 @@ def picture(path, job, title):
         above.add_collection(LineCollection(lines, colors=color, linewidths=width, label=label))
     above.autoscale()
     above.set_aspect("equal", adjustable="datalim")
-    above.set_title(title)
+    if len(job.board["axes"]) > 1:
+        _show_table(parts["table"], job)
+    else:
+        parts["table"].set_axis_off()
+    above.set_title(f"{title}, {clock(job.seconds)} ({job.seconds:.1f} s)")
     above.set_xlabel("x in mm")
     above.set_ylabel("y in mm")
     above.grid(color="#e6e6e6", linewidth=0.5)

@@ -9,7 +9,7 @@ from host_tools.failure import Failure
 
 _DOWN = "#1a1a2e"
 _UP = "#9cc3e6"
-_TABLE = "#b07a2a"
+TABLE = "#b07a2a"
 _PAGE = "#8a8a8a"
 
 
@@ -121,7 +121,7 @@ def save(path, strokes, title, table=None, page=None):
             LineCollection(lines, colors=color, linewidths=width, capstyle="round", joinstyle="round",
                            label="pen down" if pen_down else "pen up")
         )
-    for box, label, color, style in ((table, "table", _TABLE, "-"), (page, "page", _PAGE, (0, (5, 4)))):
+    for box, label, color, style in ((table, "table", TABLE, "-"), (page, "page", _PAGE, (0, (5, 4)))):
         if box is not None:
             show_box(axes, [round(side, 2) for side in box], label, color, style)
     start, end = strokes[0][1][0], strokes[-1][1][-1]

@@ -1,5 +1,6 @@
 """From SVG files to points in steps, and `passo draw` itself against the virtual board."""
 
+import json
 import math
 import os
 import re
@@ -358,6 +359,80 @@ def test_a_drawing_broken_off_by_ctrl_c_is_continued(tmp_path, start):
     wanted, done = ink(whole), ink(parts)
     assert set(done) == set(wanted)
     assert len(wanted) - 20 <= len(done) < len(wanted) + 500  # no more than one line drawn a second time
+
+
+def test_a_board_that_goes_away_leaves_a_journal_and_the_way_on(tmp_path, start):
+    path = svg(tmp_path, "".join(f'<path d="M0 {y} h90"/>' for y in range(0, 96, 3)))
+    board = start("board", "--time", "real", "--start", "30,20")
+    drawing_ = start("draw", path, "--port", port_of(board), "--speed", "200", "--no-home")
+    journal = Path(str(path) + ".journal")
+    wait_for_points(drawing_, path, 5)
+    board.kill()
+    assert drawing_.wait(30) == 1
+    kept = json.loads(journal.read_text())["drawn"]
+    said = drawing_.communicate()[1]
+    assert "went away" in said or "no answer" in said
+    assert f"{kept} of 64 points drawn for certain" in said
+    assert f"go on with the same command and --continue ({journal})" in said
+
+
+def test_a_second_drawing_is_told_who_draws_and_the_first_goes_on(tmp_path, start):
+    path = svg(tmp_path, "".join(f'<path d="M0 {y} h90"/>' for y in range(0, 96, 3)))
+    board = start("board", "--time", "real", "--start", "30,20")
+    port = port_of(board)
+    first = start("draw", path, "--port", port, "--speed", "200", "--no-home")
+    wait_for_points(first, path, 2)
+    second = start("draw", path, "--port", port, "--journal", tmp_path / "other")
+    assert second.wait(30) == 1
+    assert f"port {port} is in use by passo draw {path}"[:80] in second.communicate()[1]
+    wait_for_points(first, path, json.loads(Path(f"{path}.journal").read_text())["drawn"] + 2)
+    first.send_signal(signal.SIGTERM)  # stops the machine too
+    assert first.wait(20) == 1 and "pen up; go on with" in first.communicate()[1]
+
+
+def wait_for_points(process, path, count):
+    """Until the journal says that `count` points are drawn."""
+    journal = Path(f"{path}.journal")
+    deadline = time.monotonic() + 60
+    while not (journal.exists() and json.loads(journal.read_text())["drawn"] >= count):
+        assert time.monotonic() < deadline and process.poll() is None
+        time.sleep(0.1)
+
+
+def test_a_journal_that_cannot_be_written_is_noticed_before_the_port_is_opened(tmp_path, start):
+    path = svg(tmp_path, '<path d="M0 0 h40"/>')
+    process = start("draw", path, "--port", "/dev/nowhere", "--journal", tmp_path / "no" / "journal")
+    assert process.wait(30) == 1
+    assert "journal" in (said := process.communicate()[1]) and "cannot be written" in said and "nowhere" not in said
+
+
+@pytest.mark.parametrize("board, spoken", [("router_3axis", "grbl"), ("torch_manipulator", "torch"), ("lpt_router", "pulses")])
+def test_a_board_that_is_no_plotter_is_refused(tmp_path, start, board, spoken):
+    path = svg(tmp_path, '<path d="M0 0 h40"/>')
+    for more in (["--dry-run"], ["--port", "/dev/nowhere"]):
+        process = start("draw", path, "--board", board, *more)
+        assert process.wait(30) == 1
+        said = process.communicate()[1]
+        assert f"board {board} speaks {spoken}: passo draw speaks to plotters only" in said and len(said.splitlines()) == 1
+
+
+def test_a_preview_has_table_page_and_time(tmp_path, monkeypatch, capsys):
+    from test_plot import drawn_by
+
+    from host_tools import cli
+
+    path = page_of(tmp_path, 100, 50, '<path d="M10 10 h80"/><image width="9" height="9"/>')
+    monkeypatch.setattr(sys, "argv", ["passo", "draw", str(path), "--dry-run", "--preview", str(tmp_path / "a.png")])
+
+    def run():
+        with pytest.raises(SystemExit) as ended:
+            cli.main()
+        assert not ended.value.code
+
+    seen = drawn_by(monkeypatch, run)
+    assert {"table 400 × 300 mm", "page 100 × 50 mm"} <= set(seen["labels"])
+    assert re.fullmatch(r"page.svg at 100.0 %, about 0:0\d", seen["title"])
+    assert "picture" in capsys.readouterr().out
 
 
 def test_send_shows_the_conversation_of_2014(start):

@@ -1,5 +1,6 @@
 """`passo stream`, `passo check` and `passo settings` against the firmware of the router."""
 
+import re
 import threading
 
 import pytest
@@ -183,6 +184,43 @@ def test_check(job, tmp_path, capsys):
     job.write_bytes(SQUARE + b"G1 Q1\nM99\n")
     with pytest.raises(Failure, match="2 lines would be refused; the first is line 11"):
         check.check(job, "router_3axis", None)
+
+
+def test_check_tells_which_line_it_is_at(job, monkeypatch):
+    told = []
+
+    class Console:
+        def __init__(self, stderr):
+            assert stderr
+
+        def status(self, text):
+            return self
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            pass
+
+        def update(self, text):
+            told.append(text)
+
+    monkeypatch.setattr("rich.console.Console", Console)
+    monkeypatch.setattr(check, "_TELL_S", 0)
+    job.write_bytes(b"".join(b"G1 X%d F3000\n" % (number % 2) for number in range(1, 301)))
+    check.check(job, "router_3axis", None)
+    numbers = [int(re.search(r"line (\d+) of 300, \d+%$", text)[1]) for text in told]
+    assert numbers == sorted(numbers) and len(set(numbers)) > 50 and numbers[0] < 100
+
+
+@pytest.mark.parametrize("name, table", [("router_3axis", (0, 0, 300, 200)), ("laser_xy", None), ("plotter_2014", (0, 0, 400, 300))])
+def test_the_table_of_a_picture_lies_as_the_machine_homes(name, table):
+    board = VirtualJob(name).board
+    left, bottom, right, top = check.table_mm(board)
+    assert table is None or (left, bottom, right, top) == pytest.approx(table)
+    for axis, (low, high) in zip(board["axes"], ((left, right), (bottom, top))):
+        high_end = axis["name"] in (board["homing"] or {}).get("high_end", "")
+        assert (high if high_end else low) == 0 and high - low == pytest.approx(axis["travel_steps"] / axis["steps_per_m"] * 1000)
 
 
 def test_check_measures_time():

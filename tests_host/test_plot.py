@@ -94,6 +94,36 @@ def test_the_picture_has_dark_lines_where_the_pen_was_down(tmp_path):
     assert (picture.max(axis=2) < 0.3).sum() > 500
 
 
+def drawn_by(monkeypatch, action):
+    """Texts of the legend and the title of the picture that `action` saves, and its limits."""
+    import matplotlib
+    from matplotlib.figure import Figure
+
+    matplotlib.use("Agg")
+    seen = {}
+
+    def savefig(figure, path, **_):
+        axes = figure.axes[0]
+        seen.update(labels=axes.get_legend_handles_labels()[1], title=axes.get_title(), x=axes.get_xlim(), y=axes.get_ylim())
+
+    monkeypatch.setattr(Figure, "savefig", savefig)
+    action()
+    return seen
+
+
+def test_a_picture_shows_table_page_and_time(tmp_path, monkeypatch):
+    trace = tmp_path / "job.csv"
+    trace.write_text(HEADER + "0.000,0,0,0,0,0\n1000000.000,100,0,0,0,0\n63500000.000,100,900,0,0,1000\n")
+    seen = drawn_by(monkeypatch, lambda: plot.plot(trace, None, "plotter_2014", None))
+    assert seen["title"] == "job, 1:02 (62.5 s)"
+    assert "table 400 × 300 mm" in seen["labels"]
+    assert seen["x"][0] <= 0 and seen["x"][1] >= 400 and seen["y"][1] >= 300
+    seen = drawn_by(monkeypatch, lambda: plot.plot(trace, None, "plotter_2014", "10"))
+    assert not any("table" in label for label in seen["labels"])
+    seen = drawn_by(monkeypatch, lambda: plot.save("a.png", [(True, [(1, 1), (2, 2)])], "t", (0, 0, 9, 8), (0, 1, 7, 6.5)))
+    assert {"table 9 × 8 mm", "page 7 × 5.5 mm"} <= set(seen["labels"])
+
+
 def test_steps_per_mm_that_are_none_are_refused(tmp_path):
     for text in ("ten", "1,2,3", "0", ""):
         with pytest.raises(Failure, match="--steps-per-mm"):
