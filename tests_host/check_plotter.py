@@ -91,7 +91,7 @@ def check_every_answer():
     assert answer(FINISHED, STOP, FINISHED) == b"d"
     for kind in (HELLO, POINT, JOG, SPEED, HOME, DRAW):
         assert answer(REFUSED, kind, REFUSED) == b""
-    for error, reply in ((errors.CHECKSUM, b"r"), (errors.BYTES_DROPPED, b"r"), (errors.UNKNOWN_COMMAND, b"")):
+    for error, reply in ((errors.CHECKSUM, b"r"), (errors.BYTES_DROPPED, b"r"), (errors.UNKNOWN_COMMAND, b"r"), (errors.STOPPED, b"")):
         assert Plotter().reply(Event(REFUSED, Command(BAD, error=error), error)) == reply
     assert sorted(ANSWERS) == sorted([ord(letter) for letter in "kndosrt"])
 

@@ -14,11 +14,12 @@ from micropython import const
 
 from passo.control.controller import LATER, Controller
 from passo.control.journal import Journal, MemorySlots
+from passo.control.links import HARMLESS
 from passo.control.motors import Motors
 from passo.control.settings import ENABLE_INVERT, Settings
 from passo.motion.planner import Planner
 from passo.protocols import errors
-from passo.protocols.commands import IMMEDIATE, RESET, STATUS
+from passo.protocols.commands import ALARM, DROPPED, IMMEDIATE, RESTARTED, STATUS
 from passo.steps.feeder import Feeder
 from passo.steps.ring import Ring, ring_size
 from passo.steps.word import COUNT_MASK, TICKS_PER_S, us_to_ticks
@@ -27,6 +28,8 @@ LEAD_TICKS = const(30 * 12_500)  # from a main loop
 LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any moment, within 20 ms on the pins
 _TURNS_S = const(200)  # half a ring of words has to last as long as such a turn of the feeder
 _WAITING = const(64)  # commands of one link that may wait for their turn
+_READS = const(64)  # that empty a serial line: some give 64 bytes at a time
+_BY_RESET = (errors.ALARM_RESET, errors.ALARM_HOMING_RESET)
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
 _MOST = const(3)  # lines a turn on a chip, where they take time
 _ARCS = const(16_000)  # bytes free: arcs take 8 500, and work is to go on beside them
@@ -86,6 +89,8 @@ class App:
         self.controller.arcs_want = _ARCS if self.interrupt else 0
         self._looked_ms = port.machine_ms()
         self._heard = 0  # by this turn: _PART, _WHOLE
+        self._now_ms = port.link_ms()
+        self._speaking = None  # the link whose bytes are being understood
         shared = {}  # what links of one language have in common
         self.links = []
         for link, language in zip(board["links"], languages):
@@ -120,9 +125,11 @@ class App:
         self._heard = 0
         self._now_ms = self.port.link_ms()
         for link in self.links:
+            self._speaking = link
             commands = self._receive(link)
             if commands:
                 self._carry_out(commands, link)
+        self._speaking = None
         return self._heard
 
     def _coming(self):
@@ -188,9 +195,6 @@ class App:
         link = command.link
         if command.kind != STATUS:
             self._heard |= _WHOLE
-        if command.kind == RESET:
-            for other in self.links:
-                other.waiting = []
         if command.kind in IMMEDIATE or not link.waiting:
             if self.controller.accept(command) == LATER:
                 link.waiting.append(command)
@@ -224,21 +228,59 @@ class App:
             data = serial.read()
 
     def _answer(self):
-        for event in self.controller.take_events():
-            if event.command is None:
-                self._push(event)
-                continue
-            link = event.command.link
-            answer = link.protocol.reply(event) if link else b""
-            if answer:
-                link.serial.write(answer)
+        events = self.controller.take_events()
+        while events:  # a push may bring about more of them
+            for event in events:
+                if event.command is None:
+                    self._push(event)
+                    continue
+                link = event.command.link
+                answer = link.protocol.reply(event) if link else b""
+                if answer:
+                    link.serial.write(answer)
+            events = self.controller.take_events()
 
     def _push(self, event):
         """What the machine says unasked, to every link."""
+        if event.kind in (ALARM, DROPPED, RESTARTED):
+            self._drop(event)
         for link in self.links:
-            said = link.protocol.push(event)
-            if said:
-                link.serial.write(said)
+            self._say(link, link.protocol.push(event))
+
+    def _say(self, link, said):
+        if said:
+            link.serial.write(said)
+
+    # --- what was sent before a stop, a reset, an alarm or a hand-over moves nothing after it
+
+    def _drop(self, event):
+        """Refuse what waits, what has come and was not read, and what the languages hold back. Bytes behind those that
+        brought this about were sent after it: they count."""
+        alarm = event.kind == ALARM
+        number = errors.LOCKED if alarm else event.error if event.kind == DROPPED else errors.STOPPED
+        spared = None if alarm and event.error not in _BY_RESET else self._speaking
+        for link in self.links:
+            waiting = link.waiting
+            link.waiting = []
+            if link is not self._speaking and (event.kind != RESTARTED or event.value is not None):
+                self._empty(link, waiting)
+            if waiting:
+                self.controller.dropped(waiting, number)
+            if link is not spared:
+                self._say(link, link.protocol.drop(event))
+
+    def _empty(self, link, waiting):
+        """Read all that has come. Only what moves nothing is carried out, the rest goes to the list `waiting`."""
+        for _ in range(_READS):
+            data = link.serial.read()
+            if not data:
+                return
+            for command in link.protocol.feed(data, self._now_ms):
+                command.link = link
+                if command.kind not in HARMLESS:
+                    waiting.append(command)
+                elif self.controller.accept(command) == LATER:
+                    link.waiting.append(command)
 
     def stop(self):
         """Halt, tool off, motors without current."""

@@ -24,6 +24,6 @@ class Absent:
         return 0
 
     count_drawn = free
-    busy = end = _nothing
+    busy = end = dropped = _nothing
     active = begin = standing = substate = laser = _nothing
     show_outputs = switch_off = report = clear = restart = _nothing

@@ -23,7 +23,7 @@ from passo.control.log import Log
 from passo.control.queue import Queue
 from passo.control.resets import Resets
 from passo.protocols import commands, errors
-from passo.protocols.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, Command, Event
+from passo.protocols.commands import ACCEPTED, ALARM, DROPPED, FINISHED, NOTICE, REFUSED, Command, Event
 
 LATER = const(-1)
 _PAUSING = ("hold", "resume", "door")  # inputs
@@ -193,6 +193,12 @@ class Controller:
         self._note(number, command.link.name)
         self._events.append(Event(REFUSED, command, number))
 
+    def dropped(self, waiting, number):
+        """The commands in the list `waiting`, all of one link, will not be carried out: one line in the log for all."""
+        self._note(number, waiting[0].link.name)
+        for command in waiting:
+            self._events.append(Event(REFUSED, command, number))
+
     @micropython.native
     def take_events(self):
         """What has happened since; good until it is asked for again."""
@@ -235,6 +241,7 @@ class Controller:
 
     def lock(self):
         """Nothing moves until the machine is homed or unlocked."""
+        self.links.settled()
         self.alarm = errors.ALARM_LOCKED
 
     def shut_down(self):
@@ -313,6 +320,7 @@ class Controller:
             self.tools.switch_off()
         else:
             self.shut_down()
+        self.links.settled()
         self.alarm = number
         self._note(number, who)
         self._events.append(Event(ALARM, None, number))
@@ -350,11 +358,14 @@ class Controller:
 
     def _stop(self, command):
         if self.busy_with(commands.STOP):
-            self.finish()
+            self.finish(self._report_parts({}))
+        elif self.command is not None:
+            self._events.append(Event(REFUSED, self.command, errors.STOPPED))
         if self.busy_with(commands.HOME):
             self.homed = False
         self.arrest()
         self.forget()
+        self._events.append(Event(DROPPED, None, errors.STOPPED, self.alarm))
         self.objects.lift()
         self.queue.flush()
         self.command = command
@@ -370,6 +381,7 @@ class Controller:
         if self.state not in ("idle", "alarm") or not self.queue.still():
             return LATER
         self.objects.store.clear()
+        self.links.settled()
         self.alarm = 0
         self.homed = False
         self.command = command

@@ -4,17 +4,19 @@
 
 At the start it is the link that the board file names in "commands", its first where it names none. HAND_OVER gives the
 command to any link, or takes it: from every link alike, whoever has it, but only while nothing moves and nothing waits
-to. To ask, and to make the machine safe, is never refused.
+to. Whatever was sent before it, on any link, is dropped. To ask, and to make the machine safe, is never refused.
 """
 
 import micropython
 
 from passo.protocols import commands, errors
+from passo.protocols.commands import DROPPED, Event
 
-FREE = (
-    commands.BAD, commands.HELLO, commands.STATUS, commands.SYNC, commands.HAND_OVER,
+HARMLESS = (
+    commands.BAD, commands.HELLO, commands.STATUS, commands.SYNC,
     commands.STOP, commands.HOLD, commands.DOOR, commands.JOG_CANCEL, commands.REST, commands.RESET,
 )  # fmt: skip
+FREE = HARMLESS + (commands.HAND_OVER,)
 _AT_REST = ("idle", "alarm", "sleep")
 
 
@@ -25,6 +27,21 @@ class Links:
         self.commander = self.names.index(board["commands"] or self.names[0])
         self.speaker = self.commander  # whose bytes are being understood; set by the app
         self._machine = machine
+        self._wary = 0  # mask of links, see wary()
+
+    def wary(self, name):
+        """Link `name` moves nothing from the start on, before the machine is homed or unlocked. Others may."""
+        self._wary |= 1 << self.names.index(name)
+        self._guard()
+
+    def settled(self):
+        """Homed, unlocked, or in alarm for a reason that concerns every link."""
+        self._wary = 0
+
+    def _guard(self):
+        machine = self._machine
+        if self._wary and machine.alarm in (0, errors.ALARM_LOCKED):
+            machine.alarm = errors.ALARM_LOCKED if self._wary >> self.commander & 1 else 0
 
     @micropython.native
     def listening(self):
@@ -50,5 +67,11 @@ class Links:
             if machine.state not in _AT_REST or not machine.still():
                 return errors.BUSY
             self.commander = number
+            machine.forget()
+            machine.tell(Event(DROPPED, None, errors.COMMANDED_ELSEWHERE))
             machine.notice(errors.NOTICE_HANDED_OVER)
+            alarm = machine.alarm
+            self._guard()
+            if machine.alarm and not alarm:
+                machine.notice(errors.NOTICE_LOCKED)
         return machine.accepted(command)

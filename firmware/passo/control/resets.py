@@ -16,13 +16,14 @@ class Resets:
             commands.SLEEP: self._sleep,
         }
 
-    def restarted(self):
-        """Tell all links that the machine begins anew; an active limit locks it, an open door holds it."""
+    def restarted(self, command=None):
+        """Tell all links that the machine begins anew, by `command` or because it was switched on; an active limit locks
+        it, an open door holds it."""
         machine = self._machine
         limits = machine.inputs.limits_hit()
         if limits and not machine.alarm:
             machine.lock()
-        machine.tell(Event(RESTARTED, None, machine.alarm))
+        machine.tell(Event(RESTARTED, None, machine.alarm, command))
         if limits:
             machine.notice(errors.NOTICE_LIMITS)
         if machine.inputs.door_open() and not machine.alarm:
@@ -51,7 +52,7 @@ class Resets:
         machine.tools.restart()
         if alarm:
             machine.fail(alarm)
-        self.restarted()
+        self.restarted(command)
         return machine.accepted(command)
 
     def _waits(self):
@@ -66,6 +67,7 @@ class Resets:
         if machine.alarm:
             if machine.inputs.door_open():
                 return errors.DOOR_OPEN
+            machine.links.settled()
             machine.alarm = 0
             machine.notice(errors.NOTICE_UNLOCKED)
         return machine.accepted(command)
@@ -86,6 +88,7 @@ class Resets:
         machine = self._machine
         machine.shut_down()
         machine.tools.restart()
+        machine.links.settled()
         machine.sleeping = True
         machine.notice(errors.NOTICE_SLEEPING)
         return machine.accepted(command)

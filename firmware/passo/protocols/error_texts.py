@@ -55,6 +55,7 @@ TEXTS = {
     errors.NO_SUCH_LINK: "the board file has no link of this number",
     errors.ZERO_IS_HOMED: "machine zero is where homing found it: it cannot be set elsewhere",
     errors.GARBLED: "bytes that are no whole frame were dropped",
+    errors.STOPPED: "dropped: the machine was stopped before its turn came",
     errors.NO_CODE: "neither a pulse code nor a command of the language",
     errors.NUMBER_MISSING: "a number is missing, or unfinished",
     errors.NUMBER_RANGE: "the number is out of its range",

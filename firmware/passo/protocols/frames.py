@@ -48,6 +48,12 @@ class Cutter:
         if not self._broken:
             self._bytes += data
 
+    def drop(self):
+        """Forget what has come, up to the next silence."""
+        if self._bytes:
+            self._bytes = b""
+            self._broken = True
+
     @micropython.native
     def next(self):
         """The next whole frame, b"" where bytes were dropped, or None."""

@@ -22,7 +22,7 @@ answered by error:11 and nothing of it is done.
 from micropython import const
 
 from passo.protocols import commands, errors, grbl_report
-from passo.protocols.commands import ACCEPTED, ALARM, NOTICE, REFUSED, RESTARTED, Command, Event
+from passo.protocols.commands import ACCEPTED, ALARM, DROPPED, NOTICE, REFUSED, RESTARTED, Command, Event
 from passo.protocols.gcode import GCode
 from passo.protocols.gcode_words import LONGEST, bare, rounded
 from passo.protocols.grbl_lines import Lines
@@ -87,6 +87,8 @@ class Grbl:
         self._status = Status(self.gcode, settings, machine)
         self._lines = Lines()
         self._asked = None  # made when first asked
+        self._stale = 0  # lines that were sent before an alarm, a stop or a hand-over
+        self._why = 0  # the error that answers them
         self._configure()
         self._forget()
 
@@ -117,7 +119,7 @@ class Grbl:
                 return None
         if (
             lines.at == lines.whole or lines.asked or self._under_way is not None or self._rest or self._start_lines
-            or self._version != self._settings.version or not machine.links.listening()
+            or self._stale or self._version != self._settings.version or not machine.links.listening()
         ):  # fmt: skip
             return b""
         gcode = self.gcode
@@ -185,6 +187,7 @@ class Grbl:
             elif command.kind == commands.RESET:
                 plain = bytearray()
                 self._forget()
+                self._stale = 0
                 yield command
             else:
                 yield command
@@ -198,6 +201,10 @@ class Grbl:
 
     def _understand(self, line):
         """The commands of a line, one at least."""
+        if self._stale and not isinstance(line, str):
+            self._stale -= 1
+            if line is None or bare(line):
+                return [Command(commands.BAD, error=self._why)]
         self.gcode.leave_plain()
         if not self._machine.checking:
             self.gcode.coolant = self._machine.tools.coolant  # real-time bytes change it too
@@ -268,6 +275,31 @@ class Grbl:
             return grbl_report.message(text if event.value is None else text % event.value).encode()
         if event.kind != RESTARTED:
             return b""
+        text = self._begin_anew(event.error)
+        if not event.error:
+            self._start_lines = self._system.start_lines()
+        return text.encode()
+
+    def drop(self, event):
+        """Nothing that has come so far is done any more. A stop from another link is said as a reset is, so that a sender
+        ends its job; each line is answered by an error in an alarm, or where another link has been given the command."""
+        lines = self._lines
+        self._why = event.error
+        self._stale = 1 if lines.begun() else 0
+        if event.kind == RESTARTED:  # push() is to follow
+            self._why = errors.STOPPED
+        elif event.kind == DROPPED and event.error == errors.STOPPED:
+            return self._begin_anew(event.value).encode()
+        else:
+            if event.kind == ALARM:
+                self._why = errors.LOCKED
+            self._stale += lines.count()
+            self._start_lines = []
+            if self._rest and self._rest[0].kind != commands.HELLO:
+                self._rest = [Command(commands.BAD, error=self._why)]
+        return b""
+
+    def _begin_anew(self, alarm):
         self._forget()
         self.gcode.reset()
         self.gcode.offsets.reset()
@@ -275,11 +307,9 @@ class Grbl:
         self._status.reset()
         text = "error:%d\r\n" % errors.MEMORY if self._settings.damaged else ""
         text += grbl_report.BANNER
-        if event.error:
+        if alarm:
             text += grbl_report.message(grbl_report.NOTICES[errors.NOTICE_LOCKED])
-        else:
-            self._start_lines = self._system.start_lines()
-        return text.encode()
+        return text
 
     def _nm(self, axis, steps):
         return rounded(steps * NM_PER_M, self._machine.steps_per_m[axis])

@@ -80,6 +80,14 @@ class Lines:
     def waiting(self):
         return self.at < self.whole or self.lost
 
+    def count(self):
+        """Lines that are kept."""
+        return bytes(self.text[self.at : self.whole]).count(b"\n")
+
+    def begun(self):
+        """True where a line has begun and not ended."""
+        return self._spoilt or self._end > self.whole
+
     def room(self):
         """Of the bytes that a sender may have under way, those that are not kept."""
         return max(0, RX_BYTES - self._end + self.at)

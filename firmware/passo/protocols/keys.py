@@ -112,3 +112,7 @@ class Keys:
 
     def push(self, event):
         return b""
+
+    def drop(self, event):
+        """Nothing is held back: half a speed moves no motor."""
+        return b""

@@ -12,6 +12,8 @@ No single byte lost, doubled or flipped can draw a wrong line, as long as the ho
   repeats its neighbour are held for `gap_ms`. If a seventh arrives that would make them another valid packet with one
   of the twins removed, nobody knows which was meant: they are dropped, and RESEND follows.
 
+A byte lost and another doubled may leave a good sum behind an unknown command: that is answered as a bad sum is.
+
 STOP, STATUS and LINK (the link of number X commands from now on; 0: this one) are extensions. The board never speaks
 unasked.
 """
@@ -125,6 +127,7 @@ class Plotter:
         self._bytes = b""
         self._before = -1  # the last byte of the packet before: its echo is a twin too
         self._broken = False  # bytes are being dropped until the line is quiet
+        self._why = errors.CHECKSUM  # they are
         self._since = 0  # when the oldest pending byte came
         self._latest = 0  # when the newest one came
 
@@ -158,16 +161,17 @@ class Plotter:
             found = sift(self._bytes, len(self._bytes), self._before, quiet, self._bytes, 0, 0, 0, 0)
             if found == _HELD:
                 return commands
-            if found == _OTHER:
-                commands.append(self._take(now_ms))
-            else:
+            command = self._take(now_ms) if found == _OTHER else None
+            if command is None:
                 self._broken = True
+            else:
+                commands.append(command)
         if self._broken:
             self._bytes = b""
             if quiet:
-                commands.append(self._drop(errors.CHECKSUM))
+                commands.append(self._dropped(self._why))
         elif self._bytes and (now_ms - self._since) & _TIME_MASK >= RESYNC_MS:
-            commands.append(self._drop(errors.BYTES_DROPPED))
+            commands.append(self._dropped(errors.BYTES_DROPPED))
         return commands
 
     def _hear(self, data, now_ms):
@@ -198,19 +202,21 @@ class Plotter:
             return Command(SPEED, value=x)
         if code == LINK:
             return Command(HAND_OVER, value=x)
-        return Command(BAD, error=errors.UNKNOWN_COMMAND)
+        self._why = errors.UNKNOWN_COMMAND
+        return None
 
-    def _drop(self, error):
+    def _dropped(self, error):
         self._bytes = b""
         self._before = -1
         self._broken = False
+        self._why = errors.CHECKSUM
         return Command(BAD, error=error)
 
     def reply(self, event):
         """The bytes that tell the host of `event`: none where the language has no word for it."""
         command = event.command
         if command.kind == BAD:
-            return b"" if command.error == errors.UNKNOWN_COMMAND else _RESEND
+            return b"" if command.error == errors.STOPPED else _RESEND
         if event.kind == FINISHED:
             return _ON_FINISHED.get(command.kind, b"")
         if event.kind != ACCEPTED:
@@ -221,6 +227,13 @@ class Plotter:
 
     def push(self, event):
         """The board never speaks unasked."""
+        return b""
+
+    def drop(self, event):
+        """What has come so far is not believed any more, and not asked for again."""
+        if self._bytes:
+            self._broken = True
+            self._why = errors.STOPPED
         return b""
 
 

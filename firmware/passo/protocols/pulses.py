@@ -22,7 +22,7 @@ Codes outside a file are streamed, too, until the line is quiet. Answers are lin
     error:120              refused; of a file `error:120 line 3 column 7`, and nothing of it is left
     end   start   speed    the file has been played, or played back to its start; the operator's speed is wanted
     <…>                    to {?}: see pulses_report.py
-    ready   alarm:201
+    ready   alarm:201   stopped     by another link, for one
 
 Flow control: a host has at most WINDOW bytes of a file under way. For every CREDIT of them that the board has taken in
 it sends one byte ACK, which is in no line. Bytes of control commands count for nothing.
@@ -37,7 +37,7 @@ from micropython import const
 
 from passo.protocols import errors
 from passo.protocols.commands import (
-    ACCEPTED, ALARM, BAD, FINISHED, RESTARTED, STATUS, STOP, TRACK, TRACK_ABORT, TRACK_ADD, TRACK_ASK, TRACK_CLOSE,
+    ACCEPTED, ALARM, BAD, DROPPED, FINISHED, RESTARTED, STATUS, STOP, TRACK, TRACK_ABORT, TRACK_ADD, TRACK_ASK, TRACK_CLOSE,
     TRACK_DEFAULT, TRACK_DRIVES, TRACK_FASTEST, TRACK_ITEMS, TRACK_OPEN, TRACK_SPEED, TRACK_TOOL, TRACK_WAIT, Command,
 )  # fmt: skip
 from passo.protocols.pulses_control import number, understand
@@ -380,6 +380,16 @@ class Pulses:
         acks = self._credit // CREDIT
         self._credit -= acks * CREDIT
         return ACK * acks
+
+    def drop(self, event):
+        """Nothing that has come so far is done any more."""
+        if self._frame is not None:
+            self._frame = b"!"  # makes no sense, however it ends
+        if self._open:
+            self._mode = _DROP
+            self._open = False
+        self._begin(0)
+        return b"stopped\n" if event.kind == DROPPED and event.error == errors.STOPPED else b""
 
     def push(self, event):
         """What is said unasked."""

@@ -248,3 +248,8 @@ class Torch:
     def push(self, event):
         """The board says nothing else unasked."""
         return b""
+
+    def drop(self, event):
+        """What has come so far is not believed any more."""
+        self._cutter.drop()
+        return b""
