@@ -26,7 +26,7 @@ def settings(
     port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
     baud: int = typer.Option(115200, help="Bits per second of a serial port."),
 ):
-    """Show a controller's settings, save them to a file, or bring them back.
+    """Show a controller's settings with their names, units and bounds, save them to a file, or bring them back.
 
     A back-up holds the $ settings, the work offsets and the start-up lines, one a line, as they are sent. What grbl's $$ says
     can be restored as well, and back-ups of older firmware are converted.
@@ -41,6 +41,7 @@ def settings(
     """
     from host_tools import ports
     from host_tools.grbl_client import GrblClient
+    from host_tools.setting_names import table
 
     if action not in ("show", "backup", "restore"):
         raise Failure(f"show, backup or restore, not {action!r}")
@@ -56,7 +57,7 @@ def settings(
         if action == "backup" and masks(client) is not None:
             lines.insert(0, f"{_HEADER}{VERSION}")
     if action == "show":
-        print("\n".join(lines))
+        print("\n".join(table(lines)))
         return
     try:
         file.write_text("\n".join(lines) + "\n", encoding="ascii")

@@ -284,6 +284,7 @@ def test_settings_round_trip(board, tmp_path, capsys):
     assert "3 of" in capsys.readouterr().out
     settings.settings("show", None, board.line.name, 115200)
     said = capsys.readouterr().out
+    assert "x: highest speed" in said and "mm/min" in said and "0.001 … 999999.999" in said
     assert "$110=1234.500" in said and "$N0=G54" in said and "G10L2P2X1.000Y-2.500Z0.000" in said
 
 

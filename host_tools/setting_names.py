@@ -1,0 +1,83 @@
+"""What a controller's settings are called, and in what unit and between which bounds they are.
+
+    describe("$110=5000.000", axes=3)       # ("x: highest speed", "mm/min", "0.001 … 999999.999")
+    describe("$N0=G54", axes=3)             # ("sent when the board starts", "", "")
+
+The bounds are those of the firmware (control/settings.py; a test compares them). Speed times steps/mm is bounded besides,
+by what the board's player can step.
+"""
+
+import re
+
+_AXES = "xyza"
+_ANY = (0.001, 999_999.999)
+_ANY_OR_0 = (0, 999_999.999)
+# number: (name, unit, least, most); most None: a bit for each axis.
+NAMES = {
+    0: ("length of a step pulse", "µs", 3, 100),
+    1: ("idle time until motors are released; 255: never", "ms", 0, 255),
+    2: ("step pins inverted: x 1 + y 2 + z 4 + a 8", "", 0, None),
+    3: ("directions inverted: likewise", "", 0, None),
+    4: ("enable pin inverted", "", 0, 1),
+    5: ("limit inputs inverted", "", 0, 1),
+    6: ("probe input inverted", "", 0, 1),
+    10: ("status report: 1 machine position, 2 buffer", "", 0, 255),
+    11: ("junction deviation; 0: a stop at each corner", "mm", 0, 10),
+    12: ("arc tolerance", "mm", 0, 10),
+    13: ("reports are in inches", "", 0, 1),
+    20: ("soft limits: no target beyond the travel", "", 0, 1),
+    21: ("hard limits: a limit input stops the machine", "", 0, 1),
+    22: ("homing, asked for at the start", "", 0, 1),
+    23: ("homing directions: likewise", "", 0, None),
+    24: ("homing: speed to locate the switch", "mm/min", *_ANY),
+    25: ("homing: speed to seek the switch", "mm/min", *_ANY),
+    26: ("homing: time a switch may bounce", "ms", 0, 1000),
+    27: ("homing: pull-off from the switch", "mm", 0.001, 1000),
+    30: ("spindle: highest speed", "rpm", *_ANY),
+    31: ("spindle: lowest speed", "rpm", *_ANY_OR_0),
+    32: ("laser mode", "", 0, 1),
+    140: ("speed up to which nothing is ramped", "mm/min", *_ANY_OR_0),
+    141: ("jerk limit along the path: S-curves; 0: none", "mm/s³", *_ANY_OR_0),
+}
+AXIS_NAMES = {
+    100: ("steps per millimetre", "steps/mm", 0.001, 100_000),
+    110: ("highest speed", "mm/min", *_ANY),
+    120: ("acceleration", "mm/s²", *_ANY),
+    130: ("travel", "mm", *_ANY),
+}
+
+
+def rule(number, axes):
+    """(name, unit, least, most) of a setting on a machine with so many axes, or None if it is not known."""
+    if number in NAMES:
+        name, unit, least, most = NAMES[number]
+        return name, unit, least, (1 << axes) - 1 if most is None else most
+    first, axis = number // 10 * 10, number % 10
+    if first in AXIS_NAMES and axis < len(_AXES):
+        name, unit, least, most = AXIS_NAMES[first]
+        return f"{_AXES[axis]}: {name}", unit, least, most
+    return None
+
+
+def describe(line, axes):
+    """(name, unit, bounds) of a line of a back-up, as texts; empty ones of what is not known."""
+    start_up = re.match(r"\$N(\d)=", line)
+    if start_up:
+        return "sent when the board starts", "", ""
+    offset = re.match(r"G10L2P(\d)", line)
+    if offset:
+        return f"origin of G{53 + int(offset[1])}", "", ""
+    setting = re.match(r"\$(\d+)=", line)
+    found = rule(int(setting[1]), axes) if setting else None
+    if not found:
+        return "", "", ""
+    name, unit, least, most = found
+    return name, unit, f"{least:g} … {most:.10g}"
+
+
+def table(lines):
+    """The lines of a back-up with what they mean beside them, aligned."""
+    axes = sum(1 for line in lines if re.match(r"\$10\d=", line))
+    rows = [(line, *describe(line, axes)) for line in lines]
+    widths = [max(len(row[column]) for row in rows) for column in range(3)]
+    return ["  ".join((*(text.ljust(width) for text, width in zip(row, widths)), row[3])).rstrip() for row in rows]

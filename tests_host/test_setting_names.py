@@ -1,0 +1,30 @@
+"""Names, units and bounds of settings: for each that there is, and as the firmware has them."""
+
+import pytest
+
+from host_tools import boards, setting_names
+from passo.control.boardfile import check
+from passo.control.settings import _table
+
+BOARDS = [name for name in boards.names() if any(link["protocol"] == "grbl" for link in boards.load(name)["links"])]
+DECIMAL = 3
+
+
+@pytest.mark.parametrize("name", BOARDS)
+def test_every_setting_has_a_name_and_the_bounds_of_the_firmware(name):
+    board = check(boards.load(name))
+    for number, (_, places, _, least, most) in _table(board).items():
+        title, _, *bounds = setting_names.rule(number, len(board["axes"]))
+        scale = 1000 if places == DECIMAL else 1
+        assert title and bounds == [least / scale, most / scale], number
+
+
+def test_lines_with_what_they_mean():
+    lines = ["$3=1", "$11=0.010", "$100=320.000", "$101=320.000", "$112=1500.000", "$N0=G54", "G10L2P2X1.000Y0.000", "$777=1"]
+    shown = setting_names.table(lines)
+    assert [text.split("  ")[0].strip() for text in shown] == lines
+    assert "directions inverted" in shown[0] and shown[0].endswith("0 … 3")
+    assert "mm " in shown[1] and shown[1].endswith("0 … 10")
+    assert "x: steps per millimetre" in shown[2] and "steps/mm" in shown[2] and shown[2].endswith("0.001 … 100000")
+    assert "z: highest speed" in shown[4] and shown[4].split()[-4:] == ["mm/min", "0.001", "…", "999999.999"]
+    assert "origin of G55" in shown[6] and shown[7] == "$777=1"
