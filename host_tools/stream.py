@@ -12,6 +12,7 @@ from typing import Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.gcode_time import Remaining
 from host_tools.grbl_client import LinkError
 
 _STATUS_S = 0.25
@@ -41,7 +42,7 @@ def stream(
 
         passo stream part.gcode --port /dev/ttyACM0 --flow ok --log wire.log
     """
-    from host_tools import gcode_file, ports
+    from host_tools import gcode_file, gcode_time, ports
     from host_tools.grbl_client import GrblClient
 
     if flow not in ("count", "ok"):
@@ -55,7 +56,8 @@ def stream(
             client.command("$X")
         if client.ask_status()["state"] == "Alarm":
             raise Failure("the machine is in alarm; give --home or --unlock")
-        with Panel(client, lines) as panel:
+        limits = gcode_time.Limits.of_settings(client.command("$$"))
+        with Panel(client, lines, gcode_time.estimate(lines, limits)) as panel:
             for number in client.stream(lines, flow == "count", panel.turn, panel.numbered):
                 panel.done(number)
             client.wait_idle(panel.turn)
@@ -75,10 +77,12 @@ class Aborted(Failure):
 
 
 class Panel:
-    """The line on the screen and the keys below it."""
+    """The bar on the screen and the keys beside it. `seconds`: what each line is thought to take."""
 
-    def __init__(self, client, lines):
+    def __init__(self, client, lines, seconds=None):
         self._client = client
+        self._remaining = Remaining(seconds or [1.0] * len(lines))
+        self._bar = None
         self._numbers = [number for number, _ in lines]
         self.numbered = not any(b"N" in line.upper() for _, line in lines)  # the machine says where it is
         self._done = 0
@@ -97,12 +101,14 @@ class Panel:
             before = termios.tcgetattr(sys.stdin)
             self._keys.callback(termios.tcsetattr, sys.stdin, termios.TCSADRAIN, before)
             tty.setcbreak(sys.stdin)
+        if sys.stderr.isatty():
+            self._bar = self._keys.enter_context(progress_bar())
         return self
 
     def __exit__(self, kind, *_):
+        if self._bar:
+            self._show()
         self._keys.close()
-        if sys.stderr.isatty():
-            print(file=sys.stderr)
         if kind is KeyboardInterrupt:
             self._client.halt()
             raise Aborted(f"aborted at line {self._line}") from None
@@ -131,8 +137,8 @@ class Panel:
         if now - self._asked >= _STATUS_S:
             self._asked = now
             self._client.real_time(b"?")
-            if sys.stderr.isatty():
-                print("\r\x1b[K" + self.text(), end="", file=sys.stderr, flush=True)
+            if self._bar:
+                self._show()
 
     def _pause(self, paused, now):
         """Time in a hold counts for nothing, whoever asked for it: a key, the door, or M0 in the programme."""
@@ -151,16 +157,33 @@ class Panel:
             self._client.halt()
             raise Aborted(f"aborted at line {self._line}")
 
+    def _show(self):
+        text = self.text()
+        self._bar.update(self._bar.task_ids[0], completed=self._remaining.share, description=text, refresh=True)
+
     def text(self):
         from host_tools.gcode_file import clock
 
         status = self._client.status
         done = bisect.bisect_left(self._numbers, self._line) if self.numbered else self._done
-        share = done / len(self._numbers)
-        left = clock(self.seconds() / share * (1 - share)) if share > 0.01 else "–"
+        gone = self.seconds()
+        left = clock(self._remaining.at(done, gone))
         place = status.get("MPos") or status.get("WPos") or ""
         keys = "PAUSED: r resumes, a aborts" if self._paused_at is not None else "p pause, a abort"
         return (
-            f"{share:4.0%} line {self._line}  {status.get('state', '')} {place}  "
-            f"{clock(self.seconds())} gone, {left} left  ({keys})"
+            f"{self._remaining.share:4.0%} line {self._line}  {status.get('state', '')} {place}  "
+            f"{clock(gone)} gone, {left} left  ({keys})"
         )
+
+
+def progress_bar():
+    """A bar on stderr, with a text beside it; it has one task, from 0 to 1."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    bar = Progress(
+        BarColumn(bar_width=24), TextColumn("{task.description}", markup=False), console=Console(stderr=True),
+        auto_refresh=False,
+    )  # fmt: skip
+    bar.add_task("", total=1)
+    return bar

@@ -1,0 +1,201 @@
+"""How long the lines of a G-code file take, roughly, before anything has moved.
+
+    limits = Limits.of_settings(["$110=5000.000", …])
+    seconds = estimate(lines, limits)       # [(number, bytes)] → one figure a line
+
+A line takes its length at its feed rate; an axis's highest speed and acceleration bound it, and where the path turns by
+more than a few degrees it starts and ends at rest. Parameters, offsets, probing, homing and pauses are not looked at:
+what they change is left to the measured pace (see `Remaining`).
+"""
+
+import math
+import re
+from dataclasses import dataclass
+
+_WORD = re.compile(rb"([A-Z])([-+]?\d*\.?\d*)")
+_STRAIGHT = math.cos(math.radians(10))
+_DEFAULT_SPEED, _DEFAULT_ACCELERATION = 1000.0, 200.0
+_AXES = b"XYZA"
+_PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
+_CENTRES = {b"I": 0, b"J": 1, b"K": 2}
+
+
+@dataclass
+class Limits:
+    """Of each axis: mm/s and mm/s²."""
+
+    speeds: list
+    accelerations: list
+
+    @classmethod
+    def of_settings(cls, lines):
+        """From the answer to $$; what is missing there is assumed."""
+        values = {int(number): float(value) for number, value in re.findall(r"\$(\d+)=([\d.]+)", "\n".join(lines))}
+        return cls(
+            [values.get(110 + axis, _DEFAULT_SPEED) / 60 for axis in range(4)],
+            [values.get(120 + axis, _DEFAULT_ACCELERATION) for axis in range(4)],
+        )
+
+
+class _State:
+    """What stays from line to line."""
+
+    def __init__(self):
+        self.motion = 0
+        self.plane = _PLANES[17]
+        self.scale = 1.0
+        self.relative = False
+        self.inverse = False  # G93
+        self.feed = 0.0  # mm/min
+        self.place = [0.0] * 4
+
+
+def estimate(lines, limits):
+    """Seconds that each of [(number, bytes)] takes."""
+    state = _State()
+    seconds = []
+    before = None  # direction at the end of the line before, and the time by which its end was thought to be a stop
+    for index, (_, line) in enumerate(lines):
+        dwell, move = _read(line.upper(), state)
+        taken = dwell
+        if move:
+            length, deltas, into, out, rapid, per_min = move
+            if length:
+                speed, acceleration = _bounds(deltas, length, limits)
+                if per_min:
+                    speed = min(speed, length * per_min / 60)
+                elif not rapid and state.feed:
+                    speed = min(speed, state.feed / 60)
+                ramp_s = speed / acceleration / 2  # what a start from rest, or an end at rest, costs
+                if length < speed * speed / acceleration:
+                    ramp_s = math.sqrt(length / acceleration) - length / speed / 2
+                taken += length / speed + 2 * ramp_s
+                if before and sum(a * b for a, b in zip(before[0], into)) > _STRAIGHT:
+                    taken -= min(ramp_s, before[1])
+                    seconds[before[2]] -= min(ramp_s, before[1])
+                before = out, ramp_s, index
+        if dwell:
+            before = None
+        seconds.append(taken)
+    return [max(0.0, taken) for taken in seconds]
+
+
+def _bounds(deltas, length, limits):
+    """Highest speed and acceleration along a path whose axes go so far."""
+    shares = [abs(delta) / length for delta in deltas]
+    return tuple(
+        min(bound / share for bound, share in zip(bounds, shares) if share > 1e-9)
+        for bounds in (limits.speeds, limits.accelerations)
+    )
+
+
+def _read(line, state):
+    """(seconds of dwell, None or (length, way of each axis, direction in, direction out, rapid, moves a minute))."""
+    if line.startswith(b"$"):
+        return 0.0, None
+    words = [(letter, float(value)) for letter, value in _WORD.findall(line) if value.strip(b"+-.")]
+    values = dict(words)
+    codes = [round(value * 10) for letter, value in words if letter == b"G"]
+    for code in codes:
+        if code in (0, 10, 20, 30):
+            state.motion = code // 10
+        elif code in (170, 180, 190):
+            state.plane = _PLANES[code // 10]
+        elif code in (200, 210):
+            state.scale = 25.4 if code == 200 else 1.0
+        elif code in (900, 910):
+            state.relative = code == 910
+        elif code in (930, 940):
+            state.inverse = code == 930
+    if b"F" in values and not state.inverse:
+        state.feed = values[b"F"] * state.scale
+    if 40 in codes:
+        return values.get(b"P", 0.0), None
+    if {100, 280, 300, 530, 920, 921} & set(codes):
+        return 0.0, None
+    target = state.place[:]
+    for axis, letter in enumerate((b"X", b"Y", b"Z", b"A")):
+        if letter in values:
+            target[axis] = values[letter] * state.scale + (state.place[axis] if state.relative else 0.0)
+    arc = state.motion in (2, 3) and (values.keys() & (_CENTRES.keys() | {b"R"}))
+    if target == state.place and not arc:
+        return 0.0, None
+    begun, state.place = state.place, target
+    per_min = values.get(b"F", 0.0) if state.inverse and state.motion else 0.0
+    if arc:
+        return 0.0, (*_arc(begun, target, values, state), False, per_min)
+    deltas = [to - at for to, at in zip(target, begun)]
+    length = math.dist(target, begun)
+    direction = [delta / length for delta in deltas]
+    return 0.0, (length, deltas, direction, direction, state.motion == 0, per_min)
+
+
+def _arc(begun, target, values, state):
+    """(length, way of each axis, direction in, direction out) of an arc or a helix."""
+    first, second, third = state.plane
+    across = target[first] - begun[first], target[second] - begun[second]
+    clockwise = state.motion == 2
+    if b"R" in values:
+        radius = values[b"R"] * state.scale
+        chord = math.hypot(*across)
+        height = math.sqrt(max(0.0, radius * radius - chord * chord / 4)) / max(chord, 1e-9)
+        side = -1 if clockwise != (radius < 0) else 1
+        centre = across[0] / 2 - side * across[1] * height, across[1] / 2 + side * across[0] * height
+    else:
+        by_axis = {axis: values.get(letter, 0.0) * state.scale for letter, axis in _CENTRES.items()}
+        centre = by_axis[first], by_axis[second]
+    radius = math.hypot(*centre)
+    start = math.atan2(-centre[1], -centre[0])
+    end = math.atan2(across[1] - centre[1], across[0] - centre[0])
+    sweep = (start - end if clockwise else end - start) % (2 * math.pi) or 2 * math.pi
+    sweep += 2 * math.pi * max(0.0, values.get(b"P", 1.0) - 1)
+    way = radius * sweep
+    rise = target[third] - begun[third]
+    length = math.hypot(way, rise)
+    deltas = [0.0] * 4
+    deltas[first] = deltas[second] = way  # at some place of it all of its speed is along one axis
+    deltas[third] = rise
+    turn = -1 if clockwise else 1
+
+    def direction(angle):
+        found = [0.0] * 4
+        found[first], found[second] = -turn * math.sin(angle), turn * math.cos(angle)
+        return found
+
+    return length, deltas, direction(start), direction(end)
+
+
+class Remaining:
+    """The time left of a job, from what its lines were thought to take and how long those that are done have taken.
+
+    remaining = Remaining(estimate(lines, limits))
+    remaining.at(index, gone_s)         # seconds left in line `index` of the list, `gone_s` after the start
+    remaining.share                     # of the job that is done, 0 … 1
+    """
+
+    def __init__(self, seconds):
+        self._seconds = seconds
+        self._until = [0.0]  # when each line was thought to begin, and the last one to end
+        for taken in seconds:
+            self._until.append(self._until[-1] + taken)
+        self._index = 0
+        self._entered_s = 0.0  # when the line under way began
+        self.share = 0.0
+
+    def at(self, index, gone_s):
+        total = self._until[-1]
+        index = min(index, len(self._seconds))
+        if index != self._index:
+            self._index, self._entered_s = index, gone_s
+        thought = self._until[index]
+        # Until a tenth of it is done, what was thought counts for more than what was measured.
+        trust = max(total / 10, 1e-9)
+        pace = (self._entered_s + trust) / (thought + trust)
+        here = self._seconds[index] if index < len(self._seconds) else 0.0
+        inside = min(gone_s - self._entered_s, here * pace)
+        left = max(0.0, (total - thought) * pace - inside)
+        if total:
+            self.share = 1.0 if index == len(self._seconds) else min(1.0, (thought + inside / pace) / total)
+        else:
+            self.share = index / max(1, len(self._seconds))
+        return left

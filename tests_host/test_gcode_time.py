@@ -1,0 +1,105 @@
+"""The time that a job takes, thought out before it starts, beside what the firmware takes for it."""
+
+import math
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from host_tools import boards, gcode_file
+from host_tools.gcode_time import Limits, Remaining, estimate
+from host_tools.virtual_job import VirtualJob
+
+SETTINGS = ["$110=5000.000", "$111=5000.000", "$112=1500.000", "$120=250.000", "$121=250.000", "$122=150.000"]
+ROUTER = Limits.of_settings(SETTINGS)
+
+
+def numbered(text):
+    return list(enumerate(text.encode().split(b"\n"), 1))
+
+
+def test_the_settings_are_the_boards():
+    board = boards.load("router_3axis")
+    assert ROUTER.speeds[:3] == [axis["max_mm_min"] / 60 for axis in board["axes"]]
+    assert ROUTER.accelerations[:3] == [axis["accel_mm_s2"] for axis in board["axes"]]
+
+
+@pytest.mark.parametrize("text, seconds", [
+    ("G1X10F600", 1.04), ("G21G90G1X10F600\nX20\nX30", 3.04), ("G20\nG1X1F60", 1.0 * 60 / 60 + 0.1016),
+    ("G1X10F600\nG4P2\nX20", 4.08), ("G91\nG1X5F600\nX5", 1.04), ("G0X50", 50 / (5000 / 60) + 5000 / 60 / 250),
+    ("G2X0Y0I10J0F600", 2 * math.pi + 0.04), ("G3X10Y10R10F600", math.pi / 2 + 0.04), ("G93G1X10F30", 2.02),
+    ("G92X0\nG1F600", 0.0), ("$H\n(nothing)\nM3S1000", 0.0), ("G17G2X0Y0Z-2I5P3F600", 6 * math.pi / 2 + 0.04),
+])  # fmt: skip
+def test_lines(text, seconds):
+    assert sum(estimate(numbered(text), ROUTER)) == pytest.approx(seconds, rel=0.05, abs=0.01)
+
+
+def test_corners_stop_and_straight_goes_on():
+    straight, corner = (sum(estimate(numbered("F5000\nG1X50\n" + line), ROUTER)) for line in ("X100", "X50Y50"))
+    assert corner - straight == pytest.approx(5000 / 60 / 250, rel=0.05)
+
+
+PROGRAMS = {
+    "square": "G21G90\nG1X20F3000\nY20\nX0\nY0\nG2X0Y0I5J0",
+    "many": "F2000\n" + "\n".join(f"G1X{30 * math.cos(t / 30):.4f}Y{30 * math.sin(t / 30):.4f}" for t in range(200)),
+    "rapids": "\n".join(f"G0X{x % 2 * 40}Y{x}Z{-x % 3}\nG1X{20 + x % 5}F1200" for x in range(30)),
+}
+
+
+@pytest.mark.parametrize("name", PROGRAMS)
+def test_as_the_firmware_takes_it(name):
+    job = VirtualJob("router_3axis")
+    job.run(numbered(PROGRAMS[name]))
+    assert sum(estimate(numbered(PROGRAMS[name]), ROUTER)) == pytest.approx(job.seconds, rel=0.15)
+
+
+def test_real_programs(corpus, show):
+    rows = []
+    for path in sorted(corpus.glob("*.gcode")):
+        if path.stat().st_size < 100_000 and "Calibration" not in path.name:
+            lines = gcode_file.read(path)
+            job = VirtualJob("router_3axis")
+            job.run(lines)
+            rows.append((path.name, job.seconds, sum(estimate(lines, ROUTER))))
+    assert rows and all(thought == pytest.approx(took, rel=0.2) for _, took, thought in rows), rows
+    show("time of real programs", "\n".join(f"{name}: {took:.1f} s, thought {thought:.1f} s" for name, took, thought in rows))
+
+
+def clock_of(seconds, pace, per_line=5):
+    """(line, seconds gone, seconds that are really left) of a job that takes `pace` times what was thought."""
+    ends = [sum(seconds[: index + 1]) * pace for index in range(len(seconds))]
+    for index in range(len(seconds)):
+        for part in range(per_line):
+            gone = ends[index] - seconds[index] * pace * (1 - part / per_line)
+            yield index, gone, ends[-1] - gone
+
+
+@given(st.lists(st.floats(0.01, 100), min_size=1, max_size=60), st.floats(0.5, 2))
+def test_what_is_left_is_right_from_the_start_and_exact_at_the_end(seconds, pace):
+    """From the first moment within the error of what was thought, whatever the lines are like."""
+    remaining = Remaining(seconds)
+    shares = []
+    for index, gone, left in clock_of(seconds, pace):
+        said = remaining.at(index, gone)
+        whole = sum(seconds) * pace
+        assert abs(said - left) <= abs(1 - 1 / pace) * whole * 1.01 + 1e-6
+        shares.append(remaining.share)
+    assert shares == sorted(shares) and remaining.at(len(seconds), whole) == 0 and remaining.share == 1
+
+
+@given(st.lists(st.floats(0.01, 100), min_size=1, max_size=60))
+def test_one_long_line_does_not_fool_it(seconds):
+    """Where the thought was right, so is what is left, at any moment of any line."""
+    remaining = Remaining(seconds)
+    for index, gone, left in clock_of(seconds, 1.0):
+        assert remaining.at(index, gone) == pytest.approx(left, abs=1e-3 + 1e-6 * sum(seconds))
+
+
+def test_no_motion_counts_lines():
+    remaining = Remaining([0.0, 0.0])
+    assert (remaining.at(1, 5.0), remaining.share) == (0.0, 0.5)
+
+
+@given(st.text(alphabet="GXYZIJRPFMNS0123456789.-+ ", max_size=40))
+def test_any_line_is_read(text):
+    assert all(taken >= 0 and math.isfinite(taken) for taken in estimate(numbered("F600\nG1X1\n" + text), ROUTER))
