@@ -1,6 +1,9 @@
 """`passo check`: a job of G-code on the virtual board: errors by line, bounds, time, speeds, a picture."""
 
+import bisect
 import contextlib
+import itertools
+import sys
 import time
 from pathlib import Path
 from typing import Optional
@@ -17,14 +20,23 @@ def check(
     file: Path = typer.Argument(..., help="The G-code."),
     board: str = typer.Option("router_3axis", help="Board file: a name of boards/, or the path of a .py file."),
     out: Optional[Path] = typer.Option(None, "-o", "--out", help="A picture of the path, speed and acceleration."),
+    at: Optional[str] = typer.Option(
+        None, metavar="X,Y,Z", help="Where the program's zero (G54) lies, in mm of the homed machine: checks soft limits."
+    ),
 ):
     """Run a job on the virtual board and say what it would do.
 
-    Every line goes through the real firmware, and every step through its pins. Exit status 1 if a line was refused.
+    Every line goes through the real firmware, and every step through its pins. Exit status 1 if a line was refused, or if
+    the job is larger than the machine's travel.
+
+    Where a job lies on the machine is known with --at only. Then it starts on the homed machine, at machine zero, with soft
+    limits on, and the bounds are those of the machine.
 
     Examples:
 
         passo check part.gcode
+
+        passo check part.gcode --at 20,30,-35
 
         passo check part.gcode --board boards/mine.py -o part.png
     """
@@ -34,8 +46,8 @@ def check(
     if out:
         import matplotlib  # noqa: F401  before the job runs, not after it
 
-    job = VirtualJob(board)
     lines = gcode_file.read(file)
+    job = VirtualJob(board, zero=_zero(at))
     with _shown(file, lines) as progress:
         job.run(lines, progress)
     for line in summary(job):
@@ -47,22 +59,53 @@ def check(
         typer.echo(f"{file}:{number}: {text}: {what}", err=True)
     if job.errors:
         raise Failure(f"{file}: {len(job.errors)} lines would be refused; the first is line {job.errors[0][0]}")
+    too_long = [text for text in map(_excess, range(len(job.steps_per_mm)), itertools.repeat(job)) if text]
+    if too_long:
+        raise Failure(f"{file} is larger than the machine: {', '.join(too_long)}")
+
+
+def _zero(text):
+    """The places of `--at`, or None. Raises Failure."""
+    if text is None:
+        return None
+    try:
+        return [float(part) for part in text.split(",")]
+    except ValueError:
+        raise Failure(f"--at {text}: millimetres are wanted, one number an axis, for example 20,30,-35") from None
+
+
+def _excess(number, job):
+    """By how much the job is longer than the travel of an axis, in words; "" if it is not."""
+    axis = job.board["axes"][number]
+    travel = axis["travel_steps"] / job.steps_per_mm[number]
+    length = job.high[number] - job.low[number]
+    # Travel and place are whole steps, each rounded once.
+    if length <= travel + 1 / job.steps_per_mm[number]:
+        return ""
+    return f"{axis['name'].upper()} goes {length:.1f} of {travel:.1f} mm"
 
 
 @contextlib.contextmanager
 def _shown(file, lines):
-    """What tells the person at the terminal which line the job is at."""
-    from rich.console import Console
+    """What tells the person at the terminal how far the job is, and which line it is at."""
+    from host_tools.gcode_time import Limits, Remaining, estimate
+    from host_tools.stream import progress_bar
 
-    last = lines[-1][0] if lines else 1
-    with Console(stderr=True).status(f"checking {file}") as status:
+    if not sys.stderr.isatty():
+        yield None
+        return
+    numbers = [number for number, _ in lines]
+    remaining = Remaining(estimate(lines, Limits.of_settings([])))
+    with progress_bar(transient=True) as bar:
         told = time.monotonic()
 
         def progress(number):
             nonlocal told
             if time.monotonic() - told > _TELL_S:
                 told = time.monotonic()
-                status.update(f"checking {file}: line {number} of {last}, {number / last:.0%}")
+                remaining.at(bisect.bisect_left(numbers, number), 0.0)
+                text = f"{remaining.share:4.0%} checking {file}: line {number} of {numbers[-1]}"
+                bar.update(bar.task_ids[0], completed=remaining.share, description=text, refresh=True)
 
         yield progress
 
@@ -86,8 +129,7 @@ def summary(job):
     yield f"time    {clock(job.seconds)} ({job.seconds:.1f} s), {job.track.steps} words with a step"
     for number, axis in enumerate(job.board["axes"]):
         low, high = job.low[number], job.high[number]
-        travel = axis["travel_steps"] / job.steps_per_mm[number]
-        note = "" if high - low <= travel else f"  MORE THAN THE TRAVEL of {travel:.1f}"
+        note = "  MORE THAN THE TRAVEL" if _excess(number, job) else ""
         fastest = job.track.fastest[number]
         yield f"{axis['name'].upper()}       {low:9.3f} … {high:9.3f} mm, up to {fastest:.0f} mm/min{note}"
     for number, text in job.pauses[:_MOST_SHOWN]:

@@ -176,14 +176,14 @@ class Panel:
         )
 
 
-def progress_bar():
+def progress_bar(transient=False):
     """A bar on stderr, with a text beside it; it has one task, from 0 to 1."""
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn
 
     bar = Progress(
         BarColumn(bar_width=24), TextColumn("{task.description}", markup=False), console=Console(stderr=True),
-        auto_refresh=False,
+        auto_refresh=False, transient=transient,
     )  # fmt: skip
     bar.add_task("", total=1)
     return bar

@@ -4,7 +4,8 @@
     job.run([(1, b"G21"), (2, b"G1X10F600")])
     job.seconds, job.low, job.high, job.errors
 
-It starts at machine zero, unlocked, soft limits off: where the job's box lies on a machine is for the caller to judge.
+It starts at machine zero, unlocked, soft limits off: where the job's box lies on a machine is not known. With `zero`, where
+the program's zero lies on the homed machine, soft limits are on.
 Pauses for the operator are noted in `pauses` and resumed at once; their time counts for nothing. There is nothing that a
 probe could touch: what probes goes its whole way, and is noted in `probes`. $ lines other than settings and jogs are no
 part of a job: they are noted in `skipped`.
@@ -123,8 +124,9 @@ def fits(under_way, line):
 
 
 class VirtualJob:
-    def __init__(self, board, changes=()):
-        """`changes`: $ lines carried out first, as text. Raises Failure where the board has no link for G-code."""
+    def __init__(self, board, changes=(), zero=None):
+        """`changes`: $ lines carried out first, as text; `zero`: mm from machine zero, a figure an axis. Raises Failure if the
+        board file cannot be used, or `zero` is not on the machine."""
         from passo.app import App
         from passo.assembly import make_drive
         from passo.control.boardfile import BoardError, check
@@ -153,7 +155,26 @@ class VirtualJob:
         self._line.incoming += b"$X\n$20=0\n" + b"".join(change.encode() + b"\n" for change in changes)
         for _ in range(50):
             self._app.turn()
+        if zero is not None:
+            self._place(zero)
         self._line.outgoing = b""
+
+    def _place(self, zero):
+        """The machine has homed and the operator has set G54."""
+        names = [axis["name"].upper() for axis in self.board["axes"]]
+        if not self.board["homing"]:
+            raise Failure(f"{self.board['name']} does not home: it has no soft limits")
+        if len(zero) != len(names):
+            raise Failure(f"the machine has {len(names)} axes, {', '.join(names)}, and {len(zero)} places are given")
+        for number, (name, place) in enumerate(zip(names, zero)):
+            low, high = (end / self.steps_per_mm[number] for end in self._app.controller.queue.reach(number))
+            if not low <= place <= high:
+                raise Failure(f"{name}{place:g} is not on the machine, which goes from {low:g} to {high:g} mm")
+        self._app.controller.homed = True
+        words = "".join(f"{name}{place:.4f}" for name, place in zip(names, zero))
+        self._line.incoming += b"$20=1\nG21G10L2P1" + words.encode() + b"\n"
+        for _ in range(50):
+            self._app.turn()
 
     def run(self, lines, progress=None):
         """Carry out [(number, bytes)] to the end of their motion. `progress(number)` is called now and then."""
@@ -214,7 +235,7 @@ class VirtualJob:
 
         line, text = under_way[0] if under_way else (0, b"")
         if number + 200 in errors.NEED_RESET:
-            raise Failure(f"line {line}: alarm {number}, {errors.text(200 + number)}")
+            raise Failure(f"line {line}, {text.decode()}: alarm {number}, {errors.text(200 + number)}")
         if number + 200 in (errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED):
             self.probes.append((line, text.decode()))
         else:

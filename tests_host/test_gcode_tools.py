@@ -178,23 +178,19 @@ def test_nobody_answers(tmp_path, job):
 
 def test_check(job, tmp_path, capsys):
     picture = tmp_path / "job.png"
-    check.check(job, "router_3axis", picture)
+    check.check(job, "router_3axis", picture, None)
     said = capsys.readouterr().out
     assert "0.000 …    20.000 mm" in said and picture.stat().st_size > 10_000
     job.write_bytes(SQUARE + b"G1 Q1\nM99\n")
     with pytest.raises(Failure, match="2 lines would be refused; the first is line 11"):
-        check.check(job, "router_3axis", None)
+        check.check(job, "router_3axis", None, None)
 
 
 def test_check_tells_which_line_it_is_at(job, monkeypatch):
     told = []
 
-    class Console:
-        def __init__(self, stderr):
-            assert stderr
-
-        def status(self, text):
-            return self
+    class Bar:
+        task_ids = [0]
 
         def __enter__(self):
             return self
@@ -202,14 +198,17 @@ def test_check_tells_which_line_it_is_at(job, monkeypatch):
         def __exit__(self, *_):
             pass
 
-        def update(self, text):
-            told.append(text)
+        def update(self, task, completed, description, refresh):
+            told.append((completed, description))
 
-    monkeypatch.setattr("rich.console.Console", Console)
+    monkeypatch.setattr(stream, "progress_bar", lambda transient: Bar())
+    monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     monkeypatch.setattr(check, "_TELL_S", 0)
     job.write_bytes(b"".join(b"G1 X%d F3000\n" % (number % 2) for number in range(1, 301)))
-    check.check(job, "router_3axis", None)
-    numbers = [int(re.search(r"line (\d+) of 300, \d+%$", text)[1]) for text in told]
+    check.check(job, "router_3axis", None, None)
+    numbers = [int(re.search(r"line (\d+) of 300$", text)[1]) for _, text in told]
+    shares = [share for share, _ in told]
+    assert shares == sorted(shares) and shares[0] < 0.4 < 0.9 < shares[-1] <= 1
     assert numbers == sorted(numbers) and len(set(numbers)) > 50 and numbers[0] < 100
 
 
@@ -221,6 +220,39 @@ def test_the_table_of_a_picture_lies_as_the_machine_homes(name, table):
     for axis, (low, high) in zip(board["axes"], ((left, right), (bottom, top))):
         high_end = axis["name"] in (board["homing"] or {}).get("high_end", "")
         assert (high if high_end else low) == 0 and high - low == pytest.approx(axis["travel_steps"] / axis["steps_per_m"] * 1000)
+
+
+FAR = b"G21G90\nG1X10Y10F5000\nX%d\nX0\n"
+
+
+def test_check_fails_what_is_larger_than_the_machine(job, capsys):
+    job.write_bytes(FAR % 300)
+    check.check(job, "router_3axis", None, None)
+    job.write_bytes(FAR % 301)
+    with pytest.raises(Failure, match="is larger than the machine: X goes 301.0 of 300.0 mm"):
+        check.check(job, "router_3axis", None, None)
+    assert "MORE THAN THE TRAVEL" in capsys.readouterr().out
+
+
+def test_check_knows_soft_limits(job, capsys):
+    """Where the job lies on the machine decides, and the firmware itself says which line is the first outside."""
+    job.write_bytes(FAR % 250)
+    check.check(job, "router_3axis", None, "50,20,-30")
+    assert "0.000 …   300.000 mm" in capsys.readouterr().out
+    with pytest.raises(Failure, match="line 3, X250: alarm 2, the target lies outside"):
+        check.check(job, "router_3axis", None, "50.1,20,-30")
+    job.write_bytes(b"G1Z-6F600\n")
+    with pytest.raises(Failure, match="line 1, G1Z-6F600: alarm 2"):
+        check.check(job, "router_3axis", None, "0,0,-75")
+
+
+@pytest.mark.parametrize("at, text", [
+    ("1,2", "has 3 axes, X, Y, Z, and 2 places"), ("0,0,1", "Z1 is not on the machine, which goes from -80 to 0 mm"),
+    ("a,b,c", "--at a,b,c: millimetres are wanted"),
+])  # fmt: skip
+def test_a_place_that_is_none(job, at, text):
+    with pytest.raises(Failure, match=text):
+        check.check(job, "router_3axis", None, at)
 
 
 def test_check_measures_time():
