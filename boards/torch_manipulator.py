@@ -26,6 +26,9 @@ BOARD = {
         {"name": "relay_y", "pin": 11, "role": "ours"},
         {"name": "led", "pin": 12, "role": "ours"},
     ],
+    # What takes the motors from the original controller: "command" (CONNECT, $MOTORS=1), until then motion is refused; or
+    # "motion", the first one of any language.
+    "changeover_by": "command",
     "changeover_ms": 20,
     "speed": {"unit": "steps_per_s", "default": 480, "min": 1, "max": 20000},
     # True: each axis of a move speeds up and slows down within accel_mm_s2; False: one speed, as it always was.

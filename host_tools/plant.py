@@ -45,6 +45,10 @@ class Plant:
             if item["name"] == "enable":
                 self._enable = item.get("active", 1)
         self.enabled = self._enable is None
+        # Relays that bring this board's signals to the drivers: by name, the level that closes them; and those still open.
+        outputs = board.get("outputs", ())
+        self._relays = {item["name"]: item.get("active", 1) for item in outputs if item.get("role") == "ours"}
+        self._open_relays = set(self._relays)
         self._due = NEVER
         self._build_carriages(start)
         self._build_barriers(bounce_ms, dict(faults or {}))
@@ -166,6 +170,8 @@ class Plant:
     def output(self, tick, name, level):
         if name == "enable":
             self.enabled = level == self._enable
+        if name in self._relays:
+            (self._open_relays.discard if level == self._relays[name] else self._open_relays.add)(name)
 
     def input(self, tick, name):
         """The electrical level of an input; one that watches no axis rests inactive."""
@@ -213,6 +219,9 @@ class Plant:
     def _move(self, tick, carriage, steps):
         if not self.enabled:
             self.report(tick, f"{carriage.name} stepped while the drivers are disabled")
+            return False
+        if self._open_relays:
+            self.report(tick, f"{carriage.name} stepped while its driver listens to another controller")
             return False
         return carriage.move(tick, steps)
 

@@ -318,13 +318,16 @@ def check_relays():
         asked = board.port.now
         board.send(torch.frame(name) + torch.move(3, 480, 0, 0))
         board.settle()
+        board.poll(1_500_000)
         log = switched()
         on = [entry for entry in log if entry[2]]
         off = [entry for entry in log if not entry[2]]
         assert [entry[1] for entry in on] == ["relay" if ours else "theirs"]
         assert off[-1][0] + 30 * ticks_ms <= on[0][0]
-        first = [tick for tick, _ in board.steps[0] if tick >= asked][0]
-        assert first >= on[0][0] + 30 * ticks_ms
+        steps = [tick for tick, _ in board.steps[0] if tick >= asked]
+        assert len(steps) == (3 if ours else 0)
+        assert not ours or steps[0] >= on[0][0] + 30 * ticks_ms
+        assert ours or board.controller.log.last == errors.NO_MOTORS
     board.send(torch.move(5000, 480, 0, 0))
     board.poll(1_000_000)
     board.controller.fail(errors.ALARM_HARD_LIMIT, "test")

@@ -92,6 +92,7 @@ class App:
         self._now_ms = port.link_ms()
         self._speaking = None  # the link whose bytes are being understood
         shared = {}  # what links of one language have in common
+        assembly.changeover(board, self.controller, shared)
         self.links = []
         for link, language in zip(board["links"], languages):
             protocol = language.opened(link, board, self.controller, shared)

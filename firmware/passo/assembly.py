@@ -41,6 +41,14 @@ def languages(board):
     return modules
 
 
+def changeover(board, controller, shared):
+    """Where the board file names relays between two controllers, motion of any language minds them."""
+    if [item for item in board["outputs"] if item["role"] != "none"]:
+        from passo.control.changeover import Changeover
+
+        shared["changeover"] = Changeover(board, controller)
+
+
 def make_drive(board):
     """(layout, drive, levels without current) of the board's motors; drive is None where the step form will do."""
     kind = board["drive"]["kind"]

@@ -112,6 +112,7 @@ _BOARD = {
     "planning": _PLANNING,
     "spindle": _SPINDLE,
     "jog": _JOG,
+    "changeover_by": ("command", "motion"),  # what takes the motors from the other controller
     "changeover_ms": (int, 20, 0, 10_000),  # between releasing the relays of one controller and closing the other's
     "track": _TRACK,  # paths of single steps
     "idle_release_ms": (int, 5000, 0, 3_600_000),  # 0: never

@@ -1,11 +1,12 @@
 """Outputs that hand the motors from another controller to this one and back: relays, and lamps that show whose turn it is.
 
-    part = Changeover(board, controller)      # registers CONNECT with the controller
+    part = Changeover(board, controller)      # registers CONNECT with the controller; any language's motion needs it
     part.ours                                 # True: the motors are this board's
 
 The roles of the board file's outputs: "ours" is on while the motors are this board's, "theirs" while they are not. Break
 before make: all of them are released, and only `changeover_ms` later the ones wanted are switched on; nothing is stepped
-before that time has passed once more, for the relays to have closed. At the start, in an alarm and when the app ends
+before that time has passed once more, for the relays to have closed. As long as they are the other controller's, motion is
+refused; with "changeover_by": "motion" in the board file the first steps take them. At the start, in an alarm and when the app ends
 the outputs of role "ours" are off, which is how a machine without power stands: with the other controller.
 """
 
@@ -21,6 +22,8 @@ class Changeover(Part):
         self._pause_ms = board["changeover_ms"]
         self._ours = [item["name"] for item in board["outputs"] if item["role"] == "ours"]
         self._theirs = [item["name"] for item in board["outputs"] if item["role"] == "theirs"]
+        self._relays = bool(self._ours or self._theirs)
+        self._by_motion = board["changeover_by"] == "motion"
         self.ours = False
         self._made = True  # the outputs wanted are on
         self._due_ms = None  # when the next phase begins
@@ -34,7 +37,9 @@ class Changeover(Part):
         report["ours"] = self.ours
 
     def ready(self):
-        """True when steps may go out."""
+        """True when steps may go out; asked when there are some."""
+        if self._by_motion and self._relays and not self.ours and not self._machine.alarm and not self._machine.sleeping:
+            self._switch(True)
         return self._due_ms is None
 
     def release(self):
@@ -69,6 +74,7 @@ class Changeover(Part):
     def _switch(self, ours):
         """Break; poll() makes."""
         self.ours = ours
+        self._machine.detached = self._relays and not ours and not self._by_motion
         self._made = False
         self._put(self._ours, False)
         self._put(self._theirs, False)
@@ -79,5 +85,5 @@ class Changeover(Part):
             self._port.output(name, on)
 
     def _wait(self):
-        if self._ours or self._theirs:
+        if self._relays:
             self._due_ms = (self._port.machine_ms() + self._pause_ms) & COUNT_MASK

@@ -47,6 +47,7 @@ class Controller:
         self.alarm = 0
         self.checking = False  # commands are only checked
         self.sleeping = False
+        self.detached = False  # the motors are another controller's, and no motion takes them: see Changeover
         self.arcs_want = 0  # set by the app: bytes that have to be free before the first arc
         self.command = None  # the long command under way
         kind = Queue
@@ -273,6 +274,8 @@ class Controller:
         """0, or why nothing may move now."""
         if self.alarm or self.sleeping:
             return errors.LOCKED
+        if self.detached:
+            return errors.NO_MOTORS
         homing = self._board["homing"]
         return errors.NOT_HOMED if homing and homing["required"] and not self.homed else 0
 
@@ -378,6 +381,8 @@ class Controller:
             return errors.LOCKED
         if self.inputs.door_open():
             return errors.DOOR_OPEN
+        if self.detached:
+            return errors.NO_MOTORS
         if self.state not in ("idle", "alarm") or not self.queue.still():
             return LATER
         self.objects.store.clear()

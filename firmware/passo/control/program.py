@@ -112,7 +112,8 @@ class Program:
         queue = self._queue
         planner = self._planner
         return not (
-            machine.command is not None or machine.alarm or machine.sleeping or machine.checking or self.jogging
+            machine.command is not None or machine.alarm or machine.sleeping or machine.checking or machine.detached
+            or self.jogging
             or machine.occupied() or machine.objects.drawing or machine.pauses.dropping or not planner.accelerates
             or not beam and (
                 tool != queue.tool or dynamic != planner.dynamic
@@ -184,6 +185,8 @@ class Program:
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
+        if machine.detached and not machine.checking:
+            return errors.NO_MOTORS
         if machine.command is not None or machine.objects.drawing or machine.pauses.dropping or machine.occupied():
             return LATER
         return 0

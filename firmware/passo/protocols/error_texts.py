@@ -56,6 +56,7 @@ TEXTS = {
     errors.ZERO_IS_HOMED: "machine zero is where homing found it: it cannot be set elsewhere",
     errors.GARBLED: "bytes that are no whole frame were dropped",
     errors.STOPPED: "dropped: the machine was stopped before its turn came",
+    errors.NO_MOTORS: "the motors are the other controller's: connect them to this board first",
     errors.NO_CODE: "neither a pulse code nor a command of the language",
     errors.NUMBER_MISSING: "a number is missing, or unfinished",
     errors.NUMBER_RANGE: "the number is out of its range",

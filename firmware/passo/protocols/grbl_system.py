@@ -60,6 +60,8 @@ class System:
             return [Command(commands.CHECK, value=0 if state == "check" else 1)]
         if line == "$X":
             return [Command(commands.UNLOCK)]
+        if line in ("$MOTORS=0", "$MOTORS=1"):
+            return [Command(commands.CONNECT, value=int(line[8]))]
         if line[1:2] == "J":
             return self._jog(line, state)
         if state not in _QUIET:

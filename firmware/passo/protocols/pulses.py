@@ -15,6 +15,7 @@ Control commands stand in braces, which are no codes, and may come at any moment
     {run} {run 5} {back} {pause} {stop} {step} {step back}
     {return} {return back} {continue} {continue back}    after manual moves: the way they came, or from here
     {repeat 5} {speed 1200} {jog x 100 y -50} {tool on} {drives off} {home} {unlock} {link} {?}
+    {motors on}            where relays choose between this board and another controller
 
 Codes outside a file are streamed, too, until the line is quiet. Answers are lines:
 

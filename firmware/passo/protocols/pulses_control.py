@@ -5,7 +5,7 @@
 
 from passo.protocols import errors
 from passo.protocols.commands import (
-    BAD, HAND_OVER, HOLD, HOME, STATUS, STOP, TRACK, TRACK_CONTINUE, TRACK_GO, TRACK_HAND_DRIVES, TRACK_HAND_TOOL,
+    BAD, CONNECT, HAND_OVER, HOLD, HOME, STATUS, STOP, TRACK, TRACK_CONTINUE, TRACK_GO, TRACK_HAND_DRIVES, TRACK_HAND_TOOL,
     TRACK_JOG, TRACK_PACE, TRACK_PASSES, TRACK_RETURN, TRACK_STEP, UNLOCK, Command,
 )  # fmt: skip
 
@@ -35,6 +35,8 @@ def understand(words, axes):
         command.feed = value
     elif verb in ("tool", "drives") and said in ("on", "off"):
         command = Command(TRACK, None, TRACK_HAND_TOOL if verb == "tool" else TRACK_HAND_DRIVES, said == "on")
+    elif verb == "motors" and said in ("on", "off"):
+        command = Command(CONNECT, None, 1 if said == "on" else 0)
     elif verb == "link" and (len(words) == 1 or value > 0):
         command = Command(HAND_OVER, None, max(value, 0))
     elif verb == "jog":
