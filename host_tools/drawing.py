@@ -183,12 +183,15 @@ def _ordered(layers, tolerance_mm, progress):
 
     ordered = []
     pen = 0j
-    for number, lines in enumerate(layers):
-        progress("ordering", number / len(layers))
+    count = sum(map(len, layers))
+    done = 0
+    for lines in layers:
         collection = vpype.LineCollection(lines)
         collection.merge(tolerance=_JOIN_MM)
         thin = []
-        for line in collection:
+        for index, line in enumerate(collection):
+            if index % 64 == 0:
+                progress("ordering", (done + index) / count)
             if len(line) > 2:
                 points = numpy.column_stack((line.real, line.imag))
                 kept = numpy.asarray(LineString(points).simplify(tolerance_mm / 2).coords)
@@ -202,18 +205,19 @@ def _ordered(layers, tolerance_mm, progress):
                 line = numpy.concatenate((line[nearest:-1], line[: nearest + 1]))
             ordered.append(line)
             pen = line[-1]
+        done += len(lines)
     return ordered
 
 
 def _to_steps(lines, steps_per_mm, travel):
     """Integer points without repeats. A line shorter than a step stays as a dot: the same point twice."""
+    import numpy
+
     result = []
     for line in lines:
-        points = []
-        for place in line:
-            x = min(max(round(float(place.real) * steps_per_mm[0]), 0), travel[0])
-            y = min(max(round(float(place.imag) * steps_per_mm[1]), 0), travel[1])
-            if not points or points[-1] != (x, y):
-                points.append((x, y))
+        xs = numpy.clip(numpy.rint(line.real * steps_per_mm[0]), 0, travel[0]).astype(int)
+        ys = numpy.clip(numpy.rint(line.imag * steps_per_mm[1]), 0, travel[1]).astype(int)
+        fresh = numpy.append(True, (xs[1:] != xs[:-1]) | (ys[1:] != ys[:-1]))
+        points = list(zip(xs[fresh].tolist(), ys[fresh].tolist()))
         result.append(points if len(points) > 1 else points * 2)
     return result

@@ -279,6 +279,31 @@ def test_text_is_clipped_hidden_and_said_to_be_in_another_font(tmp_path):
     assert len(lines_of(page)) >= 4  # a dollar sign is a letter
 
 
+def test_text_falls_on_the_outlines_that_matplotlib_writes_of_it(tmp_path):
+    """The same figure with its text as text and as paths: turned, centred, at the right edge, of several sizes."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+
+    layers = []
+    for kind in ("none", "path"):
+        with plt.rc_context({"svg.fonttype": kind, "font.family": "DejaVu Sans", "text.parse_math": False}):
+            figure = plt.figure(figsize=(4, 3))
+            figure.patch.set_visible(False)
+            figure.text(0.5, 0.8, "Título em $português$", ha="center", size=14)
+            figure.text(0.9, 0.6, "right aligned", ha="right", weight="bold")
+            figure.text(0.1, 0.1, "Steigung", rotation=30, style="italic")
+            figure.savefig(tmp_path / f"{kind}.svg")
+            plt.close(figure)
+        layers.append([line for lines in SvgFile(tmp_path / f"{kind}.svg").outlines(0.01).layers.values() for line in lines])
+    text, path = layers
+    assert len(text) == len(path) > 60
+    for one, other in zip(text, path):
+        centres = [(line.real.min() + line.real.max() + 1j * (line.imag.min() + line.imag.max())) / 2 for line in (one, other)]
+        assert abs(centres[0] - centres[1]) < 0.5  # px: a layout in whole pixels and one in fractions
+
+
 # --- the rest
 
 
