@@ -8,6 +8,7 @@ CASES = {
     "check_chords": (
         ("radius", 1, 3000), ("start", 0, 6283), ("end", 0, 6283), ("clockwise", 0, 1), ("turns", 0, 2), ("rise", -900, 900),
     ),
+    "check_inwards": (("start", 0, 6283), ("sweep", 1, 9000), ("clockwise", 0, 1), ("fast", 10, 5000), ("slow", 10, 5000)),
 }
 STEPS_PER_M = (48_000, 83_000, 100_000)
 
@@ -41,3 +42,16 @@ def check_chords(radius, start, end, clockwise, turns, rise):
     if radius > 48:
         angle = (abs(turned) - 2 / (true * 48)) / count  # the ends of the whole are rounded too
         assert true * 83 * angle * angle / 8 <= 0.25
+
+
+def check_inwards(start, sweep, clockwise, fast, slow):
+    """v²/R asks no axis for more than it has, anywhere on the arc, and one of them, somewhere, for nearly all of it."""
+    radius = 100_000
+    sign = -1 if clockwise else 1
+    way = [start / 1000 + sign * min(sweep / 1000, 6.28) * part / 500 for part in range(501)]
+    first, last = [(int(radius * 48 * cos(angle)), int(radius * 83 * sin(angle))) for angle in (way[0], way[-1])]
+    deltas = last[0] - first[0], last[1] - first[1], 0
+    ellipse = Ellipse(deltas, (0, 1, 2), (-first[0], -first[1]), STEPS_PER_M, bool(clockwise))
+    inwards = ellipse.inwards((fast * 1_000_000, slow * 1_000_000)) / 1e6
+    used = max([max(abs(cos(angle)) * inwards / fast, abs(sin(angle)) * inwards / slow) for angle in way])
+    assert 0.999 < used <= 1.00001, used

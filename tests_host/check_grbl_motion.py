@@ -93,6 +93,23 @@ def check_tiny_arcs_are_no_circles():
         assert tuple(machine.controller.position()) == end and len(machine.world.path) == words, line
 
 
+def check_arcs_are_as_fast_as_their_directions_allow():
+    """About 45° both axes share the speed and the ramp; an arc along an axis, and a whole circle, are as slow as that axis."""
+    for line, seconds in (
+        ("G2X5.6Y5.6R60F6000", 0.2148),  # the true limit at each place: 0.214
+        ("G2X40Y40R200F9000", 0.6523),
+        ("G2X8Y0R60F6000", 0.2506),
+        ("G2X0Y0I30F9000", 2.0832),
+    ):
+        machine = Machine().ready()
+        machine.do("$110=6000", "$111=6000", "$120=500", "$121=500", "G21G90G17")
+        machine.world.path = []
+        machine.do(line)
+        machine.settle()
+        took = (machine.world.path[-1][0] - machine.world.path[0][0]) / 12_500_000
+        assert abs(took - seconds) < 0.0005, (line, took)
+
+
 def check_more_arcs_than_are_queued_at_once():
     machine = Machine().ready()
     planner = machine.app.planner

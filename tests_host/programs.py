@@ -7,11 +7,12 @@
 What is held against the limits is each segment as the ramp cut it, and the words.
 """
 
-from math import sqrt
+from math import atan2, cos, pi, sin, sqrt
 
 from check_circle import about
 from draws import Random
 from passo.motion.arc import TooSteep
+from passo.motion.arc_plan import PATH, PATH_FINE, TAIL_A, TAIL_B
 from passo.motion.block import ARC, COARSE, LINE
 from passo.motion.circle import FALL, RISE, RUN_PATH, U_AXIS, WORDS
 from passo.motion.profile import Limits
@@ -128,7 +129,8 @@ class Machine:
                 move = (LINE, move[1], move[2])
             else:
                 plan = planner._walkers[place]
-                steps = plan[19] + plan[20] / (1 << 20)
+                steps = plan[PATH] + plan[PATH_FINE] / (1 << 20)
+                move += (abs(plan[TAIL_A]), abs(plan[TAIL_B]))
             self.facts.append(self._facts(move, steps))
 
     def _facts(self, move, steps):
@@ -146,17 +148,47 @@ class Machine:
             flat = steps / per_mm
             length = sqrt(flat * flat + mm[2] * mm[2])
             radius = sqrt(move[3][0] ** 2 + move[3][1] ** 2) / per_mm
-            weaker = min(accelerations[:2])
-            speed = min(move[2] / MM, min(speeds[0], speeds[1], sqrt(weaker * radius)) * length / flat)
-            acceleration = weaker * length / flat
-            if mm[2]:
-                speed = min(speed, speeds[2] * length / abs(mm[2]))
-                acceleration = min(acceleration, accelerations[2] * length / abs(mm[2]))
+            speed, acceleration = self._arc_limits(move, radius, flat / length, mm[2] / length)
             start = self._tangent(move, (0, 0), flat / length, mm[2] / length)
             end = self._tangent(move, move[1], flat / length, mm[2] / length)
         corner = self._corner(start) if self.facts else 0
         self.heading = end
         return length, steps, speed, acceleration, corner
+
+    def _arc_limits(self, move, radius, flat, rise):
+        """(speed, acceleration) along an arc, from what each axis has to do at each place of it: of the speed and of the
+        ramp's acceleration its share along the circle, of v²/R its share across it. The two accelerations together ask no
+        axis for more than √2 of its own."""
+        speeds = [each / MM for each in self.speeds]
+        accelerations = [each / MM for each in self.accelerations]
+        shares = []  # (along, across) of X and Y at places from the start to the end
+        for angle in angles_of(move):
+            shares.append(((abs(sin(angle)), abs(cos(angle))), (abs(cos(angle)), abs(sin(angle)))))
+        speed = inwards = acceleration = 1e9
+        for axis in range(2):
+            along = max([share[axis][0] for share in shares])
+            across = max([share[axis][1] for share in shares])
+            speed = min(speed, speeds[axis] / along)
+            acceleration = min(acceleration, accelerations[axis] / along)
+            inwards = min(inwards, accelerations[axis] / across)
+            if move[5 + axis]:  # the last line may bring an axis half a step ahead
+                speed = min(speed, speeds[axis] * max(move[5:]) / (move[5 + axis] - 0.5))
+        speed = min(speed, sqrt(inwards * radius), move[2] / MM * flat)
+        if rise:
+            speed = min(speed, speeds[2] * flat / abs(rise))
+        inwards = speed * speed / radius
+        for axis in range(2):
+            most = 2 * accelerations[axis] ** 2
+            at_once = sqrt(max(most - inwards * inwards, 0))
+            along = max([share[axis][0] for share in shares])
+            across = max([share[axis][1] for share in shares])
+            acceleration = min(acceleration, max(at_once, (sqrt(most) - inwards * across) / along))
+            for share in shares:  # what it comes to
+                assert acceleration * share[axis][0] + inwards * share[axis][1] <= sqrt(most) * 1.0001
+        acceleration /= flat
+        if rise:
+            acceleration = min(acceleration, accelerations[2] / abs(rise))
+        return speed / flat, acceleration
 
     def _tangent(self, move, place, flat, rise):
         x, y = place[0] - move[3][0], place[1] - move[3][1]
@@ -194,6 +226,24 @@ class Machine:
             words += self.rig.take(125_000)
             self.rig.feeder.retire(self.rig.played)
         return words
+
+
+def angles_of(move):
+    """Directions from the centre of places along an arc of a program, the start and the end among them, and those where it
+    crosses an axis."""
+    start = -move[3][0], -move[3][1]
+    end = start[0] + move[1][0], start[1] + move[1][1]
+    first, last = atan2(start[1], start[0]), atan2(end[1], end[0])
+    sweep = (first - last if move[4] else last - first) % (2 * pi)
+    if start[0] * end[1] == start[1] * end[0] and start[0] * end[0] + start[1] * end[1] > 0:
+        sweep = 2 * pi
+    sign = -1 if move[4] else 1
+    angles = [first, last] + [first + sign * sweep * part / 64 for part in range(65)]
+    for quarter in range(4):
+        away = (quarter * pi / 2 - first) * sign % (2 * pi)
+        if away <= sweep:
+            angles.append(quarter * pi / 2)
+    return angles
 
 
 def reference_seconds(facts):

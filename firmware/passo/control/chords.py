@@ -1,6 +1,6 @@
 """An arc that cannot be walked as a circle, handed to the planner chord by chord as it has room.
 
-    chords = Chords(ellipse, nm_s, tool, tag, steps_per_m, weaker)
+    chords = Chords(ellipse, nm_s, tool, tag, steps_per_m, accelerations, slowest)
     while chords.left and planner.room():
         chords.add(planner)
 
@@ -13,14 +13,14 @@ from passo.steps.word import COUNT_MASK, TICKS_PER_S
 
 
 class Chords:
-    def __init__(self, ellipse, nm_s, tool, tag, steps_per_m, weaker, slowest):
-        """`ellipse`: a motion.ellipse.Ellipse; `weaker`: the acceleration, in nm/s², that v²/R stays within; `slowest`:
-        what the slowest axis can do, in nm/s.
+    def __init__(self, ellipse, nm_s, tool, tag, steps_per_m, accelerations, slowest):
+        """`ellipse`: a motion.ellipse.Ellipse; `accelerations`: of the plane's two axes, in nm/s², that v²/R stays
+        within; `slowest`: what the slowest axis can do, in nm/s.
 
         Raises ValueError where a step would last longer than the planner can say.
         """
         if ellipse.flat_nm:
-            nm_s = min(nm_s, isqrt(weaker * ellipse.radius_nm) * ellipse.length_nm // ellipse.flat_nm)
+            nm_s = min(nm_s, isqrt(ellipse.inwards(accelerations) * ellipse.radius_nm) * ellipse.length_nm // ellipse.flat_nm)
         self._nm_s = nm_s or 1
         # A chord of one step on all axes is up to √3 of the coarsest step long.
         if 2 * NM_PER_M * TICKS_PER_S // (min(steps_per_m) * min(self._nm_s, slowest)) > COUNT_MASK:

@@ -238,7 +238,7 @@ class Program:
         accelerations = [self._machine.settings.value(table.ACCELERATION + axis) * 1000 for axis in plane[:2]]
         self._queue.arc(
             command.target, plane, command.centre, command.clockwise, command.turns - 1, command.over_half,
-            command.feed, ticks, command.tool, command.number, min(accelerations),
+            command.feed, ticks, command.tool, command.number, accelerations,
         )
 
     def _set_limits(self):

@@ -61,9 +61,10 @@ class StreamQueue(Queue):
         """How long a line lasts without limits."""
         return ticks or (self.ticks_at(deltas, nm_s) if nm_s else 1)
 
-    def arc(self, target, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, weaker):
+    def arc(self, target, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, accelerations):
         """Go to `target` on a circle about `centre` (steps from here, in the plane): at `nm_s`, or in `ticks` where they
-        are not 0, v²/R within `weaker` (nm/s²). Raises ValueError where neither the planner nor chords can."""
+        are not 0, v²/R within `accelerations` (nm/s²) of the plane's axes. Raises ValueError where neither the planner nor
+        chords can."""
         deltas = self.deltas(target)
         planner = self._planner
         changes = tool != self.tool and self.tool_ms(tool) > 0
@@ -71,7 +72,7 @@ class StreamQueue(Queue):
         try:
             planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag, not changes, over_half)
         except ValueError:  # no circle in steps, or too steep a helix
-            chords = self._cut(deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, weaker)
+            chords = self._cut(deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, accelerations)
         self._change_tool(tool, tag)
         if chords:
             self._chords = chords
@@ -80,7 +81,7 @@ class StreamQueue(Queue):
             planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag, True, over_half)
         self._reach(deltas)
 
-    def _cut(self, deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, weaker):
+    def _cut(self, deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, accelerations):
         from passo.control.chords import Chords
         from passo.motion.ellipse import Ellipse
 
@@ -88,7 +89,7 @@ class StreamQueue(Queue):
         ellipse = Ellipse(deltas, plane, centre, steps_per_m, clockwise, turns, over_half)
         if ticks:
             nm_s = ellipse.length_nm * TICKS_PER_S // ticks
-        return Chords(ellipse, nm_s, tool, tag, steps_per_m, weaker, self._planner.slowest())
+        return Chords(ellipse, nm_s, tool, tag, steps_per_m, accelerations, self._planner.slowest())
 
     def _reach(self, deltas):
         self.target = [at + by for at, by in zip(self.target, deltas)]

@@ -1,24 +1,36 @@
-"""How fast an arc may be walked: what measure() finds out for lines, worked out with big integers, once an arc."""
+"""How fast an arc may be walked: what measure() finds out for lines, worked out with big integers, once an arc.
 
+On a circle an axis has its share of the speed and of the ramp's acceleration, cos φ where its own direction is φ away, and
+sin φ of v²/R, which points to the centre. The limits of an arc are the highest that hold from its first step to its last:
+a quarter from 30° to 60° of a circle may be 15 % faster than a whole one. Each of the two accelerations alone stays within
+every axis's; together they ask no axis for more than √2 of its own, which is what a whole circle at its highest speed does
+as it sets out. With an override above 100 % likewise.
+"""
+
+from passo.motion.arc_plan import TAIL_A, TAIL_B
+from passo.motion.cordic import TURN
 from passo.motion.integers import NM_PER_M, isqrt
 from passo.motion.measure_viper import measure
-from passo.motion.profile import BIAS, MOST, TICKS_PER_S, TOP, floated
+from passo.motion.profile import BIAS, MOST, ONE, TICKS_PER_S, TOP, floated
 from passo.records import (
     ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, WORK_ALONG, WORK_BEFORE, WORK_FEED, WORK_GIVEN, WORK_HEADING, WORK_IS_ARC,
     WORK_LENGTH, WORK_LENGTH_SHIFT, WORK_STEPS, WORK_STEPS_SHIFT, WORK_STRENGTH,
 )  # fmt: skip
 
 
-def set_speed(rows, at, work, limits, path, plane, center, deltas, clockwise, speed_nm_s, ticks):
-    """Fill in the row rows[at:] of an arc `path` (2⁻¹⁰ steps) long, at `speed_nm_s` or in `ticks`; False where its steps
-    would be too far apart. The rest is as Planner.arc() has it."""
+def set_speed(rows, at, work, limits, plan, path, swept, plane, center, deltas, clockwise, speed_nm_s, ticks):
+    """Fill in the row rows[at:] of an arc `path` (2⁻¹⁰ steps) long that sweeps `swept` (2⁻³² turn), at `speed_nm_s` or in
+    `ticks`; False where its steps would be too far apart. The rest is as Planner.arc() has it."""
     steps_per_m = limits.steps_per_m
     flat = path * NM_PER_M // (steps_per_m[plane[0]] << 10)
     rise = deltas[plane[2]] * NM_PER_M // steps_per_m[plane[2]] if plane[2] >= 0 else 0
     length = isqrt(flat * flat + rise * rise)
     if ticks:
         speed_nm_s = length * TICKS_PER_S // ticks or 1
-    fastest, acceleration = _allowed(limits, plane, center, flat, rise, length)
+    start = -center[0], -center[1]
+    place = deltas[plane[0]] - center[0], deltas[plane[1]] - center[1]
+    reach = shares(start, place, swept)
+    fastest, acceleration = _allowed(limits, plan, plane, center, reach, (flat, rise, length), speed_nm_s)
     asked = speed_nm_s
     if speed_nm_s > fastest or not speed_nm_s:
         speed_nm_s = fastest
@@ -36,27 +48,82 @@ def set_speed(rows, at, work, limits, path, plane, center, deltas, clockwise, sp
     work[WORK_STEPS], work[WORK_STEPS_SHIFT] = floated(path, 1 << 10, 15)
     work[WORK_ALONG] = max(limits.part(fastest), limits.part(speed_nm_s))
     work[WORK_STRENGTH] = (acceleration << 28) // limits.strongest
-    _set_direction(work, WORK_HEADING, limits, plane, (-center[0], -center[1]), clockwise, flat, rise, length)
+    _set_direction(work, WORK_HEADING, limits, plane, start, clockwise, flat, rise, length)
     measure(rows, at, work, limits.terms)
     rows[at + ROW_TICKS] = max((ticks << 10) // path, 1)
     rows[at + ROW_TICKS_REST] = ((ticks << 10) % path << 7) // path
     rows[at + ROW_SPAN] = (2 * ticks * top << 10) // path
-    place = deltas[plane[0]] - center[0], deltas[plane[1]] - center[1]
     _set_direction(work, WORK_BEFORE, limits, plane, place, clockwise, flat, rise, length)
     return True
 
 
-def _allowed(limits, plane, center, flat, rise, length):
-    """(highest speed, acceleration) along the path of an arc."""
+def shares(start, end, swept):
+    """The largest shares, of 2²⁸, that two axes have of the radius on the way from `start` to `end`, seen from the centre."""
+    found = []
+    for axis in range(2):
+        # Less than half a turn goes through the end of an axis where the other's sign changes.
+        share = ONE
+        if swept < TURN // 2 and start[1 - axis] * end[1 - axis] > 0:
+            share = max(_share(start, axis), _share(end, axis))
+        found.append(share)
+    return found
+
+
+def _share(place, axis):
+    radius = isqrt((place[0] * place[0] + place[1] * place[1]) << 40)
+    return min((abs(place[axis]) << 48) // radius, ONE)
+
+
+def _allowed(limits, plan, plane, center, reach, lengths, asked):
+    """(highest speed, acceleration) along the path of an arc; `lengths` of it in the plane, along the third axis, in all."""
+    flat, rise, length = lengths
     steps = isqrt((center[0] * center[0] + center[1] * center[1]) << 20)  # of 2⁻¹⁰
     radius = steps * NM_PER_M // limits.steps_per_m[plane[0]] >> 10
-    weaker = min(limits.accelerations[plane[0]], limits.accelerations[plane[1]])
-    speed = min(limits.speeds[plane[0]], limits.speeds[plane[1]], isqrt(weaker * radius)) * length // flat
-    acceleration = weaker * length // flat
+    # An axis moves along the path by the share that the other has of the radius.
+    speed = inwards = acceleration = 0
+    for axis in range(2):
+        fastest, strongest = limits.speeds[plane[axis]], limits.accelerations[plane[axis]]
+        moves, points = reach[1 - axis], reach[axis]
+        each = _on_the_tail((fastest << 28) // moves, fastest, plan, axis)
+        speed = min(speed or each, each)
+        each = (strongest << 28) // points
+        inwards = min(inwards or each, each)
+        each = (strongest << 28) // moves
+        acceleration = min(acceleration or each, each)
+    speed = min(speed, isqrt(inwards * radius)) * length // flat
     if rise:
         speed = min(speed, limits.speeds[plane[2]] * length // abs(rise))
+    along = min(asked or speed, speed) * flat // length
+    acceleration = _beside(limits, plane, reach, along * along // radius, acceleration, 1)
+    inwards = _beside(limits, plane, reach, acceleration, inwards, 0)
+    speed = min(speed, max(along, isqrt(inwards * radius)) * length // flat)
+    acceleration = acceleration * length // flat
+    if rise:
         acceleration = min(acceleration, limits.accelerations[plane[2]] * length // abs(rise))
     return speed or 1, acceleration or 1
+
+
+def _on_the_tail(speed, fastest, plan, axis):
+    """`speed`, or what brings `axis` no more than half a step ahead of its `fastest` on the last line, whose direction is
+    its own."""
+    steps = abs(plan[TAIL_B if axis else TAIL_A])
+    if not steps:
+        return speed
+    words = max(abs(plan[TAIL_A]), abs(plan[TAIL_B]))
+    return min(speed, 2 * fastest * words // (2 * steps - 1))
+
+
+def _beside(limits, plane, reach, other, most, along):
+    """As much of one acceleration, up to `most`, as leaves both together within √2 of every axis's: `along` 1, of the ramp's,
+    `other` being v²/R; 0: the other way round. On the way from here to there an axis may have the most of both at once, or
+    of each at an end."""
+    for axis in range(2):
+        double = 2 * limits.accelerations[plane[axis]] ** 2
+        of_one, of_other = reach[axis ^ along], reach[axis ^ along ^ 1]
+        both = isqrt(double - other * other) if other * other < double else 0
+        ends = ((isqrt(double) << 28) - other * of_other) // of_one
+        most = min(most, max(both, ends))
+    return most
 
 
 def _set_direction(work, at, limits, plane, place, clockwise, flat, rise, length):

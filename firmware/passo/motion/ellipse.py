@@ -10,6 +10,7 @@ Big integers, once a chord.
 """
 
 from passo.motion.arc_plan import turns_off
+from passo.motion.arc_speed import shares
 from passo.motion.cordic import TURN, arc_length, rotate, vector
 from passo.motion.integers import NM_PER_M, isqrt, length_nm
 
@@ -55,6 +56,12 @@ class Ellipse:
         rise = deltas[third] * NM_PER_M // steps_per_m[third] if third >= 0 else 0
         self.flat_nm = arc_length(self.radius_nm, sweep)
         self.length_nm = isqrt(self.flat_nm * self.flat_nm + rise * rise) if sweep else length_nm(deltas, steps_per_m)
+
+    def inwards(self, accelerations):
+        """What v²/R may be so that none of the plane's two axes has to do more than its own of `accelerations`."""
+        end = self._deltas[self._a] - self._center[0], self._deltas[self._b] - self._center[1]
+        reach = shares((self._x, self._y), (end[0] * self._wide, end[1] * self._high), abs(self._sweep))
+        return min([(strongest << 28) // share for strongest, share in zip(accelerations, reach)])
 
     def chord(self):
         """The next chord, in steps of all axes; the last ends at `deltas` exactly."""

@@ -260,8 +260,8 @@ class Planner:
         """Queue an arc or helix from here to `deltas` (steps, all axes) about `center` (steps from here, in the plane).
 
         `plane`: (a, b, third axis or -1), counter-clockwise is from a to b; `turns`: full ones on top; `over_half`: as
-        of arc.plan(). Its speed along the path, or the `ticks` it lasts at that. On arcs v²/R stays within the weaker
-        axis's acceleration. An arc too short for a step along the circle is a line. Raises ValueError for what cannot
+        of arc.plan(). Its speed along the path, or the `ticks` it lasts at that. On arcs v²/R stays within the
+        axes' accelerations. An arc too short for a step along the circle is a line. Raises ValueError for what cannot
         be walked as a circle: the plane's axes with different steps/mm, a radius above 2²⁰ steps; arc.TooSteep for too
         steep a helix. `queued`: False only looks whether it would raise; there has to be room for it.
         """
@@ -276,7 +276,7 @@ class Planner:
 
         turn = self._turn
         plan = self._plans[turn]
-        path, _ = arc.plan(plan, plane, center, deltas, clockwise, turns, over_half)
+        path, swept = arc.plan(plan, plane, center, deltas, clockwise, turns, over_half)
         if not plan[STEPS]:
             if queued:
                 self.line(deltas, ticks, tool, tag, False, speed_nm_s)
@@ -287,7 +287,7 @@ class Planner:
         self._asked = -1
         work = self.work if queued else self.work[:]
         if not arc_speed.set_speed(
-            self.rows, at, work, limits, path, plane, center, deltas, clockwise, speed_nm_s, ticks
+            self.rows, at, work, limits, plan, path, swept, plane, center, deltas, clockwise, speed_nm_s, ticks
         ):
             self._refuse(-1)
         if queued:
