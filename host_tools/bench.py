@@ -260,6 +260,7 @@ def main(wanted):
     unknown = set(wanted) - set(PARTS)
     if unknown:
         raise Failure(f"no bench {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
+    failed = []
     for part in wanted or [part for part in PARTS if part not in LONG]:
         begun = time.monotonic()
         try:
@@ -267,9 +268,15 @@ def main(wanted):
         except Unavailable as reason:
             print(f"NOT MEASURED: {part}: {reason}", file=sys.stderr)
             continue
+        except Failure as reason:  # the others are measured all the same
+            print(f"FAILED: {part}: {reason}", file=sys.stderr)
+            failed.append(part)
+            continue
         show(f"{part} ({time.monotonic() - begun:.0f} s)", header, rows)
         DOCUMENT.write_text(replace(DOCUMENT.read_text(), part, markdown(header, rows)))
     print(f"written to {DOCUMENT.relative_to(ROOT)}")
+    if failed:
+        raise Failure(f"failed: {', '.join(failed)}")
     return None
 
 
