@@ -100,7 +100,7 @@ def test_a_blank_pico_for_mpremote(uf2, tmp_path):
 
 BOARD = "plotter_2014"
 HELLO = packet(COMMANDS["REQUEST"])
-FLASH_LIMIT_S = 900  # a busy Pico is emulated 25 times slower than it is, and the test's machine may have more to do
+FLASH_LIMIT_S = 900  # without a C compiler a busy Pico is 25 times slower than it is
 ANSWER_LIMIT_S = 300
 
 
