@@ -18,8 +18,6 @@ import struct
 from collections import defaultdict
 from dataclasses import dataclass
 
-import numpy
-
 from host_tools.emulator.binary import Unavailable
 from host_tools.emulator.kernels import Kernels
 from host_tools.failure import Failure
@@ -91,8 +89,7 @@ class Profile:
     def end(self):
         self._state.profile[:] = [None, None]
         self._loop.spent = None
-        counts = [numpy.ctypeslib.as_array(counts).reshape(-1, 2).astype(numpy.int64) for counts in self._counts]
-        return Spent(counts, bytes(self._chip.sram), bytes(self._chip.flash[:_FLASH_BYTES]))
+        return Spent(self._counts, bytes(self._chip.sram), bytes(self._chip.flash[:_FLASH_BYTES]))
 
 
 def _slot(pc):
@@ -114,11 +111,11 @@ def _address(slot):
 class Spent:
     def __init__(self, counts, ram, flash):
         self._ram, self._flash = ram, flash
-        main, interrupts = counts
-        used = numpy.flatnonzero(main[:, 0] + interrupts[:, 0])
+        cycles, waits = ([part[first::2] for part in counts] for first in (0, 1))
         self.places = {
-            _address(int(slot)): Cost(int(main[slot, 0]), int(interrupts[slot, 0]), int(main[slot, 1]), int(interrupts[slot, 1]))
-            for slot in used
+            _address(slot): Cost(main, interrupts, waits[0][slot], waits[1][slot])
+            for slot, (main, interrupts) in enumerate(zip(*cycles))
+            if main or interrupts
         }
 
     def total(self):
