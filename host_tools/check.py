@@ -159,13 +159,13 @@ def plot_accelerations(axes, job):
 
 
 def _show_table(axes, job):
-    """A small map: the table, and the box of the job on it if work zero is machine zero."""
+    """A small map: the table, and the box of the job on it; without --at, as if work zero were machine zero."""
     from host_tools import plot
 
     table = [round(side, 2) for side in table_mm(job.board)]
     plot.show_box(axes, table, "table", plot.TABLE)
     plot.show_box(axes, [round(side, 2) for side in (*job.low[:2], *job.high[:2])], "job", "#1a1a2e")
-    axes.plot(0, 0, "o", color="#2a9d3f", markersize=4, label="machine zero, as work zero")
+    axes.plot(0, 0, "o", color="#2a9d3f", markersize=4, label="machine zero" if job.placed else "machine zero, as work zero")
     axes.set_aspect("equal", adjustable="box")
     axes.margins(0.08)
     axes.tick_params(labelsize=6)

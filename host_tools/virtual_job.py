@@ -155,6 +155,7 @@ class VirtualJob:
         self._line.incoming += b"$X\n$20=0\n" + b"".join(change.encode() + b"\n" for change in changes)
         for _ in range(50):
             self._app.turn()
+        self.placed = zero is not None
         if zero is not None:
             self._place(zero)
         self._line.outgoing = b""
