@@ -17,6 +17,8 @@ rp2040py's own reads of memory, which makes everything five times slower, and on
 import ctypes
 import os
 
+from host_tools.emulator.bus import Bus
+
 SETS = 1024
 _VALID = 1 << 31
 _FLUSH_CYCLES = 1024
@@ -141,10 +143,11 @@ class FlashCache:
     def watch(self):
         """Put the model, and the faults, into rp2040py's reads and writes."""
         chip, core, tick, touch = self._chip, self._chip.core, self._chip.clock.tick, self.touch
+        bus = Bus(chip)
         flash, ram = memoryview(chip.flash), memoryview(chip.sram)
 
         def reading(name, width, code):
-            stock = getattr(chip, name)
+            stock = getattr(bus, name)
             flash_as, ram_as = flash.cast("B").cast(code), ram.cast("B").cast(code)
             ram_end, shift = _RAM + len(ram), width >> 1
 
@@ -163,7 +166,7 @@ class FlashCache:
             return read
 
         def writing(name, width):
-            stock = getattr(chip, name)
+            stock = getattr(bus, name)
 
             def write(address, value):
                 if address & width - 1:

@@ -14,7 +14,7 @@ Pico is blank, as it comes out of its bag. `leave_out` names patches not to appl
 that a miss of the flash cache costs, which PASSO_FLASH_MISS says otherwise; 0 leaves them out (see `flash_cache`).
 """
 
-from host_tools.emulator import binary, cycles, filesystem, native, patches
+from host_tools.emulator import binary, bus, cycles, filesystem, native, patches
 from host_tools.emulator.console import Console
 from host_tools.emulator.flash_cache import FlashCache, wanted_cycles
 from host_tools.emulator.loop import Loop
@@ -47,6 +47,7 @@ class EmulatedPico:
         self._clock = self.chip.clock
         self._halted = False
         patches.apply(self.chip, self._leave_out)
+        bus.install(self.chip)
         self.flash_cache = FlashCache(self.chip)
         self.flash_cache.miss_cycles = self._flash_miss
         self._loop = self._make_loop()
