@@ -8,14 +8,15 @@ TOOLS = $(VENV)/.installed-tools
 DRAW = $(VENV)/.installed-draw
 EMULATE = $(VENV)/.installed-emulate
 STAMP = $(VENV)/.installed
-# On the emulated Pico, whose interpreter a coverage measurement would slow down for nothing.
-PICO_TESTS = $(wildcard tests_host/test_pico_*.py)
+# Tests that share an emulated machine are a group, for one worker.
+JOBS ?= 2
+PYTEST = $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --durations=20 --durations-min=2
 
 .DEFAULT_GOAL := help
-.PHONY: help venv run test bench build flash emulate clean
+.PHONY: help venv run check test test-all bench build flash emulate clean
 
 help:  ## this list
-	@grep -E '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
+	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
 	@echo
 	@echo 'build and flash take BOARD=name (a file of boards/), flash PORT=/dev/ttyACM0 and DRY=1; test takes ARGS=...'
 
@@ -64,14 +65,20 @@ $(STUBS): $(STAMP)
 	done
 	@mkdir -p $(VENV)/typings && touch $@
 
-# What ARGS chooses is run as it is: of a part of the tests the coverage says nothing.
-test: $(STAMP) $(CLIENTS) $(STUBS)  ## all tests, under CPython and MicroPython, with coverage; ARGS=tests_host/test_x.py
+# How much each of them runs is said in tests_host/tiers.py.
+check: $(STAMP)  ## the quick tests, in 90 s: rules, digests, a few examples of each property
+	$(PYTEST) --tier check $(ARGS)
+
+# What ARGS chooses is run whole, slow tests included, and without coverage: of a part of the tests it says nothing.
+test: $(STAMP) $(CLIENTS) $(STUBS)  ## what guards a commit, with coverage, in 15 minutes; ARGS=tests_host/test_x.py
 ifdef ARGS
-	$(BIN)/python -m pytest -n 2 --dist loadgroup -o faulthandler_timeout=900 $(ARGS)
+	$(PYTEST) $(ARGS)
 else
-	$(BIN)/python -m pytest -n 2 --cov --cov-report=term --ignore-glob='*/test_pico_*'
-	$(BIN)/python -m pytest -n 2 --dist loadgroup -o faulthandler_timeout=900 $(PICO_TESTS)
+	$(PYTEST) --tier test --cov --cov-report=term
 endif
+
+test-all: $(STAMP) $(CLIENTS) $(STUBS)  ## all tests, the slow ones and all of the emulated Pico included
+	$(PYTEST) --tier all --cov --cov-report=term $(ARGS)
 
 bench: $(STAMP)  ## the slower measurements
 	$(BIN)/python -m host_tools.bench $(ARGS)

@@ -14,6 +14,10 @@ for folder in (ROOT, ROOT / "firmware", ROOT / "host_tools" / "shims", TESTS):
     if str(folder) not in sys.path:
         sys.path.append(str(folder))
 
+import tiers  # noqa: E402  it lies in TESTS
+
+from host_tools.emulator import cycles  # noqa: E402
+
 # Check modules are not test files by name; their assertions deserve the same explanations.
 pytest.register_assert_rewrite(*sorted(path.stem for path in TESTS.glob("check_*.py")))
 
@@ -22,8 +26,72 @@ settings.register_profile("ci", deadline=None, derandomize=True, database=None)
 settings.load_profile("ci" if os.environ.get("CI") else "local")
 
 
+_CYCLES = pytest.StashKey[int]()  # that emulated Picos had lived before the test
+_COVERAGE = "COVERAGE_PROCESS_CONFIG"  # has the programs that a test starts measured too
+MOST = 10  # tests whose emulated time is printed
+MARKERS = """
+on_a_copy: the test runs in a forked process and may use up what others share
+quick: `make check` runs it too
+slow: only `make test-all` runs it
+unmeasured: no coverage is measured while it runs, nor of the programs that it starts
+"""
+
+
+def pytest_addoption(parser):
+    parser.addoption("--tier", choices=tiers.TIERS, default="all", help="how much runs: see tests_host/tiers.py")
+
+
 def pytest_configure(config):
-    config.addinivalue_line("markers", "on_a_copy: the test runs in a forked process and may use up what others share")
+    for line in MARKERS.strip().splitlines():
+        config.addinivalue_line("markers", line)
+    tiers.current = config.getoption("--tier")  # before the test modules are imported
+
+
+def pytest_collection_modifyitems(config, items):
+    """Only what belongs to the tier runs, and of that first what takes a worker longest: the groups of one machine."""
+    left_out = [item for item in items if not tiers.runs(_marked(item, "slow"), _marked(item, "quick"))]
+    if left_out:
+        config.hook.pytest_deselected(items=left_out)
+        items[:] = [item for item in items if item not in set(left_out)]
+    for item in items:
+        if item.path.name.startswith("test_pico_"):
+            item.add_marker("unmeasured")  # it runs none of the firmware here
+    items.sort(key=lambda item: not _marked(item, "xdist_group"))
+
+
+def _marked(item, name):
+    return item.get_closest_marker(name) is not None
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_setup(item):
+    item.stash[_CYCLES] = cycles.spent[0]
+    return (yield)
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_makereport(item, call):
+    report = yield
+    if call.when == "call" and cycles.spent[0] > item.stash[_CYCLES]:
+        seconds = (cycles.spent[0] - item.stash[_CYCLES]) / cycles.CYCLES_PER_S
+        report.user_properties.append(("emulated_s", seconds))
+    return report
+
+
+@pytest.hookimpl(wrapper=True)
+def pytest_runtest_call(item):
+    """Coverage's tracer is back after the test, whoever has taken it away (see tiers.py)."""
+    tracer, unmeasured = sys.gettrace(), _marked(item, "unmeasured")
+    of_programs = os.environ.pop(_COVERAGE, None) if unmeasured else None
+    if unmeasured:
+        tiers.stop_measuring()
+    try:
+        return (yield)
+    finally:
+        if sys.gettrace() is not tracer:
+            sys.settrace(tracer)
+        if of_programs is not None:
+            os.environ[_COVERAGE] = of_programs
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -64,8 +132,15 @@ def show(record_property):
 
 
 def pytest_terminal_summary(terminalreporter):
-    for report in terminalreporter.stats.get("passed", []) + terminalreporter.stats.get("failed", []):
-        for name, value in getattr(report, "user_properties", []):
-            if name == "show" and report.when == "call":
-                terminalreporter.section(value[0])
-                terminalreporter.write_line(value[1])
+    reports = terminalreporter.stats.get("passed", []) + terminalreporter.stats.get("failed", [])
+    told = [(report, name, value) for report in reports if report.when == "call"
+            for name, value in getattr(report, "user_properties", [])]
+    for _, name, value in told:
+        if name == "show":
+            terminalreporter.section(value[0])
+            terminalreporter.write_line(value[1])
+    emulated = sorted([(value, report.nodeid) for report, name, value in told if name == "emulated_s"], reverse=True)
+    if emulated:
+        terminalreporter.section(f"{sum(seconds for seconds, _ in emulated):.1f} s of emulated Picos, their boots included")
+        for seconds, test in emulated[:MOST]:
+            terminalreporter.write_line(f"{seconds:7.2f} s  {test}")

@@ -1,10 +1,11 @@
 """Runs check modules without pytest: under MicroPython, and under CPython for comparison.
 
-    MICROPYPATH=firmware:tests_host:. micropython tests_host/micro_runner.py check_line
+    MICROPYPATH=firmware:tests_host:. micropython tests_host/micro_runner.py [--few=N] [--slow] check_line
 
-Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (100 unless told) with values from a
-generator seeded by its name, after what `EXAMPLES[name]` lists; one without parameters runs once. Prints every failure
-with its arguments and a closing count; the exit status is 1 if anything failed.
+Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (100 unless told, never more than N) with
+values from a generator seeded by its name, after what `EXAMPLES[name]` lists; one without parameters runs once. Those that
+`SLOW` names run with --slow only. Prints every failure with its arguments and a closing count; the exit status is 1 if
+anything failed.
 """
 
 import sys
@@ -44,27 +45,37 @@ def run_check(name, check, specs, runs, examples=()):
     return runs, False
 
 
-def run_module(module_name):
-    """Run all checks of a module; returns (checks, runs, failures)."""
+def run_module(module_name, few=None, slow=True):
+    """Run the checks of a module; returns (checks, runs, failures)."""
     module = __import__(module_name)
     cases = getattr(module, "CASES", {})
     counts = getattr(module, "RUNS", {})
     examples = getattr(module, "EXAMPLES", {})
-    names = sorted([name for name in dir(module) if name.startswith("check_") and callable(getattr(module, name))])
+    left_out = () if slow else getattr(module, "SLOW", ())
+    names = [name for name in dir(module) if name.startswith("check_") and callable(getattr(module, name))]
+    names = sorted([name for name in names if name not in left_out])
     total = failures = 0
     for name in names:
         specs = cases.get(name, ())
         runs = counts.get(name, DEFAULT_RUNS) if specs else 1
+        if few is not None:
+            runs = min(runs, few)
         made, failed = run_check(name, getattr(module, name), specs, runs, examples.get(name, ()))
         total += made
         failures += failed
     return len(names), total, failures
 
 
-def main(module_names):
+def main(arguments):
     checks = runs = failures = 0
-    for module_name in module_names:
-        counted = run_module(module_name)
+    few, slow = None, "--slow" in arguments
+    for argument in arguments:
+        if argument.startswith("--few="):
+            few = int(argument[6:])
+    for module_name in arguments:
+        if module_name.startswith("--"):
+            continue
+        counted = run_module(module_name, few, slow)
         checks += counted[0]
         runs += counted[1]
         failures += counted[2]

@@ -6,16 +6,21 @@
     globals().update(make_tests(check_line))
 
 A check module is plain Python that also runs under MicroPython: `check_*` functions, with `CASES` giving the
-parameters of those that have any (see draws.py), `RUNS`, where it is there, how many examples each takes, and `EXAMPLES`
-those that are tried every time.
+parameters of those that have any (see draws.py), `RUNS`, where it is there, how many examples each takes, `EXAMPLES` those
+that are tried every time, and `SLOW` the names of those that only `make test-all` runs.
 """
 
+import functools
 import inspect
 
+import pytest
+import tiers
 from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from draws import SEED_MAX
+
+DEFAULT_RUNS = 100
 
 
 def strategy(spec):
@@ -38,24 +43,42 @@ def make_tests(module):
     cases = getattr(module, "CASES", {})
     runs = getattr(module, "RUNS", {})
     examples = getattr(module, "EXAMPLES", {})
+    slow = getattr(module, "SLOW", ())
     checks = {name: check for name, check in vars(module).items() if name.startswith("check_") and callable(check)}
-    unknown = (set(cases) | set(runs) | set(examples)) - set(checks)
+    unknown = (set(cases) | set(runs) | set(examples) | set(slow)) - set(checks)
     if unknown:
-        raise ValueError(f"{module.__name__}: CASES, RUNS or EXAMPLES name what is not there: {', '.join(sorted(unknown))}")
-    return {
-        "test_" + name[6:]: make_test(check, cases.get(name, ()), runs.get(name), examples.get(name, ()))
-        for name, check in checks.items()
-    }
+        names = ", ".join(sorted(unknown))
+        raise ValueError(f"{module.__name__}: CASES, RUNS, EXAMPLES or SLOW name what is not there: {names}")
+    tests = {}
+    for name, check in checks.items():
+        test = make_test(check, cases.get(name, ()), runs.get(name, DEFAULT_RUNS), examples.get(name, ()))
+        tests["test_" + name[6:]] = (pytest.mark.slow if name in slow else pytest.mark.quick)(test)
+    return tests
 
 
-def make_test(check, specs, runs, examples=()):
+def measured_at_first(check):
+    """The check, whose coverage is measured in its first runs only (see tiers.py)."""
+    runs = 0
+
+    @functools.wraps(check)
+    def counted(*values, **named):
+        nonlocal runs
+        runs += 1
+        if runs > tiers.MEASURED:
+            tiers.stop_measuring()
+        return check(*values, **named)
+
+    return counted
+
+
+def make_test(check, specs, runs=DEFAULT_RUNS, examples=()):
     wanted = list(inspect.signature(check).parameters)
     given_names = [spec[0] for spec in specs]
     if wanted != given_names:
         raise ValueError(f"{check.__module__}.{check.__name__}{tuple(wanted)}: CASES gives {tuple(given_names)}")
     if not specs:
-        return check
-    test = given(**{spec[0]: strategy(spec) for spec in specs})(check)
+        return functools.wraps(check)(lambda: check())
+    test = given(**{spec[0]: strategy(spec) for spec in specs})(measured_at_first(check))
     for values in examples:
         test = example(*values)(test)
-    return settings(max_examples=runs)(test) if runs else test
+    return settings(max_examples=tiers.examples(runs))(test)

@@ -7,6 +7,8 @@ import pytest
 from host_tools.arguments import numbered
 from host_tools.build import FIRMWARE, module_files
 
+pytestmark = pytest.mark.quick
+
 
 def of(text, others=""):
     return numbered({"passo/a.py": text, "passo/b.py": others})["passo/a.py"]

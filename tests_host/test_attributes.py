@@ -2,8 +2,12 @@
 
 import ast
 
+import pytest
+
 from host_tools.attributes import shortened
 from host_tools.build import FIRMWARE, module_files
+
+pytestmark = pytest.mark.quick
 
 A = """class A:
     def __init__(self):

@@ -8,6 +8,8 @@ from host_tools.build import FIRMWARE, module_files
 from host_tools.constants import folded, numbered_only
 from host_tools.failure import Failure
 
+pytestmark = pytest.mark.quick
+
 A = """from micropython import const
 
 FIVE = const(5)

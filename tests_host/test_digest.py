@@ -23,6 +23,7 @@ from passo.protocols.plotter_host import COMMANDS, packet
 from programmes import programmes
 from test_micropython import MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 
+pytestmark = pytest.mark.unmeasured
 GOLDEN = TESTS / "golden" / "digests.txt"
 HEX_GOLDEN = TESTS / "golden" / "hex_digests.txt"
 GCODE_GOLDEN = TESTS / "golden" / "gcode_digests.txt"
@@ -79,6 +80,7 @@ def jobs(tmp_path_factory):
     return files
 
 
+@pytest.mark.quick
 def test_digests_are_those_of_the_golden_file(jobs):
     lines = [" ".join([name, *digest(sys.executable, jobs[name])]) for name in objects()]
     assert lines == GOLDEN.read_text().split("\n")[:-1]
@@ -116,6 +118,7 @@ def test_a_job_that_differs_by_one_step_has_another_digest(tmp_path):
     assert len(digests) == 2
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", programmes())
 def test_gcode(tmp_path, name):
     board, lines = programmes()[name]
@@ -139,6 +142,7 @@ def hex_of(lines):
     return "".join(line.encode().hex() + "\n" for line in lines)
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name, lines", [("pulses", PULSES), ("pico_pulses", PICO_PULSES)])
 def test_pulses(tmp_path, name, lines):
     job = tmp_path / "job.hex"
@@ -189,6 +193,7 @@ def golden_of_hex():
     return {line.split()[0]: line.split()[1:] for line in HEX_GOLDEN.read_text().splitlines()}
 
 
+@pytest.mark.quick
 @pytest.mark.parametrize("name", HEX_JOBS)
 def test_bytes_of_other_languages(tmp_path, name):
     _, *options = HEX_JOBS[name]

@@ -3,7 +3,11 @@
 import re
 from pathlib import Path
 
+import pytest
+
 from passo.protocols import errors
+
+pytestmark = pytest.mark.quick
 
 DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "errors.md"
 

@@ -2,7 +2,11 @@
 
 import ast
 
+import pytest
+
 from host_tools.build import FIRMWARE, module_files
+
+pytestmark = pytest.mark.quick
 
 ISR = "# ISR"
 

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.quick
+
 ROOT = Path(__file__).resolve().parent.parent
 FIRMWARE = ROOT / "firmware"
 FILES = sorted(path.relative_to(FIRMWARE) for path in FIRMWARE.rglob("*.py"))

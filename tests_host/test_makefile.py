@@ -7,6 +7,8 @@ import subprocess
 import pytest
 from test_board_command import ROOT
 
+pytestmark = pytest.mark.quick
+
 
 def recipe(*arguments):
     """The commands of a target, not carried out, as if nothing were installed."""

@@ -7,6 +7,7 @@ import sys
 from pathlib import Path
 
 import pytest
+import tiers
 
 from host_tools.build import unix_tree
 
@@ -23,8 +24,10 @@ needs_micropython = pytest.mark.skipif(not MICROPYTHON.exists(), reason=f"there 
 def micro_run(folders, *arguments):
     """Run micro_runner.py under MicroPython with `folders` on its module path."""
     path = ":".join(str(folder) for folder in folders)
+    few = ["--few=%d" % tiers.FEW] if tiers.current == "check" else []
+    slow = ["--slow"] if tiers.current == "all" else []
     return subprocess.run(
-        [MICROPYTHON, "-X", "heapsize=64m", TESTS / "micro_runner.py", *arguments],
+        [MICROPYTHON, "-X", "heapsize=64m", TESTS / "micro_runner.py", *few, *slow, *arguments],
         env={**os.environ, "MICROPYPATH": path},
         capture_output=True,
         text=True,
@@ -33,6 +36,7 @@ def micro_run(folders, *arguments):
 
 
 @needs_micropython
+@pytest.mark.quick
 @pytest.mark.parametrize("module", MODULES)
 def test_checks_under_micropython(module):
     result = micro_run(MODULE_PATH, module)

@@ -2,7 +2,11 @@
 
 from concurrent.futures import ThreadPoolExecutor
 
+import pytest
+
 from host_tools.build import FIRMWARE, compile_module, unix_tree
+
+pytestmark = pytest.mark.quick
 
 ARM = ("armv6m", "armv7emsp")
 ARCHITECTURES = ARM + ("xtensawin", "rv32imc")

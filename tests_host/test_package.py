@@ -7,8 +7,12 @@ import sys
 import tomllib
 from importlib.metadata import packages_distributions
 
+import pytest
+
 from host_tools import package_list
 from host_tools.resources import ROOT
+
+pytestmark = pytest.mark.quick
 
 OWN = {"passo", "host_tools", "boards", "micropython"}
 

@@ -6,6 +6,8 @@ import pytest
 
 from properties import make_tests
 
+pytestmark = pytest.mark.quick
+
 
 def module_with(**names):
     module = types.ModuleType("check_sample")

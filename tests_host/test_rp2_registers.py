@@ -14,6 +14,8 @@ import pytest
 
 from host_tools.build import FIRMWARE
 
+pytestmark = pytest.mark.quick
+
 RP2 = FIRMWARE / "passo" / "ports" / "rp2"
 CHIPS = "rp2040", "rp2350"
 # Name in chip.py: macros whose sum it is, and the values on either chip.

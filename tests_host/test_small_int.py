@@ -6,6 +6,8 @@ import pytest
 
 from small_int import HIGH, LOW, Small
 
+pytestmark = pytest.mark.quick
+
 OPERATORS = [getattr(operator, name) for name in ("add", "sub", "mul", "floordiv", "mod", "and_", "or_", "xor")]
 
 

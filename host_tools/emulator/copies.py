@@ -10,6 +10,8 @@ import pickle
 import sys
 import traceback
 
+from host_tools.emulator.cycles import spent
+
 
 class CopyFailed(Exception):
     """The work raised; the text is its traceback."""
@@ -30,7 +32,8 @@ def on_a_copy(work):
     _, status = os.waitpid(child, 0)
     if not data:
         raise CopyFailed(f"the copy ended without a result, status {status}")
-    failed, result = pickle.loads(data)
+    failed, result, cycles = pickle.loads(data)
+    spent[0] += cycles
     if failed:
         raise CopyFailed(result)
     return result
@@ -38,11 +41,13 @@ def on_a_copy(work):
 
 def _work(work, writing):
     """Never returns."""
+    begun = spent[0]
     try:
         try:
-            data = pickle.dumps((False, work()))
+            result = work()
+            data = pickle.dumps((False, result, spent[0] - begun))
         except BaseException:  # also pytest's, which are no Exceptions
-            data = pickle.dumps((True, traceback.format_exc()))
+            data = pickle.dumps((True, traceback.format_exc(), spent[0] - begun))
         with os.fdopen(writing, "wb") as pipe:
             pipe.write(data)
         sys.stdout.flush()

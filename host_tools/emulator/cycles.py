@@ -7,6 +7,8 @@ set is rounded up to one, which keeps the processor in step with them.
 CYCLE_NS = 8
 CYCLES_PER_US = 125
 CYCLES_PER_TICK = 10
+CYCLES_PER_S = 125_000_000
+spent = [0]  # by all emulated Picos of this process and its copies
 
 
 def now(clock):

@@ -106,11 +106,13 @@ class EmulatedPico:
             reached.append(True)
             loop.ended = True
 
-        alarm = self.at(self.cycle + round(us * cycles.CYCLES_PER_US), end)
+        begun = self.cycle
+        alarm = self.at(begun + round(us * cycles.CYCLES_PER_US), end)
         self._halted = False
         while not reached and not self._halted:
             loop.run()
         alarm.cancel()
+        cycles.spent[0] += self.cycle - begun
 
     def stop(self):
         """End `run` after the instruction under way; for listeners."""

@@ -1,0 +1,109 @@
+"""What a tier runs, tried on a test file of its own."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+import tiers
+from test_board_command import ROOT
+
+pytestmark = pytest.mark.quick
+
+FILE = """
+import sys
+import types
+
+import pytest
+from properties import make_tests
+
+tried = []
+
+
+@pytest.mark.slow
+def test_slow():
+    pass
+
+
+@pytest.mark.quick
+def test_quick():
+    pass
+
+
+@pytest.mark.quick
+@pytest.mark.slow
+def test_one_of_a_quick_file_that_is_slow():
+    pass
+
+
+def test_plain():
+    assert "plain" not in sys.argv
+
+
+def check_all(value):
+    tried.append(value)
+
+
+def check_long(value):
+    pass
+
+
+module = types.ModuleType("check_sample")
+specs = (("value", 0, 100000),)
+vars(module).update(
+    check_all=check_all, check_long=check_long, SLOW=("check_long",), RUNS={"check_all": 60},
+    CASES={"check_all": specs, "check_long": specs},
+)
+globals().update(make_tests(module))
+
+
+@pytest.mark.quick
+def test_the_examples():
+    print("examples:", len(tried))
+
+
+@pytest.mark.unmeasured
+def test_unmeasured():
+    assert sys.gettrace() is None
+"""
+WANTED = {
+    "check": {"test_quick", "test_all", "test_the_examples"},
+    "test": {"test_quick", "test_all", "test_the_examples", "test_plain", "test_unmeasured"},
+    "all": {"test_quick", "test_all", "test_the_examples", "test_plain", "test_unmeasured", "test_slow", "test_long",
+            "test_one_of_a_quick_file_that_is_slow"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("tier", tiers.TIERS)
+def test_what_runs(tmp_path, tier):
+    (tmp_path / "test_file.py").write_text(FILE)
+    environ = {**os.environ, "PYTHONPATH": str(ROOT / "tests_host"), "CI": "1"}
+    options = ["-p", "conftest", "-p", "no:cacheprovider", "-n", "0", "-s", "-v", "-c", os.devnull, "--rootdir", "."]
+    command = [sys.executable, "-m", "pytest", *options, "--tier", tier, "test_file.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environ)
+    assert done.returncode == 0, done.stdout + done.stderr
+    ran = set(re.findall(r"::(test_\w+) (?:PASSED|examples)", done.stdout))
+    assert ran == WANTED[tier]
+    assert int(re.search(r"examples: (\d+)", done.stdout)[1]) == (tiers.FEW if tier == "check" else 60)
+
+
+def test_coverage_sees_the_first_examples_and_the_whole_of_the_next_test(tmp_path):
+    (tmp_path / "sample.py").write_text(
+        "def first(value):\n    return value\n\n\ndef late():\n    return 1\n\n\ndef after():\n    return 2\n"
+    )
+    (tmp_path / "test_file.py").write_text(
+        "import types\n\nimport sample\nimport tiers\nfrom properties import make_tests\n\nmodule = types.ModuleType('m')\n"
+        "runs = []\n\n\ndef check_it(value):\n    runs.append(sample.first(value))\n"
+        "    if len(runs) > tiers.MEASURED:\n        sample.late()\n\n\n"
+        "module.check_it, module.CASES = check_it, {'check_it': (('value', 0, 9999),)}\n"
+        "globals().update(make_tests(module))\n\n\n"
+        "def test_the_next():\n    assert len(runs) == 100\n    sample.after()\n"
+    )
+    environ = {**os.environ, "PYTHONPATH": f"{ROOT / 'tests_host'}{os.pathsep}{tmp_path}", "CI": "1"}
+    options = ["-p", "conftest", "-p", "no:cacheprovider", "-n", "0", "-c", os.devnull, "--rootdir", "."]
+    measure = ["--cov=sample", "--cov-config=/dev/null", "--cov-report=term-missing"]
+    command = [sys.executable, "-m", "pytest", *options, *measure, "test_file.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environ)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.search(r"^sample.py +6 +1 +83% +6$", done.stdout, re.MULTILINE), done.stdout
