@@ -24,8 +24,9 @@ class Track:
     """The world of a board that nothing is wired to but its motors: follows their pins."""
 
     def __init__(self, layout, drive, steps_per_mm, by_height):
-        """`by_height`: what is below Z0 is drawn as cut, whether the tool is on or not."""
+        """`by_height`: what is below Z0 of the program, `surface` in mm, is drawn as cut, whether the tool is on or not."""
         self.by_height = by_height
+        self.surface = 0.0
         self._layout = layout
         self._drive = drive
         axes = layout.axes
@@ -73,7 +74,7 @@ class Track:
         """Append the place to the picture; every step would be too many, so only each tenth of a millimetre."""
         here = tuple(place / scale for place, scale in zip(self.place, self._steps_per_mm))
         kind, places = self.strokes[-1]
-        lowered = here[2] < 0 if self.by_height else lit
+        lowered = here[2] < self.surface if self.by_height else lit
         if kind != lowered:
             self.strokes.append((lowered, [places[-1], here]))
         elif max(abs(a - b) for a, b in zip(here, places[-1])) >= 0.1:
@@ -158,6 +159,7 @@ class VirtualJob:
         self.placed = zero is not None
         if zero is not None:
             self._place(zero)
+            self.track.surface = zero[2] if len(zero) > 2 else 0.0
         self._line.outgoing = b""
 
     def _place(self, zero):

@@ -255,6 +255,15 @@ def test_a_place_that_is_none(job, at, text):
         check.check(job, "router_3axis", None, at)
 
 
+@pytest.mark.parametrize("zero", [None, [20.0, 30.0, -35.0]])
+def test_what_is_below_the_program_s_zero_is_drawn_as_cut_wherever_it_lies(zero):
+    job = VirtualJob("router_3axis", zero=zero)
+    job.run([(1, b"G21G90G0Z2"), (2, b"X0Y0"), (3, b"G1Z-1F600"), (4, b"X5"), (5, b"G0Z2"), (6, b"X9")])
+    x = zero[0] if zero else 0.0
+    cut = [[place[0] - x for place in places] for lowered, places in job.track.strokes if lowered]
+    assert len(cut) == 1 and min(cut[0]) == pytest.approx(0, abs=0.01) and max(cut[0]) == pytest.approx(5, abs=0.01)
+
+
 def test_check_measures_time():
     job = VirtualJob("router_3axis")
     job.run([(1, b"G1X10F600"), (2, b"G4P2"), (3, b"X20M0"), (4, b"X0")])
