@@ -65,6 +65,7 @@ class App:
         self.port = port
         self.layout, drive, off_levels = assembly.make_drive(board)
         settings = Settings(board, Journal(slots or MemorySlots()))
+        assembly.forget("setting_table")
         port.board = board  # pins follow the settings
         self.ring = Ring(ring_size(assembly.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)))
         self.player = port.player(self.ring, self.layout)

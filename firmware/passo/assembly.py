@@ -3,6 +3,8 @@
 A board forgets it when that is done: it has better uses for the memory.
 """
 
+import sys
+
 from passo.control.board_error import BoardError
 from passo.control.settings import SPEED, STEPS
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
@@ -75,6 +77,14 @@ def make_drive(board):
     for axis in range(count):
         off |= motors.OFF << axis * motors.WIDTH
     return Layout("coils", count, count * motors.WIDTH, pins, 0), drive, off
+
+
+def forget(name):
+    """Give back the memory of a module of control that made what it was to make; asked for again it is loaded again."""
+    from passo import control
+
+    if sys.modules.pop("passo.control." + name, None):
+        delattr(control, name)
 
 
 def fastest(board, settings):
