@@ -117,16 +117,24 @@ class Converter:
         self._tool = False
 
     def convert(self, lines):
-        """The text of [(number, bytes)]. Raises Failure at the first line that cannot be."""
+        """The text of [(number, bytes)], up to M2 or M30. Raises Failure at the first line that cannot be.
+
+        A tool that is only on or off needs no S: where the programme says none at all, M3 and M4 turn it on. Where it says
+        some, it is on as on a machine that has a spindle: not with S0.
+        """
         from host_tools.pulse_shapes import lines as folded
         from passo.protocols import errors
 
+        if not any(b"S" in line.upper() for _, line in lines):
+            self._gcode.rpm = self._gcode.max_rpm
         for number, line in lines:
             error = self._gcode.interpret(line)
             if error:
                 raise Failure(f"line {number}: {line.decode()}: error {error}: {errors.text(error)}")
             for command in self._gcode.commands:
                 self._take(number, line, command)
+            if self._gcode.ended:
+                break
         self._set_tool(False)
         self._parts.append("]")
         text = []
@@ -150,8 +158,8 @@ class Converter:
             self._parts.append("+0")
             self._speed = None
         elif kind == commands.SPINDLE:
-            self._set_tool(command.value != 5)
-        elif kind not in (commands.COOLANT, commands.SYNC):
+            self._set_tool(bool(command.tool))
+        elif kind not in (commands.COOLANT, commands.SYNC, commands.OVERRIDE):  # the last: M2 ends every override
             raise Failure(f"line {number}: {line.decode()}: a pulse file has no word for that")
 
     def _set_tool(self, on):

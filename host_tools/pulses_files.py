@@ -53,7 +53,8 @@ def convert(
     """A pulse file to a picture, or G-code to a pulse file.
 
     The picture is a .png, .svg or .pdf: dark where the tool is on. Lines and arcs of G-code are walked as the firmware
-    walks them; M3 and M5 switch the tool, G4 waits, M0 asks the operator for the speed.
+    walks them; M3 and M5 switch the tool, G4 waits, M0 asks the operator for the speed, M2 and M30 end it. If the
+    programme gives no S at all, M3 needs none; if it does, S0 is off.
 
     Examples:
 

@@ -189,6 +189,26 @@ def test_gcode_becomes_the_steps_of_the_firmware(tmp_path):
 
 
 @pytest.mark.parametrize(
+    "lines, pulses",
+    [
+        ("M3\nG1 X.025 F100\nM5", "(+100AA)"),
+        ("M3 (no S: but here)\nG1 X.025 F100 ; S0", "(+100AA)"),
+        ("M4\nG0 X.025\nM5\nG0 X0\nM3\nG1 X.0125 F100", "($AA)BB(+100A)"),
+        ("M3 S0\nG1 X.0125 F100\nS500\nX.025\nS0 X.0375\nM5", "+100A(A)A"),
+        ("G1 X.0125 F100 S500\nM3\nX.025\nM5", "+100A(A)"),
+        ("M3 S1\nG1 X.0125 F100\nM2", "(+100A)"),
+        ("M3\nG1 X.0125 F100\nM30\nG1 X1\nG38.2 X5", "(+100A)"),
+        ("M8\nG1 X.0125 F100\nM9\nM02", "+100A"),
+    ],
+)
+def test_the_tool_and_the_end_of_a_programme(lines, pulses, tmp_path):
+    source, target = tmp_path / "part.gcode", tmp_path / "part.txt"
+    source.write_text(f"G21 G90\n{lines}\n")
+    assert passo("convert", source, "-o", target) == (0, f"{target}\n")
+    assert target.read_text().replace("\n", "") == f"[{pulses}]"
+
+
+@pytest.mark.parametrize(
     "lines, place",
     [
         ("G0X10Y0\nG3X9.9999Y0.001I-10J0Z1", (800, 0, 80)),
