@@ -172,7 +172,7 @@ def jog(
         raise Failure(f"jog {', '.join(JOGS[:3])} or {JOGS[3]}, not {direction!r}")
     units = Units(board, steps)
     with _client(port, baud, log) as client:
-        client.order(torch.frame("JOG_" + direction.upper()) * times)
+        client.jog(direction.upper(), times)
         _finish(client, units, wait)
 
 

@@ -116,6 +116,20 @@ class TorchClient:
             raise Refused(f"the board did not do it: error {after['error']}, {errors.text(after['error'])}")
         return after
 
+    def jog(self, direction, times=1):
+        """So many whole jogs in `direction`, X+ … Y-, as one. Jogs that are only repeated are those of a button held: a
+        Passo board takes no more of them than end soon after it is let go; any other board gets them all."""
+        code = torch.CODES["JOG_" + direction]
+        if self.status() is None:
+            self.send(torch.frame("JOG_" + direction) * times)
+            return
+        while times:
+            now = min(times, 255)
+            self.order(torch.passo(code, now))
+            times -= now
+            if times:
+                self.wait()
+
     def wait(self, show=None):
         """Until the machine stands. `show(status)` each time it is asked. Raises Refused in an alarm."""
         last = None

@@ -130,6 +130,27 @@ def check_jogs():
     assert machine.status()["error"] == errors.BUSY
 
 
+def check_a_jog_key_held():
+    """NEXT is withheld while more is ahead than the board file's time; a host that does not wait for it is not obeyed."""
+    for waits in (True, False):
+        machine = Machine()
+        machine.ask("ORIGIN")
+        answers = b""
+        for _ in range(60):
+            if waits:
+                assert machine.ask("UP") == b"n"
+            else:
+                machine.send("UP")
+                answers += machine.turns(1)
+        before = machine.app.controller.position()[1]
+        machine.turns(300)
+        place = machine.app.controller.position()[1]
+        assert machine.status()["state"] == "idle"
+        each_ms = (2 * 1000 + 225) / 1000
+        assert (place - before - 20) * each_ms <= 100, (before, place)  # one behind the time, one that waits
+        assert place == 600 if waits else place < 600
+
+
 def check_stop_anywhere(turns):
     """Stopped at any moment: DONE, pen up, object dropped, position what the pins saw, and the machine goes on."""
     machine = Machine()

@@ -18,9 +18,15 @@ CASES = {
     "check_moves": (
         ("moves", "list", 4, ("x", 0, 150), ("x_speed", 1, 8000), ("y", 0, 150), ("y_speed", 1, 8000), ("signs", 0, 3)),
     ),
+    "check_a_button_held": (
+        ("jog", 1, 1500), ("speed", 40, 9000), ("period_ms", 5, 200), ("held_ms", 0, 1500), ("ramps", 0, 1),
+    ),
+    "check_whole_jogs": (("times", 1, 255), ("jog", 1, 40)),
     "check_move_after_a_halt": (("ticks", 1, 2_500_000), ("x_speed", 1, 9000), ("y_speed", 1, 9000)),
 }
-RUNS = {"check_moves": 25, "check_move_after_a_halt": 25}
+RUNS = {"check_a_button_held": 40, "check_whole_jogs": 20, "check_moves": 25, "check_move_after_a_halt": 25}
+EXAMPLES = {"check_a_button_held": ((83, 1240, 30, 1000, 0), (1000, 830, 30, 2000, 0))}
+AHEAD_TICKS = 100 * 12_500  # the board file's default
 GAP_MS = 5
 LINK = {"name": "pc", "port": "uart0", "tx": 0, "rx": 1, "protocol": "torch", "idle_gap_ms": GAP_MS}
 
@@ -43,10 +49,10 @@ def understood(protocol, data, now_ms):
     return list(protocol.feed(data, now_ms)) + list(protocol.feed(b"", now_ms + 2))
 
 
-def machine(**changes):
+def machine(jog=None, planning=None, **changes):
     link = dict(LINK)
     link.update(changes)
-    made = FreeMachine(links=[link])
+    made = FreeMachine(links=[link], jog=jog or {}, planning=planning or {})
     made.poll(1_000_000)  # nothing is under way any more from the start
     return made
 
@@ -254,7 +260,7 @@ def check_move_after_a_halt(ticks, x_speed, y_speed):
 def check_jogs_held():
     """A jog that is repeated is one motion without a gap; anything else that comes meanwhile is dropped and counted."""
     board = machine()
-    for repeat in range(10):
+    for repeat in range(30):
         board.send(torch.frame("JOG_Y+"))
         board.poll(600_000)
         if repeat == 5:
@@ -268,10 +274,71 @@ def check_jogs_held():
             assert told["dropped"] == len(others) and told["error"] == errors.BUSY and told["state"] == "jog"
     board.settle()
     ticks = [tick for tick, step in board.steps[1]]
-    assert board.made() == [0, 10 * 100] == [0, len(ticks)]
+    assert board.made() == [0, len(ticks)] and 30 * 600_000 - 600_000 < ticks[-1] - ticks[0] < 31 * 600_000 + AHEAD_TICKS
     gaps = [after - before for before, after in zip(ticks, ticks[1:])]
     assert max(gaps) - min(gaps) <= 1 and abs(gaps[0] - 12_500_000 / 480) <= 1
     assert board.take() == b""
+
+
+def check_a_button_held(jog, speed, period_ms, held_ms, ramps):
+    """From the last frame on the axis goes on for the board file's time at most, or to the end of the first jog, which is
+    whole; up to there it runs without a gap, and no frame is counted as dropped."""
+    board = machine(planning={"independent_ramps": bool(ramps)})
+    board.send(torch.configure(jog, jog, speed, speed))
+    board.poll(200_000)
+    begun = board.port.now
+    last = 0
+    while last <= held_ms:
+        board.send(torch.frame("JOG_X-"))
+        before = -board.made()[0]
+        frame = board.port.now
+        board.poll(period_ms * 12_500)
+        last += period_ms
+    board.settle()
+    made = -board.made()[0]
+    assert made >= jog and [step for _, step in board.steps[0]] == made * [-1]
+    most = speed * AHEAD_TICKS // 12_500_000
+    # Frames of two bytes are believed after two silent milliseconds, and looked at once in 8.
+    # What each frame asks for is still under way when the next one comes.
+    goes_on = min(jog * 1000 // speed, 100 - 1000 // speed) > period_ms + 15
+    assert made <= max(jog, before + (most if goes_on else max(most, jog)) + speed * 12 // 1000 + 2)
+    ticks = [tick for tick, _ in board.steps[0]]
+    gaps = [after - at for at, after in zip(ticks, ticks[1:])]
+    if goes_on and not ramps:
+        assert not gaps or max(gaps) <= 12_500_000 // speed + 1
+        assert ticks[-1] >= frame or made == jog
+    board.send(torch.passo(torch.STATUS_OF))
+    board.turn()
+    assert torch.answer_from(board.take())[1]["dropped"] == 0
+    assert begun <= ticks[0]
+
+
+def check_whole_jogs(times, jog):
+    """PASSO's jogs are so many whole ones, as one; also the longest that fits, and none where it does not."""
+    board = machine()
+    board.send(torch.configure(jog, jog, 4000, 4000) + torch.passo(torch.CODES["JOG_Y-"], times))
+    board.poll(200_000)
+    board.settle()
+    assert board.made() == [0, -times * jog]
+    gaps = [after[0] - at[0] for at, after in zip(board.steps[1], board.steps[1][1:])]
+    assert not gaps or max(gaps) <= 12_500_000 // 4000 + 1
+    board.send(torch.configure((1 << 29) - 2, 1, 4000, 4000) + torch.passo(torch.CODES["JOG_X+"], 2))
+    board.poll(200_000)
+    assert board.made()[0] == 0 and board.controller.log.last == errors.TRAVEL
+
+
+def check_the_time_ahead_is_the_board_files():
+    for ahead_ms in (20, 500):
+        board = machine(jog={"ahead_ms": ahead_ms})
+        board.send(torch.configure(50, 50, 1000, 1000))
+        board.poll(200_000)
+        for _ in range(40):
+            board.send(torch.frame("JOG_X+"))
+            board.poll(15 * 12_500)
+        before = board.made()[0]
+        board.settle()
+        over = board.made()[0] - before
+        assert ahead_ms - 27 <= over <= max(ahead_ms, 50), over
 
 
 def check_configured_jogs_and_origin():

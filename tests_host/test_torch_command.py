@@ -106,6 +106,25 @@ def test_a_board_without_words_of_ours(monkeypatch):
     assert old.heard[1:2] == [torch.move(9, 480, 9, -480)] and len(old.heard) == 5
 
 
+def test_repeated_jogs_of_a_board_without_words_of_ours(monkeypatch):
+    old = OldBoard([(0, 0)])
+    monkeypatch.setattr(torch_client, "open_port", lambda port, baud: old)
+    monkeypatch.setattr(torch_client, "_PASSO_S", 0.01)
+    with TorchClient("old") as client:
+        client.jog("Y-", 3)
+    assert old.heard[1:] == 3 * [torch.frame("JOG_Y-")]
+
+
+def test_many_jogs_are_whole(tmp_path):
+    """More than one frame of ours has room for."""
+    with Board("--board", "torch_manipulator", "--time", "fast") as board:
+        where = ("--port", board.port, "--steps")
+        assert passo("connect", "--port", board.port)[0] == 0
+        assert passo("config", "2", "3", "--x-speed", "4000", "--y-speed", "4000", *where)[0] == 0
+        assert passo("jog", "y-", "--times", "600", *where)[1].startswith("idle  X 0 Y -1800 ")
+        assert passo("jog", "x+", *where)[1].startswith("idle  X 2 Y -1800 ")
+
+
 def test_a_silent_port_is_a_failure(monkeypatch):
     monkeypatch.setattr(torch_client, "open_port", lambda port, baud: OldBoard([]))
     with TorchClient("old", timeout_s=0.02) as client:

@@ -19,7 +19,7 @@ from passo.control.motors import Motors
 from passo.control.settings import ENABLE_INVERT, Settings
 from passo.motion.planner import Planner
 from passo.protocols import errors
-from passo.protocols.commands import ALARM, DROPPED, IMMEDIATE, RESTARTED, STATUS
+from passo.protocols.commands import ALARM, DROPPED, IMMEDIATE, JOG, RESTARTED, STATUS
 from passo.steps.feeder import Feeder
 from passo.steps.ring import Ring, ring_size
 from passo.steps.word import COUNT_MASK, TICKS_PER_S, us_to_ticks
@@ -200,7 +200,7 @@ class App:
         if command.kind in IMMEDIATE or not link.waiting:
             if self.controller.accept(command) == LATER:
                 link.waiting.append(command)
-        elif len(link.waiting) < _WAITING:
+        elif len(link.waiting) < _WAITING and not (command.kind == JOG and link.waiting[-1].kind == JOG):
             link.waiting.append(command)
         else:
             self.controller.refuse(command, errors.TOO_MANY_WAITING)

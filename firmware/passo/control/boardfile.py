@@ -77,7 +77,11 @@ _SPEED = {
     "max": (int, MUST, 1, 1_000_000),
     "overhead_us": (int, 0, 0, 10_000),
 }
-_JOG = {"steps": (int, 10, 1, 100_000), "up": ("y+", "y-", "x+", "x-")}
+_JOG = {
+    "steps": (int, 10, 1, 100_000),
+    "up": ("y+", "y-", "x+", "x-"),
+    "ahead_ms": (int, 100, 10, 10_000),  # of motion that repeated jogs may ask for in advance: how long it goes on after them
+}
 _TRACK = {
     "interval_us": (int, 100, 1, 250_000),  # the least time between one pulse and the next: it makes the fastest speed
     "default_mm_min": (int, 600, 1, 900_000),  # until the track says otherwise, and for moves by hand

@@ -4,7 +4,8 @@
     part.made()                               # steps of each axis since the last RUN from a stand
 
 A RUN that may only begin at a stand is refused as BUSY while anything moves; one marked as a jog also extends a jog of
-the same axes in the same directions, without a gap; one marked as live changes what moves: axes named set out, turn or
+the same axes in the same directions, without a gap, but only up to the board file's jog.ahead_ms of steps ahead of the pins:
+a button that is let go stops the axis within that time, or at the end of the one jog it asked for at least. One marked as live changes what moves: axes named set out, turn or
 take another rate, the others run on undisturbed. Where the board file asks for it (planning.independent_ramps), each
 axis keeps its own limits of speed and acceleration; otherwise the rate is constant from the first step to the last.
 
@@ -32,6 +33,7 @@ class Independent(Part):
         self._queue = machine.queue
         self._machine = machine
         self._ramps = board["planning"]["independent_ramps"]
+        self._ahead_ms = board["jog"]["ahead_ms"]
         self._limits_of = None  # the settings' version that the walker knows
         self.walker = self._queue.independent()
         self._command = None  # the last RUN accepted: its link hears of the end
@@ -141,6 +143,16 @@ class Independent(Part):
             return True
         return command.when == commands.AS_JOG and self._jog == self._directions(command)
 
+    def _more(self, axis, command):
+        """The steps that a jog adds to one under way."""
+        steps = command.steps[axis]
+        ahead = abs(self._queue.target[axis] - self._queue.found()[axis])
+        if not ahead:
+            return steps
+        over, ms = command.rates[axis]
+        more = min(max(over * self._ahead_ms // ms - ahead, 0), abs(steps))
+        return more if steps > 0 else -more
+
     def _directions(self, command):
         return [None if not steps else steps > 0 for steps in command.steps]
 
@@ -189,6 +201,10 @@ class Independent(Part):
             if each is None:
                 continue
             steps = command.steps[axis]
+            if steps and self._moving and command.when == commands.AS_JOG:
+                steps = self._more(axis, command)
+                if not steps:
+                    continue
             over, ms = command.rates[axis]
             rest = ms * TICKS_PER_MS % over
             if not steps:

@@ -107,6 +107,8 @@ class Objects:
         if self.drawing or machine.command is not None or self.store.count or machine.occupied():
             return errors.BUSY
         queue = self._queue
+        if machine.program.jogging and self._ahead() > self._board["jog"]["ahead_ms"] * TICKS_PER_MS:
+            return LATER
         steps = self._board["jog"]["steps"]
         target = [queue.target[axis] + steps * command.target[axis] for axis in range(len(command.target))]
         if not queue.inside(target):
@@ -117,6 +119,10 @@ class Objects:
         queue.line(target, self._ticks, queue.tool, 0)
         queue.flush()
         return machine.accepted(command)
+
+    def _ahead(self):
+        """Ticks of motion between the pins and the queue's end, as long as it is one line."""
+        return self._ticks([to - at for to, at in zip(self._queue.target, self._queue.position())])
 
     # --- drawing
 

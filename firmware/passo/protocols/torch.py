@@ -7,10 +7,11 @@
 Each axis of a move runs at its own speed to its own target. Speeds are steps a second, their sign is the direction; counts
 are unsigned. Only STOP and INFO are answered, by their own code and the signed steps of X and Y since the last move or
 jog; the board says FINISHED when a move has ended, if it is asked to. A jog that is repeated while it runs goes on
-without a gap, as one jog. What comes while the machine moves and is no such jog, stop or question is dropped: `dropped`
+without a gap, as one jog, but asks for no more than the board file's jog.ahead_ms in advance. What comes while the machine moves and is no such jog, stop or question is dropped: `dropped`
 counts it, and the event log has the reason.
 
-PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK and LINK. What the frames'
+PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, and a jog's code for so
+many whole jogs as one. What the frames'
 cutting (frames.py) cannot see is a frame that lost bytes and was filled up by those of the next one, without a silence
 between them: there is no checksum. Counts and speeds out of reach are refused, which finds most of these.
 """
@@ -87,7 +88,7 @@ def configure(x_jog, y_jog, x_speed, y_speed):
 
 
 def passo(what, value=0):
-    """The extension's frame: what = STATUS_OF, UNLOCK_OF or LINK_OF."""
+    """The extension's frame: what = STATUS_OF, UNLOCK_OF, LINK_OF, or CODES["JOG_X+"] … with how many jogs, 1 … 255."""
     return frame("PASSO", bytes((what, value, what ^ value ^ _CHECK)))
 
 
@@ -192,9 +193,11 @@ class Torch:
         steps = (x if x_speed > 0 else -x) if x else None, (y if y_speed > 0 else -y) if y else None
         return Run(steps, ((abs(x_speed), 1000), (abs(y_speed), 1000)), AT_REST)
 
-    def _jog(self, axis, sign):
+    def _jog(self, axis, sign, times=1):
         steps = [None, None]
-        steps[axis] = sign * self._jogs[axis] or None
+        steps[axis] = sign * self._jogs[axis] * times or None
+        if self._jogs[axis] * times >= FOREVER:
+            return Command(BAD, error=errors.TRAVEL)
         return Run(steps, [(speed, 1000) for speed in self._speeds], AS_JOG)
 
     def _configure(self, data):
@@ -216,6 +219,8 @@ class Torch:
             return Command(RESET if value else UNLOCK)
         if what == LINK_OF:
             return Command(HAND_OVER, value=value)
+        if what in _JOGS:
+            return self._jog(*_JOGS[what], value)
         return Command(BAD, error=errors.UNKNOWN_COMMAND)
 
     def reply(self, event):
