@@ -58,12 +58,13 @@ def _follow(client, wait, playing):
     if status["state"] == "hold" and playing:
         way = "passo pulses speed N goes on" if status["ask"] == "1" else "passo pulses run goes on, stop ends it"
         raise Failure(f"paused at command {status['at']} of {status['of']}: {way}")
+    return status
 
 
 def _order(words, port, baud, wait=True, playing=False):
     with _client(port, baud) as client:
         client.command(*words)
-        _follow(client, wait, playing)
+        return _follow(client, wait, playing)
 
 
 # --- on a board
@@ -134,9 +135,16 @@ def run(
 def reverse(port: Port = None, baud: Baud = 115200, wait: Wait = True):
     """Play backward from where it is, to the start of the file; `run` goes forward again.
 
+    Of a file that is streamed the board remembers only the last commands. Exit status 1 if it had to stop before the start.
+
     Example: passo pulses reverse
     """
-    _order(("back",), port, baud, wait, playing=True)
+    status = _order(("back",), port, baud, wait, playing=True)
+    if status and status["state"] == "idle" and int(status["at"]):
+        raise Failure(
+            f"not back at the start, but at command {status['at']} of {status['of']}: what was streamed before is forgotten; "
+            "passo pulses run goes forward again"
+        )
 
 
 @app.command()

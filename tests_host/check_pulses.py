@@ -495,8 +495,59 @@ def check_too_long_is_refused():
     assert machine.world.place == [2000, 2000, 0]
     assert machine.ask("run") == "error:125"  # its beginning is forgotten
     machine.tell("back")
-    machine.until("start")
+    machine.until("oldest")
     assert 1500 < machine.world.place[0] < 1900  # as far as the window remembers
+    oldest = machine.world.place[:]
+    assert machine.status()["state"] == "idle" and machine.ask("run 2") == machine.ask("repeat 2") == "error:125"
+    machine.tell("step", "back")
+    machine.until("oldest")
+    machine.tell("run")
+    machine.until("end")
+    assert machine.world.place == [2000, 2000, 0]
+    machine.tell("back")
+    machine.until("oldest")
+    assert machine.world.place == oldest
+    machine.load("AAAC")  # and another file may come
+    machine.tell("run", 2)
+    machine.until("end")
+    assert machine.world.place == [oldest[0] + 6, oldest[1] + 2, 0]
+
+
+def check_moved_by_hand_behind_a_forgotten_start():
+    """From the oldest step on the rest is played where the machine stands, and soft limits are looked at there."""
+    machine = Lpt(cells=512)
+    machine.send("AC" * 2000, "stream")
+    machine.until("end")
+    machine.tell("back")
+    machine.until("oldest")
+    at = machine.world.place[0]
+    machine.tell("jog", "x", 40)
+    machine.settle()
+    machine.tell("run")
+    machine.until("end")
+    assert machine.world.place == [2040, 2000, 0] and machine.track._origin == [40, 0, 0]
+    machine.tell("back")
+    machine.until("oldest")
+    assert machine.world.place[0] == at + 40
+
+
+def check_a_stream_turned_round_before_its_end():
+    """As far as it is remembered; then the rest of it comes as before."""
+    machine = Lpt(cells=512)
+    machine.tell("stream")
+    text = "AC" * 900
+    while text:
+        machine.put(text[:64])
+        text = text[64:]
+        machine.run_ms(60)
+    machine.run_ms(2000)
+    machine.tell("back")
+    machine.until("oldest")
+    assert machine.status()["state"] == "hold"
+    machine.tell("run")
+    machine.put("{end}")
+    machine.until("end")
+    assert machine.world.place == [900, 900, 0] and machine.status()["state"] == "idle"
 
 
 def check_typed():

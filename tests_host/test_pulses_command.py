@@ -144,6 +144,23 @@ def test_a_run_that_is_only_paused_does_not_end_well(tmp_path):
         assert "WAITS FOR A SPEED" in passo("status", "--port", board.port)[1]
 
 
+def test_reverse_of_a_stream_whose_start_is_forgotten(tmp_path):
+    """It says so, and another file may be played from there."""
+    long, short = tmp_path / "long.txt", tmp_path / "short.txt"
+    long.write_text("[$" + "AC" * 5000 + "]")
+    short.write_text("[$BBBD]")
+    with Board("--board", "lpt_router", "--time", "fast") as board:
+        where = ("--port", board.port)
+        assert passo("play", long, "--stream", *where)[0] == 0
+        failure, _ = passo("reverse", *where)
+        assert failure.startswith("not back at the start, but at command ") and failure.endswith("run goes forward again")
+        assert "place 5000,5000,0" in passo("run", *where)[1]
+        assert passo("reverse", *where)[0] == failure
+        assert passo("play", short, *where)[0] == 0
+        status, _, errors = board.end()
+        assert status == 0 and not errors
+
+
 @pytest.mark.parametrize("shape", pulse_shapes.SHAPES)
 def test_examples_are_closed(shape, tmp_path):
     file = tmp_path / "shape.txt"

@@ -145,7 +145,7 @@ class TrackPlayer(TrackIntake):
             return errors.BUSY
         if self._moved_by_hand() and command.value != commands.TRACK_CONTINUE:
             return errors.RETURN_OR_CONTINUE
-        if self._streaming and command.power > 1:
+        if (self._streaming or self.track.start) and command.power > 1:
             return errors.NO_TRACK
         if command.power > MOST_PASSES:
             return errors.PASSES
@@ -156,13 +156,14 @@ class TrackPlayer(TrackIntake):
                 if self.track.start:
                     return errors.NO_TRACK  # its beginning was streamed and is forgotten
                 self._walker.rewind()
-            if self._walker.at_start():
+            if self._walker.at_start() and not self.track.start:
                 self._origin = self._queue.target[:]
             self._pass = 1
         if command.power:
             self._passes = command.power
         origin = self._origin
-        if self._moved_by_hand() and self._mode == _IDLE:  # the rest of the track lies elsewhere now
+        forgotten = self.track.start and not self._midway
+        if self._mode == _IDLE and (forgotten or self._moved_by_hand()):  # the rest of the track lies elsewhere now
             target = self._queue.target
             self._origin = [at + to - was for at, to, was in zip(origin, target, self._left_at)]
         if (origin is not self._origin or self._walker.at_start()) and not self._reachable():
@@ -257,7 +258,7 @@ class TrackPlayer(TrackIntake):
     def _set_passes(self, command):
         if not 1 <= command.power <= MOST_PASSES:
             return errors.PASSES
-        if self._streaming and command.power > 1:
+        if (self._streaming or self.track.start) and command.power > 1:
             return errors.NO_TRACK
         self._passes = command.power
         return self._machine.accepted(command)
@@ -379,8 +380,9 @@ class TrackPlayer(TrackIntake):
     def _end(self):
         track = self.track
         if self._backward:
-            self._midway = self.track.start != 0  # what was streamed before is forgotten
-            self._tell("start")
+            forgotten = track.start != 0  # what was streamed first
+            self._midway = forgotten and track.open
+            self._tell("oldest" if forgotten else "start")
         elif track.open:
             self._go_along()
         elif self._pass < self._passes:

@@ -22,6 +22,7 @@ Codes outside a file are streamed, too, until the line is quiet. Answers are lin
     ok                     done, or begun; after {end} `ok N`: so many commands
     error:120              refused; of a file `error:120 line 3 column 7`, and nothing of it is left
     end   start   speed    the file has been played, or played back to its start; the operator's speed is wanted
+    oldest                 played back as far as is remembered of what was streamed, which is not its start
     <…>                    to {?}: see pulses_report.py
     ready   alarm:201   stopped     by another link, for one
 
