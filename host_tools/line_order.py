@@ -1,0 +1,244 @@
+"""Polylines joined where their ends meet, and put in an order with little travel between them.
+
+    lines = joined(lines, 0.05)             # ends this close, in the lines' own unit, become one line
+    lines = sorted_from(lines, 0j)          # always the nearest end next, a line turned round where that is nearer
+
+A line is a numpy array of complex numbers, x + yj. Both ways are greedy, with a grid over the ends, so that a hundred
+thousand lines take seconds.
+"""
+
+import math
+
+import numpy
+
+_RINGS = 6  # of cells around a place that are searched before all ends are
+
+
+class Ends:
+    """The ends of lines that are still to be taken, by where they lie. `cell`: the grid's pitch, above 0."""
+
+    def __init__(self, lines, cell):
+        self._cell = cell
+        self._places = numpy.array([end for line in lines for end in (line[0], line[-1])], dtype=complex)
+        self._cells = {}
+        self._left = set(range(len(lines)))
+        self._first = 0  # none before it is left
+        for end, place in enumerate(self._places):
+            self._cells.setdefault(self._key(place), []).append(end)
+
+    def __len__(self):
+        return len(self._left)
+
+    def first(self):
+        """The first line that is left, taken."""
+        while self._first not in self._left:
+            self._first += 1
+        self._take(self._first)
+        return self._first
+
+    def nearest(self, place, within=math.inf):
+        """(line, turned round) of the end nearest to `place`, taken; None if none is `within`. Of two as near the one that
+        begins there, and of these the first."""
+        found = self._around(place, within)
+        if found is None:
+            return None
+        number, turned = divmod(found, 2)
+        self._take(number)
+        return number, bool(turned)
+
+    def _key(self, place):
+        return math.floor(place.real / self._cell), math.floor(place.imag / self._cell)
+
+    def _take(self, number):
+        self._left.remove(number)
+        for end in (2 * number, 2 * number + 1):
+            key = self._key(self._places[end])
+            self._cells[key].remove(end)
+            if not self._cells[key]:
+                del self._cells[key]
+            self._places[end] = complex(math.inf, 0)
+
+    def _around(self, place, within):
+        """The nearest end. What lies in ring r + 1 of cells is farther than r cells."""
+        if not self._left:
+            return None
+        x, y = self._key(place)
+        best = None
+        for ring in range(_RINGS):
+            for key in _ring(x, y, ring):
+                for end in self._cells.get(key, ()):
+                    candidate = abs(self._places[end] - place), end & 1, end
+                    if best is None or candidate < best:
+                        best = candidate
+            reach = ring * self._cell
+            if best is not None and best[0] <= reach or reach > within:
+                break
+        else:
+            distances = abs(self._places - place)
+            least = distances.min()
+            best = min((least, end & 1, int(end)) for end in numpy.nonzero(distances == least)[0])
+        return best[2] if best is not None and best[0] <= within else None
+
+
+def _ring(x, y, ring):
+    if not ring:
+        return [(x, y)]
+    side = range(-ring, ring + 1)
+    inner = range(-ring + 1, ring)
+    return [(x + i, y + j) for i in side for j in (-ring, ring)] + [(x + i, y + j) for i in (-ring, ring) for j in inner]
+
+
+def joined(lines, tolerance):
+    """The lines, those whose ends are at most `tolerance` apart made one; lines of less than two points are left out.
+
+    Where several meet they are drawn as by one who does not lift the pen: half as many lines as there are places where an
+    odd number meets, or one line that is closed (Euler, 1736; Hierholzer, 1873).
+    """
+    lines = [line for line in lines if len(line) > 1]
+    lines = [_chained([(lines[number], turned) for number, turned in trail]) for trail in _trails(lines, tolerance / 2)]
+    # Ends that are near each other, but not near one place.
+    ends = Ends(lines, max(tolerance, 1e-9))
+    result = []
+    while len(ends):
+        parts = [(lines[ends.first()], False)]
+        for _ in range(2):  # at its end; turned round, at its beginning
+            while (found := ends.nearest(_last(*parts[-1]), tolerance)) is not None:
+                parts.append((lines[found[0]], found[1]))
+            parts = [(line, not turned) for line, turned in reversed(parts)]
+        result.append(_chained(parts))
+    return result
+
+
+def _last(line, turned):
+    return line[0] if turned else line[-1]
+
+
+def _chained(parts):
+    """One line of [(line, turned round)]."""
+    return numpy.concatenate([line[::-1] if turned else line for line, turned in parts])
+
+
+def _trails(lines, radius):
+    """Lists of (line, turned round) that hang together, as few as there can be. Ends within `radius` of a place are there."""
+    nodes = _nodes(lines, max(radius, 1e-9))
+    edges = list(zip(nodes[::2], nodes[1::2]))
+    around = {}  # node: numbers of the edges there; one that begins and ends there twice
+    for number, pair in enumerate(edges):
+        for node in pair:
+            around.setdefault(node, []).append(number)
+    count = len(edges)
+    trails = []
+    for component in _components(edges, around):
+        odd = [node for node in component if len(around[node]) % 2]
+        for pair in zip(odd[::2], odd[1::2]):  # edges of no line: there the pen is lifted
+            for node in pair:
+                around[node].append(len(edges))
+            edges.append(pair)
+        trail = _circuit(odd[0] if odd else component[0], edges, around)
+        lifts = [index for index, (number, _) in enumerate(trail) if number >= count]
+        if lifts:
+            trail = trail[lifts[0] + 1 :] + trail[: lifts[0] + 1]
+        part = []
+        for step in trail:
+            if step[0] < count:
+                part.append(step)
+            else:
+                trails.append(part)
+                part = []
+        trails.append(part)
+    return [_forwards(trail) for trail in trails if trail]
+
+
+def _forwards(trail):
+    """The trail from the end from which most of its lines go as they are."""
+    if 2 * sum(turned for _, turned in trail) > len(trail):
+        return [(number, not turned) for number, turned in reversed(trail)]
+    return trail
+
+
+def _nodes(lines, radius):
+    """The place of each end, by number; two for a line."""
+    cells = {}
+    nodes = []
+    centres = []
+    for line in lines:
+        for end in (complex(line[0]), complex(line[-1])):
+            x, y = math.floor(end.real / radius), math.floor(end.imag / radius)
+            near = [node for i in (-1, 0, 1) for j in (-1, 0, 1) for node in cells.get((x + i, y + j), ())]
+            found = min(((abs(centres[node] - end), node) for node in near), default=(math.inf, 0))
+            if found[0] > radius:
+                found = 0.0, len(centres)
+                centres.append(end)
+                cells.setdefault((x, y), []).append(found[1])
+            nodes.append(found[1])
+    return nodes
+
+
+def _components(edges, around):
+    """Lists of nodes that lines connect."""
+    seen = set()
+    for first in around:
+        if first in seen:
+            continue
+        seen.add(first)
+        component = [first]
+        for node in component:  # grows meanwhile
+            for number in around[node]:
+                for other in edges[number]:
+                    if other not in seen:
+                        seen.add(other)
+                        component.append(other)
+        yield component
+
+
+def _circuit(start, edges, around):
+    """All edges of a component once, as (number, turned round), back to `start`; an even number meets at each node."""
+    left = {}
+    used = set()
+    path = [(start, None)]
+    circuit = []
+    while path:
+        node, arrived = path[-1]
+        waiting = left.setdefault(node, list(reversed(around[node])))
+        while waiting and waiting[-1] in used:
+            waiting.pop()
+        if waiting:
+            number = waiting.pop()
+            used.add(number)
+            turned = edges[number][0] != node
+            path.append((edges[number][0] if turned else edges[number][1], (number, turned)))
+        else:
+            path.pop()
+            if arrived is not None:
+                circuit.append(arrived)
+    circuit.reverse()
+    return circuit
+
+
+def sorted_from(lines, place):
+    """The lines in the order in which a pen that stands at `place` takes them, each time the one with the nearest end; as
+    they are where that is the shorter way."""
+    lines = list(lines)
+    if not lines:
+        return []
+    every = [end for line in lines for end in (line[0], line[-1])]
+    width = max(end.real for end in every) - min(end.real for end in every)
+    height = max(end.imag for end in every) - min(end.imag for end in every)
+    ends = Ends(lines, max(math.sqrt(width * height / len(lines)), max(width, height) / len(lines), 1e-9))
+    result = []
+    at = place
+    while len(ends):
+        number, turned = ends.nearest(at)
+        line = lines[number][::-1] if turned else lines[number]
+        result.append(line)
+        at = line[-1]
+    return result if travel(result, place) <= travel(lines, place) else lines
+
+
+def travel(lines, place):
+    """How far a pen goes from `place` and between the lines."""
+    way = 0.0
+    for line in lines:
+        way += float(abs(line[0] - place))
+        place = line[-1]
+    return way

@@ -1,0 +1,110 @@
+"""Joining and sorting polylines: against the plainest way to do either, and that nothing gets lost."""
+
+import math
+
+import numpy
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from host_tools.line_order import joined, sorted_from, travel
+
+TOLERANCE = 0.05
+coordinates = st.one_of(st.integers(-20, 20).map(lambda value: value / 4), st.floats(-300, 300))
+points = st.builds(complex, coordinates, coordinates)
+polylines = st.lists(points, min_size=2, max_size=4).map(lambda line: numpy.array(line, dtype=complex))
+many = st.lists(polylines, max_size=40)
+
+
+def length(lines):
+    return sum(float(abs(numpy.diff(line)).sum()) for line in lines)
+
+
+def plainest(lines, place):
+    """Always the nearest end next; as they are where that is shorter."""
+    given, start = list(lines), place
+    lines = list(enumerate(lines))
+    result = []
+    while lines:
+        options = [(abs(line[-end] - place), end, number, index)
+                   for index, (number, line) in enumerate(lines) for end in (0, 1)]  # fmt: skip
+        _, end, _, index = min(options)
+        line = lines.pop(index)[1]
+        result.append(line[::-1] if end else line)
+        place = result[-1][-1]
+    return result if travel(result, start) <= travel(given, start) else given
+
+
+@given(many, points)
+def test_sorted_as_by_the_plainest_way(lines, place):
+    found = sorted_from(lines, place)
+    wanted = plainest(lines, place)
+    assert [list(line) for line in found] == [list(line) for line in wanted]
+
+
+@given(st.integers(1, 300), st.integers(0, 1000))
+def test_where_lines_are_far_from_each_other(count, seed):
+    """Heaps of lines with nothing between them: the whole table is searched then."""
+    random = numpy.random.default_rng(seed)
+    places = random.choice([0, 1000, 1e6], count) + random.random(count) + 1j * random.random(count)
+    lines = [numpy.array([place, place + random.random()]) for place in places]
+    found, wanted = sorted_from(lines, 500 + 0j), plainest(lines, 500 + 0j)
+    assert [list(line) for line in found] == [list(line) for line in wanted]
+
+
+@given(many)
+def test_joining_loses_and_adds_nothing(lines):
+    found = joined(lines, TOLERANCE)
+    assert sum(map(len, found)) == sum(map(len, lines))
+    gaps = len(lines) - len(found)
+    assert gaps >= 0 and abs(length(found) - length(lines)) <= gaps * TOLERANCE + 1e-6
+    every = sorted((place.real, place.imag) for line in lines for place in line)
+    assert sorted((place.real, place.imag) for line in found for place in line) == every
+
+
+@given(many)
+def test_no_two_ends_that_meet_are_left(lines):
+    found = joined(lines, TOLERANCE)
+    for index, line in enumerate(found):
+        for other in found[index + 1 :]:
+            apart = min(abs(a - b) for a in (line[0], line[-1]) for b in (other[0], other[-1]))
+            assert apart > TOLERANCE or _closed(line) or _closed(other)
+
+
+def _closed(line):
+    """Its own ends meet: what was nearest was itself, once it was whole."""
+    return abs(line[0] - line[-1]) <= TOLERANCE
+
+
+@given(many, points)
+def test_never_longer_than_before(lines, place):
+    assert travel(sorted_from(lines, place), place) <= travel(lines, place)
+
+
+@given(st.lists(st.tuples(st.integers(0, 5), st.integers(0, 5)), min_size=1, max_size=40))
+def test_as_few_lines_as_there_can_be(pairs):
+    """Between six places: half of those where an odd number of ends meets, one where that is none, in each that hangs
+    together."""
+    corners = [0j, 10 + 0j, 20 + 3j, 5 + 9j, 15 + 9j, 9 + 4j]
+    lines = [numpy.array([corners[a], 0.3 * number + 30j, corners[b]]) for number, (a, b) in enumerate(pairs)]
+    group = {node: {node} for pair in pairs for node in pair}
+    for a, b in pairs:
+        both = group[a] | group[b]
+        group.update(dict.fromkeys(both, both))
+    degrees = {node: sum(pair.count(node) for pair in pairs) for node in group}
+    wanted = sum(max(1, sum(degrees[node] % 2 for node in nodes) // 2) for nodes in {frozenset(g) for g in group.values()})
+    found = joined(lines, TOLERANCE)
+    assert len(found) == wanted and abs(length(found) - length(lines)) < 1e-6
+
+
+def test_a_chain_in_any_order_and_direction_is_one_line():
+    corners = [complex(i, i % 2) for i in range(30)]
+    parts = [numpy.array([a, b] if i % 3 else [b, a]) for i, (a, b) in enumerate(zip(corners, corners[1:]))]
+    parts = parts[::2] + parts[1::2]
+    (line,) = joined(parts, TOLERANCE)
+    assert math.isclose(length([line]), length(parts))
+
+
+@pytest.mark.parametrize("lines", [[], [numpy.array([1j])]])
+def test_nothing(lines):
+    assert joined(lines, TOLERANCE) == [] and sorted_from([], 0j) == []
