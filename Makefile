@@ -33,18 +33,18 @@ endef
 venv: $(DRAW)  ## make .venv and install the project into it, without what only the tests need
 
 $(TOOLS): pyproject.toml
-	$(call install,,passo,35)
+	$(call install,,passo,20)
 
 $(DRAW): pyproject.toml
-	$(call install,[draw],drawing,290)
+	$(call install,[draw],drawing,165)
 	@touch $(TOOLS)
 
 $(EMULATE): pyproject.toml
-	$(call install,[emulate],the emulator,80)
+	$(call install,[emulate],the emulator,40)
 	@touch $(TOOLS)
 
 $(STAMP): pyproject.toml
-	$(call install,[test],testing,440)
+	$(call install,[test],testing,255)
 	@touch $(TOOLS) $(DRAW) $(EMULATE)
 
 run: $(DRAW)  ## draw on the virtual board; pictures and traces in out/
