@@ -78,7 +78,7 @@ else
 endif
 
 test-all: $(STAMP) $(CLIENTS) $(STUBS)  ## all tests, the slow ones and all of the emulated Pico included
-	$(PYTEST) --tier all --cov --cov-report=term $(ARGS)
+	$(PYTEST) --tier all $(if $(ARGS),,--cov --cov-report=term) $(ARGS)
 
 bench: $(STAMP)  ## the slower measurements
 	$(BIN)/python -m host_tools.bench $(ARGS)

@@ -116,6 +116,7 @@ def test_build_and_flash_from_another_folder(passo):
     assert str(passo.site / "host_tools" / "tidy_board.py") in last
 
 
+@pytest.mark.slow
 def test_a_board_file_of_the_users_own_by_path(passo, tmp_path):
     own = tmp_path / "mine.py"
     own.write_text((ROOT / "boards" / "plotter_2014.py").read_text().replace('"baud": 57600', '"baud": 19200'))

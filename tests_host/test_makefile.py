@@ -27,8 +27,9 @@ def test_only_what_is_needed_is_installed_and_said(target, wanted):
     assert re.search(r'echo "Installing what .* needs into .venv: some \d+ MB', commands)
 
 
-def test_chosen_tests_are_not_failed_for_their_coverage():
-    commands = recipe("test", "ARGS=tests_host/test_error_table.py")
+@pytest.mark.parametrize("target", ["check", "test", "test-all"])
+def test_chosen_tests_are_not_failed_for_their_coverage(target):
+    commands = recipe(target, "ARGS=tests_host/test_error_table.py")
     runs = [line for line in commands.splitlines() if " pytest " in line]
     assert runs and all("--cov" not in line for line in runs)
     assert [line for line in runs if "tests_host/test_error_table.py" in line] == runs

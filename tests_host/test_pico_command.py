@@ -166,6 +166,7 @@ def test_the_port_is_printed_when_the_firmware_answers(uf2, tmp_path):
     assert status == 0 and "building" in errors and "starts" in errors
 
 
+@pytest.mark.slow
 def test_answers_come_from_then_on(make_machine):
     machine = make_machine(BOARD)
     assert not machine.listening()
@@ -173,6 +174,7 @@ def test_answers_come_from_then_on(make_machine):
     assert machine.ask(HELLO, limit_ms=300) == b"k"
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("said", ["building", "starts"])
 def test_it_ends_whatever_it_is_at(uf2, said):
     process = subprocess.Popen([*COMMAND, "--board", BOARD], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,

@@ -6,6 +6,7 @@ from host_tools import boards, setting_names
 from passo.control.boardfile import check
 from passo.control.settings import _table
 
+pytestmark = pytest.mark.quick
 BOARDS = [name for name in boards.names() if any(link["protocol"] == "grbl" for link in boards.load(name)["links"])]
 DECIMAL = 3
 

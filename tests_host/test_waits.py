@@ -9,6 +9,7 @@ import pytest
 
 from host_tools.build import FIRMWARE
 
+pytestmark = pytest.mark.quick
 PORTS = FIRMWARE / "passo" / "ports"
 ABORT, BUSY = 0x50000444, 1 << 24
 CHANNELS = 0b111
