@@ -4,7 +4,7 @@ import pytest
 
 from host_tools import boards, setting_names
 from passo.control.boardfile import check
-from passo.control.settings import _table
+from passo.control.setting_table import make
 
 pytestmark = pytest.mark.quick
 BOARDS = [name for name in boards.names() if any(link["protocol"] == "grbl" for link in boards.load(name)["links"])]
@@ -14,7 +14,7 @@ DECIMAL = 3
 @pytest.mark.parametrize("name", BOARDS)
 def test_every_setting_has_a_name_and_the_bounds_of_the_firmware(name):
     board = check(boards.load(name))
-    for number, (_, places, _, least, most) in _table(board).items():
+    for number, (_, places, _, least, most) in make(board).items():
         title, _, *bounds = setting_names.rule(number, len(board["axes"]))
         scale = 1000 if places == DECIMAL else 1
         assert title and bounds == [least / scale, most / scale], number
