@@ -11,6 +11,8 @@ FREE_BYTES = 12_000  # with the larger ring of the faster axes, and the memory t
 LINES_S = 450
 LINK = "serial"
 ANSWER = re.compile(rb"(^|\n)(ok|error:\d+)\r\n")
+FLOOD = 450
+LINE_END = re.compile(rb"(ok|error:\d+)\r\n")
 DOTS_S = 350
 # Quarters of 0.5 and 1 mm radius, between lines and next to each other.
 TIGHT = ["G21G91F600", "G1X0.3", "G3X0.5Y0.5J0.5", "G1Y0.3", "G2X0.5Y0.5I0.5", "G2X1Y-1J-1", "G3X1Y1J1", "G1X0.3"]
@@ -72,3 +74,17 @@ def test_a_router_as_it_is_has_memory_for_its_arcs(uf2):
     machine.settle()
     for line in (b"$$", b"$111=4000", b"G10L20P1X0", b"$#", b"G2X1Y1J1"):
         assert ANSWER.search(ask(line))[2] == b"ok", line
+
+
+def test_lines_sent_without_waiting_are_answered(uf2):
+    """At the wire's full speed, each of them taking longer than it takes to arrive: none is lost without a word."""
+    machine = EmulatedMachine("router_3axis", trace=None).boot()
+    machine.run_until(lambda: b"$X" in machine.received(LINK), 10_000)
+    machine.send(b"$LINK=0\n$X\n", LINK)
+    machine.run_until(lambda: machine.received(LINK).count(b"ok") == 2, 10_000)
+    machine.take(LINK)
+    machine.send(b"G53G0X0 \n" * FLOOD + b"G4P0\n", LINK)
+    machine.run_until(lambda: len(LINE_END.findall(machine.received(LINK))) > FLOOD, 10_000)
+    answers = machine.take(LINK).split()
+    assert set(answers) == {b"ok", b"error:11"} and len(answers) == FLOOD + 1 and machine.wire(LINK).lost == 0
+    assert answers.index(b"error:11") == answers.count(b"ok")  # the first were done, the rest found no room
