@@ -14,6 +14,7 @@ import fcntl
 import os
 import select
 import socket
+import sys
 import termios
 import time
 import tty
@@ -22,7 +23,7 @@ from pathlib import Path
 from host_tools.failure import Failure
 
 READ_BYTES = 4096
-UNSENT_BYTES = 65536  # kept for a client that does not read; older bytes are lost beyond that
+UNSENT_BYTES = 1 << 20  # kept for a client that does not read; beyond that the oldest are lost, and it is said
 
 
 def wait(lines, milliseconds):
@@ -37,10 +38,16 @@ def wait(lines, milliseconds):
 class _Line:
     def __init__(self):
         self._unsent = b""
+        self._told = False  # that bytes are lost
 
     def write(self, data):
-        self._unsent = (self._unsent + bytes(data))[-UNSENT_BYTES:]
+        self._unsent += bytes(data)
         self._send()
+        if len(self._unsent) > UNSENT_BYTES:
+            self._unsent = self._unsent[-UNSENT_BYTES:]
+            if not self._told:
+                self._told = True
+                print(f"{self.name}: its client does not read; what the board says to it is lost", file=sys.stderr, flush=True)
 
     def _send(self):
         """Send what the client takes now; without a client forget it."""

@@ -20,12 +20,12 @@ LIMIT_S = 30
 
 
 class Running:
-    """`line.name` is the port to open; `mode` is that of the virtual port."""
+    """`line.name` is the port to open, a pty unless another is given; `mode` is that of the virtual port."""
 
-    def __init__(self, mode="real"):
+    def __init__(self, mode="real", line=None):
         self.world = World()
         board = check(BOARD)
-        self.line = PtyLine()
+        self.line = line or PtyLine()
         lines = {"pc": self.line, "serial": MemoryLine()}
         port = VirtualPort(board, self.world, mode, lines, lambda ms: wait([self.line], ms))
         self.app = App(board, port)

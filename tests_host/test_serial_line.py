@@ -10,6 +10,7 @@ import serial
 
 from host_tools.failure import Failure
 from host_tools.serial_line import PtyLine, TcpLine, wait
+from running_router import Running
 
 ALL_BYTES = bytes(range(256))
 
@@ -174,3 +175,40 @@ def test_a_link_that_a_killed_board_has_left_is_replaced(tmp_path):
     assert os.readlink(link) != "/dev/pts/no-such"
     line.close()
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_client_that_does_not_read_is_told_of(line, capfd, monkeypatch):
+    """What the wire cannot take is kept up to a limit; beyond it the newest stays, and it is said once."""
+    monkeypatch.setattr("host_tools.serial_line.UNSENT_BYTES", 10_000)
+    with connect(line) as client:
+        for _ in range(5_000):
+            line.write(bytes(10_000))
+            if "does not read" in capfd.readouterr().err:
+                break
+        line.write(b"last" * 2)
+        assert "does not read" not in capfd.readouterr().err
+        client.timeout = 0.02
+        data = b""
+        while not data.endswith(b"lastlast"):
+            line.read()
+            data = data[-8:] + client.read(65_536)
+
+
+@pytest.mark.parametrize("kind", ["pty", "tcp"])
+def test_lines_sent_without_waiting_are_answered(kind):
+    """4,200 bytes at once: an answer a line, in order: what was answered by ok was done, and nothing else."""
+    running = Running("fast", PtyLine() if kind == "pty" else TcpLine(0))
+    try:
+        with serial.serial_for_url(running.line.name, 115200, timeout=10) as client:
+            client.write(b"$X\nG91\n")
+            while client.readline().strip() != b"ok" or client.readline().strip() != b"ok":
+                pass
+            tenths = [number % 10 for number in range(300)]
+            client.write(b"".join(b"G1X0.%d00F3000\n" % tenth for tenth in tenths))
+            said = [client.readline().strip() for _ in tenths]
+            assert set(said) == {b"ok", b"error:11"}
+            client.write(b"G4P0\n")
+            assert client.readline().strip() == b"ok"
+            assert running.position()[0] == 32 * sum(tenth for tenth, answer in zip(tenths, said) if answer == b"ok")
+    finally:
+        running.close()
