@@ -114,8 +114,9 @@ def router(link):
     for axis in board["axes"]:
         axis.update(steps_per_m=400_000, travel_steps=120_000, max_mm_min=15_000, accel_mm_s2=5000)
     machine = EmulatedMachine(board, trace=None, start=(0, 0, 0)).boot()
+    machine.pico.console.expect(b"Grbl")
+    machine.run_ms(100)
     asking = Asking(machine, link)
-    machine.run_ms(1900)
     asking.stream([b"G1F25981\n"])  # √3 · 15 000: each axis at 100 kHz
     machine.run_until(lambda: not asking.unanswered, 1000)
     asking.status()  # as every sender does first; it makes the buffers
