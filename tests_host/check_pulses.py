@@ -368,17 +368,113 @@ def check_single_steps():
 
 
 def check_drives():
+    """They are on where the file, or the operator, has switched them on, and off elsewhere, steps or not."""
     machine = Lpt()
     machine.tell("drives", "on")
     assert machine.world.outputs["enable"] == 0 and machine.status()["port"] == "80"
     machine.tell("drives", "off")
     assert machine.world.outputs["enable"] == 1
-    machine.load("[A*40]A")
+    machine.load("[A*40]*40A*40")
     machine.tell("run")
-    machine.run_ms(60)
-    assert machine.world.outputs["enable"] == 0
+    machine.run_ms(50)
+    assert machine.world.outputs["enable"] == 0 and machine.world.place == [1, 0, 0]
+    machine.run_ms(45)
+    assert machine.world.outputs["enable"] == 1
+    machine.run_ms(35)
+    assert machine.world.outputs["enable"] == 1 and machine.status()["port"][0] in "01"
     machine.until("end")
-    assert machine.world.place == [2, 0, 0]  # steps wake the drives by themselves
+    assert machine.world.place == [2, 0, 0]  # the port's pulses are those of the file
+
+
+def enabled_while(machine, *words):
+    """The levels of the output enable, active low, that are seen up to the stand."""
+    seen = set()
+    machine.tell(*words)
+    for _ in range(100_000):
+        seen.add(machine.world.outputs["enable"])
+        machine.turn()
+        if not machine.track.live():
+            machine.settle()
+            machine.take()
+            return seen
+    raise AssertionError("it does not end")
+
+
+def check_drives_that_are_off_stay_off():
+    """Without [ in the file, after `drives off`, stored or streamed, forward and backward, through a pause."""
+    machine = Lpt()
+    machine.load("(A*20)C*20" + "AC" * 20)
+    for words in (("run",), ("back",), ("step",)):
+        assert enabled_while(machine, *words) == {1}, words
+    machine.tell("drives", "on")
+    assert enabled_while(machine, "run") == {0}
+    machine.tell("drives", "off")
+    assert enabled_while(machine, "back") == {1}
+    machine.tell("run")
+    machine.run_ms(10)
+    machine.tell("pause")
+    machine.settle()
+    assert machine.world.outputs["enable"] == 1
+    assert enabled_while(machine, "run") == {1}
+    machine.put("AAAA")
+    machine.until("end")
+    assert machine.world.outputs["enable"] == 1
+    machine.tell("run")
+    machine.run_ms(10)
+    machine.tell("stop")
+    assert machine.world.outputs["enable"] == 1
+
+
+def check_drives_on_the_way_back():
+    """On, as they were forward, although the file has ended with them off; off at its start."""
+    machine = Lpt()
+    machine.play("[+10AAAA]")
+    assert machine.world.outputs["enable"] == 1
+    places = []
+    machine.tell("back")
+    while machine.track.live():
+        machine.turn()
+        places.append((machine.world.place[0], machine.world.outputs["enable"]))
+    assert (4, 0) in places and (1, 0) in places and (3, 1) not in places and (1, 1) not in places
+    machine.until("start")
+    assert machine.world.place == [0, 0, 0] and machine.world.outputs["enable"] == 1
+    machine.tell("step")
+    machine.settle()
+    assert machine.world.outputs["enable"] == 0
+    machine.tell("drives", "off")
+    assert enabled_while(machine, "back") == {1}
+
+
+def check_moves_by_hand_and_the_drives():
+    """They switch the drives on, but where the operator has switched them off."""
+    machine = Lpt()
+    machine.tell("jog", "x", 4)
+    machine.settle()
+    assert machine.world.outputs["enable"] == 0 and machine.status()["drives"] == "1"
+    machine.tell("drives", "off")
+    assert machine.ask("jog", "x", 4) == "error:130"
+    machine.load("[AAA*500A]")
+    machine.tell("run")
+    machine.run_ms(100)
+    machine.tell("pause")
+    machine.settle()
+    machine.tell("jog", "y", 5)
+    machine.settle()
+    machine.tell("drives", "off")
+    assert machine.ask("return") == machine.ask("jog", "y", 1) == "error:130"
+    machine.tell("drives", "on")
+    machine.tell("return")
+    machine.until("end")
+    assert machine.world.place == [8, 0, 0] and machine.world.outputs["enable"] == 1
+
+
+def check_where_unpowered_motors_are_nobody_knows():
+    machine = Lpt()
+    machine.app.controller.homed = True
+    machine.play("[AAA]")
+    assert machine.app.controller.homed
+    machine.play("A")
+    assert not machine.app.controller.homed
 
 
 def check_continue_from_here():
@@ -703,7 +799,7 @@ def check_travel():
     controller = machine.app.controller
     controller.homed = True
     controller.settings.value = lambda number: 1
-    machine.load("AAAB")
+    machine.load("[AAAB]")
     assert machine.ask("run") == "ok"
     machine.until("end")
     machine.load("D" * 5)
@@ -712,7 +808,7 @@ def check_travel():
     assert machine.ask("run", 100) == "error:104"
     assert machine.ask("jog", "y", -1) == "error:15"
     assert machine.world.place == [2, 0, 0]
-    machine.load("C" * 40 + "D" * 40)
+    machine.load("[" + "C" * 40 + "D" * 40)
     machine.tell("run")
     machine.run_ms(40)
     machine.tell("pause")

@@ -42,7 +42,7 @@ def test_a_session(tmp_path):
     trace = tmp_path / "trace.csv"
     good, ask, bad = tmp_path / "good.txt", tmp_path / "ask.txt", tmp_path / "bad.txt"
     good.write_text("[+2000(\n" + "A" * 60 + "G" * 60 + "\n)D]\n")
-    ask.write_text("AA+0BB")
+    ask.write_text("[AA+0BB")
     bad.write_text("AA\nC*D")
     with Board("--board", "lpt_router", "--trace", trace, "--time", "fast") as board:
         where = ("--port", board.port)
@@ -56,14 +56,14 @@ def test_a_session(tmp_path):
         failure, _ = passo("play", bad, *where)
         assert failure.endswith("line 2 column 2: error 121: a number is missing, or unfinished")
         failure, text = passo("play", ask, *where)
-        assert "WAITS FOR A SPEED" in text and failure == "paused at command 3 of 5: passo pulses speed N goes on"
+        assert "WAITS FOR A SPEED" in text and failure == "paused at command 4 of 6: passo pulses speed N goes on"
         assert passo("speed", "500", *where)[0] == 0
         deadline = time.monotonic() + 30
-        while "command 5 of 5" not in passo("status", *where)[1]:
+        while "command 6 of 6" not in passo("status", *where)[1]:
             assert time.monotonic() < deadline
         assert passo("run", "101", *where)[0] != 0
         assert passo("repeat", "2", *where)[0] == 0
-        assert passo("step", *where)[0] == 0 and "hold  command 1 of 5" in passo("status", *where)[1]
+        assert passo("step", *where)[0] == 0 and "hold  command 1 of 6" in passo("status", *where)[1]
         assert passo("jog", "y", "3", "--steps", *where)[0] == 0
         failure, _ = passo("run", *where)
         assert failure.startswith("run: error 127: ")

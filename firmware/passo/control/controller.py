@@ -295,6 +295,14 @@ class Controller:
         """The axes of `mask` are without current in what moves from now on; 0: none is."""
         self._motors.limp(mask)
 
+    def unpower(self, axes):
+        """The axes of `axes`, all or none, are without current in what moves from now on. Only at a stand."""
+        self._motors.unpower(axes)
+
+    def strayed(self):
+        """The motors are not where the steps lead to: homing has to find out."""
+        self.homed = False
+
     def drives(self, on):
         """The motors' current on until it is switched off, or off now."""
         self._motors.keep = on

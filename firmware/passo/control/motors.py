@@ -23,6 +23,7 @@ class Motors:
         self._hold_ms = board["drive"]["hold_ms"]
         self.enable_inverted = False
         self.keep = False  # the current stays on until release()
+        self._without = False  # see unpower()
         self._board = board  # its idle_release_ms may change
         self._since_ms = 0
         self.state = RELEASED
@@ -31,7 +32,7 @@ class Motors:
 
     def poll(self, now_ms, moving, tool):
         """Once a main loop turn. `moving`: motion is under way or wanted; `tool`: where its end leaves the tool."""
-        if moving or self.keep:
+        if moving and not self._without or self.keep:
             self._since_ms = now_ms
             if self.state != RUNNING and not self._player.busy():
                 self._ready_ms = now_ms + (self._wake_ms if self.state == RELEASED else 0)
@@ -47,6 +48,8 @@ class Motors:
 
     def ready(self, now_ms):
         """True when motion may begin. Drivers with STEP and DIR know no current to hold with."""
+        if self._without:
+            return True
         if self.state == HOLDING:
             return self._drive is None
         return self.state == RUNNING and (now_ms - self._ready_ms) & _TIME_MASK < _TIME_MASK // 2
@@ -56,6 +59,14 @@ class Motors:
         output: theirs stays on."""
         if self._drive is not None:
             self._drive.limp(mask)
+
+    def unpower(self, axes):
+        """Motion goes out, and no motor has current, if `axes`, a mask, is not 0; 0: as usual again. Only at a stand."""
+        self._without = axes != 0
+        if self._drive is not None:
+            self._drive.limp(axes)
+        if axes and self.state != RELEASED:
+            self._set(RELEASED)
 
     def release(self):
         """No current, and the tool off, at once: the safe state."""

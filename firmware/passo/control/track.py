@@ -48,6 +48,9 @@ class TrackPlayer(TrackIntake):
         self._loading = False
         self._streaming = False
         self._drives = False  # as the track or the operator left them
+        self._powers = False  # the track switches them on somewhere
+        self._barred = False  # the operator wants no current: no move by hand switches them on
+        self._without = None  # where a walk began that no motor has current for
         self._origin = [0] * len(axes)  # where the track begins
         self._command = None  # to be told when the track's end, or its start, is reached
         self._mode = _IDLE
@@ -58,7 +61,7 @@ class TrackPlayer(TrackIntake):
         self.track.clear(self._clamp(self._default))
         self._walker.rewind()
         self._stand()
-        self._loading = self._streaming = False
+        self._loading = self._streaming = self._powers = False
 
     def _stand(self):
         """Nothing is under way, and there are no manual moves to go back."""
@@ -94,6 +97,7 @@ class TrackPlayer(TrackIntake):
 
     def clear(self):
         """All motion has been dropped: back to the track's start; what was streamed is forgotten."""
+        self._power_back()
         if self._streaming or self._loading:
             self._reset()
         self._walker.rewind()
@@ -190,6 +194,8 @@ class TrackPlayer(TrackIntake):
             return errors.BUSY
         if not self._midway:
             return errors.NO_TRACK
+        if self._barred:
+            return errors.DRIVES_OFF
         backward = command.tool
         self._command = command
         self._at_stand(lambda: self._go_back(backward))
@@ -199,6 +205,7 @@ class TrackPlayer(TrackIntake):
         self._backward = backward
         self._most = ENDLESS
         self._hand.tool = False
+        self._set_drives(True)
         self._walk(self._hand, _RETURN, True)
 
     def _jog(self, command):
@@ -207,6 +214,8 @@ class TrackPlayer(TrackIntake):
             return errors.BUSY
         if self._machine.state not in ("idle", "run", "hold"):
             return errors.BUSY
+        if self._barred:
+            return errors.DRIVES_OFF
         if self._mode == _IDLE and not self._midway:
             self._forget_moves()
         queue = self._queue
@@ -225,6 +234,7 @@ class TrackPlayer(TrackIntake):
 
     def _move(self):
         self._hand.tool = self._hand_tool
+        self._set_drives(True)
         self._walk(self._hand, _HAND, False)
 
     def _switch(self, command):
@@ -233,6 +243,7 @@ class TrackPlayer(TrackIntake):
             return errors.BUSY
         if command.value == commands.TRACK_HAND_DRIVES:
             self._set_drives(command.tool)
+            self._barred = not command.tool
         else:
             self._hand_tool = command.tool and not self._dry_run
             self._queue.rest(self._hand_tool)
@@ -240,7 +251,16 @@ class TrackPlayer(TrackIntake):
 
     def _set_drives(self, on):
         self._drives = on
+        self._barred = self._barred and not on
         self._machine.drives(on)
+
+    def _power_back(self):
+        """The end of a walk, or of a part of it; the next one has current if the drives are on."""
+        if self._without is not None:
+            if self._queue.position() != self._without:
+                self._machine.strayed()
+            self._without = None
+            self._machine.unpower(0)
 
     def _pace(self, command):
         """`feed` mm/min, from now on to the next speed of the track; it ends the wait for the operator's speed."""
@@ -283,6 +303,8 @@ class TrackPlayer(TrackIntake):
         self._backward = backward
         self._most = most
         self._from = self._walker.place
+        if backward and self._powers and not self._drives and not self._barred:
+            self._set_drives(True)  # as they were on the way forward, but for what lies before the track's first [
         self._walk(self._walker, _RUN, backward, most)
 
     def _walk(self, walker, mode, backward, most=ENDLESS):
@@ -293,6 +315,9 @@ class TrackPlayer(TrackIntake):
             if other is not walker:  # its last interval may still run
                 walker.gap = max(walker.gap, other.gap)
                 other.gap = 0
+        if not self._drives:
+            self._without = self._queue.position()
+            self._machine.unpower((1 << self.track.axes) - 1)
         walker.begin(backward, most, self._queue.lit())
         self._queue.track(walker)
 
@@ -328,6 +353,7 @@ class TrackPlayer(TrackIntake):
         self._queue.drop()
         self._queue.tool = lit
         self._mode = _IDLE
+        self._power_back()
         if mode == _RUN:
             self._left_at = self._queue.target[:]
         else:
@@ -345,6 +371,7 @@ class TrackPlayer(TrackIntake):
         """A walk has been played to its end."""
         mode = self._mode
         self._mode = _IDLE
+        self._power_back()
         if mode == _HAND:
             if not self._hand.at_end():
                 self._move()
@@ -382,6 +409,8 @@ class TrackPlayer(TrackIntake):
         if self._backward:
             forgotten = track.start != 0  # what was streamed first
             self._midway = forgotten and track.open
+            if self._powers and not forgotten:
+                self._set_drives(False)
             self._tell("oldest" if forgotten else "start")
         elif track.open:
             self._go_along()

@@ -104,6 +104,7 @@ class TrackIntake(Part):
         if kind == commands.TRACK_DEFAULT:
             return self.track.append(marks.mark(marks.SPEED, self._clamp(self._default)))
         station = ASK if kind == commands.TRACK_ASK else value
+        self._powers = self._powers or station == DRIVES_ON
         return self.track.append(marks.mark(marks.STATION, station))
 
     def _room(self):

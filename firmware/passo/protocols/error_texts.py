@@ -66,6 +66,7 @@ TEXTS = {
     errors.TRACK_FULL: "the track is too long to be stored: stream it",
     errors.RETURN_OR_CONTINUE: "moved by hand: return the way back, or continue from here",
     errors.PASSES: "a track is repeated 1 … 100 times",
+    errors.DRIVES_OFF: "the drives have been switched off by hand: switch them on first",
     errors.NO_MEMORY: "no memory is left for arcs: the board file's speeds take it",
     errors.ALARM_LOCKED: "locked: where the machine stands is not known until it is homed",
     errors.ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit: the position may be lost",

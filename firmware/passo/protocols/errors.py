@@ -71,6 +71,7 @@ TRACK_FULL = const(126)
 RETURN_OR_CONTINUE = const(127)
 PASSES = const(128)
 NO_MEMORY = const(129)
+DRIVES_OFF = const(130)
 
 ALARM_LOCKED = const(200)
 ALARM_HARD_LIMIT = const(201)

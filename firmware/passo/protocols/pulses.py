@@ -17,6 +17,10 @@ Control commands stand in braces, which are no codes, and may come at any moment
     {repeat 5} {speed 1200} {jog x 100 y -50} {tool on} {drives off} {home} {unlock} {link} {?}
     {motors on}            where relays choose between this board and another controller
 
+With the drives off the steps of a file go out all the same, as from a parallel port, and no motor has current: it is a
+dry run, and the machine has to be homed again. Backward a file that has a [ has them on. A move by hand switches the drives on, unless the operator has switched
+them off.
+
 Codes outside a file are streamed, too, until the line is quiet. Answers are lines:
 
     ok                     done, or begun; after {end} `ok N`: so many commands
