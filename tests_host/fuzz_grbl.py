@@ -66,7 +66,8 @@ class Fuzz:
             axis["travel_steps"] = axis["travel_steps"] * 2000 // axis["steps_per_m"]
             axis["steps_per_m"] = 2000
         board["homing"]["pull_off_steps"] = 2
-        board["spindle"] = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 20, "laser": bool(self.random.between(0, 1))}
+        laser = bool(self.random.between(0, 1))
+        board["spindle"] = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 20, "laser": laser, "spin_up_ms": 40, "coolant_ms": 20}
         board["links"] = board["links"][:1]
         self.port = Port()
         self.app = App(board, self.port)

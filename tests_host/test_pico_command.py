@@ -114,6 +114,7 @@ def answers(link):
     return False
 
 
+@pytest.mark.slow
 def test_a_blank_pico_is_flashed(uf2, tmp_path, show):
     link = tmp_path / "plotter"
     with Emulator(uf2, "--board", BOARD, "--blank", "--tcp", 0, "--uart0", link) as emulator:

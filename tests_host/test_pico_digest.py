@@ -38,6 +38,7 @@ def with_digest(board, job, data):
     return files
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["triangle"])
 def test_the_pico_makes_the_words_of_the_golden_file(uf2, name, show):
     files = with_digest("plotter_2014", "job.bin", job_of([objects.objects()[name]]))

@@ -106,6 +106,7 @@ def test_conversation_homing_and_squares_are_those_of_the_virtual_board(make_mac
 # --- ways to the REPL
 
 
+@pytest.mark.slow
 def test_escape_hatches(uf2):
     pico = EmulatedPico(files=firmware_files(BOARD), uf2=uf2)
     pico.hold_bootsel(True)
@@ -126,6 +127,10 @@ def test_escape_hatches(uf2):
 # --- what goes wrong
 
 
+def slow(*values):
+    return pytest.param(*values, marks=pytest.mark.slow)
+
+
 def broken(change):
     board = copy.deepcopy(boards.load(BOARD))
     change(board)
@@ -135,9 +140,9 @@ def broken(change):
 @pytest.mark.parametrize(
     "text, wanted",
     [
-        (broken(lambda board: board["axes"][0]["pins"].pop()), "axis x: a unipolar drive has 4 pins, not 3"),
-        (broken(lambda board: board["tool"].update(pin=14)), "pin 14 is claimed by"),
-        (broken(lambda board: board.update(color=1)), "unknown key 'color'"),
+        slow(broken(lambda board: board["axes"][0]["pins"].pop()), "axis x: a unipolar drive has 4 pins, not 3"),
+        slow(broken(lambda board: board["tool"].update(pin=14)), "pin 14 is claimed by"),
+        slow(broken(lambda board: board.update(color=1)), "unknown key 'color'"),
         (broken(lambda board: board["tool"].update(pin=20)), "PIO pins not consecutive"),
         (b"BOARD = {\n", "board.py cannot be read: SyntaxError"),
     ],
@@ -171,6 +176,7 @@ TURN = "        controller = self.controller\n"
 JOG = packet(COMMANDS["RIGHT"])
 
 
+@pytest.mark.slow
 def test_a_crash_while_it_moves_leaves_safe_outputs_and_a_report(make_machine):
     fault = "        if controller.state == 'jog':\n            raise ValueError('on purpose')\n"
     machine = make_machine(BOARD, with_fault("passo/app.py", TURN, fault), start=START)
@@ -185,6 +191,7 @@ def test_a_crash_while_it_moves_leaves_safe_outputs_and_a_report(make_machine):
     assert "the last run ended by" in told(machine) and "last_crash.txt" in machine.pico.files()
 
 
+@pytest.mark.slow
 def test_a_hang_ends_in_the_watchdog(make_machine):
     fault = "        while controller.state == 'jog':\n            pass\n"
     machine = make_machine(BOARD, with_fault("passo/app.py", TURN, fault), start=START)

@@ -2,6 +2,7 @@
 
 import re
 
+import pytest
 from emulated import uf2  # noqa: F401
 
 from host_tools.emulator import gcode
@@ -33,12 +34,14 @@ def test_short_lines_are_read_planned_and_stepped(uf2, show):
     show("lines of 0.2 mm a second on the Pico", f"{run['lines_s']:.0f}")
 
 
+@pytest.mark.slow
 def test_a_picture_is_read_planned_and_burnt(uf2, show):
     run = gcode.run_raster(gcode.fast_router((0.1,), laser=True), 0.1, 100, 100)
     assert run["lines_s"] > DOTS_S and run["late"] == 0
     show("dots of 0.1 mm a second on the Pico", f"{run['lines_s']:.0f}")
 
 
+@pytest.mark.slow
 def test_tight_arcs_are_stepped_in_time(uf2):
     """On the board as it is; where it stands at the end its pins tell."""
     machine = gcode.router()
@@ -47,6 +50,7 @@ def test_tight_arcs_are_stepped_in_time(uf2):
     assert [after - before for after, before in zip(machine.plant.position, start)] == END_STEPS
 
 
+@pytest.mark.slow
 def test_s_curves_are_stepped_in_time(uf2):
     """Lines, on the board as it is but for what it keeps free for arcs."""
     machine = gcode.router(jerk=JERK)
@@ -58,6 +62,7 @@ def test_s_curves_are_stepped_in_time(uf2):
     assert rising[FIRST_STEPS] - rising[0] > GENTLE_MS * gcode.CYCLES_PER_MS
 
 
+@pytest.mark.slow
 def test_a_router_as_it_is_has_memory_for_its_arcs(uf2):
     """With its questions before them and a settings file behind them; over the UART, nothing changed."""
     machine = EmulatedMachine("router_3axis", trace=None).boot()

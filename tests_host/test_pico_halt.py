@@ -42,6 +42,7 @@ def test_a_halted_line_is_taken_up_from_rest_and_ends_where_it_should(rig):
     assert again[1] - again[0] > 20 * 1250, "from rest: twenty times slower than it was"
 
 
+@pytest.mark.slow
 def test_a_halt_amid_the_start_lets_nothing_begin(rig):
     """At a stand, the input comes while the first words are being handed over: no step follows."""
     for before_us, steps, reported in amid_start(rig, INTERRUPT_PIN, DELTAS, RATE_HZ, range(6, 66, 4)):
@@ -63,6 +64,7 @@ while True:
 """
 
 
+@pytest.mark.slow
 def test_when_the_main_loop_hangs_the_machine_slows_down_to_a_stand(rig, show):
     rig.clear()
     rig.pico.console.start(HANG)

@@ -147,6 +147,7 @@ def test_power_follows_the_speed_and_is_dark_at_a_stand(laser):
     assert laser.dark() and max(value for _, value in laser.duty[-30:]) <= 600
 
 
+@pytest.mark.slow
 def test_a_hold_is_dark_and_goes_on_as_it_was(laser):
     for mode, most in ("M3", 400), ("M4", 400):
         laser.say(mode + "S400", "G1X15")  # long enough for a collection of garbage on the way
@@ -228,6 +229,7 @@ def test_an_override_counts_once(laser):
         assert on_a_copy(lambda: shown(phase)) == [550], phase
 
 
+@pytest.mark.slow
 def test_an_override_amid_dots_counts_once(laser):
     powers = [300 + 400 * (dot & 1) + dot for dot in range(40)]
     old, new = powers, [power * 11 // 10 for power in powers]
@@ -277,6 +279,7 @@ def play(word):
 MS_STEP = 12_500 << 5 | 1  # X steps, and a millisecond passes
 
 
+@pytest.mark.slow
 def test_a_chain_under_way_is_not_taken_for_one_that_rests(uf2):
     """A run handed over in the moment in which A has ended the one before it, and D has not: A must not be given it twice.
 
@@ -327,6 +330,7 @@ def burning(uf2, *fault):
     return laser
 
 
+@pytest.mark.slow
 def test_what_goes_wrong_where_words_are_made_leaves_it_dark(uf2):
     """The interrupt that feeds halts at once; the main loop makes all else safe and leaves a report."""
     fault = "        if self.planner.percent[1] != self.planner.percent[0]:\n            raise ValueError('on purpose')\n"
@@ -338,6 +342,7 @@ def test_what_goes_wrong_where_words_are_made_leaves_it_dark(uf2):
     assert b"ValueError: on purpose" in laser.machine.pico.files()["crash.txt"]
 
 
+@pytest.mark.slow
 def test_it_does_not_burn_on_where_a_hang_has_brought_it_to_a_stand(uf2):
     fault = "        while controller.tools.overrides[1] == 50:\n            pass\n"
     laser = burning(uf2, "passo/app.py", TURN, fault)

@@ -25,6 +25,7 @@ def test_points_on_the_uart(rig, baud, show):
     show(f"points at {baud} baud, three axes at 100 kHz", f"{sent.rate:.0f} a second, {sent.share:.0%} of the wire")
 
 
+@pytest.mark.slow
 @pytest.mark.xdist_group("usb_rig")
 @pytest.mark.parametrize("hz, least", [(0, USB_IDLE), (HZ, USB_STEPPING)])
 def test_points_over_usb(usb_rig, hz, least, show):
@@ -34,6 +35,7 @@ def test_points_over_usb(usb_rig, hz, least, show):
     show(f"points over USB, three axes at {hz // 1000} kHz", f"{sent.rate:.0f} a second")
 
 
+@pytest.mark.slow
 @pytest.mark.xdist_group("rig")
 def test_a_program_that_waits_for_each_answer(rig, show):
     """Main loop and feeder fall into step with each other: no word may be late for it."""

@@ -65,6 +65,7 @@ def test_streamed_codes(machine, show):
     assert not machine.plant.errors
 
 
+@pytest.mark.slow
 def test_live_speed(machine, show):
     """From the last byte of the command on the wire to another interval on the pins."""
     file = b"A" * 3500
@@ -96,6 +97,7 @@ def test_live_speed(machine, show):
     assert median(delays) < 15_000 and sorted(delays)[-2] < 20_000  # now and then garbage is collected in between
 
 
+@pytest.mark.slow
 def test_the_pico_makes_the_words_of_the_golden_file(uf2, show):
     sources = {path.as_posix(): ROOT / "firmware" / path for path in selected(boards.load("lpt_router"))}
     files = compiled({**sources, "digest.py": TESTS / "digest.py"})

@@ -17,6 +17,7 @@ def asked(uf2):
     return bench_moving.router("pc")
 
 
+@pytest.mark.slow
 def test_answers_come_in_time_while_three_axes_step(asked, show):
     """All but one: asking leaves next to no garbage, but what is there already may be collected now."""
     took_ms = sorted(bench_moving.answers("pc", bench_moving.long_lines(), ANSWERS))
@@ -24,6 +25,7 @@ def test_answers_come_in_time_while_three_axes_step(asked, show):
     assert median(took_ms) <= 4.5 and took_ms[-2] <= 5
 
 
+@pytest.mark.slow
 def test_places_are_told_to_the_last_digit(asked):
     """Machine code with integers of 32 bits, on both sides of zero and in both units."""
     machine, asking = asked
