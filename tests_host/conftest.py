@@ -27,7 +27,6 @@ settings.load_profile("ci" if os.environ.get("CI") else "local")
 
 
 _CYCLES = pytest.StashKey[int]()  # that emulated Picos had lived before the test
-_COVERAGE = "COVERAGE_PROCESS_CONFIG"  # has the programs that a test starts measured too
 MOST = 10  # tests whose emulated time is printed
 MARKERS = """
 on_a_copy: the test runs in a forked process and may use up what others share
@@ -80,18 +79,8 @@ def pytest_runtest_makereport(item, call):
 
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_call(item):
-    """Coverage's tracer is back after the test, whoever has taken it away (see tiers.py)."""
-    tracer, unmeasured = sys.gettrace(), _marked(item, "unmeasured")
-    of_programs = os.environ.pop(_COVERAGE, None) if unmeasured else None
-    if unmeasured:
-        tiers.stop_measuring()
-    try:
+    with tiers.measuring(not _marked(item, "unmeasured")):
         return (yield)
-    finally:
-        if sys.gettrace() is not tracer:
-            sys.settrace(tracer)
-        if of_programs is not None:
-            os.environ[_COVERAGE] = of_programs
 
 
 @pytest.hookimpl(tryfirst=True)

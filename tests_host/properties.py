@@ -56,29 +56,14 @@ def make_tests(module):
     return tests
 
 
-def measured_at_first(check):
-    """The check, whose coverage is measured in its first runs only (see tiers.py)."""
-    runs = 0
-
-    @functools.wraps(check)
-    def counted(*values, **named):
-        nonlocal runs
-        runs += 1
-        if runs > tiers.MEASURED:
-            tiers.stop_measuring()
-        return check(*values, **named)
-
-    return counted
-
-
 def make_test(check, specs, runs=DEFAULT_RUNS, examples=()):
     wanted = list(inspect.signature(check).parameters)
     given_names = [spec[0] for spec in specs]
     if wanted != given_names:
         raise ValueError(f"{check.__module__}.{check.__name__}{tuple(wanted)}: CASES gives {tuple(given_names)}")
     if not specs:
-        return functools.wraps(check)(lambda: check())
-    test = given(**{spec[0]: strategy(spec) for spec in specs})(measured_at_first(check))
+        return functools.wraps(check)(lambda: check())  # one that can be marked, and the check stays as it is
+    test = given(**{spec[0]: strategy(spec) for spec in specs})(check)
     for values in examples:
         test = example(*values)(test)
     return settings(max_examples=tiers.examples(runs))(test)

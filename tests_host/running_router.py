@@ -16,7 +16,7 @@ from passo.control.boardfile import check
 from passo.ports.virtual import MemoryLine, VirtualPort
 from router import World
 
-LIMIT_S = 30
+LIMIT_S = 120
 
 
 class Running:

@@ -13,12 +13,14 @@ from pathlib import Path
 import pytest
 import serial
 
+from patience import patience
 from test_virtual_machine import LOG_2014
 
 ROOT = Path(__file__).resolve().parent.parent
 COMMAND = [sys.executable, "-m", "host_tools.cli", "board"]
 HELLO = bytes.fromhex(LOG_2014[0][0])
 SAFE_S = 2.0
+LIMIT_S = 60  # after which something hangs
 
 
 def environment():
@@ -38,20 +40,20 @@ class Board:
             text=True,
             env=environment(),
         )
-        ready, _, _ = select.select([self.process.stdout], [], [], 20)
-        assert ready, "no port within 20 s"
+        ready, _, _ = select.select([self.process.stdout], [], [], LIMIT_S)
+        assert ready, f"no port within {LIMIT_S} s"
         self.lines = [self.process.stdout.readline().strip() for _ in range(links)]
         assert self.lines[0].startswith("port: "), (self.lines, self.process.stderr.read())
         self.port = self.lines[0][6:]
 
     def open(self):
-        return serial.serial_for_url(self.port, 57600, timeout=20)
+        return serial.serial_for_url(self.port, 57600, timeout=LIMIT_S)
 
     def end(self, number=signal.SIGTERM):
         """(exit status, seconds it took, stderr)"""
         started = time.monotonic()
         self.process.send_signal(number)
-        _, errors = self.process.communicate(timeout=10)
+        _, errors = self.process.communicate(timeout=LIMIT_S)
         return self.process.returncode, time.monotonic() - started, errors
 
     def __enter__(self):
@@ -76,7 +78,7 @@ def rows(path):
 
 def failure(*options):
     command = [*COMMAND, *map(str, options)]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=20, env=environment())
+    done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, env=environment())
     assert done.returncode != 0 and done.stdout == ""
     return done.stderr
 
@@ -93,7 +95,7 @@ def test_the_log_of_2014_over_a_pty(tmp_path):
             client.write(HELLO)
             assert client.read(1) == b"k"
         status, seconds, errors = board.end()
-    assert (status, errors) == (0, "") and seconds < SAFE_S
+    assert (status, errors) == (0, "") and seconds < patience(SAFE_S)
     assert not link.is_symlink()
     table = rows(trace)
     assert table[-1][1:] == [644, 314, 0, 0, 0]
@@ -108,6 +110,14 @@ def test_tcp():
         assert board.end(signal.SIGINT)[0] == 0
 
 
+def until_drawn(trace, count):
+    """Until a trace, which is written while it is made, has so many rows."""
+    deadline = time.monotonic() + LIMIT_S
+    while not trace.exists() or len(trace.read_text().splitlines()) < count:
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
 @pytest.mark.parametrize("mode", ("real", "fast"))
 def test_sigterm_in_the_middle_of_a_drawing(tmp_path, mode):
     trace, vcd = tmp_path / "t.csv", tmp_path / "t.vcd"
@@ -120,9 +130,9 @@ def test_sigterm_in_the_middle_of_a_drawing(tmp_path, mode):
                 client.write(body + bytes([sum(body) & 255]))
                 assert client.read(1) == b"n"
             client.write(bytes.fromhex(LOG_2014[-1][0]))
-            time.sleep(0.8)
+            until_drawn(trace, 100)
             status, seconds, errors = board.end()
-    assert (status, errors) == (0, "") and seconds < SAFE_S
+    assert (status, errors) == (0, "") and seconds < patience(SAFE_S)
     table = rows(trace)
     assert len(table) > 50 and table[-2][5] == 1000, "it was drawing"
     assert table[-1][5] == 0, "the pen comes up"
@@ -141,7 +151,7 @@ def test_real_time_is_real():
         client.write(bytes.fromhex("65 00 00 00 00 65"))
         assert client.read(1) == b"d"
         # 100 steps of 2.225 ms, pen down and up of 60 ms each, 20 ms for the motors to wake.
-        assert 0.33 < time.monotonic() - started < 0.8
+        assert 0.33 < time.monotonic() - started < patience(0.8)
 
 
 def cpu_seconds(pid):
@@ -180,7 +190,7 @@ def test_two_links(tmp_path):
     path, link = two_links(tmp_path), tmp_path / "second"
     with Board("--board", path, "--link", f"usb={link}", "--protocol", "usb=plotter", links=2) as board:
         assert board.lines[1] == f"port usb: {link}"
-        with serial.Serial(str(link), timeout=5) as client:
+        with serial.Serial(str(link), timeout=LIMIT_S) as client:
             client.write(HELLO)
             assert client.read(1) == b"k"
         assert board.end()[0] == 0
@@ -188,7 +198,7 @@ def test_two_links(tmp_path):
 
 def passo(*arguments):
     command = [sys.executable, "-m", "host_tools.cli", *map(str, arguments)]
-    return subprocess.run(command, capture_output=True, text=True, timeout=30, env=environment())
+    return subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, env=environment())
 
 
 def test_the_command_is_handed_over_from_both_links(tmp_path):
@@ -199,7 +209,7 @@ def test_the_command_is_handed_over_from_both_links(tmp_path):
         plotter = "link", "--protocol", "plotter", "--port", board.port
         assert passo(*grbl).stdout == "link 1, pc, commands\n"
         assert passo(*grbl, 0).stdout == "link 2, usb, commands\n"
-        with serial.Serial(str(usb), timeout=5) as client:
+        with serial.Serial(str(usb), timeout=LIMIT_S) as client:
             client.write(b"$X\n")
             assert client.read_until(b"ok\r\n").endswith(b"ok\r\n")
         refused = passo("send", "--port", board.port, "SPEED 900")

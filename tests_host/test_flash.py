@@ -119,7 +119,7 @@ def small_firmware(tmp_path, monkeypatch):
 
 
 def wait_for(path):
-    for _ in range(50):
+    for _ in range(600):
         if path.exists():
             return True
         time.sleep(0.1)

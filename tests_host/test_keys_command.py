@@ -51,7 +51,7 @@ def test_the_board_turns(tmp_path):
         sent = passo("keys", "--send", "A5 B25 I 1s J", "--port", board.port)
         assert sent.stdout == "motor 1: off   motor 2: off\n", sent.stderr
         piped = subprocess.run(
-            [*COMMAND, "--port", board.port], input="D # on\n200ms J\n", capture_output=True, text=True, timeout=30,
+            [*COMMAND, "--port", board.port], input="D # on\n200ms J\n", capture_output=True, text=True, timeout=120,
             env=environment(),
         )  # fmt: skip
         assert piped.stdout.splitlines()[0].startswith("motor 1: off   motor 2: clockwise")
@@ -70,7 +70,7 @@ def test_keys_are_sent_as_they_are_pressed():
         for pressed in ("c", "a12\r", "b200\r", "h", "q"):
             time.sleep(0.1)
             os.write(master, pressed.encode())
-        shown = process.communicate(timeout=20)[0]
+        shown = process.communicate(timeout=120)[0]
         assert process.returncode == 0
         assert "motor 1: clockwise, 250.0 steps/s (speed 1)" in shown
         assert "speed of motor 1: 12" in shown and "motor 1: clockwise, 20.8 steps/s (speed 12)" in shown

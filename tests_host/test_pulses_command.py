@@ -58,7 +58,7 @@ def test_a_session(tmp_path):
         failure, text = passo("play", ask, *where)
         assert "WAITS FOR A SPEED" in text and failure == "paused at command 4 of 6: passo pulses speed N goes on"
         assert passo("speed", "500", *where)[0] == 0
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + 120
         while "command 6 of 6" not in passo("status", *where)[1]:
             assert time.monotonic() < deadline
         assert passo("run", "101", *where)[0] != 0
@@ -92,7 +92,7 @@ class Terminal:
 
     def wait_for(self, text):
         """Read until `text` is shown behind what was waited for before."""
-        deadline = time.monotonic() + 30
+        deadline = time.monotonic() + 120
         while text not in self.text:
             assert time.monotonic() < deadline, self.text
             if select.select([self._master], [], [], 0.1)[0]:

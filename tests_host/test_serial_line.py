@@ -7,6 +7,7 @@ import time
 
 import pytest
 import serial
+from patience import patience
 
 from host_tools.failure import Failure
 from host_tools.serial_line import PtyLine, TcpLine, wait
@@ -16,9 +17,9 @@ ALL_BYTES = bytes(range(256))
 
 
 def receive(line, count):
-    """Read until `count` bytes have come or two seconds are over."""
+    """Read until `count` bytes have come or half a minute is over."""
     data = b""
-    end = time.monotonic() + 2
+    end = time.monotonic() + 30
     while len(data) < count and time.monotonic() < end:
         wait([line], 5)
         data += line.read()
@@ -33,7 +34,7 @@ def line(request):
 
 
 def connect(line):
-    client = serial.serial_for_url(line.name, 57600, timeout=2)
+    client = serial.serial_for_url(line.name, 57600, timeout=30)
     line.read()
     return client
 
@@ -51,7 +52,7 @@ def test_nothing_to_read_does_not_wait(line):
     assert line.read() == b""
     with connect(line):
         assert line.read() == b""
-    assert time.monotonic() - started < 1
+    assert time.monotonic() - started < patience(1)
 
 
 def test_what_is_said_to_nobody_is_lost(line):
@@ -85,8 +86,8 @@ def test_wait_ends_early_when_a_byte_comes(line):
     with connect(line) as client:
         client.write(b"a")
         started = time.monotonic()
-        wait([line], 2000)
-        assert time.monotonic() - started < 1 and receive(line, 1) == b"a"
+        wait([line], 60_000)
+        assert time.monotonic() - started < 30 and receive(line, 1) == b"a"
     for _ in range(3):
         line.read()
     started = time.monotonic()

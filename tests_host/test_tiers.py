@@ -88,22 +88,40 @@ def test_what_runs(tmp_path, tier):
     assert int(re.search(r"examples: (\d+)", done.stdout)[1]) == (tiers.FEW if tier == "check" else 60)
 
 
-def test_coverage_sees_the_first_examples_and_the_whole_of_the_next_test(tmp_path):
-    (tmp_path / "sample.py").write_text(
-        "def first(value):\n    return value\n\n\ndef late():\n    return 1\n\n\ndef after():\n    return 2\n"
-    )
-    (tmp_path / "test_file.py").write_text(
-        "import types\n\nimport sample\nimport tiers\nfrom properties import make_tests\n\nmodule = types.ModuleType('m')\n"
-        "runs = []\n\n\ndef check_it(value):\n    runs.append(sample.first(value))\n"
-        "    if len(runs) > tiers.MEASURED:\n        sample.late()\n\n\n"
-        "module.check_it, module.CASES = check_it, {'check_it': (('value', 0, 9999),)}\n"
-        "globals().update(make_tests(module))\n\n\n"
-        "def test_the_next():\n    assert len(runs) == 100\n    sample.after()\n"
-    )
+MEASURED = """
+import time
+
+import pytest
+import sample
+import tiers
+
+
+def test_long():
+    assert sample.first()
+    end = time.process_time() + 2 * tiers.MEASURED_S
+    while time.process_time() < end:
+        pass
+    sample.late()
+
+
+@pytest.mark.unmeasured
+def test_unmeasured():
+    sample.unseen()
+
+
+def test_the_next():
+    assert sample.after()
+"""
+
+
+def test_coverage_sees_the_beginning_of_each_test(tmp_path):
+    names = ("first", "late", "unseen", "after")
+    (tmp_path / "sample.py").write_text("".join(f"def {name}():\n    return 1\n\n\n" for name in names))
+    (tmp_path / "test_file.py").write_text(MEASURED)
     environ = {**os.environ, "PYTHONPATH": f"{ROOT / 'tests_host'}{os.pathsep}{tmp_path}", "CI": "1"}
     options = ["-p", "conftest", "-p", "no:cacheprovider", "-n", "0", "-c", os.devnull, "--rootdir", "."]
     measure = ["--cov=sample", "--cov-config=/dev/null", "--cov-report=term-missing"]
     command = [sys.executable, "-m", "pytest", *options, *measure, "test_file.py"]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environ)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert re.search(r"^sample.py +6 +1 +83% +6$", done.stdout, re.MULTILINE), done.stdout
+    assert re.search(r"^sample.py +8 +2 +75% +6, 10$", done.stdout, re.MULTILINE), done.stdout
