@@ -80,3 +80,27 @@ def test_when_the_main_loop_hangs_the_machine_slows_down_to_a_stand(rig, show):
     assert all(after >= before - 10 for before, after in zip(slowing, slowing[1:])), "slower and slower, but for a tick"
     assert eval(rig.pico.exec("print(feeder.position(player.played()))")) == rig.counted()
     show("a main loop that hangs", f"the steps end {stood_ms:.0f} ms later, after a ramp")
+
+
+STUCK = """
+from passo.motion.profile import Limits
+planner.load()
+feeder.ramp = planner.ramp
+planner.limits(Limits([400000] * 3, [400_000_000] * 3, [20_000_000_000] * 3, 10_000))
+player._state[24] = 1
+planner.line((400, 300, -200), 40_000, False)
+planner.flush()
+feeder.open, feeder.hold, feeder.brake = True, False, False
+try:
+    for turn in range(200):
+        port.wait(True)
+except RuntimeError as error:
+    print(error)
+"""
+
+
+@pytest.mark.slow
+def test_a_player_that_is_stuck_steps_nothing_and_ends_the_main_loop(rig):
+    rig.clear()
+    assert rig.pico.exec(STUCK) == "the player's DMA or state machine does not answer\r\n"
+    assert rig.counted() == [0, 0, 0]
