@@ -1,38 +1,112 @@
-"""`passo log`: a board's event log, what was refused and what stopped the machine, from a link that speaks grbl."""
+"""`passo log`: what a board has refused since its start, whoever asked for it."""
 
 from typing import Optional
 
 import typer
 
+from host_tools.failure import Failure
+
+_ANSWER_S = 0.5
+_QUIET_S = 0.02  # so that what follows is no part of what was asked
+BAUD = {"grbl": 115_200, "torch": 115_200, "pulses": 115_200, "plotter": 57_600}
+
 
 def log(
     port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
-    baud: int = typer.Option(115200, help="Bits per second of a serial port."),
+    baud: Optional[int] = typer.Option(None, help="Bits per second of a serial port."),
+    protocol: Optional[str] = typer.Option(
+        None, help="What the link of --port speaks: grbl, torch, pulses or plotter. Unless given, it is asked for."
+    ),
 ):
-    """Show the last errors and alarms of all links, and how many of each there were since the start.
+    """Show the last errors and alarms of all links; grbl also says how many of each there were since the start.
 
-    The log is the machine's: a link that speaks grbl shows what another was refused, in a language without a word for no.
+    The log is the machine's: any link shows what another was refused, in a language without a word for no. The plotter's
+    language tells the last error only.
 
     Example: passo log --port /dev/ttyACM0
+
+    Example: passo log --port /dev/ttyUSB0 --protocol pulses
     """
     from host_tools import ports
+
+    if protocol not in (None, *BAUD):
+        raise Failure(f"--protocol {protocol}: it has no word for the log; ask on a link that speaks {', '.join(BAUD)}")
+    port = port or ports.only()
+    baud = baud or BAUD[protocol or "grbl"]
+    protocol = protocol or _spoken(port, baud)
+    for line in {"grbl": _grbl, "torch": _torch, "pulses": _pulses, "plotter": _plotter}[protocol](port, baud):
+        print(line)
+
+
+def _spoken(port, baud):
+    """The language of the link, by its answer to a byte that moves nothing in any: grbl tells its status, pulses that it is
+    no code; the torch's frames say nothing to it, and log it."""
+    import time
+
+    from host_tools.wire import open_port
+
+    line = open_port(port, baud)
+    try:
+        line.timeout = _ANSWER_S
+        line.write(b"?")
+        said = line.read(9)
+    finally:
+        line.close()
+    time.sleep(_QUIET_S)
+    if said[:1] == b"<":
+        return "grbl"
+    return "pulses" if b"error:" in said else "torch"
+
+
+def _grbl(port, baud):
     from host_tools.grbl_client import GrblClient
 
-    with GrblClient(port or ports.only(), baud) as client:
-        for line in client.command("$LOG"):
-            text = shown(line)
-            if text:
-                print(text)
+    with GrblClient(port, baud) as client:
+        return [text for text in map(shown, client.command("$LOG")) if text]
+
+
+def _torch(port, baud):
+    from host_tools.torch_client import TorchClient
+
+    with TorchClient(port, baud) as client:
+        entries = client.log()
+    if entries is None:
+        raise Failure(f"{port}: no answer, or a board that keeps no log; is it one of --protocol {', '.join(BAUD)}?")
+    return _told(entries)
+
+
+def _pulses(port, baud):
+    from host_tools.pulses_client import PulsesClient
+
+    with PulsesClient(port, baud) as client:
+        return _told(client.log())
+
+
+def _plotter(port, baud):
+    from host_tools.plotter_client import PlotterClient
+    from passo.protocols import errors
+
+    with PlotterClient(port, baud) as client:
+        number = client.status()["error"]
+    return [f"the last: {number:>3}  {errors.text(number)}" if number else "nothing since it was last asked"]
+
+
+def _told(entries):
+    return [entry_text(*entry) for entry in entries] or ["nothing since the start"]
+
+
+def entry_text(ms, number, who):
+    from passo.protocols import errors
+
+    return f"{ms / 1000:12.3f} s  {who:<10} {number:>3}  {errors.text(number)}"
 
 
 def shown(line):
     """A line of $LOG as people read it; None for any other."""
-    from passo.protocols import errors
-
     name, _, fields = line.strip("[]").partition(":")
     if name == "LOG":
         ms, number, who = fields.split(",", 2)
-        return f"{int(ms) / 1000:12.3f} s  {who:<10} {number:>3}  {errors.text(int(number))}"
+        return entry_text(int(ms), int(number), who)
     if name == "LOGGED":
         counts = [part.split("x") for part in fields.split(",") if part]
         return "since the start: " + (", ".join(f"{count} times {number}" for count, number in counts) or "nothing")

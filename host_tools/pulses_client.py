@@ -90,6 +90,13 @@ class PulsesClient:
         self.send(frame("?"))
         return status_from(self._answer(lambda line: line.startswith("<"), "?"))
 
+    def log(self):
+        """[(ms, number, who)] of the board's event log, oldest first."""
+        self.command("log")
+        lines = [line[4:].split(",", 2) for line in self.said if line.startswith("log:")]
+        self.said = [line for line in self.said if not line.startswith("log:")]
+        return [(int(ms), int(number), who) for ms, number, who in lines]
+
     def send_file(self, data, stream=False, show=None, idle=None):
         """Send a file to be stored, or to be played as it comes; returns how many commands it has. `show(part)`: 0…1.
         `idle()` is called while waiting, and may give commands."""

@@ -105,6 +105,20 @@ class TorchClient:
         self.ours = fields is not None
         return fields
 
+    def log(self):
+        """[(ms, number, who)] of the board's event log, oldest first; None where the board has no word for it."""
+        entries = []
+        while True:
+            fields = self._ask(torch.passo(torch.LOG_OF, len(entries)), "LOG", self.timeout_s if entries else _PASSO_S)
+            if fields is None and entries:
+                raise LinkError(f"{self.port}: the log breaks off")
+            if fields is None:
+                return None
+            if fields["number"]:
+                entries.insert(0, (fields["ms"], fields["number"], fields["who"]))
+            if not fields["older"]:
+                return entries
+
     # --- what one wants of it
 
     def order(self, data):

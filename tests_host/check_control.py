@@ -125,9 +125,25 @@ def check_jogs():
             machine.app.turn()
         machine.app.turn()
         assert machine.app.controller.position() == [x, y]
-    assert machine.ask("LINE", 5, 5) == b"n"
-    assert machine.ask("UP", turns=100) == b""
-    assert machine.status()["error"] == errors.BUSY
+    # Between the points of an object, too: the points stay, and the object is drawn from where the head stands then.
+    assert machine.ask("MOVE", 50, 50) == b"n" and machine.ask("UP") == b"n" and machine.ask("LINE", 50, 60) == b"n"
+    assert machine.ask("RIGHT") == b"n"
+    machine.turns(100)
+    status = machine.status()
+    assert (status["state"], status["x"], status["y"]) == ("idle", 10, 20)
+    zero = [place - at for place, at in zip(machine.table.place, machine.app.controller.position())]
+    machine.table.path = []
+    machine.send("UP")
+    machine.send("END")  # waits for the jog
+    assert machine.turns(300) == b"nd"
+    assert machine.status()["drawn"] == 2
+    drawn = [(x - zero[0], y - zero[1]) for x, y, pen in machine.table.path if pen]
+    assert drawn == [(50, y) for y in range(51, 61)]
+    for pen, x, y in SQUARE:
+        machine.ask("LINE" if pen else "MOVE", x, y)
+    machine.send("END")
+    machine.turns(20)
+    assert machine.ask("UP", turns=50) == b"" and machine.status()["error"] == errors.BUSY  # while it draws
 
 
 def check_a_jog_key_held():
@@ -186,6 +202,14 @@ def check_stop_while_homing():
     machine.turns(100)
     assert machine.ask("STOP") == b"d"
     assert not machine.app.controller.homed
+    x, y = machine.app.controller.position()
+    assert x < -10 and y == 0  # counted from where it was switched on
+    for name, answer in (("UP", b"n"), ("RIGHT", b"n"), ("LEFT", b""), ("DOWN", b"n"), ("DOWN", b"")):
+        assert machine.ask(name, turns=60) == answer, name
+        machine.turns(60)
+        if not answer:
+            assert machine.status()["error"] == errors.JOG_TRAVEL
+    assert machine.app.controller.position() == [x + 10, y]
     assert machine.ask("ORIGIN") == b"o"
 
 

@@ -128,6 +128,30 @@ def check_anybody_makes_it_safe():
     assert two.controller.state == "idle" and two.controller.links.commander == 1
 
 
+def check_a_lock_at_the_start_is_for_grbl_alone():
+    """A machine with homing is locked for the senders of G-code until it is homed or unlocked; a plotter beside them moves
+    as it does alone. A lock for another reason is everybody's."""
+    two = Two(commands="draw")
+    assert two.controller.state == "idle" and two.machine.status()["state"] == "Idle"
+    for name, x, y, answer in (("MOVE", 50, 40, b"n"), ("LINE", 90, 40, b"n"), ("END", 0, 0, b"d"), ("UP", 0, 0, b"n")):
+        assert two.packet(name, x, y) == answer
+    two.machine.settle()
+    two.machine.said()
+    two.machine.do("$LINK=1")
+    assert two.controller.state == "alarm" and two.line("G0 X1") == "error:%d" % errors.LOCKED
+    assert two.packet("LINK") == b"t" and two.packet("MOVE", 5, 5) == b"n"
+    two.machine.said()
+    two.machine.put("$LINK=1\n")
+    assert "[MSG:'$H'|'$X' to unlock]" in two.machine.turns(5)
+    two.machine.do("$X", "G0 X1")
+    two.machine.settle()
+    two.machine.do("$LINK=2", "$LINK=1", "G0 X0")  # unlocked once is unlocked
+    two.machine.settle()
+    two.controller.fail(errors.ALARM_TWO_MOTORS, "test")
+    two.machine.do("$LINK=2")
+    assert two.packet("MOVE", 5, 5, turns=30) == b"" and status_from(two.packet("STATUS"))["state"] == "alarm"
+
+
 def check_handing_over():
     two = Two()
     two.machine.do("$X", "G0 X2")

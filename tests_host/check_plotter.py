@@ -13,6 +13,10 @@ CASES = {
     "check_every_packet_in_any_chunks": (
         ("points", "list", 12, ("pen", 0, 1), ("x", 0, COORDINATE), ("y", 0, COORDINATE)), ("chunk", 1, 17),
     ),
+    "check_two_faults_are_not_passed_over": (
+        ("code", "choice") + tuple(sorted(COMMANDS.values())),
+        ("x", 0, COORDINATE), ("y", 0, COORDINATE), ("lost", 0, 5), ("doubled", 0, 4),
+    ),
     "check_single_faults": (
         ("code", "choice") + tuple(sorted(COMMANDS.values())),
         ("x", 0, COORDINATE), ("y", 0, COORDINATE), ("flip", 1, 255),
@@ -24,6 +28,7 @@ CASES = {
     ),
 }
 RUNS = {"check_single_faults": 60}
+EXAMPLES = {"check_two_faults_are_not_passed_over": ((COMMANDS["MOVE"], 0, 0, 0, 4),)}  # good by its sum, unknown
 
 LOGGED = (
     ("MOVE", 366, 202, "6d 01 6e 00 ca a6"),
@@ -145,6 +150,20 @@ def check_single_faults(code, x, y, flip):
                 assert len(asked) == 1
                 assert [meaning(command) for command in feed_all(language, data, now_ms + 5000)] == [wanted]
             now_ms += 20_000
+
+
+def check_two_faults_are_not_passed_over(code, x, y, lost, doubled):
+    """A byte lost and one doubled: the packet is understood, or asked for again once as soon as the line is quiet; never
+    silence, also where the sum is good by chance."""
+    data = packet(code, x, y)
+    data = data[:lost] + data[lost + 1 :]
+    data = data[:doubled] + data[doubled:][:1] + data[doubled:]
+    language = Plotter(GAP_MS)
+    commands = list(language.feed(data, 0)) + list(language.feed(b"", GAP_MS)) + list(language.feed(b"", 2 * GAP_MS))
+    assert len(commands) == 1
+    if commands[0].kind == BAD:
+        assert language.reply(Event(REFUSED, commands[0], commands[0].error)) == b"r"
+    assert list(language.feed(packet(COMMANDS["REQUEST"]), 60_000)) or list(language.feed(b"", 60_100))
 
 
 def check_noise(noise, x, y):

@@ -414,6 +414,30 @@ def check_relays():
     assert ("relay", 0) in [entry[1:] for entry in switched()]
 
 
+def check_the_log():
+    """The newest entry first, one a question; zeros behind the last."""
+    board = machine()
+
+    def asked(back):
+        board.send(torch.passo(torch.LOG_OF, back))
+        board.turn()
+        return torch.answer_from(board.take())
+
+    assert asked(0) == ("LOG", {"number": 0, "older": 0, "ms": 0, "who": ""})
+    begun = board.port.machine_ms()
+    board.send(torch.move(5, 0, 5, 480))
+    board.turn()
+    board.controller.fail(errors.ALARM_HARD_LIMIT, "emergency stop")
+    name, newest = asked(0)
+    assert name == "LOG" and begun <= newest["ms"] <= board.port.machine_ms()
+    assert (newest["number"], newest["older"], newest["who"]) == (errors.ALARM_HARD_LIMIT, 1, "emergenc")
+    assert asked(1)[1]["number"] == errors.SPEED_RANGE and asked(1)[1]["who"] == "pc"
+    assert asked(2)[1] == asked(255)[1] == {"number": 0, "older": 0, "ms": 0, "who": ""}
+    board.send(torch.passo(torch.STATUS_OF))
+    board.turn()
+    assert torch.answer_from(board.take())[1]["error"] == errors.ALARM_HARD_LIMIT  # reading the log takes nothing away
+
+
 def check_another_link_is_silent_until_it_has_the_command():
     """Refused without a word, counted and logged; it may ask, and stop; PASSO LINK takes the command."""
     first = {"name": "pc", "port": "uart0", "tx": 0, "rx": 1, "protocol": "plotter"}

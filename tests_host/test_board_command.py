@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 import serial
 
+from passo.protocols import torch
 from patience import patience
 from test_virtual_machine import LOG_2014
 
@@ -223,6 +224,28 @@ def test_the_command_is_handed_over_from_both_links(tmp_path):
         assert logged[-1] == "since the start: 1 times 112, 1 times 113"
         assert "it has no word for that" in passo("link", "--protocol", "keys", "--port", usb).stderr
         assert "plotter has no word for who commands" in passo(*plotter).stderr
+        assert board.end()[0] == 0
+
+
+@pytest.mark.parametrize("board, protocol, refused", [
+    ("torch_manipulator", "torch", torch.move(5, 480, 5, 480)), ("lpt_router", "pulses", b"{jump}"),
+])  # fmt: skip
+def test_the_log_of_other_languages(board, protocol, refused):
+    """With and without being told what the link speaks; asking for the log moves nothing."""
+    with Board("--board", board) as board:
+        with serial.Serial(board.port, timeout=0.2) as client:
+            client.write(refused)
+            client.read(100)
+        number = 117 if protocol == "torch" else 124
+        for words in ((), ("--protocol", protocol)):
+            told = passo("log", "--port", board.port, *words)
+            assert told.returncode == 0, told.stderr
+            assert told.stdout.splitlines()[0].split()[1:4] == ["s", "pc", str(number)]
+        with serial.Serial(board.port, timeout=0.2) as client:
+            client.write(torch.frame("INFO") if protocol == "torch" else b"{?}")
+            said = client.read(1000)
+            assert said == torch.answer("INFO", 0, 0) if protocol == "torch" else b"idle" in said.lower(), said
+        assert "it has no word for the log" in passo("log", "--port", board.port, "--protocol", "keys").stderr
         assert board.end()[0] == 0
 
 

@@ -224,8 +224,10 @@ class Controller:
         self.program.poll(still)
         self.pauses.poll(now_ms)
         self.tools.poll(still)
-        if still and not self.objects.store.count:
-            self._poll_end()
+        if still:
+            self.program.jogging = False
+            if not self.objects.store.count:
+                self._poll_end()
         if self._feeder.late != self._late:
             self._late = self._feeder.late
             self._note(errors.WORDS_LATE)
@@ -349,6 +351,7 @@ class Controller:
         report = self._report
         report["state"] = self.state
         report["error"] = self.alarm or self.log.last
+        report["log"] = self.log.entries
         self.objects.report(report)
         self.program.report(report)
         self.tools.report(report)
@@ -431,7 +434,6 @@ class Controller:
             self.resets.homing_failed(result)
 
     def _poll_end(self):
-        self.program.jogging = False
         if self.busy_with(commands.DRAW) or self.busy_with(commands.STOP):
             self.objects.end()
             self.finish(self._report_parts({}))

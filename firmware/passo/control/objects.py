@@ -61,7 +61,7 @@ class Objects:
         if machine.command is not None or machine.program.active():
             return LATER
         if not self.store.free():
-            self.drawing = True
+            self.drawing = not machine.program.jogging
             return LATER
         self._begin()
         x, y = command.target
@@ -93,7 +93,7 @@ class Objects:
         refusal = machine.unready()
         if refusal:
             return refusal
-        if machine.command is not None or machine.program.active():
+        if machine.command is not None or machine.program.active() or machine.program.jogging:
             return LATER
         machine.command = command
         self.drawing = True
@@ -104,14 +104,14 @@ class Objects:
         refusal = machine.unready()
         if refusal:
             return refusal
-        if self.drawing or machine.command is not None or self.store.count or machine.occupied():
+        if self.drawing or machine.command is not None or machine.occupied():
             return errors.BUSY
         queue = self._queue
         if machine.program.jogging and self._ahead() > self._board["jog"]["ahead_ms"] * TICKS_PER_MS:
             return LATER
         steps = self._board["jog"]["steps"]
         target = [queue.target[axis] + steps * command.target[axis] for axis in range(len(command.target))]
-        if not queue.inside(target):
+        if self._farther_out(target):
             return errors.JOG_TRAVEL
         if not queue.room():
             return LATER
@@ -119,6 +119,17 @@ class Objects:
         queue.line(target, self._ticks, queue.tool, 0)
         queue.flush()
         return machine.accepted(command)
+
+    def _farther_out(self, target):
+        """True where `target` lies outside the travel, and not on the way back from farther out: before homing the machine
+        may be anywhere."""
+        queue = self._queue
+        for axis in range(len(target)):
+            low, high = queue.reach(axis)
+            at = queue.target[axis]
+            if target[axis] < min(low, at) or target[axis] > max(high, at):
+                return True
+        return False
 
     def _ahead(self):
         """Ticks of motion between the pins and the queue's end, as long as it is one line."""

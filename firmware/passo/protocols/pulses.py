@@ -14,7 +14,7 @@ Control commands stand in braces, which are no codes, and may come at any moment
     {end}                  that was the file
     {run} {run 5} {back} {pause} {stop} {step} {step back}
     {return} {return back} {continue} {continue back}    after manual moves: the way they came, or from here
-    {repeat 5} {speed 1200} {jog x 100 y -50} {tool on} {drives off} {home} {unlock} {link} {?}
+    {repeat 5} {speed 1200} {jog x 100 y -50} {tool on} {drives off} {home} {unlock} {link} {?} {log}
     {motors on}            where relays choose between this board and another controller
 
 With the drives off the steps of a file go out all the same, as from a parallel port, and no motor has current: it is a
@@ -28,6 +28,7 @@ Codes outside a file are streamed, too, until the line is quiet. Answers are lin
     end   start   speed    the file has been played, or played back to its start; the operator's speed is wanted
     oldest                 played back as far as is remembered of what was streamed, which is not its start
     <…>                    to {?}: see pulses_report.py
+    log:12345,101,pc       to {log}: an event's milliseconds, number and origin, a line each; then ok
     ready   alarm:201   stopped     by another link, for one
 
 Flow control: a host has at most WINDOW bytes of a file under way. For every CREDIT of them that the board has taken in
@@ -362,6 +363,9 @@ class Pulses:
             return self._reply_to_file(event, command)
         if event.kind != ACCEPTED:
             return b"error:%d\n" % event.error
+        if command.kind == STATUS and command.value:
+            lines = ["log:%d,%d,%s\n" % (ms, number, who or "") for ms, number, who in event.value["log"]]
+            return ("".join(lines) + "ok\n").encode()
         if command.kind == STATUS:
             return status(event.value, self._config).encode()
         return b"ok\n"

@@ -9,7 +9,7 @@ from passo.protocols.commands import (
     TRACK_JOG, TRACK_PACE, TRACK_PASSES, TRACK_RETURN, TRACK_STEP, UNLOCK, Command,
 )  # fmt: skip
 
-_PLAIN = {"pause": HOLD, "stop": STOP, "?": STATUS, "home": HOME, "unlock": UNLOCK}
+_PLAIN = {"pause": HOLD, "stop": STOP, "?": STATUS, "home": HOME, "unlock": UNLOCK, "log": STATUS}
 _VERBS = {"run": TRACK_GO, "step": TRACK_STEP, "return": TRACK_RETURN, "continue": TRACK_CONTINUE, "repeat": TRACK_PASSES}
 
 
@@ -25,7 +25,7 @@ def understand(words, axes):
     value = number(said)
     command = None
     if verb in _PLAIN and len(words) == 1:
-        return Command(_PLAIN[verb])
+        return Command(_PLAIN[verb], value=1 if verb == "log" else 0)
     if verb in _VERBS:
         command = _verb(verb, said, value, len(words) == 1)
     elif verb == "back" and len(words) == 1:

@@ -7,10 +7,10 @@
 Each axis of a move runs at its own speed to its own target. Speeds are steps a second, their sign is the direction; counts
 are unsigned. Only STOP and INFO are answered, by their own code and the signed steps of X and Y since the last move or
 jog; the board says FINISHED when a move has ended, if it is asked to. A jog that is repeated while it runs goes on
-without a gap, as one jog, but asks for no more than the board file's jog.ahead_ms in advance. What comes while the machine moves and is no such jog, stop or question is dropped: `dropped`
-counts it, and the event log has the reason.
+without a gap, as one jog, but asks for no more than the board file's jog.ahead_ms in advance. What comes while the
+machine moves and is no such jog, stop or question is dropped: `dropped` counts it, and the event log has the reason.
 
-PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, and a jog's code for so
+PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, LOG, and a jog's code for so
 many whole jogs as one. What the frames'
 cutting (frames.py) cannot see is a frame that lost bytes and was filled up by those of the next one, without a silence
 between them: there is no checksum. Counts and speeds out of reach are refused, which finds most of these.
@@ -58,6 +58,7 @@ ANSWER_LENGTHS = {_STOP: 10, _INFO: 10, _FINISHED: 2, _PASSO: 17}
 
 STATUS_OF = const(0x3F)  # what the frame PASSO asks for: `?`
 UNLOCK_OF = const(0x75)  # leave an alarm: `u`
+LOG_OF = const(0x6C)  # the event log: its newest entry but `value` of them: `l`
 LINK_OF = const(0x74)  # link `value` commands from now on, 0: this one: `t`
 _CHECK = const(0x55)
 STATES = ("idle", "run", "home", "jog", "alarm", "hold", "door", "check", "sleep")
@@ -88,7 +89,7 @@ def configure(x_jog, y_jog, x_speed, y_speed):
 
 
 def passo(what, value=0):
-    """The extension's frame: what = STATUS_OF, UNLOCK_OF, LINK_OF, or CODES["JOG_X+"] … with how many jogs, 1 … 255."""
+    """The extension's frame: what = STATUS_OF, UNLOCK_OF, LINK_OF, LOG_OF, or the code of a jog and how many, 1 … 255."""
     return frame("PASSO", bytes((what, value, what ^ value ^ _CHECK)))
 
 
@@ -107,10 +108,22 @@ def status_bytes(report, error, dropped):
     return frame("PASSO", body + integers(place[0], place[1], dropped))
 
 
+def log_bytes(entries, back):
+    """PASSO LOG's answer: `77 6C` number, how many entries are older, ms of the machine's clock, eight letters of who `FF`;
+    zeros where there is none."""
+    at = len(entries) - 1 - back
+    ms, number, who = entries[at] if at >= 0 else (0, 0, "")
+    name = (who or "").encode()[:8]
+    return frame("PASSO", bytes((LOG_OF, number, max(at, 0))) + integers(ms) + name + bytes(8 - len(name)))
+
+
 def answer_from(data):
     """(name, fields) of a whole answer: STOP and INFO have x and y, PASSO what status_bytes says."""
     names = {code: name for name, code in CODES.items()}
     name = names[data[0]]
+    if name == "PASSO" and data[1] == LOG_OF:
+        ms = struct.unpack_from(">I", data, 4)[0]
+        return "LOG", {"number": data[2], "older": data[3], "ms": ms, "who": bytes(data[8:16]).decode().rstrip("\0")}
     if name == "PASSO":
         x, y, dropped = struct.unpack_from(">iiI", data, 4)
         return name, {
@@ -219,6 +232,10 @@ class Torch:
             return Command(RESET if value else UNLOCK)
         if what == LINK_OF:
             return Command(HAND_OVER, value=value)
+        if what == LOG_OF:
+            command = Command(STATUS, value=LOG_OF)
+            command.power = value
+            return command
         if what in _JOGS:
             return self._jog(*_JOGS[what], value)
         return Command(BAD, error=errors.UNKNOWN_COMMAND)
@@ -234,6 +251,9 @@ class Torch:
                 self._jogs, self._speeds = command.value
         if event.kind == FINISHED:
             return self._ended(command, event.value)
+        if event.kind == ACCEPTED and command.kind == STATUS and command.value == LOG_OF:
+            self._error = event.value["error"] or self._error
+            return log_bytes(event.value["log"], command.power)
         if event.kind == ACCEPTED and command.kind == STATUS:
             return self._told(command.value == _PASSO, event.value)
         return b""
