@@ -1,6 +1,6 @@
 """How much of the tests runs: `pytest --tier check|test|all`, which `make check`, `make test` and `make test-all` give.
 
-    check   what is marked `quick`, and FEW examples of each property: within 90 s
+    check   what is marked `quick`, and FEW examples of each property, under MicroPython nothing else: within 90 s
     test    all but what is marked `slow`: what guards a commit
     all     everything; also what pytest runs if nobody asks for less
 
@@ -16,7 +16,7 @@ import sys
 from contextlib import contextmanager
 
 TIERS = ("check", "test", "all")
-FEW = 4
+FEW = 3
 MEASURED_S = 1.0
 _OF_PROGRAMS = "COVERAGE_PROCESS_CONFIG"  # has the programs that a test starts measured too
 current = "all"
