@@ -163,7 +163,7 @@ def check_ramps_live(accel, asks):
 
 
 def check_jogs_extend_without_a_gap():
-    machine = FreeMachine()
+    machine = FreeMachine(jog={"ahead_ms": 1000})  # each of them whole
     jog = ((48, None), ((480, 1000), None), AS_JOG)
     assert machine.run(*jog) == 0
     for _ in range(9):

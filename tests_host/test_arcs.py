@@ -9,7 +9,7 @@ from true_path import compare, compare_file, report, split
 globals().update(make_tests(check_arcs))
 
 
-@pytest.mark.parametrize("steps_per_m", [10_000, 40_000, 320_000])
+@pytest.mark.parametrize("steps_per_m", [10_000, 40_000, pytest.param(320_000, marks=pytest.mark.slow)])
 def test_gcode_of_the_corpus(corpus, steps_per_m, capsys):
     """All of the real files: no step farther off the line or arc asked for than arcs and their ends may be."""
     files = sorted(corpus.glob("*.gcode"))
