@@ -1,7 +1,8 @@
-"""Time on the emulated chip: whole cycles of its 125 MHz clock.
+"""Time as it is measured on the emulated chip: in cycles of 125 MHz, whatever its clock is (see `system_clock`).
 
 rp2040py counts nanoseconds in a float. A cycle is 8 ns, so whole cycles are exact there; every alarm that the patches
-set is rounded up to one, which keeps the processor in step with them.
+set is rounded up to one, which keeps the processor in step with them. At another clock, too, what is whole ticks of 80 ns
+apart is ten cycles a tick apart here: all is rounded alike.
 """
 
 CYCLE_NS = 8
@@ -13,7 +14,7 @@ spent = [0]  # by all emulated Picos of this process and its copies
 
 def now(clock):
     """Cycles since power-on, sleep included."""
-    return int(clock.nanos * 0.125 + 0.5)
+    return int(clock.nanos * 0.125 + 0.501)  # a cycle of 150 MHz may end amid two, and is no exact float
 
 
 def delay_ns(nanoseconds):

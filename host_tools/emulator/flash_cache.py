@@ -1,7 +1,7 @@
 """The cache before the Pico's flash (RP2040 datasheet, 2.6.3): 16 kB, two ways, lines of 8 bytes; a hit costs nothing.
 
     cache = FlashCache(chip)
-    cache.miss_cycles = 50          # what a miss costs; 0 is rp2040py's own time
+    cache.miss_cycles = 50          # what a miss costs while flash runs at half the clock; 0 is rp2040py's own time
     cache.accesses, cache.misses
 
 Fetches of instructions and reads of data by the processor count, each access for itself; DMA's do not. The datasheet does
@@ -10,6 +10,9 @@ not say which of two lines gives way: here the one used longer ago, or with `ran
 Not modelled: the processor's prefetch, which also fetches beyond a branch taken; the shorter transfer of an access that
 bypasses the cache; two masters at once.
 
+A miss is a transfer of so many flash clocks. MicroPython keeps these within 62.5 MHz, by even dividers: 2 at 125 MHz, 4 at
+150 and at 200 MHz. So the 50 cycles of a miss (400 ns) are 100 cycles there: 667 and 500 ns.
+
 Where the processor is core.c (see `native`), the model is there, and costs no time. Otherwise `watch` puts it into
 rp2040py's own reads of memory, which makes everything five times slower, and only where a miss is to cost anything.
 """
@@ -17,12 +20,14 @@ rp2040py's own reads of memory, which makes everything five times slower, and on
 import ctypes
 import os
 
+from host_tools.emulator import system_clock
 from host_tools.emulator.bus import Bus
 
 SETS = 1024
 _VALID = 1 << 31
 _FLUSH_CYCLES = 1024
 _CONTROL, _FLUSH, _HITS, _ACCESSES = 0x00, 0x04, 0x0C, 0x10
+_FLASH_DIVIDER, _LEAST_DIVIDER = 0x14, 2  # SSI's BAUDR
 _FLASH, _FLASH_END, _RAM, _OFFSET = 0x10000000, 0x14000000, 0x20000000, 0xFFFFFF
 _NO_ALLOCATION, _NO_LOOK_UP = 1 << 24, 1 << 25
 
@@ -75,19 +80,47 @@ def _of_the_state(name):
 
 
 class FlashCache:
-    accesses, misses, miss_cycles = map(_of_the_state, ("accesses", "misses", "miss_cycles"))
+    accesses, misses = map(_of_the_state, ("accesses", "misses"))
 
     def __init__(self, chip, random=False):
         self.state = Core(random=int(random))
         self._chip = chip
+        self._system = system_clock.of(chip)
+        self._miss_cycles = 0
         self._registers()
+        self._watch_divider()
+
+    @property
+    def miss_cycles(self):
+        return self._miss_cycles
+
+    @miss_cycles.setter
+    def miss_cycles(self, cycles):
+        self._miss_cycles = cycles
+        divider = max(self._chip.ssi.read_uint32(_FLASH_DIVIDER), _LEAST_DIVIDER)
+        self.state.miss_cycles = cycles * divider // _LEAST_DIVIDER
+
+    def _watch_divider(self):
+        ssi = self._chip.ssi
+        write, reset = ssi.write_uint32, ssi.reset
+
+        def write_uint32(offset, value):
+            write(offset, value)
+            if offset == _FLASH_DIVIDER:
+                self.miss_cycles = self._miss_cycles
+
+        def restart():
+            reset()
+            self.miss_cycles = self._miss_cycles
+
+        ssi.write_uint32, ssi.reset = write_uint32, restart
 
     def flush(self):
         ctypes.memset(self.state.tags, 0, ctypes.sizeof(self.state.tags))
 
     def _registers(self):
         """XIP_CTRL, with its counters as they are."""
-        control, state, clock = self._chip.xip_ctrl, self.state, self._chip.clock
+        control, state, clock, system = self._chip.xip_ctrl, self.state, self._chip.clock, self._system
         read, write, reset = control.read_uint32, control.write_uint32, control.reset
         cleared = [0, 0]  # accesses and hits before the counters were cleared
 
@@ -106,7 +139,7 @@ class FlashCache:
             elif offset == _FLUSH and value & 1:
                 self.flush()
                 if state.miss_cycles:
-                    clock.tick(_FLUSH_CYCLES * 8.0)
+                    clock.tick(_FLUSH_CYCLES * system.cycle_ns)
             elif offset in (_HITS, _ACCESSES):
                 place = offset == _HITS
                 cleared[place] += counted()[place]
@@ -143,7 +176,7 @@ class FlashCache:
     def watch(self):
         """Put the model, and the faults, into rp2040py's reads and writes."""
         chip, core, tick, touch = self._chip, self._chip.core, self._chip.clock.tick, self.touch
-        bus = Bus(chip)
+        bus, system = Bus(chip), self._system
         flash, ram = memoryview(chip.flash), memoryview(chip.sram)
 
         def reading(name, width, code):
@@ -159,7 +192,7 @@ class FlashCache:
                 if _FLASH <= address < _FLASH_END:
                     waits = touch(address)
                     if waits:
-                        tick(waits * 8.0)
+                        tick(waits * system.cycle_ns)
                     return flash_as[(address & _OFFSET) >> shift]
                 return stock(address)
 

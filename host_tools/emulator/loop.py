@@ -6,11 +6,15 @@ they are back: the two attributes that it reads then, in this order, see to that
 
     loop = Loop(chip)
     loop.run()                  # some milliseconds of wall time, or until loop.ended is set
+
+It knows 125 MHz only. At another clock (see `system_clock`) there is a loop in Python in its place.
 """
+
+from host_tools.emulator import system_clock
 
 
 class Loop:
-    __slots__ = ("_blocks", "_chip", "_execute", "clock", "ended")
+    __slots__ = ("_blocks", "_chip", "_execute", "_system", "clock", "ended")
 
     def __init__(self, chip):
         from rp2040py.execute_batch import execute_batch
@@ -20,14 +24,36 @@ class Loop:
         self._execute = execute_batch
         self.clock = chip.clock
         self.ended = False
+        self._system = system_clock.of(chip)
+        self._system.after.append(self._end)
+
+    def _end(self):
+        self.ended = True
 
     def run(self):
         self.ended = False
+        if self._system.hz != system_clock.PLAIN_HZ:
+            self._run_slowly()
+            return
         self.__class__ = _Beginning
         try:
             self._execute(self, 1)
         finally:
             self._chip.pio = self._blocks
+        if self._system.fault:
+            raise self._system.fault
+
+    def _run_slowly(self):
+        core, clock, system = self._chip.core, self.clock, self._system
+        while not (self.ended or self._chip.run_pin_low):
+            if core.waiting:
+                clock.tick(clock.nanos_to_next_alarm)
+                if not core.waiting:
+                    system.align()
+            else:
+                clock.tick(core.execute_instruction() * system.cycle_ns)
+                if system.fault:
+                    raise system.fault
 
 
 class _Beginning(Loop):

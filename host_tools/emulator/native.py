@@ -21,12 +21,13 @@ import tempfile
 from functools import lru_cache
 from pathlib import Path
 
+from host_tools.emulator import system_clock
 from host_tools.emulator.binary import CACHE
-from host_tools.emulator.cycles import CYCLE_NS
 from host_tools.emulator.flash_cache import Core, NotThumb, Unaligned
 
 _SOURCE = Path(__file__).with_name("core.c")
 _OPTIONS = ("-O2", "-std=gnu11", "-fno-strict-aliasing", "-shared", "-fPIC")
+_EARLY_NS = 1e-3  # a float may be so much off the end of a cycle
 _NOT_MINE, _UNALIGNED, _NOT_THUMB = 1, 2, 3
 
 
@@ -70,6 +71,7 @@ class NativeLoop:
     def __init__(self, chip, cache):
         self._chip = chip
         self.clock = chip.clock
+        self._system = system_clock.of(chip)
         self.ended = False
         self.spent = None  # called with (pc, whether in an interrupt, cycles) of what rp2040py carries out
         state = self._state = cache.state
@@ -89,14 +91,18 @@ class NativeLoop:
         chip, core, clock, state, pointer, run = (
             self._chip, self._chip.core, self.clock, self._state, self._pointer, self._run
         )
+        system = self._system
         self.ended = False
         if chip.run_pin_low:
             return
         while not self.ended:
             if core.waiting:
                 clock.tick(clock.nanos_to_next_alarm)
+                if not core.waiting:
+                    system.align()
                 continue
-            budget = -(-clock.nanos_to_next_alarm // CYCLE_NS)
+            cycle_ns = system.cycle_ns
+            budget = -((_EARLY_NS - clock.nanos_to_next_alarm) // cycle_ns)
             if core.interrupts_updated:
                 if core.check_for_interrupts():
                     core.waiting = False
@@ -109,14 +115,16 @@ class NativeLoop:
                 core.pm = said & 1
             spent = state.cycles
             if spent:
-                clock.tick(spent * 8.0)
+                clock.tick(spent * cycle_ns)
             why = said >> 2 & 7
             if why:
                 if why == _NOT_MINE:
                     if not core.interrupts_updated and not self.ended:
                         pc, handler = core.pc, core.ipsr != 0
                         spent = core.execute_instruction()
-                        clock.tick(spent * 8.0)
+                        clock.tick(spent * cycle_ns)
+                        if system.fault:
+                            raise system.fault
                         if self.spent:
                             self.spent(pc, handler, spent)
                 elif why == _UNALIGNED:

@@ -2,7 +2,7 @@
 
     apply(chip, leave_out=("uart",))
 
-Each takes the emulated chip. The larger ones have a module of their own, which also says what is wrong: `uart`, `pio`;
+Each takes the emulated chip. The larger ones have a module of their own, which also says what is wrong: `uart`, `pio`, `system_clock`;
 the pads and the USB port belong to `pico.EmulatedPico`, with switches of the same kind.
 
 The flash cache and the faults of accesses that are not aligned are in `flash_cache`. Not modelled, here or there: the time
@@ -11,17 +11,17 @@ flash takes to erase (milliseconds here, tens of them on silicon). Timings are t
 """
 
 from host_tools.emulator import pio as pio_patch
+from host_tools.emulator import system_clock as clock_patch
 from host_tools.emulator.uart import Pl011
 
-PERIPHERAL_CLOCK_HZ = 48_000_000
 _PACING_REGISTERS = {0x3B: "_timer0", 0x3C: "_timer1", 0x3D: "_timer2", 0x3E: "_timer3"}
 _DMA_WRITE_ONLY = (0x430, 0x440, 0x444)  # MULTI_CHAN_TRIGGER, FIFO_LEVELS, CHAN_ABORT
 _PWM_DREQ = 24
 
 
-def peripheral_clock(chip):
-    """MicroPython runs the UARTs from the 48 MHz of the USB PLL; rp2040py assumes 125 MHz, so baud rates are off."""
-    chip.clk_peri = PERIPHERAL_CLOCK_HZ
+def system_clock(chip):
+    """See the module `system_clock`."""
+    clock_patch.of(chip).install()
 
 
 def uart(chip):
@@ -82,7 +82,7 @@ def timer_alarms(chip):
     timer.write_uint32 = write
 
 
-ALL = (peripheral_clock, uart, pio, dma_pacing, dma_write_only, pwm_request, timer_alarms)
+ALL = (system_clock, uart, pio, dma_pacing, dma_write_only, pwm_request, timer_alarms)
 
 
 def apply(chip, leave_out=()):

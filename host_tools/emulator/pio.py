@@ -13,7 +13,7 @@ an edge on its pin) finds it at the turn where it would be. So a program costs w
 from rp2040py.peripherals.pio import RPPIO
 from rp2040py.utils.fifo import FIFO
 
-from host_tools.emulator import cycles
+from host_tools.emulator import system_clock
 
 _NEVER = 1 << 60
 _CONTROL, _MEMORY, _MACHINES = 0x00, 0x48, 0xC8
@@ -36,7 +36,10 @@ class TimedPio(RPPIO):
         self._chip = chip
         self._clock = chip.clock
         self._alarm = chip.clock.create_alarm(self._due)
-        self._origin = cycles.now(chip.clock)  # the cycle at which the block's own count is 0
+        self._system = system_clock.of(chip)
+        self._system.before.append(lambda: self.catch_up(False))
+        self._system.after.append(self._plan)
+        self._origin = self._system.cycle()  # the cycle at which the block's own count is 0
         self._skips = [None] * 4  # of each machine: (first due, turn, turns, counters, end, lasting), in 1/256 cycles
         self._loops = {}  # (machine, address): what `_find_loop` found there
         self._running = False
@@ -65,7 +68,7 @@ class TimedPio(RPPIO):
 
     def reset(self):
         super().reset()
-        self._origin = cycles.now(self._clock)
+        self._origin = self._system.cycle()
         self._skips = [None] * 4
         self._loops.clear()
         self._alarm.cancel()
@@ -101,7 +104,7 @@ class TimedPio(RPPIO):
         if self._running:
             return
         self._running = True
-        now = cycles.now(self._clock) - self._origin << 8
+        now = self._system.cycle() - self._origin << 8
         if unwind:
             self._unwind(now)
         while self.next_due_fp <= now:
@@ -138,7 +141,7 @@ class TimedPio(RPPIO):
             if machine.enabled and not machine.waiting and machine.next_due_fp == due:
                 self._skip(machine)
         due = self.next_due_fp
-        at_ns = (self._origin + (due + 255 >> 8)) * cycles.CYCLE_NS
+        at_ns = self._system.nanos_at(self._origin + (due + 255 >> 8))
         self._alarm.schedule(max(0.0, at_ns - self._clock.nanos))
 
     # --- delay loops
