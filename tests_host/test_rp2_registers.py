@@ -25,10 +25,27 @@ DIFFERENT = {
     "WATCHDOG": (("WATCHDOG_BASE",), 0x40058000, 0x400D8000),
     "ABORT": (("DMA_BASE", "DMA_CHAN_ABORT_OFFSET"), 0x50000444, 0x50000464),
     "TOGGLE": (("SIO_BASE", "SIO_GPIO_OUT_XOR_OFFSET"), 0xD000001C, 0xD0000028),
+    "COUNTER": (("CLOCKS_BASE", "CLOCKS_FC0_REF_KHZ_OFFSET"), 0x40008080, 0x4001008C),
     "BUSY": (("DMA_CH0_CTRL_TRIG_BUSY_BITS",), 1 << 24, 1 << 26),
     "_OUT_OVER": (("IO_BANK0_GPIO0_CTRL_OUTOVER_LSB",), 8, 12),
 }
+ONLY_RP2040 = {
+    ("VREG_AND_CHIP_RESET_BASE", "VREG_AND_CHIP_RESET_VREG_OFFSET"): 0x40064000,
+    ("VREG_AND_CHIP_RESET_VREG_VSEL_BITS",): 0xF0,
+    ("VREG_AND_CHIP_RESET_VREG_ROK_BITS",): 1 << 12,
+}
+COUNTER = {  # of the frequency counter: from its first register
+    "CLOCKS_FC0_MIN_KHZ_OFFSET": 4,
+    "CLOCKS_FC0_MAX_KHZ_OFFSET": 8,
+    "CLOCKS_FC0_INTERVAL_OFFSET": 16,
+    "CLOCKS_FC0_SRC_OFFSET": 20,
+    "CLOCKS_FC0_STATUS_OFFSET": 24,
+    "CLOCKS_FC0_RESULT_OFFSET": 28,
+}
 SAME = {
+    ("CLOCKS_FC0_SRC_VALUE_CLK_SYS",): 9,
+    ("CLOCKS_FC0_STATUS_DONE_BITS",): 1 << 4,
+    ("CLOCKS_FC0_RESULT_KHZ_LSB",): 5,
     ("IO_BANK0_GPIO0_CTRL_INOVER_LSB",): 16,
     ("IO_BANK0_GPIO0_CTRL_OFFSET",): 4,
     ("IO_BANK0_GPIO1_CTRL_OFFSET",): 12,
@@ -84,6 +101,7 @@ def test_what_differs(number, monkeypatch):
     exec((RP2 / "chip.py").read_text(encoding="utf-8"), chip)
     for name, (_, *values) in DIFFERENT.items():
         assert chip[name] == values[number], name
+    assert chip["REGULATOR"] == 0x40064000
 
 
 def test_no_other_address_is_written_out():
@@ -101,10 +119,13 @@ def test_as_the_headers_have_them():
         pytest.skip("PICO_SDK_PATH names no pico-sdk")
     for number, chip in enumerate(CHIPS):
         folder = Path(sdk) / "src" / chip / "hardware_regs" / "include" / "hardware" / "regs"
-        text = "".join((folder / (name + ".h")).read_text() for name in
-                       ("addressmap", "dma", "dreq", "io_bank0", "pio", "pwm", "sio", "watchdog"))  # fmt: skip
+        names = ["addressmap", "clocks", "dma", "dreq", "io_bank0", "pio", "pwm", "sio", "watchdog"]
+        names += ["vreg_and_chip_reset"] * (chip == "rp2040")
+        text = "".join((folder / (name + ".h")).read_text() for name in names)
         defined = {name: int(value, 0) for name, value in
                    re.findall(r"#define (\w+)\s+(?:_u\()?(0x[0-9a-fA-F]+|\d+)\)?\s", text)}  # fmt: skip
         wanted = {macros: values[number] for macros, *values in DIFFERENT.values()}
-        for macros, value in {**wanted, **SAME}.items():
+        for macros, value in {**wanted, **SAME, **(ONLY_RP2040 if chip == "rp2040" else {})}.items():
             assert sum(defined[macro] for macro in macros) == value, (chip, macros)
+        for macro, value in COUNTER.items():
+            assert defined[macro] - defined["CLOCKS_FC0_REF_KHZ_OFFSET"] == value, (chip, macro)

@@ -28,12 +28,14 @@ import gc
 gc.threshold(16000)
 from passo.control.boardfile import check
 from passo.app import App
+from passo.ports.rp2 import clock
 from passo.ports.rp2.port import Port
 from time import ticks_us, ticks_diff, ticks_ms, sleep_ms
 from board import BOARD
 def set_up(file):
     global board, port, app, planner, feeder, player, controller
     board = check(file)
+    clock.set_mhz(board["clock_mhz"])
     port = Port(board)
     app = App(board, port)
     planner, feeder, player, controller = app.planner, app.feeder, app.player, app.controller

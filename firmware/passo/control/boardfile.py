@@ -105,6 +105,7 @@ _LINK = {
 _BOARD = {
     "name": (str, MUST, 1, 32),
     "chip": ("rp2040", "rp2350", "esp32", "esp32s2", "esp32s3", "esp32c3", "esp32c6"),
+    "clock_mhz": (int, 0, 0, 400),  # rp2 chips: one of CLOCKS_MHZ; 0: its first
     "player": ("pio", "timer"),  # rp2 chips: PIO wants consecutive pins; an interrupt for every word serves any pins
     "drive": _DRIVE,
     "axes": [_AXIS, 1, 4],
@@ -126,6 +127,7 @@ _BOARD = {
 }
 _OPTIONAL = ("homing", "jog", "planning", "spindle", "track")
 _ABSENT = ("homing", "track")  # None where the board file has none
+CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 
@@ -133,6 +135,7 @@ PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 def check(board):
     """The board with its defaults. Raises BoardError at the first thing wrong."""
     board = _section("the board file", board, _BOARD)
+    _check_clock(board)
     _check_pins(board)
     _check_order(board)
     _check_homing(board)
@@ -192,6 +195,18 @@ def _list(where, data, key, rule):
     if not isinstance(items, (list, tuple)) or not least <= len(items) <= most:
         raise BoardError("%s: a list of %d … %d is wanted" % (where, least, most))
     return [_section("%s[%d]" % (where, i), items[i], section) for i in range(len(items))]
+
+
+def _check_clock(board):
+    chip = board["chip"]
+    clocks = CLOCKS_MHZ.get(chip, (0,))
+    if not board["clock_mhz"]:
+        board["clock_mhz"] = clocks[0]
+    if board["clock_mhz"] not in clocks:
+        if clocks == (0,):
+            raise BoardError("clock_mhz: the clock of an %s is not set here; leave it out" % chip)
+        known = " or ".join([str(mhz) for mhz in clocks])
+        raise BoardError("clock_mhz: an %s runs at %s here, not %d" % (chip, known, board["clock_mhz"]))
 
 
 def claimed_pins(board):

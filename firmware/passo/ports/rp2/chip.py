@@ -1,9 +1,11 @@
 """Addresses that differ between the RP2040 and the RP2350, and register writes at start-up. Datasheets: 2.19.6 (GPIO),
-3.7 (PIO), 2.5.7 (DMA), 2.4.8 (NVIC), 4.5.3 (PWM) of the RP2040's; 9.11, 11.7, 12.6.10, 3.7, 12.5.3 of the RP2350's.
+3.7 (PIO), 2.5.7 (DMA), 2.4.8 (NVIC), 4.5.3 (PWM), 2.10 (regulator), 2.15 (frequency counter) of the RP2040's; 9.11, 11.7,
+12.6.10, 3.7, 12.5.3, 8.1 of the RP2350's.
 
-All as in the headers of the pico-sdk, src/{rp2040,rp2350}/hardware_regs/include/hardware/regs: addressmap.h, dma.h,
-dreq.h, intctrl.h, io_bank0.h, pio.h, pwm.h, sio.h, watchdog.h. By these the same on both: PIO blocks, their registers
-and their requests to DMA; the registers of DMA channels and PWM slices; GPIO_IN and GPIO_OUT; TIMER_IRQ_3.
+All as in the headers of the pico-sdk, src/{rp2040,rp2350}/hardware_regs/include/hardware/regs: addressmap.h, clocks.h,
+dma.h, dreq.h, intctrl.h, io_bank0.h, pio.h, pwm.h, sio.h, vreg_and_chip_reset.h, watchdog.h. By these the same on both:
+PIO blocks, their registers and their requests to DMA; the registers of DMA channels and PWM slices; GPIO_IN and GPIO_OUT;
+TIMER_IRQ_3.
 """
 
 import sys
@@ -17,6 +19,8 @@ PWM = 0x400A8000 if RP2350 else 0x40050000
 WATCHDOG = 0x400D8000 if RP2350 else 0x40058000
 ABORT = 0x50000464 if RP2350 else 0x50000444  # DMA's CHAN_ABORT
 TOGGLE = 0xD0000028 if RP2350 else 0xD000001C  # SIO's GPIO_OUT_XOR
+REGULATOR = 0x40064000  # VREG; the RP2350's own voltage is enough for all that is asked of it
+COUNTER = 0x4001008C if RP2350 else 0x40008080  # the frequency counter's first register, FC0_REF_KHZ
 BUSY = 1 << (26 if RP2350 else 24)  # of a DMA channel's control register
 _OUT_OVER = 12 if RP2350 else 8
 _IN_OVER = 16

@@ -52,7 +52,8 @@ class Guard:
 
 class Port(ChipPort):
     def __init__(self, board):
-        """`board` is checked. Outputs go to their inactive level here."""
+        """`board` is checked. Outputs go to their inactive level here. PWM, serial lines and players are made for the clock
+        that there is: it is set before."""
         ChipPort.__init__(self, board, _LEAD_TICKS, _LIVE_TICKS)
 
     @micropython.viper

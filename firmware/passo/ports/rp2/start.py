@@ -10,6 +10,11 @@ class Start(start.Start):
         return "BOOTSEL" if rp2.bootsel_button() else None
 
     def port(self, board):
+        """Raises RuntimeError where the chip does not take the board file's clock."""
+        from passo.ports.rp2 import clock
+
+        clock.set_mhz(board["clock_mhz"])
+        start.forget("passo.ports.rp2.clock")
         from passo.ports.rp2.port import Port
 
         return Port(board)

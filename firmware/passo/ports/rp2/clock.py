@@ -1,0 +1,70 @@
+"""The system clock that a board file asks for, and the core voltage that it wants.
+
+    clock.set_mhz(200)      # before players, PWM and serial lines are made; RuntimeError where the chip does not follow
+
+Above 133 MHz an RP2040 wants a core voltage of 1.15 V: first the voltage, then the clock. MicroPython's machine.freq() also
+divides the flash's clock so that it stays within 62.5 MHz, and leaves UARTs and USB on the 48 MHz of the other PLL; timers
+and watchdog count the crystal's microseconds. That it has said yes is not enough: the chip's own frequency counter has
+to find the clock.
+"""
+
+from time import sleep_us
+
+import machine
+from machine import mem32
+from micropython import const
+
+from passo.ports.rp2 import chip
+
+_PLAIN_MHZ = const(133)  # to here the voltage after a reset, 1.10 V, is enough
+_RAISED = const(0b1100)  # VSEL: 1.15 V
+_VSEL = const(0xF0)
+_IN_REGULATION = const(1 << 12)
+_TRIES = const(100)
+_LOOK_US = const(100)
+_SETTLE_US = const(1000)  # as the pico-sdk waits
+_CRYSTAL_KHZ = const(12_000)
+_CLK_SYS = const(9)
+_INTERVAL = const(10)  # a millisecond's count, within 2 kHz
+_DONE = const(1 << 4)
+_OFF_KHZ = const(50)
+
+
+def set_mhz(mhz):
+    """Also after a soft reset, which leaves clock and voltage as they were. The voltage is never lowered."""
+    if mhz > _PLAIN_MHZ and not chip.RP2350:
+        _raise_voltage()
+    if machine.freq() != mhz * 1_000_000:
+        try:
+            machine.freq(mhz * 1_000_000)
+        except ValueError:
+            pass  # the next line says what it is instead
+    said = machine.freq()
+    found = counted_khz()
+    if said != mhz * 1_000_000 or abs(found - mhz * 1000) > _OFF_KHZ:
+        raise RuntimeError("clock_mhz: the clock is %d kHz, not %d MHz" % (found, mhz))
+
+
+def _raise_voltage():
+    before = mem32[chip.REGULATOR]
+    if before & _VSEL < _RAISED << 4:
+        mem32[chip.REGULATOR] = before & ~_VSEL | _RAISED << 4
+        sleep_us(_SETTLE_US)
+    for _ in range(_TRIES):
+        found = mem32[chip.REGULATOR]
+        if found & _VSEL >= _RAISED << 4 and found & _IN_REGULATION:
+            return
+        sleep_us(_LOOK_US)
+    raise RuntimeError("clock_mhz: the core voltage does not rise to 1.15 V")
+
+
+def counted_khz():
+    """The system clock by the chip's frequency counter, against the crystal. -1 where it does not answer."""
+    at = chip.COUNTER
+    for offset, value in ((0, _CRYSTAL_KHZ), (4, 0), (8, 0x1FFFFFF), (16, _INTERVAL), (20, _CLK_SYS)):
+        mem32[at + offset] = value  # the last one sets it going
+    for _ in range(_TRIES):
+        sleep_us(_LOOK_US)
+        if mem32[at + 24] & _DONE:
+            return mem32[at + 28] >> 5
+    return -1
