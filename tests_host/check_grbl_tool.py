@@ -136,9 +136,10 @@ def check_nothing_moves_before_the_spindle(seed):
             machine.put(what)
         machine.turns(random.choice((1, 5, 60, SPIN_UP_MS // 2, SPIN_UP_MS + 50)))
     machine.world.switches["door"] = 1
-    while machine.status()["state"] != "Idle":
+    for _ in range(50):
         machine.put(b"~")
         machine.turns(SPIN_UP_MS + 50)
+    assert machine.status()["state"] == "Idle"
     for tick, spun, cooled in machine.world.cut:
         if tick > begun:
             assert spun >= SPIN_UP_MS or tick // TICKS_PER_MS - spun <= first // TICKS_PER_MS + 1
