@@ -92,6 +92,7 @@ class App:
         self._heard = 0  # by this turn: _PART, _WHOLE
         self._now_ms = port.link_ms()
         self._speaking = None  # the link whose bytes are being understood
+        self._overruled = 0  # the error that ends the rest of them: another link, or an alarm, has stopped the machine
         shared = {}  # what links of one language have in common
         assembly.changeover(board, self.controller, shared)
         self.links = []
@@ -128,6 +129,7 @@ class App:
         self._now_ms = self.port.link_ms()
         for link in self.links:
             self._speaking = link
+            self._overruled = 0
             commands = self._receive(link)
             if commands:
                 self._carry_out(commands, link)
@@ -191,7 +193,11 @@ class App:
     def _carry_out(self, commands, link):
         for command in commands:
             command.link = link
-            self._begin(command)
+            if self._overruled and command.kind not in HARMLESS:
+                self.controller.dropped((command,), self._overruled)
+                self._answer()
+            else:
+                self._begin(command)
 
     def _begin(self, command):
         link = command.link
@@ -256,19 +262,23 @@ class App:
     # --- what was sent before a stop, a reset, an alarm or a hand-over moves nothing after it
 
     def _drop(self, event):
-        """Refuse what waits, what has come and was not read, and what the languages hold back. Bytes behind those that
-        brought this about were sent after it: they count."""
+        """Refuse what waits, what has come and was not read, and what the languages hold back. Only of the link that brought
+        this about, what stands behind its word for it was sent after it, and counts."""
         alarm = event.kind == ALARM
+        if alarm and event.error in _BY_RESET:
+            return  # RESTARTED follows
         number = errors.LOCKED if alarm else event.error if event.kind == DROPPED else errors.STOPPED
-        spared = None if alarm and event.error not in _BY_RESET else self._speaking
+        cause = None if alarm or event.value is None else event.value.link
+        if self._speaking is not cause:
+            self._overruled = number
         for link in self.links:
             waiting = link.waiting
             link.waiting = []
-            if link is not self._speaking and (event.kind != RESTARTED or event.value is not None):
+            if link is not cause and link is not self._speaking and (event.kind != RESTARTED or event.value is not None):
                 self._empty(link, waiting)
             if waiting:
                 self.controller.dropped(waiting, number)
-            if link is not spared:
+            if link is not cause:
                 self._say(link, link.protocol.drop(event))
 
     def _empty(self, link, waiting):

@@ -379,7 +379,7 @@ class Controller:
             self.homed = False
         self.arrest()
         self.forget()
-        self._events.append(Event(DROPPED, None, errors.STOPPED, self.alarm))
+        self._events.append(Event(DROPPED, None, errors.STOPPED, command))
         self.objects.lift()
         self.queue.flush()
         self.command = command

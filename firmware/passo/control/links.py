@@ -68,7 +68,7 @@ class Links:
                 return errors.BUSY
             self.commander = number
             machine.forget()
-            machine.tell(Event(DROPPED, None, errors.COMMANDED_ELSEWHERE))
+            machine.tell(Event(DROPPED, None, errors.COMMANDED_ELSEWHERE, command))
             machine.notice(errors.NOTICE_HANDED_OVER)
             alarm = machine.alarm
             self._guard()

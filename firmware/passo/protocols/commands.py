@@ -91,7 +91,8 @@ FINISHED = const(2)  # a command that takes time has done what it was asked
 ALARM = const(3)  # pushed to every link, `command` None: `error` is the alarm's number
 NOTICE = const(4)  # pushed to every link, `command` None: `error` is one of the notices of errors.py
 RESTARTED = const(5)  # pushed to every link after a RESET, `command` None
-DROPPED = const(6)  # pushed to every link, `command` None: what it sent before is not done any more; `error` says why
+DROPPED = const(6)  # pushed to every link, `command` None: what it sent before is not done any more; `error` says why,
+# `value` is the Command that brought it about
 
 
 class Command:

@@ -289,7 +289,7 @@ class Grbl:
         if event.kind == RESTARTED:  # push() is to follow
             self._why = errors.STOPPED
         elif event.kind == DROPPED and event.error == errors.STOPPED:
-            return self._begin_anew(event.value).encode()
+            return self._begin_anew(self._machine.alarm).encode()
         else:
             if event.kind == ALARM:
                 self._why = errors.LOCKED
