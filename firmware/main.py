@@ -35,6 +35,8 @@ def main():
     if BOARD is None or not start.wanted():
         return
     app = port = error = None
+    if start.loading():
+        room = None
     try:
         board = checked(BOARD)
         BOARD = None
@@ -48,6 +50,9 @@ def main():
         app = App(board, port, None, FileSlots("settings"))
         forget("passo.assembly")
         room = None
+        said = start.loaded()
+        if said:
+            print(said)
         gc.collect()
         gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms
         start.run(app, port)

@@ -12,6 +12,7 @@ Left out: ports of other chips and the virtual one, languages that no link of th
 """
 
 import ast
+import contextlib
 import hashlib
 import re
 import shutil
@@ -23,7 +24,7 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools import boards
+from host_tools import boards, mpy
 from host_tools.constants import folded, numbered_only
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE, MAIN
@@ -43,6 +44,10 @@ MARCH = {
 # The first mpy-cross whose viper code can be trusted: 1.26 and 1.27 overwrite the register of the index in `words[i] = …`
 # on Thumb and RV32 (MicroPython #18800, mended by #18821), and what is stored then goes anywhere.
 OLDEST_COMPILER = 1, 28
+# The chip whose code runs from its files in flash (passo/ports/rp2/flash_code.py); of the native code only what is called
+# seldom: from flash it runs at half the speed.
+IN_PLACE = "rp2040"
+COLD = ()
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
 
@@ -185,6 +190,9 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
             source.write_text(texts[path.as_posix()], encoding="utf-8")
             # The board knows the module by its file's name already: as the name in tracebacks it takes no memory.
             compile_module(source, target, march or MARCH[board["chip"]], path.with_suffix(".mpy"))
+            if board["chip"] == IN_PLACE:
+                with contextlib.suppress(ValueError):  # it stays in RAM
+                    target.write_bytes(mpy.in_place(target.read_bytes(), path.as_posix() in COLD))
             rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))
     for source, file_name in ((main, "main.py"), (board_file, "board.py")):
         shutil.copyfile(source, out / file_name)

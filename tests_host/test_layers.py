@@ -37,7 +37,7 @@ MAY_IMPORT = {
 INTEGER_ROOMS = ("motion", "steps")
 BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", "json", "hashlib", "select", "binascii"}
 MORE_BUILT_INS = {
-    "ports": {"math", "machine", "rp2", "esp32", "uctypes", "errno"},
+    "ports": {"math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs"},
     "control": {"math"},
     "web": {"socket", "network"},
 }

@@ -76,6 +76,14 @@ class Start:
         """The name of the chip's button, if it is held."""
         return None
 
+    def loading(self):
+        """Called before the app is imported. True if its code will lie in flash."""
+        return False
+
+    def loaded(self):
+        """Called when all is loaded, or the start has failed. Returns a line for people: where the code lies."""
+        return ""
+
     def history(self):
         """Print why the last run ended, if it did not end well."""
         try:
@@ -100,6 +108,7 @@ class Start:
     def end(self, app, port, error=None):
         """Stop the machine, make all safe, and leave a report where there was an error. Nothing moves any more."""
         try:
+            self.loaded()
             if app is not None:
                 app.stop()
         finally:

@@ -1,0 +1,414 @@
+"""Code in flash: functions run from their .mpy files in mapped flash, and the collector frees their copies in RAM.
+
+    code = FlashCode()
+    code.begin()            # before the app is imported
+    ...                     # imports
+    code.finish()           # nothing is redirected from here on
+    print(code.text())
+
+An interpreter loads an .mpy into RAM: 75 kB of bytecode for a router. It lies in the file as it is loaded, and
+littlefs never moves the blocks of a file that nobody writes. So each function's pointer is turned to the equal bytes of
+its own file. Where the blocks are, littlefs itself tells: while the app starts, files are opened here, through a block
+device that notes which block is read. `host_tools/mpy.py` appends a table of functions to each .mpy and sees to it that
+they do not cross a block.
+
+Safe by these rules: every byte is compared first; nothing is redirected into which anything points (running functions,
+suspended generators); a trial at the start finds out whether the interpreter keeps functions as is expected, and if not,
+or if anything fails, all stays in RAM. Blocks that hold code in use are not erased until the next reset, even if their
+file is replaced: littlefs takes them for bad ones and goes on to the next.
+
+Files of 512 bytes and less have no block of their own: their code stays in RAM. So do native code (slower from flash,
+host_tools/build.py says which is not) and modules without a table. RP2040 only.
+"""
+
+import gc
+import sys
+from array import array
+
+import rp2
+import uctypes
+import vfs
+from machine import mem32
+from micropython import const, kbd_intr
+
+from passo.ports.rp2.flash_scan import (
+    BLOCKS, BUSY, FIELDS, FILE_COUNT, FILE_ROW, FILES, FUNCTION_CHILDREN, FUNCTION_CODE, FUNCTION_MODULE, FUNCTION_ROW,
+    IN_USE, KIND_SHIFT, MOVED, MOVED_BYTES, POOL, RAW_CODE, STACK, TYPES, WORK, WORK_ROW, WORK_ROWS,
+)  # fmt: skip
+
+_SCAN = "passo.ports.rp2.flash_scan"  # loaded, then given back
+_BLOCK = const(4096)
+_MARK = const(0x5043)
+_IOCTL_COUNT = const(4)
+_IOCTL_ERASE = const(6)
+_CORRUPT = const(-84)  # littlefs looks for another block
+_CTRL_C = const(3)
+_NOT_FOUND = const(2)
+_SMALL = const(512)  # littlefs keeps files up to this size beside their names
+_PAGE = const(256)  # as the interpreter mounts it
+_FLASH = const(0x10000000)
+_FLASH_END = const(0x11000000)
+_FIRST_ROUND = const(40_000)  # bytes of files after which their functions are redirected: there is room at first
+_ROUND = const(24_000)  # each takes 50 ms
+_ROOM = const(18_000)  # at the lower end of memory, given back at the end: so that there is a piece as large as this
+_WORK_ROWS = const(128)
+_FOLDER = const(0x4000)
+_FILE = const(0x8000)
+
+
+class Unknown(Exception):
+    """Something is not as expected: all stays in RAM."""
+
+
+class Blocks:
+    """The flash as littlefs sees it. Keeps the blocks that code runs from."""
+
+    def __init__(self, flash, count):
+        self._flash = flash
+        self._kept = bytearray((count + 7) // 8)
+        self.count = count
+        self.last = -1  # read
+
+    def readblocks(self, block, data, offset=0):
+        self.last = block
+        self._flash.readblocks(block, data, offset)
+
+    def writeblocks(self, block, data, offset=0):
+        self._flash.writeblocks(block, data, offset)
+
+    def ioctl(self, request, argument):
+        if request == _IOCTL_ERASE and self._kept[argument >> 3] >> (argument & 7) & 1:
+            return _CORRUPT
+        return self._flash.ioctl(request, argument)
+
+    def keep(self, block):
+        self._kept[block >> 3] |= 1 << (block & 7)
+
+
+def _mount(files):
+    """Let `files` be the root; Ctrl-C cannot come when there is none."""
+    kbd_intr(-1)
+    try:
+        vfs.umount("/")
+        vfs.mount(files, "/")
+    finally:
+        kbd_intr(_CTRL_C)
+
+
+class Record:
+    """Where the functions of a module lie."""
+
+    def __init__(self, path, functions):
+        self.path = path
+        self.functions = functions
+
+
+class Files:
+    """The file system while the app is imported: opens modules through `code`, and knows what there is in /passo without
+    asking littlefs three times for each import (2 ms each). All else it passes on."""
+
+    def __init__(self, real, code):
+        self._real = real
+        self._code = code
+        self._stopped = False
+        self._files = set()
+        self._folders = set()
+        self._list(b"passo")
+
+    def _list(self, folder):  # as bytes: for each new str the interpreter looks through all names, 0.1 ms
+        self._folders.add(folder)
+        for entry in self._real.ilistdir(folder):
+            path = folder + b"/" + entry[0]
+            if entry[1] == _FOLDER:
+                self._list(path)
+            else:
+                self._files.add(path)
+
+    def mount(self, readonly, make):
+        pass
+
+    def umount(self):
+        pass
+
+    def __getattr__(self, name):
+        return getattr(self._real, name)
+
+    def open(self, path, mode):
+        if self._stopped:
+            self._stopped = False
+            raise KeyboardInterrupt
+        if mode == "rb" and path.encode() in self._files:
+            return self._code.open(path)
+        return self._real.open(path, mode)
+
+    def stat(self, path):
+        """The import takes whatever is raised here for "there is none": Ctrl-C has to wait for open()."""
+        try:
+            return self._stat(path)
+        except KeyboardInterrupt:
+            self._stopped = True
+            return self._stat(path)
+
+    def _stat(self, path):
+        name = path.encode()
+        if name in self._files:
+            return (_FILE,) + (0,) * 9
+        if name in self._folders:
+            return (_FOLDER,) + (0,) * 9
+        if name.startswith(b"passo/"):
+            raise OSError(_NOT_FOUND)
+        return self._real.stat(path)
+
+
+class FlashCode:
+    def __init__(self):
+        self.why = "not tried"  # all stays in RAM; "" if not
+        self.functions = self.bytes = self.known = 0
+        self._real = self._blocks = self._words = None
+        self._room = None
+        self._records = []
+        self._left = []
+        self._read = 0
+        self._limit = _FIRST_ROUND
+
+    def begin(self):
+        """Try whether code can be redirected here; if so, take the file system over."""
+        try:
+            self._prepare()
+            self._trial()
+            for name, module in list(sys.modules.items()):
+                if name.startswith("passo") and name != _SCAN:
+                    self._look_at(module.__file__)
+        except Exception as error:
+            self._give_up(error)
+            self._real = None
+            return
+        self._room = bytearray(_ROOM)
+        _mount(Files(self._real, self))
+
+    def finish(self):
+        """The last round. Then the file system is littlefs again, on a flash whose blocks with code are kept."""
+        if self._real is None:
+            return
+        self._room = None
+        self._round(True)
+        _mount(self._real)
+        self._real = None
+        self._drop()
+
+    def text(self):
+        if self.why:
+            return "code in RAM: " + self.why
+        return "code in flash: %d functions, %d bytes" % (self.functions, self.bytes)
+
+    def open(self, path):
+        """An .mpy for the import: its functions are noted, those of earlier ones perhaps redirected."""
+        if self._read > self._limit:
+            self._round()
+        file = self._real.open(path, "rb")
+        if self._words:
+            try:
+                self._note(path, file)
+            except Exception as error:
+                self._give_up(error)
+            file.seek(0)
+        return file
+
+    # --- inside
+
+    def _give_up(self, error):
+        """No more is redirected. What has been stays where it is: it is right."""
+        self.why = str(error) or type(error).__name__
+        self._drop()
+
+    def _drop(self):
+        """Give back what only the start needs."""
+        if _SCAN in sys.modules:
+            package, _, name = _SCAN.rpartition(".")
+            del sys.modules[_SCAN]
+            delattr(sys.modules[package], name)
+        self._words = self._in_use = self._work = None
+        self._records = self._left = ()
+
+    def _prepare(self):
+        if "RP2040" not in sys.implementation._machine:
+            raise Unknown("no RP2040")
+        flash = rp2.Flash()
+        mapped = memoryview(flash)
+        self._base = uctypes.addressof(flash)
+        count = flash.ioctl(_IOCTL_COUNT, 0)
+        if len(mapped) != count * _BLOCK or not _FLASH <= self._base < self._base + len(mapped) <= _FLASH_END:
+            raise Unknown("the file system is not mapped")
+        from passo.ports.rp2.flash_scan import counted, find_heap, mark, trial
+
+        self._blocks = Blocks(flash, count)
+        self._words = words = array("I", [0] * FIELDS)
+        if find_heap(words) != 1:
+            raise Unknown("unknown heap")
+        self._in_use = bytearray((words[BLOCKS] + 31) // 32 * 4)
+        self._work = array("I", [0] * (_WORK_ROWS * WORK_ROW))
+        words[IN_USE] = uctypes.addressof(self._in_use)
+        words[WORK] = uctypes.addressof(self._work)
+        words[WORK_ROWS] = _WORK_ROWS
+        for number, function in enumerate((trial, counted, mark)):
+            words[TYPES + number] = id(type(function))
+        self._real = vfs.VfsLfs2(self._blocks, progsize=_PAGE)
+
+    def _look_at(self, path):
+        """The record of a module that is loaded already, or None."""
+        known = len(self._records)
+        with self._real.open(path, "rb") as file:
+            self._note(path, file)
+        return self._records[-1] if len(self._records) > known else None
+
+    def _note(self, path, file):
+        """Note where the functions of an .mpy lie."""
+        from passo.ports.rp2.flash_scan import locate
+
+        self._blocks.last = -1
+        size = file.seek(0, 2)
+        self._read += size
+        if size <= _SMALL:
+            return
+        file.seek(size - 4)
+        end = file.read(4)
+        head = self._blocks.last  # the last block is the beginning of littlefs's list
+        if head < 0 or end[2] | end[3] << 8 != _MARK:
+            return
+        count = end[0] | end[1] << 8
+        if size < 4 + 8 * count:
+            return
+        file.seek(size - 4 - 8 * count)
+        table = file.read(8 * count)
+        functions = array("I", [0] * (count * FUNCTION_ROW))
+        locate(table, count, self._chain(size, head), functions)
+        self._records.append(Record(path, functions))
+
+    def _chain(self, size, head):
+        """The addresses of a file's blocks, then 0."""
+        last = 0  # number of the last one
+        room = _BLOCK
+        while size > room:
+            last += 1
+            room += _BLOCK - 4
+            number = last
+            while not number & 1:
+                room -= 4
+                number >>= 1
+        addresses = array("I", [0] * (last + 2))
+        for number in range(last, -1, -1):
+            if not 0 <= head < self._blocks.count:
+                raise Unknown("a file's list of blocks")
+            self._blocks.keep(head)
+            addresses[number] = self._base + head * _BLOCK
+            head = mem32[addresses[number]]
+        return addresses
+
+    def _round(self, last=False):
+        """Redirect what has been imported since the last one; in the last, also what was running then."""
+        self._read = 0
+        self._limit = _ROUND
+        if not self._words:
+            return
+        from passo.ports.rp2.flash_scan import left
+
+        try:
+            modules = {getattr(module, "__file__", ""): id(module) for module in sys.modules.values()}
+            noted = self._records + self._left if last else self._records
+            records = [record for record in noted if record.path in modules]  # some are forgotten again
+            self._redirect(records, [modules[record.path] for record in records])
+            if not last:
+                self._left += [record for record in records if left(record.functions, len(record.functions))]
+            self._records = []
+        except Exception as error:
+            self._give_up(error)
+            return
+        gc.collect()
+
+    def _redirect(self, records, modules):
+        from passo.ports.rp2.flash_scan import mark, redirect, stack_pointer
+
+        words = self._words
+        rows = array("I", [0] * (len(records) * FILE_ROW))
+        at = 0
+        for record, module in zip(records, modules):
+            rows[at] = module
+            rows[at + 1] = uctypes.addressof(record.functions)
+            rows[at + 2] = len(record.functions) // FUNCTION_ROW
+            at += FILE_ROW
+        words[FILES] = uctypes.addressof(rows)
+        words[FILE_COUNT] = len(records)
+        words[STACK] = stack_pointer()
+        mark(words)
+        redirect(words)
+        self.functions = words[MOVED]
+        self.bytes = words[MOVED_BYTES]
+
+    # --- the trial
+
+    def _trial(self):
+        """Raises Unknown unless functions are kept as flash_scan.py says, shown by three that are known."""
+        from passo.ports.rp2.flash_scan import counted, trial
+
+        module = sys.modules[_SCAN]
+        functions, children = FUNCTION_CODE, FUNCTION_CHILDREN
+        record = self._look_at(module.__file__)
+        if record is None:
+            raise Unknown("flash_scan.mpy has no table")
+        suspended = counted()
+        next(suspended)
+        found = [number for number in range(4) if self._function_of(record, mem32[id(trial) + 4 * number])]
+        entry = self._function_of(record, mem32[id(trial) + 4 * functions])
+        child = mem32[mem32[id(trial) + 4 * children]] if entry else 0
+        code_of_counted = mem32[id(counted) + 4 * functions]
+        counted_entry = self._function_of(record, code_of_counted)
+        if (
+            found != [functions]
+            or not counted_entry
+            or mem32[id(trial)] != id(type(trial))
+            or mem32[id(trial) + 4 * FUNCTION_MODULE] != id(module)
+            or not self._in_heap(child)
+            or mem32[child] != 2 << KIND_SHIFT
+            or self._function_of(record, mem32[child + 4 * RAW_CODE]) != entry + 1
+        ):
+            raise Unknown("unknown layout of functions")
+        code, code_of_child = mem32[id(trial) + 4 * functions], mem32[child + 4 * RAW_CODE]
+        self._redirect([record], [id(module)])
+        target = record.functions[(entry - 1) * FUNCTION_ROW]
+        target_of_child = record.functions[entry * FUNCTION_ROW]
+        if (
+            mem32[id(trial) + 4 * functions] != target
+            or mem32[child + 4 * RAW_CODE] != target_of_child
+            or mem32[id(counted) + 4 * functions] != code_of_counted
+            or not self._used(code_of_counted, record, counted_entry)
+            or self._used(code, record, entry)
+            or self._used(code_of_child, record, entry + 1)
+        ):
+            raise Unknown("the trial ended otherwise")
+        if trial(6) != 43 or trial(0)(2) != 15 or list(suspended) != [4]:
+            raise Unknown("code does not run from flash")
+        self._records.clear()
+        self._words[MOVED] = self._words[MOVED_BYTES] = self._words[BUSY] = 0
+        self.why = ""
+
+    def _in_heap(self, address):
+        words = self._words
+        return address & 3 == 0 and 0 <= address - words[POOL] < 16 * words[BLOCKS]
+
+    def _function_of(self, record, address):
+        """The number, from 1, of the function in flash whose bytes stand at an address in RAM; 0: none."""
+        if not self._in_heap(address):
+            return 0
+        row = FUNCTION_ROW
+        for number in range(len(record.functions) // row):
+            target, length = record.functions[number * row], record.functions[number * row + 1] & 0xFFFF
+            if target and uctypes.bytearray_at(address, length) == uctypes.bytearray_at(target, length):
+                return number + 1
+        return 0
+
+    def _used(self, address, record, number):
+        """Whether something points into the copy of a function."""
+        first = address - self._words[POOL]
+        length = record.functions[(number - 1) * FUNCTION_ROW + 1] & 0xFFFF
+        blocks = range(first >> 4, first + length + 15 >> 4)
+        return bool([block for block in blocks if self._in_use[block >> 3] >> (block & 7) & 1])

@@ -1,0 +1,140 @@
+"""Compiled modules whose functions are moved so that they can run from flash: nothing else is changed."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from host_tools import build, mpy
+
+MICROPYTHON = Path(sys.executable).parent / "micropython"
+
+
+@pytest.fixture(scope="module")
+def modules(tmp_path_factory):
+    """{path: bytes} of two boards' modules as mpy-cross compiles them."""
+    found = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(build, "IN_PLACE", "")
+        for board in ("router_3axis", "torch_manipulator"):
+            out = tmp_path_factory.mktemp(board)
+            build.build_tree(board, out)
+            found |= {path.relative_to(out).as_posix(): path.read_bytes() for path in out.rglob("*.mpy")}
+    return found
+
+
+def blocks_of(function, size):
+    """The blocks of littlefs in which the code of a function lies."""
+    starts, _ = mpy.block_starts(size)
+    last = function.offset + function.length - 1
+    return {number for number, (a, b) in enumerate(zip(starts, starts[1:])) if a <= last and function.offset < b}
+
+
+def test_every_byte_of_a_module_is_accounted_for(modules):
+    for path, data in modules.items():
+        assert mpy.functions(data)[1] == len(data), path
+
+
+@pytest.mark.parametrize("native", [False, True])
+def test_functions_are_the_same_and_lie_in_one_block(modules, native):
+    moved = 0
+    for path, data in modules.items():
+        placed = mpy.in_place(data, native)
+        before, after = mpy.functions(data)[0], mpy.functions(placed)[0]
+        assert [data[f.offset : f.offset + f.length] for f in before] == [
+            placed[f.offset : f.offset + f.length] for f in after
+        ], path
+        table = placed[-4 - 8 * len(after) : -4]
+        assert placed[-4:] == len(after).to_bytes(2, "little") + mpy.MARK.to_bytes(2, "little")
+        for number, (f, g) in enumerate(zip(before, after)):
+            row = table[8 * number : 8 * number + 8]
+            assert (int.from_bytes(row[:2], "little"), int.from_bytes(row[2:4], "little")) == (g.offset, g.length)
+            assert (row[5], int.from_bytes(row[6:], "little")) == (f.children, f.tree)
+            if row[4]:
+                moved += g.offset - f.offset > 0
+                assert g.kind == mpy.BYTECODE or native and g.kind == mpy.VIPER and g.offset % 4 == 0
+                assert len(blocks_of(g, len(placed))) == 1 or g.length > mpy.BLOCK_BYTES - 32
+    assert moved
+
+
+def test_small_modules_get_a_block_of_their_own(modules):
+    for path, data in modules.items():
+        code = sum(function.length for function in mpy.functions(data)[0][1:])
+        assert len(mpy.in_place(data)) > mpy.INLINE_BYTES or code < 100, path
+
+
+@given(st.integers(0, 40_000), st.integers(1, 4084), st.booleans())
+def test_padding(offset, length, native):
+    for kind in (mpy.BYTECODE, mpy.VIPER):
+        function = mpy.Function(0, offset, length, kind)
+        moved = mpy.padding(function, offset, native)
+        function.offset = offset + moved
+        assert 0 <= moved < mpy.BLOCK_BYTES + 4
+        assert len(blocks_of(function, 60_000)) == 1 or length > 4072
+        assert kind == mpy.BYTECODE or not native or function.offset % 4 == 0
+
+
+@pytest.mark.parametrize("size", [1, 512, 4096, 4097, 8188, 8189, 12276, 12277, 16368, 16369, 40_000])
+def test_blocks_of_a_file_are_where_littlefs_puts_them(size):
+    """Against a littlefs image: the bytes that the offsets say stand in the block that the list of pointers leads to."""
+    from host_tools.emulator.filesystem import BLOCK_BYTES, make_image
+
+    data = bytes((7 * i + (i >> 8)) & 0xFF for i in range(size))
+    image = make_image({"file": data})
+    starts, pointers = mpy.block_starts(size)
+    block = None
+    for number in range(len(starts) - 2, -1, -1):
+        piece = data[starts[number] : starts[number + 1]]
+        if block is None:
+            if size <= mpy.INLINE_BYTES:
+                return
+            places = [at for at in range(0, len(image), BLOCK_BYTES) if image[at + pointers[number] :].startswith(piece)]
+            assert len(places) == 1
+            block = places[0]
+        assert image[block + pointers[number] : block + pointers[number] + len(piece)] == piece
+        block = int.from_bytes(image[block : block + 4], "little") * BLOCK_BYTES
+
+
+PROGRAM = """
+def outer(n):
+    def inner(k):
+        return [i * k for i in range(n)]
+    return inner(3)
+class Thing:
+    value = 41
+    def more(self, by=1):
+        return self.value + by
+print(outer(4), Thing().more(), (1, b"x", "text", 2.5, None), (lambda: 9)())
+"""
+
+
+@pytest.mark.skipif(not MICROPYTHON.exists(), reason="no MicroPython for a PC")
+def test_the_interpreter_reads_what_was_moved(tmp_path):
+    source = tmp_path / "source.py"
+    for size in (1, 60, 250):  # more functions than fit into a block
+        more = "".join(f"def f{i}(a, b=2):\n    return a * {i} + b, (a, '{i}'), [x for x in (a, b)]\n" for i in range(size))
+        source.write_text(more + PROGRAM)
+        build.compile_module(source, tmp_path / "thing.mpy", "x64", "thing.py")
+        said = [subprocess.run([MICROPYTHON, "-c", "import thing"], cwd=tmp_path, capture_output=True, text=True)]
+        data = (tmp_path / "thing.mpy").read_bytes()
+        placed = mpy.in_place(data)
+        assert placed[: len(data)] != data or size == 1
+        (tmp_path / "thing.mpy").write_bytes(placed)
+        said.append(subprocess.run([MICROPYTHON, "-c", "import thing"], cwd=tmp_path, capture_output=True, text=True))
+        assert said[0].stdout == said[1].stdout == "[0, 3, 6, 9] 42 (1, b'x', 'text', 2.5, None) 9\n", said[1].stderr
+
+
+@pytest.mark.parametrize("data", [b"", b"M", b"M\x05\0\x1f", b"print(1)\n"])
+def test_what_is_no_module_is_refused(data):
+    with pytest.raises(ValueError):
+        mpy.in_place(data)
+
+
+def test_only_the_rp2040_gets_them(tmp_path):
+    for board, with_table in (("plotter_2014", True), ("plotter_esp32", False)):
+        build.build_tree(board, tmp_path / board)
+        data = (tmp_path / board / "passo" / "app.mpy").read_bytes()
+        assert (int.from_bytes(data[-2:], "little") == mpy.MARK) == with_table

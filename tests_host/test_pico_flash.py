@@ -1,0 +1,193 @@
+"""Code in flash on the emulated Pico: how much memory it leaves, and that whatever is not as expected stays in RAM."""
+
+import shutil
+import tempfile
+from pathlib import Path
+
+import pytest
+from emulated import uf2  # noqa: F401
+
+from host_tools import build, mpy
+from host_tools.emulator import binary
+from host_tools.emulator.heap import Heap
+from host_tools.emulator.machine import EmulatedMachine, firmware_files
+from host_tools.emulator.pico import EmulatedPico
+
+FIRST_ANSWER_MS = 2500
+LIMIT_MS = 5000
+LARGEST = 16_000
+QUESTIONS = {"router_3axis": (b"?", b"<"), "plotter_2014": (b"r\0\0\0\0r", b"k")}
+VERSIONS = sorted((binary.CACHE / "versions").glob("RPI_PICO-*.uf2"))
+
+# The start of main.py without the app: `code` redirects what is imported while it is there.
+BEGIN = """
+import gc, sys
+import passo.ports.rp2.start
+from passo.ports.rp2.flash_code import FlashCode
+code = FlashCode()
+code.begin()
+"""
+
+
+class Started:
+    """A machine that has answered; `said` is what it printed, `heap` as it was when its main loop began."""
+
+    def __init__(self, board, files=None, uf2=None):
+        files = dict(files or firmware_files(board))
+        ready = b"        print('ready')\n"
+        main = files["main.py"]
+        files["main.py"] = main.replace(b"        start.run(app, port)\n", ready + b"        start.run(app, port)\n")
+        assert files["main.py"] != main
+        self.machine = machine = EmulatedMachine(board, files, uf2=uf2).boot()
+        console = machine.pico.console
+        machine.run_until(lambda: b"ready" in console.text or b">>> " in console.text, LIMIT_MS, 200)
+        self.heap = Heap(machine.pico)
+        link = machine.uart_links()[0]
+        question, answer = QUESTIONS[board]
+        while answer not in machine.take(link):
+            assert machine.now_ms() < LIMIT_MS, bytes(console.text).decode()
+            machine.send(question, link)
+            machine.run_ms(10)
+        self.answered_ms = machine.now_ms()
+        console.send(b"\r")
+        machine.run_ms(20)
+        self.said = bytes(console.take()).decode()
+
+
+@pytest.mark.parametrize("board, free", [("router_3axis", 45_000), ("plotter_2014", 110_000)])
+def test_room_and_time(uf2, board, free, show):
+    started = Started(board, uf2=uf2)
+    assert "code in flash: " in started.said
+    assert started.heap.free >= free and started.heap.largest >= LARGEST
+    assert started.answered_ms <= FIRST_ANSWER_MS
+    show(
+        f"{board} with its code in flash",
+        f"{started.heap.free} bytes free, {started.heap.largest} in one piece, first answer after {started.answered_ms:.0f} ms",
+    )
+
+
+@pytest.mark.parametrize("version", VERSIONS, ids=lambda path: path.stem)
+def test_other_interpreters(version):
+    started = Started("plotter_2014", uf2=version)
+    assert "code in flash: " in started.said and started.heap.largest >= LARGEST
+
+
+def rebuilt(board, module, old, new):
+    """The firmware's files from sources of which one was changed."""
+    with tempfile.TemporaryDirectory() as folder:
+        firmware = Path(folder) / "firmware"
+        shutil.copytree(build.FIRMWARE, firmware)
+        source = firmware / module
+        text = source.read_text(encoding="utf-8")
+        assert text.count(old) == 1
+        source.write_text(text.replace(old, new), encoding="utf-8")
+        out = Path(folder) / "out"
+        build.build_tree(board, out, firmware=firmware)
+        return {path.relative_to(out).as_posix(): path.read_bytes() for path in out.rglob("*") if path.is_file()}
+
+
+SCAN = "passo/ports/rp2/flash_scan.py"
+LAYOUTS = [
+    ("FUNCTION_CODE = const(3)", "FUNCTION_CODE = const(2)"),
+    ("FUNCTION_CODE = const(3)", "FUNCTION_CODE = const(4)"),
+    ("FUNCTION_MODULE = const(1)", "FUNCTION_MODULE = const(2)"),
+    ("FUNCTION_CHILDREN = const(2)", "FUNCTION_CHILDREN = const(1)"),
+    ("RAW_CODE = const(1)", "RAW_CODE = const(2)"),
+    ("KIND_SHIFT = const(16)", "KIND_SHIFT = const(8)"),
+    ("_TAIL = const(2)", "_TAIL = const(3)"),
+    ("ram[i + 2] == table + length + 1", "ram[i + 2] == table + length + 2"),
+]
+
+
+@pytest.mark.parametrize("old, new", LAYOUTS)
+def test_another_layout_leaves_all_in_ram(uf2, old, new):
+    files = rebuilt("plotter_2014", SCAN, old, new)
+    started = Started("plotter_2014", files, uf2=uf2)
+    assert "code in RAM: " in started.said, started.said
+    assert "Traceback" not in started.said
+
+
+def test_a_router_runs_with_its_code_in_ram(uf2):
+    started = Started("router_3axis", rebuilt("router_3axis", SCAN, *LAYOUTS[0]), uf2=uf2)
+    assert "code in RAM: unknown layout of functions" in started.said
+    assert started.heap.free >= 10_000
+
+
+@pytest.fixture
+def pico(uf2):
+    files = {path: data for path, data in firmware_files("plotter_2014").items() if path != "main.py"}
+    return EmulatedPico(files=files, uf2=uf2).boot()
+
+
+# A module's functions are in flash if their code is; told from here, by the interpreter's own structures.
+WHERE = """
+from machine import mem32
+def in_flash(function):
+    return mem32[id(function) + 12] >> 28 == 1
+"""
+
+
+def test_functions_run_from_flash_and_what_runs_stays(pico):
+    pico.exec(BEGIN + WHERE)
+    assert pico.exec("print(repr(code.why))") == "''\r\n"
+    pico.exec("from passo.motion import integers, cordic\ncode.finish()")
+    assert pico.exec("print(in_flash(FlashCode.finish))") == "False\r\n", "it was running"
+    names = "[name for name in ('_trial', '_note', '_chain', '_prepare', 'text') if in_flash(getattr(FlashCode, name))]"
+    assert len(eval(pico.exec(f"print({names})"))) >= 4  # what a stale word points into stays, too
+    assert "code in flash" in pico.exec("print(code.text())")
+    pico.soft_reset()
+    pico.console.expect(b">>> ")
+    assert pico.exec("from passo.motion import cordic\nprint(1)") == "1\r\n"
+
+
+def test_suspended_generators_stay_right(pico):
+    source = "def count(n):\n    total = 0\n    for i in range(n):\n        total += i\n        yield total\n" + "#" * 10
+    with tempfile.TemporaryDirectory() as folder:
+        path, target = Path(folder) / "counting.py", Path(folder) / "counting.mpy"
+        more = "\ndef by{0}(x):\n    return [x * i for i in range({0})]\n"
+        path.write_text(source + "".join(more.format(i) for i in range(12)))
+        build.compile_module(path, target, "armv6m", "counting.py")
+        data = mpy.in_place(target.read_bytes())
+    pico.exec(f"with open('passo/counting.mpy', 'wb') as file:\n    _ = file.write({data!r})")
+    pico.exec(BEGIN + WHERE)
+    pico.exec("from passo.counting import *\nsums = count(2000)\nhead = [next(sums) for i in range(3)]")
+    pico.exec("code.finish()")
+    assert pico.exec("print(in_flash(count), by3(4), by2(1))") == "False [0, 4, 8] [0, 1]\r\n"
+    assert int(pico.exec("print(sum([in_flash(each) for each in (by0, by1, by2, by3, by4)]))")) >= 3
+    said = pico.exec(
+        "import os\nfor i in range(40):\n    gc.collect()\n    junk = [bytearray(50) for j in range(200)]\n    head.append(next(sums))\n"
+        "print(head == [i * (i + 1) // 2 for i in range(43)])"
+    )
+    assert said == "True\r\n"
+
+
+REPLACE = """
+def replace(name, data):
+    with open(name, 'wb') as file:
+        file.write(data)
+"""
+FILL = """
+for i in range(400):
+    try:
+        replace('fill%d' % i, bytes([i & 255]) * 4000)
+    except OSError:
+        break
+print(i)
+"""
+FUNCTIONS = "[getattr(cordic, name) for name in dir(cordic) if type(getattr(cordic, name)) is type(in_flash)]"
+
+
+def test_a_module_is_overwritten_without_a_reset(pico):
+    """Its blocks are free for littlefs then, which fills the whole disk; those with code in use are not erased."""
+    pico.exec(BEGIN + WHERE + "from passo.motion import integers, cordic\ncode.finish()\n")
+    addresses = eval(pico.exec(f"print([mem32[id(each) + 12] for each in {FUNCTIONS}])"))
+    used = {address - 0x10000000 & ~4095 for address in addresses if address >> 28 == 1}
+    before = bytes(pico.chip.flash)
+    asked = "print([cordic.vector(3000, 4000 * i) for i in range(-3, 4)])"
+    answer = pico.exec(asked)
+    pico.exec(REPLACE + "import os\nreplace('passo/motion/integers.mpy', b'x' * 3000)\nos.remove('passo/motion/cordic.mpy')\n")
+    assert int(pico.exec(FILL, limit_us=400_000_000)) > 100
+    changed = {at for at in range(0, len(before), 4096) if before[at : at + 4096] != pico.chip.flash[at : at + 4096]}
+    assert used and len(changed) > 100 and not used & changed
+    assert pico.exec(asked) == answer
+    assert pico.exec("gc.collect()\n" + asked) == answer
