@@ -49,9 +49,10 @@ _PAGE = const(256)  # as the interpreter mounts it
 _FLASH = const(0x10000000)
 _FLASH_END = const(0x11000000)
 _FIRST_ROUND = const(40_000)  # bytes of files after which their functions are redirected: there is room at first
-_ROUND = const(24_000)  # each takes 50 ms
-_ROOM = const(18_000)  # at the lower end of memory, given back at the end: so that there is a piece as large as this
-_WORK_ROWS = const(128)
+_ROUND = const(18_000)  # each takes 50 ms
+_ROOM = const(17_000)  # at the lower end of memory, given back at the end: so that there is a piece as large as this
+_SHORT = const(16_000)  # bytes free after a round: then it is given back at once
+_WORK_ROWS = const(96)
 _FOLDER = const(0x4000)
 _FILE = const(0x8000)
 
@@ -111,18 +112,21 @@ class Files:
         self._real = real
         self._code = code
         self._stopped = False
-        self._files = set()
-        self._folders = set()
+        self._folders = {}  # b"passo/motion": b"/arc.mpy/line.mpy/"
         self._list(b"passo")
 
     def _list(self, folder):  # as bytes: for each new str the interpreter looks through all names, 0.1 ms
-        self._folders.add(folder)
+        names = b"/"
         for entry in self._real.ilistdir(folder):
-            path = folder + b"/" + entry[0]
             if entry[1] == _FOLDER:
-                self._list(path)
+                self._list(folder + b"/" + entry[0])
             else:
-                self._files.add(path)
+                names += entry[0] + b"/"
+        self._folders[folder] = names
+
+    def _has(self, path):
+        folder, _, name = path.rpartition(b"/")
+        return folder in self._folders and b"/" + name + b"/" in self._folders[folder]
 
     def mount(self, readonly, make):
         pass
@@ -137,7 +141,7 @@ class Files:
         if self._stopped:
             self._stopped = False
             raise KeyboardInterrupt
-        if mode == "rb" and path.encode() in self._files:
+        if mode == "rb" and self._has(path.encode()):
             return self._code.open(path)
         return self._real.open(path, mode)
 
@@ -151,7 +155,7 @@ class Files:
 
     def _stat(self, path):
         name = path.encode()
-        if name in self._files:
+        if self._has(name):
             return (_FILE,) + (0,) * 9
         if name in self._folders:
             return (_FOLDER,) + (0,) * 9
@@ -324,6 +328,8 @@ class FlashCode:
             self._give_up(error)
             return
         gc.collect()
+        if gc.mem_free() < _SHORT:
+            self._room = None
 
     def _redirect(self, records, modules):
         from passo.ports.rp2.flash_scan import mark, redirect, stack_pointer
