@@ -76,7 +76,7 @@ class Two:
         self.world = self.machine.world
         self.languages = first, second
         self.lines = [self.machine.port.lines[name] for name in ("a", "pc")]
-        self.controller.links.settled()
+        self.controller.links.wary = 0
         self.controller.alarm = 0
         self.stood = None  # steps made when it was stopped, from arm() on
         self._armed = False

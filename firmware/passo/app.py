@@ -194,7 +194,7 @@ class App:
         for command in commands:
             command.link = link
             if self._overruled and command.kind not in HARMLESS:
-                self.controller.dropped((command,), self._overruled)
+                self.controller.refuse(command, self._overruled)
                 self._answer()
             else:
                 self._begin(command)
@@ -262,8 +262,8 @@ class App:
     # --- what was sent before a stop, a reset, an alarm or a hand-over moves nothing after it
 
     def _drop(self, event):
-        """Refuse what waits, what has come and was not read, and what the languages hold back. Only of the link that brought
-        this about, what stands behind its word for it was sent after it, and counts."""
+        """Refuse what waits, what has come and was not read, unless it is harmless, and what the languages hold back. Only
+        of the link that brought this about, what stands behind its word for it was sent after it, and counts."""
         alarm = event.kind == ALARM
         if alarm and event.error in _BY_RESET:
             return  # RESTARTED follows
@@ -274,25 +274,22 @@ class App:
         for link in self.links:
             waiting = link.waiting
             link.waiting = []
-            if link is not cause and link is not self._speaking and (event.kind != RESTARTED or event.value is not None):
-                self._empty(link, waiting)
+            reads = _READS
+            if link is cause or link is self._speaking or event.kind == RESTARTED and event.value is None:
+                reads = 0
+            while reads:
+                data = link.serial.read()
+                reads = reads - 1 if data else 0
+                for command in link.protocol.feed(data, self._now_ms) if data else ():
+                    command.link = link
+                    if command.kind not in HARMLESS:
+                        waiting.append(command)
+                    elif self.controller.accept(command) == LATER:
+                        link.waiting.append(command)
             if waiting:
-                self.controller.dropped(waiting, number)
+                self.controller.refuse(waiting.pop(0), number, *waiting)
             if link is not cause:
                 self._say(link, link.protocol.drop(event))
-
-    def _empty(self, link, waiting):
-        """Read all that has come. Only what moves nothing is carried out, the rest goes to the list `waiting`."""
-        for _ in range(_READS):
-            data = link.serial.read()
-            if not data:
-                return
-            for command in link.protocol.feed(data, self._now_ms):
-                command.link = link
-                if command.kind not in HARMLESS:
-                    waiting.append(command)
-                elif self.controller.accept(command) == LATER:
-                    link.waiting.append(command)
 
     def stop(self):
         """Halt, tool off, motors without current."""

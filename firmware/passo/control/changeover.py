@@ -5,9 +5,9 @@
 
 The roles of the board file's outputs: "ours" is on while the motors are this board's, "theirs" while they are not. Break
 before make: all of them are released, and only `changeover_ms` later the ones wanted are switched on; nothing is stepped
-before that time has passed once more, for the relays to have closed. As long as they are the other controller's, motion is
-refused; with "changeover_by": "motion" in the board file the first steps take them. At the start, in an alarm and when the app ends
-the outputs of role "ours" are off, which is how a machine without power stands: with the other controller.
+before that time has passed once more, for the relays to have closed. As long as the motors are the other controller's,
+motion is refused; with "changeover_by": "motion" in the board file the first steps take them. At the start, in an alarm and
+when the app ends the outputs of role "ours" are off, which is how a machine without power stands: with the other controller.
 """
 
 from passo.control.part import Part

@@ -189,16 +189,11 @@ class Controller:
             self.refuse(command, result)
         return result
 
-    def refuse(self, command, number):
-        """Log error `number` and tell the command's link."""
+    def refuse(self, command, number, *more):
+        """Log error `number` and tell the command's link; also of `more` commands of that link, in one line of the log."""
         self._note(number, command.link.name)
-        self._events.append(Event(REFUSED, command, number))
-
-    def dropped(self, waiting, number):
-        """The commands in the list `waiting`, all of one link, will not be carried out: one line in the log for all."""
-        self._note(number, waiting[0].link.name)
-        for command in waiting:
-            self._events.append(Event(REFUSED, command, number))
+        for refused in (command,) + more:
+            self._events.append(Event(REFUSED, refused, number))
 
     @micropython.native
     def take_events(self):
@@ -244,7 +239,7 @@ class Controller:
 
     def lock(self):
         """Nothing moves until the machine is homed or unlocked."""
-        self.links.settled()
+        self.links.wary = 0
         self.alarm = errors.ALARM_LOCKED
 
     def shut_down(self):
@@ -333,7 +328,7 @@ class Controller:
             self.tools.switch_off()
         else:
             self.shut_down()
-        self.links.settled()
+        self.links.wary = 0
         self.alarm = number
         self._note(number, who)
         self._events.append(Event(ALARM, None, number))
@@ -397,7 +392,7 @@ class Controller:
         if self.state not in ("idle", "alarm") or not self.queue.still():
             return LATER
         self.objects.store.clear()
-        self.links.settled()
+        self.links.wary = 0
         self.alarm = 0
         self.homed = False
         self.command = command

@@ -5,9 +5,10 @@
 
 A RUN that may only begin at a stand is refused as BUSY while anything moves; one marked as a jog also extends a jog of
 the same axes in the same directions, without a gap, but only up to the board file's jog.ahead_ms of steps ahead of the pins:
-a button that is let go stops the axis within that time, or at the end of the one jog it asked for at least. One marked as live changes what moves: axes named set out, turn or
-take another rate, the others run on undisturbed. Where the board file asks for it (planning.independent_ramps), each
-axis keeps its own limits of speed and acceleration; otherwise the rate is constant from the first step to the last.
+a button that is let go stops the axis within that time, or at the end of the one jog it asked for at least. One marked as
+live changes what moves: axes named set out, turn or take another rate, the others run on undisturbed. Where the board file
+asks for it (planning.independent_ramps), each axis keeps its own limits of speed and acceleration; otherwise the rate is
+constant from the first step to the last.
 
 Where soft limits hold, an endless run and a turn on the way are refused: where they end is not known.
 """

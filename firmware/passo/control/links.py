@@ -16,7 +16,6 @@ HARMLESS = (
     commands.BAD, commands.HELLO, commands.STATUS, commands.SYNC,
     commands.STOP, commands.HOLD, commands.DOOR, commands.JOG_CANCEL, commands.REST, commands.RESET,
 )  # fmt: skip
-FREE = HARMLESS + (commands.HAND_OVER,)
 _AT_REST = ("idle", "alarm", "sleep")
 
 
@@ -27,21 +26,17 @@ class Links:
         self.commander = self.names.index(board["commands"] or self.names[0])
         self.speaker = self.commander  # whose bytes are being understood; set by the app
         self._machine = machine
-        self._wary = 0  # mask of links, see wary()
+        self.wary = 0  # mask of the links that move nothing until the machine is homed or unlocked; 0: it has been, or worse
 
-    def wary(self, name):
+    def lock(self, name):
         """Link `name` moves nothing from the start on, before the machine is homed or unlocked. Others may."""
-        self._wary |= 1 << self.names.index(name)
+        self.wary |= 1 << self.names.index(name)
         self._guard()
-
-    def settled(self):
-        """Homed, unlocked, or in alarm for a reason that concerns every link."""
-        self._wary = 0
 
     def _guard(self):
         machine = self._machine
-        if self._wary and machine.alarm in (0, errors.ALARM_LOCKED):
-            machine.alarm = errors.ALARM_LOCKED if self._wary >> self.commander & 1 else 0
+        if self.wary and machine.alarm in (0, errors.ALARM_LOCKED):
+            machine.alarm = errors.ALARM_LOCKED if self.wary >> self.commander & 1 else 0
 
     @micropython.native
     def listening(self):
@@ -54,7 +49,8 @@ class Links:
     def refusal(self, command):
         """0, or why the command's link may not say this now."""
         link = command.link
-        if link is None or link.number == self.commander or command.kind in FREE:
+        kind = command.kind
+        if link is None or link.number == self.commander or kind in HARMLESS or kind == commands.HAND_OVER:
             return 0
         return errors.COMMANDED_ELSEWHERE
 

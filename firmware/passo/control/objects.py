@@ -107,33 +107,24 @@ class Objects:
         if self.drawing or machine.command is not None or machine.occupied():
             return errors.BUSY
         queue = self._queue
-        if machine.program.jogging and self._ahead() > self._board["jog"]["ahead_ms"] * TICKS_PER_MS:
-            return LATER
-        steps = self._board["jog"]["steps"]
+        jog = self._board["jog"]
+        steps = jog["steps"]
+        if machine.program.jogging:
+            ahead = self._ticks([to - at for to, at in zip(queue.target, queue.position())])  # jogs make one line, nearly
+            if ahead > jog["ahead_ms"] * TICKS_PER_MS:
+                return LATER
         target = [queue.target[axis] + steps * command.target[axis] for axis in range(len(command.target))]
-        if self._farther_out(target):
-            return errors.JOG_TRAVEL
+        for axis in range(len(target)):  # back from outside the travel is allowed: before homing the machine may be anywhere
+            low, high = queue.reach(axis)
+            at = queue.target[axis]
+            if not min(low, at) <= target[axis] <= max(high, at):
+                return errors.JOG_TRAVEL
         if not queue.room():
             return LATER
         machine.program.jogging = True
         queue.line(target, self._ticks, queue.tool, 0)
         queue.flush()
         return machine.accepted(command)
-
-    def _farther_out(self, target):
-        """True where `target` lies outside the travel, and not on the way back from farther out: before homing the machine
-        may be anywhere."""
-        queue = self._queue
-        for axis in range(len(target)):
-            low, high = queue.reach(axis)
-            at = queue.target[axis]
-            if target[axis] < min(low, at) or target[axis] > max(high, at):
-                return True
-        return False
-
-    def _ahead(self):
-        """Ticks of motion between the pins and the queue's end, as long as it is one line."""
-        return self._ticks([to - at for to, at in zip(self._queue.target, self._queue.position())])
 
     # --- drawing
 

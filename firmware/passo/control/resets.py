@@ -67,7 +67,7 @@ class Resets:
         if machine.alarm:
             if machine.inputs.door_open():
                 return errors.DOOR_OPEN
-            machine.links.settled()
+            machine.links.wary = 0
             machine.alarm = 0
             machine.notice(errors.NOTICE_UNLOCKED)
         return machine.accepted(command)
@@ -88,7 +88,7 @@ class Resets:
         machine = self._machine
         machine.shut_down()
         machine.tools.restart()
-        machine.links.settled()
+        machine.links.wary = 0
         machine.sleeping = True
         machine.notice(errors.NOTICE_SLEEPING)
         return machine.accepted(command)

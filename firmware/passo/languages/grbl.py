@@ -14,5 +14,5 @@ def opened(link, board, controller, shared):
         shared["offsets"] = Offsets(len(axes), controller.settings)
     controller.program.accelerates = True
     if controller.settings.value(HOMING):
-        controller.links.wary(link["name"])
+        controller.links.lock(link["name"])
     return Grbl(axes, shared["offsets"], controller.settings, controller)
