@@ -15,6 +15,7 @@ START_HZ, START_S = 5000, 0.01
 LINE_S = 0.04
 BAUD = 115_200
 GCODE_LINES = 300
+CLOCKS_MHZ = 125, 200  # of the G-code
 
 
 @lru_cache
@@ -126,21 +127,24 @@ def links():
 
 def gcode():
     """G-code lines a second from memory, while they are stepped; what a command and a feed hold wait, over USB."""
-    machine = lines_of_gcode.fast_router()
-    rows = []
+    rows = [(what, mhz, *figures) for mhz in CLOCKS_MHZ for what, *figures in _gcode(mhz)]
+    return ("G-code on router_3axis", "MHz", "asked", "measured", "blocks ahead, least", "words late"), rows
+
+
+def _gcode(mhz):
+    machine = lines_of_gcode.fast_router(clock_mhz=mhz)
     for length_mm, feed_mm_s in ((0.2, 100), (0.2, 200), (0.75, 187.5)):
         run = on_a_copy(lambda: lines_of_gcode.run_lines(machine, length_mm, feed_mm_s, GCODE_LINES))
         what = f"lines of {length_mm} mm at {feed_mm_s} mm/s, a second"
-        rows.append((what, round(feed_mm_s / length_mm), round(run["lines_s"]), run["least"], run["late"]))
-    laser = lines_of_gcode.fast_router((0.1,), laser=True)
+        yield what, round(feed_mm_s / length_mm), round(run["lines_s"]), run["least"], run["late"]
+    laser = lines_of_gcode.fast_router((0.1,), laser=True, clock_mhz=mhz)
     for dot_mm, feed_mm_s, mode in ((0.1, 100, "M4"), (0.1, 100, "M3")):
         run = on_a_copy(lambda: lines_of_gcode.run_raster(laser, dot_mm, feed_mm_s, GCODE_LINES, mode))
         what = f"a picture's dots of {dot_mm} mm at {feed_mm_s} mm/s, {mode}, a second"
-        rows.append((what, round(feed_mm_s / dot_mm), round(run["lines_s"]), run["least"], run["late"]))
+        yield what, round(feed_mm_s / dot_mm), round(run["lines_s"]), run["least"], run["late"]
     steps, holds = on_a_copy(lambda: _answers(machine))
-    rows.append(("first step after a command at rest, ms", "", f"{max(steps):.1f}", "", ""))
-    rows.append(("a feed hold begins to slow at 100 mm/s, ms", "", f"{max(holds):.1f}", "", ""))
-    return ("G-code on router_3axis", "asked", "measured", "blocks ahead, least", "words late"), rows
+    yield "first step after a command at rest, ms", "", f"{max(steps):.1f}", "", ""
+    yield "a feed hold begins to slow at 100 mm/s, ms", "", f"{max(holds):.1f}", "", ""
 
 
 def _answers(machine):

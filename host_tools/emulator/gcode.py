@@ -142,10 +142,10 @@ def padded(*lines, width=LINE_BYTES):
     return text
 
 
-def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False):
+def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False, clock_mhz=125):
     """A booted EmulatedMachine of the board file with axes of 250 mm/s and 2500 mm/s², that waits for run_lines(); with a
     `laser` in its spindle's place for run_raster()."""
-    board = boards.load(name)
+    board = {**boards.load(name), "clock_mhz": clock_mhz}
     for axis in board["axes"]:
         axis.update(max_mm_min=15_000, accel_mm_s2=2500)
     if laser:
