@@ -113,7 +113,7 @@ def router_at(mhz):
 @pytest.mark.parametrize("mhz", [pytest.param(150, marks=pytest.mark.slow), 200])
 def test_a_machine_as_it_is_flashed(make_machine, mhz):
     machine = make_machine(router_at(mhz), trace=None)
-    machine.run_until(lambda: b"unlock" in machine.received("serial"), 5000)
+    machine.run_until(lambda: b"unlock]\r\n" in machine.received("serial"), 5000)
     assert system_clock.of(machine.pico.chip).hz == mhz * 1_000_000
     machine.take("serial")
     machine.send(b"?", "serial")
