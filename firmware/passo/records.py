@@ -68,11 +68,13 @@ WORK_FULL = const(25)  # speed and top of the block before, as short floats
 WORK_FULL_SHIFT = const(26)
 WORK_TOP = const(27)
 WORK_TOP_SHIFT = const(28)
+WORK_PERCENT = const(29)  # overrides: of the feed, of rapid motion
 WORK_STRIDE = const(31)  # integers a row
 WORK_SIZE = const(32)  # rows
 WORK_ALL = const(33)  # 1: look_back() goes on even if nothing has changed
 WORK_FACTOR = const(34)  # squares of the overrides of feed and of rapid motion, of 4096
-WORK_FIELDS = const(36)
+WORK_START = const(36)  # square of the speed that takes no ramp, of 2²⁸
+WORK_FIELDS = const(37)
 
 # Limits.terms: what the axes can do, a number or a float as two (motion/profile.py).
 LIMIT_AXES = const(0)
@@ -145,7 +147,15 @@ FEED_NEWEST = const(15)  # mark: the last segment made
 FEED_INDEX = const(16)  # dominant steps of its block made so far; of a track, the place
 FEED_PACE = const(17)  # mean speed of the segment under way, as RAMP_PACE; 0 at a stand
 FEED_PLAYED = const(18)  # words played when segments were last retired
-FEED_PLACE = const(19)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
+FEED_LEAD = const(19)  # ticks that may lie ahead of the player
+FEED_HOLD = const(20)  # 1: come to a stand on the path
+FEED_DRIVE = const(21)  # 1: a drive turns steps into levels
+FEED_ROW = const(22)  # row of the line under way
+FEED_LEFT = const(23)  # dominant steps of it to come
+FEED_WAIT = const(24)  # ticks of a wait, or of a word longer than a word may be, to come
+FEED_TOOL = const(25)  # the tool's bit in the levels
+FEED_POWER = const(26)  # of the last mark put; above 1000: the next segment puts one in any case
+FEED_PLACE = const(27)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
 
 # A mark of Feeder._marks: a checkpoint at the end of a segment. Then the position, of each axis.
 MARK_WORD = const(0)  # words so far, modulo 2²⁹
@@ -155,6 +165,11 @@ MARK_ENDS = const(3)  # 1 if the segment is its block's last
 MARK_PACE = const(4)
 MARK_FIELDS = const(5)
 MARKS = const(64)  # most segments made and not yet played, a power of two
+
+# Power.marks: how many have been put and how many played, for ever, modulo 2²⁹; then a ring of (word, level).
+POWER_HEAD = const(0)
+POWER_TAIL = const(1)
+POWER_MARKS = const(2)
 
 # GCode._place: what plain lines are understood by; three numbers each if they are the axes'. Places from PLAIN_LOW on have
 # 2²⁹ added, so that none is negative.

@@ -39,7 +39,8 @@ from passo.motion.steady import Steady
 from passo.records import (
     QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED,
     ROW_STEPS, ROW_TICKS, ROW_TICKS_REST, WORK_ALL, WORK_FACTOR, WORK_FEED, WORK_FIELDS, WORK_GIVEN,
-    WORK_GIVEN_SHIFT, WORK_IS_ARC, WORK_LIMITED, WORK_SIZE, WORK_SPEED, WORK_STRIDE, WORK_THROUGH,
+    WORK_GIVEN_SHIFT, WORK_IS_ARC, WORK_LIMITED, WORK_PERCENT, WORK_SIZE, WORK_SPEED, WORK_START,
+    WORK_STRIDE, WORK_THROUGH,
 )  # fmt: skip
 
 LOOK_AHEAD = const(64)
@@ -61,7 +62,6 @@ class Planner:
         self.axes = axes
         self.power = 0  # of the blocks added from now on: see Block
         self.dynamic = False
-        self.percent = array("i", [100, 100])  # overrides: of the feed, of rapid motion
         self._stride = ROW_STEPS + axes
         self.rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
         self._walkers = [None] * _SIZE  # of ARC the circle's plan; of FREE and TRACK what is walked
@@ -75,6 +75,8 @@ class Planner:
         self._under_way = Block()  # the one fetched last
         self._playing = Block()
         self.work = array("i", bytearray(4 * WORK_FIELDS))
+        self.percent = memoryview(self.work)[WORK_PERCENT : WORK_PERCENT + 2]  # overrides: of the feed, of rapid motion
+        self.percent[0] = self.percent[1] = 100
         self.work[WORK_STRIDE] = self._stride
         self.work[WORK_SIZE] = _SIZE
         self.work[WORK_FACTOR] = self.work[WORK_FACTOR + 1] = 4096
@@ -82,7 +84,6 @@ class Planner:
         self._limits = None
         self._terms = None  # the limits'
         self._measure = self._raise = None  # what works with them
-        self.start_square = 0  # square of the speed that takes no ramp
         self._asked = 0  # the speed that `work` has been told, in nm/s; -1: none
         self.clear()
 
@@ -97,7 +98,7 @@ class Planner:
                 limit(ramp, limits, self._stride, len(self.rows))
         self._limits = limits
         self._terms = limits.terms if limits else None
-        self.start_square = limits.start if limits else 0
+        self.work[WORK_START] = limits.start if limits else 0
         self.accelerates = limits is not None
         self.work[WORK_FEED] = self.work[WORK_GIVEN] = 0
         self._asked = 0
@@ -391,7 +392,8 @@ class Planner:
             block.rows = rows
             block.at = at
             block.walker = walker
-            block.start = q_of(self.start_square, rows, at, rows[at + ROW_LIMIT]) if self.start_square else 0
+            start = self.work[WORK_START]
+            block.start = q_of(start, rows, at, rows[at + ROW_LIMIT]) if start else 0
             return block
         self._unpack(block, place)
         return block

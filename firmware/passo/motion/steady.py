@@ -22,6 +22,7 @@ class Steady:
 
     def __init__(self):
         self.state = array("i", [0] * STEADY_FIELDS)
+        self.cut_short = None
         self.short = False  # the block is accelerated, or an arc: cut_short() is to be called instead of cut()
         self._each = self._rest = self._total = 0
 

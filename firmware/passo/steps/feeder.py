@@ -17,14 +17,14 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion import line
 from passo.motion.block import FREE, LINE, TRACK, WAIT
 from passo.motion.line import MAX_RUN
-from passo.motion.row_viper import begun, take
+from passo.motion.row_viper import begun
 from passo.records import (
-    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_HEAD, FEED_INDEX, FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST,
-    FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_SETUP, FEED_TICKS, MARKS, MARK_FIELDS, RAMP_PACE, RAMP_Q, RAMP_STEPS,
-    RAMP_TICKS, ROW_DYNAMIC, ROW_POWER, ROW_RAPID, ROW_STEPS, ROW_TICKS, ROW_TOP,
+    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_HEAD, FEED_HOLD, FEED_INDEX, FEED_LEAD, FEED_LEFT, FEED_LEVELS, FEED_LIMIT,
+    FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_POWER, FEED_ROW, FEED_SETUP, FEED_TICKS, FEED_TOOL,
+    FEED_WAIT, LINE_FALL, LINE_MOVING, LINE_NEGATIVE, MARKS, MARK_FIELDS, RAMP_PACE, RAMP_STEPS, RAMP_TICKS, ROW_DYNAMIC,
+    ROW_POWER, ROW_RAPID, ROW_TICKS, ROW_TOP,
 )  # fmt: skip
 from passo.steps import pace
 from passo.steps.checkpoints import begin, end, retire, room
@@ -33,7 +33,9 @@ from passo.steps.position import Position
 from passo.steps.word import HOLD_TICKS
 
 _COUNT = const(0x1FFFFFFF)  # COUNT_MASK, known to the compiler
-# In the arrays, as checkpoints_plain.py has them.
+_STANDS = const(1)  # what segments_viper.make() returns
+_ENDED = const(3)
+_UNKNOWN = const(2000)  # no power: the next segment marks its own in any case
 _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
 
 
@@ -60,12 +62,17 @@ class Feeder(Position):
         state[FEED_MASK] = ring.mask
         state[FEED_LIMIT] = ring.size - _ROOM
         state[FEED_SETUP] = setup_ticks
+        state[FEED_TOOL] = layout.tool_mask
+        state[FEED_DRIVE] = 0 if drive is None else 1
+        self._settle = self.settle  # fetched once: that allocates
+        if planner.ramp.cut_short:
+            from passo.steps.segments_viper import make
+
+            self._make = make
         self.open = True  # the main loop closes it while the motors are not ready, or while it stops the machine
         self.hold = False  # set: come to a stand on the path; cleared: go on
         self.brake = False  # the same, set by the port for as long as the main loop does not run
         self.late = 0  # times the player ran dry inside a block
-        self._power = -1  # of the last mark put; -1: the next segment puts one in any case
-        self._tool = layout.tool_mask
         if drive is not None:
             ring.words[ring.mask] = drive.levels()  # the pins before the first word
         self._reset(0)
@@ -74,9 +81,9 @@ class Feeder(Position):
         self._block = None
         self.ramp.stall()
         self.stood = False
-        self._power = -1
-        self._wait = 0
         state = self.state
+        state[FEED_WAIT] = 0
+        state[FEED_POWER] = _UNKNOWN
         state[FEED_HEAD] = played
         state[FEED_DEBT] = state[FEED_TICKS] = state[FEED_OLDEST] = state[FEED_NEWEST] = state[FEED_INDEX] = state[FEED_PACE] = 0
         end(state, self._marks, self._none, 0, 0, 1)
@@ -99,12 +106,13 @@ class Feeder(Position):
         held = self.hold or self.brake
         if held and self.standing():
             self.stood = True
-            self._power = -1
+            state[FEED_POWER] = _UNKNOWN
             return False
         amid = self._block is not None and not self.stood
         if amid and state[FEED_OLDEST] == state[FEED_NEWEST]:
             self.late += 1
         self.stood = False
+        state[FEED_LEAD] = lead_ticks
         while room(state, marks, lead_ticks):
             if held and self.standing():
                 break
@@ -116,12 +124,14 @@ class Feeder(Position):
                     break
                 block = self._block
             kind = block.kind
-            if self._wait:
+            if state[FEED_WAIT]:
                 more = self._stand(block)
+            elif kind == LINE and self.ramp.short:
+                more = self._lines(block, held)
             elif kind == FREE or kind == TRACK:
                 more = block.walker.feed(self, held)
             else:
-                more = self._line(block, block.walker, held, lead_ticks)
+                more = self._segment(block, block.walker, held)
             if not more:
                 break
         return amid
@@ -157,7 +167,7 @@ class Feeder(Position):
         self._open(rows, at)
         kind = block.kind
         if kind == WAIT:
-            self._wait = rows[at + ROW_TICKS]
+            self.state[FEED_WAIT] = rows[at + ROW_TICKS]
             ramp.stall()
             self._mark_power(block, 0)
         elif kind == FREE or kind == TRACK:
@@ -170,99 +180,89 @@ class Feeder(Position):
     @micropython.native
     def _open(self, rows, at):  # ISR: no allocation
         """The tool, and where the index begins, of the block whose row begins at rows[at]."""
-        if begun(rows, at, self.state, self._tool) != self._power:
-            self._power = -1
+        state = self.state
+        if begun(rows, at, state, state[FEED_TOOL]) != state[FEED_POWER]:
+            state[FEED_POWER] = _UNKNOWN
 
     @micropython.native
-    def _line(self, block, walker, held, lead_ticks):  # ISR: no allocation
+    def _lines(self, block, held):  # ISR: no allocation
+        """Accelerated lines, from this one on, as far as they go."""
+        walker = block.walker
+        state = self.state
+        path = walker.state
+        row = state[FEED_ROW] = block.at
+        state[FEED_LEFT] = walker.left
+        state[FEED_HOLD] = 1 if held else 0
         planner = self.planner
+        ramp = self.ramp
+        ring = self.ring
+        what = self._make(
+            state, self._marks, ring.words, block.rows, planner.work, planner.counts, ramp.state, path, ring.power.marks,
+            ramp.cut_short, self._settle,
+        )  # fmt: skip
+        ring.head = state[FEED_HEAD]
+        walker.left = state[FEED_LEFT]
+        if state[FEED_ROW] != row:
+            block.at = state[FEED_ROW]
+            walker.total = path[LINE_FALL] >> 1
+            walker.moving = path[LINE_MOVING]
+            walker.negative = path[LINE_NEGATIVE]
+        if what == _ENDED:
+            self._block = None
+        return what > _STANDS
+
+    @micropython.native
+    def _segment(self, block, walker, held):  # ISR: no allocation
+        """One segment of an arc, or of a line without acceleration."""
         ramp = self.ramp
         made = ramp.state
         rows = block.rows
         row = block.at
-        short = ramp.short
-        straight = short and block.kind == LINE
-        if short:
-            cut = ramp.cut_short
-            path = walker.state
-            if straight:
-                walk = line.walk
+        percent = self.planner.percent[rows[row + ROW_RAPID]]
+        if ramp.short:
+            ramp.cut_short(rows, row, made, walker.state, walker.left, percent, held)
+        else:
+            ramp.cut(walker.left, percent, held)
+        steps = made[RAMP_STEPS]
+        if not steps:
+            return False
+        state = self.state
+        ticks = made[RAMP_TICKS]
+        waits = ticks > HOLD_TICKS and steps == 1
+        if waits:
+            state[FEED_WAIT] = ticks - HOLD_TICKS
+            ticks = HOLD_TICKS
+        if rows[row + ROW_DYNAMIC] or state[FEED_POWER] == _UNKNOWN:
+            self._mark_power(block, made[RAMP_PACE])
+        else:
+            state[FEED_PACE] = made[RAMP_PACE]
         ring = self.ring
         words = ring.words
-        size = ring.size
-        state = self.state
-        marks = self._marks
-        dynamic = rows[row + ROW_DYNAMIC]
-        drive = self.drive
-        percent = planner.percent[rows[row + ROW_RAPID]]
-        left = walker.left
-        while True:
-            if short:
-                cut(rows, row, made, path, left, percent, held)
-            else:
-                ramp.cut(left, percent, held)
-            steps = made[RAMP_STEPS]
-            if not steps:
-                walker.left = left
-                return False
-            ticks = made[RAMP_TICKS]
-            waits = ticks > HOLD_TICKS and steps == 1
-            if waits:
-                self._wait = ticks - HOLD_TICKS
-                ticks = HOLD_TICKS
-            if dynamic or self._power < 0:
-                self._mark_power(block, made[RAMP_PACE])
-            else:
-                state[FEED_PACE] = made[RAMP_PACE]
-            at = begin(state, words, walker.moving, walker.negative, steps, ticks)
-            run = steps
-            while run:
-                part = run if at + run <= size else size - at
-                if straight:
-                    walk(words, at, part, path)
-                    left -= part
-                else:
-                    walker.walk(words, at, part)
-                    left = walker.left
-                pace.pace(words, at, part, state)
-                if state[FEED_DEBT] or drive is not None:
-                    self.settle(at, part)
-                at = 0
-                run -= part
-            if left or waits:
-                ring.head = end(state, marks, walker.made, steps, ticks, 0)
-                if waits or not room(state, marks, lead_ticks):
-                    walker.left = left
-                    return True
-                continue
-            ring.head = end(state, marks, walker.made, steps, ticks, 1)
-            self._block = None
-            if not straight or held or planner.start_square or not room(state, marks, lead_ticks):
-                return True
-            row = take(rows, planner.work, planner.counts, 1 if made[RAMP_Q] else 0, 1)
-            if row < 0:
-                return True
-            self._block = block
-            block.at = row
-            walker.load(rows, row + ROW_STEPS)
-            left = walker.left
-            ramp.begin(block)
-            self._open(rows, row)
-            dynamic = rows[row + ROW_DYNAMIC]
-            percent = planner.percent[rows[row + ROW_RAPID]]
+        at = begin(state, words, walker.moving, walker.negative, steps, ticks)
+        run = steps
+        while run:
+            part = run if at + run <= ring.size else ring.size - at
+            walker.walk(words, at, part)
+            pace.pace(words, at, part, state)
+            if state[FEED_DEBT] or self.drive is not None:
+                self.settle(at, part)
+            at = 0
+            run -= part
+        self.finish(steps, ticks, not (walker.left or waits), walker.made)
+        return True
 
     @micropython.native
     def _stand(self, block):  # ISR: no allocation
-        ticks = self._wait
+        state = self.state
+        ticks = state[FEED_WAIT]
         if ticks > HOLD_TICKS:
             ticks = HOLD_TICKS
-        self._wait -= ticks
+        state[FEED_WAIT] -= ticks
         ring = self.ring
-        state = self.state
         at = state[FEED_HEAD] & ring.mask
         ring.words[at] = ticks << state[FEED_BITS] | state[FEED_LEVELS]
         self.settle(at, 1)
-        self.finish(1, ticks, not self._wait and (block.kind == WAIT or block.walker.left == 0), self._none)
+        self.finish(1, ticks, not state[FEED_WAIT] and (block.kind == WAIT or block.walker.left == 0), self._none)
         return True
 
     @micropython.native
@@ -274,8 +274,8 @@ class Feeder(Position):
         power = rows[at + ROW_POWER]
         if rows[at + ROW_DYNAMIC] and pace >= 0:
             power = power * pace // rows[at + ROW_TOP] if pace else 0
-        if power != self._power:
-            self._power = power
+        if power != self.state[FEED_POWER]:
+            self.state[FEED_POWER] = power
             self.ring.power.put(self.ring.head, power)
 
     @micropython.native

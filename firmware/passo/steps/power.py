@@ -11,6 +11,8 @@ from array import array
 
 from micropython import const
 
+from passo.records import POWER_HEAD, POWER_MARKS, POWER_TAIL
+
 _SIZE = const(128)
 _COUNT = const(0x1FFFFFFF)
 _HALF = const(0x10000000)
@@ -24,32 +26,36 @@ class Power:
         self._dark = False  # that is none, whatever the value, until the next mark
         self._percent = 100
         self._least = 0
-        self.words = array("i", [0] * _SIZE)
-        self.values = array("h", [0] * _SIZE)
-        self.head = 0  # marks put and marks played, for ever, modulo 2²⁹
-        self.tail = 0
+        self.marks = array("i", [0] * (POWER_MARKS + 2 * _SIZE))
 
     def put(self, word, value):  # ISR: no allocation
         """From the word number `word` on the power is `value`."""
-        at = self.head % _SIZE
-        self.words[at] = word
-        self.values[at] = value
-        self.head = (self.head + 1) & _COUNT
+        marks = self.marks
+        at = POWER_MARKS + 2 * (marks[POWER_HEAD] % _SIZE)
+        marks[at] = word
+        marks[at + 1] = value
+        marks[POWER_HEAD] = (marks[POWER_HEAD] + 1) & _COUNT
 
     def next(self):
         """The word of the next mark to be played, or -1."""
-        return self.words[self.tail % _SIZE] if self.tail != self.head else -1
+        marks = self.marks
+        tail = marks[POWER_TAIL]
+        return marks[POWER_MARKS + 2 * (tail % _SIZE)] if tail != marks[POWER_HEAD] else -1
 
     def play(self, played):  # ISR: no allocation
         """`played` words have begun: take up the marks among them."""
-        tail = self.tail
-        if tail == self.head:
+        marks = self.marks
+        tail = marks[POWER_TAIL]
+        if tail == marks[POWER_HEAD]:
             return
         value = self.value
-        while tail != self.head and (played - 1 - self.words[tail % _SIZE]) & _COUNT < _HALF:
-            value = self.values[tail % _SIZE]
+        while tail != marks[POWER_HEAD]:
+            at = POWER_MARKS + 2 * (tail % _SIZE)
+            if (played - 1 - marks[at]) & _COUNT >= _HALF:
+                break
+            value = marks[at + 1]
             tail = (tail + 1) & _COUNT
-        self.tail = tail
+        marks[POWER_TAIL] = tail
         self.set(value)
 
     def set(self, value):  # ISR: no allocation
@@ -89,5 +95,5 @@ class Power:
 
     def clear(self):
         """Forget all marks: everything not yet played is dropped. The power is off."""
-        self.tail = self.head
+        self.marks[POWER_TAIL] = self.marks[POWER_HEAD]
         self.set(0)

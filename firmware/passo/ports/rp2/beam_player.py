@@ -22,6 +22,7 @@ from micropython import const
 
 from passo.ports.rp2 import chip
 from passo.ports.rp2.pio_player import PioPlayer, append
+from passo.records import POWER_HEAD, POWER_MARKS, POWER_TAIL
 
 _COUNT = const(0x1FFFFFFF)  # word.COUNT_MASK
 _HALF = const(0x10000000)
@@ -86,22 +87,23 @@ class BeamPlayer(PioPlayer):
         if state[_HELD]:
             return False
         power = self._power
+        marks = power.marks
         mark = self._mark
-        if state[_PLAYING] != 1 or (mark - power.tail) & _COUNT >= _HALF:
-            mark = power.tail
+        if state[_PLAYING] != 1 or (mark - marks[POWER_TAIL]) & _COUNT >= _HALF:
+            mark = marks[POWER_TAIL]
         beam = self._beam
-        if mark == power.tail:
+        if mark == marks[POWER_TAIL]:
             self._duty = power.level * self._full // 1000
             _show(state, beam, self._duty, _RUNS)
         head = self._ring.head
-        last = power.head
+        last = marks[POWER_HEAD]
         dry = False
         while mark != last:
-            at = mark & _MARKS
-            word = (power.words[at] + _AHEAD) & _COUNT
+            at = POWER_MARKS + 2 * (mark & _MARKS)
+            word = (marks[at] + _AHEAD) & _COUNT
             if (head - word) & _COUNT >= _HALF:
                 break
-            duty = power.scaled(power.values[at]) * self._full // 1000
+            duty = power.scaled(marks[at + 1]) * self._full // 1000
             if not _tell(state, beam, word, self._duty, duty):
                 break
             if append(state, word):
