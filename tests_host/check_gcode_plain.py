@@ -1,10 +1,16 @@
 """Plain lines, dealt with in short, give what the whole of G-code gives: the same command and modal state, to the nm."""
 
+from array import array
+
 from check_gcode import ALPHABET, Machine, Shop
 from draws import Random
 from passo.control.tools import thousandths
 from passo.protocols import commands
 from passo.protocols.grbl_lines import Lines
+from passo.records import (
+    BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_ROWS, BATCH_STEPS, BATCH_TAG,
+    PLAIN_FIELDS, PLAIN_FULL, PLAIN_HIGH, PLAIN_INCHES, PLAIN_LEAST, PLAIN_LOW, PLAIN_RELATIVE,
+)  # fmt: skip
 
 CASES = {
     "check_same_as_in_full": (("seed", "seed"),), "check_several_at_once": (("seed", "seed"),),
@@ -59,6 +65,7 @@ class Straight(Machine):
         self.power = 0
         self.dynamic = False
         self.slow = False
+        self.batch = array("i", [0] * (BATCH_FIELDS * BATCH_ROWS))
         self.took = []  # as facts()
 
     def reach(self):
@@ -76,12 +83,17 @@ class Straight(Machine):
     def followed(self, places, first, axes):
         self.target = list(places[first : first + axes])
 
-    def follow(self, steps, first, tool, tag, rapid, nm_s):
-        before = self.took[-1][0] if self.took else self.target
-        target = [before[axis] + steps[first + axis] for axis in range(3)]
-        assert rapid == (not nm_s)
-        self.took.append((target, nm_s, 0, tag, bool(tool), self.power, self.dynamic))
-        self.blocks -= 1
+    def lines(self, count):
+        """What Planner.lines() would queue."""
+        for row in range(count):
+            fields = self.batch[row * BATCH_FIELDS : (row + 1) * BATCH_FIELDS]
+            before = self.took[-1][0] if self.took else self.target
+            target = [before[axis] + fields[BATCH_STEPS + axis] for axis in range(3)]
+            flags, nm_s = fields[BATCH_FLAGS], fields[BATCH_FEED]
+            assert fields[BATCH_KIND] == fields[BATCH_FIRST] == 0 and bool(flags & 2) == (not nm_s)
+            light = bool(flags & 1), fields[BATCH_POWER], bool(flags & 4)
+            self.took.append((target, nm_s, 0, fields[BATCH_TAG]) + light)
+            self.blocks -= 1
 
     def obey(self, made, laser):
         """What the whole of G-code has made of a line."""
@@ -96,7 +108,7 @@ class Straight(Machine):
     def light(self):
         return self.tool, self.power, self.dynamic
 
-    def batch(self, gcode, lines, most):
+    def take_of(self, gcode, lines, most):
         """Have gcode.follow() take of `lines`: facts of what came of them."""
         self.took = []
         self.blocks = 96
@@ -140,7 +152,7 @@ def check_same_as_in_full(seed):
         lines = Lines()
         lines.take(line + b"\n")
         before = short.machine.target[:]
-        taken = short.machine.batch(short.gcode, lines, random.between(1, 4))
+        taken = short.machine.take_of(short.gcode, lines, random.between(1, 4))
         error = full.gcode.interpret(line)
         made = [facts(command) for command in full.gcode.commands if command.kind == commands.LINE]
         whole = not taken
@@ -189,12 +201,12 @@ def check_several_at_once(seed):
     for line in whole:
         single = Lines()
         single.take(line + b"\n")
-        made += one.machine.batch(one.gcode, single, 4)
+        made += one.machine.take_of(one.gcode, single, 4)
     took = []
     while lines.waiting():
         most = random.between(1, 6)
         before = len(took)
-        took += all.machine.batch(all.gcode, lines, most)
+        took += all.machine.take_of(all.gcode, lines, most)
         assert len(took) - before == min(most, len(whole) - before) and all.gcode.waits
     assert took == made
     lines.take(b"X1\n")
@@ -204,28 +216,30 @@ def check_several_at_once(seed):
 
 
 def check_machine_code(seed):
-    """The same array from the same bytes, as machine code and as bytecode."""
-    from array import array
-
+    """The same arrays from the same bytes, as machine code and as bytecode."""
     from check_measure import plain_text
     from passo.protocols import gcode_plain_viper as module
 
-    plain = plain_text("protocols/gcode_plain_viper.py")["plain"]
+    parse = plain_text("protocols/gcode_plain_viper.py")["parse"]
     random = Random(seed)
-    place = array("i", [3, 0, 1, 10_000, 0, 0, 0, 0, -5_000_000, 9, 250_000, 83_333, 400_000] + [0] * 23)
-    other = place[:]
+    place = array("i", [3, 0, 1, 10_000, 0, 0, 0, 0, -5_000_000, 9, 250_000, 83_333, 400_000] + [0] * (PLAIN_FIELDS - 13))
+    batch = array("i", [0] * (BATCH_FIELDS * BATCH_ROWS))
+    sides = ((place, batch), (place[:], batch[:]))
     for _ in range(50):
-        line = draw_line(random)
-        for numbers in place, other:
-            numbers[25:28] = array("i", [0, 0x1FFF0000, 0])
-            numbers[28:31] = array("i", [0x3FFFFFFF, 0x20001000, 0x3FFFFFFF])
-            numbers[31] = 700
-        place[1] = other[1] = random.between(0, 1)
-        place[19] = other[19] = random.between(0, 1)
-        place[32] = other[32] = random.choice((0, 1, 255_000, 1_000_000, 100_000_000))
-        text = b"G1\n" + line + random.choice((b"", b"\n", b"\nX1"))
-        assert plain(text, 3, len(text), place) == module.plain(text, 3, len(text), other), line
-        assert place == other, line
+        text = b"G1\n" + b"\n".join([draw_line(random) for _ in range(random.between(1, 3))])
+        text += random.choice((b"", b"\n", b"\nX1"))
+        relative, inches = random.between(0, 1), random.between(0, 1)
+        full = random.choice((0, 1, 255_000, 1_000_000, 100_000_000))
+        most = random.between(1, 4)
+        for numbers, _ in sides:
+            numbers[PLAIN_LOW : PLAIN_LOW + 3] = array("i", [0, 0x1FFF0000, 0])
+            numbers[PLAIN_HIGH : PLAIN_HIGH + 3] = array("i", [0x3FFFFFFF, 0x20001000, 0x3FFFFFFF])
+            numbers[PLAIN_LEAST] = 700
+            numbers[PLAIN_RELATIVE] = relative
+            numbers[PLAIN_INCHES] = inches
+            numbers[PLAIN_FULL] = full
+        done = [read(text, 3, len(text), *side, most) for read, side in zip((parse, module.parse), sides)]
+        assert done[0] == done[1] and sides[0] == sides[1], text
 
 
 def check_the_frequent_line_is_dealt_with():
@@ -249,7 +263,7 @@ def check_a_laser_raster_is_dealt_with():
         for line in (b"G0X1Y1", b"G1X1.1S450", b"X1.2S0", b"X1.3S1000", b"X1.4", b"G0Y1.1", b"G1X1.3S.2", b"X1.2S1500", b"G0X0S300", b"G1X1"):
             lines = Lines()
             lines.take(line + b"\n")
-            facts += shop.machine.batch(shop.gcode, lines, 9)
+            facts += shop.machine.take_of(shop.gcode, lines, 9)
         dark = (False, 0)
         lights = [dark, (True, 450), dark, (True, 1000), (True, 1000), dark, (True, 1), (True, 1000), dark, (True, 300)]
         assert [fact[4:] for fact in facts] == [light + (mode == b"M4",) for light in lights]

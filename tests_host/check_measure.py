@@ -8,8 +8,8 @@ from draws import Random
 from passo.motion import measure_viper, row_viper
 from passo.motion.profile import MOST, TICKS_PER_S, Limits
 from passo.records import (
-    ROW_CORNER, ROW_FASTEST, ROW_GAIN, ROW_LIMIT, ROW_REACH, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS,
-    ROW_TICKS_REST, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, WORK_FEED, WORK_FIELDS, WORK_SIZE, WORK_STRIDE,
+    LIMIT_WHOLE, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, ROW_CORNER, ROW_FASTEST, ROW_GAIN, ROW_LIMIT, ROW_REACH, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS,
+    ROW_TICKS_REST, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, WORK_ASKED, WORK_FEED, WORK_FIELDS, WORK_SIZE, WORK_STRIDE,
 )  # fmt: skip
 from passo.steps.word import COUNT_MASK
 
@@ -142,26 +142,23 @@ def check_machine_code(seed):
     limits = machine(random)
     axes = len(limits.speeds)
     queues = []
-    measuring, filling = plain_text("motion/measure_viper.py"), plain_text("motion/row_viper.py")
-    program = [(draw_line(random, axes), random.between(0, 400) * 1_000_000, random.between(0, 3)) for _ in range(20)]
-    for look in (lambda module, text, name: text[name], lambda module, text, name: getattr(module, name)):
-        measure, look_back = look(measure_viper, measuring, "measure"), look(measure_viper, measuring, "look_back")
-        enter, close, take = [look(row_viper, filling, name) for name in ("enter", "close", "take")]
+    program = [(draw_line(random, axes), random.between(0, 400) * 1_000_000, random.between(0, 7)) for _ in range(20)]
+    texts = [plain_text("motion/measure_viper.py"), plain_text("motion/row_viper.py")]
+    texts[0]["close"] = texts[1]["close"]
+    for plan, take in ((texts[0]["plan"], texts[1]["take"]), (measure_viper.plan, row_viper.take)):
         rows, work = new(axes, 7)
-        counts = array("i", [0] * 5)
+        counts = array("i", [0] * QUEUE_FIELDS)
         results = []
         for number in range(len(program)):
             deltas, feed, taken = program[number]
-            work[WORK_FEED] = min(limits.part(feed), MOST) if feed else 0
-            at = enter(rows, work, counts, array("i", [9, 9] + deltas), 2)
-            done = measure(rows, at, work, limits.terms)
-            results.append(done)
-            if done > 0:
-                results.append(close(rows, at, work, counts, taken << 3, number, 7 * number, 0))
-                results.append(look_back(rows, work, counts))
+            if not limits.terms[LIMIT_WHOLE] and feed != work[WORK_ASKED]:
+                work[WORK_FEED], work[WORK_ASKED] = min(limits.part(feed), MOST) if feed else 0, feed
+            batch = array("i", [0, taken, feed, 7 * number, number, 0] + deltas + [0] * 4)
+            results.append(plan(batch, 1, rows, work, counts, limits.terms))
+            assert not feed or work[WORK_FEED] == min(limits.part(feed), MOST)
             if taken == 3 or number % 5 == 4:
-                counts[1] = counts[0]  # released
-            while (counts[0] - counts[2]) & COUNT_MASK > 5 or taken:
+                counts[QUEUE_FLUSHED] = counts[QUEUE_ADDED]  # released
+            while (counts[QUEUE_ADDED] - counts[QUEUE_FETCHED]) & COUNT_MASK > 5 or taken:
                 results.append(take(rows, work, counts, 1 if taken & 1 else 0, 1 if taken & 2 else 0))
                 if results[-1] < 0:
                     results.append(take(rows, work, counts, 1, 0))

@@ -39,6 +39,17 @@ ROW_UNIT_SHIFT = const(23)
 ROW_FASTEST = const(24)  # square of the speed that the axes allow
 ROW_STEPS = const(25)  # then a line's signed steps, one number an axis
 
+# A batch: rows of BATCH_FIELDS on their way to the planner, one a block.
+BATCH_KIND = const(0)  # as ROW_KIND; of other than a LINE the planner's row is filled in already
+BATCH_FLAGS = const(1)  # 1: the tool is on; 2: rapid motion; 4: power in proportion to the speed
+BATCH_FEED = const(2)  # nm/s along the path; 0: as fast as may be; -1: WORK_FEED and WORK_GIVEN say
+BATCH_POWER = const(3)  # 0 … 1000, at the speed asked for
+BATCH_TAG = const(4)
+BATCH_FIRST = const(5)  # as ROW_FIRST
+BATCH_STEPS = const(6)  # a line's signed steps, one number an axis, four axes at most
+BATCH_FIELDS = const(10)
+BATCH_ROWS = const(8)  # rows of a batch, at most
+
 # Planner.counts: blocks, for ever, modulo 2²⁹.
 QUEUE_ADDED = const(0)
 QUEUE_FLUSHED = const(1)  # may be fetched
@@ -74,7 +85,8 @@ WORK_SIZE = const(32)  # rows
 WORK_ALL = const(33)  # 1: look_back() goes on even if nothing has changed
 WORK_FACTOR = const(34)  # squares of the overrides of feed and of rapid motion, of 4096
 WORK_START = const(36)  # square of the speed that takes no ramp, of 2²⁸
-WORK_FIELDS = const(37)
+WORK_ASKED = const(37)  # nm/s that WORK_FEED is of; -1: of none
+WORK_FIELDS = const(38)
 
 # Limits.terms: what the axes can do, a number or a float as two (motion/profile.py).
 LIMIT_AXES = const(0)
@@ -87,6 +99,7 @@ LIMIT_TIME = const(6)
 LIMIT_TIME_SHIFT = const(7)
 LIMIT_CORNER = const(8)
 LIMIT_CORNER_SHIFT = const(9)
+LIMIT_WHOLE = const(10)  # the fastest speed, nm/s; 0 if it is 2³⁰ or more
 LIMIT_STEP = const(16)  # one number an axis, as are the next four: length of a step
 LIMIT_FASTEST = const(20)  # highest speed
 LIMIT_FASTEST_SHIFT = const(24)
@@ -193,4 +206,5 @@ PLAIN_FULL = const(32)  # S of full power; 0: S counts for nothing; 1: it must n
 PLAIN_RPM = const(33)  # S
 PLAIN_LIT = const(34)  # 1: the beam is on
 PLAIN_POWER = const(35)  # thousandths
-PLAIN_FIELDS = const(36)
+PLAIN_DYNAMIC = const(36)  # 1: power in proportion to the speed
+PLAIN_FIELDS = const(37)

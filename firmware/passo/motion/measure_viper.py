@@ -1,5 +1,6 @@
 """What acceleration makes of a block, and the pass over the look-ahead: the arithmetic that every block costs.
 
+    done = plan(batch, count, rows, work, counts, terms)    # lines: measured and queued, and the look-ahead raised
     done = measure(rows, at, work, terms)       # the block whose row begins at rows[at]; its steps are in the row
     raised = look_back(rows, work, counts)
 
@@ -24,15 +25,17 @@ function each would cost every block 26 µs a call, and there are some thirty of
 
 import micropython
 
+from passo.motion.row_viper import close
 from passo.records import (
-    LIMIT_AXES, LIMIT_CORNER, LIMIT_CORNER_SHIFT, LIMIT_FASTEST, LIMIT_FASTEST_SHIFT, LIMIT_FINEST, LIMIT_GAIN,
-    LIMIT_GAIN_SHIFT, LIMIT_SPEED, LIMIT_SPEED_SHIFT, LIMIT_STEP, LIMIT_STRONGEST, LIMIT_STRONGEST_SHIFT, LIMIT_TIME,
-    LIMIT_TIME_SHIFT, QUEUE_ADDED, QUEUE_FROZEN, ROW_CORNER, ROW_EXIT, ROW_FASTEST, ROW_GAIN, ROW_LIMIT, ROW_RAPID,
-    ROW_RATIO, ROW_RATIO_SHIFT, ROW_REACH, ROW_SPAN, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST,
-    ROW_TIME, ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, WORK_ALL, WORK_ALONG, WORK_BEFORE, WORK_CHANGE, WORK_FACTOR,
-    WORK_FEED, WORK_FULL, WORK_FULL_SHIFT, WORK_GIVEN, WORK_GIVEN_SHIFT, WORK_HEADING, WORK_IS_ARC, WORK_LENGTH,
-    WORK_LENGTH_SHIFT, WORK_LIMITED, WORK_SIZE, WORK_SPEED, WORK_STEPS, WORK_STEPS_SHIFT, WORK_STRENGTH, WORK_STRIDE,
-    WORK_THROUGH, WORK_TOP, WORK_TOP_SHIFT,
+    BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_POWER, BATCH_STEPS, BATCH_TAG, LIMIT_AXES, LIMIT_CORNER,
+    LIMIT_CORNER_SHIFT, LIMIT_FASTEST, LIMIT_FASTEST_SHIFT, LIMIT_FINEST, LIMIT_GAIN, LIMIT_GAIN_SHIFT, LIMIT_SPEED,
+    LIMIT_SPEED_SHIFT, LIMIT_STEP, LIMIT_STRONGEST, LIMIT_STRONGEST_SHIFT, LIMIT_TIME, LIMIT_TIME_SHIFT, LIMIT_WHOLE,
+    QUEUE_ADDED, QUEUE_FROZEN, ROW_CORNER, ROW_EXIT, ROW_FASTEST, ROW_GAIN, ROW_LIMIT, ROW_RAPID, ROW_RATIO,
+    ROW_RATIO_SHIFT, ROW_REACH, ROW_SPAN, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST, ROW_TIME,
+    ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, WORK_ALL, WORK_ALONG, WORK_ASKED, WORK_BEFORE, WORK_CHANGE,
+    WORK_FACTOR, WORK_FEED, WORK_FULL, WORK_FULL_SHIFT, WORK_GIVEN, WORK_GIVEN_SHIFT, WORK_HEADING, WORK_IS_ARC,
+    WORK_LENGTH, WORK_LENGTH_SHIFT, WORK_LIMITED, WORK_SIZE, WORK_SPEED, WORK_STEPS, WORK_STEPS_SHIFT, WORK_STRENGTH,
+    WORK_STRIDE, WORK_THROUGH, WORK_TOP, WORK_TOP_SHIFT,
 )  # fmt: skip
 
 try:
@@ -41,148 +44,130 @@ except NameError:
     ptr32 = None  # a name that only viper's compiler knows
 
 
-@micropython.native
-def measure(rows, at, work, terms):
-    """Fill in the row of a line or arc. 1; or 0, there are no steps; -1, they are too far apart; -2, there are too many.
-
-    In three pieces, because a board wants memory for each in one."""
-    result = 1 if work[WORK_IS_ARC] else direction(rows, at, work, terms)
-    if result == 1:
-        result = units(rows, at, work, terms)
-        if result == 1:
-            corner(rows, at, work, terms)
-        elif result == 2:
-            return 1
-    return result
-
-
 @micropython.viper
-def direction(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
-    """A line's dominant steps, length and direction, and what the axes allow along it. Results as measure()'s."""
+def measure(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
+    """Fill in the row of a line or arc. 1; or 0, there are no steps; -1, they are too far apart; -2, there are too many."""
     axes = terms[LIMIT_AXES]
-    total = 0
-    i = 0
-    while i < axes:
-        steps = rows[at + ROW_STEPS + i]
-        if steps >> 30 & 1:
-            steps = 0 - steps
-        steps &= 0x3FFFFFFF
-        if steps > total:
-            total = steps
-        i += 1
-    if total == 0:
-        return 0
-    if total > 2097151:
-        return -2
-    shift = 0
-    high = total
-    while high < 4096:
-        high <<= 1
-        shift += 1
-    while high >= 8192:
-        high >>= 1
-        shift -= 1
-    most = 0
-    i = 0
-    while i < axes:
-        steps = rows[at + ROW_STEPS + i]
-        if steps >> 30 & 1:
-            steps = 0 - steps
-        steps &= 0x3FFFFFFF
-        high = terms[LIMIT_STEP + i] >> 14
-        if shift >= 0:
-            steps <<= shift
-            along = steps * high + (steps * (terms[LIMIT_STEP + i] & 0x3FFF) >> 14)
-        else:
-            along = (steps & ((1 << (0 - shift)) - 1)) * high >> (0 - shift)
-            steps >>= 0 - shift
-            along += steps * high + (steps * (terms[LIMIT_STEP + i] & 0x3FFF) >> 14)
-        work[WORK_HEADING + i] = along
-        if along > most:
-            most = along
-        i += 1
-    while most < 0x4000000:
-        most <<= 1
-        shift += 1
+    if work[WORK_IS_ARC] == 0:
+        # --- a line's dominant steps, length and direction, and what the axes allow along it
+        total = 0
         i = 0
         while i < axes:
-            work[WORK_HEADING + i] = work[WORK_HEADING + i] << 1
+            steps = rows[at + ROW_STEPS + i]
+            if steps >> 30 & 1:
+                steps = 0 - steps
+            steps &= 0x3FFFFFFF
+            if steps > total:
+                total = steps
             i += 1
-    # The root of the squares' sum, in digits of 14 bits: a² = aₕ²·2²⁸ + 2aₕaₗ·2¹⁴ + aₗ².
-    square = 0
-    middle = 0
-    low = 0
-    i = 0
-    while i < axes:
-        high = work[WORK_HEADING + i] >> 14
-        rest = work[WORK_HEADING + i] & 0x3FFF
-        square += high * high
-        middle += high * rest
-        low += rest * rest >> 14
-        i += 1
-    square += middle >> 13
-    low += (middle & 0x1FFF) << 1
-    root = 0
-    bit = 0x4000
-    while bit:
-        if (root + bit) * (root + bit) <= square:
-            root += bit
-        bit >>= 1
-    length = (root << 14) + (((square - root * root) << 14) + low) // (2 * root)
-    length_shift = terms[LIMIT_FINEST] - 1000 + shift  # nanometres are length / 2 ** length_shift
-    # Directions, and what the axes allow along them.
-    fastest = 0x20000000
-    strength = 0x20000000
-    high = length >> 14
-    low = length & 0x3FFF
-    i = 0
-    while i < axes:
-        along = work[WORK_HEADING + i]
-        if along:
-            bit = along // high
-            rest = ((along % high) << 14) - bit * low
-            along = (bit << 14) + rest // high
-            bit = along
-            more = 0
-            while bit < 0x8000000 and more < 13:
-                bit <<= 1
-                more += 1
-            bit = (bit >> 13) + 1
-            rest = terms[LIMIT_FASTEST + i] // bit
-            shift = terms[LIMIT_FASTEST_SHIFT + i] - 1000 + more
-            if shift < 0:
-                rest >>= 0 - shift
-            elif rest < 0x20000000 >> shift:
-                rest <<= shift
+        if total == 0:
+            return 0
+        if total > 2097151:
+            return -2
+        shift = 0
+        high = total
+        while high < 4096:
+            high <<= 1
+            shift += 1
+        while high >= 8192:
+            high >>= 1
+            shift -= 1
+        most = 0
+        i = 0
+        while i < axes:
+            steps = rows[at + ROW_STEPS + i]
+            if steps >> 30 & 1:
+                steps = 0 - steps
+            steps &= 0x3FFFFFFF
+            high = terms[LIMIT_STEP + i] >> 14
+            if shift >= 0:
+                steps <<= shift
+                along = steps * high + (steps * (terms[LIMIT_STEP + i] & 0x3FFF) >> 14)
             else:
-                rest = 0x20000000
-            if rest < fastest:
-                fastest = rest
-            rest = terms[LIMIT_STRONGEST + i] // bit
-            shift = terms[LIMIT_STRONGEST_SHIFT + i] - 1000 + more
-            if shift < 0:
-                rest >>= 0 - shift
-            elif rest < 0x20000000 >> shift:
-                rest <<= shift
-            else:
-                rest = 0x20000000
-            if rest < strength:
-                strength = rest
-            if rows[at + ROW_STEPS + i] >> 30 & 1:
-                along = 0 - along
-        work[WORK_HEADING + i] = along
-        i += 1
-    work[WORK_STEPS] = total
-    work[WORK_LENGTH] = length
-    work[WORK_LENGTH_SHIFT] = length_shift + 1000
-    work[WORK_ALONG] = fastest
-    work[WORK_STRENGTH] = strength
-    return 1
-
-
-@micropython.viper
-def units(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
-    """Speed and time, and the ramp's units. 1; 2, it is too slow for a ramp; -1, the steps are too far apart."""
+                along = (steps & ((1 << (0 - shift)) - 1)) * high >> (0 - shift)
+                steps >>= 0 - shift
+                along += steps * high + (steps * (terms[LIMIT_STEP + i] & 0x3FFF) >> 14)
+            work[WORK_HEADING + i] = along
+            if along > most:
+                most = along
+            i += 1
+        while most < 0x4000000:
+            most <<= 1
+            shift += 1
+            i = 0
+            while i < axes:
+                work[WORK_HEADING + i] = work[WORK_HEADING + i] << 1
+                i += 1
+        # The root of the squares' sum, in digits of 14 bits: a² = aₕ²·2²⁸ + 2aₕaₗ·2¹⁴ + aₗ².
+        square = 0
+        middle = 0
+        low = 0
+        i = 0
+        while i < axes:
+            high = work[WORK_HEADING + i] >> 14
+            rest = work[WORK_HEADING + i] & 0x3FFF
+            square += high * high
+            middle += high * rest
+            low += rest * rest >> 14
+            i += 1
+        square += middle >> 13
+        low += (middle & 0x1FFF) << 1
+        root = 0
+        bit = 0x4000
+        while bit:
+            if (root + bit) * (root + bit) <= square:
+                root += bit
+            bit >>= 1
+        length = (root << 14) + (((square - root * root) << 14) + low) // (2 * root)
+        length_shift = terms[LIMIT_FINEST] - 1000 + shift  # nanometres are length / 2 ** length_shift
+        # Directions, and what the axes allow along them.
+        fastest = 0x20000000
+        strength = 0x20000000
+        high = length >> 14
+        low = length & 0x3FFF
+        i = 0
+        while i < axes:
+            along = work[WORK_HEADING + i]
+            if along:
+                bit = along // high
+                rest = ((along % high) << 14) - bit * low
+                along = (bit << 14) + rest // high
+                bit = along
+                more = 0
+                while bit < 0x8000000 and more < 13:
+                    bit <<= 1
+                    more += 1
+                bit = (bit >> 13) + 1
+                rest = terms[LIMIT_FASTEST + i] // bit
+                shift = terms[LIMIT_FASTEST_SHIFT + i] - 1000 + more
+                if shift < 0:
+                    rest >>= 0 - shift
+                elif rest < 0x20000000 >> shift:
+                    rest <<= shift
+                else:
+                    rest = 0x20000000
+                if rest < fastest:
+                    fastest = rest
+                rest = terms[LIMIT_STRONGEST + i] // bit
+                shift = terms[LIMIT_STRONGEST_SHIFT + i] - 1000 + more
+                if shift < 0:
+                    rest >>= 0 - shift
+                elif rest < 0x20000000 >> shift:
+                    rest <<= shift
+                else:
+                    rest = 0x20000000
+                if rest < strength:
+                    strength = rest
+                if rows[at + ROW_STEPS + i] >> 30 & 1:
+                    along = 0 - along
+            work[WORK_HEADING + i] = along
+            i += 1
+        work[WORK_STEPS] = total
+        work[WORK_LENGTH] = length
+        work[WORK_LENGTH_SHIFT] = length_shift + 1000
+        work[WORK_ALONG] = fastest
+        work[WORK_STRENGTH] = strength
+    # --- speed and time, and the ramp's units
     total = work[WORK_STEPS]
     length = work[WORK_LENGTH]
     length_shift = work[WORK_LENGTH_SHIFT] - 1000
@@ -268,7 +253,7 @@ def units(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     if top < 64:
         rows[at + ROW_GAIN] = 0
         work[WORK_THROUGH] = 0
-        return 2
+        return 1
     # --- the ramp's units, in short floats
     while steps < 0x4000:
         steps <<= 1
@@ -396,13 +381,7 @@ def units(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     work[WORK_FULL_SHIFT] = full_shift + 1000
     work[WORK_TOP] = topped
     work[WORK_TOP_SHIFT] = top_shift + 1000
-    return 1
-
-
-@micropython.viper
-def corner(rows: ptr32, at: int, work: ptr32, terms: ptr32):
-    """The corner between the block before, where motion goes through from that, and this one."""
-    axes = terms[LIMIT_AXES]
+    # --- the corner between the block before, if motion goes through from that, and this one
     if work[WORK_THROUGH]:
         shift = 0
         # The sum of the two directions and their difference, in 2⁻²⁸: their lengths are twice the sine of half the angle
@@ -504,6 +483,7 @@ def corner(rows: ptr32, at: int, work: ptr32, terms: ptr32):
     while i < axes:
         work[WORK_BEFORE + i] = work[WORK_HEADING + i]
         i += 1
+    return 1
 
 
 @micropython.viper
@@ -548,3 +528,57 @@ def look_back(rows: ptr32, work: ptr32, counts: ptr32) -> int:
         behind = at
         count -= 1
     return depth
+
+
+@micropython.viper
+def plan(batch: ptr32, count: int, rows: ptr32, work: ptr32, counts: ptr32, terms: ptr32) -> int:
+    """Queue the lines in the first `count` rows of `batch`, for which there is room; one of no steps is no block. Returns how
+    many were taken: fewer if the next one's feed is for Planner._ask() to work out; -1 or -2 if measure() refuses the next."""
+    axes = work[WORK_STRIDE] - ROW_STEPS
+    done = 0
+    line = 0
+    while done < count:
+        at = counts[QUEUE_ADDED] % work[WORK_SIZE] * work[WORK_STRIDE]
+        feed = batch[line + BATCH_FEED]
+        if feed != work[WORK_ASKED]:
+            fastest = terms[LIMIT_WHOLE]
+            if feed and fastest == 0:
+                return done
+            work[WORK_ASKED] = feed
+            work[WORK_GIVEN] = 0
+            work[WORK_GIVEN_SHIFT] = 0
+            speed = 0
+            if feed:  # feed · 2²⁸ / fastest
+                speed = feed // fastest
+                rest = feed - speed * fastest
+                bit = 0
+                while bit < 28 and speed < 0x10000000:
+                    rest <<= 1
+                    speed <<= 1
+                    if rest >= fastest:
+                        rest -= fastest
+                        speed += 1
+                    bit += 1
+                if bit < 28:
+                    speed = 0x1FFFFFFF
+                if speed == 0:
+                    speed = 1
+            work[WORK_FEED] = speed
+        work[WORK_IS_ARC] = 0
+        axis = 0
+        while axis < axes:
+            rows[at + ROW_STEPS + axis] = batch[line + BATCH_STEPS + axis]
+            axis += 1
+        through = int(measure(rows, at, work, terms))
+        if through >> 30 & 1:
+            return through
+        if through and int(
+            close(
+                rows, at, work, counts, 0, batch[line + BATCH_FLAGS], batch[line + BATCH_TAG], batch[line + BATCH_POWER],
+                batch[line + BATCH_FIRST],
+            )
+        ):
+            look_back(rows, work, counts)
+        line += BATCH_FIELDS
+        done += 1
+    return done

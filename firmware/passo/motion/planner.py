@@ -34,13 +34,13 @@ from passo.motion import profile
 from passo.motion.block import ARC, FREE, LINE, TRACK, WAIT, Block, q_of
 from passo.motion.line import MAX_STEPS, Line
 from passo.motion.profile import TICKS_PER_S
-from passo.motion.row_viper import close, enter, take
+from passo.motion.row_viper import close, take
 from passo.motion.steady import Steady
 from passo.records import (
-    QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED,
-    ROW_STEPS, ROW_TICKS, ROW_TICKS_REST, WORK_ALL, WORK_FACTOR, WORK_FEED, WORK_FIELDS, WORK_GIVEN,
-    WORK_GIVEN_SHIFT, WORK_IS_ARC, WORK_LIMITED, WORK_PERCENT, WORK_SIZE, WORK_SPEED, WORK_START,
-    WORK_STRIDE, WORK_THROUGH,
+    BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED,
+    ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST, WORK_ALL, WORK_ASKED, WORK_FACTOR,
+    WORK_FEED, WORK_FIELDS, WORK_GIVEN, WORK_GIVEN_SHIFT, WORK_IS_ARC, WORK_PERCENT, WORK_SIZE, WORK_START, WORK_STRIDE,
+    WORK_THROUGH,
 )  # fmt: skip
 
 LOOK_AHEAD = const(64)
@@ -51,10 +51,6 @@ _COUNT = const(0x1FFFFFFF)
 LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 FEED_PERCENT = (10, 200)
 RAPID_PERCENT = (1, 100)
-# What close() is told with the kind.
-_IS_ON = const(8)
-_IS_RAPID = const(16)
-_IS_DYNAMIC = const(32)
 
 
 class Planner:
@@ -83,8 +79,8 @@ class Planner:
         self.accelerates = False  # it has limits
         self._limits = None
         self._terms = None  # the limits'
-        self._measure = self._raise = None  # what works with them
-        self._asked = 0  # the speed that `work` has been told, in nm/s; -1: none
+        self._measure = self._plan = self._raise = None  # what works with them
+        self.batch = array("i", bytearray(4 * BATCH_FIELDS * BATCH_ROWS))  # of lines to be queued
         self.clear()
 
     def limits(self, limits):
@@ -100,15 +96,14 @@ class Planner:
         self._terms = limits.terms if limits else None
         self.work[WORK_START] = limits.start if limits else 0
         self.accelerates = limits is not None
-        self.work[WORK_FEED] = self.work[WORK_GIVEN] = 0
-        self._asked = 0
+        self.work[WORK_FEED] = self.work[WORK_GIVEN] = self.work[WORK_ASKED] = 0
 
     def load(self):
         """Make ready for limits() and arcs, before there is a feeder, and while memory is still in one piece: they take a
         good part of a board's."""
-        from passo.motion.measure_viper import look_back, measure
+        from passo.motion.measure_viper import look_back, measure, plan
 
-        self._measure, self._raise = measure, look_back
+        self._measure, self._plan, self._raise = measure, plan, look_back
         from passo.motion.ramp import Ramp
 
         self.ramp = Ramp()
@@ -173,7 +168,7 @@ class Planner:
         else:
             work = self.work
             work[WORK_IS_ARC] = 0
-            if speed_nm_s != self._asked or ticks:
+            if speed_nm_s != work[WORK_ASKED] or ticks:
                 self._ask(deltas, ticks, speed_nm_s)
             result = self._measure(rows, at, work, self._terms)
             if result <= 0:
@@ -183,15 +178,21 @@ class Planner:
         self._add(at, LINE, tool, tag, rapid)
 
     @micropython.native
-    def follow(self, steps, first, tool, tag, rapid, speed_nm_s):
-        """line() in short: the steps are steps[first : first + axes] of an array, and line() would not refuse them."""
-        work = self.work
-        if speed_nm_s != self._asked:
-            self._ask(None, 0, speed_nm_s)
-        rows = self.rows
-        at = enter(rows, work, self.counts, steps, first)
-        if self._measure(rows, at, work, self._terms):
-            self._add(at, LINE, tool, tag, rapid)
+    def lines(self, count):
+        """Queue the first `count` lines of `batch`, for which there is room, and none of which line() would refuse."""
+        batch = self.batch
+        done = self._plan(batch, count, self.rows, self.work, self.counts, self._terms)
+        if done < count:
+            self._rest_of(done, count)
+
+    def _rest_of(self, done, count):
+        """The machine's speeds are beyond what machine code reckons with: ask for each line's feed here."""
+        batch = self.batch
+        while done < count:
+            first = done * BATCH_FIELDS
+            self._ask(None, 0, batch[first + BATCH_FEED])
+            rest = batch[first:]
+            done += self._plan(rest, count - done, self.rows, self.work, self.counts, self._terms)
 
     def _free(self):
         """Where the row of the next block begins."""
@@ -209,7 +210,7 @@ class Planner:
             work[WORK_GIVEN_SHIFT] += 1
         work[WORK_GIVEN] = ticks
         work[WORK_FEED] = min(limits.part(speed_nm_s), profile.MOST) if speed_nm_s else 0
-        self._asked = -1 if ticks else speed_nm_s
+        work[WORK_ASKED] = -1 if ticks else speed_nm_s
 
     def fits(self, deltas, ticks, speed_nm_s):
         """Raise what line() would; nothing is queued."""
@@ -285,7 +286,7 @@ class Planner:
                 self.fits(deltas, ticks, speed_nm_s)
             return
         at = self._free()
-        self._asked = -1
+        self.work[WORK_ASKED] = -1
         work = self.work if queued else self.work[:]
         if not arc_speed.set_speed(
             self.rows, at, work, limits, plan, path, swept, plane, center, deltas, clockwise, speed_nm_s, ticks
@@ -330,19 +331,15 @@ class Planner:
 
     @micropython.native
     def _add(self, at, kind, tool, tag, rapid=False, first=0):
-        power = self.power
-        work = self.work
-        if self.dynamic:
-            if work[WORK_THROUGH] and work[WORK_LIMITED]:
-                power = power * work[WORK_SPEED] // work[WORK_FEED]
-            kind |= _IS_DYNAMIC
-        if tool:
-            kind |= _IS_ON
+        flags = 1 if tool else 0
         if rapid:
-            kind |= _IS_RAPID
+            flags |= 2
+        if self.dynamic:
+            flags |= 4
         rows = self.rows
         counts = self.counts
-        if close(rows, at, work, counts, kind, tag, power, first):
+        work = self.work
+        if close(rows, at, work, counts, kind, flags, tag, self.power, first):
             self._raise(rows, work, counts)
 
     def flush(self):

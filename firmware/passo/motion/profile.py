@@ -19,7 +19,7 @@ from passo.motion.integers import NM_PER_M, isqrt
 from passo.records import (
     LIMIT_AXES, LIMIT_CORNER, LIMIT_CORNER_SHIFT, LIMIT_FASTEST, LIMIT_FASTEST_SHIFT, LIMIT_FIELDS, LIMIT_FINEST, LIMIT_GAIN,
     LIMIT_GAIN_SHIFT, LIMIT_SPEED, LIMIT_SPEED_SHIFT, LIMIT_STEP, LIMIT_STRONGEST, LIMIT_STRONGEST_SHIFT, LIMIT_TIME,
-    LIMIT_TIME_SHIFT,
+    LIMIT_TIME_SHIFT, LIMIT_WHOLE,
 )  # fmt: skip
 
 TICKS_PER_S = 12_500_000  # of steps.word, which this room may not import
@@ -76,6 +76,7 @@ class Limits:
         terms[LIMIT_GAIN], terms[LIMIT_GAIN_SHIFT] = floated(2 * self.strongest << 28, squared, 15)  # gain
         terms[LIMIT_TIME], terms[LIMIT_TIME_SHIFT] = floated(TICKS_PER_S * self.fastest, self.strongest, 15)  # time
         terms[LIMIT_CORNER], terms[LIMIT_CORNER_SHIFT] = floated(self.strongest * self.junction_deviation, squared, 15)  # corner
+        terms[LIMIT_WHOLE] = self.fastest if self.fastest < 1 << 30 else 0
         for axis in range(axes):
             terms[LIMIT_STEP + axis] = (NM_PER_M << finest) // self.steps_per_m[axis]
             terms[LIMIT_FASTEST + axis], shift = floated(self.speeds[axis] << 28, self.fastest, 29)

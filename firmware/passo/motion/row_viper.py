@@ -1,13 +1,11 @@
-"""The rows of the planner's queue, as every block fills them in.
+"""The rows of the planner's queue: how they are filled, and how they are taken.
 
-    at = enter(rows, work, counts, steps, first)    # the steps of a line go to the next free row, which begins at rows[at]
-    through = close(rows, at, work, counts, kind, tag, power, first)    # the row is done, and is counted
-    at = take(rows, work, counts, moving, lines)    # the next one released, for the feeder
-    power = begun(rows, at, state, tool)            # ... which begins with it
+    through = close(rows, at, work, counts, kind, flags, tag, power, first)     # the row at rows[at] is done, and is counted
+    row = take(rows, work, counts, moving, lines)                               # the next one released, for the feeder
+    power = begun(rows, row, state, tool)                                       # ... which begins with it
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see measure_viper.py.
-The numbers of a row are block.py's, those of `work` profile.py's, of `counts` and the flags of `kind` the planner's, of
-`state` those of checkpoints_plain.py.
+Fields: records.py.
 """
 # ruff: noqa: F821
 
@@ -15,7 +13,7 @@ import micropython
 
 from passo.records import (
     FEED_INDEX, FEED_LEVELS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FLUSHED, ROW_DYNAMIC, ROW_FIRST, ROW_GAIN, ROW_KIND, ROW_POWER,
-    ROW_RAPID, ROW_STEPS, ROW_TAG, ROW_TOOL, WORK_IS_ARC, WORK_SIZE, WORK_STRIDE, WORK_THROUGH,
+    ROW_RAPID, ROW_TAG, ROW_TOOL, WORK_FEED, WORK_LIMITED, WORK_SIZE, WORK_SPEED, WORK_STRIDE, WORK_THROUGH,
 )  # fmt: skip
 
 try:
@@ -25,29 +23,32 @@ except NameError:
 
 
 @micropython.viper
-def enter(rows: ptr32, work: ptr32, counts: ptr32, steps: ptr32, first: int) -> int:
-    work[WORK_IS_ARC] = 0
-    stride = work[WORK_STRIDE]
-    at = counts[QUEUE_ADDED] % work[WORK_SIZE] * stride
-    place = at + ROW_STEPS
-    end = at + stride
-    while place < end:
-        rows[place] = steps[first]
-        first += 1
-        place += 1
-    return at
-
-
-@micropython.viper
-def close(rows: ptr32, at: int, work: ptr32, counts: ptr32, kind: int, tag: int, power: int, first: int) -> int:
-    """1 where motion goes through to this block from the one before it, at the speed that this one may begin with."""
-    rows[at + ROW_KIND] = kind & 7
-    rows[at + ROW_TOOL] = kind >> 3 & 1
+def close(rows: ptr32, at: int, work: ptr32, counts: ptr32, kind: int, flags: int, tag: int, power: int, first: int) -> int:
+    """The row at rows[at] is done, and is counted; `flags` as BATCH_FLAGS, the rest as in a row. 1 if motion goes through to
+    this block from the one before it, at the speed that this one may begin with."""
+    if flags & 4 and work[WORK_THROUGH] and work[WORK_LIMITED]:  # power · speed / feed, in binary: it goes beyond 32 bits
+        speed = work[WORK_SPEED]
+        feed = work[WORK_FEED]
+        rest = 0
+        level = 0
+        bit = 512
+        while bit:
+            rest <<= 1
+            level <<= 1
+            if power & bit:
+                rest += speed
+            while rest >= feed:
+                rest -= feed
+                level += 1
+            bit >>= 1
+        power = level
+    rows[at + ROW_KIND] = kind
+    rows[at + ROW_TOOL] = flags & 1
     rows[at + ROW_FIRST] = first
     rows[at + ROW_TAG] = tag
-    rows[at + ROW_RAPID] = kind >> 4 & 1
+    rows[at + ROW_RAPID] = flags >> 1 & 1
     rows[at + ROW_POWER] = power
-    rows[at + ROW_DYNAMIC] = kind >> 5 & 1
+    rows[at + ROW_DYNAMIC] = flags >> 2 & 1
     counts[QUEUE_ADDED] = (counts[QUEUE_ADDED] + 1) & 0x1FFFFFFF  # last: from here on an interrupt may take it
     return work[WORK_THROUGH]
 

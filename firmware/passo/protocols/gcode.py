@@ -31,7 +31,7 @@ from passo.protocols.gcode_motion import Motions, new_moves
 from passo.protocols.gcode_reader import NONE, Refused
 from passo.protocols.gcode_words import F, M_CODES, S, rounded
 from passo.records import (
-    PLAIN_AFTER, PLAIN_AXES, PLAIN_DELTAS, PLAIN_FEED, PLAIN_FIELDS, PLAIN_FULL, PLAIN_HIGH, PLAIN_INCHES,
+    BATCH_ROWS, PLAIN_AFTER, PLAIN_AXES, PLAIN_DYNAMIC, PLAIN_FEED, PLAIN_FIELDS, PLAIN_FULL, PLAIN_HIGH, PLAIN_INCHES,
     PLAIN_LEAST, PLAIN_LIT, PLAIN_LOW, PLAIN_MODAL, PLAIN_NUMBER, PLAIN_OFFSET, PLAIN_POSITION, PLAIN_POWER,
     PLAIN_RELATIVE, PLAIN_RESOLUTION, PLAIN_RPM, PLAIN_TARGET,
 )  # fmt: skip
@@ -48,9 +48,9 @@ _BIAS = const(0x20000000)
 
 gc.collect()
 try:
-    from passo.protocols.gcode_plain_viper import plain
+    from passo.protocols.gcode_plain_viper import parse
 except MemoryError:  # a board that has too little, or not in one piece: interpret() deals with all lines
-    plain = None
+    parse = None
 
 
 class GCode(Motions):
@@ -153,35 +153,40 @@ class GCode(Motions):
         tool = self._lit
         if not machine.program.takes(tool, self._power, self._dynamic, beam):
             return 0
-        if beam:
-            place[PLAIN_LIT] = tool = queue.tool
+        if not beam:
+            place[PLAIN_LIT] = 1 if tool else 0
+            place[PLAIN_POWER] = planner.power
+            place[PLAIN_DYNAMIC] = 1 if planner.dynamic else 0
+        else:
+            place[PLAIN_LIT] = 1 if queue.tool else 0
             place[PLAIN_POWER] = planner.power if planner.dynamic == self._dynamic else _OTHER
+            place[PLAIN_DYNAMIC] = 1 if self._dynamic else 0
         room = queue.room() - 1
         if room < most:
             most = room
         self.waits = True
-        read = plain
         text = lines.text
         whole = lines.whole
         at = lines.at
         count = 0
         while count < most and at < whole:
-            motion = read(text, at, whole, place)
-            if not motion:
+            most_now = BATCH_ROWS if most - count > BATCH_ROWS else most - count
+            understood = parse(text, at, whole, place, planner.batch, most_now)
+            if understood:
+                planner.lines(understood)
+                count += understood
+                at = place[PLAIN_AFTER]
+            if understood < most_now and at < whole:
                 self.waits = False
                 break
-            if motion > 101:
-                motion -= 2
-                tool = place[PLAIN_LIT]
-                planner.power = place[PLAIN_POWER]
-                planner.dynamic = self._dynamic
-            feed = place[PLAIN_FEED] if motion > 100 else 0
-            planner.follow(place, PLAIN_DELTAS, tool, place[PLAIN_NUMBER], not feed, feed)
-            at = place[PLAIN_AFTER]
-            count += 1
         if count:
             lines.at = at
-            queue.tool = tool
+            if beam:
+                planner.power = place[PLAIN_POWER]
+                planner.dynamic = self._dynamic
+                queue.tool = place[PLAIN_LIT] > 0
+            else:
+                queue.tool = tool
             self.motion = place[PLAIN_MODAL] * 100
             machine.program.followed(place, PLAIN_TARGET, self.axes)
             for axis in range(self.axes):
@@ -192,7 +197,7 @@ class GCode(Motions):
         """Fill in `place` from the modal state. False where that is not for plain lines."""
         self.leave_plain()
         if (
-            plain is None or self.motion not in (0, 100) or not self.per_minute
+            parse is None or self.motion not in (0, 100) or not self.per_minute
             or self.feed > _FARTHEST or self.rpm > _FARTHEST
             or self.laser and (not _SAME < self.max_rpm <= _MOST_RPM or self.machine.queue.slow_tool())
         ):  # fmt: skip
