@@ -113,7 +113,7 @@ class Live:
         begin = self._ramp.begin
 
         def listen_begin(block):
-            number = self.machine.number + 1
+            number = self.machine.number() + 1
             if 0 < number < self._known and self._could_go_on(number):
                 if self._ramp.moving():
                     self.gone_on += 1

@@ -16,7 +16,7 @@ from passo.motion.arc_plan import PATH, PATH_FINE, TAIL_A, TAIL_B
 from passo.motion.block import ARC, COARSE, LINE
 from passo.motion.circle import FALL, RISE, RUN_PATH, U_AXIS, WORDS
 from passo.motion.profile import Limits
-from passo.records import RAMP_STEPS, RAMP_TICKS
+from passo.records import LINE_FALL, LINE_RISE, QUEUE_FETCHED, RAMP_STEPS, RAMP_TICKS
 from passo.steps.word import TICKS_PER_S
 from rig import Rig
 
@@ -76,18 +76,12 @@ class Machine:
     def _listen(self):
         """Have every segment noted as it is cut."""
         ramp = self.rig.planner.ramp
-        self.number = -1
-
-        def listen_begin(block, begin=ramp.begin):
-            self.number += 1
-            begin(block)
 
         def listen_cut(left, percent, hold, cut=ramp.cut):
             cut(left, percent, hold)
             self._note(ramp)
 
         ramp.cut = listen_cut
-        ramp.begin = listen_begin
         self._listen_short()
 
     def _listen_short(self):
@@ -99,6 +93,10 @@ class Machine:
 
         ramp.cut_short = listen_short
 
+    def number(self):
+        """Of the block under way."""
+        return int(self.rig.planner.counts[QUEUE_FETCHED]) - 1
+
     def _note(self, ramp):
         planner = self.rig.planner
         arc = self.rig.feeder._block.kind == ARC
@@ -107,7 +105,7 @@ class Machine:
         if not steps:
             return
         path = int(walker.state[RUN_PATH]) * steps / int(walker.state[WORDS]) / (1 << COARSE) if arc else steps
-        self.segments.append((self.number, path, ticks))
+        self.segments.append((self.number(), path, ticks))
         self.lags.append((steps,) + (arc_lags(walker) if arc else line_lags(walker)))
 
     def add(self, move):
@@ -322,8 +320,7 @@ def line_lags(line):
     The dominant axis steps when it is there. One that follows it takes the step to k with the first dominant step that
     brings it beyond k − ½: behind k − ½ by its share of the dominant axis's steps at most.
     """
-    total = int(line.total)
-    shares = [abs(int(line.offset(axis, total))) / total for axis in range(3)]
+    shares = [int(line.state[LINE_RISE + axis]) / int(line.state[LINE_FALL]) for axis in range(3)]
     return [0 if share == 1 else share - 0.5 for share in shares], [0 if share == 1 else 0.5 for share in shares]
 
 

@@ -168,7 +168,9 @@ FEED_LEFT = const(23)  # dominant steps of it to come
 FEED_WAIT = const(24)  # ticks of a wait, or of a word longer than a word may be, to come
 FEED_TOOL = const(25)  # the tool's bit in the levels
 FEED_POWER = const(26)  # of the last mark put; above 1000: the next segment puts one in any case
-FEED_PLACE = const(27)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
+FEED_FAST = const(27)  # 1: the block under way is an accelerated line, and nothing is unusual
+FEED_DRY = const(28)  # 1: all words made have been played
+FEED_PLACE = const(29)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
 
 # A mark of Feeder._marks: a checkpoint at the end of a segment. Then the position, of each axis.
 MARK_WORD = const(0)  # words so far, modulo 2²⁹

@@ -65,6 +65,7 @@ class Planner:
         self._users = array("i", [])  # the number of the block that it was last used for
         self._turn = 0
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
+        self.line_state = self._line.state
         self._circle = None  # made by load()
         self.ramp = Steady()  # the feeder's; a Ramp after load()
         self.counts = array("i", [0] * QUEUE_FIELDS)

@@ -21,10 +21,10 @@ from passo.motion.block import FREE, LINE, TRACK, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.row_viper import begun
 from passo.records import (
-    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_HEAD, FEED_HOLD, FEED_INDEX, FEED_LEAD, FEED_LEFT, FEED_LEVELS, FEED_LIMIT,
-    FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_POWER, FEED_ROW, FEED_SETUP, FEED_TICKS, FEED_TOOL,
-    FEED_WAIT, LINE_FALL, LINE_MOVING, LINE_NEGATIVE, MARKS, MARK_FIELDS, RAMP_PACE, RAMP_STEPS, RAMP_TICKS, ROW_DYNAMIC,
-    ROW_POWER, ROW_RAPID, ROW_TICKS, ROW_TOP,
+    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_FAST, FEED_HEAD, FEED_HOLD, FEED_INDEX, FEED_LEAD, FEED_LEFT,
+    FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW,
+    FEED_SETUP, FEED_TICKS, FEED_TOOL, FEED_WAIT, LINE_FALL, LINE_MOVING, LINE_NEGATIVE, MARKS, MARK_FIELDS, POWER_HEAD,
+    POWER_TAIL, RAMP_PACE, RAMP_STEPS, RAMP_TICKS, ROW_DYNAMIC, ROW_POWER, ROW_RAPID, ROW_TICKS, ROW_TOP,
 )  # fmt: skip
 from passo.steps import pace
 from passo.steps.checkpoints import begin, end, retire, room
@@ -33,7 +33,8 @@ from passo.steps.position import Position
 from passo.steps.word import HOLD_TICKS
 
 _COUNT = const(0x1FFFFFFF)  # COUNT_MASK, known to the compiler
-_STANDS = const(1)  # what segments_viper.make() returns
+_FULL = const(0)  # what segments_viper.make() returns
+_STANDS = const(1)
 _ENDED = const(3)
 _UNKNOWN = const(2000)  # no power: the next segment marks its own in any case
 _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
@@ -64,11 +65,14 @@ class Feeder(Position):
         state[FEED_SETUP] = setup_ticks
         state[FEED_TOOL] = layout.tool_mask
         state[FEED_DRIVE] = 0 if drive is None else 1
-        self._settle = self.settle  # fetched once: that allocates
         if planner.ramp.cut_short:
             from passo.steps.segments_viper import make
 
             self._make = make
+            self._arrays = (
+                self._marks, ring.words, planner.rows, planner.work, planner.counts, planner.line_state, ring.power.marks,
+                self.settle,
+            )  # fmt: skip
         self.open = True  # the main loop closes it while the motors are not ready, or while it stops the machine
         self.hold = False  # set: come to a stand on the path; cleared: go on
         self.brake = False  # the same, set by the port for as long as the main loop does not run
@@ -82,7 +86,7 @@ class Feeder(Position):
         self.ramp.stall()
         self.stood = False
         state = self.state
-        state[FEED_WAIT] = 0
+        state[FEED_WAIT] = state[FEED_FAST] = 0
         state[FEED_POWER] = _UNKNOWN
         state[FEED_HEAD] = played
         state[FEED_DEBT] = state[FEED_TICKS] = state[FEED_OLDEST] = state[FEED_NEWEST] = state[FEED_INDEX] = state[FEED_PACE] = 0
@@ -98,6 +102,16 @@ class Feeder(Position):
         if not self.open:
             return False
         state = self.state
+        fast = state[FEED_FAST]
+        if fast:
+            what = _FULL
+            if not self.hold and not self.brake:
+                what = self._lines(played, lead_ticks, False)
+                if state[FEED_DRY]:
+                    self.late += 1
+                if what == _FULL:
+                    return True
+            self._end_lines(self._block, what)
         marks = self._marks
         ended = retire(state, marks, played)
         if ended:
@@ -108,8 +122,8 @@ class Feeder(Position):
             self.stood = True
             state[FEED_POWER] = _UNKNOWN
             return False
-        amid = self._block is not None and not self.stood
-        if amid and state[FEED_OLDEST] == state[FEED_NEWEST]:
+        amid = fast or self._block is not None and not self.stood
+        if amid and not fast and state[FEED_OLDEST] == state[FEED_NEWEST]:
             self.late += 1
         self.stood = False
         state[FEED_LEAD] = lead_ticks
@@ -127,14 +141,14 @@ class Feeder(Position):
             if state[FEED_WAIT]:
                 more = self._stand(block)
             elif kind == LINE and self.ramp.short:
-                more = self._lines(block, held)
+                more = self._begin_lines(block, played, lead_ticks, held)
             elif kind == FREE or kind == TRACK:
                 more = block.walker.feed(self, held)
             else:
                 more = self._segment(block, block.walker, held)
             if not more:
                 break
-        return amid
+        return amid > 0
 
     @micropython.native
     def standing(self):  # ISR: no allocation
@@ -185,28 +199,46 @@ class Feeder(Position):
             state[FEED_POWER] = _UNKNOWN
 
     @micropython.native
-    def _lines(self, block, held):  # ISR: no allocation
-        """Accelerated lines, from this one on, as far as they go."""
-        walker = block.walker
+    def _lines(self, played, lead_ticks, held):  # ISR: no allocation
+        """Accelerated lines, from the one under way on, as far as they go. See segments_viper.make() for the result."""
+        marks, words, rows, work, counts, path, power, settle = self._arrays
         state = self.state
-        path = walker.state
-        row = state[FEED_ROW] = block.at
-        state[FEED_LEFT] = walker.left
+        state[FEED_PLAYED] = played
+        state[FEED_LEAD] = lead_ticks
         state[FEED_HOLD] = 1 if held else 0
-        planner = self.planner
+        state[FEED_DRY] = 0
         ramp = self.ramp
+        what = self._make(state, marks, words, rows, work, counts, ramp.state, path, power, ramp.cut_short, settle)
         ring = self.ring
-        what = self._make(
-            state, self._marks, ring.words, block.rows, planner.work, planner.counts, ramp.state, path, ring.power.marks,
-            ramp.cut_short, self._settle,
-        )  # fmt: skip
         ring.head = state[FEED_HEAD]
+        if power[POWER_TAIL] != power[POWER_HEAD]:
+            ring.power.play(played)
+        return what
+
+    @micropython.native
+    def _begin_lines(self, block, played, lead_ticks, held):  # ISR: no allocation
+        """The block under way is an accelerated line: go on with it and those behind it. False if no more can be made now."""
+        state = self.state
+        state[FEED_ROW] = block.at
+        state[FEED_LEFT] = block.walker.left
+        state[FEED_FAST] = 1
+        what = self._lines(played, lead_ticks, held)
+        if what == _FULL and not held:
+            return False
+        return self._end_lines(block, what)
+
+    @micropython.native
+    def _end_lines(self, block, what):  # ISR: no allocation
+        """Something other than accelerated lines comes next. False if no more can be made now."""
+        state = self.state
+        state[FEED_FAST] = 0
+        path = block.walker.state
+        walker = block.walker
         walker.left = state[FEED_LEFT]
-        if state[FEED_ROW] != row:
-            block.at = state[FEED_ROW]
-            walker.total = path[LINE_FALL] >> 1
-            walker.moving = path[LINE_MOVING]
-            walker.negative = path[LINE_NEGATIVE]
+        walker.total = path[LINE_FALL] >> 1
+        walker.moving = path[LINE_MOVING]
+        walker.negative = path[LINE_NEGATIVE]
+        block.at = state[FEED_ROW]
         if what == _ENDED:
             self._block = None
         return what > _STANDS

@@ -22,10 +22,10 @@ from passo.motion import line
 from passo.motion.ramp_viper import begin as take_up
 from passo.motion.row_viper import take
 from passo.records import (
-    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_HEAD, FEED_HOLD, FEED_INDEX, FEED_LEAD, FEED_LEFT, FEED_LEVELS, FEED_LIMIT,
-    FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_POWER, FEED_ROW, FEED_SETUP, FEED_TICKS, FEED_TOOL,
+    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_HEAD, FEED_HOLD, FEED_INDEX, FEED_LEAD, FEED_LEFT, FEED_LEVELS, FEED_LIMIT,
+    FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW, FEED_SETUP, FEED_TICKS, FEED_TOOL,
     FEED_WAIT, LINE_MOVING, LINE_NEGATIVE, LINE_RISE, MARK_ENDS, MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS,
-    MARK_WORD, PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, POWER_HEAD, POWER_MARKS, RAMP_PACE, RAMP_Q, RAMP_SMOOTH,
+    MARK_WORD, PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, POWER_HEAD, POWER_MARKS, QUEUE_RETIRED, RAMP_PACE, RAMP_Q, RAMP_SMOOTH,
     RAMP_STEPS, RAMP_TICKS, ROW_DYNAMIC, ROW_FIRST, ROW_POWER, ROW_RAPID, ROW_STEPS, ROW_TOOL, ROW_TOP, WORK_PERCENT, WORK_START,
 )  # fmt: skip
 from passo.steps import pace
@@ -50,6 +50,8 @@ def make(
     rows = ptr32(queue)  # `cut` wants the arrays themselves
     ramp = ptr32(cuts)
     path = ptr32(line_state)
+    walk = line.walk
+    write = pace.pace
     axes = state[FEED_AXES]
     bits = state[FEED_BITS]
     hold = state[FEED_HOLD]
@@ -58,8 +60,18 @@ def make(
     left = state[FEED_LEFT]
     stride = MARK_FIELDS + axes
     made = LINE_RISE + 2 * axes
-    oldest = state[FEED_OLDEST]
     result = FULL
+    # --- give back what has been played, as checkpoints.retire()
+    oldest = state[FEED_OLDEST]
+    while oldest != state[FEED_NEWEST]:
+        mark = ((oldest + 1) & 63) * stride
+        if (state[FEED_PLAYED] - marks[mark + MARK_WORD]) & 0x1FFFFFFF >= 0x10000000:
+            break
+        oldest = (oldest + 1) & 0x1FFFFFFF
+        counts[QUEUE_RETIRED] = (counts[QUEUE_RETIRED] + marks[mark + MARK_ENDS]) & 0x1FFFFFFF
+    state[FEED_OLDEST] = oldest
+    if oldest == state[FEED_NEWEST]:
+        state[FEED_DRY] = 1
     while True:
         # --- room
         newest = state[FEED_NEWEST]
@@ -139,8 +151,8 @@ def make(
             part = run
             if at + run > state[FEED_MASK]:
                 part = state[FEED_MASK] + 1 - at
-            line.walk(words, at, part, path)
-            pace.pace(words, at, part, state)
+            walk(words, at, part, path)
+            write(words, at, part, state)
             if state[FEED_DEBT] or drive:
                 settle(at, part)
             at = 0
