@@ -110,19 +110,22 @@ class Live:
         self.ticks += max(sum([word[0] for word in words]), ticks)
 
     def _listen(self):
-        begin = self._ramp.begin
+        """Look at each block as its first segment is cut."""
+        self._last = -1
 
-        def listen_begin(block):
-            number = self.machine.number() + 1
-            if 0 < number < self._known and self._could_go_on(number):
-                if self._ramp.moving():
-                    self.gone_on += 1
-                else:
-                    self.stands.append(number)
-            self._known = len(self.machine.facts)
-            begin(block)
+        def listen_cut(*arguments, cut=self._ramp.cut_short):
+            number = self.machine.number()
+            if number != self._last:
+                if 0 < number < self._known and self._could_go_on(number):
+                    if self._ramp.moving():
+                        self.gone_on += 1
+                    else:
+                        self.stands.append(number)
+                self._known = len(self.machine.facts)
+                self._last = number
+            cut(*arguments)
 
-        self._ramp.begin = listen_begin
+        self._ramp.cut_short = listen_cut
 
     def _could_go_on(self, number):
         """The corner before block `number`, and the blocks on both sides, allow a hundredth of the highest speed."""
