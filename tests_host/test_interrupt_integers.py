@@ -52,7 +52,8 @@ def narrow():
     patch = pytest.MonkeyPatch()
     for module in (line, planner, feeder, pace_plain, power, ring, timed, track, track_walker):
         patch.setattr(module, "array", SmallList)
-    patch.setattr(line, "memoryview", SmallView, raising=False)
+    for module in (line, planner):
+        patch.setattr(module, "memoryview", SmallView, raising=False)
     yield
     patch.undo()
 
