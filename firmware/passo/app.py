@@ -48,6 +48,7 @@ class Link:
         self.name = config["name"]
         self.serial = serial
         self.protocol = protocol
+        self.end_short = getattr(protocol, "end_short", None)
         self.short = getattr(protocol, "short", None)  # of what comes most often, where the language has one
         self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: `short` may be asked while commands wait
         self.waiting = []
@@ -215,25 +216,27 @@ class App:
     def _in_short(self, link, data):
         """Have the protocol deal in short with `data`, and with what comes while it does: as long as it has answers, and
         the machine may wait. Returns what is left for feed()."""
-        serial = link.serial
-        short = link.short
+        again = False
         more = _MORE
         while True:
-            answers = short(data, self._now_ms, self.controller)
-            if answers is None:
-                return data
-            if not answers:
-                if len(data) < _FULL or not more:
-                    return b""
-                more -= 1
-                data = serial.read()  # the wire brings more than the machine takes: what is left there would be lost
-                continue
-            serial.write(answers)
+            answers = link.short(data, self._now_ms, self.controller, again)
+            if answers:
+                again = True
+                link.serial.write(answers)
+                if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
+                    data = b""
+                    break
+            elif answers is None or len(data) < _FULL or not more:
+                break
+            else:
+                more -= 1  # the wire brings more than the machine takes: what is left there would be lost
+            data = link.serial.read()
+        if again:
+            if link.end_short:
+                link.end_short()
             if self.controller.queue.waiting:
                 self._heard |= _WHOLE
-            if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
-                return b""
-            data = serial.read()
+        return data if answers is None else b""
 
     def _answer(self):
         events = self.controller.take_events()

@@ -64,6 +64,7 @@ class GCode(Motions):
         self._place = array("i", [0] * PLAIN_FIELDS)  # for plain lines
         self._place[PLAIN_AXES] = len(axes)
         self._offsets_known = 0
+        self._queue = None  # the machine's, fetched late: it is made behind this
         self._reach = None  # the travel that `place` knows
         self._unknown = True  # `place` does not say where it is
         self.reset()
@@ -135,63 +136,84 @@ class GCode(Motions):
 
     # --- plain lines
 
-    @micropython.native
     def follow(self, lines, most):
         """Queue the plain lines of `lines` (grbl_lines.Lines), from the oldest on: as many as there is room for, and `most`
         at most. How many it was; `waits`: the next one is not for interpret(), but has to wait for its turn here."""
         self.waits = False
+        if not self.begin_plain():
+            return 0
+        count = self.go_on(lines, most)
+        if count:
+            self.end_plain()
+        return count
+
+    def begin_plain(self):
+        """True if plain lines may go straight to the queue now: until something else is done, go_on() may be called."""
         machine = self.machine
-        queue = machine.queue
+        queue = self._queue = machine.queue
         if (
             self._unknown or self.offsets.version != self._offsets_known or self._steps != queue.target
             or self._reach is not machine.program.reach()
         ) and not self._know():  # fmt: skip
-            return 0
+            return False
         place = self._place
         planner = queue.planner
         beam = place[PLAIN_FULL] > _SAME
         tool = self._lit
         if not machine.program.takes(tool, self._power, self._dynamic, beam):
-            return 0
-        if not beam:
-            place[PLAIN_LIT] = 1 if tool else 0
-            place[PLAIN_POWER] = planner.power
-            place[PLAIN_DYNAMIC] = 1 if planner.dynamic else 0
-        else:
+            return False
+        if beam:
             place[PLAIN_LIT] = 1 if queue.tool else 0
             place[PLAIN_POWER] = planner.power if planner.dynamic == self._dynamic else _OTHER
             place[PLAIN_DYNAMIC] = 1 if self._dynamic else 0
+        else:
+            place[PLAIN_LIT] = 1 if tool else 0
+            place[PLAIN_POWER] = planner.power
+            place[PLAIN_DYNAMIC] = 1 if planner.dynamic else 0
+        return True
+
+    @micropython.native
+    def go_on(self, lines, most):
+        """As follow(), behind begin_plain()."""
+        queue = self._queue
+        planner = queue.planner
         room = queue.room() - 1
         if room < most:
             most = room
-        self.waits = True
         text = lines.text
         whole = lines.whole
         at = lines.at
+        place = self._place
+        batch = planner.batch
         count = 0
         while count < most and at < whole:
-            most_now = BATCH_ROWS if most - count > BATCH_ROWS else most - count
-            understood = parse(text, at, whole, place, planner.batch, most_now)
+            rows = BATCH_ROWS if most - count > BATCH_ROWS else most - count
+            understood = parse(text, at, whole, place, batch, rows)
             if understood:
                 planner.lines(understood)
                 count += understood
                 at = place[PLAIN_AFTER]
-            if understood < most_now and at < whole:
+            if understood < rows and at < whole:
                 self.waits = False
-                break
-        if count:
-            lines.at = at
-            if beam:
-                planner.power = place[PLAIN_POWER]
-                planner.dynamic = self._dynamic
-                queue.tool = place[PLAIN_LIT] > 0
-            else:
-                queue.tool = tool
-            self.motion = place[PLAIN_MODAL] * 100
-            machine.program.followed(place, PLAIN_TARGET, self.axes)
-            for axis in range(self.axes):
-                self._steps[axis] = queue.target[axis]
+                lines.at = at
+                return count
+        self.waits = True
+        lines.at = at
         return count
+
+    def end_plain(self):
+        """The machine is told where the lines lead, and the beam."""
+        machine = self.machine
+        queue = machine.queue
+        place = self._place
+        planner = queue.planner
+        if place[PLAIN_FULL] > _SAME:
+            planner.power = place[PLAIN_POWER]
+            planner.dynamic = self._dynamic
+        queue.tool = place[PLAIN_LIT] > 0
+        self.motion = place[PLAIN_MODAL] * 100
+        machine.program.followed(place, PLAIN_TARGET, self.axes)
+        self._steps = queue.target[:]
 
     def _know(self):
         """Fill in `place` from the modal state. False where that is not for plain lines."""

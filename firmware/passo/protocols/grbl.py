@@ -109,23 +109,31 @@ class Grbl:
 
     # --- bytes to motion
 
-    def short(self, data, now_ms, machine):
+    def short(self, data, now_ms, machine, again=False):
         """The short way of plain lines, before feed() has the rest: the answers to those that are queued now. None where
-        `data` has real-time bytes other than `?`: all of it is for feed() then."""
+        `data` has real-time bytes other than `?`: all of it is for feed() then. `again`: nothing else has been done since it
+        last had answers. Behind these end_short() is called."""
         lines = self._lines
         self._full = False
         if data:
             if not lines.take(data):
                 return None
-        if (
-            lines.at == lines.whole or lines.asked or self._under_way is not None or self._rest or self._start_lines
+        gcode = self.gcode
+        if lines.at == lines.whole or lines.asked:
+            return b""
+        if not again and (
+            self._under_way is not None or self._rest or self._start_lines
             or self._stale or self._version != self._settings.version or not machine.links.listening()
+            or not gcode.begin_plain()
         ):  # fmt: skip
             return b""
-        gcode = self.gcode
-        count = gcode.follow(lines, self.most)
+        count = gcode.go_on(lines, self.most)
         self._full = gcode.waits
         return _OKS[count] if count < 5 else _OKS[1] * count
+
+    def end_short(self):
+        """No more is dealt with in short for now."""
+        self.gcode.end_plain()
 
     # --- bytes to commands
 

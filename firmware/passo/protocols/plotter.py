@@ -131,7 +131,7 @@ class Plotter:
         self._since = 0  # when the oldest pending byte came
         self._latest = 0  # when the newest one came
 
-    def short(self, data, now_ms, machine):
+    def short(self, data, now_ms, machine, again=False):
         """The short way of points, before feed() has the rest: those at the start of what has come go into the store, as
         far as the machine's `objects` have room for them now. Returns the answers to them."""
         if not data:
