@@ -39,15 +39,15 @@ def play(lines, short):
     port = Sink()
     app = App(checked(board_named("laser_xy")), port)
     protocol = app.links[0].protocol
-    follow = protocol.gcode.follow
+    go_on = protocol.gcode.go_on
     taken = []
 
     def counted(*arguments):
-        count = follow(*arguments)
+        count = go_on(*arguments)
         taken.append(count)
         return count
 
-    protocol.gcode.follow = counted
+    protocol.gcode.go_on = counted
     if not short:
         app.links[0].short = None
     said = b""
