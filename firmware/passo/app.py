@@ -20,7 +20,6 @@ from passo.control.settings import ENABLE_INVERT, Settings
 from passo.motion.planner import Planner
 from passo.protocols import errors
 from passo.protocols.commands import ALARM, DROPPED, IMMEDIATE, JOG, RESTARTED, STATUS
-from passo.steps.feeder import Feeder
 from passo.steps.ring import Ring, ring_size
 from passo.steps.word import COUNT_MASK, TICKS_PER_S, us_to_ticks
 
@@ -79,6 +78,10 @@ class App:
         least = self.player.min_word_ticks
         assembly.check_speed(board, least)
         setup = us_to_ticks(board["drive"]["setup_us"]) if drive is None else 0
+        if streamed:
+            from passo.steps.line_feeder import LineFeeder as Feeder
+        else:
+            from passo.steps.feeder import Feeder
         self.feeder = Feeder(self.ring, self.layout, self.planner, drive, setup and max(setup, least), least)
         self.interrupt = port.feed_from_interrupt(self.feeder, self.player)
         motors = Motors(port, self.player, self.layout, drive, off_levels, board)

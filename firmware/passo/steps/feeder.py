@@ -21,10 +21,9 @@ from passo.motion.block import FREE, LINE, TRACK, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.row_viper import begun
 from passo.records import (
-    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_FAST, FEED_HEAD, FEED_HOLD, FEED_INDEX, FEED_LEAD, FEED_LEFT,
-    FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW,
-    FEED_SETUP, FEED_TICKS, FEED_TOOL, FEED_WAIT, LINE_FALL, LINE_MOVING, LINE_NEGATIVE, MARKS, MARK_FIELDS, POWER_HEAD,
-    POWER_TAIL, RAMP_PACE, RAMP_STEPS, RAMP_TICKS, ROW_DYNAMIC, ROW_POWER, ROW_RAPID, ROW_TICKS, ROW_TOP,
+    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_FAST, FEED_HEAD, FEED_INDEX, FEED_LEAD, FEED_LEVELS, FEED_LIMIT,
+    FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_POWER, FEED_SETUP, FEED_TICKS, FEED_TOOL, FEED_WAIT,
+    MARKS, MARK_FIELDS, RAMP_PACE, RAMP_STEPS, RAMP_TICKS, ROW_DYNAMIC, ROW_POWER, ROW_RAPID, ROW_TICKS, ROW_TOP,
 )  # fmt: skip
 from passo.steps import pace
 from passo.steps.checkpoints import begin, end, retire, room
@@ -33,9 +32,6 @@ from passo.steps.position import Position
 from passo.steps.word import HOLD_TICKS
 
 _COUNT = const(0x1FFFFFFF)  # COUNT_MASK, known to the compiler
-_FULL = const(0)  # what segments_viper.make() returns
-_STANDS = const(1)
-_ENDED = const(3)
 _UNKNOWN = const(2000)  # no power: the next segment marks its own in any case
 _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
 
@@ -65,14 +61,6 @@ class Feeder(Position):
         state[FEED_SETUP] = setup_ticks
         state[FEED_TOOL] = layout.tool_mask
         state[FEED_DRIVE] = 0 if drive is None else 1
-        if planner.ramp.cut_short:
-            from passo.steps.segments_viper import make
-
-            self._make = make
-            self._arrays = (
-                self._marks, ring.words, planner.rows, planner.work, planner.counts, planner.line_state, ring.power.marks,
-                self.settle,
-            )  # fmt: skip
         self.open = True  # the main loop closes it while the motors are not ready, or while it stops the machine
         self.hold = False  # set: come to a stand on the path; cleared: go on
         self.brake = False  # the same, set by the port for as long as the main loop does not run
@@ -102,16 +90,6 @@ class Feeder(Position):
         if not self.open:
             return False
         state = self.state
-        fast = state[FEED_FAST]
-        if fast:
-            what = _FULL
-            if not self.hold and not self.brake:
-                what = self._lines(played, lead_ticks, False)
-                if state[FEED_DRY]:
-                    self.late += 1
-                if what == _FULL:
-                    return True
-            self._end_lines(self._block, what)
         marks = self._marks
         ended = retire(state, marks, played)
         if ended:
@@ -122,8 +100,8 @@ class Feeder(Position):
             self.stood = True
             state[FEED_POWER] = _UNKNOWN
             return False
-        amid = fast or self._block is not None and not self.stood
-        if amid and not fast and state[FEED_OLDEST] == state[FEED_NEWEST]:
+        amid = self._block is not None and not self.stood
+        if amid and state[FEED_OLDEST] == state[FEED_NEWEST]:
             self.late += 1
         self.stood = False
         state[FEED_LEAD] = lead_ticks
@@ -141,14 +119,14 @@ class Feeder(Position):
             if state[FEED_WAIT]:
                 more = self._stand(block)
             elif kind == LINE and self.ramp.short:
-                more = self._begin_lines(block, played, lead_ticks, held)
+                more = self._accelerated(block, played, lead_ticks, held)
             elif kind == FREE or kind == TRACK:
                 more = block.walker.feed(self, held)
             else:
                 more = self._segment(block, block.walker, held)
             if not more:
                 break
-        return amid > 0
+        return amid
 
     @micropython.native
     def standing(self):  # ISR: no allocation
@@ -198,50 +176,9 @@ class Feeder(Position):
         if begun(rows, at, state, state[FEED_TOOL]) != state[FEED_POWER]:
             state[FEED_POWER] = _UNKNOWN
 
-    @micropython.native
-    def _lines(self, played, lead_ticks, held):  # ISR: no allocation
-        """Accelerated lines, from the one under way on, as far as they go. See segments_viper.make() for the result."""
-        marks, words, rows, work, counts, path, power, settle = self._arrays
-        state = self.state
-        state[FEED_PLAYED] = played
-        state[FEED_LEAD] = lead_ticks
-        state[FEED_HOLD] = 1 if held else 0
-        state[FEED_DRY] = 0
-        ramp = self.ramp
-        what = self._make(state, marks, words, rows, work, counts, ramp.state, path, power, ramp.cut_short, settle)
-        ring = self.ring
-        ring.head = state[FEED_HEAD]
-        if power[POWER_TAIL] != power[POWER_HEAD]:
-            ring.power.play(played)
-        return what
-
-    @micropython.native
-    def _begin_lines(self, block, played, lead_ticks, held):  # ISR: no allocation
-        """The block under way is an accelerated line: go on with it and those behind it. False if no more can be made now."""
-        state = self.state
-        state[FEED_ROW] = block.at
-        state[FEED_LEFT] = block.walker.left
-        state[FEED_FAST] = 1
-        what = self._lines(played, lead_ticks, held)
-        if what == _FULL and not held:
-            return False
-        return self._end_lines(block, what)
-
-    @micropython.native
-    def _end_lines(self, block, what):  # ISR: no allocation
-        """Something other than accelerated lines comes next. False if no more can be made now."""
-        state = self.state
-        state[FEED_FAST] = 0
-        path = block.walker.state
-        walker = block.walker
-        walker.left = state[FEED_LEFT]
-        walker.total = path[LINE_FALL] >> 1
-        walker.moving = path[LINE_MOVING]
-        walker.negative = path[LINE_NEGATIVE]
-        block.at = state[FEED_ROW]
-        if what == _ENDED:
-            self._block = None
-        return what > _STANDS
+    def _accelerated(self, block, played, lead_ticks, held):  # ISR: no allocation
+        """An accelerated line is under way. LineFeeder knows a faster way."""
+        return self._segment(block, block.walker, held)
 
     @micropython.native
     def _segment(self, block, walker, held):  # ISR: no allocation

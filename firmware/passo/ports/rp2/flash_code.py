@@ -50,8 +50,10 @@ _FLASH = const(0x10000000)
 _FLASH_END = const(0x11000000)
 _FIRST_ROUND = const(40_000)  # bytes of files after which their functions are redirected: there is room at first
 _ROUND = const(18_000)  # each takes 50 ms
+_LITTLE = const(4_000)  # the same while less than _TIGHT bytes are free
+_TIGHT = const(40_000)
 _ROOM = const(17_000)  # at the lower end of memory, given back at the end: so that there is a piece as large as this
-_SHORT = const(16_000)  # bytes free after a round: then it is given back at once
+_SHORT = const(36_000)  # bytes free after a round: then it is given back at once
 _WORK_ROWS = const(96)
 _FOLDER = const(0x4000)
 _FILE = const(0x8000)
@@ -207,7 +209,7 @@ class FlashCode:
 
     def open(self, path):
         """An .mpy for the import: its functions are noted, those of earlier ones perhaps redirected."""
-        if self._read > self._limit:
+        if self._read > self._limit or self._read > _LITTLE and gc.mem_free() < _TIGHT:
             self._round()
         file = self._real.open(path, "rb")
         if self._words:
