@@ -53,6 +53,7 @@ def main():
         said = start.loaded()
         if said:
             print(said)
+            app.tell(said)
         gc.collect()
         gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms
         start.run(app, port)

@@ -6,6 +6,7 @@ from host_tools.emulator import gcode as lines_of_gcode
 from host_tools.emulator import halting, traffic
 from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLE_NS, CYCLES_PER_US
+from host_tools.emulator.heap import Heap
 from host_tools.emulator.machine import EmulatedMachine, firmware_files
 from host_tools.emulator.rig import Rig, router
 from host_tools.emulator.sender import WINDOW, Sender, usb_rig
@@ -86,11 +87,12 @@ def boot():
     rows = []
     for board in ("plotter_2014", "router_3axis"):
         rows.append(on_a_copy(lambda: _boot(board)))
-    return ("board", "language", "USB up, ms after reset", "first answer, ms after reset", "heap free, bytes"), rows
+    return ("board", "language", "USB up, ms after reset", "first answer, ms after reset", "heap free, bytes",
+            "in one piece", "code in"), rows
 
 
 _RUN = b"        start.run(app, port)\n"
-_TOLD = b"        gc.collect()\n        print('free', gc.mem_free())\n"
+_TOLD = b"        print('ready')\n"
 _FIRST = {"plotter": (b"r\0\0\0\0r", b"k"), "grbl": (b"?", b"<")}
 
 
@@ -99,6 +101,9 @@ def _boot(board):
     assert files["main.py"].count(_RUN) == 1
     machine = EmulatedMachine(board, dict(files, **{"main.py": files["main.py"].replace(_RUN, _TOLD + _RUN)})).boot()
     up_ms = machine.now_ms()
+    console = machine.pico.console
+    machine.run_until(lambda: b"ready" in console.text, slice_us=200)
+    heap = Heap(machine.pico)
     language = machine.board["links"][0]["protocol"]
     question, answer = _FIRST[language]
     link = machine.uart_links()[0]
@@ -106,10 +111,8 @@ def _boot(board):
         machine.send(question, link)
         machine.run_ms(20)
     first_ms = machine.now_ms()
-    machine.pico.console.send(b"\r")
-    machine.run_ms(50)
-    free = bytes(machine.pico.console.take()).split(b"free ")[1].split()[0].decode()
-    return board, language, round(up_ms), round(first_ms), free
+    where = [line for line in bytes(console.take()).decode().splitlines() if line.startswith("code in ")][0]
+    return board, language, round(up_ms), round(first_ms), heap.free, heap.largest, where.removeprefix("code in ")
 
 
 def links():

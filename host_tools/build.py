@@ -12,7 +12,6 @@ Left out: ports of other chips and the virtual one, languages that no link of th
 """
 
 import ast
-import contextlib
 import hashlib
 import re
 import shutil
@@ -191,8 +190,10 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
             # The board knows the module by its file's name already: as the name in tracebacks it takes no memory.
             compile_module(source, target, march or MARCH[board["chip"]], path.with_suffix(".mpy"))
             if board["chip"] == IN_PLACE:
-                with contextlib.suppress(ValueError):  # it stays in RAM
+                try:
                     target.write_bytes(mpy.in_place(target.read_bytes(), path.as_posix() in COLD))
+                except ValueError as error:
+                    raise Failure(f"{path} cannot run from flash: {error}") from None
             rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))
     for source, file_name in ((main, "main.py"), (board_file, "board.py")):
         shutil.copyfile(source, out / file_name)

@@ -136,7 +136,7 @@ def padding(function, offset, native):
 
 def in_place(data, native=False):
     """The .mpy with its functions moved and the table appended. `native`: viper code runs in place, too. Raises
-    ValueError for what has no place in the table: such a module stays as it is, and in RAM."""
+    ValueError for what has no place in the table."""
     found, end = functions(data)
     out, copied, table = bytearray(), 0, bytearray()
     small = max(0, INLINE_BYTES + 1 - len(data)) if sum(function.length for function in found[1:]) >= _WORTH else 0

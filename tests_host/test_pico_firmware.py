@@ -14,6 +14,7 @@ from host_tools.build import FIRMWARE, compile_module, selected
 from host_tools.constants import folded
 from host_tools.emulator.machine import firmware_files
 from host_tools.emulator.pico import EmulatedPico
+from host_tools.mpy import in_place
 from host_tools.virtual_machine import VirtualMachine
 from passo.protocols.plotter_host import COMMANDS, packet, status_from
 from test_virtual_machine import LOG_2014
@@ -168,7 +169,7 @@ def with_fault(module, after, inserted, board=BOARD):
         changed, target = Path(folder) / "changed.py", Path(folder) / "changed.mpy"
         changed.write_text(folded(texts)[module])
         compile_module(changed, target, "armv6m", module)
-        files[str(Path(module).with_suffix(".mpy"))] = target.read_bytes()
+        files[str(Path(module).with_suffix(".mpy"))] = in_place(target.read_bytes())
     return files
 
 

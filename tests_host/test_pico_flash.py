@@ -17,7 +17,7 @@ FIRST_ANSWER_MS = 2800
 LIMIT_MS = 5000
 LARGEST = 16_000
 QUESTIONS = {"router_3axis": (b"?", b"<"), "plotter_2014": (b"r\0\0\0\0r", b"k")}
-VERSIONS = sorted((binary.CACHE / "versions").glob("RPI_PICO-*.uf2"))
+VERSIONS = sorted((binary.CACHE / "versions").glob("RPI_PICO-*.uf2"))  # others are tested if they are there
 
 # The start of main.py without the app: `code` redirects what is imported while it is there.
 BEGIN = """
@@ -60,6 +60,11 @@ def test_room_and_time(uf2, board, free, show):
     assert "code in flash: " in started.said
     assert started.heap.free >= free and started.heap.largest >= LARGEST
     assert started.answered_ms <= FIRST_ANSWER_MS
+    if board == "router_3axis":
+        link = started.machine.uart_links()[0]
+        started.machine.send(b"$I\n", link)
+        started.machine.run_ms(100)
+        assert b"]\r\n[MSG:code in flash: " in started.machine.take(link)
     show(
         f"{board} with its code in flash",
         f"{started.heap.free} bytes free, {started.heap.largest} in one piece, first answer after {started.answered_ms:.0f} ms",
@@ -84,6 +89,16 @@ def rebuilt(board, module, old, new):
         out = Path(folder) / "out"
         build.build_tree(board, out, firmware=firmware)
         return {path.relative_to(out).as_posix(): path.read_bytes() for path in out.rglob("*") if path.is_file()}
+
+
+def test_the_flash_of_a_pico_w(show):
+    """Its file system lies elsewhere and is smaller; its heap, too: a router does not fit."""
+    found = sorted((binary.CACHE / "versions").glob("RPI_PICO_W-*.uf2"))
+    if not found:
+        pytest.skip("NOT TESTED: no MicroPython UF2 for the Pico W")
+    started = Started("plotter_2014", uf2=found[-1])
+    assert "code in flash: " in started.said and started.heap.largest >= LARGEST
+    show("plotter_2014 on a Pico W", f"{started.heap.free} bytes free, {started.heap.largest} in one piece")
 
 
 SCAN = "passo/ports/rp2/flash_scan.py"
@@ -159,6 +174,32 @@ def test_suspended_generators_stay_right(pico):
         "print(head == [i * (i + 1) // 2 for i in range(43)])"
     )
     assert said == "True\r\n"
+
+
+def test_half_a_module_is_refused(pico):
+    """What mpremote leaves if it is interrupted. The interpreter alone would read on for ever, deaf to Ctrl-C."""
+    data = firmware_files("plotter_2014")["passo/motion/cordic.mpy"]
+    for size in (len(data) - 1, len(data) - 5, len(data) // 2, 30, 0):
+        pico.exec(f"with open('passo/half.mpy', 'wb') as file:\n    _ = file.write({data[:size]!r})")
+        pico.soft_reset()
+        pico.console.expect(b">>> ")
+        attempt = "try:\n    import passo.half\nexcept ValueError as error:\n    print(error)\ncode.finish()\n"
+        said = pico.exec(BEGIN + WHERE + "from passo.motion import cordic\n" + attempt + "print(code.why, in_flash(cordic.vector))")
+        assert said == "passo/half.mpy is not whole: flash it anew\r\n True\r\n"
+
+
+@pytest.mark.slow
+def test_a_thousand_files_are_written_while_code_runs_from_flash(pico):
+    """As settings are saved: the blocks of code stay as they are, whatever littlefs moves."""
+    pico.exec(BEGIN + WHERE + REPLACE + "from passo.motion import integers, cordic\ncode.finish()\n")
+    addresses = eval(pico.exec(f"print([mem32[id(each) + 12] for each in {FUNCTIONS}])"))
+    used = {address - 0x10000000 & ~4095 for address in addresses if address >> 28 == 1}
+    before = {at: bytes(pico.chip.flash[at : at + 4096]) for at in used}
+    asked = "print([cordic.vector(3000, 4000 * i) for i in range(-3, 4)])"
+    answer = pico.exec(asked)
+    pico.exec("for i in range(1000):\n    replace('settings%d' % (i & 1), b'%d' % i * (i % 400))", limit_us=900_000_000)
+    assert used and before == {at: bytes(pico.chip.flash[at : at + 4096]) for at in used}
+    assert pico.exec("gc.collect()\n" + asked) == answer
 
 
 REPLACE = """

@@ -297,6 +297,10 @@ class App:
             if link is not cause:
                 self._say(link, link.protocol.drop(event))
 
+    def tell(self, text):
+        """Keep a line about this board for who asks what it is."""
+        self.controller.about = text
+
     def stop(self):
         """Halt, tool off, motors without current."""
         self.controller.shut_down()

@@ -30,10 +30,12 @@ class EmulatedPico:
     def __init__(self, files=None, image=None, uf2=None, leave_out=(), flash_miss=None):
         binary.load_emulator()
         self._uf2 = uf2 or binary.find_uf2()
+        self._files_at, self._blocks = filesystem.location(self._uf2)
         self._leave_out = leave_out
         self._flash_miss = wanted_cycles() if flash_miss is None else flash_miss
         if files is not None:
-            image = filesystem.make_image(files if isinstance(files, dict) else filesystem.folder_files(files))
+            files = files if isinstance(files, dict) else filesystem.folder_files(files)
+            image = filesystem.make_image(files, self._blocks)
         self._build(image)
 
     def _build(self, image):
@@ -57,7 +59,7 @@ class EmulatedPico:
         self.console = Console(self)
         self._wires = {}
         if image is not None:
-            start = filesystem.FLASH_OFFSET
+            start = self._files_at
             self.chip.flash[start : start + len(image)] = image
 
     def _make_loop(self):
@@ -172,8 +174,8 @@ class EmulatedPico:
 
     def image(self):
         """The file system as it is in the flash now."""
-        start = filesystem.FLASH_OFFSET
-        return bytes(self.chip.flash[start : start + filesystem.BLOCKS * filesystem.BLOCK_BYTES])
+        start = self._files_at
+        return bytes(self.chip.flash[start : start + self._blocks * filesystem.BLOCK_BYTES])
 
     def files(self):
         """{path: bytes} of the file system."""

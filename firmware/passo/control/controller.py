@@ -48,6 +48,7 @@ class Controller:
         self.checking = False  # commands are only checked
         self.sleeping = False
         self.detached = False  # the motors are another controller's, and no motion takes them: see Changeover
+        self.about = ""  # what the port says of itself, for who asks
         self.arcs_want = 0  # set by the app: bytes that have to be free before the first arc
         self.command = None  # the long command under way
         kind = Queue

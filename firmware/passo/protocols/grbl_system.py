@@ -113,7 +113,8 @@ class System:
     def _info(self):
         text = self._settings.get(INFO) or ""
         version = "[VER:%s.%s:%s]\r\n" % (grbl_report.VERSION, grbl_report.DATE, text)
-        return version + "[OPT:VNMZ,%d,%d]\r\n" % (self._blocks, RX_BYTES)
+        about = self._machine.about
+        return version + "[OPT:VNMZ,%d,%d]\r\n" % (self._blocks, RX_BYTES) + (grbl_report.message(about) if about else "")
 
     def _keep(self, key, text):
         try:

@@ -18,7 +18,7 @@ or if anything fails, all stays in RAM. Blocks that hold code in use are not era
 file is replaced: littlefs takes them for bad ones and goes on to the next.
 
 Files of 512 bytes and less have no block of their own: their code stays in RAM. So do native code (slower from flash,
-host_tools/build.py says which is not) and modules without a table. RP2040 only.
+host_tools/build.py says which is not). A module without a table has not been copied to its end, and is refused. RP2040 only.
 """
 
 import gc
@@ -212,12 +212,15 @@ class FlashCode:
         if self._read > self._limit or self._read > _LITTLE and gc.mem_free() < _TIGHT:
             self._round()
         file = self._real.open(path, "rb")
+        table = self._table(file)
+        if table is None:  # the interpreter would read on for ever
+            raise ValueError(path + " is not whole: flash it anew")
         if self._words:
             try:
-                self._note(path, file)
+                self._note(path, file, *table)
             except Exception as error:
                 self._give_up(error)
-            file.seek(0)
+        file.seek(0)
         return file
 
     # --- inside
@@ -264,25 +267,30 @@ class FlashCode:
         """The record of a module that is loaded already, or None."""
         known = len(self._records)
         with self._real.open(path, "rb") as file:
-            self._note(path, file)
+            table = self._table(file)
+            if table:
+                self._note(path, file, *table)
         return self._records[-1] if len(self._records) > known else None
 
-    def _note(self, path, file):
-        """Note where the functions of an .mpy lie."""
-        from passo.ports.rp2.flash_scan import locate
-
+    def _table(self, file):
+        """(bytes of the file, its functions, its last block) if a table of functions ends it, otherwise None."""
         self._blocks.last = -1
         size = file.seek(0, 2)
-        self._read += size
-        if size <= _SMALL:
-            return
+        if size < 4:
+            return None
         file.seek(size - 4)
         end = file.read(4)
-        head = self._blocks.last  # the last block is the beginning of littlefs's list
-        if head < 0 or end[2] | end[3] << 8 != _MARK:
-            return
         count = end[0] | end[1] << 8
-        if size < 4 + 8 * count:
+        if end[2] | end[3] << 8 != _MARK or size < 4 + 8 * count:
+            return None
+        return size, count, self._blocks.last
+
+    def _note(self, path, file, size, count, head):
+        """Note where the functions of an .mpy lie. `head`: the last block, which begins littlefs's list of them."""
+        from passo.ports.rp2.flash_scan import locate
+
+        self._read += size
+        if size <= _SMALL or head < 0:
             return
         file.seek(size - 4 - 8 * count)
         table = file.read(8 * count)
