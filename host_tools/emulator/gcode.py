@@ -143,11 +143,11 @@ def padded(*lines, width=LINE_BYTES):
 
 
 def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False, clock_mhz=125):
-    """A booted EmulatedMachine of the board file with axes of 250 mm/s and 2500 mm/s², that waits for run_lines(); with a
+    """A booted EmulatedMachine of the board file with axes of 250 mm/s and 20 000 mm/s², so that the processor is the limit, that waits for run_lines(); with a
     `laser` in its spindle's place for run_raster()."""
     board = {**boards.load(name), "clock_mhz": clock_mhz}
     for axis in board["axes"]:
-        axis.update(max_mm_min=15_000, accel_mm_s2=2500)
+        axis.update(max_mm_min=15_000, accel_mm_s2=20_000)
     if laser:
         board["spindle"] = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": LASER_PIN, "pwm_hz": 5000, "laser": True}
     texts = {f"{length}.txt": raster(length)[0] if laser else chords(length)[1] for length in lengths_mm}

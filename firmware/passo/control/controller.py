@@ -196,7 +196,6 @@ class Controller:
         for refused in (command,) + more:
             self._events.append(Event(REFUSED, refused, number))
 
-    @micropython.native
     def take_events(self):
         """What has happened since; good until it is asked for again."""
         events = self._events
@@ -277,7 +276,6 @@ class Controller:
         homing = self._board["homing"]
         return errors.NOT_HOMED if homing and homing["required"] and not self.homed else 0
 
-    @micropython.native
     def occupied(self):
         """True while one of the added parts has the axes to itself."""
         for part in self._parts:

@@ -61,7 +61,6 @@ class Program:
     def active(self):
         return self._active
 
-    @micropython.native
     def moved(self):
         """Something has been queued."""
         self._active = self._fresh = True
@@ -104,7 +103,6 @@ class Program:
         self._queue.target = command.target[:]
         return self._machine.accepted(command)
 
-    @micropython.native
     def takes(self, tool, power, dynamic, beam):
         """True where lines with this tool may go straight to the queue, within reach(): nothing is unusual now. `beam`:
         each line brings its own tool and power."""

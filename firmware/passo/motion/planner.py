@@ -130,7 +130,6 @@ class Planner:
             return 0
         return _SIZE - queued
 
-    @micropython.native
     def empty(self):
         """True when every block has been played to its last word."""
         counts = self.counts
@@ -396,7 +395,6 @@ class Planner:
         self._unpack(block, place)
         return block
 
-    @micropython.native
     def _unpack(self, block, place):  # ISR: no allocation
         block.load(self.rows, place * self._stride)
         kind = block.kind
@@ -407,7 +405,6 @@ class Planner:
         else:
             block.walker = None if kind == WAIT else self._walkers[place]
 
-    @micropython.native
     def retire(self, count):  # ISR: no allocation
         """The oldest `count` fetched blocks have been played to their last word."""
         counts = self.counts

@@ -128,7 +128,6 @@ class Feeder(Position):
                 break
         return amid
 
-    @micropython.native
     def standing(self):  # ISR: no allocation
         """True when a hold has come to its stand; the words already made may still be playing."""
         if not (self.hold or self.brake) or self.ramp.moving():
@@ -140,14 +139,12 @@ class Feeder(Position):
         """True while a block has been begun that has words to come."""
         return self._block is not None and not self.stood
 
-    @micropython.native
     def retire(self, played):  # ISR: no allocation
         """Give back the room, and the blocks, of all segments that have been played to their end."""
         ended = retire(self.state, self._marks, played)
         if ended:
             self.planner.retire(ended)
 
-    @micropython.native
     def _fetch(self):  # ISR: no allocation
         ramp = self.ramp
         block = self.planner.next(ramp.moving())
@@ -169,7 +166,6 @@ class Feeder(Position):
             ramp.begin(block)
         return True
 
-    @micropython.native
     def _open(self, rows, at):  # ISR: no allocation
         """The tool, and where the index begins, of the block whose row begins at rows[at]."""
         state = self.state
@@ -220,7 +216,6 @@ class Feeder(Position):
         self.finish(steps, ticks, not (walker.left or waits), walker.made)
         return True
 
-    @micropython.native
     def _stand(self, block):  # ISR: no allocation
         state = self.state
         ticks = state[FEED_WAIT]
@@ -234,7 +229,6 @@ class Feeder(Position):
         self.finish(1, ticks, not state[FEED_WAIT] and (block.kind == WAIT or block.walker.left == 0), self._none)
         return True
 
-    @micropython.native
     def _mark_power(self, block, pace):  # ISR: no allocation
         """The segment that follows has this mean speed: mark the power where it changes."""
         self.state[FEED_PACE] = pace

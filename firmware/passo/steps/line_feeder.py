@@ -56,7 +56,6 @@ class LineFeeder(Feeder):
             ring.power.play(played)
         return what
 
-    @micropython.native
     def _accelerated(self, block, played, lead_ticks, held):  # ISR: no allocation
         """The block under way is an accelerated line: go on with it and those behind it. False if no more can be made now."""
         state = self.state
@@ -68,7 +67,6 @@ class LineFeeder(Feeder):
             return False
         return self._leave_lines(block, what)
 
-    @micropython.native
     def _leave_lines(self, block, what):  # ISR: no allocation
         """Something other than accelerated lines comes next. False if no more can be made now."""
         state = self.state
