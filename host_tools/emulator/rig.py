@@ -26,6 +26,9 @@ from passo.steps.word import COUNT_MASK, TICKS_PER_S, us_to_ticks
 START = """
 import gc
 gc.threshold(16000)
+from passo.ports.rp2.flash_code import FlashCode
+code = FlashCode()
+code.begin()
 from passo.control.boardfile import check
 from passo.app import App
 from passo.ports.rp2 import clock
@@ -42,6 +45,7 @@ def set_up(file):
 def pending():
     return [link for link in app.links if link.serial.any() or link.protocol._bytes]
 set_up(BOARD)
+code.finish()
 gc.collect()
 """
 FIT = """
