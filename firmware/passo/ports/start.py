@@ -108,7 +108,9 @@ class Start:
     def end(self, app, port, error=None):
         """Stop the machine, make all safe, and leave a report where there was an error. Nothing moves any more."""
         try:
-            self.loaded()
+            said = self.loaded()
+            if said and error is not None:
+                print(said)
             if app is not None:
                 app.stop()
         finally:

@@ -51,9 +51,9 @@ _FLASH_END = const(0x11000000)
 _FIRST_ROUND = const(40_000)  # bytes of files after which their functions are redirected: there is room at first
 _ROUND = const(18_000)  # each takes 50 ms
 _LITTLE = const(4_000)  # the same while less than _TIGHT bytes are free
-_TIGHT = const(60_000)
+_TIGHT = const(38_000)
 _ROOM = const(17_000)  # at the lower end of memory, given back at the end: so that there is a piece as large as this
-_SHORT = const(60_000)  # bytes free after a round: then it is given back at once
+_SHORT = const(14_000)  # bytes free after a round: then it is given back at once
 _WORK_ROWS = const(96)
 _FOLDER = const(0x4000)
 _FILE = const(0x8000)
@@ -209,7 +209,7 @@ class FlashCode:
 
     def open(self, path):
         """An .mpy for the import: its functions are noted, those of earlier ones perhaps redirected."""
-        if self._read > self._limit or self._read > _LITTLE and gc.mem_free() < _TIGHT:
+        if self._read > self._limit or self._read > _LITTLE and self._free() < _TIGHT:
             self._round()
         file = self._real.open(path, "rb")
         table = self._table(file)
@@ -338,8 +338,15 @@ class FlashCode:
             self._give_up(error)
             return
         gc.collect()
-        if gc.mem_free() < _SHORT:
+        if self._free() < _SHORT:
             self._room = None
+
+    def _free(self):
+        if not self._words:
+            return _TIGHT
+        from passo.ports.rp2.flash_scan import room_left
+
+        return room_left(self._words)
 
     def _redirect(self, records, modules):
         from passo.ports.rp2.flash_scan import mark, redirect, stack_pointer

@@ -332,6 +332,20 @@ def locate(raw: ptr8, count: int, blocks: ptr32, functions: ptr32):
 
 
 @micropython.viper
+def room_left(words: ptr32) -> int:
+    """Bytes free in pieces of 64, as the collector's table has them, garbage not counted: 0.5 ms, gc.mem_free() takes 8."""
+    table = ptr8(words[TABLE])
+    count = words[BLOCKS] >> 2
+    free = 0
+    i = 0
+    while i < count:
+        if table[i] == 0:
+            free += 64
+        i += 1
+    return free
+
+
+@micropython.viper
 def left(functions: ptr32, words: int) -> int:
     """How many functions of a file lie in flash and do not run from there yet. The first is not counted: it is the
     module itself, and garbage soon."""
