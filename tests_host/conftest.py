@@ -1,5 +1,6 @@
 """Paths, hypothesis profiles and the corpus of real files."""
 
+import gc
 import os
 import sys
 from pathlib import Path
@@ -65,7 +66,16 @@ def _marked(item, name):
 @pytest.hookimpl(wrapper=True)
 def pytest_runtest_setup(item):
     item.stash[_CYCLES] = cycles.spent[0]
+    _keep_collections_short(item.path)
     return (yield)
+
+
+def _keep_collections_short(path, last=[None]):
+    """The firmware collects garbage often. What pytest, numpy and others hold is looked through only once a file."""
+    if path != last[0]:
+        last[0] = path
+        gc.collect()
+        gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)
