@@ -92,4 +92,5 @@ def test_lines_sent_without_waiting_are_answered(uf2):
     machine.run_until(lambda: len(LINE_END.findall(machine.received(LINK))) > FLOOD, 10_000)
     answers = machine.take(LINK).split()
     assert set(answers) == {b"ok", b"error:11"} and len(answers) == FLOOD + 1 and machine.wire(LINK).lost == 0
-    assert answers.index(b"error:11") == answers.count(b"ok")  # the first were done, the rest found no room
+    # The first were done, the rest found no room; one of them may come just as a line is done.
+    assert 0 <= answers.count(b"ok") - answers.index(b"error:11") <= 2
