@@ -15,7 +15,8 @@ import pytest
 import svgelements
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.spatial import KDTree
+from shapely import STRtree
+from shapely import points as shapely_points
 
 from host_tools import boards, contours, drawing
 from host_tools.drawing import Options
@@ -56,7 +57,8 @@ def farthest_mm(points, lines):
     """The largest distance of `points` from the nearest of `lines`, arrays of points each; at most 0.1 mm too large
     where that is small, because the lines are sampled every 0.2 mm."""
     samples = numpy.concatenate([sampled(line, 0.2) for line in lines])
-    return KDTree(samples).query(points)[0].max()
+    tree = STRtree(shapely_points(samples))
+    return tree.query_nearest(shapely_points(numpy.asarray(points)), return_distance=True, all_matches=False)[1].max()
 
 
 def drawn_and_outlines(path, options):
