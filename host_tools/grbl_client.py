@@ -207,13 +207,13 @@ def fields_of(report):
 
 def explain(answer):
     """An `error:N` with its meaning."""
-    from passo.protocols import errors
+    from passo import errors
 
     number = re.sub(r"\D", "", answer)
     return f"error {number}, {errors.text(int(number))}" if number else answer
 
 
 def alarm_text(number):
-    from passo.protocols import errors
+    from passo import errors
 
     return errors.text(200 + number)

@@ -78,7 +78,8 @@ def _torch(port, baud, number):
 
 def _pulses(port, baud, number):
     from host_tools.wire import LinkError, open_port
-    from passo.protocols import errors, pulses
+    from passo import errors
+    from passo.protocols import pulses
 
     line = open_port(port, baud)
     try:

@@ -84,7 +84,7 @@ def _pulses(port, baud):
 
 def _plotter(port, baud):
     from host_tools.plotter_client import PlotterClient
-    from passo.protocols import errors
+    from passo import errors
 
     with PlotterClient(port, baud) as client:
         number = client.status()["error"]
@@ -96,7 +96,7 @@ def _told(entries):
 
 
 def entry_text(ms, number, who):
-    from passo.protocols import errors
+    from passo import errors
 
     return f"{ms / 1000:12.3f} s  {who:<10} {number:>3}  {errors.text(number)}"
 

@@ -17,7 +17,7 @@ import math
 import time
 
 from host_tools.wire import LinkError, Wire, packet_name
-from passo.protocols import errors
+from passo import errors
 from passo.protocols import plotter_host as plotter
 
 ATTEMPTS = 8  # of one packet

@@ -16,9 +16,9 @@ def load(path):
 
 
 def items(data, axes, config, name="the file"):
-    """The items of a file (see passo.protocols.commands). Raises Failure with line and column of what is wrong."""
-    from passo.protocols import errors
-    from passo.protocols.commands import TRACK_ABORT, TRACK_ITEMS
+    """The items of a file (see passo.commands). Raises Failure with line and column of what is wrong."""
+    from passo import errors
+    from passo.commands import TRACK_ABORT, TRACK_ITEMS
     from passo.protocols.pulses import Pulses, frame
 
     protocol = Pulses(axes, config)
@@ -37,8 +37,8 @@ class Course:
     """What a file draws: strokes, box, steps, time."""
 
     def __init__(self, found, board):
+        from passo.commands import TRACK_DEFAULT, TRACK_FASTEST, TRACK_SPEED, TRACK_TOOL, TRACK_WAIT
         from passo.control.track_intake import lengths_of
-        from passo.protocols.commands import TRACK_DEFAULT, TRACK_FASTEST, TRACK_SPEED, TRACK_TOOL, TRACK_WAIT
 
         axes = board["axes"]
         track = board["track"]
@@ -123,7 +123,7 @@ class Converter:
         some, it is on as on a machine that has a spindle: not with S0.
         """
         from host_tools.pulse_shapes import lines as folded
-        from passo.protocols import errors
+        from passo import errors
 
         if not any(b"S" in line.upper() for _, line in lines):
             self._gcode.rpm = self._gcode.max_rpm
@@ -143,7 +143,7 @@ class Converter:
         return "".join(text)
 
     def _take(self, number, line, command):
-        from passo.protocols import commands
+        from passo import commands
 
         kind = command.kind
         if kind in (commands.LINE, commands.ARC):

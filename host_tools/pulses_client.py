@@ -10,7 +10,7 @@ import time
 
 from host_tools.failure import Failure
 from host_tools.wire import LinkError, open_port
-from passo.protocols import errors
+from passo import errors
 from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame
 from passo.protocols.pulses_report import status_from
 

@@ -87,7 +87,7 @@ def image(file: PulseFile, board: BoardName = BOARD):
         passo pulses image square.txt --board boards/mine.py
     """
     from host_tools import pulse_file
-    from passo.protocols.commands import TRACK_DRIVES, TRACK_TOOL
+    from passo.commands import TRACK_DRIVES, TRACK_TOOL
     from passo.protocols.pulses_report import port_byte
 
     config, axes = _board(board)

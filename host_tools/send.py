@@ -144,7 +144,7 @@ def _send_raw(client, data):
 
 
 def _status_text(status):
-    from passo.protocols import errors
+    from passo import errors
 
     error = f", error {status['error']}: {errors.text(status['error'])}" if status["error"] else ""
     return (f"STATUS {status['state']} at {status['x']}, {status['y']}, {status['drawn']} points drawn, "

@@ -191,7 +191,7 @@ def info(
     """
     import time
 
-    from passo.protocols import errors
+    from passo import errors
 
     units = Units(board, steps)
     with _client(port, baud, log) as client:

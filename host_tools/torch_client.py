@@ -13,7 +13,8 @@ import time
 
 from host_tools.failure import Failure
 from host_tools.wire import LinkError, open_port
-from passo.protocols import errors, torch
+from passo import errors
+from passo.protocols import torch
 
 POLL_S = 0.1
 _PASSO_S = 0.5  # a board that has not told its status by then is none of ours

@@ -221,7 +221,7 @@ class VirtualJob:
         return data.decode().split("\r\n")
 
     def _answer(self, said, under_way):
-        from passo.protocols import errors
+        from passo import errors
 
         if said.startswith("ALARM:"):
             self._note_alarm(int(said[6:]), under_way)
@@ -234,7 +234,7 @@ class VirtualJob:
                 self.errors.append((number, line.decode(), f"error {code}, {errors.text(code)}"))
 
     def _note_alarm(self, number, under_way):
-        from passo.protocols import errors
+        from passo import errors
 
         line, text = under_way[0] if under_way else (0, b"")
         if number + 200 in errors.NEED_RESET:

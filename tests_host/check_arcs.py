@@ -11,12 +11,12 @@ from math import cos, pi, sin, sqrt
 
 from check_gcode import Memory
 from draws import Random
+from passo import commands
 from passo.control import arcs
 from passo.control.program import Program
 from passo.control.stream_queue import StreamQueue
 from passo.motion.line import MAX_RUN
 from passo.motion.profile import Limits
-from passo.protocols import commands
 from passo.protocols.gcode import GCode
 from passo.protocols.gcode_offsets import Offsets
 from rig import Rig

@@ -1,12 +1,12 @@
 """The controller: homing in every circumstance, refusals that move nothing, stop, alarm, store, motors' current."""
 
 from boards.plotter_2014 import BOARD
+from passo import errors
 from passo.control.boardfile import BoardError, check
 from passo.control.log import Log
 from passo.control.motors import HOLDING, RELEASED, RUNNING
 from passo.control.sensor import Sensor
 from passo.control.store import Store
-from passo.protocols import errors
 from table import EDGE, Machine, Table
 
 PULL_OFF = BOARD["homing"]["pull_off_steps"]

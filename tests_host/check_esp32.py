@@ -7,9 +7,9 @@ from boards.laser_xy import BOARD as LASER
 from boards.plotter_esp32 import BOARD
 from check_control import copy
 from fake_esp32 import chip
+from passo import errors
 from passo.app import App
 from passo.control.boardfile import BoardError, check
-from passo.protocols import errors
 from passo.protocols.plotter_host import COMMANDS, packet, status_from
 from passo.steps.wiring import word_pins
 from passo.steps.word import Layout

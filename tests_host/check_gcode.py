@@ -3,9 +3,10 @@
 from math import cos, pi, sin
 
 from draws import Random
+from passo import commands, errors
 from passo.control import arcs
 from passo.motion.integers import isqrt
-from passo.protocols import commands, errors, gcode_words
+from passo.protocols import gcode_words
 from passo.protocols.gcode import GCode
 from passo.protocols.gcode_offsets import Offsets
 from passo.protocols.gcode_words import F, X, Y, Words

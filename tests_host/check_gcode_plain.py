@@ -4,8 +4,8 @@ from array import array
 
 from check_gcode import ALPHABET, Machine, Shop
 from draws import Random
+from passo import commands
 from passo.control.tools import thousandths
-from passo.protocols import commands
 from passo.protocols.grbl_lines import Lines
 from passo.records import (
     BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_ROWS, BATCH_STEPS, BATCH_TAG,

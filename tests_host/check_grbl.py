@@ -1,8 +1,8 @@
 """The grbl link on the whole firmware: its lines, every `$`, every real-time byte, both flow controls."""
 
 from boards.router_3axis import BOARD
+from passo import errors
 from passo.control.journal import MemorySlots
-from passo.protocols import errors
 from passo.protocols.grbl import plain_text, real_time
 from passo.protocols.grbl_report import decimal
 from draws import Random

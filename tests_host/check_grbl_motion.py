@@ -2,8 +2,8 @@
 
 import gc
 
+from passo import errors
 from passo.motion.planner import ARCS
-from passo.protocols import errors
 from router import BANNER, UNHOMED, Machine, answers, home
 
 CASES = {}

@@ -1,6 +1,6 @@
 """Noise on the grbl link."""
 
-from passo.protocols import errors
+from passo import errors
 from check_gcode import ALPHABET, GOOD
 from draws import Random
 from router import Machine, answers

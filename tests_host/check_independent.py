@@ -1,8 +1,8 @@
 """Axes that run on their own: exact counts, each axis's own intervals, live changes, limits, stops; relays."""
 
 from free_machine import FreeMachine
-from passo.protocols import errors
-from passo.protocols.commands import AS_JOG, AT_REST, FOREVER, LIVE, REST, RUN, STATUS, ZERO, Command
+from passo import errors
+from passo.commands import AS_JOG, AT_REST, FOREVER, LIVE, REST, RUN, STATUS, ZERO, Command
 
 SHARING = 51  # ticks
 CASES = {

@@ -2,12 +2,13 @@
 
 from boards.two_motor_kit import BOARD
 from check_control import copy
+from passo import errors
 from passo.app import App
+from passo.commands import BAD, FOREVER, REST, RUN
 from passo.control.boardfile import BoardError, check
 from passo.control.motors import RELEASED
 from passo.ports.virtual import VirtualPort
-from passo.protocols import errors, keys
-from passo.protocols.commands import BAD, FOREVER, REST, RUN
+from passo.protocols import keys
 from passo.protocols.keys import Keys
 
 TICKS_PER_MS = 12_500

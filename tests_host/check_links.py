@@ -2,8 +2,9 @@
 
 from boards.plotter_2014 import BOARD as PLOTTER
 from boards.router_3axis import BOARD
+from passo import errors
 from passo.control.boardfile import BoardError, check
-from passo.protocols import errors, torch
+from passo.protocols import torch
 from passo.protocols.plotter_host import COMMANDS, packet, status_from
 from router import Machine
 

@@ -1,10 +1,10 @@
 """The plotter's language: every packet of the documents, and every single fault on the wire."""
 
-from passo.protocols import errors
-from passo.protocols import plotter_host as plotter
-from passo.protocols.commands import (
+from passo import errors
+from passo.commands import (
     ACCEPTED, BAD, DRAW, FINISHED, HAND_OVER, HELLO, HOME, JOG, POINT, REFUSED, SPEED, STATUS, STOP, Command, Event,
 )
+from passo.protocols import plotter_host as plotter
 from passo.protocols.plotter_host import ANSWERS, COMMANDS, PACKET, Plotter, packet, status_bytes, status_from
 
 GAP_MS = 5

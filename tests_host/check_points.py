@@ -1,8 +1,8 @@
 """The short way of points, from the line into the store: it does what the way of all commands does."""
 
 from draws import Random
+from passo.commands import POINT
 from passo.control.store import Store
-from passo.protocols.commands import POINT
 from passo.protocols.plotter_host import COMMANDS, Plotter, packet
 from passo.steps.word import TICKS_PER_MS
 from table import Machine

@@ -2,8 +2,8 @@
 
 from draws import Random
 from lpt import Lpt
+from passo.commands import TRACK_ABORT, TRACK_ADD, TRACK_CLOSE, TRACK_ITEMS
 from passo.motion.integers import isqrt
-from passo.protocols.commands import TRACK_ABORT, TRACK_ADD, TRACK_CLOSE, TRACK_ITEMS
 from passo.protocols.pulses import CODES, Pulses, frame
 from passo.protocols.pulses_report import port_byte
 

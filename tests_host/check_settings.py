@@ -2,11 +2,11 @@
 
 from boards.plotter_2014 import BOARD as PLOTTER
 from boards.router_3axis import BOARD
+from passo import errors
 from passo.control import settings as table
 from passo.control.boardfile import check
 from passo.control.journal import Journal, MemorySlots
 from passo.control.settings import Settings
-from passo.protocols import errors
 from passo.steps.wiring import inverted_pins
 from passo.steps.word import Layout
 from draws import Random

@@ -1,6 +1,7 @@
 """After a stop, a reset, an alarm or a hand-over nothing that was sent before moves anything: any language, any link."""
 
-from passo.protocols import commands, errors, torch
+from passo import commands, errors
+from passo.protocols import torch
 from passo.protocols.plotter_host import COMMANDS, packet, status_from
 from router import Machine
 from table import Machine as Plotter

@@ -1,10 +1,11 @@
 """The torch manipulator's frames: byte for byte, torn, among noise; and what the machine makes of them."""
 
 from free_machine import FreeMachine
-from passo.protocols import errors, torch
-from passo.protocols.commands import (
+from passo import errors
+from passo.commands import (
     ACCEPTED, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, REFUSED, RESET, RUN, STATUS, STILL, STOP, UNLOCK, ZERO, Event,
 )  # fmt: skip
+from passo.protocols import torch
 from passo.protocols.torch import Torch
 
 INTEGER = (-(1 << 31), (1 << 31) - 1)

@@ -10,10 +10,10 @@ Runs under CPython and MicroPython.
 
 from passo.app import App
 from passo.assembly import make_drive
+from passo.commands import AT_REST, RUN, STOP, Command, Run
 from passo.control.boardfile import check
 from passo.control.independent import Independent
 from passo.ports.virtual import VirtualPort
-from passo.protocols.commands import AT_REST, RUN, STOP, Command, Run
 
 
 def board(kind="step_dir", **changes):

@@ -19,7 +19,7 @@ from passo.control import boardfile
 MODULES = {
     "main.py": "import passo.app\n",
     "passo/__init__.py": "",
-    "passo/app.py": "from passo.motion.line import line\nfrom passo.protocols import errors\n",
+    "passo/app.py": "from passo.motion.line import line\nfrom passo import errors\n",
     "passo/control/track.py": "",
     "passo/languages/plotter.py": "from passo.protocols.plotter import sum\n",
     "passo/languages/torch.py": "from passo.control import track\n",
@@ -29,7 +29,7 @@ MODULES = {
     "passo/ports/rp2_pio.py": "",
     "passo/ports/esp32.py": "",
     "passo/protocols/__init__.py": "",
-    "passo/protocols/errors.py": "",
+    "passo/errors.py": "",
     "passo/protocols/plotter.py": "from passo.protocols.packets import sum\n",
     "passo/protocols/packets.py": "def sum():\n    return 0\n",
     "passo/protocols/torch.py": "",
@@ -57,7 +57,7 @@ def built_files(out):
 
 
 ALWAYS = ["board.py", "main.py", "passo/__init__.mpy", "passo/app.mpy", "passo/files.txt", "passo/motion/line.mpy"]
-ROOMS = ["passo/ports/pins.mpy", "passo/protocols/__init__.mpy", "passo/protocols/errors.mpy"]
+ROOMS = ["passo/errors.mpy", "passo/ports/pins.mpy", "passo/protocols/__init__.mpy"]
 TORCH = ["passo/control/track.mpy", "passo/languages/torch.mpy", "passo/protocols/torch.mpy"]
 PLOTTER = ["passo/languages/plotter.mpy", "passo/protocols/packets.mpy", "passo/protocols/plotter.mpy"]
 

@@ -5,7 +5,8 @@ import pytest
 
 from host_tools import boards
 from host_tools.virtual_machine import VirtualMachine
-from passo.protocols import errors, torch
+from passo import errors
+from passo.protocols import torch
 from passo.protocols.plotter_host import COMMANDS, packet
 
 MOTION = {

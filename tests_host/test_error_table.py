@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from passo.protocols import errors
+from passo import errors
 
 pytestmark = pytest.mark.quick
 

@@ -12,14 +12,14 @@ import gc
 
 from micropython import const
 
+from passo import errors
+from passo.commands import ALARM, DROPPED, IMMEDIATE, JOG, RESTARTED, STATUS
 from passo.control.controller import LATER, Controller
 from passo.control.journal import Journal, MemorySlots
 from passo.control.links import HARMLESS
 from passo.control.motors import Motors
 from passo.control.settings import ENABLE_INVERT, Settings
 from passo.motion.planner import Planner
-from passo.protocols import errors
-from passo.protocols.commands import ALARM, DROPPED, IMMEDIATE, JOG, RESTARTED, STATUS
 from passo.steps.ring import Ring, ring_size
 from passo.steps.word import COUNT_MASK, TICKS_PER_S, us_to_ticks
 

@@ -5,9 +5,9 @@ What RS274/NGC (NIST IR 6556, 3.5.3) asks of both kinds of centre.
 
 from micropython import const
 
+from passo import errors
 from passo.motion.cordic import TURN, end_point
 from passo.motion.integers import isqrt
-from passo.protocols import errors
 
 _CLOSE_NM = const(5_000)  # start and end radius may differ by this, or by a thousandth, but not by _FAR_NM
 _FAR_NM = const(500_000)

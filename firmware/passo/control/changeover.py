@@ -10,8 +10,8 @@ motion is refused; with "changeover_by": "motion" in the board file the first st
 when the app ends the outputs of role "ours" are off, which is how a machine without power stands: with the other controller.
 """
 
+from passo import commands, errors
 from passo.control.part import Part
-from passo.protocols import commands, errors
 from passo.steps.word import COUNT_MASK
 
 

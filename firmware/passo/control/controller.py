@@ -15,6 +15,8 @@ import gc
 import micropython
 from micropython import const
 
+from passo import commands, errors
+from passo.commands import ACCEPTED, ALARM, DROPPED, FINISHED, NOTICE, REFUSED, Command, Event
 from passo.control.absent import Absent
 from passo.control.homing import RUNNING, Homing
 from passo.control.inputs import Inputs
@@ -22,8 +24,6 @@ from passo.control.links import Links
 from passo.control.log import Log
 from passo.control.queue import Queue
 from passo.control.resets import Resets
-from passo.protocols import commands, errors
-from passo.protocols.commands import ACCEPTED, ALARM, DROPPED, FINISHED, NOTICE, REFUSED, Command, Event
 
 LATER = const(-1)
 _PAUSING = ("hold", "resume", "door")  # inputs

@@ -10,8 +10,8 @@ Each phase has a travel limit; reaching it is an alarm. The edge is where the se
 debouncing ended, so a bouncing sensor gives the same origin every time.
 """
 
+from passo import errors
 from passo.control.sensor import Sensor
-from passo.protocols import errors
 
 RUNNING = -1
 

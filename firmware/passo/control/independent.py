@@ -16,10 +16,10 @@ Where soft limits hold, an endless run and a turn on the way are refused: where 
 import micropython
 from micropython import const
 
+from passo import commands, errors
+from passo.commands import FINISHED, FOREVER, Event
 from passo.control import settings as table
 from passo.control.part import Part
-from passo.protocols import commands, errors
-from passo.protocols.commands import FINISHED, FOREVER, Event
 from passo.steps.timed import ENDLESS, MOST_STEPS
 from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 

@@ -3,9 +3,9 @@
     limit_x …  or whatever homing.sensors names for the axis     probe     door     hold  resume  reset
 """
 
+from passo import commands, errors
 from passo.control import settings as table
 from passo.control.sensor import Sensor
-from passo.protocols import commands, errors
 
 _BUTTONS = ("reset", "hold", "resume")
 

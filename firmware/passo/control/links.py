@@ -9,8 +9,8 @@ to. Whatever was sent before it, on any link, is dropped. To ask, and to make th
 
 import micropython
 
-from passo.protocols import commands, errors
-from passo.protocols.commands import DROPPED, Event
+from passo import commands, errors
+from passo.commands import DROPPED, Event
 
 HARMLESS = (
     commands.BAD, commands.HELLO, commands.STATUS, commands.SYNC,

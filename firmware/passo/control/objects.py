@@ -2,9 +2,9 @@
 
 from micropython import const
 
+from passo import commands, errors
 from passo.control.store import Store
 from passo.motion.integers import NM_PER_M, length_nm
-from passo.protocols import commands, errors
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
 LATER = const(-1)

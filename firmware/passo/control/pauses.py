@@ -3,8 +3,8 @@
 `kind` is the machine's state while it is held: "hold" or "door"; "" otherwise.
 """
 
+from passo import commands, errors
 from passo.control.settings import LASER
-from passo.protocols import commands, errors
 from passo.steps.word import COUNT_MASK
 
 

@@ -8,13 +8,13 @@ import gc
 import micropython
 from micropython import const
 
+from passo import commands, errors
 from passo.control import settings as table
 from passo.control.extent import farthest
 from passo.control.tools import thousandths
 from passo.motion.block import WAIT
 from passo.motion.line import MAX_STEPS
 from passo.motion.profile import Limits
-from passo.protocols import commands, errors
 from passo.records import ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP
 from passo.steps.word import TICKS_PER_S
 

@@ -1,7 +1,7 @@
 """Beginning anew, and being out of service: reset, unlock, check mode, sleep."""
 
-from passo.protocols import commands, errors
-from passo.protocols.commands import RESTARTED, Event
+from passo import commands, errors
+from passo.commands import RESTARTED, Event
 
 
 class Resets:

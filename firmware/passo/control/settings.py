@@ -17,7 +17,7 @@ where it said what differs from the board file: it is converted. That firmware i
 
 from micropython import const
 
-from passo.protocols import errors
+from passo import errors
 
 _LONGEST_TEXT = const(80)
 _LEAST_JERK = const(10_000)  # 10 mm/s³; 0: no limit

@@ -2,8 +2,8 @@
 
 from micropython import const
 
+from passo import commands, errors
 from passo.control import settings as table
-from passo.protocols import commands, errors
 
 LATER = const(-1)
 OFF = const(5)  # spindle

@@ -10,11 +10,11 @@ Manual moves at a pause are a track of their own, which the automatic return wal
 from array import array
 from micropython import const
 
+from passo import commands, errors
+from passo.commands import FINISHED, Event
 from passo.control import settings as table
 from passo.control.track_intake import ASK, DRIVES_ON, TrackIntake, lengths_of
 from passo.motion.track import COUNT, Track, run
-from passo.protocols import commands, errors
-from passo.protocols.commands import FINISHED, Event
 from passo.steps.track_walker import ENDLESS, TrackWalker
 from passo.steps.word import us_to_ticks
 

@@ -1,14 +1,14 @@
-"""How a track comes to the machine: stored whole, or played as it comes; its items are those of protocols/commands.py."""
+"""How a track comes to the machine: stored whole, or played as it comes; its items are those of passo/commands.py."""
 
 from array import array
 from micropython import const
 
+from passo import commands, errors
 from passo.control import settings as table
 from passo.control.part import Part
 from passo.motion import track as marks
 from passo.motion.integers import isqrt
 from passo.motion.track import COUNT
-from passo.protocols import commands, errors
 
 LATER = const(-1)
 _GATHER_MS = const(50)  # how long a stream is waited for, so that it sets out with some of it in hand

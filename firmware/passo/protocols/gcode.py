@@ -21,8 +21,8 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.protocols import commands, errors
-from passo.protocols.commands import Command
+from passo import commands, errors
+from passo.commands import Command
 from passo.protocols.gcode_codes import (
     AXIS_COMMANDS, COOLING, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PLANE, RETURN, STOPPING, SYSTEM,
     TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,

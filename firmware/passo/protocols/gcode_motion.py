@@ -2,8 +2,8 @@
 
 from micropython import const
 
-from passo.protocols import commands, errors
-from passo.protocols.commands import Motion
+from passo import commands, errors
+from passo.commands import Motion
 from passo.protocols.gcode_codes import G80, G81
 from passo.protocols.gcode_reader import Reader, Refused
 from passo.protocols.gcode_words import H, I, L, P, R, X, Z, rounded

@@ -2,7 +2,7 @@
 
 from micropython import const
 
-from passo.protocols import errors
+from passo import errors
 from passo.protocols.gcode_codes import AXIS_COMMANDS, GROUP_OF, GROUPS, why_unknown
 from passo.protocols.gcode_words import F, L, M_CODES, N, P, R, T, X, Z, Words, rounded
 

@@ -12,7 +12,7 @@ number has at most nine digits that count, and twelve decimals; further decimals
 from array import array
 from micropython import const
 
-from passo.protocols import errors
+from passo import errors
 
 LONGEST = const(80)  # characters of a line, blanks and comments aside
 M_CODES = const(1_000_000)

@@ -21,8 +21,9 @@ answered by error:11 and nothing of it is done.
 
 from micropython import const
 
-from passo.protocols import commands, errors, grbl_report
-from passo.protocols.commands import ACCEPTED, ALARM, DROPPED, NOTICE, REFUSED, RESTARTED, Command, Event
+from passo import commands, errors
+from passo.commands import ACCEPTED, ALARM, DROPPED, NOTICE, REFUSED, RESTARTED, Command, Event
+from passo.protocols import grbl_report
 from passo.protocols.gcode import GCode
 from passo.protocols.gcode_words import LONGEST, bare, rounded
 from passo.protocols.grbl_lines import Lines

@@ -7,8 +7,9 @@ Letters are capitals and blanks are gone already.
 
 from micropython import const
 
-from passo.protocols import commands, errors, grbl_report
-from passo.protocols.commands import Command
+from passo import commands, errors
+from passo.commands import Command
+from passo.protocols import grbl_report
 from passo.protocols.gcode_words import X, Words
 from passo.protocols.grbl_lines import RX_BYTES
 

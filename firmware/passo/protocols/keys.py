@@ -14,8 +14,8 @@ A speed whose second byte does not come within 2 s is dropped, so that no later 
 
 from micropython import const
 
-from passo.protocols import errors
-from passo.protocols.commands import BAD, FOREVER, LIVE, REST, Command, Run
+from passo import errors
+from passo.commands import BAD, FOREVER, LIVE, REST, Command, Run
 
 STEP_MS = const(4)  # between steps at speed 1
 SLOWEST = const(127)

@@ -23,8 +23,8 @@ unasked.
 import micropython
 from micropython import const
 
-from passo.protocols import errors
-from passo.protocols.commands import (
+from passo import errors
+from passo.commands import (
     ACCEPTED, BAD, DRAW, FINISHED, HAND_OVER, HELLO, HOME, JOG, POINT, SPEED, STATUS, STOP, Command,
 )
 

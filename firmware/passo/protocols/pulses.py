@@ -42,8 +42,8 @@ it sends one byte ACK, which is in no line. Bytes of control commands count for 
 import micropython
 from micropython import const
 
-from passo.protocols import errors
-from passo.protocols.commands import (
+from passo import errors
+from passo.commands import (
     ACCEPTED, ALARM, BAD, DROPPED, FINISHED, RESTARTED, STATUS, STOP, TRACK, TRACK_ABORT, TRACK_ADD, TRACK_ASK, TRACK_CLOSE,
     TRACK_DEFAULT, TRACK_DRIVES, TRACK_FASTEST, TRACK_ITEMS, TRACK_OPEN, TRACK_SPEED, TRACK_TOOL, TRACK_WAIT, Command,
 )  # fmt: skip

@@ -3,8 +3,8 @@
     understand(["jog", "x", "100"], "xyz")      # a Command; BAD where there is no such command
 """
 
-from passo.protocols import errors
-from passo.protocols.commands import (
+from passo import errors
+from passo.commands import (
     BAD, CONNECT, HAND_OVER, HOLD, HOME, STATUS, STOP, TRACK, TRACK_CONTINUE, TRACK_GO, TRACK_HAND_DRIVES, TRACK_HAND_TOOL,
     TRACK_JOG, TRACK_PACE, TRACK_PASSES, TRACK_RETURN, TRACK_STEP, UNLOCK, Command,
 )  # fmt: skip

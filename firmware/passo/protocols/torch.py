@@ -21,8 +21,8 @@ import struct
 import micropython
 from micropython import const
 
-from passo.protocols import errors
-from passo.protocols.commands import (
+from passo import errors
+from passo.commands import (
     ACCEPTED, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, FOREVER, HAND_OVER, REFUSED, RESET, RUN, STATUS, STILL, STOP,
     UNLOCK, ZERO, Command, Run,
 )  # fmt: skip

@@ -1,6 +1,6 @@
 """What the numbers of `errors` mean, a line each. Ask errors.text(): a board loads this only when it is wanted."""
 
-from passo.protocols import errors
+from passo import errors
 
 TEXTS = {
     errors.NONE: "no error",

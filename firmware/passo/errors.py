@@ -103,7 +103,7 @@ NOTICE_SPINDLE = const(13)
 
 
 def _texts():
-    from passo.protocols.error_texts import TEXTS
+    from passo.error_texts import TEXTS
 
     return TEXTS
 
