@@ -15,6 +15,7 @@ from rig import Rig
 MM = 1_000_000
 STEPS_PER_M = 400_000
 ACCELERATION_MM_S2 = 20_000
+SEGMENT_S = 0.006  # the longest, of an arc
 FEED_MM_S = ("feed", 1, 100)
 CASES = {
     "check_lines": (("x", -3000, 3000), ("y", -3000, 3000), ("z", -3000, 3000), FEED_MM_S),
@@ -39,7 +40,7 @@ def steps_of(add, feed, setup):
         steps.append((tick, place, len(steps)))
     per_s = feed * STEPS_PER_M / 1000
     ramp = per_s * per_s / (2 * ACCELERATION_MM_S2 * STEPS_PER_M / 1000)
-    away = int(1.1 * ramp + per_s / 500) + 4  # and a segment that is part ramp, part cruise
+    away = int(1.1 * ramp + per_s * SEGMENT_S) + 4  # and a segment that is part ramp, part cruise
     return steps[away:-away], per_s
 
 
