@@ -96,11 +96,11 @@ class Converter:
         from passo.control import arcs
         from passo.control.journal import Journal, MemorySlots
         from passo.control.settings import Settings
-        from passo.motion.arc_plan import PLAN
         from passo.motion.circle import Circle
         from passo.motion.line import MAX_RUN, Line
         from passo.protocols.gcode import GCode
         from passo.protocols.gcode_offsets import Offsets
+        from passo.records import ARC_FIELDS
 
         axes = board["axes"][:3]
         self.steps_per_m = [axis["steps_per_m"] for axis in axes]
@@ -110,7 +110,7 @@ class Converter:
         self._gcode = GCode("xyz"[: len(axes)], Offsets(len(axes), Settings(board, Journal(MemorySlots()))), self)
         self._line = Line(len(axes))
         self._circle = Circle(len(axes))
-        self._plan = array("i", [0] * PLAN)
+        self._plan = array("i", [0] * ARC_FIELDS)
         self._out = array("I", [0] * MAX_RUN)
         self._parts = ["["]
         self._speed = None

@@ -5,10 +5,14 @@ from math import atan2, cos, pi, sin, sqrt
 
 from draws import Random
 from passo.motion.arc import TooSteep, plan
-from passo.motion.arc_plan import LEADS, MAX_RADIUS, PLAN, STEPS, TAIL_A, TAIL_B, TAIL_Z, Z_HIGH, Z_STEPS
+from passo.motion.arc_plan import LEADS, MAX_RADIUS
 from passo.motion.block import COARSE
-from passo.motion.circle import RUN_PATH, U_AXIS, WORDS, Circle
+from passo.motion.circle import Circle
 from passo.motion.line import MAX_RUN
+from passo.records import (
+    ARC_FIELDS, ARC_STEPS, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, ARC_Z_HIGH, ARC_Z_STEPS, CIRCLE_PATH, CIRCLE_U_AXIS,
+    CIRCLE_WORDS,
+)  # fmt: skip
 
 TURN = 2 * pi
 CASES = {
@@ -64,10 +68,10 @@ class Walk:
         self.center = center
         self.deltas = list(deltas)
         self.sign = -1 if clockwise else 1
-        self.plan = array("i", [0] * PLAN)
+        self.plan = array("i", [0] * ARC_FIELDS)
         path, self.swept = plan(self.plan, plane, center, deltas, clockwise, turns)
         self.path = path / 1024
-        self.tail = max([abs(self.plan[i]) for i in (TAIL_A, TAIL_B, TAIL_Z)])  # words of the last line
+        self.tail = max([abs(self.plan[i]) for i in (ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z)])  # words of the last line
         circle = Circle(3)
         circle.load(self.plan)
         self.masks = bytearray()
@@ -75,8 +79,8 @@ class Walk:
         self.length = 0
         while circle.left:
             count = min(circle.left, MAX_RUN)
-            path = circle.state[RUN_PATH] / circle.state[WORDS]
-            self.runs.append((count, circle.negative, path / (1 << COARSE), circle.state[U_AXIS]))
+            path = circle.state[CIRCLE_PATH] / circle.state[CIRCLE_WORDS]
+            self.runs.append((count, circle.negative, path / (1 << COARSE), circle.state[CIRCLE_U_AXIS]))
             self.length += self.runs[-1][2] * count
             circle.walk(OUT, 0, count)
             self.masks.extend(bytes([OUT[i] for i in range(count)]))
@@ -102,7 +106,7 @@ def hold_against_circle(walk):
     """Every step of `walk` within one step of the circle; the third axis within one step of linear in the angle, or, where
     it is the dominant one, within one and a half steps of the circle's. Returns how far they are off at most."""
     swept = walk.swept * TURN / (1 << 32)
-    rise = walk.deltas[walk.plane[2]] - walk.plan[TAIL_Z]
+    rise = walk.deltas[walk.plane[2]] - walk.plan[ARC_TAIL_Z]
     slope = abs(rise) / max(walk.path - walk.tail, 1)
     third = 1.0 if slope < 0.7 else 0.5 + 1.5 * slope
     turned = 0.0
@@ -131,13 +135,13 @@ def hold_against_circle(walk):
 def hold_count(walk):
     """No word could be spared: none steps one axis of the plane where the one before stepped the other."""
     a, b = 1 << walk.plane[0], 1 << walk.plane[1]
-    rise = abs(walk.plan[Z_STEPS])
-    if walk.plan[Z_HIGH] >= LEADS:
-        assert max(rise, walk.plan[STEPS]) + walk.tail <= len(walk.masks) <= rise + walk.plan[STEPS] + walk.tail
+    rise = abs(walk.plan[ARC_Z_STEPS])
+    if walk.plan[ARC_Z_HIGH] >= LEADS:
+        assert max(rise, walk.plan[ARC_STEPS]) + walk.tail <= len(walk.masks) <= rise + walk.plan[ARC_STEPS] + walk.tail
         return
-    assert len(walk.masks) == walk.plan[STEPS] + walk.tail
+    assert len(walk.masks) == walk.plan[ARC_STEPS] + walk.tail
     before = a | b
-    for mask in walk.masks[: walk.plan[STEPS]]:
+    for mask in walk.masks[: walk.plan[ARC_STEPS]]:
         mask &= a | b
         corner = mask != before and mask != a | b != before
         assert mask and not corner or walk.radius < 1.5  # the nearest way on a radius of √2 is a square
@@ -222,7 +226,7 @@ def check_helix(radius, rise, seed):
 def check_one_step_in_millions():
     """The third axis's only step, on the largest half circle there is, is not lost."""
     radius = MAX_RADIUS
-    into = array("i", [0] * PLAN)
+    into = array("i", [0] * ARC_FIELDS)
     plan(into, (0, 1, 2), (-radius, 0), (-2 * radius, 0, -1))
     circle = Circle(3)
     circle.load(into)
@@ -266,7 +270,7 @@ def check_end_off_the_circle(radius, dx, dy, seed):
 
 
 def check_what_is_refused():
-    into = array("i", [0] * PLAN)
+    into = array("i", [0] * ARC_FIELDS)
     try:
         plan(into, (0, 1, 2), (MAX_RADIUS + 1, 0), (0, 0, 0))
     except ValueError:
@@ -281,9 +285,9 @@ def check_what_is_no_circle():
         ((3000, 0), (0, 1, 0), False), ((3000, 3000), (-1, 1, 9), False),
     ):
         walk = Walk((0, 1, 2), center, deltas, False, 0) if over_half is None else None
-        into = array("i", [0] * PLAN)
+        into = array("i", [0] * ARC_FIELDS)
         plan(into, (0, 1, 2), center, deltas, False, 0, over_half)
-        assert not into[STEPS]
+        assert not into[ARC_STEPS]
         circle = Circle(3)
         circle.load(into)
         words = circle.left
@@ -298,7 +302,7 @@ def check_more_than_the_steps_show(radius, seed):
     plane, center, deltas, clockwise, _ = draw_arc(radius, seed)
     quarter = Walk(plane, center, deltas, clockwise, 0).swept >> 30
     for over_half in (False, True):
-        into = array("i", [0] * PLAN)
+        into = array("i", [0] * ARC_FIELDS)
         swept = plan(into, plane, center, deltas, clockwise, 1, over_half)[1]
         before = Walk(plane, center, deltas, clockwise, 1).swept
         off = (swept - before + (1 << 31)) >> 32

@@ -137,11 +137,11 @@ def check_what_a_board_has_no_memory_for():
     assert tuple(machine.controller.position()) == (640, 0, 0)
     controller.program.curves_want = 1 << 40
     assert machine.ask("$141=5000") == ["ok", "[MSG:No S-curves on this board]"]
-    assert not machine.app.planner.ramp.smooth
+    assert not machine.app.planner.ramp.s_curve
     controller.program.curves_want = 0
     machine.ask("$141=6000")
     machine.turns(3)
-    assert machine.app.planner.ramp.smooth
+    assert machine.app.planner.ramp.s_curve
 
 
 def check_arcs_far_too_slow_are_refused():

@@ -5,7 +5,8 @@ from array import array
 from draws import Random
 from passo.protocols import grbl_report
 from passo.protocols.gcode_words import rounded
-from passo.protocols.grbl_text_viper import AXES, FARTHEST_MM, INCHES, MILLIMETRES, UNITS, places, tell
+from passo.protocols.grbl_text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
+from passo.records import REPORT_AXIS, REPORT_FIELDS, REPORT_UNIT
 
 CASES = {"check_places": (("seed", "seed"),), "check_numbers": (("seed", "seed"),)}
 RUNS = {"check_places": 300, "check_numbers": 100}
@@ -35,14 +36,14 @@ def check_places(seed):
     random = Random(seed)
     axes = random.between(1, 3)
     inches = random.between(0, 1)
-    figures = array("i", [0] * (AXES + 3 * axes))
-    figures[UNITS:AXES] = INCHES if inches else MILLIMETRES
+    figures = array("i", [0] * (REPORT_AXIS + REPORT_FIELDS * axes))
+    figures[REPORT_UNIT:REPORT_AXIS] = INCHES if inches else MILLIMETRES
     wanted, places_in_steps = [], array("i", [0] * axes)
     for axis in range(axes):
         steps, per_m, offset = draw_axis(random)
         wanted.append(rounded(steps * NM_PER_M, per_m) - offset)
         places_in_steps[axis] = steps
-        place = AXES + 3 * axis
+        place = REPORT_AXIS + REPORT_FIELDS * axis
         figures[place : place + 3] = array("i", (per_m, offset // 1_000_000 + FARTHEST_MM, offset % 1_000_000))
     places(figures, places_in_steps, axes)
     assert told(b"|WPos:", figures, axes) == "|WPos:" + grbl_report.place(wanted, inches)
@@ -51,7 +52,7 @@ def check_places(seed):
 def check_numbers(seed):
     random = Random(seed)
     numbers = [random.choice((0, 9, 10, 99, 100, 999_999_999, 0x3FFFFFFF, random.between(0, 9999))) for _ in range(3)]
-    figures = array("i", [0] * AXES)
+    figures = array("i", [0] * REPORT_AXIS)
     for place in range(3):
         figures[3 * place] = numbers[place]
     count = random.between(0, 3)

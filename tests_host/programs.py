@@ -12,11 +12,12 @@ from math import atan2, cos, pi, sin, sqrt
 from check_circle import about
 from draws import Random
 from passo.motion.arc import TooSteep
-from passo.motion.arc_plan import PATH, PATH_FINE, TAIL_A, TAIL_B
 from passo.motion.block import ARC, COARSE, LINE
-from passo.motion.circle import FALL, RISE, RUN_PATH, U_AXIS, WORDS
 from passo.motion.profile import Limits
-from passo.records import LINE_FALL, LINE_RISE, QUEUE_FETCHED, RAMP_STEPS, RAMP_TICKS
+from passo.records import (
+    ARC_PATH, ARC_PATH_FINE, ARC_TAIL_A, ARC_TAIL_B, CIRCLE_FALL, CIRCLE_PATH, CIRCLE_RISE, CIRCLE_U_AXIS,
+    CIRCLE_WORDS, LINE_FALL, LINE_RISE, QUEUE_FETCHED, RAMP_STEPS, RAMP_TICKS,
+)  # fmt: skip
 from passo.steps.word import TICKS_PER_S
 from rig import Rig
 
@@ -104,7 +105,7 @@ class Machine:
         steps, ticks = int(ramp.state[RAMP_STEPS]), int(ramp.state[RAMP_TICKS])
         if not steps:
             return
-        path = int(walker.state[RUN_PATH]) * steps / int(walker.state[WORDS]) / (1 << COARSE) if arc else steps
+        path = int(walker.state[CIRCLE_PATH]) * steps / int(walker.state[CIRCLE_WORDS]) / (1 << COARSE) if arc else steps
         self.segments.append((self.number(), path, ticks))
         self.lags.append((steps,) + (arc_lags(walker) if arc else line_lags(walker)))
 
@@ -127,8 +128,8 @@ class Machine:
                 move = (LINE, move[1], move[2])
             else:
                 plan = planner._walkers[place]
-                steps = plan[PATH] + plan[PATH_FINE] / (1 << 20)
-                move += (abs(plan[TAIL_A]), abs(plan[TAIL_B]))
+                steps = plan[ARC_PATH] + plan[ARC_PATH_FINE] / (1 << 20)
+                move += (abs(plan[ARC_TAIL_A]), abs(plan[ARC_TAIL_B]))
             self.facts.append(self._facts(move, steps))
 
     def _facts(self, move, steps):
@@ -327,7 +328,7 @@ def line_lags(line):
 def arc_lags(circle):
     """The same of an arc: the axis that steps in every word, and the others, whose share changes all along, up to 1."""
     state = circle.state
-    leads = state[U_AXIS] if state[RISE] == state[FALL] and not circle._ending else -1
+    leads = state[CIRCLE_U_AXIS] if state[CIRCLE_RISE] == state[CIRCLE_FALL] and not circle._ending else -1
     return [0 if axis == leads else 0.5 for axis in range(3)], [0 if axis == leads else 0.5 for axis in range(3)]
 
 

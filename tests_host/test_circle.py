@@ -13,8 +13,9 @@ def test_no_integer_outgrows_a_board():
     from check_circle import about
     from draws import Random
     from passo.motion.arc import plan
-    from passo.motion.arc_plan import MAX_RADIUS, PLAN
+    from passo.motion.arc_plan import MAX_RADIUS
     from passo.motion.circle import Circle
+    from passo.records import ARC_FIELDS
     from small_int import Small, SmallRows
 
     random = Random(1)
@@ -22,7 +23,7 @@ def test_no_integer_outgrows_a_board():
     for radius in list(range(1, 60)) + [1 << bits for bits in range(6, 20)] + [MAX_RADIUS - 1, 4095, 4097, 65537]:
         start = about(radius, random.between(0, 6283) / 1000)
         for rise in (0, radius // 2, 2 * radius, 100 * radius):
-            into = array("i", [0] * PLAN)
+            into = array("i", [0] * ARC_FIELDS)
             plan(into, (0, 1, 2), (-start[0], -start[1]), (0, 0, rise))
             circle = Circle(3)
             circle.state = SmallRows(circle.state)

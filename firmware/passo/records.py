@@ -118,7 +118,7 @@ RAMP_CARRY = const(6)  # of ticks
 RAMP_TOTAL = const(7)  # dominant steps of the line
 STEADY_FIELDS = const(8)
 RAMP_LENGTH = const(8)  # ticks a segment should last
-RAMP_SMOOTH = const(9)  # 1: cut() stops where smooth.py goes on, for which the rest is
+RAMP_S_CURVE = const(9)  # 1: jerk is limited: cut() stops where s_curve.py goes on, for which the rest is
 RAMP_PATH = const(10)  # of the segment
 RAMP_TO_GO = const(11)  # steps of path behind it
 RAMP_PART = const(12)  # and 2⁻¹⁷ of one
@@ -127,6 +127,47 @@ RAMP_CAP = const(14)  # q wanted, in a hold 0
 RAMP_HIGH = const(15)  # but for the hold
 RAMP_BEGIN = const(16)  # q that it begins with
 RAMP_FIELDS = const(17)
+
+# Behind it in Ramp.state if jerk is limited (s_curve.py). b is the square root of the speed, in the block's units, that would
+# come on top while the acceleration fades. Of the block:
+S_CURVE_B = const(17)
+S_CURVE_RATE = const(18)  # what b changes by in a tick: S_CURVE_RATE / 2 ** S_CURVE_RATE_SHIFT
+S_CURVE_RATE_SHIFT = const(19)
+S_CURVE_PUSH = const(20)  # what b does to q in a step: b · S_CURVE_PUSH / 2 ** 11
+S_CURVE_MOST = const(21)  # b at the highest acceleration
+S_CURVE_LIMIT = const(22)  # no b is larger
+S_CURVE_W = const(23)  # the speed that acceleration takes to come and go
+S_CURVE_SLOW = const(24)  # 1: w is above any speed; then need() has other units
+S_CURVE_SCALE = const(25)  # of need(), a step
+S_CURVE_FIRST = const(26)  # b and q after one step from rest; 0: step_from_rest() has not been asked yet
+S_CURVE_REST = const(27)
+S_CURVE_HALF = const(28)  # of the speed there to its mean one, · 2¹³
+S_CURVE_SPARE = const(29)  # what b has grown by less than one
+S_CURVE_CRUISE = const(30)  # a steady speed that need() has been asked for, and for which end, and what it has found
+S_CURVE_CRUISE_UNTIL = const(31)
+S_CURVE_CRUISE_NEED = const(32)
+S_CURVE_BEHIND = const(33)  # where the row of the block behind begins
+S_CURVE_SPAN = const(34)  # its ROW_SPAN
+# Of the segment:
+S_CURVE_UNTIL = const(35)  # speed at the block's end
+S_CURVE_ON = const(36)  # 1: slowing down goes on in the block behind
+S_CURVE_ROOM = const(37)  # what is left of the block, in the units of need()
+S_CURVE_FORCE = const(38)  # S_CURVE_PUSH along its path
+S_CURVE_FAST = const(39)  # the speed wanted
+S_CURVE_AIM = const(40)  # q last tried to end with
+S_CURVE_SPEED = const(41)  # its root; -1: not known
+S_CURVE_ABOVE = const(42)  # how much speed is above the one wanted then
+S_CURVE_LEAVE = const(43)  # the block's planned exit, q
+S_CURVE_WAY = const(44)  # how its end is found: STAY … REST_TO_REST of s_curve.py
+S_CURVE_GROW = const(45)  # what b may change by
+S_CURVE_GUESS = const(46)  # speed at its end if b stays
+S_CURVE_BRAKES = const(47)  # 1: it has to slow down for what lies ahead
+# Of the machine: √(jerk / 2) a tick, of a unit of speed of fastest / 2²⁸: S_CURVE_ROOT / 2 ** S_CURVE_SHIFT; the planner's rows.
+S_CURVE_ROOT = const(48)
+S_CURVE_SHIFT = const(49)
+S_CURVE_STRIDE = const(50)
+S_CURVE_ROWS = const(51)  # integers of all rows
+S_CURVE_FIELDS = const(52)
 
 # Line.state: a walker along a line.
 LINE_AXES = const(0)
@@ -185,6 +226,10 @@ MARKS = const(64)  # most segments made and not yet played, a power of two
 POWER_HEAD = const(0)
 POWER_TAIL = const(1)
 POWER_MARKS = const(2)
+POWER_WORD = const(0)  # of a mark: the word that it counts from, modulo 2²⁹
+POWER_LEVEL = const(1)  # 0 … 1000
+POWER_FIELDS = const(2)
+POWER_SIZE = const(128)  # marks, a power of two: at most one a segment
 
 # GCode._place: what plain lines are understood by; three numbers each if they are the axes'. Places from PLAIN_LOW on have
 # 2²⁹ added, so that none is negative.
@@ -210,3 +255,100 @@ PLAIN_LIT = const(34)  # 1: the beam is on
 PLAIN_POWER = const(35)  # thousandths
 PLAIN_DYNAMIC = const(36)  # 1: power in proportion to the speed
 PLAIN_FIELDS = const(37)
+
+# An arc's plan: what arc.plan() works out once a block, in steps. "Along the circle" means its length in steps of the path.
+ARC_AXIS_A = const(0)  # the plane's axes: counter-clockwise is from A to B; then the third one, -1: none
+ARC_AXIS_B = const(1)
+ARC_AXIS_Z = const(2)
+ARC_MIRROR = const(3)  # 1: clockwise, walked as its mirror image
+ARC_REGION = const(4)  # of the start, as circle.py draws them
+ARC_U = const(5)  # the start in it: steps along the region's dominant axis, and along the other
+ARC_W = const(6)
+ARC_RADIUS = const(7)  # steps · 2 ** ARC_SHIFT, of 29 bits
+ARC_SHIFT = const(8)
+ARC_INSIDE = const(9)  # u of the last whole step inside the diagonal
+ARC_ACROSS = const(10)  # -u of the first one behind the diagonal before it
+ARC_STEPS = const(11)  # of the dominant axes
+ARC_DIAGONAL = const(12)  # length of the step over a diagonal, 2⁻²⁰ steps
+ARC_Z_STEPS = const(13)  # signed steps of the third axis along the circle
+ARC_Z_HIGH = const(14)  # its steps a step along the circle: 15 and 15 fraction bits
+ARC_Z_LOW = const(15)
+ARC_TAIL_A = const(16)  # the last short line, from the circle to the end: signed steps
+ARC_TAIL_B = const(17)
+ARC_TAIL_Z = const(18)
+ARC_PATH = const(19)  # the whole length, steps, and 2⁻²⁰ of one
+ARC_PATH_FINE = const(20)
+ARC_FIELDS = const(21)
+
+# Circle.state: a walker along an arc. It begins with the arc's plan, but ARC_REGION, ARC_U and ARC_W are where it is,
+# ARC_STEPS those of the circle to come after this run, ARC_PATH − ARC_PATH_FINE / 2²⁰ the steps of path to go from the run's
+# beginning, and the tail is 0 once it is begun. Then, of the run:
+CIRCLE_WORDS = const(21)
+CIRCLE_PATH = const(22)  # its length in 2⁻¹³ steps along the circle
+CIRCLE_MOVING = const(23)  # masks of axes, as of a line
+CIRCLE_NEGATIVE = const(24)
+CIRCLE_U_AXIS = const(25)  # the dominant axis, and the other
+CIRCLE_W_AXIS = const(26)
+CIRCLE_RISE = const(27)  # which of its words are steps of the circle, by Bresenham's method: all, unless the third axis
+CIRCLE_FALL = const(28)  # dominates
+CIRCLE_DECISION = const(29)
+CIRCLE_Z_RISE = const(30)  # steps of the third axis a word, 21 fraction bits
+CIRCLE_Z_BETWEEN = const(31)  # its place between two steps, 21 fraction bits
+# Of the arc:
+CIRCLE_Z_LEFT = const(32)  # steps of the third axis to come after this run
+CIRCLE_Z_SUM = const(33)  # its place between two steps after the run, 21 fraction bits
+CIRCLE_Z_OVER = const(34)  # what rounding has left over for it, 2⁻²⁰ steps of path
+CIRCLE_ERROR = const(35)  # u² + w² − R²
+CIRCLE_USED = const(36)  # length of the run, 2⁻²⁰ steps
+CIRCLE_NEXT = const(37)  # of the step after it; −1: not known yet
+CIRCLE_REST = const(38)  # what rounding has left over of CIRCLE_PATH, 2⁻²⁰ steps
+CIRCLE_LINE = const(39)  # the state of a line's walker, for the tail; here too the steps made are counted
+
+# The state of independent axes: these, then AXIS_FIELDS numbers an axis.
+INDEPENDENT_AXES = const(0)
+INDEPENDENT_LEAST = const(1)  # ticks: no word is shorter; steps that fall due within it share a word
+INDEPENDENT_SETUP = const(2)  # ticks from a change of direction to the axis's next step, sharing allowed for
+INDEPENDENT_LEVELS = const(3)  # directions and tool, step form
+INDEPENDENT_TICKS = const(4)  # length of the segment written
+INDEPENDENT_HOLD = const(5)  # 1: come to a stand, and keep what is to come
+INDEPENDENT_AXIS = const(6)  # the first axis
+AXIS_TO_GO = const(0)  # steps to come; endless: at least 1
+AXIS_ENDLESS = const(1)  # 1: no end
+AXIS_TAKEN = const(2)  # how far AXIS_ASKED has been taken up
+AXIS_DUE = const(3)  # ticks to the next step
+AXIS_EACH = const(4)  # ticks of an interval: AXIS_EACH + AXIS_REST / AXIS_OVER
+AXIS_REST = const(5)
+AXIS_OVER = const(6)
+AXIS_CARRY = const(7)
+AXIS_NEGATIVE = const(8)  # 1: backwards
+AXIS_Q = const(9)  # square of its speed, in units of its fastest / 16 000
+AXIS_AIM = const(10)  # q of the rate asked for
+AXIS_GAIN = const(11)  # q a step; 0: constant rate
+AXIS_SPAN = const(12)  # ticks of an interval · √q
+AXIS_NEAR = const(13)  # steps from which on gain · steps may be below any q
+AXIS_ASKED = const(14)  # all steps ever asked for, modulo 2²⁹: the main loop writes it, and the request:
+AXIS_NEW = const(15)  # 1: there is one, as the fields of the same names
+AXIS_NEW_EACH = const(16)
+AXIS_NEW_REST = const(17)
+AXIS_NEW_OVER = const(18)
+AXIS_NEW_NEGATIVE = const(19)
+AXIS_NEW_ENDLESS = const(20)
+AXIS_NEW_AIM = const(21)
+AXIS_NEW_BASE = const(22)  # what was asked for up to here is dropped; −1: nothing is
+AXIS_FIELDS = const(23)
+
+# What a status report tells (grbl_text_viper.py): room for three numbers, the unit of positions, then three integers an axis.
+REPORT_NUMBER = const(0)
+REPORT_UNIT = const(9)  # tenths of a millimetre
+REPORT_DECIMAL = const(10)  # nanometres of the last decimal
+REPORT_FIRST = const(11)  # worth of the first decimal: 100 or 1000
+REPORT_AXIS = const(12)
+NUMBER_WHOLE = const(0)
+NUMBER_DECIMALS = const(1)
+NUMBER_FIRST = const(2)  # worth of the first decimal, 0: none; plus NUMBER_NEGATIVE
+NUMBER_FIELDS = const(3)
+NUMBER_NEGATIVE = const(0x10000)
+REPORT_STEPS_PER_M = const(0)  # of an axis
+REPORT_OFFSET_MM = const(1)  # 100 000 000 + its offset in whole millimetres, and nanometres above them
+REPORT_OFFSET_NM = const(2)
+REPORT_FIELDS = const(3)

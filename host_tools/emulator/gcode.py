@@ -37,7 +37,7 @@ ROW = 4 * DOTS + 3
 LASER_PIN = 22
 CYCLES_PER_MS = 1000 * CYCLES_PER_US
 _RUN = b"        start.run(app, port)\n"
-_CURVES = b"        import passo.motion.smooth\n"
+_CURVES = b"        import passo.motion.s_curve\n"
 _ATTACH = b"        import memory_line\n        memory_line.attach(app, port)\n"
 _LINE = """
 import gc, micropython, sys

@@ -269,7 +269,7 @@ class Program:
             if gc.mem_free() < self.curves_want:
                 return False
             try:
-                import passo.motion.smooth  # noqa: F401
+                import passo.motion.s_curve  # noqa: F401
             except MemoryError:  # there was enough, but not in one piece
                 return False
             self.curves_want = 0

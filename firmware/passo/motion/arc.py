@@ -2,40 +2,17 @@
 
     path, turned = plan(into, plane, center, deltas, clockwise, turns, over_half)
 
-Vectors are in steps, the plane's axes have equal steps/mm. `into` is an array of circle.PLAN integers.
+Vectors are in steps, the plane's axes have equal steps/mm. `into` is an array of ARC_FIELDS integers (records.py).
 """
 
-from passo.motion.arc_plan import (
-    AXIS_A,
-    AXIS_B,
-    AXIS_Z,
-    DIAGONAL,
-    FINE,
-    LEADS,
-    MAX_RADIUS,
-    MAX_SLOPE,
-    MIRROR,
-    PATH,
-    PATH_FINE,
-    PLAN,
-    RADIUS,
-    REGION,
-    SHIFT,
-    STEPS,
-    TAIL_A,
-    TAIL_B,
-    TAIL_Z,
-    U,
-    W,
-    Z_HIGH,
-    Z_LOW,
-    Z_STEPS,
-    D,
-    E,
-    turns_off,
-)
+from passo.motion.arc_plan import FINE, LEADS, MAX_RADIUS, MAX_SLOPE, turns_off
 from passo.motion.cordic import QUARTER, arc_length, vector
 from passo.motion.integers import isqrt
+from passo.records import (
+    ARC_ACROSS, ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_DIAGONAL, ARC_FIELDS, ARC_INSIDE, ARC_MIRROR, ARC_PATH,
+    ARC_PATH_FINE, ARC_RADIUS, ARC_REGION, ARC_SHIFT, ARC_STEPS, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, ARC_U, ARC_W,
+    ARC_Z_HIGH, ARC_Z_LOW, ARC_Z_STEPS,
+)  # fmt: skip
 
 MOST_STEPS = 1 << 28  # of path in one arc
 
@@ -80,7 +57,7 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0, over_half=None):
     `plane`: (a, b, third axis or -1); counter-clockwise is from a to b. `turns` full ones come on top. `over_half`:
     the arc sweeps more than half a turn, without `turns`, as it was before rounding; an end in the direction of the
     start is a full turn, then, and else none. None: only the steps are known; it is a full turn. What is too short or
-    too small for a step along the circle has no STEPS, only the last line.
+    too small for a step along the circle has no ARC_STEPS, only the last line.
 
     Returns (length along the circle, with that of the last short line, in 2⁻¹⁰ steps; angle swept, 2⁻³² turn). Raises
     ValueError for a radius above MAX_RADIUS or an arc of more than 2²⁸ steps, and TooSteep.
@@ -91,8 +68,8 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0, over_half=None):
     square = x * x + y * y
     if square > MAX_RADIUS * MAX_RADIUS:
         raise ValueError("an arc of a radius of more than %d steps" % MAX_RADIUS)
-    into[AXIS_A], into[AXIS_B], into[AXIS_Z] = plane
-    into[MIRROR] = 1 if clockwise else 0
+    into[ARC_AXIS_A], into[ARC_AXIS_B], into[ARC_AXIS_Z] = plane
+    into[ARC_MIRROR] = 1 if clockwise else 0
     cross = x * end_y - y * end_x
     turns += turns_off(cross, x * end_x + y * end_y, over_half)
     if turns < 0 or not square or not end_x and not end_y:
@@ -119,32 +96,32 @@ def plan(into, plane, center, deltas, clockwise=False, turns=0, over_half=None):
         other = _tail((region + quarters) & 3, before, end_x, end_y)
         if less + max(abs(other[0]), abs(other[1])) < steps + max(abs(tail[0]), abs(tail[1])):
             steps, place, tail = less, before, other
-    into[REGION], into[U], into[W] = region, u, w
-    into[D], into[E], into[STEPS] = inside, across, steps
-    into[TAIL_A], into[TAIL_B] = tail[0], tail[1] * sign
+    into[ARC_REGION], into[ARC_U], into[ARC_W] = region, u, w
+    into[ARC_INSIDE], into[ARC_ACROSS], into[ARC_STEPS] = inside, across, steps
+    into[ARC_TAIL_A], into[ARC_TAIL_B] = tail[0], tail[1] * sign
     return _measure(into, square, place, quarters, deltas[plane[2]] if plane[2] >= 0 else 0)
 
 
 def _straight(into, plane, deltas):
     """The plan of an arc without a step along the circle."""
-    for which in range(REGION, PLAN):
+    for which in range(ARC_REGION, ARC_FIELDS):
         into[which] = 0
     z = deltas[plane[2]] if plane[2] >= 0 else 0
-    into[TAIL_A], into[TAIL_B], into[TAIL_Z] = deltas[plane[0]], deltas[plane[1]], z
-    into[PATH] = max(abs(into[TAIL_A]), abs(into[TAIL_B])) or abs(z)
-    return into[PATH] << 10, 0
+    into[ARC_TAIL_A], into[ARC_TAIL_B], into[ARC_TAIL_Z] = deltas[plane[0]], deltas[plane[1]], z
+    into[ARC_PATH] = max(abs(into[ARC_TAIL_A]), abs(into[ARC_TAIL_B])) or abs(z)
+    return into[ARC_PATH] << 10, 0
 
 
 def _measure(into, square, place, quarters, z):
     """The lengths in the plan of an arc to `place`, and the third axis's steps. In a piece of its own: a board that has run
     for a while may have no place for both in one."""
-    u, inside, across, steps = into[U], into[D], into[E], into[STEPS]
+    u, inside, across, steps = into[ARC_U], into[ARC_INSIDE], into[ARC_ACROSS], into[ARC_STEPS]
     swept = _rise(square, place[0]) - _rise(square, u) + quarters * QUARTER if steps else 0
     shift = _shift(square)
     radius = isqrt(square << 2 * shift)
     corner = QUARTER - _rise(square, across - 1) - _rise(square, inside)
-    turned = path = arc_length(radius, swept)  # SHIFT fraction bits
-    extra = max(abs(into[TAIL_A]), abs(into[TAIL_B])) << shift
+    turned = path = arc_length(radius, swept)  # ARC_SHIFT fraction bits
+    extra = max(abs(into[ARC_TAIL_A]), abs(into[ARC_TAIL_B])) << shift
     tail_z = _share(z, extra, turned)
     z -= tail_z
     ratio = (abs(z) << (30 + shift)) // turned if turned else 0
@@ -159,13 +136,13 @@ def _measure(into, square, place, quarters, z):
         raise ValueError("an arc of more than %d steps" % MOST_STEPS)
     if steps and abs(z) << shift > MAX_SLOPE * turned:
         raise TooSteep("a helix of more than %d steps along one of its circle's" % MAX_SLOPE)
-    into[RADIUS], into[SHIFT] = radius, shift
-    into[DIAGONAL] = arc_length(isqrt(square << 2 * FINE), corner) if steps else 0
-    into[Z_STEPS], into[Z_HIGH], into[Z_LOW] = z, ratio >> 15, ratio & 0x7FFF
-    into[TAIL_Z] = tail_z
-    into[PATH] = whole
-    into[PATH_FINE] = ((path << FINE) >> shift) & ((1 << FINE) - 1)
-    return whole << 10 | into[PATH_FINE] >> 10, swept
+    into[ARC_RADIUS], into[ARC_SHIFT] = radius, shift
+    into[ARC_DIAGONAL] = arc_length(isqrt(square << 2 * FINE), corner) if steps else 0
+    into[ARC_Z_STEPS], into[ARC_Z_HIGH], into[ARC_Z_LOW] = z, ratio >> 15, ratio & 0x7FFF
+    into[ARC_TAIL_Z] = tail_z
+    into[ARC_PATH] = whole
+    into[ARC_PATH_FINE] = ((path << FINE) >> shift) & ((1 << FINE) - 1)
+    return whole << 10 | into[ARC_PATH_FINE] >> 10, swept
 
 
 def _steps(square, inside, across, u, w, end_u, quarters):

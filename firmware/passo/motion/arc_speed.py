@@ -7,14 +7,13 @@ every axis's; together they ask no axis for more than √2 of its own, which is 
 as it sets out. With an override above 100 % likewise.
 """
 
-from passo.motion.arc_plan import TAIL_A, TAIL_B
 from passo.motion.cordic import TURN
 from passo.motion.integers import NM_PER_M, isqrt
 from passo.motion.measure_viper import measure
 from passo.motion.profile import BIAS, MOST, ONE, TICKS_PER_S, TOP, floated
 from passo.records import (
-    ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, WORK_ALONG, WORK_BEFORE, WORK_FEED, WORK_GIVEN, WORK_HEADING, WORK_IS_ARC,
-    WORK_LENGTH, WORK_LENGTH_SHIFT, WORK_STEPS, WORK_STEPS_SHIFT, WORK_STRENGTH,
+    ARC_TAIL_A, ARC_TAIL_B, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, WORK_ALONG, WORK_BEFORE, WORK_FEED, WORK_GIVEN,
+    WORK_HEADING, WORK_IS_ARC, WORK_LENGTH, WORK_LENGTH_SHIFT, WORK_STEPS, WORK_STEPS_SHIFT, WORK_STRENGTH,
 )  # fmt: skip
 
 
@@ -106,10 +105,10 @@ def _allowed(limits, plan, plane, center, reach, lengths, asked):
 def _on_the_tail(speed, fastest, plan, axis):
     """`speed`, or what brings `axis` no more than half a step ahead of its `fastest` on the last line, whose direction is
     its own."""
-    steps = abs(plan[TAIL_B if axis else TAIL_A])
+    steps = abs(plan[ARC_TAIL_B if axis else ARC_TAIL_A])
     if not steps:
         return speed
-    words = max(abs(plan[TAIL_A]), abs(plan[TAIL_B]))
+    words = max(abs(plan[ARC_TAIL_A]), abs(plan[ARC_TAIL_B]))
     return min(speed, 2 * fastest * words // (2 * steps - 1))
 
 

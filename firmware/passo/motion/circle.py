@@ -32,37 +32,15 @@ every run costs is circle_viper.py's.
 from array import array
 
 import micropython
-from micropython import const
 
 from passo.motion import line
-from passo.motion.arc_plan import AXIS_A, AXIS_B, AXIS_Z, PATH, PATH_FINE, TAIL_A, TAIL_B, TAIL_Z
 from passo.motion.block import COARSE
 from passo.motion.circle_viper import load, run, walk
 from passo.motion.line import MAX_RUN
-
-# A walker's state. It begins with the arc's plan, where REGION, U and W are where it is, STEPS those of the circle to come
-# after this run, PATH and PATH_FINE what there is to go from the run's beginning, PATH − PATH_FINE / 2²⁰ steps, and the
-# tail is 0 once it is begun. Of the run:
-WORDS = const(21)
-RUN_PATH = const(22)  # its length in 2⁻¹³ steps along the circle
-MOVING = const(23)
-NEGATIVE = const(24)
-U_AXIS = const(25)  # the dominant axis, and the other
-W_AXIS = const(26)
-RISE = const(27)  # which of its words are steps of the circle, by Bresenham's method: all, unless the third axis dominates
-FALL = const(28)
-DECISION = const(29)
-Z_RISE = const(30)  # of the third axis a word, 21 fraction bits
-PLACE = const(31)  # of it between two steps
-# Of the arc:
-Z_LEFT = const(32)  # steps of the third axis to come after this run
-Z_SUM = const(33)  # its place after the run
-Z_OVER = const(34)  # what rounding has left over for it, 2⁻²⁰ of path
-ERROR = const(35)  # u² + w² − R²
-USED = const(36)  # length of the run, 2⁻²⁰
-NEXT = const(37)  # of the step after it; −1: not known yet
-REST = const(38)  # what rounding has left over of RUN_PATH, 2⁻²⁰
-_LINE = const(39)  # the state of a line's walker, for the tail; here too the steps made are counted
+from passo.records import (
+    ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_PATH, ARC_PATH_FINE, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, CIRCLE_LINE,
+    CIRCLE_MOVING, CIRCLE_NEGATIVE, CIRCLE_PATH, CIRCLE_WORDS, LINE_AXES, LINE_MOVING, LINE_NEGATIVE, LINE_RISE,
+)  # fmt: skip
 
 
 class Circle:
@@ -71,10 +49,10 @@ class Circle:
     def __init__(self, axes):
         self.axes = axes
         self.left = self.moving = self.negative = 0
-        self.state = array("i", [0] * (_LINE + 5 + 3 * axes))
-        self._line = memoryview(self.state)[_LINE:]
-        self._line[0] = axes
-        self.made = self._line[5 + 2 * axes :]
+        self.state = array("i", [0] * (CIRCLE_LINE + LINE_RISE + 3 * axes))
+        self._line = memoryview(self.state)[CIRCLE_LINE:]
+        self._line[LINE_AXES] = axes
+        self.made = self._line[LINE_RISE + 2 * axes :]
         self._tail = array("i", [0] * axes)
         self._ending = False  # the tail is being walked
         self._plan = None
@@ -128,28 +106,28 @@ class Circle:
         if not left:
             left = self._last_line(state)
         self.left = left
-        self.moving = state[MOVING]
-        self.negative = state[NEGATIVE]
+        self.moving = state[CIRCLE_MOVING]
+        self.negative = state[CIRCLE_NEGATIVE]
 
     def _last_line(self, state):  # ISR: no allocation
         """The tail, from the circle to the end: all axes by Bresenham's method."""
-        a, b, z = state[TAIL_A], state[TAIL_B], state[TAIL_Z]
+        a, b, z = state[ARC_TAIL_A], state[ARC_TAIL_B], state[ARC_TAIL_Z]
         if not (a or b or z):
             return 0
         tail = self._tail
         for axis in range(self.axes):
             tail[axis] = 0
-        tail[state[AXIS_A]] = a
-        tail[state[AXIS_B]] = b
+        tail[state[ARC_AXIS_A]] = a
+        tail[state[ARC_AXIS_B]] = b
         if z:
-            tail[state[AXIS_Z]] = z
-        state[TAIL_A] = state[TAIL_B] = state[TAIL_Z] = 0
+            tail[state[ARC_AXIS_Z]] = z
+        state[ARC_TAIL_A] = state[ARC_TAIL_B] = state[ARC_TAIL_Z] = 0
         self._ending = True
         words = line.begin(tail, 0, self._line)
-        state[WORDS] = words
-        state[PATH] = max(abs(a), abs(b)) or words
-        state[PATH_FINE] = 0
-        state[RUN_PATH] = state[PATH] << COARSE
-        state[MOVING] = self._line[4]
-        state[NEGATIVE] = self._line[3]
+        state[CIRCLE_WORDS] = words
+        state[ARC_PATH] = max(abs(a), abs(b)) or words
+        state[ARC_PATH_FINE] = 0
+        state[CIRCLE_PATH] = state[ARC_PATH] << COARSE
+        state[CIRCLE_MOVING] = self._line[LINE_MOVING]
+        state[CIRCLE_NEGATIVE] = self._line[LINE_NEGATIVE]
         return words

@@ -4,7 +4,7 @@
     words = run(state)                  # set up the next run; 0: the circle has come to its end
     walk(out, at, count, state)         # the masks of `count` words of it
 
-The method stands in circle.py, and so do the numbers of `state`. One text for all interpreters: a board compiles it to
+The method stands in circle.py, the fields of `plan` and `state` in records.py. One text for all interpreters: a board compiles it to
 machine code, elsewhere it is ordinary Python; see measure_viper.py for what that asks of integers. None reaches 2³⁰, and
 what may be negative, within ±2²⁹, is read out of an array as ((number + 2²⁹) & (2³⁰ − 1)) − 2²⁹.
 """
@@ -13,52 +13,20 @@ what may be negative, within ±2²⁹, is read out of an array as ((number + 2²
 import micropython
 from micropython import const
 
+from passo.motion.arc_plan import LEADS
+from passo.records import (
+    ARC_ACROSS, ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_DIAGONAL, ARC_FIELDS, ARC_INSIDE, ARC_MIRROR, ARC_PATH,
+    ARC_PATH_FINE, ARC_RADIUS, ARC_REGION, ARC_SHIFT, ARC_STEPS, ARC_U, ARC_W, ARC_Z_HIGH, ARC_Z_LOW, ARC_Z_STEPS,
+    CIRCLE_DECISION, CIRCLE_ERROR, CIRCLE_FALL, CIRCLE_LINE, CIRCLE_MOVING, CIRCLE_NEGATIVE, CIRCLE_NEXT, CIRCLE_PATH,
+    CIRCLE_REST, CIRCLE_RISE, CIRCLE_USED, CIRCLE_U_AXIS, CIRCLE_WORDS, CIRCLE_W_AXIS, CIRCLE_Z_BETWEEN,
+    CIRCLE_Z_LEFT, CIRCLE_Z_OVER, CIRCLE_Z_RISE, CIRCLE_Z_SUM, LINE_AXES, LINE_RISE,
+)  # fmt: skip
+
 try:
     ptr32
 except NameError:
     ptr32 = None  # a name that only viper's compiler knows
 
-# The plan, arc_plan.py's; what stands below the line has its place there.
-_AXIS_A = const(0)
-_AXIS_B = const(1)
-_AXIS_Z = const(2)
-_MIRROR = const(3)
-_REGION = const(4)
-_U = const(5)
-_W = const(6)
-_RADIUS = const(7)
-_SHIFT = const(8)
-_D = const(9)
-_E = const(10)
-_STEPS = const(11)
-_DIAGONAL = const(12)
-_Z_STEPS = const(13)
-_Z_HIGH = const(14)
-_Z_LOW = const(15)
-_TO_GO = const(19)
-_PART = const(20)
-_PLAN = const(21)
-# And then circle.py's.
-_WORDS = const(21)
-_PATH = const(22)
-_MOVING = const(23)
-_NEGATIVE = const(24)
-_U_AXIS = const(25)
-_W_AXIS = const(26)
-_RISE = const(27)
-_FALL = const(28)
-_DECISION = const(29)
-_Z_RISE = const(30)
-_PLACE = const(31)
-_Z_LEFT = const(32)
-_Z_SUM = const(33)
-_Z_OVER = const(34)
-_ERROR = const(35)
-_USED = const(36)
-_NEXT = const(37)
-_REST = const(38)
-_LINE = const(39)
-_LEADS = const(22_938)  # arc_plan.LEADS
 _HALF = const(0x20000000)
 _ALL = const(0x3FFFFFFF)
 _Z_ONE = const(0x200000)  # 21 fraction bits
@@ -68,42 +36,42 @@ _LONGEST = const(255)  # most words of a run, so that no product here reaches 2�
 @micropython.viper
 def load(plan: ptr32, state: ptr32):  # ISR: no allocation
     i = 0
-    while i < _PLAN:
+    while i < ARC_FIELDS:
         state[i] = plan[i]
         i += 1
-    rise = ((plan[_Z_STEPS] + _HALF) & _ALL) - _HALF
-    state[_Z_LEFT] = rise if rise > 0 else 0 - rise
-    state[_Z_SUM] = _Z_ONE >> 1
-    state[_Z_OVER] = state[_REST] = state[_ERROR] = state[_USED] = 0
-    state[_NEXT] = -1  # not known yet
-    state[_TO_GO] = plan[_TO_GO] + 1
-    state[_PART] = 0x100000 - plan[_PART]
+    rise = ((plan[ARC_Z_STEPS] + _HALF) & _ALL) - _HALF
+    state[CIRCLE_Z_LEFT] = rise if rise > 0 else 0 - rise
+    state[CIRCLE_Z_SUM] = _Z_ONE >> 1
+    state[CIRCLE_Z_OVER] = state[CIRCLE_REST] = state[CIRCLE_ERROR] = state[CIRCLE_USED] = 0
+    state[CIRCLE_NEXT] = -1  # not known yet
+    state[ARC_PATH] = plan[ARC_PATH] + 1
+    state[ARC_PATH_FINE] = 0x100000 - plan[ARC_PATH_FINE]
 
 
 @micropython.viper
 def run(state: ptr32) -> int:  # ISR: no allocation
-    part = state[_PART] + ((state[_USED] + _HALF) & _ALL) - _HALF
-    state[_TO_GO] = state[_TO_GO] - (part >> 20)
-    state[_PART] = part & 0xFFFFF
-    state[_USED] = 0
-    left = state[_STEPS]
+    part = state[ARC_PATH_FINE] + ((state[CIRCLE_USED] + _HALF) & _ALL) - _HALF
+    state[ARC_PATH] = state[ARC_PATH] - (part >> 20)
+    state[ARC_PATH_FINE] = part & 0xFFFFF
+    state[CIRCLE_USED] = 0
+    left = state[ARC_STEPS]
     if left == 0:
         return 0
-    u = ((state[_U] + _HALF) & _ALL) - _HALF
-    w = state[_W]
-    region = state[_REGION]
-    inside = state[_D]
+    u = ((state[ARC_U] + _HALF) & _ALL) - _HALF
+    w = state[ARC_W]
+    region = state[ARC_REGION]
+    inside = state[ARC_INSIDE]
     if u >= inside:  # over the diagonal: the axes change their parts
         region = (region + 1) & 3
         part = u
         u = 0 - w
         w = part
-        state[_REGION] = region
-        state[_U] = u
-        state[_W] = w
+        state[ARC_REGION] = region
+        state[ARC_U] = u
+        state[ARC_W] = w
     # --- how many steps may be one run
-    across = state[_E]
-    steep = state[_Z_HIGH]
+    across = state[ARC_ACROSS]
+    steep = state[ARC_Z_HIGH]
     ends = 0 - u
     slope = ends
     if u >= 0:
@@ -136,11 +104,11 @@ def run(state: ptr32) -> int:  # ISR: no allocation
     if count > left:
         count = left
     # --- √(R² − u²), here or one step on, from w and the error: w − error / 2w, less the square of that over 2w
-    radius = state[_RADIUS]
-    shift = state[_SHIFT]
-    error = ((state[_ERROR] + _HALF) & _ALL) - _HALF
-    before = ((state[_NEXT] + _HALF) & _ALL) - _HALF
-    long = state[_DIAGONAL]
+    radius = state[ARC_RADIUS]
+    shift = state[ARC_SHIFT]
+    error = ((state[CIRCLE_ERROR] + _HALF) & _ALL) - _HALF
+    before = ((state[CIRCLE_NEXT] + _HALF) & _ALL) - _HALF
+    long = state[ARC_DIAGONAL]
     near = w
     stage = 1
     if u <= 0 - across:
@@ -217,39 +185,39 @@ def run(state: ptr32) -> int:  # ISR: no allocation
             near = total - near
         stage += 1
         if stage < 3:
-            after = state[_DIAGONAL]
-    state[_NEXT] = after
+            after = state[ARC_DIAGONAL]
+    state[CIRCLE_NEXT] = after
     left -= count
-    state[_STEPS] = left
+    state[ARC_STEPS] = left
     # A word's time passes after its step: a run lasts from its first step to the first one of the next. Where the third
     # axis leads, time is its own.
     used = long
-    if steep < _LEADS:
+    if steep < LEADS:
         used += after - before
-    state[_USED] = used
+    state[CIRCLE_USED] = used
     # --- the third axis's steps: the ratio has 30 fraction bits, nothing is lost. Over a diagonal a step of the circle may
     # be two long: the third axis makes up for it later, so that it costs no word of its own
     words = count
-    rise = ((state[_Z_STEPS] + _HALF) & _ALL) - _HALF
-    state[_Z_RISE] = 0
+    rise = ((state[ARC_Z_STEPS] + _HALF) & _ALL) - _HALF
+    state[CIRCLE_Z_RISE] = 0
     if rise:
-        long += state[_Z_OVER]
+        long += state[CIRCLE_Z_OVER]
         part = long >> 14
-        state[_Z_OVER] = long & 0x3FFF
-        climb = part * steep + (part * state[_Z_LOW] >> 15)
-        place = state[_Z_SUM]
+        state[CIRCLE_Z_OVER] = long & 0x3FFF
+        climb = part * steep + (part * state[ARC_Z_LOW] >> 15)
+        place = state[CIRCLE_Z_SUM]
         total = place + climb
         steps = total >> 21
         over = total & (_Z_ONE - 1)
-        part = state[_Z_LEFT]
+        part = state[CIRCLE_Z_LEFT]
         if steps > part or left == 0:
             climb += (part - steps) << 21  # the end is exact
             steps = part
-        elif steps > count and steep < _LEADS:
+        elif steps > count and steep < LEADS:
             over = total - (count << 21)
             steps = count
-        state[_Z_SUM] = over
-        state[_Z_LEFT] = part - steps
+        state[CIRCLE_Z_SUM] = over
+        state[CIRCLE_Z_LEFT] = part - steps
         if steps > count:  # it steps in every word, the circle now and then
             words = steps
             climb = _Z_ONE
@@ -262,31 +230,31 @@ def run(state: ptr32) -> int:  # ISR: no allocation
                 climb = 1  # its one step is due
         else:
             climb = 0
-        state[_Z_RISE] = climb
-        state[_PLACE] = place
+        state[CIRCLE_Z_RISE] = climb
+        state[CIRCLE_Z_BETWEEN] = place
     # --- its path, and its time's share of it
-    used += state[_REST]
+    used += state[CIRCLE_REST]
     if used < 0:
         used = 0
-    state[_PATH] = used >> 7
-    state[_REST] = used & 127
-    state[_WORDS] = words
-    state[_RISE] = 2 * count
-    state[_FALL] = 2 * words
-    state[_DECISION] = 2 * count - words
+    state[CIRCLE_PATH] = used >> 7
+    state[CIRCLE_REST] = used & 127
+    state[CIRCLE_WORDS] = words
+    state[CIRCLE_RISE] = 2 * count
+    state[CIRCLE_FALL] = 2 * words
+    state[CIRCLE_DECISION] = 2 * count - words
     # --- directions. ccw: u points to +y −x −y +x, w to +x +y −x −y; w's steps turn round at u = 0; cw mirrors y
     odd = region & 1
-    part = state[_AXIS_B - odd]
-    state[_U_AXIS] = part
+    part = state[ARC_AXIS_B - odd]
+    state[CIRCLE_U_AXIS] = part
     along = 1 << part
-    part = state[odd]
-    state[_W_AXIS] = part
+    part = state[ARC_AXIS_A + odd]
+    state[CIRCLE_W_AXIS] = part
     other = 1 << part
     u_back = (region + 1) >> 1 & 1
     w_back = region >> 1
     if u >= 0:
         w_back ^= 1
-    if state[_MIRROR]:
+    if state[ARC_MIRROR]:
         if odd:
             w_back ^= 1
         else:
@@ -298,28 +266,28 @@ def run(state: ptr32) -> int:  # ISR: no allocation
     if w_back:
         negative |= other
     if rise:
-        part = 1 << state[_AXIS_Z]
+        part = 1 << state[ARC_AXIS_Z]
         moving |= part
         if rise < 0:
             negative |= part
-    state[_MOVING] = moving
-    state[_NEGATIVE] = negative
+    state[CIRCLE_MOVING] = moving
+    state[CIRCLE_NEGATIVE] = negative
     return words
 
 
 @micropython.viper
 def walk(out: ptr32, at: int, count: int, state: ptr32):  # ISR: no allocation
-    u = ((state[_U] + _HALF) & _ALL) - _HALF
-    w = state[_W]
-    error = ((state[_ERROR] + _HALF) & _ALL) - _HALF
-    decision = ((state[_DECISION] + _HALF) & _ALL) - _HALF
-    rise = state[_RISE]
-    fall = state[_FALL]
-    climb = state[_Z_RISE]
-    place = state[_PLACE]
-    along = 1 << state[_U_AXIS]
-    both = along | 1 << state[_W_AXIS]
-    third = 1 << (state[_AXIS_Z] & 3)
+    u = ((state[ARC_U] + _HALF) & _ALL) - _HALF
+    w = state[ARC_W]
+    error = ((state[CIRCLE_ERROR] + _HALF) & _ALL) - _HALF
+    decision = ((state[CIRCLE_DECISION] + _HALF) & _ALL) - _HALF
+    rise = state[CIRCLE_RISE]
+    fall = state[CIRCLE_FALL]
+    climb = state[CIRCLE_Z_RISE]
+    place = state[CIRCLE_Z_BETWEEN]
+    along = 1 << state[CIRCLE_U_AXIS]
+    both = along | 1 << state[CIRCLE_W_AXIS]
+    third = 1 << (state[ARC_AXIS_Z] & 3)
     made_u = 0 - u
     made_w = w
     made_z = 0
@@ -352,25 +320,25 @@ def walk(out: ptr32, at: int, count: int, state: ptr32):  # ISR: no allocation
                 made_z += 1
         out[at] = mask
         at += 1
-    state[_U] = u
-    state[_W] = w
-    state[_ERROR] = error
-    state[_DECISION] = decision
-    state[_PLACE] = place
+    state[ARC_U] = u
+    state[ARC_W] = w
+    state[CIRCLE_ERROR] = error
+    state[CIRCLE_DECISION] = decision
+    state[CIRCLE_Z_BETWEEN] = place
     made_u += u
     made_w = w - made_w if w > made_w else made_w - w
-    negative = state[_NEGATIVE]
+    negative = state[CIRCLE_NEGATIVE]
     if negative & along:
         made_u = 0 - made_u
     if negative & both & ~along:
         made_w = 0 - made_w
     if negative & third:
         made_z = 0 - made_z
-    made = _LINE + 5 + 2 * state[_LINE]
-    at = made + state[_U_AXIS]
+    made = CIRCLE_LINE + LINE_RISE + 2 * state[CIRCLE_LINE + LINE_AXES]
+    at = made + state[CIRCLE_U_AXIS]
     state[at] = state[at] + made_u
-    at = made + state[_W_AXIS]
+    at = made + state[CIRCLE_W_AXIS]
     state[at] = state[at] + made_w
     if made_z:
-        at = made + state[_AXIS_Z]
+        at = made + state[ARC_AXIS_Z]
         state[at] = state[at] + made_z

@@ -37,10 +37,10 @@ from passo.motion.profile import TICKS_PER_S
 from passo.motion.row_viper import close, take
 from passo.motion.steady import Steady
 from passo.records import (
-    BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED,
-    ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST, WORK_ALL, WORK_ASKED, WORK_FACTOR,
-    WORK_FEED, WORK_FIELDS, WORK_GIVEN, WORK_GIVEN_SHIFT, WORK_IS_ARC, WORK_PERCENT, WORK_SIZE, WORK_START, WORK_STRIDE,
-    WORK_THROUGH,
+    ARC_FIELDS, ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS,
+    QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS,
+    ROW_TICKS_REST, WORK_ALL, WORK_ASKED, WORK_FACTOR, WORK_FEED, WORK_FIELDS, WORK_GIVEN, WORK_GIVEN_SHIFT,
+    WORK_IS_ARC, WORK_PERCENT, WORK_SIZE, WORK_START, WORK_STRIDE, WORK_THROUGH,
 )  # fmt: skip
 
 LOOK_AHEAD = const(64)
@@ -89,8 +89,8 @@ class Planner:
         queued."""
         if limits is not None:
             ramp = self.ramp
-            if limits.jerk or ramp.smooth:
-                from passo.motion.smooth import limit
+            if limits.jerk or ramp.s_curve:
+                from passo.motion.s_curve import limit
 
                 limit(ramp, limits, self._stride, len(self.rows))
         self._limits = limits
@@ -274,12 +274,11 @@ class Planner:
             raise ValueError("the plane's axes differ in steps/mm")
         self.load_arcs()
         from passo.motion import arc, arc_speed
-        from passo.motion.arc_plan import STEPS
 
         turn = self._turn
         plan = self._plans[turn]
         path, swept = arc.plan(plan, plane, center, deltas, clockwise, turns, over_half)
-        if not plan[STEPS]:
+        if not plan[ARC_STEPS]:
             if queued:
                 self.line(deltas, ticks, tool, tag, False, speed_nm_s)
             else:
@@ -304,10 +303,9 @@ class Planner:
         """Have what arcs take, as long as that has not been done: first the code, which wants larger pieces of memory."""
         if not self._plans:
             from passo.motion import arc, arc_speed  # noqa: F401
-            from passo.motion.arc_plan import PLAN
 
             self._users = array("i", [-1] * ARCS)
-            self._plans = [array("i", bytearray(4 * PLAN)) for _ in range(ARCS)]
+            self._plans = [array("i", bytearray(4 * ARC_FIELDS)) for _ in range(ARCS)]
 
     def wait(self, ticks, tool, tag=0):
         """Queue `ticks` (1 … LONGEST_TICKS) without a step, the tool bit as given from their start."""

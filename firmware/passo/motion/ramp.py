@@ -16,7 +16,7 @@ linear: it gains at most `gain` a step. Each segment's end takes the largest q t
 The peak may be above both ends: so the steps in which a hold comes to its stand never take longer than from rest, however
 slow the machine is before them.
 
-What is accelerated, and every arc, is cut by ramp_viper.py; where jerk is limited smooth.py goes on from there. A step of
+What is accelerated, and every arc, is cut by ramp_viper.py; where jerk is limited s_curve.py goes on from there. A step of
 path is along a line one of its dominant axis, along an arc the length of one. The ramp takes a part of a board's memory
 that not every machine has to spare: Planner.load() makes it. All may run in an interrupt: no allocation, no integer of
 2³⁰.
@@ -41,7 +41,7 @@ class Ramp(Steady):
         Steady.__init__(self)
         self.state = array("i", [0] * RAMP_FIELDS)
         self.cut_short = cut  # cut_short(block.rows, block.at, state, walker.state, left, percent, hold)
-        self.smooth = None  # takes up a block where jerk is limited: smooth.load()
+        self.s_curve = None  # takes up a block where jerk is limited: s_curve_block.load()
 
     @micropython.native
     def begin(self, block):  # ISR: no allocation
@@ -54,7 +54,7 @@ class Ramp(Steady):
             Steady.begin(self, block)
             return
         self.short = True
-        smooth = gain and self.smooth
-        begin(rows, at, self.state, block.start, total, 1 if smooth else 0)
-        if smooth:
-            smooth(rows, at, self.state)
+        s_curve = gain and self.s_curve
+        begin(rows, at, self.state, block.start, total, 1 if s_curve else 0)
+        if s_curve:
+            s_curve(rows, at, self.state)

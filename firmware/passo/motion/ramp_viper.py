@@ -1,19 +1,21 @@
 """How the ramp takes up an accelerated line or arc and cuts it.
 
-    begin(rows, at, state, start, total, smooth)    # the block whose row begins at rows[at]
+    begin(rows, at, state, start, total, s_curve)    # the block whose row begins at rows[at]
     cut(rows, at, state, walker, left, percent, hold)   # state[RAMP_STEPS]: steps, state[RAMP_TICKS]: ticks, state[RAMP_PACE]: pace
 
-What it reckons, and why, stands in ramp.py; the numbers of `state` do in steady.py and ramp.py, those of
-`rows` in block.py, those of `walker`, which an arc's tells of its path, in circle.py and arc_plan.py. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see
-measure_viper.py for what that asks of integers. None reaches 2³⁰.
+What it computes, and why, stands in ramp.py, the fields of the arrays in records.py; `walker` is Line.state or Circle.state.
+One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; measure_viper.py says
+what that asks of integers. None reaches 2³⁰.
 """
 # ruff: noqa: F821
 
 import micropython
 
+from passo.motion.block import ARC
 from passo.records import (
-    RAMP_BEGIN, RAMP_CAP, RAMP_CARRY, RAMP_CHANGE, RAMP_HIGH, RAMP_LENGTH, RAMP_PACE, RAMP_PART, RAMP_PATH, RAMP_Q,
-    RAMP_SMOOTH, RAMP_START, RAMP_STEPS, RAMP_TICKS, RAMP_TOTAL, RAMP_TO_GO, RAMP_V, ROW_EXIT, ROW_GAIN, ROW_KIND, ROW_LIMIT,
+    ARC_PATH, ARC_PATH_FINE, ARC_STEPS, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, CIRCLE_PATH, CIRCLE_WORDS, RAMP_BEGIN,
+    RAMP_CAP, RAMP_CARRY, RAMP_CHANGE, RAMP_HIGH, RAMP_LENGTH, RAMP_PACE, RAMP_PART, RAMP_PATH, RAMP_Q, RAMP_START,
+    RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, RAMP_TOTAL, RAMP_TO_GO, RAMP_V, ROW_EXIT, ROW_GAIN, ROW_KIND, ROW_LIMIT,
     ROW_RATIO, ROW_RATIO_SHIFT, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, ROW_TIME, ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT,
     ROW_UNIT_SHIFT,
 )  # fmt: skip
@@ -25,13 +27,13 @@ except NameError:
 
 
 @micropython.viper
-def begin(rows: ptr32, at: int, state: ptr32, start: int, total: int, smooth: int):  # ISR: no allocation
+def begin(rows: ptr32, at: int, state: ptr32, start: int, total: int, s_curve: int):  # ISR: no allocation
     """The speed it begins with in its own units, and how long a segment should last: 1 ms, but of an arc 6, because what
-    every run of a tight one costs a board is up to half a millisecond, and `smooth`, with limited jerk, 3, because the
+    every run of a tight one costs a board is up to half a millisecond, and `s_curve`, with limited jerk, 3, because the
     pace is even in a segment, off the curve by acceleration · t² / 8. `start`: the q that takes no ramp."""
     state[RAMP_TOTAL] = total
-    state[RAMP_LENGTH] = 37500 if smooth else 75000 if rows[at + ROW_KIND] == 3 else 12500
-    state[RAMP_SMOOTH] = smooth
+    state[RAMP_LENGTH] = 37500 if s_curve else 75000 if rows[at + ROW_KIND] == ARC else 12500
+    state[RAMP_S_CURVE] = s_curve
     if rows[at + ROW_GAIN] == 0:
         state[RAMP_Q] = 0
         state[RAMP_V] = 0
@@ -68,7 +70,7 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
     """The next segment of a walker that has `left` ≥ 1 words to come to the line's end, or to that of the arc's run; see
     Ramp.cut()."""
     arc = 0
-    if rows[at + ROW_KIND] == 3:
+    if rows[at + ROW_KIND] == ARC:
         arc = 1
     top = rows[at + ROW_TOP]
     limit = rows[at + ROW_LIMIT]
@@ -125,8 +127,8 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
             most = far if far < 255 else 255
             steps = length // each
             if arc:
-                words = walker[21]
-                path = walker[22]
+                words = walker[CIRCLE_WORDS]
+                path = walker[CIRCLE_PATH]
                 steps <<= 13
                 value = path if path else 1
                 if steps >= value:
@@ -160,13 +162,13 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
                 value = path * (words - togo)
                 part = value // words
                 value = (value - part * words) << 4
-                part = (part << 4) + value // words + (walker[20] >> 3)
+                part = (part << 4) + value // words + (walker[ARC_PATH_FINE] >> 3)
                 value = togo
-                togo = ((walker[19] + 0x20000000) & 0x3FFFFFFF) - 0x20000000 - (part >> 17)
+                togo = ((walker[ARC_PATH] + 0x20000000) & 0x3FFFFFFF) - 0x20000000 - (part >> 17)
                 part = (0 - part) & 0x1FFFF
                 if part:
                     togo -= 1
-                if value == 0 and walker[11] == 0 and (walker[16] | walker[17] | walker[18]) == 0:
+                if value == 0 and walker[ARC_STEPS] == 0 and (walker[ARC_TAIL_A] | walker[ARC_TAIL_B] | walker[ARC_TAIL_Z]) == 0:
                     togo = 0  # the arc's end
                     part = 0
             # --- how fast at their end
@@ -175,7 +177,7 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
                 value = whole * gain + (gain >> 17) * fraction + (((gain & 0x1FFFF) >> 5) * fraction >> 12)
                 if value < change:
                     change = value
-            if state[RAMP_SMOOTH]:  # it is smooth.py that goes on
+            if state[RAMP_S_CURVE]:  # it is s_curve.py that goes on
                 state[RAMP_STEPS] = steps
                 state[RAMP_V] = speed
                 state[RAMP_PATH] = (whole << 17) + fraction

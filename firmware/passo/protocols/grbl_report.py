@@ -5,7 +5,10 @@ from array import array
 from micropython import const
 
 from passo.protocols.gcode_words import rounded
-from passo.protocols.grbl_text_viper import AXES, FARTHEST_MM, INCHES, MILLIMETRES, UNITS, places, tell
+from passo.protocols.grbl_text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
+from passo.records import (
+    REPORT_AXIS, REPORT_FIELDS, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_STEPS_PER_M, REPORT_UNIT,
+)  # fmt: skip
 
 VERSION = "1.1h"
 DATE = "20190830"  # of the grbl whose interface this is
@@ -133,23 +136,23 @@ class Status:
         if self._out is None:
             self._out = bytearray(_LONGEST)
             self._view = self._said = memoryview(self._out)
-            self._figures = array("i", [0] * (AXES + 3 * gcode.axes))
+            self._figures = array("i", [0] * (REPORT_AXIS + REPORT_FIELDS * gcode.axes))
         self._settings_of = settings.version
         self._offsets_of = gcode.offsets.version
         self._system = gcode.system
         self._mask = settings.value(_MASK)
         self._inches = settings.value(_INCHES)
         self._pins = self._power = None  # that `_pressed` and `_rpm` are of
-        self._figures[UNITS:AXES] = INCHES if self._inches else MILLIMETRES
+        self._figures[REPORT_UNIT:REPORT_AXIS] = INCHES if self._inches else MILLIMETRES
         offsets = [gcode.offsets.of(gcode.system, axis) for axis in range(gcode.axes)]
         self._offset = ("|WCO:%s\0" % place(offsets, self._inches)).encode()
-        at = AXES
+        at = REPORT_AXIS
         for axis in range(gcode.axes):
             offset = 0 if self._mask & 1 else offsets[axis]
-            self._figures[at] = self._machine.steps_per_m[axis]
-            self._figures[at + 1] = max(0, min(offset // 1_000_000 + FARTHEST_MM, 2 * FARTHEST_MM))
-            self._figures[at + 2] = offset % 1_000_000
-            at += 3
+            self._figures[at + REPORT_STEPS_PER_M] = self._machine.steps_per_m[axis]
+            self._figures[at + REPORT_OFFSET_MM] = max(0, min(offset // 1_000_000 + FARTHEST_MM, 2 * FARTHEST_MM))
+            self._figures[at + REPORT_OFFSET_NM] = offset % 1_000_000
+            at += REPORT_FIELDS
 
     # In small pieces, whose variables do not go on the heap (see app.py).
 

@@ -1,14 +1,12 @@
 """Numbers as text in a buffer that is used again and again: what a status report is made of, without garbage.
 
-    figures = array("i", [0] * (AXES + 3 * axes))
-    figures[UNITS:AXES] = MILLIMETRES
-    figures[AXES:AXES + 3] = …                      # of the first axis: steps a metre, offset: FARTHEST_MM + whole
-                                                    # millimetres, and nm above them
-    places(figures, steps, axes)                    # the numbers to be told: an array of steps as lengths, less the offsets
-    at = tell(out, 0, b"MPos:\\0", figures, axes)   # MPos:0.000,-1.250,…
+    fields = array("i", [0] * (REPORT_AXIS + REPORT_FIELDS * axes))
+    fields[REPORT_UNIT:REPORT_AXIS] = MILLIMETRES
+    fields[REPORT_AXIS + REPORT_STEPS_PER_M] = …     # of the first axis, and its offset
+    places(fields, steps, axes)                     # the numbers to be told: an array of steps as lengths, less the offsets
+    at = tell(out, 0, b"MPos:\\0", fields, axes)    # MPos:0.000,-1.250,…
 
-A number is three integers: whole, decimals, and what the first of these is worth (0 where there is none), plus 65 536 where
-it is negative. Places are told to 100 km, offsets too.
+The fields are REPORT_… and NUMBER_… of records.py. Positions are told to 100 km, offsets too.
 One text for all interpreters, as motion/measure_viper.py, whose rules for integers are kept: a board compiles it to machine
 code.
 """
@@ -19,22 +17,24 @@ from array import array
 import micropython
 from micropython import const
 
+from passo.records import (
+    NUMBER_DECIMALS, NUMBER_FIELDS, NUMBER_FIRST, NUMBER_NEGATIVE, NUMBER_WHOLE, REPORT_AXIS, REPORT_DECIMAL,
+    REPORT_FIELDS, REPORT_FIRST, REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_STEPS_PER_M, REPORT_UNIT,
+)  # fmt: skip
+
 try:
     ptr32, ptr8
 except NameError:
     ptr32 = ptr8 = None  # names that only viper's compiler knows
 
-# The figures: room for three numbers, the unit of places, then three integers an axis.
-UNITS = const(9)
-AXES = const(12)
 FARTHEST_MM = const(100_000_000)
-# Tenths of a millimetre a unit, nanometres a unit of the last decimal, the first decimal.
+# REPORT_UNIT, REPORT_DECIMAL, REPORT_FIRST.
 MILLIMETRES = array("i", (10, 1000, 100))
 INCHES = array("i", (254, 2540, 1000))
 
 
 @micropython.viper
-def tell(out: ptr8, at: int, label: ptr8, figures: ptr32, count: int) -> int:
+def tell(out: ptr8, at: int, label: ptr8, fields: ptr32, count: int) -> int:
     """Write `label`, which a zero byte ends, and the first `count` numbers with commas in between at out[at]. Returns where
     that ends."""
     place = 0
@@ -42,17 +42,17 @@ def tell(out: ptr8, at: int, label: ptr8, figures: ptr32, count: int) -> int:
         out[at] = label[place]
         at += 1
         place += 1
-    number = 0
+    number = REPORT_NUMBER
     while count:
-        if number:
+        if number > REPORT_NUMBER:
             out[at] = 44
             at += 1
-        value = figures[number]
-        decimal = figures[number + 2]
-        if decimal >> 16:
+        value = fields[number + NUMBER_WHOLE]
+        decimal = fields[number + NUMBER_FIRST]
+        if decimal >= NUMBER_NEGATIVE:
             out[at] = 45
             at += 1
-            decimal &= 0xFFFF
+            decimal -= NUMBER_NEGATIVE
         unit = 1
         while value // unit > 9:
             unit *= 10
@@ -64,28 +64,28 @@ def tell(out: ptr8, at: int, label: ptr8, figures: ptr32, count: int) -> int:
             if unit == 0 and decimal:
                 out[at] = 46
                 at += 1
-                value = figures[number + 1]
+                value = fields[number + NUMBER_DECIMALS]
                 unit = decimal
                 decimal = 0
-        number += 3
+        number += NUMBER_FIELDS
         count -= 1
     return at
 
 
 @micropython.viper
-def places(figures: ptr32, steps: ptr32, axes: int):
-    """Where the axes are, less the offsets, as numbers in the figures' unit: of whole nanometres, which are rounded as
+def places(fields: ptr32, steps: ptr32, axes: int):
+    """Where the axes are, less the offsets, as numbers in the report's unit: of whole nanometres, which are rounded as
     they are, halves away from zero."""
     axis = 0
-    number = 0
-    at = 12
+    number = REPORT_NUMBER
+    at = REPORT_AXIS
     while axis < axes:
         left = steps[axis]
         sign = 1
         if left >> 30 & 1:
             left = (0 - left) & 0x3FFFFFFF
             sign = -1
-        per_m = figures[at]
+        per_m = fields[at + REPORT_STEPS_PER_M]
         mm = left // per_m
         if mm > 100_000:
             mm = 100_000
@@ -97,8 +97,8 @@ def places(figures: ptr32, steps: ptr32, axes: int):
             digits -= 1
         if left % per_m + (per_m >> 1) >= per_m:
             nm += 1
-        mm = (1000 * mm + nm // 1_000_000) * sign + 100_000_000 - figures[at + 1]
-        nm = nm % 1_000_000 * sign - figures[at + 2]
+        mm = (1000 * mm + nm // 1_000_000) * sign + FARTHEST_MM - fields[at + REPORT_OFFSET_MM]
+        nm = nm % 1_000_000 * sign - fields[at + REPORT_OFFSET_NM]
         sign = 1
         while mm < 0 or nm < 0:
             if nm < 0:
@@ -109,20 +109,20 @@ def places(figures: ptr32, steps: ptr32, axes: int):
                 nm = 0 - nm
                 sign = 0 - sign
         mm *= 10
-        unit = figures[9]
+        unit = fields[REPORT_UNIT]
         nm += mm % unit * 100_000
         mm //= unit
-        unit = figures[10]
+        unit = fields[REPORT_DECIMAL]
         nm = (nm + (unit >> 1)) // unit
-        unit = figures[11]
+        unit = fields[REPORT_FIRST]
         if nm >= 10 * unit:
             nm -= 10 * unit
             mm += 1
         if sign < 0 and mm + nm:
-            unit |= 0x10000
-        figures[number] = mm
-        figures[number + 1] = nm
-        figures[number + 2] = unit
-        number += 3
-        at += 3
+            unit |= NUMBER_NEGATIVE
+        fields[number + NUMBER_WHOLE] = mm
+        fields[number + NUMBER_DECIMALS] = nm
+        fields[number + NUMBER_FIRST] = unit
+        number += NUMBER_FIELDS
+        at += REPORT_FIELDS
         axis += 1

@@ -3,14 +3,16 @@
 
 import micropython
 
+from passo.records import PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK
+
 
 @micropython.viper
 def pace(words: ptr32, at: int, count: int, terms: ptr32):
-    short = terms[0]
-    tick = terms[1]
-    rest = terms[2]
-    over = terms[3]
-    carry = terms[4]
+    short = terms[PACE_SHORT]
+    tick = terms[PACE_TICK]
+    rest = terms[PACE_REST]
+    over = terms[PACE_OVER]
+    carry = terms[PACE_CARRY]
     end = at + count
     while at < end:
         carry += rest
@@ -20,7 +22,7 @@ def pace(words: ptr32, at: int, count: int, terms: ptr32):
             word += tick
         words[at] = word
         at += 1
-    terms[4] = carry
+    terms[PACE_CARRY] = carry
 
 
 @micropython.viper

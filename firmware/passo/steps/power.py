@@ -11,9 +11,8 @@ from array import array
 
 from micropython import const
 
-from passo.records import POWER_HEAD, POWER_MARKS, POWER_TAIL
+from passo.records import POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_SIZE, POWER_TAIL, POWER_WORD
 
-_SIZE = const(128)
 _COUNT = const(0x1FFFFFFF)
 _HALF = const(0x10000000)
 FULL = const(1000)
@@ -26,21 +25,23 @@ class Power:
         self._dark = False  # that is none, whatever the value, until the next mark
         self._percent = 100
         self._least = 0
-        self.marks = array("i", [0] * (POWER_MARKS + 2 * _SIZE))
+        self.marks = array("i", [0] * (POWER_MARKS + POWER_FIELDS * POWER_SIZE))
 
     def put(self, word, value):  # ISR: no allocation
         """From the word number `word` on the power is `value`."""
         marks = self.marks
-        at = POWER_MARKS + 2 * (marks[POWER_HEAD] % _SIZE)
-        marks[at] = word
-        marks[at + 1] = value
+        at = POWER_MARKS + POWER_FIELDS * (marks[POWER_HEAD] % POWER_SIZE)
+        marks[at + POWER_WORD] = word
+        marks[at + POWER_LEVEL] = value
         marks[POWER_HEAD] = (marks[POWER_HEAD] + 1) & _COUNT
 
     def next(self):
         """The word of the next mark to be played, or -1."""
         marks = self.marks
         tail = marks[POWER_TAIL]
-        return marks[POWER_MARKS + 2 * (tail % _SIZE)] if tail != marks[POWER_HEAD] else -1
+        if tail == marks[POWER_HEAD]:
+            return -1
+        return marks[POWER_MARKS + POWER_FIELDS * (tail % POWER_SIZE) + POWER_WORD]
 
     def play(self, played):  # ISR: no allocation
         """`played` words have begun: take up the marks among them."""
@@ -50,10 +51,10 @@ class Power:
             return
         value = self.value
         while tail != marks[POWER_HEAD]:
-            at = POWER_MARKS + 2 * (tail % _SIZE)
-            if (played - 1 - marks[at]) & _COUNT >= _HALF:
+            at = POWER_MARKS + POWER_FIELDS * (tail % POWER_SIZE)
+            if (played - 1 - marks[at + POWER_WORD]) & _COUNT >= _HALF:
                 break
-            value = marks[at + 1]
+            value = marks[at + POWER_LEVEL]
             tail = (tail + 1) & _COUNT
         marks[POWER_TAIL] = tail
         self.set(value)

@@ -22,11 +22,13 @@ from passo.motion import line
 from passo.motion.ramp_viper import begin as take_up
 from passo.motion.row_viper import take
 from passo.records import (
-    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_HEAD, FEED_HOLD, FEED_INDEX, FEED_LEAD, FEED_LEFT, FEED_LEVELS, FEED_LIMIT,
-    FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW, FEED_SETUP, FEED_TICKS, FEED_TOOL,
-    FEED_WAIT, LINE_MOVING, LINE_NEGATIVE, LINE_RISE, MARK_ENDS, MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS,
-    MARK_WORD, PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, POWER_HEAD, POWER_MARKS, QUEUE_RETIRED, RAMP_PACE, RAMP_Q, RAMP_SMOOTH,
-    RAMP_STEPS, RAMP_TICKS, ROW_DYNAMIC, ROW_FIRST, ROW_POWER, ROW_RAPID, ROW_STEPS, ROW_TOOL, ROW_TOP, WORK_PERCENT, WORK_START,
+    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_HEAD, FEED_HOLD, FEED_INDEX, FEED_LEAD, FEED_LEFT,
+    FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER,
+    FEED_ROW, FEED_SETUP, FEED_TICKS, FEED_TOOL, FEED_WAIT, LINE_MOVING, LINE_NEGATIVE, LINE_RISE, MARK_ENDS,
+    MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS, MARK_WORD, PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT,
+    PACE_TICK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_SIZE, POWER_WORD, QUEUE_RETIRED, RAMP_PACE,
+    RAMP_Q, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, ROW_DYNAMIC, ROW_FIRST, ROW_POWER, ROW_RAPID, ROW_STEPS, ROW_TOOL,
+    ROW_TOP, WORK_PERCENT, WORK_START,
 )  # fmt: skip
 from passo.steps import pace
 
@@ -86,7 +88,7 @@ def make(
         if left == 0:
             # --- the next line
             result = ENDED
-            if hold or work[WORK_START] or ramp[RAMP_SMOOTH]:
+            if hold or work[WORK_START] or ramp[RAMP_S_CURVE]:
                 break
             each = int(take(rows, work, counts, 1 if ramp[RAMP_Q] else 0, 1))
             if each >> 30 & 1:
@@ -122,9 +124,9 @@ def make(
                 level = level * speed // rows[row + ROW_TOP]
             if level != state[FEED_POWER]:
                 state[FEED_POWER] = level
-                mark = POWER_MARKS + 2 * (power[POWER_HEAD] & 127)
-                power[mark] = head
-                power[mark + 1] = level
+                mark = POWER_MARKS + POWER_FIELDS * (power[POWER_HEAD] & POWER_SIZE - 1)
+                power[mark + POWER_WORD] = head
+                power[mark + POWER_LEVEL] = level
                 power[POWER_HEAD] = (power[POWER_HEAD] + 1) & 0x1FFFFFFF
         # --- directions, and the terms of its words
         moving = path[LINE_MOVING]

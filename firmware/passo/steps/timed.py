@@ -28,7 +28,13 @@ import micropython
 from micropython import const
 
 from passo.motion.line import MAX_RUN
-from passo.records import FEED_BITS, FEED_HEAD, FEED_LEVELS
+from passo.records import (
+    AXIS_AIM, AXIS_ASKED, AXIS_CARRY, AXIS_DUE, AXIS_EACH, AXIS_ENDLESS, AXIS_FIELDS, AXIS_GAIN, AXIS_NEAR,
+    AXIS_NEGATIVE, AXIS_NEW, AXIS_NEW_AIM, AXIS_NEW_BASE, AXIS_NEW_EACH, AXIS_NEW_ENDLESS, AXIS_NEW_NEGATIVE,
+    AXIS_NEW_OVER, AXIS_NEW_REST, AXIS_OVER, AXIS_Q, AXIS_REST, AXIS_SPAN, AXIS_TAKEN, AXIS_TO_GO, FEED_BITS,
+    FEED_HEAD, FEED_LEVELS, INDEPENDENT_AXES, INDEPENDENT_AXIS, INDEPENDENT_HOLD, INDEPENDENT_LEAST,
+    INDEPENDENT_LEVELS, INDEPENDENT_SETUP, INDEPENDENT_TICKS,
+)  # fmt: skip
 from passo.steps.word import HOLD_TICKS, TICKS_PER_S
 
 ENDLESS = const(-1)
@@ -38,41 +44,6 @@ _FAR = const(0x1FFFFFFF)
 _TOP = const(16_000)  # so that q, and the sum of two, stay below 2³⁰
 _SEGMENT_TICKS = const(12_500)
 
-# One array, for the sake of a twin in machine code: these, then _FIELDS numbers an axis.
-_AXES = const(0)
-_LEAST = const(1)
-_SETUP = const(2)  # ticks from a change of direction to the axis's next step, sharing allowed for
-_LEVELS = const(3)  # directions and tool, step form
-_TICKS = const(4)  # length of what walk() wrote
-_HOLD = const(5)  # come to a stand, and keep what is to come
-_HEAD = const(6)
-
-# In the feeder's array, as checkpoints_plain.py has them.
-
-_TOGO = const(0)  # steps to come; endless: at least 1
-_ENDLESS = const(1)
-_TAKEN = const(2)  # how far `asked` has been taken up
-_DUE = const(3)  # ticks to the next step
-_EACH = const(4)  # an interval is each + rest / over
-_REST = const(5)
-_OVER = const(6)
-_CARRY = const(7)
-_NEGATIVE = const(8)
-_Q = const(9)
-_AIM = const(10)  # q of the rate asked for
-_GAIN = const(11)  # 0: constant rate
-_SPAN = const(12)
-_NEAR = const(13)  # steps from which on gain · steps may be below any q
-_ASKED = const(14)
-_NEW = const(15)  # 1: there is a request
-_NEW_EACH = const(16)
-_NEW_REST = const(17)
-_NEW_OVER = const(18)
-_NEW_NEGATIVE = const(19)
-_NEW_ENDLESS = const(20)
-_NEW_AIM = const(21)
-_NEW_BASE = const(22)  # what was asked for up to here is dropped; −1: nothing is
-_FIELDS = const(23)
 
 
 @micropython.native
@@ -92,48 +63,48 @@ def root(q, near):  # ISR: no allocation
 @micropython.native
 def take(state, at):  # ISR: no allocation
     """Take up what has been asked of the axis whose numbers begin at state[at]."""
-    q = state[at + _Q]
-    gain = state[at + _GAIN]
-    if state[at + _NEW]:
-        if q and state[at + _NEW_NEGATIVE] != state[at + _NEGATIVE]:
+    q = state[at + AXIS_Q]
+    gain = state[at + AXIS_GAIN]
+    if state[at + AXIS_NEW]:
+        if q and state[at + AXIS_NEW_NEGATIVE] != state[at + AXIS_NEGATIVE]:
             togo = (q + gain - 1) // gain + 1  # come to a stand first: q is the speed at the next step
-            if state[at + _ENDLESS] or state[at + _TOGO] > togo:
-                state[at + _TOGO] = togo
-            state[at + _ENDLESS] = 0
+            if state[at + AXIS_ENDLESS] or state[at + AXIS_TO_GO] > togo:
+                state[at + AXIS_TO_GO] = togo
+            state[at + AXIS_ENDLESS] = 0
             return
-        each = state[at + _NEW_EACH]
-        state[at + _EACH] = each
-        state[at + _REST] = state[at + _NEW_REST]
-        state[at + _OVER] = state[at + _NEW_OVER]
-        if state[at + _CARRY] >= state[at + _OVER]:
-            state[at + _CARRY] = 0
-        if state[at + _DUE] > each and not gain:
-            state[at + _DUE] = each
-        state[at + _NEGATIVE] = state[at + _NEW_NEGATIVE]
-        state[at + _ENDLESS] = state[at + _NEW_ENDLESS]
-        state[at + _AIM] = state[at + _NEW_AIM]
-        base = state[at + _NEW_BASE]
+        each = state[at + AXIS_NEW_EACH]
+        state[at + AXIS_EACH] = each
+        state[at + AXIS_REST] = state[at + AXIS_NEW_REST]
+        state[at + AXIS_OVER] = state[at + AXIS_NEW_OVER]
+        if state[at + AXIS_CARRY] >= state[at + AXIS_OVER]:
+            state[at + AXIS_CARRY] = 0
+        if state[at + AXIS_DUE] > each and not gain:
+            state[at + AXIS_DUE] = each
+        state[at + AXIS_NEGATIVE] = state[at + AXIS_NEW_NEGATIVE]
+        state[at + AXIS_ENDLESS] = state[at + AXIS_NEW_ENDLESS]
+        state[at + AXIS_AIM] = state[at + AXIS_NEW_AIM]
+        base = state[at + AXIS_NEW_BASE]
         if base >= 0:
-            state[at + _TAKEN] = base
-            state[at + _TOGO] = (q + gain - 1) // gain + 1 if q else 0
-            state[at + _NEW_BASE] = -1
-        state[at + _NEW] = 0
-    asked = state[at + _ASKED]
-    more = (asked - state[at + _TAKEN]) & _COUNT
+            state[at + AXIS_TAKEN] = base
+            state[at + AXIS_TO_GO] = (q + gain - 1) // gain + 1 if q else 0
+            state[at + AXIS_NEW_BASE] = -1
+        state[at + AXIS_NEW] = 0
+    asked = state[at + AXIS_ASKED]
+    more = (asked - state[at + AXIS_TAKEN]) & _COUNT
     if more:
-        state[at + _TAKEN] = asked
-        state[at + _TOGO] += more
-    if state[at + _ENDLESS]:
-        state[at + _TOGO] = MOST_STEPS
+        state[at + AXIS_TAKEN] = asked
+        state[at + AXIS_TO_GO] += more
+    if state[at + AXIS_ENDLESS]:
+        state[at + AXIS_TO_GO] = MOST_STEPS
 
 
 @micropython.native
 def interval(state, at, togo):  # ISR: no allocation
     """Ticks from the step just made to the next one, `togo` being left."""
-    gain = state[at + _GAIN]
+    gain = state[at + AXIS_GAIN]
     if gain:
-        q = state[at + _Q]
-        aim = 0 if state[_HOLD] else state[at + _AIM]
+        q = state[at + AXIS_Q]
+        aim = 0 if state[INDEPENDENT_HOLD] else state[at + AXIS_AIM]
         after = q
         if q < aim:
             after = aim if aim - q < gain else q + gain
@@ -141,27 +112,27 @@ def interval(state, at, togo):  # ISR: no allocation
             after = aim if q - aim < gain else q - gain
         if not togo:
             after = 0
-        elif togo <= state[at + _NEAR] and gain * (togo - 1) < after:
+        elif togo <= state[at + AXIS_NEAR] and gain * (togo - 1) < after:
             after = gain * (togo - 1)
-        state[at + _Q] = after
+        state[at + AXIS_Q] = after
         if q != after or q != aim:
             middle = (q + after) >> 1
             if middle < (gain + 1) >> 1:
                 middle = (gain + 1) >> 1
-            span = state[at + _SPAN]
+            span = state[at + AXIS_SPAN]
             if middle < 0x100000:
                 speed = root(middle << 8, 0x2000)
                 ticks = (span // speed << 4) + (span % speed << 4) // speed
             else:
                 speed = root(middle, 0x2000)
                 ticks = span // speed
-            return state[at + _EACH] if ticks < state[at + _EACH] and q <= aim else ticks
-    carry = state[at + _CARRY] + state[at + _REST]
-    ticks = state[at + _EACH]
-    if carry >= state[at + _OVER]:
-        carry -= state[at + _OVER]
+            return state[at + AXIS_EACH] if ticks < state[at + AXIS_EACH] and q <= aim else ticks
+    carry = state[at + AXIS_CARRY] + state[at + AXIS_REST]
+    ticks = state[at + AXIS_EACH]
+    if carry >= state[at + AXIS_OVER]:
+        carry -= state[at + AXIS_OVER]
         ticks += 1
-    state[at + _CARRY] = carry
+    state[at + AXIS_CARRY] = carry
     return ticks
 
 
@@ -169,35 +140,35 @@ def walk_plain(words, at, room, bits, state, made):  # ISR: no allocation
     """Write at most `room` words, about a millisecond, to words[at:]; add each axis's signed steps to `made`.
 
     Returns how many: 0 where nothing moves and no interval runs."""
-    axes = state[_AXES]
-    least = state[_LEAST]
+    axes = state[INDEPENDENT_AXES]
+    least = state[INDEPENDENT_LEAST]
     count = ticks = 0
     while count < room and ticks < _SEGMENT_TICKS:
         mask = last = 0
         soonest = _FAR
         for axis in range(axes):
-            a = _HEAD + axis * _FIELDS
-            if state[a + _NEW] or state[a + _ASKED] != state[a + _TAKEN]:
+            a = INDEPENDENT_AXIS + axis * AXIS_FIELDS
+            if state[a + AXIS_NEW] or state[a + AXIS_ASKED] != state[a + AXIS_TAKEN]:
                 take(state, a)
-            due = state[a + _DUE]
-            togo = state[a + _TOGO]
-            if not togo or state[_HOLD] and not state[a + _Q]:
+            due = state[a + AXIS_DUE]
+            togo = state[a + AXIS_TO_GO]
+            if not togo or state[INDEPENDENT_HOLD] and not state[a + AXIS_Q]:
                 if due > last:
                     last = due
                 continue
-            negative = state[a + _NEGATIVE]
-            if (state[_LEVELS] >> (axes + axis) & 1) == negative:
-                state[_LEVELS] ^= 1 << axes + axis
-                if due < state[_SETUP]:
-                    due = state[_SETUP]
+            negative = state[a + AXIS_NEGATIVE]
+            if (state[INDEPENDENT_LEVELS] >> (axes + axis) & 1) == negative:
+                state[INDEPENDENT_LEVELS] ^= 1 << axes + axis
+                if due < state[INDEPENDENT_SETUP]:
+                    due = state[INDEPENDENT_SETUP]
             if due <= least:
                 mask |= 1 << axis
                 made[axis] += -1 if negative else 1
-                if not state[a + _ENDLESS]:
+                if not state[a + AXIS_ENDLESS]:
                     togo -= 1
-                    state[a + _TOGO] = togo
+                    state[a + AXIS_TO_GO] = togo
                 due += interval(state, a, togo)
-            state[a + _DUE] = due
+            state[a + AXIS_DUE] = due
             if not togo:
                 if due > last:
                     last = due
@@ -210,13 +181,13 @@ def walk_plain(words, at, room, bits, state, made):  # ISR: no allocation
             if not gap:
                 break
             gap = least
-        words[at + count] = gap << bits | state[_LEVELS] | mask
+        words[at + count] = gap << bits | state[INDEPENDENT_LEVELS] | mask
         count += 1
         ticks += gap
         for axis in range(axes):
-            a = _HEAD + axis * _FIELDS + _DUE
+            a = INDEPENDENT_AXIS + axis * AXIS_FIELDS + AXIS_DUE
             state[a] = state[a] - gap if state[a] > gap else 0
-    state[_TICKS] = ticks
+    state[INDEPENDENT_TICKS] = ticks
     return count
 
 
@@ -235,31 +206,31 @@ class Timed:
         self.running = False  # a block plays this walker, or is going to
         self.made = array("i", [0] * axes)  # signed steps since the feeder last cleared them
         self.ticks = self.levels = 0  # of what walk() wrote: its length, and the directions and tool at its end
-        self._state = array("i", [axes, least, setup + least if setup else 0, 0, 0, 0] + [0] * (_FIELDS * axes))
+        self._state = array("i", [axes, least, setup + least if setup else 0, 0, 0, 0] + [0] * (AXIS_FIELDS * axes))
         for axis in range(axes):
-            self._put(axis, _OVER, 1)
-            self._put(axis, _NEW_EACH, 2 * least)
-            self._put(axis, _NEW_OVER, 1)
-            self._put(axis, _NEW_BASE, -1)
+            self._put(axis, AXIS_OVER, 1)
+            self._put(axis, AXIS_NEW_EACH, 2 * least)
+            self._put(axis, AXIS_NEW_OVER, 1)
+            self._put(axis, AXIS_NEW_BASE, -1)
 
     def _put(self, axis, field, value):
-        self._state[_HEAD + axis * _FIELDS + field] = value
+        self._state[INDEPENDENT_AXIS + axis * AXIS_FIELDS + field] = value
 
     def _get(self, axis, field):
-        return self._state[_HEAD + axis * _FIELDS + field]
+        return self._state[INDEPENDENT_AXIS + axis * AXIS_FIELDS + field]
 
     # --- asking: main loop only
 
     def limits(self, axis, fastest, acceleration):
         """From now on the axis takes at most `fastest` steps/s and `acceleration` steps/s² (0: any). Only at a stand."""
         if not acceleration:
-            self._put(axis, _GAIN, 0)
+            self._put(axis, AXIS_GAIN, 0)
             return
         top = max(min(_TOP, _FAR * fastest // TICKS_PER_S), 1)
         gain = max(min(2 * acceleration * top * top // (fastest * fastest), _FAR), 1)
-        self._put(axis, _SPAN, top * TICKS_PER_S // fastest)
-        self._put(axis, _NEAR, _FAR // gain)
-        self._put(axis, _GAIN, gain)
+        self._put(axis, AXIS_SPAN, top * TICKS_PER_S // fastest)
+        self._put(axis, AXIS_NEAR, _FAR // gain)
+        self._put(axis, AXIS_GAIN, gain)
 
     @micropython.native
     def set(self, axis, steps, each, rest=0, over=1, negative=False, add=False):
@@ -277,63 +248,63 @@ class Timed:
         if not 0 <= rest < over <= _FAR // 2:
             raise ValueError("rest %d/%d is not below one tick" % (rest, over))
         state = self._state
-        at = _HEAD + axis * _FIELDS
-        state[at + _NEW] = 0  # from here on the interrupt leaves the request alone
+        at = INDEPENDENT_AXIS + axis * AXIS_FIELDS
+        state[at + AXIS_NEW] = 0  # from here on the interrupt leaves the request alone
         if not add:
-            state[at + _NEW_BASE] = state[at + _ASKED]
-        state[at + _NEW_EACH] = each
-        state[at + _NEW_REST] = rest
-        state[at + _NEW_OVER] = over
-        if state[at + _GAIN]:
-            speed = max(min(state[at + _SPAN] * over // (each * over + rest), _TOP), 1)
-            state[at + _NEW_AIM] = speed * speed
-        state[at + _NEW_NEGATIVE] = 1 if negative else 0
+            state[at + AXIS_NEW_BASE] = state[at + AXIS_ASKED]
+        state[at + AXIS_NEW_EACH] = each
+        state[at + AXIS_NEW_REST] = rest
+        state[at + AXIS_NEW_OVER] = over
+        if state[at + AXIS_GAIN]:
+            speed = max(min(state[at + AXIS_SPAN] * over // (each * over + rest), _TOP), 1)
+            state[at + AXIS_NEW_AIM] = speed * speed
+        state[at + AXIS_NEW_NEGATIVE] = 1 if negative else 0
         if steps or not add:
-            state[at + _NEW_ENDLESS] = 1 if steps == ENDLESS else 0
-        state[at + _NEW] = 1
+            state[at + AXIS_NEW_ENDLESS] = 1 if steps == ENDLESS else 0
+        state[at + AXIS_NEW] = 1
         if steps > 0:
-            state[at + _ASKED] = (state[at + _ASKED] + steps) & _COUNT
+            state[at + AXIS_ASKED] = (state[at + AXIS_ASKED] + steps) & _COUNT
 
     def rate(self, axis, each, rest=0, over=1):
         """Another rate from the axis's next step on; how far it goes stays."""
-        self.set(axis, 0, each, rest, over, self._get(axis, _NEW_NEGATIVE), add=True)
+        self.set(axis, 0, each, rest, over, self._get(axis, AXIS_NEW_NEGATIVE), add=True)
 
     def stop(self, axis):
         """No step more than it takes to slow down."""
-        self._put(axis, _NEW, 0)
-        self._put(axis, _NEW_BASE, self._get(axis, _ASKED))
-        self._put(axis, _NEW_ENDLESS, 0)
-        self._put(axis, _NEW, 1)
+        self._put(axis, AXIS_NEW, 0)
+        self._put(axis, AXIS_NEW_BASE, self._get(axis, AXIS_ASKED))
+        self._put(axis, AXIS_NEW_ENDLESS, 0)
+        self._put(axis, AXIS_NEW, 1)
 
     def clear(self):
         """Forget everything. Only while the feeder is stopped."""
         self.running = False
         for axis in range(self.axes):
-            self._put(axis, _TAKEN, self._get(axis, _ASKED))
-            self._put(axis, _NEW_BASE, -1)
-            for field in (_NEW, _NEW_ENDLESS, _ENDLESS, _TOGO, _DUE, _Q):
+            self._put(axis, AXIS_TAKEN, self._get(axis, AXIS_ASKED))
+            self._put(axis, AXIS_NEW_BASE, -1)
+            for field in (AXIS_NEW, AXIS_NEW_ENDLESS, AXIS_ENDLESS, AXIS_TO_GO, AXIS_DUE, AXIS_Q):
                 self._put(axis, field, 0)
 
     @micropython.native
     def togo(self, axis):
         """Steps still to come of an axis; ENDLESS: no end."""
-        if self._get(axis, _NEW_ENDLESS):
+        if self._get(axis, AXIS_NEW_ENDLESS):
             return ENDLESS
-        base = self._get(axis, _NEW_BASE)
+        base = self._get(axis, AXIS_NEW_BASE)
         if base >= 0:
-            return (self._get(axis, _ASKED) - base) & _COUNT
-        if self._get(axis, _ENDLESS):
+            return (self._get(axis, AXIS_ASKED) - base) & _COUNT
+        if self._get(axis, AXIS_ENDLESS):
             return 0
-        return self._get(axis, _TOGO) + ((self._get(axis, _ASKED) - self._get(axis, _TAKEN)) & _COUNT)
+        return self._get(axis, AXIS_TO_GO) + ((self._get(axis, AXIS_ASKED) - self._get(axis, AXIS_TAKEN)) & _COUNT)
 
     def negative(self, axis):
         """True where the axis was last asked to count down."""
-        return bool(self._get(axis, _NEW_NEGATIVE))
+        return bool(self._get(axis, AXIS_NEW_NEGATIVE))
 
     def stands(self, axis):
         """True if no step of the axis is to come, nor has been asked for."""
-        togo, asked = self._get(axis, _TOGO), self._get(axis, _ASKED)
-        return not togo and not self._get(axis, _NEW) and asked == self._get(axis, _TAKEN)
+        togo, asked = self._get(axis, AXIS_TO_GO), self._get(axis, AXIS_ASKED)
+        return not togo and not self._get(axis, AXIS_NEW) and asked == self._get(axis, AXIS_TAKEN)
 
     # --- the feeder's side
 
@@ -341,8 +312,8 @@ class Timed:
         """True while an axis has steps to come, or its last step's interval still runs."""
         state = self._state
         for axis in range(self.axes):
-            at = _HEAD + axis * _FIELDS
-            if state[at + _TOGO] or state[at + _DUE] or state[at + _NEW] or state[at + _ASKED] != state[at + _TAKEN]:
+            at = INDEPENDENT_AXIS + axis * AXIS_FIELDS
+            if state[at + AXIS_TO_GO] or state[at + AXIS_DUE] or state[at + AXIS_NEW] or state[at + AXIS_ASKED] != state[at + AXIS_TAKEN]:
                 return True
         return False
 
@@ -356,7 +327,7 @@ class Timed:
     def rolling(self):  # ISR: no allocation
         """True while an axis would have to slow down before it can stand."""
         for axis in range(self.axes):
-            if self._state[_HEAD + axis * _FIELDS + _Q]:
+            if self._state[INDEPENDENT_AXIS + axis * AXIS_FIELDS + AXIS_Q]:
                 return True
         return False
 
@@ -379,9 +350,9 @@ class Timed:
     def walk(self, words, at, room, levels, bits, hold=False):  # ISR: no allocation
         """Write at most `room` words, about a millisecond, to words[at:]. Returns how many; see walk_plain()."""
         state = self._state
-        state[_LEVELS] = levels
-        state[_HOLD] = 1 if hold else 0
+        state[INDEPENDENT_LEVELS] = levels
+        state[INDEPENDENT_HOLD] = 1 if hold else 0
         count = walk(words, at, room, bits, state, self.made)
-        self.levels = state[_LEVELS]
-        self.ticks = state[_TICKS]
+        self.levels = state[INDEPENDENT_LEVELS]
+        self.ticks = state[INDEPENDENT_TICKS]
         return count

@@ -6,14 +6,20 @@ Requests and ramps, which are rare beside plain steps, are left to the functions
 
 import micropython
 
+from passo.records import (
+    AXIS_ASKED, AXIS_CARRY, AXIS_DUE, AXIS_EACH, AXIS_ENDLESS, AXIS_FIELDS, AXIS_GAIN, AXIS_NEGATIVE, AXIS_NEW,
+    AXIS_OVER, AXIS_Q, AXIS_REST, AXIS_TAKEN, AXIS_TO_GO, INDEPENDENT_AXES, INDEPENDENT_AXIS, INDEPENDENT_HOLD,
+    INDEPENDENT_LEAST, INDEPENDENT_LEVELS, INDEPENDENT_SETUP, INDEPENDENT_TICKS,
+)  # fmt: skip
+
 from passo.steps.timed import interval, take
 
 
 @micropython.viper
 def walk(words: ptr32, at: int, room: int, bits: int, numbers, made: ptr32) -> int:
     state = ptr32(numbers)
-    axes = state[0]
-    least = state[1]
+    axes = state[INDEPENDENT_AXES]
+    least = state[INDEPENDENT_LEAST]
     count = 0
     ticks = 0
     while count < room and ticks < 12500:
@@ -21,47 +27,47 @@ def walk(words: ptr32, at: int, room: int, bits: int, numbers, made: ptr32) -> i
         last = 0
         soonest = 0x1FFFFFFF
         axis = 0
-        a = 6
+        a = INDEPENDENT_AXIS
         while axis < axes:
-            if state[a + 15] or state[a + 14] != state[a + 2]:
+            if state[a + AXIS_NEW] or state[a + AXIS_ASKED] != state[a + AXIS_TAKEN]:
                 take(numbers, a)
-            due = state[a + 3]
-            togo = state[a]
-            if togo == 0 or (state[5] and state[a + 9] == 0):
+            due = state[a + AXIS_DUE]
+            togo = state[a + AXIS_TO_GO]
+            if togo == 0 or (state[INDEPENDENT_HOLD] and state[a + AXIS_Q] == 0):
                 if due > last:
                     last = due
             else:
-                negative = state[a + 8]
-                if ((state[3] >> (axes + axis)) & 1) == negative:
-                    state[3] = state[3] ^ (1 << (axes + axis))
-                    if due < state[2]:
-                        due = state[2]
+                negative = state[a + AXIS_NEGATIVE]
+                if ((state[INDEPENDENT_LEVELS] >> (axes + axis)) & 1) == negative:
+                    state[INDEPENDENT_LEVELS] = state[INDEPENDENT_LEVELS] ^ (1 << (axes + axis))
+                    if due < state[INDEPENDENT_SETUP]:
+                        due = state[INDEPENDENT_SETUP]
                 if due <= least:
                     mask |= 1 << axis
                     if negative:
                         made[axis] = made[axis] - 1
                     else:
                         made[axis] = made[axis] + 1
-                    if state[a + 1] == 0:
+                    if state[a + AXIS_ENDLESS] == 0:
                         togo -= 1
-                        state[a] = togo
-                    if state[a + 11]:
+                        state[a + AXIS_TO_GO] = togo
+                    if state[a + AXIS_GAIN]:
                         due += int(interval(numbers, a, togo))
                     else:
-                        due += state[a + 4]
-                        carry = state[a + 7] + state[a + 5]
-                        if carry >= state[a + 6]:
-                            carry -= state[a + 6]
+                        due += state[a + AXIS_EACH]
+                        carry = state[a + AXIS_CARRY] + state[a + AXIS_REST]
+                        if carry >= state[a + AXIS_OVER]:
+                            carry -= state[a + AXIS_OVER]
                             due += 1
-                        state[a + 7] = carry
-                state[a + 3] = due
+                        state[a + AXIS_CARRY] = carry
+                state[a + AXIS_DUE] = due
                 if togo == 0:
                     if due > last:
                         last = due
                 elif due < soonest:
                     soonest = due
             axis += 1
-            a += 23
+            a += AXIS_FIELDS
         gap = soonest
         if soonest == 0x1FFFFFFF:
             gap = last
@@ -71,17 +77,17 @@ def walk(words: ptr32, at: int, room: int, bits: int, numbers, made: ptr32) -> i
             if gap == 0:
                 break
             gap = least
-        words[at + count] = (gap << bits) | state[3] | mask
+        words[at + count] = (gap << bits) | state[INDEPENDENT_LEVELS] | mask
         count += 1
         ticks += gap
         axis = 0
-        a = 9
+        a = INDEPENDENT_AXIS + AXIS_DUE
         while axis < axes:
             if state[a] > gap:
                 state[a] = state[a] - gap
             else:
                 state[a] = 0
             axis += 1
-            a += 23
-    state[4] = ticks
+            a += AXIS_FIELDS
+    state[INDEPENDENT_TICKS] = ticks
     return count

@@ -22,11 +22,10 @@ from micropython import const
 
 from passo.ports.rp2 import chip
 from passo.ports.rp2.pio_player import PioPlayer, append
-from passo.records import POWER_HEAD, POWER_MARKS, POWER_TAIL
+from passo.records import POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_SIZE, POWER_TAIL, POWER_WORD
 
 _COUNT = const(0x1FFFFFFF)  # word.COUNT_MASK
 _HALF = const(0x10000000)
-_MARKS = const(127)  # power.py has room for one more
 _AHEAD = const(9)  # words handed over as a mark counts, its own included
 _RUNS = const(64)
 _TABLE = const(256)  # bytes: one number for each run
@@ -99,11 +98,11 @@ class BeamPlayer(PioPlayer):
         last = marks[POWER_HEAD]
         dry = False
         while mark != last:
-            at = POWER_MARKS + 2 * (mark & _MARKS)
-            word = (marks[at] + _AHEAD) & _COUNT
+            at = POWER_MARKS + POWER_FIELDS * (mark & POWER_SIZE - 1)
+            word = (marks[at + POWER_WORD] + _AHEAD) & _COUNT
             if (head - word) & _COUNT >= _HALF:
                 break
-            duty = power.scaled(marks[at + 1]) * self._full // 1000
+            duty = power.scaled(marks[at + POWER_LEVEL]) * self._full // 1000
             if not _tell(state, beam, word, self._duty, duty):
                 break
             if append(state, word):

@@ -1,65 +1,44 @@
-"""The units of a block in which smooth.py reckons: what jerk and acceleration do to b, from one block to the next.
+"""The units of a block in which s_curve.py reckons: what jerk and acceleration do to b, from one block to the next.
 
     load(rows, at, state)       # the block whose row begins at rows[at]; b goes over into its units
 
 b is the square root of the speed, in the block's units, that would come on top while the acceleration fades. In time it
 changes by `rate` a tick, at the given jerk; along the path q changes by b · `push` a step.
 
-`rows` are block.py's, `state` is as smooth.py has it. All may run in an interrupt: no allocation, no integer of 2³⁰.
+The fields of `rows` and `state` stand in records.py. All may run in an interrupt: no allocation, no integer of 2³⁰.
 """
 
 import micropython
 from micropython import const
 
 from passo.motion.integers import divide
-from passo.motion.smooth_way import root_of
+from passo.motion.s_curve_way import root_of
+from passo.records import (
+    ROW_GAIN, ROW_SPAN, ROW_SPEED, ROW_TOP, S_CURVE_B, S_CURVE_BEHIND, S_CURVE_CRUISE, S_CURVE_FIRST, S_CURVE_HALF,
+    S_CURVE_LIMIT, S_CURVE_MOST, S_CURVE_PUSH, S_CURVE_RATE, S_CURVE_RATE_SHIFT, S_CURVE_REST, S_CURVE_ROOT,
+    S_CURVE_ROWS, S_CURVE_SCALE, S_CURVE_SHIFT, S_CURVE_SLOW, S_CURVE_SPAN, S_CURVE_STRIDE, S_CURVE_W,
+)  # fmt: skip
 
 _MOST_B = const(22_900)  # the square root of the fastest
 _LEAST_B = const(64)  # of b at the highest acceleration: a higher jerk than that needs is not made use of
 
-# Of a row, as block.py has them.
-_TOP = const(7)
-_GAIN = const(9)
-_ROW_SPAN = const(10)
-_SPEED = const(18)
-# Of the state, as smooth.py has them.
-_B = const(17)
-_RATE = const(18)
-_RATE_SHIFT = const(19)
-_PUSH = const(20)
-_MOST = const(21)
-_LIMIT = const(22)
-_W = const(23)
-_SLOW = const(24)
-_SCALE = const(25)
-_FIRST = const(26)
-_REST = const(27)
-_HALF = const(28)
-_CRUISE = const(30)
-_SPAN = const(34)
-_BEHIND = const(33)
-_ROOT = const(48)
-_SHIFT = const(49)
-_STRIDE = const(50)
-_SIZE = const(51)
-
 
 def load(rows, at, state):  # ISR: no allocation
     """Take up the block; b goes over into its units."""
-    behind = at + state[_STRIDE]
-    state[_BEHIND] = behind if behind < state[_SIZE] else 0
-    gain = rows[at + _GAIN]
-    speed = rows[at + _SPEED]
-    shift = state[_SHIFT] + 5
+    behind = at + state[S_CURVE_STRIDE]
+    state[S_CURVE_BEHIND] = behind if behind < state[S_CURVE_ROWS] else 0
+    gain = rows[at + ROW_GAIN]
+    speed = rows[at + ROW_SPEED]
+    shift = state[S_CURVE_SHIFT] + 5
     while speed < 0x4000000:
         speed <<= 2
         shift -= 1
-    root = root_of(divide(rows[at + _TOP], speed >> 6, 34), 0)
+    root = root_of(divide(rows[at + ROW_TOP], speed >> 6, 34), 0)
     while root >= 0x8000:
         root >>= 1
         shift -= 1
-    rate = state[_ROOT] * root >> 15
-    span = rows[at + _ROW_SPAN]
+    rate = state[S_CURVE_ROOT] * root >> 15
+    span = rows[at + ROW_SPAN]
     by = shift + 2
     while span >= 0x8000:
         span >>= 1
@@ -77,28 +56,28 @@ def load(rows, at, state):  # ISR: no allocation
     while rate < 0x2000:
         rate <<= 1
         shift += 1
-    state[_MOST] = most
+    state[S_CURVE_MOST] = most
     limit = most if most < _MOST_B else _MOST_B
-    state[_LIMIT] = limit
-    b = state[_B]
+    state[S_CURVE_LIMIT] = limit
+    b = state[S_CURVE_B]
     if b:
-        size = scaled(abs(b) * rate // state[_RATE], state[_RATE_SHIFT] - shift)  # 15 bits by 15
+        size = scaled(abs(b) * rate // state[S_CURVE_RATE], state[S_CURVE_RATE_SHIFT] - shift)  # 15 bits by 15
         if size > limit:
             size = limit
-        state[_B] = (size if b > 0 else -size)
-    state[_RATE] = rate
-    state[_RATE_SHIFT] = shift
-    state[_PUSH] = push
+        state[S_CURVE_B] = (size if b > 0 else -size)
+    state[S_CURVE_RATE] = rate
+    state[S_CURVE_RATE_SHIFT] = shift
+    state[S_CURVE_PUSH] = push
     if most > 16190:
-        state[_SLOW] = 1
-        state[_SCALE] = push
+        state[S_CURVE_SLOW] = 1
+        state[S_CURVE_SCALE] = push
     else:
-        state[_SLOW] = 0
-        state[_W] = (most * most >> 13) or 1
-        state[_SCALE] = (gain >> 2) or 1
-    state[_FIRST] = 0  # found out where it is wanted
-    state[_CRUISE] = 0x3FFFFFFF
-    state[_SPAN] = rows[at + _ROW_SPAN]
+        state[S_CURVE_SLOW] = 0
+        state[S_CURVE_W] = (most * most >> 13) or 1
+        state[S_CURVE_SCALE] = (gain >> 2) or 1
+    state[S_CURVE_FIRST] = 0  # found out where it is wanted
+    state[S_CURVE_CRUISE] = 0x3FFFFFFF
+    state[S_CURVE_SPAN] = rows[at + ROW_SPAN]
 
 
 @micropython.viper
@@ -111,8 +90,8 @@ def scaled(value: int, shift: int) -> int:  # ISR: no allocation
 
 def step_from_rest(gain, state):  # ISR: no allocation
     """How fast the first step from rest can end."""
-    push = state[_PUSH]
-    limit = state[_LIMIT]
+    push = state[S_CURVE_PUSH]
+    limit = state[S_CURVE_LIMIT]
     b = cube_root(push)
     half = 0x6000  # the acceleration grows all along
     if b <= limit:
@@ -120,18 +99,18 @@ def step_from_rest(gain, state):  # ISR: no allocation
         rest += rest >> 1
     else:
         b = limit
-        w = state[_W]
+        w = state[S_CURVE_W]
         rest = gain - (gain >> 2)
-        if not state[_SLOW] and gain // w > w // 3:
+        if not state[S_CURVE_SLOW] and gain // w > w // 3:
             rest = gain - w * w // 12
             fast = root_of(rest, 0) >> 7
             while fast >= 0x2000:
                 fast >>= 1
                 w >>= 1
             half = divide(fast * (fast + w // 2) >> 6, fast * fast + w * w // 12 >> 6, 14)
-    state[_FIRST] = b
-    state[_REST] = rest
-    state[_HALF] = half
+    state[S_CURVE_FIRST] = b
+    state[S_CURVE_REST] = rest
+    state[S_CURVE_HALF] = half
 
 
 def quotient(value, by, bits):  # ISR: no allocation

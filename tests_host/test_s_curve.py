@@ -1,12 +1,12 @@
-"""check_smooth under CPython, by hypothesis."""
+"""check_s_curve under CPython, by hypothesis."""
 
-import check_smooth
-from check_smooth import Smooth, drawn
+import check_s_curve
+from check_s_curve import Smooth, drawn
 from draws import Random
 from properties import make_tests
 from small_int import Small, SmallRows
 
-globals().update(make_tests(check_smooth))
+globals().update(make_tests(check_s_curve))
 
 def test_no_integer_outgrows_a_board():
     """Ramp and jerk on Small integers, from very low jerk to very high, with overrides and holds."""
@@ -16,13 +16,13 @@ def test_no_integer_outgrows_a_board():
         rig = machine.rig
         ramp = rig.feeder.ramp
         ramp.state = SmallRows(ramp.state)
-        cut, load = ramp.cut_short, ramp.smooth
+        cut, load = ramp.cut_short, ramp.s_curve
 
         def cut_small(rows, at, state, walker, left, percent, hold, cut=cut):
             cut(SmallRows(rows), Small(at), state, walker, Small(left), Small(percent), hold)
 
         ramp.cut_short = cut_small
-        ramp.smooth = lambda rows, at, state, load=load: load(SmallRows(rows), at, state)
+        ramp.s_curve = lambda rows, at, state, load=load: load(SmallRows(rows), at, state)
 
         def each(machine, random=random):
             if random.between(0, 3) == 0:

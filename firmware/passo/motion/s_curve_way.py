@@ -1,5 +1,5 @@
-"""How far it is to slow down from a speed and an acceleration to the end of a block, by an S-curve: see smooth.py, which has
-the numbers of `state`.
+"""How far it is to slow down from a speed and an acceleration to the end of a block, by an S-curve. The method stands in
+s_curve.py, the fields of `state` in records.py.
 
 All may run in an interrupt: no allocation, no integer of 2³⁰. Three functions that come many times a segment are machine code
 on a board; see measure_viper.py for what that asks.
@@ -9,23 +9,12 @@ import micropython
 from micropython import const
 
 from passo.motion.integers import divide
+from passo.records import (
+    RAMP_CHANGE, S_CURVE_ABOVE, S_CURVE_FAST, S_CURVE_FORCE, S_CURVE_MOST, S_CURVE_ON, S_CURVE_ROOM, S_CURVE_SLOW,
+    S_CURVE_UNTIL, S_CURVE_W,
+)  # fmt: skip
 
 _HIGHEST = const(0x3FFFFFFF)
-# Of the state, as smooth.py has them.
-_Q = const(3)
-_V = const(4)
-_CHANGE = const(13)
-_MOST = const(21)
-_W = const(23)
-_SLOW = const(24)
-_UNTIL = const(35)
-_ON = const(36)
-_ROOM = const(37)
-_FORCE = const(38)
-_FAST = const(39)
-_AIM = const(40)
-_SPEED = const(41)
-_ABOVE = const(42)
 
 
 @micropython.viper
@@ -66,17 +55,17 @@ def step_ticks(span: int, speed: int) -> int:  # ISR: no allocation
 def need(state, fast, b):  # ISR: no allocation
     """End at the speed `fast` with b: the way to slow down to the block's end then, in the units of `_ROOM`. `_ABOVE`: how
     much speed too much it is."""
-    until = state[_UNTIL]
+    until = state[S_CURVE_UNTIL]
     above = b * b >> 7
-    if not state[_ROOM]:  # the block ends here
-        wanted = state[_FAST]
-        state[_ABOVE] = fast + (above if b > 0 else -above) - (until if until < wanted else wanted)
+    if not state[S_CURVE_ROOM]:  # the block ends here
+        wanted = state[S_CURVE_FAST]
+        state[S_CURVE_ABOVE] = fast + (above if b > 0 else -above) - (until if until < wanted else wanted)
         return 0
-    state[_ABOVE] = fast + (above if b > 0 else -above) - state[_FAST]
+    state[S_CURVE_ABOVE] = fast + (above if b > 0 else -above) - state[S_CURVE_FAST]
     fast += above  # the top of the curve
-    most = state[_MOST]
-    slow = state[_SLOW]
-    on = state[_ON]
+    most = state[S_CURVE_MOST]
+    slow = state[S_CURVE_SLOW]
+    on = state[S_CURVE_ON]
     size = abs(b)
     fine = fast < 0x40000  # below 2048: two bits more of the speeds, one of their roots
     if fine:
@@ -115,7 +104,7 @@ def need(state, fast, b):  # ISR: no allocation
     elif slow:
         far = (fast + until) * (root_of(drop, 0) * 23170 >> 16)
     else:
-        w = state[_W]
+        w = state[S_CURVE_W]
         if fine:
             w <<= 2
         far = (drop + w) >> 1 if drop >= w else root_of(w * drop, 0) >> 7
@@ -129,12 +118,12 @@ def need(state, fast, b):  # ISR: no allocation
 def at_end(state, q, double):  # ISR: no allocation
     """q after the segment in which b is `double` / 2 on the average."""
     size = abs(double)
-    most = state[_CHANGE]
-    if state[_SLOW]:
-        force = state[_FORCE]
+    most = state[RAMP_CHANGE]
+    if state[S_CURVE_SLOW]:
+        force = state[S_CURVE_FORCE]
         change = (force >> 12) * size + ((force & 0xFFF) * size >> 12)
     else:
-        by = 2 * state[_MOST]
+        by = 2 * state[S_CURVE_MOST]
         change = most // by * size + most % by * size // by
     if change > most:
         change = most

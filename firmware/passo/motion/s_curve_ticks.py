@@ -1,0 +1,66 @@
+"""How long a segment of an S-curve lasts, and what b may change by in that time. The method stands in s_curve.py.
+
+All may run in an interrupt: no allocation, no integer of 2³⁰.
+"""
+
+from passo.motion.s_curve_block import scaled
+from passo.motion.s_curve_way import root_of, step_ticks
+from passo.records import (
+    RAMP_PATH, S_CURVE_B, S_CURVE_LIMIT, S_CURVE_RATE, S_CURVE_RATE_SHIFT, S_CURVE_SPAN, S_CURVE_SPARE,
+)  # fmt: skip
+
+
+def mean(state, speed):  # ISR: no allocation
+    """Ticks of the segment's path at a mean `speed`."""
+    span = state[S_CURVE_SPAN]
+    path = state[RAMP_PATH]
+    speed = speed or 1
+    each = step_ticks(span, speed)
+    whole = path >> 17
+    ticks = whole * each
+    if each < 0x80000:
+        part = (((span % speed << 6) % speed) << 7) // speed
+        ticks += whole * part >> 7
+    path &= 0x1FFFF
+    if path:
+        if each < 0x80000:
+            ticks += (path * part >> 24) + ((path >> 7) * each >> 10) + ((path & 127) * each >> 17)
+        elif each < 0x800000:
+            ticks += path * (each >> 10) >> 7
+        else:
+            ticks += (path >> 7) * (each >> 10)
+    return ticks or 1
+
+
+def grown(state, ticks):  # ISR: no allocation
+    """How much b may change in `ticks`."""
+    shift = state[S_CURVE_RATE_SHIFT] - 1
+    while ticks >= 0x8000:
+        ticks >>= 1
+        shift -= 1
+    size = ticks * (state[S_CURVE_RATE] >> 1)
+    if 0 < shift < 29:  # what is less than one counts later
+        size += state[S_CURVE_SPARE] & (1 << shift) - 1
+        state[S_CURVE_SPARE] = size
+    return scaled(size, -shift) or 1
+
+
+def gained(gain, steps, part):  # ISR: no allocation
+    """gain · (steps + part / 2¹⁷)."""
+    if not part:
+        return steps * gain
+    return steps * gain + (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
+
+
+def half_ramp(state, speed):  # ISR: no allocation
+    """Half the ticks that it takes from rest to `speed`."""
+    speed >>= 1
+    b = root_of(speed << 7, abs(state[S_CURVE_B]) << 7) >> 7
+    limit = state[S_CURVE_LIMIT]
+    if b > limit:
+        b = limit + (speed - (limit * limit >> 7)) * 64 // limit
+    shift = state[S_CURVE_RATE_SHIFT] - 14
+    while b >= 0x8000:
+        b >>= 1
+        shift += 1
+    return scaled((b << 14) // state[S_CURVE_RATE], shift)
