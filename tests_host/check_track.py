@@ -1,8 +1,8 @@
 """Tracks: every unit once and in its order, both ways and from any place; periods exact; the place known at any word."""
 
 from draws import Random
-from passo.motion.track import COUNT, MOST, SPEED, STATION, TOOL, WAIT, Track, mark, run, units
-from passo.records import FEED_LEVELS
+from passo.motion.track import MOST, SPEED, STATION, TOOL, WAIT, Track, mark, run, units
+from passo.records import COUNT_MASK, FEED_LEVELS
 from passo.steps.track_walker import ENDLESS, TrackWalker
 from passo.steps.word import HOLD_TICKS
 from rig import Rig
@@ -194,13 +194,13 @@ def check_halted_anywhere(seed):
         for _ in range(random.between(0, 6)):
             ride.play(rig.take())
         rig.feeder.fill(rig.played, 375_000)
-        made = (rig.ring.head - rig.played) & COUNT
+        made = (rig.ring.head - rig.played) & COUNT_MASK
         if made:
             part = random.between(0, made)
             for _ in range(part):
                 word = rig.ring.words[rig.played & rig.ring.mask]
                 ride.play([(word >> rig.layout.bits, word & rig.layout.levels_mask)])
-                rig.played = (rig.played + 1) & COUNT
+                rig.played = (rig.played + 1) & COUNT_MASK
         shown = rig.feeder.place(rig.played)
         position, block, place = rig.feeder.cancel(rig.played)
         rig.planner.clear()
@@ -232,7 +232,7 @@ def check_window(seed):
     rig.planner.flush()
     queue = items[:]
     while queue:
-        while queue and (track.end - walker.cell) & COUNT < track.size // 2 and random.between(0, 9):
+        while queue and (track.end - walker.cell) & COUNT_MASK < track.size // 2 and random.between(0, 9):
             assert track.append(queue.pop(0))
         ride.play(rig.take(random.choice((10_000, 100_000))))
         rig.feeder.retire(rig.played)

@@ -10,6 +10,16 @@ MicroPython run such a build. Every array is an array('i') unless said otherwise
 
 from micropython import const
 
+# Numbers that every room counts with.
+COUNT_MASK = const(0x1FFFFFFF)  # counts of words, blocks, ticks and milliseconds run modulo 2²⁹: a sum of two stays below 2³⁰
+COUNT_HALF = const(0x10000000)  # a count is ahead of another if their difference, modulo 2²⁹, is below this
+INT_MOST = const(0x3FFFFFFF)  # the largest integer that a board keeps off its heap
+INT_HALF = const(0x20000000)  # ((number + INT_HALF) & INT_MOST) − INT_HALF reads a negative one on every interpreter
+TICKS_PER_S = const(12_500_000)  # a tick is 80 ns
+TICKS_PER_MS = const(12_500)
+HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is never far away
+NM_PER_M = const(1_000_000_000)
+
 # A block as a row of Planner.rows, which begins at `row`. "Of 2²⁸" is a fraction of the machine's fastest speed, or of its
 # square (motion/profile.py). q is the square of a speed in the block's own unit, which is the programmed speed / ROW_TOP.
 ROW_KIND = const(0)  # LINE, WAIT, FREE, ARC or TRACK, of motion/block.py

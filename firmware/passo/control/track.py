@@ -14,7 +14,8 @@ from passo import commands, errors
 from passo.commands import FINISHED, Event
 from passo.control import settings as table
 from passo.control.track_intake import ASK, DRIVES_ON, TrackIntake, lengths_of
-from passo.motion.track import COUNT, Track, run
+from passo.motion.track import Track, run
+from passo.records import COUNT_HALF, COUNT_MASK
 from passo.steps.track_walker import ENDLESS, TrackWalker
 from passo.steps.word import us_to_ticks
 
@@ -343,7 +344,7 @@ class TrackPlayer(TrackIntake):
 
     def _gathered(self):
         """True when enough of a stream has come to set out, or has been waited for."""
-        waited = (self._machine.port.machine_ms() - self._start_ms) & COUNT < COUNT // 2
+        waited = (self._machine.port.machine_ms() - self._start_ms) & COUNT_MASK < COUNT_HALF
         return waited or not self.track.open or self.track.total >= _GATHER
 
     def _take(self):

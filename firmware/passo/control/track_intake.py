@@ -8,7 +8,7 @@ from passo.control import settings as table
 from passo.control.part import Part
 from passo.motion import track as marks
 from passo.motion.integers import isqrt
-from passo.motion.track import COUNT
+from passo.records import COUNT_MASK
 
 LATER = const(-1)
 _GATHER_MS = const(50)  # how long a stream is waited for, so that it sets out with some of it in hand
@@ -109,7 +109,7 @@ class TrackIntake(Part):
 
     def _room(self):
         """Cells that may be filled: the other half of the window is kept for the way back."""
-        ahead = (self.track.end - self._walker.cell) & COUNT
+        ahead = (self.track.end - self._walker.cell) & COUNT_MASK
         return self.track.size // 2 - ahead
 
     def _reachable(self):

@@ -8,12 +8,13 @@ as it sets out. With an override above 100 % likewise.
 """
 
 from passo.motion.cordic import TURN
-from passo.motion.integers import NM_PER_M, isqrt
+from passo.motion.integers import isqrt
 from passo.motion.measure_viper import measure
-from passo.motion.profile import BIAS, MOST, ONE, TICKS_PER_S, TOP, floated
+from passo.motion.profile import BIAS, MOST, ONE, TOP, floated
 from passo.records import (
-    ARC_TAIL_A, ARC_TAIL_B, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, WORK_ALONG, WORK_BEFORE, WORK_FEED, WORK_GIVEN,
-    WORK_HEADING, WORK_IS_ARC, WORK_LENGTH, WORK_LENGTH_SHIFT, WORK_STEPS, WORK_STEPS_SHIFT, WORK_STRENGTH,
+    ARC_TAIL_A, ARC_TAIL_B, NM_PER_M, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, TICKS_PER_S, WORK_ALONG, WORK_BEFORE,
+    WORK_FEED, WORK_GIVEN, WORK_HEADING, WORK_IS_ARC, WORK_LENGTH, WORK_LENGTH_SHIFT, WORK_STEPS, WORK_STEPS_SHIFT,
+    WORK_STRENGTH,
 )  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from passo.records import (
     ARC_PATH_FINE, ARC_RADIUS, ARC_REGION, ARC_SHIFT, ARC_STEPS, ARC_U, ARC_W, ARC_Z_HIGH, ARC_Z_LOW, ARC_Z_STEPS,
     CIRCLE_DECISION, CIRCLE_ERROR, CIRCLE_FALL, CIRCLE_LINE, CIRCLE_MOVING, CIRCLE_NEGATIVE, CIRCLE_NEXT, CIRCLE_PATH,
     CIRCLE_REST, CIRCLE_RISE, CIRCLE_USED, CIRCLE_U_AXIS, CIRCLE_WORDS, CIRCLE_W_AXIS, CIRCLE_Z_BETWEEN,
-    CIRCLE_Z_LEFT, CIRCLE_Z_OVER, CIRCLE_Z_RISE, CIRCLE_Z_SUM, LINE_AXES, LINE_RISE,
+    CIRCLE_Z_LEFT, CIRCLE_Z_OVER, CIRCLE_Z_RISE, CIRCLE_Z_SUM, INT_HALF, INT_MOST, LINE_AXES, LINE_RISE,
 )  # fmt: skip
 
 try:
@@ -27,8 +27,6 @@ try:
 except NameError:
     ptr32 = None  # a name that only viper's compiler knows
 
-_HALF = const(0x20000000)
-_ALL = const(0x3FFFFFFF)
 _Z_ONE = const(0x200000)  # 21 fraction bits
 _LONGEST = const(255)  # most words of a run, so that no product here reaches 2³⁰
 
@@ -39,7 +37,7 @@ def load(plan: ptr32, state: ptr32):  # ISR: no allocation
     while i < ARC_FIELDS:
         state[i] = plan[i]
         i += 1
-    rise = ((plan[ARC_Z_STEPS] + _HALF) & _ALL) - _HALF
+    rise = ((plan[ARC_Z_STEPS] + INT_HALF) & INT_MOST) - INT_HALF
     state[CIRCLE_Z_LEFT] = rise if rise > 0 else 0 - rise
     state[CIRCLE_Z_SUM] = _Z_ONE >> 1
     state[CIRCLE_Z_OVER] = state[CIRCLE_REST] = state[CIRCLE_ERROR] = state[CIRCLE_USED] = 0
@@ -50,14 +48,14 @@ def load(plan: ptr32, state: ptr32):  # ISR: no allocation
 
 @micropython.viper
 def run(state: ptr32) -> int:  # ISR: no allocation
-    part = state[ARC_PATH_FINE] + ((state[CIRCLE_USED] + _HALF) & _ALL) - _HALF
+    part = state[ARC_PATH_FINE] + ((state[CIRCLE_USED] + INT_HALF) & INT_MOST) - INT_HALF
     state[ARC_PATH] = state[ARC_PATH] - (part >> 20)
     state[ARC_PATH_FINE] = part & 0xFFFFF
     state[CIRCLE_USED] = 0
     left = state[ARC_STEPS]
     if left == 0:
         return 0
-    u = ((state[ARC_U] + _HALF) & _ALL) - _HALF
+    u = ((state[ARC_U] + INT_HALF) & INT_MOST) - INT_HALF
     w = state[ARC_W]
     region = state[ARC_REGION]
     inside = state[ARC_INSIDE]
@@ -106,8 +104,8 @@ def run(state: ptr32) -> int:  # ISR: no allocation
     # --- √(R² − u²), here or one step on, from w and the error: w − error / 2w, less the square of that over 2w
     radius = state[ARC_RADIUS]
     shift = state[ARC_SHIFT]
-    error = ((state[CIRCLE_ERROR] + _HALF) & _ALL) - _HALF
-    before = ((state[CIRCLE_NEXT] + _HALF) & _ALL) - _HALF
+    error = ((state[CIRCLE_ERROR] + INT_HALF) & INT_MOST) - INT_HALF
+    before = ((state[CIRCLE_NEXT] + INT_HALF) & INT_MOST) - INT_HALF
     long = state[ARC_DIAGONAL]
     near = w
     stage = 1
@@ -198,7 +196,7 @@ def run(state: ptr32) -> int:  # ISR: no allocation
     # --- the third axis's steps: the ratio has 30 fraction bits, nothing is lost. Over a diagonal a step of the circle may
     # be two long: the third axis makes up for it later, so that it costs no word of its own
     words = count
-    rise = ((state[ARC_Z_STEPS] + _HALF) & _ALL) - _HALF
+    rise = ((state[ARC_Z_STEPS] + INT_HALF) & INT_MOST) - INT_HALF
     state[CIRCLE_Z_RISE] = 0
     if rise:
         long += state[CIRCLE_Z_OVER]
@@ -277,10 +275,10 @@ def run(state: ptr32) -> int:  # ISR: no allocation
 
 @micropython.viper
 def walk(out: ptr32, at: int, count: int, state: ptr32):  # ISR: no allocation
-    u = ((state[ARC_U] + _HALF) & _ALL) - _HALF
+    u = ((state[ARC_U] + INT_HALF) & INT_MOST) - INT_HALF
     w = state[ARC_W]
-    error = ((state[CIRCLE_ERROR] + _HALF) & _ALL) - _HALF
-    decision = ((state[CIRCLE_DECISION] + _HALF) & _ALL) - _HALF
+    error = ((state[CIRCLE_ERROR] + INT_HALF) & INT_MOST) - INT_HALF
+    decision = ((state[CIRCLE_DECISION] + INT_HALF) & INT_MOST) - INT_HALF
     rise = state[CIRCLE_RISE]
     fall = state[CIRCLE_FALL]
     climb = state[CIRCLE_Z_RISE]

@@ -12,7 +12,8 @@ Big integers, once a chord.
 from passo.motion.arc_plan import turns_off
 from passo.motion.arc_speed import shares
 from passo.motion.cordic import TURN, arc_length, rotate, vector
-from passo.motion.integers import NM_PER_M, isqrt, length_nm
+from passo.motion.integers import isqrt, length_nm
+from passo.records import NM_PER_M
 
 
 class Ellipse:

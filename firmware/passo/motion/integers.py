@@ -2,7 +2,7 @@
 
 import micropython
 
-NM_PER_M = 1_000_000_000
+from passo.records import NM_PER_M
 
 
 def isqrt(value):

@@ -3,7 +3,6 @@
 from passo.records import LINE_AXES, LINE_DOMINANT, LINE_FALL, LINE_MOVING, LINE_NEGATIVE, LINE_RISE
 
 
-
 def begin(rows, at, state):  # ISR: no allocation
     """Make ready for the vector rows[at : at + axes]; its dominant steps."""
     axes = state[LINE_AXES]

@@ -15,14 +15,13 @@ half the angle turned through, which is half the length of that change, it is aÂ
 
 from array import array
 
-from passo.motion.integers import NM_PER_M, isqrt
+from passo.motion.integers import isqrt
 from passo.records import (
-    LIMIT_AXES, LIMIT_CORNER, LIMIT_CORNER_SHIFT, LIMIT_FASTEST, LIMIT_FASTEST_SHIFT, LIMIT_FIELDS, LIMIT_FINEST, LIMIT_GAIN,
-    LIMIT_GAIN_SHIFT, LIMIT_SPEED, LIMIT_SPEED_SHIFT, LIMIT_STEP, LIMIT_STRONGEST, LIMIT_STRONGEST_SHIFT, LIMIT_TIME,
-    LIMIT_TIME_SHIFT, LIMIT_WHOLE,
+    LIMIT_AXES, LIMIT_CORNER, LIMIT_CORNER_SHIFT, LIMIT_FASTEST, LIMIT_FASTEST_SHIFT, LIMIT_FIELDS, LIMIT_FINEST,
+    LIMIT_GAIN, LIMIT_GAIN_SHIFT, LIMIT_SPEED, LIMIT_SPEED_SHIFT, LIMIT_STEP, LIMIT_STRONGEST, LIMIT_STRONGEST_SHIFT,
+    LIMIT_TIME, LIMIT_TIME_SHIFT, LIMIT_WHOLE, NM_PER_M, TICKS_PER_S,
 )  # fmt: skip
 
-TICKS_PER_S = 12_500_000  # of steps.word, which this room may not import
 ONE = 1 << 28
 TOP = 16_000
 FASTEST = 32_000  # twice TOP: its square is the largest q

@@ -31,23 +31,21 @@ from micropython import const
 
 from passo.motion.block import LINE, q_of
 from passo.motion.integers import isqrt
-from passo.motion.profile import TICKS_PER_S
 from passo.motion.ramp_viper import cut
 from passo.motion.s_curve_block import load, step_from_rest
 from passo.motion.s_curve_end import choose, rest_to_rest, set_out, stop
 from passo.motion.s_curve_ticks import gained, grown, mean
 from passo.motion.s_curve_way import at_end, need, root_of, step_ticks
 from passo.records import (
-    RAMP_BEGIN, RAMP_CAP, RAMP_CARRY, RAMP_CHANGE, RAMP_HIGH, RAMP_PACE, RAMP_PART, RAMP_PATH, RAMP_Q, RAMP_START,
-    RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, RAMP_TOTAL, RAMP_TO_GO, RAMP_V, ROW_EXIT, ROW_GAIN, ROW_KIND, ROW_LIMIT,
-    ROW_REACH, ROW_TICKS, ROW_TICKS_REST, ROW_TOP, S_CURVE_AIM, S_CURVE_B, S_CURVE_BEHIND, S_CURVE_BRAKES,
+    INT_MOST, RAMP_BEGIN, RAMP_CAP, RAMP_CARRY, RAMP_CHANGE, RAMP_HIGH, RAMP_PACE, RAMP_PART, RAMP_PATH, RAMP_Q,
+    RAMP_START, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, RAMP_TOTAL, RAMP_TO_GO, RAMP_V, ROW_EXIT, ROW_GAIN, ROW_KIND,
+    ROW_LIMIT, ROW_REACH, ROW_TICKS, ROW_TICKS_REST, ROW_TOP, S_CURVE_AIM, S_CURVE_B, S_CURVE_BEHIND, S_CURVE_BRAKES,
     S_CURVE_CRUISE, S_CURVE_CRUISE_NEED, S_CURVE_CRUISE_UNTIL, S_CURVE_FAST, S_CURVE_FIELDS, S_CURVE_FIRST,
     S_CURVE_FORCE, S_CURVE_GROW, S_CURVE_GUESS, S_CURVE_LEAVE, S_CURVE_LIMIT, S_CURVE_ON, S_CURVE_PUSH, S_CURVE_RATE,
     S_CURVE_REST, S_CURVE_ROOM, S_CURVE_ROOT, S_CURVE_ROWS, S_CURVE_SCALE, S_CURVE_SHIFT, S_CURVE_SLOW, S_CURVE_SPAN,
-    S_CURVE_SPEED, S_CURVE_STRIDE, S_CURVE_UNTIL, S_CURVE_WAY,
+    S_CURVE_SPEED, S_CURVE_STRIDE, S_CURVE_UNTIL, S_CURVE_WAY, TICKS_PER_S,
 )  # fmt: skip
 
-_HIGHEST = const(0x3FFFFFFF)
 
 # S_CURVE_WAY.
 _STAY = const(0)  # its end is known
@@ -117,9 +115,9 @@ def look(rows, at, state):  # ISR: no allocation
         leave = start
     until = root_of(leave + (leave >> 8), speed)  # units of blocks differ by as much
     fast = speed if cap == q else root_of(cap, speed)
-    room = _HIGHEST
+    room = INT_MOST
     scale = state[S_CURVE_SCALE]
-    if togo < _HIGHEST // scale:
+    if togo < INT_MOST // scale:
         room = gained(scale, togo, part)
         room -= room >> 10
     state[S_CURVE_LEAVE] = leave
@@ -154,7 +152,7 @@ def set_pace(rows, at, state):  # ISR: no allocation
         if state[S_CURVE_CRUISE] != speed or state[S_CURVE_CRUISE_UNTIL] != until or state[S_CURVE_ON]:
             state[S_CURVE_CRUISE] = speed
             state[S_CURVE_CRUISE_UNTIL] = until
-            state[S_CURVE_ROOM] = _HIGHEST
+            state[S_CURVE_ROOM] = INT_MOST
             state[S_CURVE_CRUISE_NEED] = need(state, speed, 0)
             state[S_CURVE_ROOM] = room
         if state[S_CURVE_CRUISE_NEED] <= room:
@@ -199,7 +197,7 @@ def end(rows, at, state):  # ISR: no allocation
         if togo or part:
             gain = rows[at + ROW_GAIN]
             most = aim
-            if togo <= _HIGHEST // gain:
+            if togo <= INT_MOST // gain:
                 room = togo * gain
                 more = gained(gain, 0, part)
                 if more < aim - leave - room:

@@ -6,15 +6,12 @@ on a board; see measure_viper.py for what that asks.
 """
 
 import micropython
-from micropython import const
 
 from passo.motion.integers import divide
 from passo.records import (
-    RAMP_CHANGE, S_CURVE_ABOVE, S_CURVE_FAST, S_CURVE_FORCE, S_CURVE_MOST, S_CURVE_ON, S_CURVE_ROOM, S_CURVE_SLOW,
-    S_CURVE_UNTIL, S_CURVE_W,
+    INT_MOST, RAMP_CHANGE, S_CURVE_ABOVE, S_CURVE_FAST, S_CURVE_FORCE, S_CURVE_MOST, S_CURVE_ON, S_CURVE_ROOM,
+    S_CURVE_SLOW, S_CURVE_UNTIL, S_CURVE_W,
 )  # fmt: skip
-
-_HIGHEST = const(0x3FFFFFFF)
 
 
 @micropython.viper
@@ -129,4 +126,4 @@ def at_end(state, q, double):  # ISR: no allocation
         change = most
     if double < 0:
         return q - change if q > change else 0
-    return q + change if change < _HIGHEST - q else _HIGHEST
+    return q + change if change < INT_MOST - q else INT_MOST

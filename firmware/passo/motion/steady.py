@@ -16,7 +16,6 @@ from passo.records import RAMP_CARRY, RAMP_PACE, RAMP_Q, RAMP_START, RAMP_STEPS,
 SEGMENT_TICKS = const(12_500)  # 1 ms
 
 
-
 class Steady:
     """After cut(), the first of `state` tell of the segment."""
 

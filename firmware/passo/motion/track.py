@@ -26,15 +26,14 @@ from array import array
 import micropython
 from micropython import const
 
+from passo.records import COUNT_MASK
+
 WAIT = const(1)
 TOOL = const(2)
 SPEED = const(3)
 WAS = const(4)
 STATION = const(5)
 MOST = const(0x3FFFFF)  # of a count or a value
-COUNT = const(0x1FFFFFFF)
-_COUNT = const(0x1FFFFFFF)  # these two known to the compiler
-_MOST = const(0x3FFFFF)
 
 
 def run(mask, negative, count=1):
@@ -84,7 +83,7 @@ class Track:
 
     def used(self):
         """Cells in use."""
-        return (self.end - self.first) & COUNT
+        return (self.end - self.first) & COUNT_MASK
 
     def append(self, item):
         """Add an item. False where there is no room: nothing has been added then."""
@@ -102,7 +101,7 @@ class Track:
             item |= self.tool << 9
             self.tool = item >> 8 & 1
         self._put(item)
-        self.total = (self.total + 1) & COUNT
+        self.total = (self.total + 1) & COUNT_MASK
         return True
 
     @micropython.native
@@ -122,14 +121,14 @@ class Track:
             end = self.end
             last = (end - 1) & mask
             before = items[last]
-            if not (before ^ item) & 255 and end != self.first and (before >> 8) + count <= _MOST:
+            if not (before ^ item) & 255 and end != self.first and (before >> 8) + count <= MOST:
                 items[last] = before + (count << 8)
-            elif (end - self.first) & _COUNT <= mask or self._make_room(1):
+            elif (end - self.first) & COUNT_MASK <= mask or self._make_room(1):
                 items[end & mask] = item
-                self.end = (end + 1) & _COUNT
+                self.end = (end + 1) & COUNT_MASK
             else:
                 break
-            self.total = (self.total + count) & _COUNT
+            self.total = (self.total + count) & COUNT_MASK
             at += 1
             for axis in axes:
                 if item >> axis & 1:
@@ -150,13 +149,13 @@ class Track:
         if not self.ring:
             return False
         while self.used() + count > self.size:
-            self.start = (self.start + units(self.items[self.first & self.mask])) & COUNT
-            self.first = (self.first + 1) & COUNT
+            self.start = (self.start + units(self.items[self.first & self.mask])) & COUNT_MASK
+            self.first = (self.first + 1) & COUNT_MASK
         return True
 
     def _put(self, item):
         self.items[self.end & self.mask] = item
-        self.end = (self.end + 1) & COUNT
+        self.end = (self.end + 1) & COUNT_MASK
 
     def cut(self, cell, done, place):
         """Forget what lies ahead of `place`, which is `done` units into `cell`."""
@@ -164,7 +163,7 @@ class Track:
             item = self.items[cell & self.mask]
             if item & 15:
                 self.items[cell & self.mask] = done << 8 | item & 255
-            cell = (cell + 1) & COUNT
+            cell = (cell + 1) & COUNT_MASK
         self.end = cell
         self.total = place
 
@@ -174,5 +173,5 @@ class Track:
             if self.items[cell & self.mask] >> 4 & 15 == WAS and not self.items[cell & self.mask] & 15:
                 self.items[cell & self.mask] = mark(WAS, speed)
                 return
-            cell = (cell + 1) & COUNT
+            cell = (cell + 1) & COUNT_MASK
         self.speed = speed

@@ -11,7 +11,7 @@ from machine import PWM, WDT, Pin, idle
 from micropython import const
 
 from passo.ports.uart_line import UartLine
-from passo.steps.word import COUNT_MASK, TICKS_PER_MS
+from passo.records import COUNT_MASK, TICKS_PER_MS
 
 _HEARTBEAT_MS = const(170)  # so that it stands within 200
 _WATCHDOG_MS = const(1000)

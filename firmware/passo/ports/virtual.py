@@ -31,8 +31,8 @@ except ImportError:  # MicroPython's clock is monotonic only as far as the syste
     from time import time_ns as wall_ns
 
 from passo.ports.virtual_player import Player
+from passo.records import COUNT_MASK, TICKS_PER_MS
 from passo.steps.wiring import inverted_pins, word_times
-from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 
 TICK_NS = 80
 COARSE_TICKS = 8 * TICKS_PER_MS  # a turn in motion: well inside the 30 ms that the feeder keeps ahead

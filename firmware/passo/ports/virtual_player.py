@@ -4,7 +4,7 @@ The port calls `run(until)` with ticks that only grow; each edge goes to the wor
 The world may stop or halt the player from inside that call, as a limit switch wired to its interrupt would.
 """
 
-from passo.steps.word import COUNT_MASK
+from passo.records import COUNT_MASK
 
 
 class Player:

@@ -5,14 +5,12 @@ without it."""
 from micropython import const
 
 from passo.records import (
-    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_HEAD, FEED_INDEX, FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST,
-    FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_SETUP, FEED_TICKS, MARK_ENDS, MARK_FIELDS, MARK_INDEX,
-    MARK_PACE, MARK_TICKS, MARK_WORD, PACE_FIELDS,
+    COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_BITS, FEED_DEBT, FEED_HEAD, FEED_INDEX, FEED_LEVELS, FEED_LIMIT,
+    FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_SETUP, FEED_TICKS, MARK_ENDS,
+    MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS, MARK_WORD, PACE_FIELDS,
 )  # fmt: skip
 from passo.steps.pace_plain import set_terms
 
-COUNT = const(0x1FFFFFFF)  # word.COUNT_MASK
-_HALF = const(0x10000000)
 _LAST = const(63)
 
 # The state. First the terms of the segment under way, as pace.py has them.
@@ -24,12 +22,12 @@ assert PACE_FIELDS <= FEED_BITS
 def room(state, marks, lead_ticks):  # ISR: no allocation
     """1 where less than `lead_ticks` lie ahead and there is room for a segment; otherwise 0."""
     oldest = state[FEED_OLDEST]
-    if (state[FEED_NEWEST] - oldest) & COUNT >= _LAST:
+    if (state[FEED_NEWEST] - oldest) & COUNT_MASK >= _LAST:
         return 0
     at = (oldest & _LAST) * (MARK_FIELDS + state[FEED_AXES])
-    if (state[FEED_HEAD] - marks[at + MARK_WORD]) & COUNT > state[FEED_LIMIT]:
+    if (state[FEED_HEAD] - marks[at + MARK_WORD]) & COUNT_MASK > state[FEED_LIMIT]:
         return 0
-    return 1 if (state[FEED_TICKS] - marks[at + MARK_TICKS]) & COUNT < lead_ticks else 0
+    return 1 if (state[FEED_TICKS] - marks[at + MARK_TICKS]) & COUNT_MASK < lead_ticks else 0
 
 
 def begin(state, words, moving, negative, steps, ticks):  # ISR: no allocation
@@ -42,9 +40,9 @@ def begin(state, words, moving, negative, steps, ticks):  # ISR: no allocation
         setup = state[FEED_SETUP]
         if setup:
             words[state[FEED_HEAD] & state[FEED_MASK]] = setup << state[FEED_BITS] | levels
-            state[FEED_HEAD] = (state[FEED_HEAD] + 1) & COUNT
+            state[FEED_HEAD] = (state[FEED_HEAD] + 1) & COUNT_MASK
             state[FEED_DEBT] += setup
-            state[FEED_TICKS] = (state[FEED_TICKS] + setup) & COUNT
+            state[FEED_TICKS] = (state[FEED_TICKS] + setup) & COUNT_MASK
     if steps:
         state[FEED_INDEX] += steps
         set_terms(state, steps, ticks, levels, state[FEED_BITS])
@@ -54,9 +52,9 @@ def begin(state, words, moving, negative, steps, ticks):  # ISR: no allocation
 def end(state, marks, made, count, ticks, ends):  # ISR: no allocation
     """Count a segment of `count` words and leave a mark behind it; the steps `made` are added to the position, and
     cleared. Returns the words made so far."""
-    state[FEED_HEAD] = (state[FEED_HEAD] + count) & COUNT
-    state[FEED_TICKS] = (state[FEED_TICKS] + ticks) & COUNT
-    number = (state[FEED_NEWEST] + 1) & COUNT
+    state[FEED_HEAD] = (state[FEED_HEAD] + count) & COUNT_MASK
+    state[FEED_TICKS] = (state[FEED_TICKS] + ticks) & COUNT_MASK
+    number = (state[FEED_NEWEST] + 1) & COUNT_MASK
     axes = state[FEED_AXES]
     at = (number & _LAST) * (MARK_FIELDS + axes)
     marks[at + MARK_WORD] = state[FEED_HEAD]
@@ -65,7 +63,7 @@ def end(state, marks, made, count, ticks, ends):  # ISR: no allocation
     marks[at + MARK_ENDS] = ends
     marks[at + MARK_PACE] = state[FEED_PACE]
     for axis in range(axes):
-        place = ((state[FEED_PLACE + axis] + made[axis] + _HALF) & COUNT) - _HALF
+        place = ((state[FEED_PLACE + axis] + made[axis] + COUNT_HALF) & COUNT_MASK) - COUNT_HALF
         state[FEED_PLACE + axis] = place
         marks[at + MARK_FIELDS + axis] = place
         made[axis] = 0
@@ -80,9 +78,9 @@ def retire(state, marks, played):  # ISR: no allocation
     stride = MARK_FIELDS + state[FEED_AXES]
     state[FEED_PLAYED] = played
     while oldest != state[FEED_NEWEST]:
-        number = (oldest + 1) & COUNT
+        number = (oldest + 1) & COUNT_MASK
         at = (number & _LAST) * stride
-        if (played - marks[at + MARK_WORD]) & COUNT >= _HALF:
+        if (played - marks[at + MARK_WORD]) & COUNT_MASK >= COUNT_HALF:
             break
         oldest = number
         ended += marks[at + MARK_ENDS]
@@ -95,8 +93,8 @@ def find(state, marks, played, place):
     number = state[FEED_OLDEST]
     stride = MARK_FIELDS + state[FEED_AXES]
     while number != state[FEED_NEWEST]:
-        after = (number + 1) & COUNT
-        if (played - marks[(after & _LAST) * stride + MARK_WORD]) & COUNT >= _HALF:
+        after = (number + 1) & COUNT_MASK
+        if (played - marks[(after & _LAST) * stride + MARK_WORD]) & COUNT_MASK >= COUNT_HALF:
             break
         number = after
     at = (number & _LAST) * stride

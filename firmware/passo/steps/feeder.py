@@ -21,17 +21,16 @@ from passo.motion.block import FREE, LINE, TRACK, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.row_viper import begun
 from passo.records import (
-    FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_FAST, FEED_HEAD, FEED_INDEX, FEED_LEAD, FEED_LEVELS, FEED_LIMIT,
-    FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_POWER, FEED_SETUP, FEED_TICKS, FEED_TOOL, FEED_WAIT,
-    MARKS, MARK_FIELDS, RAMP_PACE, RAMP_STEPS, RAMP_TICKS, ROW_DYNAMIC, ROW_POWER, ROW_RAPID, ROW_TICKS, ROW_TOP,
+    COUNT_MASK, FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_FAST, FEED_HEAD, FEED_INDEX, FEED_LEAD, FEED_LEVELS,
+    FEED_LIMIT, FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_POWER, FEED_SETUP, FEED_TICKS,
+    FEED_TOOL, FEED_WAIT, HOLD_TICKS, MARKS, MARK_FIELDS, RAMP_PACE, RAMP_STEPS, RAMP_TICKS, ROW_DYNAMIC, ROW_POWER,
+    ROW_RAPID, ROW_TICKS, ROW_TOP,
 )  # fmt: skip
 from passo.steps import pace
 from passo.steps.checkpoints import begin, end, retire, room
 from passo.steps.pace import repay
 from passo.steps.position import Position
-from passo.steps.word import HOLD_TICKS
 
-_COUNT = const(0x1FFFFFFF)  # COUNT_MASK, known to the compiler
 _UNKNOWN = const(2000)  # no power: the next segment marks its own in any case
 _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
 
@@ -249,7 +248,7 @@ class Feeder(Position):
         owed = state[FEED_DEBT]
         if owed:
             debt = repay(words, at, count, state[FEED_BITS], owed, self.min_word_ticks)
-            state[FEED_TICKS] = (state[FEED_TICKS] - owed + debt) & _COUNT
+            state[FEED_TICKS] = (state[FEED_TICKS] - owed + debt) & COUNT_MASK
             state[FEED_DEBT] = debt
         if self.drive is not None:
             self.drive.apply(words, at, count)

@@ -1,13 +1,12 @@
 """Where the machine is, from the words played: the last checkpoint played, and the steps in the words since."""
 
-from micropython import const
 
 from passo.motion.block import TRACK
-from passo.records import FEED_NEWEST, FEED_OLDEST, FEED_PLAYED, MARKS, MARK_ENDS, MARK_INDEX, MARK_PACE, MARK_WORD
+from passo.records import (
+    COUNT_HALF, COUNT_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PLAYED, MARKS, MARK_ENDS, MARK_INDEX, MARK_PACE, MARK_WORD,
+)  # fmt: skip
 from passo.steps.checkpoints import find
-from passo.steps.word import COUNT_MASK
 
-_HALF = const(0x10000000)
 # In the feeder's arrays, as checkpoints_plain.py has them.
 
 
@@ -46,7 +45,7 @@ class Position:
         while True:
             oldest = state[FEED_OLDEST]
             at = find(state, self._marks, played, self._found)
-            if (played - self._marks[at + MARK_WORD]) & COUNT_MASK < _HALF:
+            if (played - self._marks[at + MARK_WORD]) & COUNT_MASK < COUNT_HALF:
                 self._stepping = self._count(self._marks[at + MARK_WORD], played)
                 if state[FEED_OLDEST] == oldest:
                     return at

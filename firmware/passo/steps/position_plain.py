@@ -1,8 +1,7 @@
 """Counts the steps in words of the step form that stand in the ring."""
 
-from micropython import const
 
-_COUNT = const(0x1FFFFFFF)
+from passo.records import COUNT_MASK
 
 
 def tally(words, mask, word, until, axes, position):
@@ -17,5 +16,5 @@ def tally(words, mask, word, until, axes, position):
             for axis in range(axes):
                 if levels >> axis & 1:
                     position[axis] += 1 if levels >> axes + axis & 1 else -1
-        word = (word + 1) & _COUNT
+        word = (word + 1) & COUNT_MASK
     return stepping

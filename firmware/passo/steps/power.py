@@ -11,10 +11,10 @@ from array import array
 
 from micropython import const
 
-from passo.records import POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_SIZE, POWER_TAIL, POWER_WORD
+from passo.records import (
+    COUNT_HALF, COUNT_MASK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_SIZE, POWER_TAIL, POWER_WORD,
+)  # fmt: skip
 
-_COUNT = const(0x1FFFFFFF)
-_HALF = const(0x10000000)
 FULL = const(1000)
 
 
@@ -33,7 +33,7 @@ class Power:
         at = POWER_MARKS + POWER_FIELDS * (marks[POWER_HEAD] % POWER_SIZE)
         marks[at + POWER_WORD] = word
         marks[at + POWER_LEVEL] = value
-        marks[POWER_HEAD] = (marks[POWER_HEAD] + 1) & _COUNT
+        marks[POWER_HEAD] = (marks[POWER_HEAD] + 1) & COUNT_MASK
 
     def next(self):
         """The word of the next mark to be played, or -1."""
@@ -52,10 +52,10 @@ class Power:
         value = self.value
         while tail != marks[POWER_HEAD]:
             at = POWER_MARKS + POWER_FIELDS * (tail % POWER_SIZE)
-            if (played - 1 - marks[at + POWER_WORD]) & _COUNT >= _HALF:
+            if (played - 1 - marks[at + POWER_WORD]) & COUNT_MASK >= COUNT_HALF:
                 break
             value = marks[at + POWER_LEVEL]
-            tail = (tail + 1) & _COUNT
+            tail = (tail + 1) & COUNT_MASK
         marks[POWER_TAIL] = tail
         self.set(value)
 

@@ -11,8 +11,8 @@ any two statements sees a consistent ring. Nothing here allocates after the cons
 from array import array
 
 from passo.motion.line import MAX_RUN
+from passo.records import COUNT_MASK, TICKS_PER_MS
 from passo.steps.power import Power
-from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 
 
 def ring_size(steps_s, lead_ticks):

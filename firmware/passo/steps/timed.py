@@ -31,19 +31,16 @@ from passo.motion.line import MAX_RUN
 from passo.records import (
     AXIS_AIM, AXIS_ASKED, AXIS_CARRY, AXIS_DUE, AXIS_EACH, AXIS_ENDLESS, AXIS_FIELDS, AXIS_GAIN, AXIS_NEAR,
     AXIS_NEGATIVE, AXIS_NEW, AXIS_NEW_AIM, AXIS_NEW_BASE, AXIS_NEW_EACH, AXIS_NEW_ENDLESS, AXIS_NEW_NEGATIVE,
-    AXIS_NEW_OVER, AXIS_NEW_REST, AXIS_OVER, AXIS_Q, AXIS_REST, AXIS_SPAN, AXIS_TAKEN, AXIS_TO_GO, FEED_BITS,
-    FEED_HEAD, FEED_LEVELS, INDEPENDENT_AXES, INDEPENDENT_AXIS, INDEPENDENT_HOLD, INDEPENDENT_LEAST,
-    INDEPENDENT_LEVELS, INDEPENDENT_SETUP, INDEPENDENT_TICKS,
+    AXIS_NEW_OVER, AXIS_NEW_REST, AXIS_OVER, AXIS_Q, AXIS_REST, AXIS_SPAN, AXIS_TAKEN, AXIS_TO_GO, COUNT_MASK,
+    FEED_BITS, FEED_HEAD, FEED_LEVELS, HOLD_TICKS, INDEPENDENT_AXES, INDEPENDENT_AXIS, INDEPENDENT_HOLD,
+    INDEPENDENT_LEAST, INDEPENDENT_LEVELS, INDEPENDENT_SETUP, INDEPENDENT_TICKS, TICKS_PER_S,
 )  # fmt: skip
-from passo.steps.word import HOLD_TICKS, TICKS_PER_S
 
 ENDLESS = const(-1)
 MOST_STEPS = const(0xFFFFFFF)  # that may be to come: 2²⁸ − 1
-_COUNT = const(0x1FFFFFFF)
 _FAR = const(0x1FFFFFFF)
 _TOP = const(16_000)  # so that q, and the sum of two, stay below 2³⁰
 _SEGMENT_TICKS = const(12_500)
-
 
 
 @micropython.native
@@ -90,7 +87,7 @@ def take(state, at):  # ISR: no allocation
             state[at + AXIS_NEW_BASE] = -1
         state[at + AXIS_NEW] = 0
     asked = state[at + AXIS_ASKED]
-    more = (asked - state[at + AXIS_TAKEN]) & _COUNT
+    more = (asked - state[at + AXIS_TAKEN]) & COUNT_MASK
     if more:
         state[at + AXIS_TAKEN] = asked
         state[at + AXIS_TO_GO] += more
@@ -263,7 +260,7 @@ class Timed:
             state[at + AXIS_NEW_ENDLESS] = 1 if steps == ENDLESS else 0
         state[at + AXIS_NEW] = 1
         if steps > 0:
-            state[at + AXIS_ASKED] = (state[at + AXIS_ASKED] + steps) & _COUNT
+            state[at + AXIS_ASKED] = (state[at + AXIS_ASKED] + steps) & COUNT_MASK
 
     def rate(self, axis, each, rest=0, over=1):
         """Another rate from the axis's next step on; how far it goes stays."""
@@ -292,10 +289,10 @@ class Timed:
             return ENDLESS
         base = self._get(axis, AXIS_NEW_BASE)
         if base >= 0:
-            return (self._get(axis, AXIS_ASKED) - base) & _COUNT
+            return (self._get(axis, AXIS_ASKED) - base) & COUNT_MASK
         if self._get(axis, AXIS_ENDLESS):
             return 0
-        return self._get(axis, AXIS_TO_GO) + ((self._get(axis, AXIS_ASKED) - self._get(axis, AXIS_TAKEN)) & _COUNT)
+        return self._get(axis, AXIS_TO_GO) + ((self._get(axis, AXIS_ASKED) - self._get(axis, AXIS_TAKEN)) & COUNT_MASK)
 
     def negative(self, axis):
         """True where the axis was last asked to count down."""

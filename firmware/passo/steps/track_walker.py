@@ -23,17 +23,14 @@ import micropython
 from micropython import const
 
 from passo.motion.line import MAX_RUN
-from passo.motion.track import COUNT, SPEED, STATION, TOOL, WAIT, WAS
-from passo.records import FEED_BITS, FEED_INDEX, FEED_LEVELS
+from passo.motion.track import SPEED, STATION, TOOL, WAIT, WAS
+from passo.records import COUNT_HALF, COUNT_MASK, FEED_BITS, FEED_INDEX, FEED_LEVELS, TICKS_PER_MS
 from passo.steps.checkpoints import begin
-from passo.steps.word import TICKS_PER_MS
 
 # In the feeder's array, as checkpoints_plain.py has them.
 _SEGMENT_TICKS = const(25_000)
 _PIECE_MS = const(2)  # longest word: what lies ahead of the player stays short, and is never one word alone
 _PIECE = const(25_000)
-_COUNT = const(0x1FFFFFFF)
-_HALF = const(0x10000000)
 _LONGEST_US = const(40_000_000)
 ENDLESS = const(-1)
 
@@ -100,7 +97,7 @@ class TrackWalker:
         if item & 255 != STATION << 4:
             return None
         self._done = 1
-        self.place = (self.place + 1) & COUNT
+        self.place = (self.place + 1) & COUNT_MASK
         return item >> 8
 
     def seek(self, place):
@@ -109,9 +106,9 @@ class TrackWalker:
         Raises ValueError where the track has no such place."""
         self.gap = 0
         while self.place != place:
-            ahead = (place - self.place) & COUNT
-            backward = ahead >= _HALF
-            self.begin(backward, COUNT + 1 - ahead if backward else ahead)
+            ahead = (place - self.place) & COUNT_MASK
+            backward = ahead >= COUNT_HALF
+            self.begin(backward, COUNT_MASK + 1 - ahead if backward else ahead)
             if self.gap:
                 self.gap = 0  # behind a change of the tool, which is passed
             elif self.wait_ms:
@@ -138,7 +135,7 @@ class TrackWalker:
         if self.cell == track.end:
             return True
         item = track.items[self.cell & track.mask]
-        return (self.cell + 1) & COUNT == track.end and self._done == (item >> 8 if item & 15 else 1)
+        return (self.cell + 1) & COUNT_MASK == track.end and self._done == (item >> 8 if item & 15 else 1)
 
     # --- at any time
 
@@ -276,9 +273,9 @@ class TrackWalker:
             if backward:
                 if cell == track.first:
                     break
-                following = (cell - 1) & _COUNT
+                following = (cell - 1) & COUNT_MASK
             else:
-                following = (cell + 1) & _COUNT
+                following = (cell + 1) & COUNT_MASK
                 if following == track.end:
                     break
             item = items[following & cells]
@@ -293,7 +290,7 @@ class TrackWalker:
             negative = item >> 4 & 15
         self.cell = cell
         self._done = done
-        self.place = place & _COUNT
+        self.place = place & COUNT_MASK
         self._togo = togo
         self._half = half
         self.moving = moving
@@ -315,10 +312,10 @@ class TrackWalker:
     def _advance(self, steps):  # ISR: no allocation
         if self.backward:
             self._done -= steps
-            self.place = (self.place - steps) & _COUNT
+            self.place = (self.place - steps) & COUNT_MASK
         else:
             self._done += steps
-            self.place = (self.place + steps) & _COUNT
+            self.place = (self.place + steps) & COUNT_MASK
         if self._togo > 0:
             self._togo -= steps
 
@@ -343,7 +340,7 @@ class TrackWalker:
                     if self.cell == track.first:
                         self.left = 0
                         return
-                    self.cell = (self.cell - 1) & _COUNT
+                    self.cell = (self.cell - 1) & COUNT_MASK
                     item = items[self.cell & track.mask]
                     self._done = item >> 8 if item & 15 else 1
             elif self.cell == track.end:
@@ -354,12 +351,12 @@ class TrackWalker:
             item = items[self.cell & track.mask]
             size = item >> 8 if item & 15 else 1
             if not self.backward and self._done >= size:
-                if (self.cell + 1) & _COUNT == track.end:  # stay in it: it may still grow
+                if (self.cell + 1) & COUNT_MASK == track.end:  # stay in it: it may still grow
                     self._dry = track.open
                     if not self._dry:
                         self.left = 0
                     return
-                self.cell = (self.cell + 1) & _COUNT
+                self.cell = (self.cell + 1) & COUNT_MASK
                 self._done = 0
                 continue
             if item & 0xFF == WAS << 4:

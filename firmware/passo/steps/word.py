@@ -7,12 +7,7 @@ No word reaches 2³⁰, because a board allocates memory for a larger integer. A
 several words of the same levels.
 """
 
-from micropython import const
-
-TICKS_PER_S = const(12_500_000)
-TICKS_PER_MS = const(12_500)
-HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is never far away
-COUNT_MASK = const(0x1FFFFFFF)  # counters run modulo 2²⁹, so that even a sum stays below 2³⁰
+from passo.records import COUNT_MASK, HOLD_TICKS, TICKS_PER_MS, TICKS_PER_S  # noqa: F401
 
 
 def us_to_ticks(us):

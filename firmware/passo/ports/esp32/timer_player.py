@@ -16,11 +16,11 @@ from machine import Pin, Timer, mem32
 from micropython import const
 
 from passo.ports.esp32.chip import clear_register, gpio_base, set_register
+from passo.records import COUNT_MASK
 
 SHORTEST_TICKS = const(2500)  # 200 µs
 WINDOW_US = const(250)
 SLACK_US = const(20)  # a word later than this moves those behind it
-_COUNT = const(0x1FFFFFFF)  # word.COUNT_MASK
 _TICKS = const(25)  # in 2 µs
 
 
@@ -119,7 +119,7 @@ class TimerPlayer:
         levels = word & self._levels
         for bank in self._banks:
             bank.show(levels)
-        self._played = self._played + 1 & _COUNT
+        self._played = self._played + 1 & COUNT_MASK
         twice = (word >> self._bits) * 2 + self._rest
         self._rest = twice % _TICKS
         self._due_us = ticks_add(self._due_us, twice // _TICKS)

@@ -22,10 +22,10 @@ from micropython import const
 
 from passo.ports.rp2 import chip
 from passo.ports.rp2.pio_player import PioPlayer, append
-from passo.records import POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_SIZE, POWER_TAIL, POWER_WORD
+from passo.records import (
+    COUNT_HALF, COUNT_MASK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_SIZE, POWER_TAIL, POWER_WORD,
+)  # fmt: skip
 
-_COUNT = const(0x1FFFFFFF)  # word.COUNT_MASK
-_HALF = const(0x10000000)
 _AHEAD = const(9)  # words handed over as a mark counts, its own included
 _RUNS = const(64)
 _TABLE = const(256)  # bytes: one number for each run
@@ -88,7 +88,7 @@ class BeamPlayer(PioPlayer):
         power = self._power
         marks = power.marks
         mark = self._mark
-        if state[_PLAYING] != 1 or (mark - marks[POWER_TAIL]) & _COUNT >= _HALF:
+        if state[_PLAYING] != 1 or (mark - marks[POWER_TAIL]) & COUNT_MASK >= COUNT_HALF:
             mark = marks[POWER_TAIL]
         beam = self._beam
         if mark == marks[POWER_TAIL]:
@@ -99,8 +99,8 @@ class BeamPlayer(PioPlayer):
         dry = False
         while mark != last:
             at = POWER_MARKS + POWER_FIELDS * (mark & POWER_SIZE - 1)
-            word = (marks[at + POWER_WORD] + _AHEAD) & _COUNT
-            if (head - word) & _COUNT >= _HALF:
+            word = (marks[at + POWER_WORD] + _AHEAD) & COUNT_MASK
+            if (head - word) & COUNT_MASK >= COUNT_HALF:
                 break
             duty = power.scaled(marks[at + POWER_LEVEL]) * self._full // 1000
             if not _tell(state, beam, word, self._duty, duty):
@@ -111,7 +111,7 @@ class BeamPlayer(PioPlayer):
                 self._mark = mark
                 return dry
             self._duty = duty
-            mark = (mark + 1) & _COUNT
+            mark = (mark + 1) & COUNT_MASK
         self._mark = mark
         _tell(state, beam, head, self._duty, self._duty)
         return append(state, head) or dry
@@ -145,8 +145,8 @@ def _tell(state: ptr32, beam: ptr32, word: int, before: int, duty: int) -> bool:
         armed = state[_ARMED]
     else:
         ptr32(state[_D])[0] = beam[_DUTIES]
-    count = (word - armed) & _COUNT
-    if count >= _HALF:
+    count = (word - armed) & COUNT_MASK
+    if count >= COUNT_HALF:
         return False
     if count > state[_MASK] + 1 - (armed & state[_MASK]):
         duties[slot] = before << 16 | before

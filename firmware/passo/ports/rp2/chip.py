@@ -13,6 +13,8 @@ import sys
 import machine
 from machine import Pin, mem32
 
+from passo.records import TICKS_PER_S
+
 RP2350 = "RP2350" in sys.implementation._machine
 IO_BANK0 = 0x40028000 if RP2350 else 0x40014000
 PWM = 0x400A8000 if RP2350 else 0x40050000
@@ -29,7 +31,6 @@ _CLEAR = 0x3000  # alias of a register that clears the bits written
 _NVIC_PRIORITY = 0xE000E400
 _TIMER_IRQ_3 = 3  # what machine.Timer runs in
 
-TICKS_PER_S = 12_500_000
 
 
 def cycles_per_tick():

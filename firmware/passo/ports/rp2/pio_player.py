@@ -22,8 +22,8 @@ import uctypes
 from micropython import const
 
 from passo.ports.rp2 import chip, programs
+from passo.records import COUNT_MASK
 
-_COUNT = const(0x1FFFFFFF)  # word.COUNT_MASK
 _RUNS = const(64)  # entries of each table; 64 words, so aligned to 256 bytes for the DMA's address ring
 _RUNS_RING = const(8)
 _SPARE = const(3)  # entries left free: two for the next append, one for the end mark
@@ -235,7 +235,7 @@ def _count(state: ptr32) -> int:
     left = (armed - ((read - state[_WORDS]) >> 2)) & state[_MASK]
     if address == state[_FIRST] + 1:
         left += 1
-    return (armed - left - level) & _COUNT
+    return (armed - left - level) & COUNT_MASK
 
 
 @micropython.viper
@@ -279,7 +279,7 @@ def _stop(state: ptr32):
     bit = 1 << state[_NUMBER]
     ptr32(state[_PIO] + 0x3000)[0] = bit
     in_hand = 1 if sm[3] == state[_FIRST] + 1 else 0  # it will still be played
-    state[_PLAYED] = (int(_count(state)) + in_hand) & _COUNT
+    state[_PLAYED] = (int(_count(state)) + in_hand) & COUNT_MASK
     state[_PLAYING] = 2
     _still(state)
     _empty(state)
@@ -341,7 +341,7 @@ def append(state: ptr32, head: int) -> bool:
     ended = 0  # 1 once the chain has read the end mark in `first`: it has to be set going again
     if ((c[0] - state[_COUNTS]) >> 2) & (_RUNS - 1) == after:
         ended = 1
-    count = (head - state[_ARMED]) & _COUNT
+    count = (head - state[_ARMED]) & COUNT_MASK
     while count:
         slot = state[_SLOT]
         waiting = (slot - ((c[0] - state[_COUNTS]) >> 2)) & (_RUNS - 1)
@@ -350,7 +350,7 @@ def append(state: ptr32, head: int) -> bool:
         run = mask + 1 - (state[_ARMED] & mask)
         if run > count:
             run = count
-        armed = (state[_ARMED] + run) & _COUNT
+        armed = (state[_ARMED] + run) & COUNT_MASK
         following = (slot + 1) & (_RUNS - 1)
         addresses[following] = state[_WORDS] + ((armed & mask) << 2)
         counts[following] = 0

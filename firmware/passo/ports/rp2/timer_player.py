@@ -15,10 +15,10 @@ from machine import Pin
 from micropython import const
 
 from passo.ports.rp2 import chip, programs
+from passo.records import COUNT_MASK
 
 SHORTEST_TICKS = const(500)  # 40 µs
 
-_COUNT = const(0x1FFFFFFF)  # word.COUNT_MASK
 _DEEP = const(6)  # words in the FIFO of eight
 
 # Fields of the state that the viper functions share; the first group does not change.
@@ -95,11 +95,11 @@ class TimerPlayer:
         played = state[_PLAYED]
         given = state[_GIVEN]
         level = (pio[3] >> shift) & 15
-        while (given - level - played) & _COUNT:  # usually one word; more where the interrupt came late
+        while (given - level - played) & COUNT_MASK:  # usually one word; more where the interrupt came late
             word = words[played & mask]
             want = (table[word & 127] | table[128 + ((word >> 7) & 127)]) ^ state[_INVERT]
             toggle[0] = (pins[0] ^ want) & state[_ALL]
-            played = (played + 1) & _COUNT
+            played = (played + 1) & COUNT_MASK
             state[_PLAYED] = played
             if state[_STEPS]:
                 spin = state[_SPIN]
@@ -109,7 +109,7 @@ class TimerPlayer:
             level = (pio[3] >> shift) & 15
         while given != head and level < _DEEP:
             pio[4 + state[_NUMBER]] = words[given & mask]
-            given = (given + 1) & _COUNT
+            given = (given + 1) & COUNT_MASK
             level += 1
         state[_GIVEN] = given
 
@@ -174,7 +174,7 @@ def _start(state: ptr32, head: int):
     given = state[_GIVEN]
     if given == state[_PLAYED] and given != head and state[_HELD] == 0:
         # None is left to raise the interrupt. It takes over with this one, before the next line here.
-        state[_GIVEN] = (given + 1) & _COUNT
+        state[_GIVEN] = (given + 1) & COUNT_MASK
         ptr32(state[_PIO])[4 + number] = ptr32(state[_WORDS])[given & state[_MASK]]
 
 
