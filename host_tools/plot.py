@@ -1,4 +1,5 @@
-"""`passo plot`: a picture of a path: pen down dark, pen up light, axes in mm, start and end marked, the table around it."""
+"""`passo plot`: a picture of a path: pen down dark, or in colours from first to last, pen up light, axes in mm, start and end
+marked, the table around it."""
 
 from pathlib import Path
 from typing import Optional
@@ -18,12 +19,15 @@ def plot(
     out: Optional[Path] = typer.Option(None, "-o", "--out", help="The picture; default TRACE.png."),
     board: str = typer.Option("plotter_2014", help="Board that says how many steps a millimetre has, and how far it goes."),
     steps_per_mm: Optional[str] = typer.Option(None, metavar="N[,M]", help="Instead of --board; N for X, M for Y."),
+    order: bool = typer.Option(False, "--order", help="Colour each line by when it was drawn: first blue, last red."),
 ):
     """Draw the path of a trace.
 
     Examples:
 
         passo plot out/contours.csv
+
+        passo plot job.csv -o job.png --order
 
         passo plot job.csv -o job.png --steps-per-mm 48,83
     """
@@ -32,7 +36,8 @@ def plot(
     scale = _scale(steps_per_mm, board)
     out = out or trace.with_suffix(".png")
     rows = read_trace(trace)
-    save(out, strokes_of_trace(rows, scale), title_of_trace(trace.stem, rows), None if steps_per_mm else _table(board))
+    table = None if steps_per_mm else _table(board)
+    save(out, strokes_of_trace(rows, scale), title_of_trace(trace.stem, rows), table, order=order)
     print(out)
 
 
@@ -103,9 +108,10 @@ def show_box(axes, box, label, color, style="-"):
     axes.plot(xs, ys, color=color, linewidth=1.4, linestyle=style, label=label, zorder=1.5)
 
 
-def save(path, strokes, title, table=None, page=None):
+def save(path, strokes, title, table=None, page=None, order=False):
     """Write the picture of `strokes` to `path`, with what the machine can reach and the page around it, each left, bottom,
-    right, top in mm or None. Raises Failure if there are no strokes or it cannot be written."""
+    right, top in mm or None; `order`: colours from the first line to the last. Raises Failure if there are no strokes or it
+    cannot be written."""
     import matplotlib
 
     matplotlib.use("Agg")
@@ -117,8 +123,9 @@ def save(path, strokes, title, table=None, page=None):
     figure, axes = plt.subplots(figsize=(9, 8), layout="constrained")
     for pen_down, color, width in ((False, _UP, 0.6), (True, _DOWN, 0.9)):
         lines = [places for down, places in strokes if down == pen_down]
+        colors = plt.get_cmap("turbo")([i / len(lines) for i in range(len(lines))]) if order and pen_down else color
         axes.add_collection(
-            LineCollection(lines, colors=color, linewidths=width, capstyle="round", joinstyle="round",
+            LineCollection(lines, colors=colors, linewidths=width, capstyle="round", joinstyle="round",
                            label="pen down" if pen_down else "pen up")
         )
     for box, label, color, style in ((table, "table", TABLE, "-"), (page, "page", _PAGE, (0, (5, 4)))):

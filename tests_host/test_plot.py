@@ -128,3 +128,18 @@ def test_steps_per_mm_that_are_none_are_refused(tmp_path):
     for text in ("ten", "1,2,3", "0", ""):
         with pytest.raises(Failure, match="--steps-per-mm"):
             plot.plot(tmp_path / "job.csv", out=None, board="plotter_2014", steps_per_mm=text)
+
+
+def test_lines_in_the_colours_of_their_order(tmp_path):
+    from matplotlib.image import imread
+
+    strokes = [(True, [(0, y), (9, y)]) for y in range(8)]
+    plot.save(tmp_path / "dark.png", strokes, "dark")
+    plot.save(tmp_path / "order.png", strokes, "order", order=True)
+    dark, order = (imread(tmp_path / name)[..., :3] for name in ("dark.png", "order.png"))
+
+    def count(picture):
+        """Places of a vivid colour."""
+        return int((picture.max(axis=2) - picture.min(axis=2) > 0.5).sum())
+
+    assert count(order) > 3 * count(dark)
