@@ -4,6 +4,7 @@
     build/plotter_2014/board.py         boards/plotter_2014.py
     build/plotter_2014/passo/…/*.mpy    compiled for the board's chip
     build/plotter_2014/passo/files.txt  the modules of this build; what else lies there is of an older one
+    build/plotter_2014/package.json     the same for mip, which installs all of it with target /
 
 Constants are compiled as numbers (constants.py), so a module that was changed goes over with a new build, not alone.
 Nothing is left for the board's own compiler but main.py and board.py, which have no machine code: so a board with an
@@ -13,6 +14,7 @@ Left out: ports of other chips and the virtual one, languages that no link of th
 
 import ast
 import hashlib
+import json
 import re
 import shutil
 import subprocess
@@ -203,6 +205,13 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
     return rows
 
 
+def write_package(out):
+    """package.json in the folder of a build, which mip takes: as a file, or from a web server that serves the folder."""
+    names = ["board.py", *sorted(path.relative_to(out).as_posix() for path in (out / "passo").rglob("*.*")), "main.py"]
+    package = {"urls": [[name, name] for name in names], "deps": []}
+    (out / "package.json").write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
+
+
 def print_sizes(title, rows):
     """A table of (name, bytes, bytes…) rows, with a sum."""
     from rich.console import Console
@@ -231,6 +240,7 @@ def build(
     """
     out = out or default_out(board)
     rows = build_tree(board, out, march)
+    write_package(out)
     print_sizes(f"{board} in {out}", rows)
 
 

@@ -1,6 +1,7 @@
 """`passo build`: what goes to a board and what does not."""
 
 import ast
+import json
 import re
 import sys
 import tomllib
@@ -75,6 +76,17 @@ def test_only_what_the_board_needs(tmp_path, firmware, chip, protocol, more):
     out = tmp_path / "out"
     build.build_tree(board_file(tmp_path, chip, protocol), out, firmware=firmware)
     assert built_files(out) == sorted(ALWAYS + ROOMS + more)
+
+
+def test_mip_is_given_every_file(tmp_path, firmware):
+    out = tmp_path / "out"
+    build.build_tree(board_file(tmp_path), out, firmware=firmware)
+    files = built_files(out)
+    build.write_package(out)
+    urls = json.loads((out / "package.json").read_text())["urls"]
+    assert [target for target, _ in urls] == [source for _, source in urls]
+    assert sorted(target for target, _ in urls) == files
+    assert urls[-1][0] == "main.py"  # last: without it a copy that ended early starts nothing
 
 
 def test_the_file_list_names_every_module(tmp_path, firmware):
