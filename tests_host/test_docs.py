@@ -1,0 +1,146 @@
+"""What the documents say exists: their links, the commands they show, the files they name; the pages that are made are current."""
+
+import re
+import shlex
+
+import pytest
+import typer
+from typer.main import get_command
+
+from host_tools import boards, reference
+from host_tools.cli import app
+from host_tools.resources import ROOT
+from passo.control import boardfile
+
+pytestmark = pytest.mark.quick
+
+PAGES = sorted([*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), ROOT / "tests_host" / "README.md"])
+FENCED = re.compile(r"^```.*?^```$", re.MULTILINE | re.DOTALL)
+# What a document writes where a reader puts something of his own.
+STANDS_FOR = {"PORT": "/dev/ttyACM0", "NAME": "plotter_2014", "NUMBER": "1", "FILE": "job.gcode", "TCP": "5001"}
+COMMANDS = get_command(app)
+UsageError = typer.BadParameter.__base__  # click's, or that of the click inside newer Typers
+
+
+def pages(*without):
+    return [pytest.param(path, id=path.relative_to(ROOT).as_posix()) for path in PAGES if path.name not in without]
+
+
+def spans(text):
+    """Pieces of inline code, without what stands in blocks."""
+    flat = FENCED.sub("", text)
+    return re.findall(r"`([^`\n]+)`", "\n".join(line for line in flat.splitlines() if not line.startswith("    ")))
+
+
+def blocks(text):
+    """Lines of code blocks, indented or fenced."""
+    lines = [line[4:] for line in FENCED.sub("", text).splitlines() if line.startswith("    ")]
+    return lines + [line for block in FENCED.findall(text) for line in block.splitlines()[1:-1]]
+
+
+def anchor(heading):
+    """GitHub's name of a heading."""
+    text = re.sub(r"[^\w\- ]", "", heading.replace("`", "").strip().lower())
+    return text.replace(" ", "-")
+
+
+def anchors(path):
+    text = FENCED.sub("", path.read_text(encoding="utf-8"))
+    return {anchor(line.lstrip("#")) for line in text.splitlines() if re.match(r"#+ ", line)}
+
+
+@pytest.mark.parametrize("page", pages())
+def test_links_resolve(page):
+    broken = []
+    for target in re.findall(r"\]\(([^)\s]+)\)", page.read_text(encoding="utf-8")):
+        if re.match(r"https?:|mailto:", target):
+            continue
+        name, _, part = target.partition("#")
+        path = (page.parent / name).resolve() if name else page
+        if not path.exists() or part and part not in anchors(path):
+            broken.append(target)
+    assert not broken
+
+
+def shown_commands(text, verb):
+    """What is shown of a command, without its comment: [words]."""
+    found = []
+    for line in blocks(text) + spans(text):
+        line = re.sub(r"^\$ ", "", line.strip())
+        match = re.match(rf"(?:\.venv/bin/)?{verb}(?: (.*))?$", line)
+        if match:
+            words = shlex.split(match[1] or "", comments=True)
+            found.append([STANDS_FOR.get(word, word) for word in words])
+    return found
+
+
+def check(words):
+    """Parses the words of a `passo` command as the command itself does; nothing is carried out."""
+    command, words = COMMANDS, list(words)
+    while hasattr(command, "commands"):
+        if not words or words[0].startswith("-"):
+            return
+        name = words.pop(0)
+        assert name in command.commands, f"there is no passo {name}"
+        command = command.commands[name]
+    if "--help" in words or "…" in words or words and words[-1] == "...":
+        return
+    if not words and any(parameter.required for parameter in command.params):
+        return  # its name alone: a mention
+    command.make_context(command.name, words)
+
+
+@pytest.mark.parametrize("page", pages())
+def test_commands_exist(page):
+    for words in shown_commands(page.read_text(encoding="utf-8"), "passo"):
+        if words[:1] in (["VERB"], []):
+            continue
+        try:
+            check(words)
+        except UsageError as error:
+            pytest.fail(f"passo {shlex.join(words)}: {error.format_message()}")
+
+
+def test_a_wrong_command_is_found():
+    for words in (["plan"], ["board", "--bord", "x"], ["emulate", "--tcp", "many"], ["torch", "fly"]):
+        with pytest.raises((AssertionError, UsageError)):
+            check(words)
+
+
+@pytest.mark.parametrize("page", pages())
+def test_targets_of_make_exist(page):
+    targets = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    for words in shown_commands(page.read_text(encoding="utf-8"), "make"):
+        for word in words:
+            if re.fullmatch(r"[a-z-]+", word):
+                assert word in targets, f"make {word}"
+
+
+@pytest.mark.parametrize("page", pages("benchmarks.md"))
+def test_files_exist(page):
+    """Paths in inline code: of the project, of firmware/passo, or of the page's own folder."""
+    text = page.read_text(encoding="utf-8")
+    named = {span for span in spans(text) if re.fullmatch(r"[\w./]+/[\w.]+\.(py|md|toml|png|json|csv|txt)", span)}
+    roots = ROOT, ROOT / "firmware" / "passo", ROOT / "firmware", page.parent
+    made = ("out/", "build/", "boards/mine", "passo/files.txt")  # what commands write, and what a reader writes
+    missing = [name for name in named if not name.startswith(made) and not any((root / name).exists() for root in roots)]
+    assert not missing
+
+
+@pytest.mark.parametrize("page", pages())
+def test_boards_exist(page):
+    for words in shown_commands(page.read_text(encoding="utf-8"), "passo"):
+        for option, value in zip(words, words[1:]):
+            if option == "--board" and not value.endswith(".py"):
+                assert value in boards.names()
+
+
+@pytest.mark.parametrize("path, wanted", reference.pages().items(), ids=lambda value: getattr(value, "name", ""))
+def test_made_pages_are_current(path, wanted):
+    assert path.read_text(encoding="utf-8") == wanted, "write it anew: python -m host_tools.reference"
+
+
+def test_every_key_has_a_meaning():
+    from host_tools.board_keys import MEANINGS
+
+    assert set(reference.keys(boardfile._BOARD)) == set(MEANINGS)
