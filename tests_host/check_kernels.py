@@ -9,7 +9,7 @@ from passo.records import (
     FEED_AXES, FEED_BITS, FEED_HEAD, FEED_LIMIT, FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PLACE, FEED_SETUP,
     FEED_TICKS, MARKS, MARK_FIELDS,
 )  # fmt: skip
-from passo.steps import checkpoints, checkpoints_plain, pace, pace_plain, position, position_plain, timed
+from passo.steps import checkpoints, checkpoints_plain, pace, pace_plain, position, position_plain
 
 CASES = {
     "check_walk": (("seed", "seed"), ("axes", 1, 4)),
@@ -17,7 +17,6 @@ CASES = {
     "check_repay": (("seed", "seed"), ("count", 1, 60)),
     "check_apply": (("seed", "seed"), ("axes", 1, 2), ("width", "choice", 4, 6)),
     "check_checkpoints": (("seed", "seed"), ("axes", 1, 4)),
-    "check_timed": (("seed", "seed"), ("axes", 1, 4)),
     "check_tally": (("seed", "seed"), ("axes", 1, 4)),
     "check_tally_of_coils": (("seed", "seed"), ("axes", 1, 2), ("width", "choice", 4, 6)),
 }
@@ -165,44 +164,3 @@ def check_tally_of_coils(seed, axes, width):
     words[first & 63] = 15 | 15 << width  # no current: no step
     for tally in (coils_plain.tally, coils.tally):
         assert tally(words, 63, first, (first + 1) & 0x1FFFFFFF, axes, width, last, tables, 15, array("i", begun)) == 0
-
-
-def check_timed(seed, axes):
-    """Axes that run on their own, whatever is asked of them on the way, with and without ramps."""
-    random = Random(seed)
-    least = random.between(25, 126)
-    setup = random.between(0, 1) * random.between(least, 300)
-    bits = 2 * axes + 1
-    pair = [timed.Timed(axes, least, setup) for _ in range(2)]
-    outs = [array("I", [9] * 300) for _ in range(2)]
-    levels = random.between(0, 1) << 2 * axes
-    for axis in range(axes):
-        if random.between(0, 1):
-            limits = random.between(500, 40_000), random.between(100, 300_000)
-            for one in pair:
-                one.limits(axis, *limits)
-    for _ in range(random.between(1, 12)):
-        axis = random.between(0, axes - 1)
-        what = random.between(0, 4)
-        each = 2 * least + random.between(0, (20, 3000, 60_000, 3_000_000)[random.between(0, 3)])
-        over = random.between(1, 9)
-        asked = (timed.ENDLESS, random.between(0, 300), random.between(0, 300), 0, 0)[what]
-        hold = not random.between(0, 5)
-        negative = random.between(0, 1)
-        for one in pair:
-            if what == 4:
-                one.stop(axis)
-            elif what == 3:
-                one.rate(axis, each, over - 1, over)
-            else:
-                one.set(axis, asked, each, over - 1, over, negative, what == 2 and one.negative(axis) == bool(negative))
-        room = random.between(1, 120)
-        counts = []
-        for one, walk, out in zip(pair, (timed.walk_plain, timed.walk), outs):
-            one._state[3] = levels
-            one._state[5] = 1 if hold else 0
-            counts.append(walk(out, 3, room, bits, one._state, one.made))
-        assert counts[0] == counts[1]
-        assert outs[0] == outs[1]
-        assert pair[0]._state == pair[1]._state and pair[0].made == pair[1].made
-        levels = pair[0]._state[3]

@@ -4,14 +4,14 @@ from array import array
 
 from passo.motion.block import LINE
 from passo.motion.integers import length_nm
+from passo.motion.independent import IndependentAxes
 from passo.motion.line import Line
 from passo.motion.planner import LOOK_AHEAD
-from passo.records import FEED_DEBT
+from passo.records import COUNT_MASK, ENDLESS, FEED_DEBT, HOLD_TICKS, TICKS_PER_MS, TICKS_PER_S
 from passo.steps import position as asked
 from passo.steps.pace import pace, repay
 from passo.steps.pace_plain import new_terms, set_terms
 from passo.steps.ring import Ring
-from passo.steps.timed import ENDLESS, Timed
 from passo.steps.word import COUNT_MASK, HOLD_TICKS, TICKS_PER_MS, TICKS_PER_S, us_to_ticks
 from rig import DRIVES, LEAST_TICKS, SETUP_TICKS, Rig, total_ticks
 
@@ -30,7 +30,7 @@ CASES = {
     ),
     "check_ring_offset_changes_nothing": (("offset", 1, 4095), ("dx", -900, 900), ("dy", -900, 900)),
     "check_cancel_and_take_up": VECTOR + (("part", 0, 1000), ("each", 60, 9000)),
-    "check_timed": (
+    "check_independent": (
         ("x", 0, 200), ("x_each", 50, 40_000), ("x_rest", 0, 6),
         ("y", 0, 200), ("y_each", 50, 40_000), ("y_rest", 0, 6),
     ),
@@ -40,7 +40,7 @@ RUNS = {
     "check_slow_line": 12,
     "check_position_at_every_word": 30,
     "check_cancel_and_take_up": 25,
-    "check_timed": 30,
+    "check_independent": 30,
     "check_turns": 40,
     "check_ring_offset_changes_nothing": 15,
 }
@@ -318,10 +318,10 @@ def check_path_speed_is_the_same_at_every_slope():
             assert abs(speed / asked - 1) < 0.01
 
 
-def check_timed(x, x_each, x_rest, y, y_each, y_rest):
+def check_independent(x, x_each, x_rest, y, y_each, y_rest):
     """Each axis steps at its own mean rate to its own count; sharing a word moves a step by less than `least`."""
     rig = Rig()
-    axes = Timed(2, LEAST_TICKS)
+    axes = IndependentAxes(2, LEAST_TICKS)
     axes.set(0, x, x_each, x_rest, 7)
     axes.set(1, y, y_each, y_rest, 7, negative=True)
     rig.planner.free(axes, False)
@@ -340,10 +340,10 @@ def check_timed(x, x_each, x_rest, y, y_each, y_rest):
     assert rig.feeder.position(rig.played) == [x, -y]
 
 
-def check_timed_for_ever_and_live():
+def check_independent_for_ever_and_live():
     """Endless axes go on until they are told to stop; a new rate is felt at the next step."""
     rig = Rig("unipolar half")
-    axes = Timed(2, LEAST_TICKS)
+    axes = IndependentAxes(2, LEAST_TICKS)
     axes.set(0, ENDLESS, 50_000)
     axes.set(1, ENDLESS, 6_350_000)
     rig.planner.free(axes, False)
@@ -368,8 +368,8 @@ def check_timed_for_ever_and_live():
     assert not axes.active()
 
 
-def check_timed_refuses_what_it_cannot_do():
-    axes = Timed(1, 50)
+def check_independent_refuses_what_it_cannot_do():
+    axes = IndependentAxes(1, 50)
     for steps, each, rest, over in ((-2, 1000, 0, 1), (1, 99, 0, 1), (1, 1000, 3, 3), (1, 0x1FFFFFFF, 0, 1)):
         try:
             axes.set(0, steps, each, rest, over)

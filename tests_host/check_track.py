@@ -1,9 +1,9 @@
 """Tracks: every unit once and in its order, both ways and from any place; periods exact; the place known at any word."""
 
 from draws import Random
-from passo.motion.track import MOST, SPEED, STATION, TOOL, WAIT, Track, mark, run, units
-from passo.records import COUNT_MASK, FEED_LEVELS
-from passo.steps.track_walker import ENDLESS, TrackWalker
+from passo.motion.step_program import DWELL, MOST, SPEED, STATION, TOOL, StepProgram, mark, run, units
+from passo.motion.step_program_walker import StepProgramWalker
+from passo.records import COUNT_MASK, ENDLESS, FEED_LEVELS, HOLD_TICKS
 from passo.steps.word import HOLD_TICKS
 from rig import Rig
 
@@ -22,9 +22,9 @@ TOOL_TICKS = (2_000, 300_000)
 
 
 def new_track(cells=1024, tool_ticks=TOOL_TICKS):
-    track = Track(3, cells)
+    track = StepProgram(3, cells)
     track.clear(3000)
-    return track, TrackWalker(track, LENGTHS, tool_ticks)
+    return track, StepProgramWalker(track, LENGTHS, tool_ticks)
 
 
 def random_items(random, count, speeds=(1200, 3000, 6000)):
@@ -36,7 +36,7 @@ def random_items(random, count, speeds=(1200, 3000, 6000)):
         elif kind == 1:
             items.append(mark(SPEED, random.choice(speeds)))
         elif kind == 2:
-            items.append(mark(WAIT, random.choice((0, 1, 9, 10, 25))))
+            items.append(mark(DWELL, random.choice((0, 1, 9, 10, 25))))
         else:
             mask = random.between(1, 7)
             items.append(run(mask, random.between(0, 7) & mask, random.choice((1, 1, 2, 3, 7, 60))))
@@ -321,7 +321,7 @@ def check_full():
     assert track.size == 4
     assert track.append(run(1, 0, MOST)) and track.append(run(1, 0, 1)) and track.append(run(2, 0))
     assert not track.append(mark(SPEED, 100)) and track.used() == 3
-    assert track.append(mark(WAIT, 100)) and not track.append(run(1, 0))
+    assert track.append(mark(DWELL, 100)) and not track.append(run(1, 0))
     assert track.append(run(2, 0)) is False and track.total == MOST + 3
     assert track.at == [MOST + 1, 1, 0]
 

@@ -9,11 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from passo.drives import unipolar
-from passo.motion import line, planner, track
+from passo.motion import independent, line, planner, step_program, step_program_walker, step_program_words
 from passo.motion.block import Block
 from passo.motion.line import MAX_STEPS
-from passo.records import FEED_OLDEST, FEED_PLACE, FEED_TICKS, MARK_FIELDS, MARK_TICKS
-from passo.steps import feeder, pace_plain, power, ring, timed, track_walker
+from passo.records import COUNT_MASK, ENDLESS, FEED_OLDEST, FEED_PLACE, FEED_TICKS, MARK_FIELDS, MARK_TICKS
+from passo.steps import feeder, pace_plain, power, ring
 from passo.steps.word import COUNT_MASK
 from rig import DRIVES, LEAST_TICKS, Rig
 from small_int import Small
@@ -50,7 +50,7 @@ class SmallView:
 def narrow():
     """Every array that the interrupt code reads or writes is narrow."""
     patch = pytest.MonkeyPatch()
-    for module in (line, planner, feeder, pace_plain, power, ring, timed, track, track_walker):
+    for module in (line, planner, feeder, pace_plain, power, ring, independent, step_program, step_program_words):
         patch.setattr(module, "array", SmallList)
     for module in (line, planner):
         patch.setattr(module, "memoryview", SmallView, raising=False)
@@ -122,9 +122,9 @@ def test_counters_wrap():
 
 def test_axes_that_turn_for_ever():
     rig = small_rig("unipolar half", 2)
-    axes = timed.Timed(2, LEAST_TICKS)
-    axes.set(0, timed.ENDLESS, 0x1FFFFFFE, 2, 3)
-    axes.set(1, timed.ENDLESS, 2 * LEAST_TICKS, 5, 7, negative=True)
+    axes = independent.IndependentAxes(2, LEAST_TICKS)
+    axes.set(0, ENDLESS, 0x1FFFFFFE, 2, 3)
+    axes.set(1, ENDLESS, 2 * LEAST_TICKS, 5, 7, negative=True)
     rig.planner.free(axes, False)
     rig.planner.flush()
     assert sum(play(rig, 10) for _ in range(60)) > 1000
@@ -133,8 +133,8 @@ def test_axes_that_turn_for_ever():
 @given(
     st.lists(
         st.one_of(
-            st.builds(track.run, st.integers(1, 7), st.integers(0, 7), st.integers(1, track.MOST)),
-            st.builds(track.mark, st.sampled_from((track.WAIT, track.TOOL, track.SPEED)), st.integers(1, track.MOST)),
+            st.builds(step_program.run, st.integers(1, 7), st.integers(0, 7), st.integers(1, step_program.MOST)),
+            st.builds(step_program.mark, st.sampled_from((step_program.DWELL, step_program.TOOL, step_program.SPEED)), st.integers(1, step_program.MOST)),
         ),
         min_size=1,
         max_size=30,
@@ -142,14 +142,14 @@ def test_axes_that_turn_for_ever():
     st.booleans(),
 )
 @settings(max_examples=40)
-def test_no_track_reaches_a_wide_integer(items, backward):
+def test_no_step_program_reaches_a_wide_integer(items, backward):
     rig = small_rig("step_dir")
-    path = track.Track(3, 64)
+    path = step_program.StepProgram(3, 64)
     path.clear(1)
     for item in items:
         path.append(Small(item))
     lengths = SmallList("i", [0] + [0x3FC00000] * 7)
-    walker = track_walker.TrackWalker(path, lengths, SmallList("i", [0x1FFFFFFF] * 2))
+    walker = step_program_walker.StepProgramWalker(path, lengths, SmallList("i", [0x1FFFFFFF] * 2))
     walker.rewind()
     if backward:
         walker.cell = path.end

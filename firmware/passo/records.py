@@ -22,11 +22,11 @@ NM_PER_M = const(1_000_000_000)
 
 # A block as a row of Planner.rows, which begins at `row`. "Of 2²⁸" is a fraction of the machine's fastest speed, or of its
 # square (motion/profile.py). q is the square of a speed in the block's own unit, which is the programmed speed / ROW_TOP.
-ROW_KIND = const(0)  # LINE, WAIT, FREE, ARC or TRACK, of motion/block.py
+ROW_KIND = const(0)  # LINE, WAIT, INDEPENDENT, ARC or STEP_PROGRAM, of motion/block.py
 ROW_TOOL = const(1)  # the tool bit from this block's first word on
 ROW_TICKS = const(2)  # WAIT: its length; others: whole ticks a dominant step, of an arc: a step of path
 ROW_TICKS_REST = const(3)  # LINE: ticks that remain over all dominant steps, spread evenly; ARC: 128ths of a tick
-ROW_FIRST = const(4)  # dominant step to begin at: not 0 if an interrupted block is resumed; TRACK: place
+ROW_FIRST = const(4)  # dominant step to begin at: not 0 if an interrupted block is resumed; STEP_PROGRAM: place
 ROW_TAG = const(5)  # a number that the controller wants back when the block has been played
 ROW_RAPID = const(6)  # 1: the override for rapid motion counts, not that for the feed
 ROW_TOP = const(7)  # the programmed speed, in the block's units
@@ -313,6 +313,8 @@ CIRCLE_USED = const(36)  # length of the run, 2⁻²⁰ steps
 CIRCLE_NEXT = const(37)  # of the step after it; −1: not known yet
 CIRCLE_REST = const(38)  # what rounding has left over of CIRCLE_PATH, 2⁻²⁰ steps
 CIRCLE_LINE = const(39)  # the state of a line's walker, for the tail; here too the steps made are counted
+
+ENDLESS = const(-1)  # steps to come: no end
 
 # The state of independent axes: these, then AXIS_FIELDS numbers an axis.
 INDEPENDENT_AXES = const(0)

@@ -20,7 +20,8 @@ from passo import commands, errors
 from passo.commands import FINISHED, FOREVER, Event
 from passo.control import settings as table
 from passo.control.part import Part
-from passo.steps.timed import ENDLESS, MOST_STEPS
+from passo.motion.independent_viper import MOST_STEPS
+from passo.records import ENDLESS
 from passo.steps.word import COUNT_MASK, TICKS_PER_MS
 
 LATER = const(-1)
@@ -181,7 +182,7 @@ class Independent(Part):
 
     @micropython.native
     def _turns(self, axis, steps):
-        return self.walker.togo(axis) and self.walker.negative(axis) != (steps < 0)
+        return self.walker.togo(axis) and self.walker.counts_down(axis) != (steps < 0)
 
     @micropython.native
     def _start(self, command, intervals):

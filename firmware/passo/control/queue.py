@@ -153,9 +153,10 @@ class Queue:
     def independent(self):
         """The walker of axes that run on their own: one for all."""
         if self._walker is None:
-            from passo.steps.timed import Timed
+            from passo.motion.independent import IndependentAxes
 
-            self._walker = Timed(len(self._axes), self._feeder.min_word_ticks, self._feeder.setup_ticks)
+            feeder = self._feeder
+            self._walker = IndependentAxes(len(self._axes), feeder.min_word_ticks, feeder.setup_ticks)
         return self._walker
 
     def run(self, walker):

@@ -1,6 +1,6 @@
 """Playing a track: forward, backward, step by step, again and again, with manual moves in between and the way back.
 
-What a track is stands in motion/track.py, how it comes in track_intake.py. TRACK says what to do with it. Every stand is at
+What a track is stands in motion/step_program.py, how it comes in track_intake.py. TRACK says what to do with it. Every stand is at
 a step, and every start goes on from there: a pause takes the walk off the queue, so that a turn-round, a manual move or
 a single step may follow.
 
@@ -14,9 +14,9 @@ from passo import commands, errors
 from passo.commands import FINISHED, Event
 from passo.control import settings as table
 from passo.control.track_intake import ASK, DRIVES_ON, TrackIntake, lengths_of
-from passo.motion.track import Track, run
-from passo.records import COUNT_HALF, COUNT_MASK
-from passo.steps.track_walker import ENDLESS, TrackWalker
+from passo.motion.step_program import StepProgram, run
+from passo.motion.step_program_walker import StepProgramWalker
+from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
 from passo.steps.word import us_to_ticks
 
 MOST_PASSES = const(100)
@@ -41,11 +41,11 @@ class TrackPlayer(TrackIntake):
         self._lengths = lengths
         self.fastest = min([lengths[1 << axis] for axis in range(len(axes))]) // config["interval_us"] or 1
         self._least_ticks = us_to_ticks(config["interval_us"])
-        self.track = Track(len(axes), config["cells"])
+        self.track = StepProgram(len(axes), config["cells"])
         tool_ticks = array("i", [queue.tool_ticks(False), queue.tool_ticks(True)])
-        self._walker = TrackWalker(self.track, lengths, tool_ticks)
-        self._manual = Track(len(axes), _MANUAL_CELLS)
-        self._hand = TrackWalker(self._manual, lengths, tool_ticks)
+        self._walker = StepProgramWalker(self.track, lengths, tool_ticks)
+        self._manual = StepProgram(len(axes), _MANUAL_CELLS)
+        self._hand = StepProgramWalker(self._manual, lengths, tool_ticks)
         self._loading = False
         self._streaming = False
         self._drives = False  # as the track or the operator left them

@@ -6,7 +6,7 @@ from micropython import const
 from passo import commands, errors
 from passo.control import settings as table
 from passo.control.part import Part
-from passo.motion import track as marks
+from passo.motion import step_program as marks
 from passo.motion.integers import isqrt
 from passo.records import COUNT_MASK
 
@@ -19,7 +19,7 @@ DRIVES_ON = const(1)
 ASK = const(2)  # the operator sets the speed
 
 _KINDS = {
-    commands.TRACK_WAIT: marks.WAIT,
+    commands.TRACK_WAIT: marks.DWELL,
     commands.TRACK_TOOL: marks.TOOL,
     commands.TRACK_SPEED: marks.SPEED,
 }

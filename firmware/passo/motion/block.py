@@ -21,9 +21,9 @@ except NameError:
 
 LINE = const(0)
 WAIT = const(1)
-FREE = const(2)  # axes that run independently of each other
+INDEPENDENT = const(2)  # axes that run independently of each other
 ARC = const(3)
-TRACK = const(4)  # a path written down step by step
+STEP_PROGRAM = const(4)  # a path written down step by step
 
 COARSE = const(13)  # fraction bits of the lengths that an arc's walker tells the ramp
 
@@ -33,7 +33,7 @@ class Block:
 
     def __init__(self):
         self.kind = WAIT
-        self.walker = None  # what the feeder walks: the planner's line or circle, independent axes, a track's walker
+        self.walker = None  # what the feeder walks: the planner's line or circle, independent axes, a step program
         self.ticks = self.ticks_rest = self.first = self.tag = self.dynamic = 0
         self.start = 0  # q at which it may be begun and ended without a ramp
         self.rows = None  # where it stands as a row

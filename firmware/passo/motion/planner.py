@@ -31,7 +31,7 @@ import micropython
 from micropython import const
 
 from passo.motion import profile
-from passo.motion.block import ARC, FREE, LINE, TRACK, WAIT, Block, q_of
+from passo.motion.block import ARC, INDEPENDENT, LINE, STEP_PROGRAM, WAIT, Block, q_of
 from passo.motion.line import MAX_STEPS, Line
 from passo.motion.profile import TICKS_PER_S
 from passo.motion.row_viper import close, take
@@ -60,7 +60,7 @@ class Planner:
         self.dynamic = False
         self._stride = ROW_STEPS + axes
         self.rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
-        self._walkers = [None] * _SIZE  # of ARC the circle's plan; of FREE and TRACK what is walked
+        self._walkers = [None] * _SIZE  # of ARC the circle's plan; of INDEPENDENT and STEP_PROGRAM what is walked
         self._plans = ()  # of arcs, each used again in its turn
         self._users = array("i", [])  # the number of the block that it was last used for
         self._turn = 0
@@ -314,18 +314,18 @@ class Planner:
         self._add(at, WAIT, tool, tag)
 
     def free(self, walker, tool, tag=0):
-        """Queue axes that run independently: `walker` is a steps.timed.Timed with its axes set."""
+        """Queue axes that run independently: `walker` is an IndependentAxes with its axes set."""
         at = self._free()
         self._stand(at, 0)
         self._walkers[self.counts[QUEUE_ADDED] % _SIZE] = walker
-        self._add(at, FREE, tool, tag)
+        self._add(at, INDEPENDENT, tool, tag)
 
     def track(self, walker, tag=0):
-        """Queue a walk over a track: `walker` is a steps.track_walker.TrackWalker that has begun. It has the tool too."""
+        """Queue a walk over a step program: `walker` is a StepProgramWalker that has begun. It has the tool too."""
         at = self._free()
         self._stand(at, 0)
         self._walkers[self.counts[QUEUE_ADDED] % _SIZE] = walker
-        self._add(at, TRACK, walker.tool, tag, False, walker.place)
+        self._add(at, STEP_PROGRAM, walker.tool, tag, False, walker.place)
 
     @micropython.native
     def _add(self, at, kind, tool, tag, rapid=False, first=0):

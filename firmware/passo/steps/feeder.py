@@ -17,7 +17,7 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion.block import FREE, LINE, TRACK, WAIT
+from passo.motion.block import INDEPENDENT, LINE, STEP_PROGRAM, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.row_viper import begun
 from passo.records import (
@@ -119,8 +119,8 @@ class Feeder(Position):
                 more = self._stand(block)
             elif kind == LINE and self.ramp.short:
                 more = self._accelerated(block, played, lead_ticks, held)
-            elif kind == FREE or kind == TRACK:
-                more = block.walker.feed(self, held)
+            elif kind == INDEPENDENT or kind == STEP_PROGRAM:
+                more = self._words(block.walker, held)
             else:
                 more = self._segment(block, block.walker, held)
             if not more:
@@ -132,7 +132,7 @@ class Feeder(Position):
         if not (self.hold or self.brake) or self.ramp.moving():
             return False
         block = self._block
-        return block is None or block.kind != FREE or not block.walker.rolling()
+        return block is None or block.kind != INDEPENDENT or not block.walker.rolling()
 
     def amid(self):  # ISR: no allocation
         """True while a block has been begun that has words to come."""
@@ -158,7 +158,7 @@ class Feeder(Position):
             self.state[FEED_WAIT] = rows[at + ROW_TICKS]
             ramp.stall()
             self._mark_power(block, 0)
-        elif kind == FREE or kind == TRACK:
+        elif kind == INDEPENDENT or kind == STEP_PROGRAM:
             ramp.stall()
             self._mark_power(block, -1)
         else:
@@ -213,6 +213,31 @@ class Feeder(Position):
             at = 0
             run -= part
         self.finish(steps, ticks, not (walker.left or waits), walker.made)
+        return True
+
+    @micropython.native
+    def _words(self, geometry, held):  # ISR: no allocation
+        """One segment of a geometry that makes whole words: independent axes, a step program."""
+        if not geometry.ready():
+            self.stood = True  # there is no more yet: no word comes late
+            return False
+        state = self.state
+        ring = self.ring
+        if geometry.tool >= 0:
+            levels = state[FEED_LEVELS] & ~state[FEED_TOOL]
+            state[FEED_LEVELS] = levels | (state[FEED_TOOL] if geometry.tool else 0)
+        at = begin(state, ring.words, geometry.moving, geometry.negative, 0, 0)
+        room = ring.size - at
+        if room > MAX_RUN:
+            room = MAX_RUN
+        count = geometry.walk(ring.words, at, room, state[FEED_LEVELS], state[FEED_BITS], held)
+        ends = geometry.ends()
+        if not count and not ends:
+            return False
+        state[FEED_LEVELS] = geometry.levels
+        state[FEED_INDEX] = geometry.place
+        self.settle(at, count)
+        self.finish(count, geometry.ticks, ends, geometry.made)
         return True
 
     def _stand(self, block):  # ISR: no allocation

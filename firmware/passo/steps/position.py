@@ -1,7 +1,7 @@
 """Where the machine is, from the words played: the last checkpoint played, and the steps in the words since."""
 
 
-from passo.motion.block import TRACK
+from passo.motion.block import STEP_PROGRAM
 from passo.records import (
     COUNT_HALF, COUNT_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PLAYED, MARKS, MARK_ENDS, MARK_INDEX, MARK_PACE, MARK_WORD,
 )  # fmt: skip
@@ -62,14 +62,14 @@ class Position:
         if block is None:
             return stepping
         start = block.first if self._marks[at + MARK_ENDS] else self._marks[at + MARK_INDEX]
-        if block.kind == TRACK and block.walker.backward:
+        if block.kind == STEP_PROGRAM and block.walker.backward:
             stepping = -stepping
         return (start + stepping) & COUNT_MASK
 
     def place(self, played):
         """The place on the track under way when `played` words have appeared on the pins; None where there is none."""
         block = self.planner.playing()
-        if block is None or block.kind != TRACK:
+        if block is None or block.kind != STEP_PROGRAM:
             return None
         at = self._walk(played)
         if self._marks[at + MARK_ENDS] and at != self.state[FEED_OLDEST] % MARKS * self._stride:

@@ -1,22 +1,22 @@
-"""A track: a path written down step by step, which can be walked both ways from any place.
+"""A step program: a path written down step by step, which can be walked both ways from any place.
 
-    track = Track(3, cells=1024)
-    track.clear()
-    track.append(run(0b011, 0b010, 500))    # 500 times: x a step forward and y a step back at once
-    track.append(mark(WAIT, 2000))
+    program = StepProgram(3, cells=1024)
+    program.clear()
+    program.append(run(0b011, 0b010, 500))    # 500 times: x a step forward and y a step back at once
+    program.append(mark(DWELL, 2000))
 
 An item is one integer below 2³⁰. `count << 8 | negative << 4 | mask` is a run of equal single steps: of the axes in
 `mask`, those in `negative` backwards. Where the mask is 0 it is a mark, `value << 8 | kind << 4`:
 
-    WAIT     stand for `value` milliseconds; walking backward it is skipped
+    DWELL    stand for `value` milliseconds; walking backward it is skipped
     TOOL     bit 0: the tool from here on; bit 1, which append() adds: the tool up to here
     SPEED    mm/min along the path, from here on
     WAS      mm/min up to here: append() puts one before each SPEED, it is no unit of its own
-    STATION  the walk ends here; what for, `value` tells the track's owner; walking backward it is skipped
+    STATION  the walk ends here; what for, `value` tells the program's owner; walking backward it is skipped
 
 A *place* is the number of units before it: every single step is one, and every mark. Equal runs are merged.
 
-The items lie in a ring of cells. A closed track is complete. An open one, `ring` set, goes on growing, and forgets its
+The items lie in a ring of cells. A closed program is complete. An open one, `ring` set, goes on growing, and forgets its
 oldest items when the cells are used up. One producer, the main loop, one reader, which may be an interrupt: a cell is
 written before `end` counts it. Cells and places count modulo 2²⁹.
 """
@@ -28,7 +28,7 @@ from micropython import const
 
 from passo.records import COUNT_MASK
 
-WAIT = const(1)
+DWELL = const(1)
 TOOL = const(2)
 SPEED = const(3)
 WAS = const(4)
@@ -53,7 +53,7 @@ def units(item):
     return 0 if item >> 4 & 15 == WAS else 1
 
 
-class Track:
+class StepProgram:
     def __init__(self, axes, cells):
         """`cells`: how many items it holds, rounded down to a power of two."""
         size = 1

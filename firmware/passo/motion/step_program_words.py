@@ -1,20 +1,9 @@
-"""Walks a track of single steps, forward or backward from any place, and turns it into words as it goes.
-
-    walker = TrackWalker(track, lengths, tool_ticks=(0, 0))
-    walker.rewind()
-    walker.begin()                      # or begin(backward=True); begin(most=1) goes one unit
-    planner.track(walker)
-
-A step is followed by its own period: its length along the path over the speed, in whole microseconds. 12½ ticks are a
-microsecond; half a tick left over goes to the next step, so that the mean is exact. `set_speed` may be called at any
-time: the interval under way lasts no longer than a new one would.
-
-A walk ends at `most` units, at the track's end, at its start, or before a STATION, which only pass_station() passes.
-At the end of an open track it goes on as soon as there is more. Its place is exact as the words made have it; the
-feeder knows how many of them have played.
+"""The words of a step program, forward or backward from any place. The method stands in step_program_walker.py.
 
 What a segment may hold: the intervals of steps in the same directions, in about two milliseconds, up to the next mark; or
 a piece of a wait. Marks are passed between segments, so that within one the place advances by one a stepping word.
+
+All may run in an interrupt: no allocation, no integer of 2³⁰.
 """
 
 from array import array
@@ -22,27 +11,25 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion.line import MAX_RUN
-from passo.motion.track import SPEED, STATION, TOOL, WAIT, WAS
-from passo.records import COUNT_HALF, COUNT_MASK, FEED_BITS, FEED_INDEX, FEED_LEVELS, TICKS_PER_MS
-from passo.steps.checkpoints import begin
+from passo.motion.step_program import DWELL, SPEED, STATION, TOOL, WAS
+from passo.records import COUNT_MASK, ENDLESS, TICKS_PER_MS
 
-# In the feeder's array, as checkpoints_plain.py has them.
 _SEGMENT_TICKS = const(25_000)
 _PIECE_MS = const(2)  # longest word: what lies ahead of the player stays short, and is never one word alone
 _PIECE = const(25_000)
 _LONGEST_US = const(40_000_000)
-ENDLESS = const(-1)
 
 
-class TrackWalker:
-    def __init__(self, track, lengths, tool_ticks):
+class StepProgramWords:
+    """A geometry that makes whole words: what may run in an interrupt."""
+
+    def __init__(self, program, lengths, tool_ticks):
         """`lengths`: for each mask of axes how far a step goes, in nm × 60 and below 2³⁰; `tool_ticks`: what (off, on)
         take."""
-        self.track = track
-        self.made = array("i", [0] * track.axes)  # signed steps since the feeder last cleared them
+        self.program = program
+        self.made = array("i", [0] * program.axes)  # signed steps since they were last cleared
         self.moving = self.negative = 0  # masks of the next run
-        self.ticks = 0  # length of the segment that walk() wrote
+        self.ticks = self.levels = 0  # of what walk() wrote: its length, and the directions and tool at its end
         self.tool = False
         self.left = 0  # 0: the walk has come to its end, once the gap is over
         self.gap = 0  # ticks until the next step may come
@@ -53,106 +40,21 @@ class TrackWalker:
         self.speed = 0  # mm/min
         self._done = 0  # units of the cell's item that lie behind, seen forward
         self._togo = ENDLESS
-        self._dry = False  # an open track has nothing more just now
+        self._dry = False  # an open program has nothing more just now
         self._lengths = lengths
         self._each = array("i", [0] * len(lengths))  # half ticks a step
         self._half = 0  # half a tick carried on
         self._wanted = 0  # a speed that takes effect with the next segment
         self._tool_ticks = tool_ticks
 
-    # --- main loop, while the feeder is not walking
-
-    def rewind(self):
-        """Stand at the start of the track, the tool off."""
-        track = self.track
-        self.cell = track.first
-        self.place = track.start
-        self._done = self._togo = self.left = 0
-        self.wait_ms = 0
-        self.tool = False
-        self._dry = False
-        self._wanted = 0
-        self._take_speed(track.speed_before)
-
-    def begin(self, backward=False, most=ENDLESS, lit=None):
-        """Set out from where it stands. `lit`: the tool as it is now; None: as it should be."""
-        if backward:
-            self.wait_ms = 0
-        if self._wanted:
-            self._change_speed()
-        self.backward = backward
-        self.left = 1
-        self._togo = most
-        if lit is not None and lit != self.tool and self.gap < self._tool_ticks[self.tool]:
-            self.gap = self._tool_ticks[self.tool]
-        if not self.wait_ms:
-            self._arrive()
-
-    def pass_station(self):
-        """Go past the STATION the walk has come to, and return its value; None where there is none."""
-        track = self.track
-        if self.cell == track.end or self._done:
-            return None
-        item = track.items[self.cell & track.mask]
-        if item & 255 != STATION << 4:
-            return None
-        self._done = 1
-        self.place = (self.place + 1) & COUNT_MASK
-        return item >> 8
-
-    def seek(self, place):
-        """Stand at `place`, the tool and the speed as they are there; the next step comes a period later.
-
-        Raises ValueError where the track has no such place."""
-        self.gap = 0
-        while self.place != place:
-            ahead = (place - self.place) & COUNT_MASK
-            backward = ahead >= COUNT_HALF
-            self.begin(backward, COUNT_MASK + 1 - ahead if backward else ahead)
-            if self.gap:
-                self.gap = 0  # behind a change of the tool, which is passed
-            elif self.wait_ms:
-                self.wait_ms = 0
-                self._step_over()
-            elif self.left and not self._dry:
-                self._advance(min(self._in_run(), self._togo))
-            elif self.place != place and self.pass_station() is None:
-                raise ValueError("no place %d on the track" % place)
-        self.left = 0
-        self.gap = self._each[self.moving] >> 1
-
-    def cut(self):
-        """Let the track end here."""
-        self.track.cut(self.cell, self._done, self.place)
-
-    def at_start(self):
-        """True where there is nothing behind."""
-        return self.cell == self.track.first and not self._done
-
-    def at_end(self):
-        """True where there is nothing ahead."""
-        track = self.track
-        if self.cell == track.end:
-            return True
-        item = track.items[self.cell & track.mask]
-        return (self.cell + 1) & COUNT_MASK == track.end and self._done == (item >> 8 if item & 15 else 1)
-
-    # --- at any time
-
-    def set_speed(self, mm_min):
-        """Go on at `mm_min` ≥ 1 along the path, up to the next SPEED."""
-        self._wanted = mm_min
-
-    def step_us(self, mask):
-        """Period of a step of the axes in `mask` at the speed in force, whole microseconds."""
-        return self._period_us(mask, self._wanted or self.speed)
-
-    # --- the feeder's: may run in an interrupt
-
     @micropython.native
-    def active(self):  # ISR: no allocation
-        """True while words of this walk are still to come."""
-        return self.left or self.gap
+    def ends(self):  # ISR: no allocation
+        """True if no word of this walk is to come."""
+        return not (self.left or self.gap)
+
+    def rolling(self):  # ISR: no allocation
+        """True while it would have to slow down before it can stand: never, its steps are slow enough to stop between two."""
+        return False
 
     @micropython.native
     def ready(self):  # ISR: no allocation
@@ -162,28 +64,11 @@ class TrackWalker:
         return not self._dry or self.gap > 0
 
     @micropython.native
-    def feed(self, feeder, held):  # ISR: no allocation
-        """Have the feeder's ring take what comes next. False where that is nothing now."""
-        if not self.ready():
-            feeder.stood = True  # there is no more yet: no word comes late
-            return False
-        ring = feeder.ring
-        state = feeder.state
-        tool = feeder.layout.tool_mask
-        state[FEED_LEVELS] = state[FEED_LEVELS] & ~tool | (tool if self.tool else 0)
-        at = begin(state, ring.words, self.moving, self.negative, 0, 0)
-        most = ring.size - at
-        count = self.walk(ring.words, at, MAX_RUN if most > MAX_RUN else most, state[FEED_LEVELS], state[FEED_BITS])
-        feeder.settle(at, count)
-        state[FEED_INDEX] = self.place
-        feeder.finish(count, self.ticks, not self.active(), self.made)
-        return True
-
-    @micropython.native
-    def walk(self, words, at, room, base, bits):  # ISR: no allocation
+    def walk(self, words, at, room, base, bits, hold=False):  # ISR: no allocation
         """Write at most `room` words to words[at:], about two milliseconds. Returns how many; 0 at the end of the walk."""
         if self._wanted:
             self._change_speed()
+        self.levels = base
         self.ticks = 0
         if self.gap:
             gap = self.gap
@@ -217,10 +102,10 @@ class TrackWalker:
     @micropython.native
     def _steps(self, words, at, room, base, bits):  # ISR: no allocation
         # Runs may be short: all is kept in locals, and _arrive() is left for the end.
-        track = self.track
-        items = track.items
-        cells = track.mask
-        axes = track.axes
+        program = self.program
+        items = program.items
+        cells = program.mask
+        axes = program.axes
         made = self.made
         backward = self.backward
         directions = base >> axes
@@ -271,12 +156,12 @@ class TrackWalker:
             if steps < left or not togo or self.gap or ticks >= _SEGMENT_TICKS or count >= room:
                 break
             if backward:
-                if cell == track.first:
+                if cell == program.first:
                     break
                 following = (cell - 1) & COUNT_MASK
             else:
                 following = (cell + 1) & COUNT_MASK
-                if following == track.end:
+                if following == program.end:
                     break
             item = items[following & cells]
             mask = item & 15
@@ -305,8 +190,8 @@ class TrackWalker:
         """Steps to come of the run it is in."""
         if self.backward:
             return self._done
-        track = self.track
-        return (track.items[self.cell & track.mask] >> 8) - self._done
+        program = self.program
+        return (program.items[self.cell & program.mask] >> 8) - self._done
 
     @micropython.native
     def _advance(self, steps):  # ISR: no allocation
@@ -331,28 +216,28 @@ class TrackWalker:
     @micropython.native
     def _arrive(self):  # ISR: no allocation
         """From the end of an item go on, over all marks that take no time, to the next run or wait, or to the end."""
-        track = self.track
-        items = track.items
+        program = self.program
+        items = program.items
         self._dry = False
         while not self.gap:
             if self.backward:
                 if not self._done:
-                    if self.cell == track.first:
+                    if self.cell == program.first:
                         self.left = 0
                         return
                     self.cell = (self.cell - 1) & COUNT_MASK
-                    item = items[self.cell & track.mask]
+                    item = items[self.cell & program.mask]
                     self._done = item >> 8 if item & 15 else 1
-            elif self.cell == track.end:
-                self._dry = track.open
+            elif self.cell == program.end:
+                self._dry = program.open
                 if not self._dry:
                     self.left = 0
                 return
-            item = items[self.cell & track.mask]
+            item = items[self.cell & program.mask]
             size = item >> 8 if item & 15 else 1
             if not self.backward and self._done >= size:
-                if (self.cell + 1) & COUNT_MASK == track.end:  # stay in it: it may still grow
-                    self._dry = track.open
+                if (self.cell + 1) & COUNT_MASK == program.end:  # stay in it: it may still grow
+                    self._dry = program.open
                     if not self._dry:
                         self.left = 0
                     return
@@ -390,7 +275,7 @@ class TrackWalker:
                 return True
             if kind == SPEED:
                 self._take_speed(value)
-            elif kind == WAIT and value:
+            elif kind == DWELL and value:
                 self.wait_ms = value
                 return True
         self._step_over()

@@ -1,0 +1,202 @@
+"""What every word of independent axes costs: which axes step in it, and when the next one is due.
+
+    count = walk(words, at, room, bits, state, made)
+
+How, stands in independent.py, the fields of `state` in records.py. Requests and ramps, which are rare beside plain steps, are
+left to functions of native code. One text for all interpreters: a board compiles it to machine code, elsewhere it is
+ordinary Python; see measure_viper.py for what that asks of integers. No integer reaches 2³⁰.
+"""
+# ruff: noqa: F821
+
+import micropython
+from micropython import const
+
+from passo.records import (
+    AXIS_AIM, AXIS_ASKED, AXIS_CARRY, AXIS_DUE, AXIS_EACH, AXIS_ENDLESS, AXIS_FIELDS, AXIS_GAIN, AXIS_NEAR,
+    AXIS_NEGATIVE, AXIS_NEW, AXIS_NEW_AIM, AXIS_NEW_BASE, AXIS_NEW_EACH, AXIS_NEW_ENDLESS, AXIS_NEW_NEGATIVE,
+    AXIS_NEW_OVER, AXIS_NEW_REST, AXIS_OVER, AXIS_Q, AXIS_REST, AXIS_SPAN, AXIS_TAKEN, AXIS_TO_GO, COUNT_MASK,
+    HOLD_TICKS, INDEPENDENT_AXES, INDEPENDENT_AXIS, INDEPENDENT_HOLD, INDEPENDENT_LEAST, INDEPENDENT_LEVELS,
+    INDEPENDENT_SETUP, INDEPENDENT_TICKS, TICKS_PER_MS,
+)  # fmt: skip
+
+try:
+    ptr32
+except NameError:
+
+    def ptr32(array):  # a name that only viper's compiler knows
+        return array
+
+
+MOST_STEPS = const(0xFFFFFFF)  # that may be to come: 2²⁸ − 1
+FAR = const(0x1FFFFFFF)  # ticks: no step is due as late as this
+
+
+@micropython.native
+def root(q, near):  # ISR: no allocation
+    """√q, rounded down; `near`: a guess above 0."""
+    if q < 1:
+        return 0
+    better = (near + q // near) >> 1 or 1
+    while better > near + 1 or better < near - 1:
+        near = better
+        better = (near + q // near) >> 1 or 1
+    while better * better > q:
+        better -= 1
+    return better
+
+
+@micropython.native
+def take(state, at):  # ISR: no allocation
+    """Take up what has been asked of the axis whose numbers begin at state[at]."""
+    q = state[at + AXIS_Q]
+    gain = state[at + AXIS_GAIN]
+    if state[at + AXIS_NEW]:
+        if q and state[at + AXIS_NEW_NEGATIVE] != state[at + AXIS_NEGATIVE]:
+            togo = (q + gain - 1) // gain + 1  # come to a stand first: q is the speed at the next step
+            if state[at + AXIS_ENDLESS] or state[at + AXIS_TO_GO] > togo:
+                state[at + AXIS_TO_GO] = togo
+            state[at + AXIS_ENDLESS] = 0
+            return
+        each = state[at + AXIS_NEW_EACH]
+        state[at + AXIS_EACH] = each
+        state[at + AXIS_REST] = state[at + AXIS_NEW_REST]
+        state[at + AXIS_OVER] = state[at + AXIS_NEW_OVER]
+        if state[at + AXIS_CARRY] >= state[at + AXIS_OVER]:
+            state[at + AXIS_CARRY] = 0
+        if state[at + AXIS_DUE] > each and not gain:
+            state[at + AXIS_DUE] = each
+        state[at + AXIS_NEGATIVE] = state[at + AXIS_NEW_NEGATIVE]
+        state[at + AXIS_ENDLESS] = state[at + AXIS_NEW_ENDLESS]
+        state[at + AXIS_AIM] = state[at + AXIS_NEW_AIM]
+        base = state[at + AXIS_NEW_BASE]
+        if base >= 0:
+            state[at + AXIS_TAKEN] = base
+            state[at + AXIS_TO_GO] = (q + gain - 1) // gain + 1 if q else 0
+            state[at + AXIS_NEW_BASE] = -1
+        state[at + AXIS_NEW] = 0
+    asked = state[at + AXIS_ASKED]
+    more = (asked - state[at + AXIS_TAKEN]) & COUNT_MASK
+    if more:
+        state[at + AXIS_TAKEN] = asked
+        state[at + AXIS_TO_GO] += more
+    if state[at + AXIS_ENDLESS]:
+        state[at + AXIS_TO_GO] = MOST_STEPS
+
+
+@micropython.native
+def interval(state, at, togo):  # ISR: no allocation
+    """Ticks from the step just made to the next one, `togo` being left."""
+    gain = state[at + AXIS_GAIN]
+    if gain:
+        q = state[at + AXIS_Q]
+        aim = 0 if state[INDEPENDENT_HOLD] else state[at + AXIS_AIM]
+        after = q
+        if q < aim:
+            after = aim if aim - q < gain else q + gain
+        elif q > aim:
+            after = aim if q - aim < gain else q - gain
+        if not togo:
+            after = 0
+        elif togo <= state[at + AXIS_NEAR] and gain * (togo - 1) < after:
+            after = gain * (togo - 1)
+        state[at + AXIS_Q] = after
+        if q != after or q != aim:
+            middle = (q + after) >> 1
+            if middle < (gain + 1) >> 1:
+                middle = (gain + 1) >> 1
+            span = state[at + AXIS_SPAN]
+            if middle < 0x100000:
+                speed = root(middle << 8, 0x2000)
+                ticks = (span // speed << 4) + (span % speed << 4) // speed
+            else:
+                speed = root(middle, 0x2000)
+                ticks = span // speed
+            return state[at + AXIS_EACH] if ticks < state[at + AXIS_EACH] and q <= aim else ticks
+    carry = state[at + AXIS_CARRY] + state[at + AXIS_REST]
+    ticks = state[at + AXIS_EACH]
+    if carry >= state[at + AXIS_OVER]:
+        carry -= state[at + AXIS_OVER]
+        ticks += 1
+    state[at + AXIS_CARRY] = carry
+    return ticks
+
+
+@micropython.viper
+def walk(words: ptr32, at: int, room: int, bits: int, numbers, made: ptr32) -> int:  # ISR: no allocation
+    """Write at most `room` words, about a millisecond, to words[at:]; add each axis's signed steps to `made`.
+
+    Returns how many: 0 if nothing moves and no interval runs."""
+    state = ptr32(numbers)
+    axes = state[INDEPENDENT_AXES]
+    least = state[INDEPENDENT_LEAST]
+    count = 0
+    ticks = 0
+    while count < room and ticks < TICKS_PER_MS:
+        mask = 0
+        last = 0
+        soonest = FAR
+        axis = 0
+        a = INDEPENDENT_AXIS
+        while axis < axes:
+            if state[a + AXIS_NEW] or state[a + AXIS_ASKED] != state[a + AXIS_TAKEN]:
+                take(numbers, a)
+            due = state[a + AXIS_DUE]
+            togo = state[a + AXIS_TO_GO]
+            if togo == 0 or (state[INDEPENDENT_HOLD] and state[a + AXIS_Q] == 0):
+                if due > last:
+                    last = due
+            else:
+                negative = state[a + AXIS_NEGATIVE]
+                if ((state[INDEPENDENT_LEVELS] >> (axes + axis)) & 1) == negative:
+                    state[INDEPENDENT_LEVELS] = state[INDEPENDENT_LEVELS] ^ (1 << (axes + axis))
+                    if due < state[INDEPENDENT_SETUP]:
+                        due = state[INDEPENDENT_SETUP]
+                if due <= least:
+                    mask |= 1 << axis
+                    if negative:
+                        made[axis] = made[axis] - 1
+                    else:
+                        made[axis] = made[axis] + 1
+                    if state[a + AXIS_ENDLESS] == 0:
+                        togo -= 1
+                        state[a + AXIS_TO_GO] = togo
+                    if state[a + AXIS_GAIN]:
+                        due += int(interval(numbers, a, togo))
+                    else:
+                        due += state[a + AXIS_EACH]
+                        carry = state[a + AXIS_CARRY] + state[a + AXIS_REST]
+                        if carry >= state[a + AXIS_OVER]:
+                            carry -= state[a + AXIS_OVER]
+                            due += 1
+                        state[a + AXIS_CARRY] = carry
+                state[a + AXIS_DUE] = due
+                if togo == 0:
+                    if due > last:
+                        last = due
+                elif due < soonest:
+                    soonest = due
+            axis += 1
+            a += AXIS_FIELDS
+        gap = soonest
+        if soonest == FAR:
+            gap = last
+        if gap > HOLD_TICKS:
+            gap = HOLD_TICKS
+        elif gap < least:
+            if gap == 0:
+                break
+            gap = least
+        words[at + count] = (gap << bits) | state[INDEPENDENT_LEVELS] | mask
+        count += 1
+        ticks += gap
+        axis = 0
+        a = INDEPENDENT_AXIS + AXIS_DUE
+        while axis < axes:
+            if state[a] > gap:
+                state[a] = state[a] - gap
+            else:
+                state[a] = 0
+            axis += 1
+            a += AXIS_FIELDS
+    state[INDEPENDENT_TICKS] = ticks
+    return count
