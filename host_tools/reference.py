@@ -8,6 +8,7 @@ while a page is not current.
 
 import re
 
+from host_tools.failure import Failure
 from host_tools.resources import ROOT
 
 DOCS = ROOT / "docs"
@@ -16,18 +17,14 @@ END = "<!-- end -->"
 EXAMPLE = "router_3axis"
 
 
-def pages():
-    """{file: its text as it should be}."""
-    parts = {"board-file.md": board_keys, "wiring.md": pins, "settings.md": settings, "errors.md": errors}
-    return {DOCS / name: _filled(DOCS / name, make()) for name, make in parts.items()}
-
-
-def _filled(path, rows):
+def text(name):
+    """What a page of PAGES should hold. Raises Failure if a table cannot be made."""
+    path = DOCS / name
     text = path.read_text(encoding="utf-8")
-    wanted = "\n".join([BEGIN, "", *rows, "", END])
+    wanted = "\n".join([BEGIN, "", *PAGES[name](), "", END])
     found = re.subn(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: wanted, text, flags=re.DOTALL)
     if found[1] != 1:
-        raise ValueError(f"{path} must have the two marks once")
+        raise Failure(f"{path} must have the two marks once")
     return found[0]
 
 
@@ -49,9 +46,12 @@ def board_keys():
             path = f"{section}.{key}" if section else key
             if path in SECTIONS:
                 continue
-            rows.append(f"| `{key}` | {_kind(rule)} | {_default(rule, boardfile.MUST)} | {meanings.pop(path)} |")
+            meaning = meanings.pop(path, None)
+            if meaning is None:
+                raise Failure(f"host_tools/board_keys.py does not say what {path} means")
+            rows.append(f"| `{key}` | {_kind(rule)} | {_default(rule, boardfile.MUST)} | {meaning} |")
     if meanings:
-        raise ValueError(f"keys that no board file has: {', '.join(meanings)}")
+        raise Failure(f"host_tools/board_keys.py has keys that no board file has: {', '.join(meanings)}")
     return rows[1:]
 
 
@@ -175,7 +175,9 @@ def errors():
     return ["| number | meaning |", "| ---: | --- |", *[f"| {number} | {table.text(number)} |" for number in table.numbers()]]
 
 
+PAGES = {"board-file.md": board_keys, "wiring.md": pins, "settings.md": settings, "errors.md": errors}
+
 if __name__ == "__main__":
-    for _path, _text in pages().items():
-        _path.write_text(_text, encoding="utf-8")
-        print(_path.relative_to(ROOT))
+    for _name in PAGES:
+        (DOCS / _name).write_text(text(_name), encoding="utf-8")
+        print(f"docs/{_name}")
