@@ -1,11 +1,11 @@
-"""Arguments of functions under few names: what only a function itself calls `steps` is `_0` on a board.
+"""Renames function arguments for a board: `steps`, if only the function itself uses the name, becomes `_0`.
 
     texts = numbered({"passo/a.py": "def twice(steps, by):\n    return 2 * steps + by\n"})
     texts["passo/a.py"]          # "def twice(_0, _1):\n    return 2 * _0 + _1\n"
 
-A board keeps the text of every argument's name for ever, and its table of names doubles when it is full; it has names
-like these for attributes already (attributes.py). Left alone is what is anywhere given by keyword, what has a name that
-is kept for something else, and the functions in assembler, whose arguments are registers.
+A board keeps the text of every argument's name for ever, and its table of names doubles when it is full. Names like `_0` are
+there already, for attributes (attributes.py). Kept are arguments that any call passes by keyword, names that are used for
+something else too, and the arguments of assembler functions, which name registers.
 """
 
 import ast
@@ -22,7 +22,7 @@ def numbered(texts):
 
 
 def _kept(node):
-    """Names of a node that a board has to know anyway, or that may be said from elsewhere."""
+    """Names in a node that must be kept: the board needs them anyway, or other code may use them."""
     if isinstance(node, ast.Attribute):
         return {node.attr}
     if isinstance(node, (ast.keyword, ast.alias)):
@@ -35,7 +35,7 @@ def _kept(node):
         return set(node.names)
     if isinstance(node, ast.ExceptHandler):
         return {node.name}
-    if isinstance(node, ast.JoinedStr):  # where the names in it stand is not known
+    if isinstance(node, ast.JoinedStr):  # `ast` does not give the columns of the names in it
         return {part.id for part in ast.walk(node) if isinstance(part, ast.Name)}
     return set()
 
@@ -61,7 +61,7 @@ def _edited(text, tree, kept):
 
 
 def _edits(function, kept):
-    """(line, from, to, name) of each place of an argument in a function and in those inside it."""
+    """(line, from, to, name) of each use of an argument in a function and in those inside it."""
     inside = [node for statement in function.body for node in ast.walk(statement)]
     own = function.args.posonlyargs + function.args.args
     short = {}

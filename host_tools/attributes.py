@@ -1,12 +1,12 @@
-"""Private attributes under fewer names: what a class alone keeps in `self._something` is `self._3` on a board.
+"""Renames private attributes for a board: `self._something`, if only its class uses it, becomes `self._3`.
 
     texts = shortened({"passo/a.py": "class A:\n    def __init__(self):\n        self._much = 1\n"})
     texts["passo/a.py"]          # "class A:\n    def __init__(self):\n        self._0 = 1\n"
 
-A board keeps the text of every name for ever, and its table of names doubles when it is full: thousands of bytes for
-one name too many. Modules share the short names, but those whose classes are derived from each other: these count as
-one. Left alone is what is a method (a traceback tells it), what any other module or a string has as well, what is not
-read from `self` alone, and what tests and benches ask for on the board.
+A board keeps the text of every name for ever, and its table of names doubles when it is full: one name too many costs
+thousands of bytes. All modules use the same short names; modules whose classes are derived from each other count as one.
+Kept are methods (tracebacks show them), names that another module or a string has too, attributes that are not read from `self`
+only, and those that tests and benches read on the board.
 """
 
 import ast

@@ -1,12 +1,13 @@
 """`python -m host_tools.bench`: the measurements, printed as tables and written to docs/benchmarks.md.
 
-Each part of the document stands between two markers and is replaced when its bench has run; the text around it, with
-the method and what the figures mean, is kept by hand. `make bench ARGS=lines` runs one part; `motion` and `arcs`, which
-take many minutes, run only when they are named.
-Those of the emulated Pico are in `bench_pico`, `bench_moving` and `bench_where`; `make bench ARGS=pico` runs all of them.
-Each is measured twice, without and with a flash cache whose misses cost FLASH_MISS cycles, or as many as PASSO_FLASH_MISS
-says; what differs stands side by side. Without a MicroPython UF2 they are left as they were, and that is said. `where`
-wants the ELF file of that UF2: `make bench ARGS="where --elf FILE"`, or PASSO_ELF.
+Each part of the document stands between two markers and is replaced when its bench has run. The text around it, with method
+and meaning, is written by hand. `make bench ARGS=lines` runs one part; `motion` and `arcs` take many minutes and run only if
+they are named.
+
+The parts of the emulated Pico are in `bench_pico`, `bench_moving` and `bench_where`; `make bench ARGS=pico` runs all of them.
+Each is measured twice: without a flash cache, and with one whose misses cost FLASH_MISS cycles (or PASSO_FLASH_MISS); the
+figures that differ stand side by side. Without a MicroPython UF2 these parts stay as they were, with a message. `where` needs
+the ELF file of the UF2: `make bench ARGS="where --elf FILE"`, or PASSO_ELF.
 """
 
 import json
@@ -134,8 +135,8 @@ def arcs():
 
 
 def _soak(chunks, sums):
-    """Run (program, script, first, last) each, and put their last lines together: the first `sums` figures and the last
-    are added up, of the others the worst counts."""
+    """Run each (program, script, first, last) and combine their last lines: add up the first `sums` figures and the last one,
+    take the worst of the others."""
     with ThreadPoolExecutor(os.cpu_count()) as pool:
         rows = [line.split() for line in pool.map(_run_soak, chunks)]
     totals = []
@@ -157,7 +158,7 @@ def _run_soak(chunk):
 
 
 def _on_the_pico(part):
-    """The part without and with the flash cache, each in a process of its own, at the same time."""
+    """Measure the part without and with the flash cache, in two processes at the same time."""
 
     def measure():
         binary.load_emulator()
@@ -173,7 +174,7 @@ def _on_the_pico(part):
 
 
 def _apart(part, miss):
-    """(header, rows) of a part of the Pico, a miss of the flash cache costing so many cycles."""
+    """(header, rows) of a part of the Pico if a miss of the flash cache costs `miss` cycles."""
     command = [sys.executable, "-m", "host_tools.bench", "--raw", part]
     done = subprocess.run(command, env=dict(os.environ, PASSO_FLASH_MISS=str(miss)), stdout=subprocess.PIPE, text=True)
     if done.returncode == UNAVAILABLE:
@@ -191,7 +192,7 @@ def _raw(part):
 
 
 def beside(free, charged):
-    """One table of two: few columns that differ stand side by side, of many the rows follow each other."""
+    """Join two tables: few different columns stand side by side; if there are many, the rows follow each other."""
     (header, rows), (_, others) = free, charged
     header = list(header)
     assert len(rows) == len(others)

@@ -56,7 +56,7 @@ def _row(found):
 
 
 def _in_hand():
-    """Such a moment lasts a cycle and has to be searched for, each time from another place of the line on."""
+    """Halt in that moment. It lasts one cycle: search for it, each time from another position on the line."""
     halting.set_out(rig(), IN_HAND_STEPS, IN_HAND_HZ, 2000)
     found = []
     for _ in range(IN_HAND):
@@ -80,7 +80,7 @@ def _resumed():
 
 
 def queries():
-    """What asking for the position costs the main loop while axes step."""
+    """Time that the main loop spends on asking for the position while axes step."""
     rig()
     rows = []
     for axes, hz in ((3, 100_000), (1, 400_000), (3, 400_000)):
@@ -106,7 +106,7 @@ def status():
 
 @lru_cache
 def router(link):
-    """The router with faster drivers, up, its lines taken from `link`; nothing homes, so that nothing is locked."""
+    """The router with faster drivers, started; lines come from `link`. No homing, so it is not locked."""
     board = copy.deepcopy(boards.load("router_3axis"))
     board["commands"] = link
     board["drive"]["pulse_us"] = 2

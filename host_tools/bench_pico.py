@@ -21,12 +21,12 @@ CLOCKS_MHZ = 125, 200  # of the G-code
 
 @lru_cache
 def rig(player="pio"):
-    """Made before it is measured on copies."""
+    """The rig, made once; measurements run on copies of it."""
     return Rig(router(3, player=player, inputs=halting.INPUTS))
 
 
 def _lines(hz, axes):
-    """As after a ramp: words that follow each other at the full rate from rest on are made when they are due."""
+    """Lines at a constant rate, as after a ramp; words at the full rate from rest would be made when they are due."""
     return [(tuple(int(rate * seconds) * (axis < axes) for axis in range(3)), rate)
             for rate, seconds in ((START_HZ, START_S), (hz, LINE_S))]
 
@@ -83,7 +83,7 @@ def _timer(axes, khz):
 
 
 def boot():
-    """From reset to the first answer, and the heap that is free then, all that the board needs being loaded."""
+    """Time from reset to the first answer, and the free heap then, with everything loaded."""
     rows = []
     for board in ("plotter_2014", "router_3axis"):
         rows.append(on_a_copy(lambda: _boot(board)))

@@ -29,8 +29,8 @@ def check(
     Every line goes through the real firmware, and every step through its pins. Exit status 1 if a line was refused, or if
     the job is larger than the machine's travel.
 
-    Where a job lies on the machine is known with --at only. Then it starts on the homed machine, at machine zero, with soft
-    limits on, and the bounds are those of the machine.
+    With --at the job starts on the homed machine, at machine zero, with soft limits on, and bounds are in machine
+    coordinates. Without it, the position of the job on the machine is not known, and only its size is checked.
 
     Examples:
 
@@ -75,7 +75,7 @@ def _zero(text):
 
 
 def _excess(number, job):
-    """By how much the job is longer than the travel of an axis, in words; "" if it is not."""
+    """A text if the job is longer than the travel of an axis, else ""."""
     axis = job.board["axes"][number]
     travel = axis["travel_steps"] / job.steps_per_mm[number]
     length = job.high[number] - job.low[number]
@@ -87,7 +87,7 @@ def _excess(number, job):
 
 @contextlib.contextmanager
 def _shown(file, lines):
-    """What tells the person at the terminal how far the job is, and which line it is at."""
+    """Shows progress and the current line at the terminal."""
     from host_tools.gcode_time import Limits, Remaining, estimate
     from host_tools.stream import progress_bar
 

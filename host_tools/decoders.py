@@ -1,9 +1,9 @@
-"""What a motor makes of its pins: decoders from pin levels back to motor steps, one class a kind of drive.
+"""Decodes pin levels back into motor steps, as a motor does; one class for each kind of drive.
 
     decoder = Unipolar("half", 0, 0, report)    # four pins from bit 0 of the levels, none inverted
     steps = decoder.decode(tick, levels, changed)
 
-`decode` gives the steps the rotor makes at this edge, and calls `report(tick, text)` for whatever a real drive could
+`decode` returns the steps the rotor makes at this edge, and calls `report(tick, text)` for anything a real drive could
 not follow. The tables are those of the 2014 plotter's drivers (LEGACY.md, *plotter*). Coil decoders count electrical
 positions in eighths of an electrical turn: a half step is one, a full step two.
 """

@@ -25,12 +25,12 @@ Examples:
 
     passo draw map.svg --port /dev/ttyACM0 --continue
 
-The page lies with its lower left corner at 0;0, in its real size; a page that is larger than the table and has lines out
-there is reduced. Layers drawn one after the other, with another pen each, fall on each other, whatever the options, as
-long as those of the place are the same.
+The page lies with its lower left corner at 0;0, in its real size. It is reduced if it is larger than the table and has
+lines beyond it. To change pens, draw one layer after the other: they fall on each other if the options of size and position
+are the same.
 
-Ctrl-C stops the machine, pen up, and --continue with the same options goes on from there; so it does when the board was
-unplugged or the PC went to sleep.
+Ctrl-C stops the machine, pen up. --continue with the same options goes on from there, also after the board was unplugged or
+the PC went to sleep.
 """
 
 
@@ -42,18 +42,18 @@ def draw(
     fit: bool = typer.Option(False, "--fit", help="Enlarge or reduce to fill the table within the margin."),
     center: bool = typer.Option(False, "--center", help="In the middle of the table."),
     scale: Optional[float] = typer.Option(None, help="Factor of the real size, e.g. 0.5."),
-    origin: Optional[str] = typer.Option(None, metavar="X,Y", help="Place of the lower left corner, in mm; default 0,0."),
-    place: str = typer.Option("page", help="What is placed and fitted: page, or outlines: the box around all layers' lines."),
+    origin: Optional[str] = typer.Option(None, metavar="X,Y", help="Position of the lower left corner, in mm; default 0,0."),
+    place: str = typer.Option("page", help="Position and fit the page, or the outlines: the box around all lines."),
     margin: float = typer.Option(10.0, help="Margin that --fit keeps free on the table, in mm."),
     tolerance: float = typer.Option(0.1, min=0.01, max=1.0, help="How finely curves are followed, in mm."),
     layer: Optional[list[int]] = typer.Option(
-        None, help="Draw this layer only, where it stands among all; may be given more than once."
+        None, help="Draw this layer only, at its position among all; may be given more than once."
     ),
     crop: bool = typer.Option(True, "--crop/--no-crop", help="Leave out what lies outside the SVG's page."),
     speed: Optional[int] = typer.Option(None, min=1, max=65535, help="Drawing speed, in the board file's unit."),
     points: int = typer.Option(1000, min=2, max=60000, help="Most points of an object sent before it is drawn."),
     home: bool = typer.Option(True, "--home/--no-home", help="Seek the origin before drawing."),
-    resume: bool = typer.Option(False, "--continue", help="Go on with a drawing that was broken off."),
+    resume: bool = typer.Option(False, "--continue", help="Continue a drawing that was interrupted."),
     journal: Optional[Path] = typer.Option(None, help="Where progress is kept; default FILE.svg.journal."),
     dry_run: bool = typer.Option(False, "--dry-run", help="Say what would be drawn; needs no port."),
     preview: Optional[Path] = typer.Option(None, metavar="PNG", help="Write a picture of what would be drawn."),
@@ -102,7 +102,7 @@ def _corner(text):
 
 
 def _plotter(name):
-    """The board file, checked and whole. Raises Failure if none of its links speaks the plotter's language."""
+    """The checked board file. Raises Failure if none of its links speaks the plotter's language."""
     from host_tools import boards
     from passo.control.boardfile import BoardError, check
 

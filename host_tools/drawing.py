@@ -4,10 +4,10 @@
     for points in drawing.objects(1000):            # [(pen_down, x, y), ...], first of each a MOVE
         ...
 
-The page lies with its lower left corner at 0;0, in its real size, whichever layers are drawn: layers drawn one after the
-other, and files of one page size, fall on each other. Curves become chords no further from them than a quarter of the
-tolerance, points within half the tolerance of their neighbours' line are left out, and rounding to steps adds at most half
-a step an axis. What cannot be drawn is said in `notes`. Layers are drawn one after another, lowest first.
+The page lies with its lower left corner at 0;0, in its real size, whichever layers are drawn. So layers that are drawn one
+after the other, and files of one page size, fall on each other. Curves become chords that stray at most a quarter of the
+tolerance; points within half the tolerance of their neighbours' line are left out; rounding to steps adds at most half a step
+an axis. `notes` lists what cannot be drawn. Layers are drawn in ascending order.
 """
 
 import hashlib
@@ -19,13 +19,13 @@ from host_tools import boards, placement
 from host_tools.failure import Failure
 from host_tools.placement import MM_PER_PX, Options, percent  # noqa: F401
 
-_JOIN_MM = 0.05  # ends this close are one line
-_EDGE_MM = 0.1  # a line so little outside the page is drawn on its edge
+_JOIN_MM = 0.05  # lines whose ends are this close are joined
+_EDGE_MM = 0.1  # a line outside the page by less is moved onto its edge
 
 
 @dataclass
 class Drawing:
-    """Polylines in steps, in drawing order, and what a person wants to know about them."""
+    """Polylines in steps, in drawing order, with figures for people."""
 
     name: str
     lines: list  # of lists of (x, y) steps, two points or more each
@@ -54,7 +54,7 @@ class Drawing:
         return [points for points in cut if points]
 
     def digest(self, most):
-        """What the drawing is and where it stands, as 64 hex digits: equal if and only if the objects are."""
+        """64 hex digits that are equal if and only if the objects of points are."""
         return hashlib.sha256(json.dumps(self.objects(most)).encode()).hexdigest()
 
     def points(self):
@@ -75,15 +75,15 @@ class Drawing:
 
 
 def load(path, board, options=None, progress=None):
-    """Read, place and order the drawing of an SVG file. Raises Failure where there is nothing to draw or no room.
-    `progress(text, share)` is called now and then: what is being done, and how much of it is done, 0…1."""
+    """Read, position and order the drawing of an SVG file. Raises Failure if there is nothing to draw, or no room.
+    Calls `progress(text, share)` now and then: what is being done, and its share done, 0…1."""
     from host_tools.svg_file import SvgFile
 
     options = options or Options()
     progress = progress or (lambda text, share: None)
     steps_per_mm = boards.steps_per_mm(board)
     if options.place not in ("page", "outlines"):
-        raise Failure(f"what is placed is the page or the outlines, not {options.place!r}")
+        raise Failure(f"--place takes page or outlines, not {options.place!r}")
     if options.scale is not None and options.scale <= 0:
         raise Failure("--scale must be above 0")
     progress("reading", 0.0)
@@ -113,7 +113,7 @@ def load(path, board, options=None, progress=None):
 
 
 def _read(file, path, factor, options, progress):
-    """The page, cropped, at least as fine as `options.tolerance` where it is drawn `factor` times its real size."""
+    """The page, cropped; curves as fine as `options.tolerance` after scaling by `factor`."""
     deviation_px = options.tolerance / 4 / MM_PER_PX / max(factor, 1e-3)
     page = file.outlines(deviation_px, lambda share: progress("reading", share))
     page.layers = {number: lines for number, lines in page.layers.items() if lines}
@@ -131,7 +131,7 @@ def _read(file, path, factor, options, progress):
 
 
 def _cropped(lines, size_px):
-    """The parts of lines on the page; what lies outside by less than _EDGE_MM is moved onto its edge."""
+    """The parts of lines on the page; lines outside by less than _EDGE_MM are moved onto its edge."""
     import numpy
 
     from host_tools import svg_area
@@ -175,7 +175,7 @@ def _notes_of(page):
 
 
 def _ordered(layers, tolerance_mm, progress):
-    """Lines of all layers, joined, thinned and put in an order with little pen-up travel, from 0;0 on."""
+    """Lines of all layers, joined, thinned, and ordered for little pen-up travel from 0;0."""
     import numpy
     from shapely.geometry import LineString
 

@@ -12,7 +12,7 @@ from host_tools.failure import Failure
 from host_tools.virtual_board import _pairs, _positions, _summary
 
 SLICE_US = 2000  # how long the emulated Pico runs before its lines are served again
-LAG_S = 0.1  # behind the wall clock by more than this is given up, not caught up with
+LAG_S = 0.1  # if it lags behind the wall clock by more, it does not catch up
 IDLE_MS = 20
 FLUSH_S = 0.5
 UP_LIMIT_MS = 10_000  # emulated; the largest firmware is up after 4 s
@@ -46,8 +46,8 @@ def emulate(
     """Run the firmware on an emulated Pico, and a machine with it.
 
     Prints the ports to open: `usb: URL` for the USB serial port, once it is there, and `port: PATH` for UART0 (the first
-    link), once the firmware listens. It keeps to the wall clock where it can; a busy Pico is emulated about 25 times
-    slower than it is, so that a start may take a minute. SIGUSR1 presses the reset button. Ends on SIGTERM or Ctrl-C.
+    link), once the firmware listens. With a C compiler (cc) it is about as fast as a Pico; without one a busy Pico is emulated
+    about 25 times slower, and a start takes up to a minute. SIGUSR1 presses the reset button. Ends on SIGTERM or Ctrl-C.
 
     It runs MicroPython's own UF2 for the Pico: the file that PASSO_UF2 names, the newest in ~/.cache/passo/, or the
     release that it fetches from micropython.org.
@@ -63,7 +63,7 @@ def emulate(
     from passo.control.boardfile import BoardError
 
     for number in (signal.SIGTERM, signal.SIGINT):
-        signal.signal(number, lambda *_: sys.exit(0))  # while nothing runs yet that has to be brought to an end
+        signal.signal(number, lambda *_: sys.exit(0))  # nothing runs yet that has to be ended
     load_emulator()
     from host_tools.emulator.machine import EmulatedMachine
 
@@ -91,7 +91,7 @@ def emulate(
 
 
 def tell(text):
-    """What is going on, for who waits for a port."""
+    """Tell the user, who waits for a port, what is going on."""
     print(text, file=sys.stderr, flush=True)
 
 
@@ -126,7 +126,7 @@ def serve(machine, symlinks, tcp, blank=False):
 
 
 def _announce(machine, ptys, blank):
-    """Print the ports of the UARTs once the firmware listens, or is not going to; whether that is done."""
+    """Print the ports of the UARTs once the firmware listens, or has failed to start. True when that is done."""
     if not blank and not machine.listening():
         if machine.now_ms() < UP_LIMIT_MS:
             return False
@@ -153,13 +153,13 @@ def _loop(machine, ptys, usb, stopped, pressed, blank):
             data = line.read()
             if data:
                 machine.send(data, name)
-        if usb is not None and machine.pico.usb.up:  # until then a real port would not be there
+        if usb is not None and machine.pico.usb.up:  # before, a real Pico has no port either
             machine.pico.usb.write(usb.read())
         machine.pico.run(SLICE_US)
         for name, line in ptys.items():
             if machine.received(name):
                 line.write(machine.take(name))
-        said = machine.pico.console.take() if announced or usb is not None else b""  # until then for `_announce`
+        said = machine.pico.console.take() if announced or usb is not None else b""  # before, `_announce` needs it
         if usb is not None and said:
             usb.write(said)
         now = time.monotonic()

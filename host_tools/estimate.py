@@ -1,10 +1,10 @@
-"""How long a drawing takes, before it is drawn: the lines at their speed, plus the pen's delays.
+"""Estimates how long a drawing takes: the lines at their speed, plus the pen's delays.
 
     times = Estimate(board, speed=None)     # None: the board file's default speed
     sum(times.object_s(points))             # seconds, one figure a point
 
-A speed of half periods paces the steps of the longer axis, as the table of 2014 did; a speed in steps/s is that along
-the path, in steps of X.
+A speed in half periods sets the pace of the longer axis, as the table of 2014 did; a speed in steps/s holds along the path, in
+steps of X.
 """
 
 import math

@@ -1,4 +1,4 @@
-"""The error that a user is meant to read: one line saying what was wrong, where, and what would be right."""
+"""The error for users: one line that says what was wrong, where, and what would be right."""
 
 
 class Failure(Exception):

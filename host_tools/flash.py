@@ -23,7 +23,7 @@ COPY_TIMEOUT_S = 600
 
 
 def commands(port, out):
-    """The mpremote commands, as argument lists: does a board answer, then copy, tidy and reset in one session."""
+    """The mpremote commands, as argument lists: ask if a board answers; then copy, remove stale modules and reset."""
     mpremote = [sys.executable, "-m", "mpremote", "connect", port]
     copy = ["cp", "-r", str(out / "passo"), ":", "+", "cp", str(out / "main.py"), str(out / "board.py"), ":"]
     return [mpremote + ["exec", "pass"], mpremote + copy + ["+", "run", str(TIDY), "+", "reset"]]

@@ -6,7 +6,7 @@ from host_tools.failure import Failure
 
 
 def read(path):
-    """[(number, bytes)] of the lines that say anything, comments and blanks taken out. Raises Failure."""
+    """[(number, bytes)] of the lines that are not empty, without comments and blanks. Raises Failure."""
     try:
         data = Path(path).read_bytes()
     except OSError as error:
@@ -24,7 +24,7 @@ def read(path):
 
 
 def strip(line):
-    """`line` without comments, blanks and what is no printable ASCII: as the controller would see it."""
+    """`line` as the controller sees it: without comments, blanks and anything but printable ASCII."""
     kept = bytearray()
     inside = False
     for byte in line:

@@ -1,11 +1,11 @@
-"""How long the lines of a G-code file take, roughly, before anything has moved.
+"""Estimates how long the lines of a G-code file take, roughly, before anything has moved.
 
     limits = Limits.of_settings(["$110=5000.000", …])
     seconds = estimate(lines, limits)       # [(number, bytes)] → one figure a line
 
-A line takes its length at its feed rate; an axis's highest speed and acceleration bound it, and where the path turns by
-more than a few degrees it starts and ends at rest. Parameters, offsets, probing, homing and pauses are not looked at:
-what they change is left to the measured pace (see `Remaining`).
+A line takes its length at its feed rate, bounded by the axes' highest speeds and accelerations. If the path turns by more than
+a few degrees, a line starts and ends at rest. Offsets, probing, homing and pauses are ignored: the measured pace corrects for
+them (see `Remaining`).
 """
 
 import math
@@ -29,7 +29,7 @@ class Limits:
 
     @classmethod
     def of_settings(cls, lines):
-        """From the answer to $$; what is missing there is assumed."""
+        """From the answer to $$; assumes defaults for missing settings."""
         values = {int(number): float(value) for number, value in re.findall(r"\$(\d+)=([\d.]+)", "\n".join(lines))}
         return cls(
             [values.get(110 + axis, _DEFAULT_SPEED) / 60 for axis in range(4)],
@@ -54,7 +54,7 @@ def estimate(lines, limits):
     """Seconds that each of [(number, bytes)] takes."""
     state = _State()
     seconds = []
-    before = None  # direction at the end of the line before, and the time by which its end was thought to be a stop
+    before = None  # direction at the end of the previous line, and the time added because it was taken for a stop
     for index, (_, line) in enumerate(lines):
         dwell, move = _read(line.upper(), state)
         taken = dwell
@@ -66,7 +66,7 @@ def estimate(lines, limits):
                     speed = min(speed, length * per_min / 60)
                 elif not rapid and state.feed:
                     speed = min(speed, state.feed / 60)
-                ramp_s = speed / acceleration / 2  # what a start from rest, or an end at rest, costs
+                ramp_s = speed / acceleration / 2  # extra time of a start from rest, or an end at rest
                 if length < speed * speed / acceleration:
                     ramp_s = math.sqrt(length / acceleration) - length / speed / 2
                 taken += length / speed + 2 * ramp_s
@@ -81,7 +81,7 @@ def estimate(lines, limits):
 
 
 def _bounds(deltas, length, limits):
-    """Highest speed and acceleration along a path whose axes go so far."""
+    """Highest speed and acceleration along a path with these axis distances."""
     shares = [abs(delta) / length for delta in deltas]
     return tuple(
         min(bound / share for bound, share in zip(bounds, shares) if share > 1e-9)
@@ -153,7 +153,7 @@ def _arc(begun, target, values, state):
     rise = target[third] - begun[third]
     length = math.hypot(way, rise)
     deltas = [0.0] * 4
-    deltas[first] = deltas[second] = way  # at some place of it all of its speed is along one axis
+    deltas[first] = deltas[second] = way  # somewhere on the arc one axis has all of the speed
     deltas[third] = rise
     turn = -1 if clockwise else 1
 
@@ -166,7 +166,7 @@ def _arc(begun, target, values, state):
 
 
 class Remaining:
-    """The time left of a job, from what its lines were thought to take and how long those that are done have taken.
+    """The time left of a job, from the estimate of its lines and the time that the finished ones have taken.
 
     remaining = Remaining(estimate(lines, limits))
     remaining.at(index, gone_s)         # seconds left in line `index` of the list, `gone_s` after the start
@@ -175,7 +175,7 @@ class Remaining:
 
     def __init__(self, seconds):
         self._seconds = seconds
-        self._until = [0.0]  # when each line was thought to begin, and the last one to end
+        self._until = [0.0]  # estimated beginning of each line, and end of the last
         for taken in seconds:
             self._until.append(self._until[-1] + taken)
         self._index = 0
@@ -188,7 +188,7 @@ class Remaining:
         if index != self._index:
             self._index, self._entered_s = index, gone_s
         thought = self._until[index]
-        # Until a tenth of it is done, what was thought counts for more than what was measured.
+        # Up to a tenth of the job the estimate counts for more than the measurement.
         trust = max(total / 10, 1e-9)
         pace = (self._entered_s + trust) / (thought + trust)
         here = self._seconds[index] if index < len(self._seconds) else 0.0

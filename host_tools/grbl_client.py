@@ -20,7 +20,7 @@ RESET = b"\x18"
 
 
 class Refused(Failure):
-    """The controller refused a line, or raised an alarm; `number` is the file's line, where there is one."""
+    """The controller refused a line, or raised an alarm; `number` is the file's line, or None."""
 
     def __init__(self, text, number=None):
         super().__init__(text)
@@ -37,7 +37,7 @@ class GrblClient:
         self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
         self._serial = open_exclusively(port, baud, _SLICE_S)
         self._buffer = b""
-        self._heard = time.monotonic()  # when something has come last
+        self._heard = time.monotonic()  # time of the last byte received
 
     def __enter__(self):
         return self
@@ -50,7 +50,7 @@ class GrblClient:
     # --- bytes
 
     def real_time(self, data):
-        """Bytes that never wait."""
+        """Send real-time bytes at once."""
         self._write(data)
 
     def _write(self, data):
@@ -61,7 +61,7 @@ class GrblClient:
             raise LinkError(f"port {self.port} went away: {error}") from error
 
     def lines(self):
-        """What the controller has said, in whole lines; status, alarms and banners are noted on the way."""
+        """Whole lines received; notes status, alarms and banners."""
         try:
             self._buffer += self._serial.read(max(1, self._serial.in_waiting))
         except (OSError, TypeError, ValueError) as error:
@@ -76,7 +76,7 @@ class GrblClient:
         return [line for line in said if line]
 
     def silent(self):
-        """True where nothing has come for longer than an answer may take."""
+        """True if nothing has come for longer than an answer may take."""
         return time.monotonic() - self._heard > self.timeout_s
 
     def _notice(self, line):
@@ -115,7 +115,7 @@ class GrblClient:
         self.alarm = None
 
     def command(self, line, timeout_s=None):
-        """Send one line; what is said before its ok. Raises Refused, also where an alarm came before the ok, or LinkError
+        """Send one line; returns the lines before its ok. Raises Refused, also if an alarm comes before the ok, or LinkError
         after `timeout_s`."""
         self.alarm = None
         self._write(line.encode() + b"\n")
@@ -145,9 +145,9 @@ class GrblClient:
     def stream(self, lines, count=True, idle=None, numbered=False):
         """Send [(number, bytes)]; yields each number as its line is answered.
 
-        `count`: up to 128 bytes are under way; otherwise each line waits for the answer of the one before. `idle()` is
-        called while waiting. `numbered`: lines get their numbers as N words, so that a status report says in `Ln` which
-        one is being carried out. At the first error the machine is held and what is under way dropped; raises Refused.
+        `count`: keep up to 128 bytes under way; otherwise each line waits for the answer to the previous one. Calls `idle()`
+        while waiting. `numbered`: add N words, so that `Ln` of a status report names the line being executed. At the first
+        error holds the machine, drops what is under way and raises Refused.
         """
         waiting = [(number, line, tagged(number, line) if numbered else line) for number, line in reversed(lines)]
         under_way = []
@@ -177,7 +177,7 @@ class GrblClient:
         return sum(len(sent) + 1 for _, _, sent in under_way) + len(line) + 1 <= RX_BYTES
 
     def halt(self):
-        """Come to a stand and drop everything, so that no position is lost."""
+        """Stop on the path and drop everything that is queued; the position is kept."""
         self._write(b"!")
         deadline = time.monotonic() + self.timeout_s
         while time.monotonic() < deadline and self.ask_status()["state"] not in ("Hold:0", "Idle", "Alarm", "Check"):
@@ -185,7 +185,7 @@ class GrblClient:
         self.reset()
 
     def wait_idle(self, idle=None):
-        """Until nothing moves any more."""
+        """Wait until nothing moves."""
         while self.ask_status()["state"] not in ("Idle", "Check", "Sleep"):
             if self.alarm is not None or self.status["state"] == "Alarm":
                 raise Refused(f"alarm {self.alarm}: {alarm_text(self.alarm or 0)}")
@@ -195,7 +195,7 @@ class GrblClient:
 
 
 def tagged(number, line):
-    """`line` with its number, where it has room for one and is no $ line."""
+    """`line` with its number, if there is room and it is no $ line."""
     return line if line.startswith(b"$") or len(line) > _LONGEST_TAGGED or number > _HIGHEST else b"N%d%s" % (number, line)
 
 

@@ -1,4 +1,4 @@
-"""Drawing a list of objects through a client, with progress, a journal and a clean way to break off.
+"""Draws a list of objects through a client, with progress and a journal; may be interrupted and continued.
 
     job = Job(client, objects, journal)
     job.run(lambda number, drawn: ...)      # Broken if the client was cancelled
@@ -12,12 +12,12 @@ from host_tools.wire import LinkError
 
 
 class Broken(Exception):
-    """The drawing was broken off and the machine stopped, pen up; the journal says where."""
+    """The drawing was interrupted and the machine stopped, pen up; the journal says where."""
 
 
 class Job:
-    """`objects` are lists of (pen_down, x, y) in steps, each begun by a MOVE; `journal` may be None. `warn(text)` is told
-    once if the journal cannot be written any more; the drawing goes on, for half of it on the paper is lost too."""
+    """`objects` are lists of (pen_down, x, y) in steps, each begins with a MOVE; `journal` may be None. Calls `warn(text)` once if
+    the journal can no longer be written; the drawing goes on, because half a drawing is lost too."""
 
     def __init__(self, client, objects, journal=None, warn=None):
         self.client = client
@@ -29,10 +29,10 @@ class Job:
         self._at = (0, 0)  # objects drawn, and points of the next one
 
     def run(self, progress=None):
-        """Draw what the journal leaves to draw. `progress(number, drawn)`: points drawn of object `number`.
+        """Draw what is not drawn yet by the journal. Calls `progress(number, drawn)`: points drawn of object `number`.
 
-        Raises Broken after client.cancel(), LinkError when the link or the machine fails; in both cases the machine
-        has been stopped if it could be reached, and the journal is written; it is about once a second too.
+        Writes the journal about once a second. Raises Broken after client.cancel(), LinkError if the link or the machine
+        fails; in both cases it stops the machine, if it can be reached, and writes the journal.
         """
         first, drawn = (self.journal.object, self.journal.drawn) if self.journal else (0, 0)
         self.begun = True
@@ -51,8 +51,8 @@ class Job:
         stored = 0
 
         def counted(status):
-            """Points of the whole object drawn for certain. Before its first point is stored, the controller still
-            counts those of the object before."""
+            """Points of this object drawn for certain. Until its first point is stored, the controller still counts the
+            previous object."""
             sure = min(status["drawn"] - client.repeated_points, stored) - lead
             return skip + max(sure, 0)
 
@@ -69,7 +69,7 @@ class Job:
             for point in points:
                 client.point(*point)
                 stored += 1
-                if time.monotonic() - asked > POLL_S:  # what does not fit into the board's store is drawn as it comes
+                if time.monotonic() - asked > POLL_S:  # an object larger than the board's memory is drawn while it is sent
                     report(client.status())
                     asked = time.monotonic()
             client.end(len(points), report)
@@ -77,7 +77,7 @@ class Job:
             try:
                 self._save(number, counted(client.stop()))
             except LinkError:
-                pass  # out of reach: the journal says what was drawn when the machine was heard last
+                pass  # out of reach: the journal has what was drawn at the last status
             if isinstance(reason, Cancelled):
                 raise Broken(f"stopped at object {number + 1} of {len(self.objects)}") from reason
             raise
@@ -85,7 +85,7 @@ class Job:
             progress(number + 1, 0)
 
     def reached(self):
-        """How far it has come, in words."""
+        """Progress as text."""
         number, drawn = self._at
         points = sum(len(points) for points in self.objects[:number]) + drawn
         return f"{points} of {sum(map(len, self.objects))} points"
@@ -100,14 +100,14 @@ class Job:
             if self._warn is None:
                 raise
             if not self._warned:
-                self._warn(f"{failure}. The drawing goes on; broken off, it could not be continued from here")
+                self._warn(f"{failure}. The drawing goes on; if interrupted, it cannot be continued from here")
             self._warned = True
 
 
 def remaining(points, drawn):
-    """What is left of an object of which the first `drawn` points are drawn, and how many points lead up to it.
+    """The rest of an object whose first `drawn` points are drawn, and how many points were put before it.
 
-    Where a line was being drawn it is drawn again from its start: a MOVE leads to the last point drawn.
+    A line that was interrupted is drawn again from its start: a MOVE leads to the last point drawn.
     """
     rest = points[drawn:]
     if drawn and rest and rest[0][0]:

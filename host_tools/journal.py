@@ -1,7 +1,7 @@
-"""How far a drawing has come, in a small file beside it, so that it can be continued.
+"""Keeps the progress of a drawing in a small file beside it, so that it can be continued.
 
-The file is replaced as a whole, about once a second while something is drawn and when the drawing is broken off: it is
-never half written. It counts finished objects, and the points drawn of the one that was not.
+The file is replaced as a whole, about once a second and when the drawing is interrupted: it is never half written. It counts
+finished objects, and the points drawn of the unfinished one.
 """
 
 import errno
@@ -14,7 +14,7 @@ from host_tools.failure import Failure
 
 class Journal:
     def __init__(self, path, digest, most):
-        """`digest` says what is drawn and where; `most` is the number of points an object may have."""
+        """`digest`: identifies drawing and position; `most`: points that an object may have."""
         self.path = Path(path)
         self.digest = digest
         self.most = most
@@ -45,7 +45,7 @@ class Journal:
             raise self._unwritable(error) from error
 
     def begun(self):
-        """Does the file tell of this drawing, begun and not finished?"""
+        """True if the file is of this drawing, begun and not finished."""
         try:
             return Journal(self.path, self.digest, self.most)._take()
         except Failure:
@@ -60,13 +60,12 @@ class Journal:
         return Failure(f"journal {self.path} cannot be written: {error.strerror}; --journal names another place")
 
     def resume(self):
-        """Take over where the file says. Raises Failure if there is none, it belongs to something else, or could not be
-        written while drawing."""
+        """Continue from the file. Raises Failure if there is none, it belongs to another drawing, or cannot be written."""
         self._take()
         self.probe()
 
     def _take(self):
-        """Read the file; is anything drawn? Raises Failure."""
+        """Read the file; True if anything is drawn. Raises Failure."""
         try:
             record = json.loads(self.path.read_text(encoding="utf-8"))
             digest, number, drawn = record["digest"], int(record["object"]), int(record["drawn"])

@@ -23,13 +23,13 @@ def keys(
     ] = None,
     baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 9600,
 ):
-    """Drive the two-motor kit: keys go out as they are pressed, and the state they lead to is shown.
+    """Drive the two-motor kit: send keys as they are pressed, and show the state of the motors.
 
     A n and B n set the speed of motor 1 and 2 (n = 1 … 127, a step every n × 4 ms, then Enter), C and D switch motor 1 and
     2 on, E and F off, G and H reverse them, I switches both on and J both off. q or Ctrl-C switches both off and leaves.
-    The kit never answers: what is shown is what it has been told.
+    The kit never answers: the state shown is computed from the keys sent.
 
-    With --send, or from a pipe, keys are read as words, and 2s or 500ms wait; the motors are then left as they are.
+    With --send, or from a pipe, keys are words, and 2s or 500ms wait; at the end the motors stay as they are.
 
     Examples:
 
@@ -61,7 +61,7 @@ def keys(
 
 
 def parse(text):
-    """Words to a list of bytes to send and seconds to wait. Raises Failure at the first that is neither."""
+    """Convert words to a list of bytes to send and seconds to wait. Raises Failure at the first that is neither."""
     from passo.protocols.keys import SLOWEST
 
     items = []
@@ -80,7 +80,7 @@ def parse(text):
 
 
 class Kit:
-    """A serial port with the kit at its other end, and what the kit has been told."""
+    """A serial port with the kit at its other end, and the state that follows from the keys sent."""
 
     def __init__(self, serial):
         self._serial = serial

@@ -1,21 +1,21 @@
-"""Polylines joined where their ends meet, and put in an order with little travel between them.
+"""Joins polylines whose ends meet, and orders them for little travel.
 
-    lines = joined(lines, 0.05)             # ends this close, in the lines' own unit, become one line
-    lines = sorted_from(lines, 0j)          # always the nearest end next, a line turned round where that is nearer
+    lines = joined(lines, 0.05)             # join ends this close, in the lines' own unit
+    lines = sorted_from(lines, 0j)          # always take the nearest end next; turn a line round if its end is nearer
 
-A line is a numpy array of complex numbers, x + yj. Both ways are greedy, with a grid over the ends, so that a hundred
-thousand lines take seconds.
+A line is a numpy array of complex numbers, x + yj. Both functions are greedy, with a grid over the ends: a hundred thousand
+lines take seconds.
 """
 
 import math
 
 import numpy
 
-_RINGS = 6  # of cells around a place that are searched before all ends are
+_RINGS = 6  # rings of cells around a point to search, before searching all ends
 
 
 class Ends:
-    """The ends of lines that are still to be taken, by where they lie. `cell`: the grid's pitch, above 0."""
+    """The ends of the lines that are left, in a grid. `cell`: the grid's pitch, above 0."""
 
     def __init__(self, lines, cell):
         self._cell = cell
@@ -30,14 +30,14 @@ class Ends:
         return len(self._left)
 
     def first(self):
-        """The first line that is left, taken."""
+        """Take the first line that is left."""
         while self._first not in self._left:
             self._first += 1
         self._take(self._first)
         return self._first
 
     def nearest(self, place, within=math.inf):
-        """(line, turned round) of the end nearest to `place`, taken; None if none is `within`. Of two as near the one that
+        """Take the end nearest to `place`: (line, turned round), or None if none is `within`. Of two as near it takes the one that
         begins there, and of these the first."""
         found = self._around(place, within)
         if found is None:
@@ -59,7 +59,7 @@ class Ends:
             self._places[end] = complex(math.inf, 0)
 
     def _around(self, place, within):
-        """The nearest end. What lies in ring r + 1 of cells is farther than r cells."""
+        """The nearest end. An end in ring r + 1 of cells is farther than r cells."""
         if not self._left:
             return None
         x, y = self._key(place)
@@ -89,10 +89,10 @@ def _ring(x, y, ring):
 
 
 def joined(lines, tolerance):
-    """The lines, those whose ends are at most `tolerance` apart made one; lines of less than two points are left out.
+    """Join lines whose ends are at most `tolerance` apart; drops lines of less than two points.
 
-    Where several meet they are drawn as by one who does not lift the pen: half as many lines as there are places where an
-    odd number meets, or one line that is closed (Euler, 1736; Hierholzer, 1873).
+    If several lines meet, the result lifts the pen as seldom as possible: half as many lines as there are nodes where an odd
+    number meets, or one closed line (Euler, 1736; Hierholzer, 1873).
     """
     lines = [line for line in lines if len(line) > 1]
     lines = [_chained([(lines[number], turned) for number, turned in trail]) for trail in _trails(lines, tolerance / 2)]
@@ -119,7 +119,7 @@ def _chained(parts):
 
 
 def _trails(lines, radius):
-    """Lists of (line, turned round) that hang together, as few as there can be. Ends within `radius` of a place are there."""
+    """Lists of (line, turned round) that are connected, as few as possible. Ends within `radius` of each other are one node."""
     nodes = _nodes(lines, max(radius, 1e-9))
     edges = list(zip(nodes[::2], nodes[1::2]))
     around = {}  # node: numbers of the edges there; one that begins and ends there twice
@@ -216,8 +216,7 @@ def _circuit(start, edges, around):
 
 
 def sorted_from(lines, place):
-    """The lines in the order in which a pen that stands at `place` takes them, each time the one with the nearest end; as
-    they are where that is the shorter way."""
+    """The lines in drawing order from `place`, each time the one with the nearest end; unchanged if that is shorter."""
     lines = list(lines)
     if not lines:
         return []

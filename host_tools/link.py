@@ -1,4 +1,4 @@
-"""`passo link`: which of a board's links may command, and handing the command over."""
+"""`passo link`: shows which link of a board commands, and hands the command over."""
 
 from typing import Annotated, Optional
 
@@ -22,8 +22,8 @@ def link(
 ):
     """Hand the command over the machine to another link of the board, or take it.
 
-    Links are numbered from 1 as the board file has them. Any link may ask, for itself or for another: also for one
-    whose language has no word for it. The machine has to stand still. Without a number, grbl says who commands.
+    Links are numbered from 1 in the order of the board file. Any link may ask, for itself or for another, also for one whose
+    language has no word for it. The machine must stand still. Without a number, a grbl link says who commands.
 
     Examples:
 

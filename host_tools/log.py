@@ -1,4 +1,4 @@
-"""`passo log`: what a board has refused since its start, whoever asked for it."""
+"""`passo log`: the errors and alarms of a board since its start, of all links."""
 
 from typing import Optional
 
@@ -7,7 +7,7 @@ import typer
 from host_tools.failure import Failure
 
 _ANSWER_S = 0.5
-_QUIET_S = 0.02  # so that what follows is no part of what was asked
+_QUIET_S = 0.02  # silence that separates the next bytes from the question
 BAUD = {"grbl": 115_200, "torch": 115_200, "pulses": 115_200, "plotter": 57_600}
 
 
@@ -15,13 +15,13 @@ def log(
     port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
     baud: Optional[int] = typer.Option(None, help="Bits per second of a serial port."),
     protocol: Optional[str] = typer.Option(
-        None, help="What the link of --port speaks: grbl, torch, pulses or plotter. Unless given, it is asked for."
+        None, help="Language of the link of --port: grbl, torch, pulses or plotter. Default: found by asking."
     ),
 ):
     """Show the last errors and alarms of all links; grbl also says how many of each there were since the start.
 
-    The log is the machine's: any link shows what another was refused, in a language without a word for no. The plotter's
-    language tells the last error only.
+    There is one log for all links: a grbl, torch or pulses link also shows what a link without a word for "no" was refused. A
+    plotter link tells the last error only.
 
     Example: passo log --port /dev/ttyACM0
 
@@ -39,8 +39,8 @@ def log(
 
 
 def _spoken(port, baud):
-    """The language of the link, by its answer to a byte that moves nothing in any: grbl tells its status, pulses that it is
-    no code; the torch's frames say nothing to it, and log it."""
+    """Find the language of a link by its answer to `?`, which moves nothing in any: grbl answers with its status, pulses with an
+    error; torch does not answer, and logs it."""
     import time
 
     from host_tools.wire import open_port

@@ -1,4 +1,4 @@
-"""What a trace says of a drawing: its steps, its time, and how far it strays from the ideal lines.
+"""Measures a drawing in a trace: its steps, its time, and its distance from the ideal lines.
 
     rows = read_trace("out/square.csv")
     result = measure(rows, [(False, 1000, 1000), (True, 1400, 1000), ...])

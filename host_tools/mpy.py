@@ -1,11 +1,11 @@
-"""Compiled modules as a board keeps them: where each function's code lies, moved so that it can run in place.
+"""Moves functions in compiled modules (.mpy) so that they can run in place, from a board's flash, and lists them.
 
     data = in_place(Path("planner.mpy").read_bytes(), native=False)
 
 A board's littlefs keeps a file in blocks of 4096 bytes; block n > 0 begins with ctz(n) + 1 pointers. Code that lies
-within one block can run from flash (firmware/passo/ports/rp2/flash_code.py). `in_place` moves functions that would cross
-a block, and native code that is not aligned, by leading 0x80 bytes before the number that begins them, which add nothing
-to it; and appends a table of all functions, which the interpreter does not read:
+within one block can run from flash (firmware/passo/ports/rp2/flash_code.py). `in_place` moves functions that would cross a
+block, and native code that is not aligned, by inserting 0x80 bytes before the number that begins them, which do not change its
+value. It appends a table of all functions, which the interpreter does not read:
 
     each function, in the file's order: offset u16, length u16, kind u8 (0: stays in RAM), children u8, functions in its tree u16
     number of functions u16, 0x5043
@@ -97,7 +97,7 @@ class _Reader:
 
 
 def functions(data):
-    """The functions of an .mpy, outer ones first. Raises ValueError for what is none of version 6."""
+    """The functions of an .mpy, outer ones first. Raises ValueError if it is not of version 6."""
     if data[:2] != b"M\x06":
         raise ValueError("no .mpy of version 6")
     reader = _Reader(data)
@@ -135,8 +135,8 @@ def padding(function, offset, native):
 
 
 def in_place(data, native=False):
-    """The .mpy with its functions moved and the table appended. `native`: viper code runs in place, too. Raises
-    ValueError for what has no place in the table."""
+    """The .mpy with its functions moved and the table appended. `native`: viper code runs in place, too. Raises ValueError if
+    the table cannot hold a function."""
     found, end = functions(data)
     out, copied, table = bytearray(), 0, bytearray()
     small = max(0, INLINE_BYTES + 1 - len(data)) if sum(function.length for function in found[1:]) >= _WORTH else 0

@@ -3,7 +3,7 @@
     for name, points in objects().items():      # points: [(pen_down, x, y), ...]
         ...
 
-The document shows its objects as pictures only, so these are of the same kinds and, where given, the same point counts.
+The document shows its objects as pictures only: these are of the same kinds, with the same point counts if it gives them.
 """
 
 import math

@@ -1,8 +1,8 @@
-"""Writes package.json, the list by which `mip` installs the firmware's package over the network.
+"""Writes package.json in the project's root: every module of the firmware that runs on some chip.
 
     python -m host_tools.package_list
 
-The list holds every module that runs on some chip; mip fetches paths without a scheme from beside package.json.
+A list of sources in mip's format. Boards need compiled files: `passo build` writes a package.json for them (build.py).
 """
 
 import json

@@ -1,6 +1,6 @@
 """Parts of the plant: a carriage between hard ends, a slotted barrier, a pen solenoid.
 
-Parts with events of their own have `due`, the tick of the next one or NEVER, and `run()`, which lets it happen.
+Parts with events of their own have `due`, the tick of the next event or NEVER, and `run()`, which carries it out.
 """
 
 import re
@@ -48,11 +48,11 @@ class Barrier:
 
     def __init__(self, name, edge, position, bounce_ticks, fault, random, high=False):
         self.name = name
-        self.last = edge - 1 if high else edge  # the last place on the low side
+        self.last = edge - 1 if high else edge  # the last position on the low side
         self.below = position <= self.last
         self._high = high
         self.due = NEVER
-        self._reading = self.below != high  # what it makes of that, chatter included
+        self._reading = self.below != high  # its output, chatter included
         self._chatter = []  # ticks of the false edges to come, last one first
         self._bounce_ticks = bounce_ticks
         self._random = random
@@ -100,7 +100,7 @@ class Solenoid:
 
     def drive(self, tick, on):
         self._wanted = 1000 if on else 0
-        # Let go before it has arrived it falls back without having moved.
+        # Released before it has arrived, it falls back without having moved.
         self.due = tick + self._delays[on] if self._wanted != self.value else NEVER
 
     def run(self):

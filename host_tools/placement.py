@@ -1,10 +1,10 @@
-"""Where a drawing's page lies on the machine's table, and how large.
+"""Positions and scales a drawing's page on the machine's table.
 
     place = Placement(page, board, Options(center=True))
     place.factor, place.origin_mm           # of the real size; where place.corner_px stands
 
-The page's lower left corner lies at 0;0, in its real size, if all that is drawn is on the table there; a larger page is
-reduced. Which layers are drawn changes nothing: those that are not count too.
+The page's lower left corner lies at 0;0, in its real size. A page with lines beyond the table is reduced. All layers count,
+also those that are not drawn, so each layer has the same position.
 """
 
 from dataclasses import dataclass
@@ -17,14 +17,14 @@ MM_PER_PX = 25.4 / 96
 
 @dataclass
 class Options:
-    """How a drawing is placed. Lengths in mm, `scale` as a factor of the real size."""
+    """Options of position and size. Lengths in mm; `scale` is a factor of the real size."""
 
     margin: float = 10.0  # kept free on the table by `fit`
     fit: bool = False
     center: bool = False
     scale: float | None = None
     origin: tuple[float, float] | None = None  # of the lower left corner of the page, or of the outlines
-    place: str = "page"  # or "outlines": the box around all that is drawn takes the page's part
+    place: str = "page"  # or "outlines": use the box around all lines instead of the page
     tolerance: float = 0.1
     crop: bool = True
     layers: tuple[int, ...] = ()
@@ -59,8 +59,7 @@ def fitted(box_px, board, options):
 
 
 class Placement:
-    """Where the page, or the box around all outlines, stands on the table, and how large; layers that are not drawn count
-    too."""
+    """Position and size on the table of the page, or of the box around all lines, layers that are not drawn included."""
 
     def __init__(self, page, board, options):
         self.notes = []
@@ -109,7 +108,7 @@ class Placement:
         )  # fmt: skip
 
     def _has_room(self, box_px):
-        """Is a box on the table? Half a step beyond its edge is on it: that is rounded away."""
+        """True if a box is on the table. Half a step beyond its edge counts as on it: rounding removes that."""
         left, bottom, right, top = self.on_table(box_px)
         slack = [0.5 / per_mm for per_mm in boards.steps_per_mm(self._board)]
         return (

@@ -1,17 +1,17 @@
-"""The plant: a model of the machine, which sees nothing of the firmware but its pins, by name and time.
+"""The plant: a model of the machine. It sees only the firmware's pins, by name and time.
 
     plant = Plant(board, start=(0, 0), bounce_ms=4, faults={"barrier_x": "dead"}, seed=1)
     port = VirtualPort(board, plant)
 
 Motor decoders turn pins back into steps, carriages travel between hard ends, slotted barriers watch them, and the
-pen's solenoid takes its time. Times are ticks of 80 ns. Positions are steps from the *nominal* origin: where a head
-would stand after homing on a barrier that switches exactly at its edge; an axis that homes at its high end has its
-barrier there. Whatever a real machine could not have followed is recorded in `errors`.
+pen's solenoid has its delay. Times are ticks of 80 ns. Positions are steps from the *nominal* origin: the position after
+homing on a barrier that switches exactly at its edge. An axis that homes at its high end has its barrier there. `errors`
+records whatever a real machine could not have followed.
 
 The board file gives axes, drive, polarity, travel and pen delays; what it cannot know comes as options:
 
-    start        steps from the nominal origin, one number an axis; None: anywhere in reach, by `seed`, or in the middle
-                 where nothing homes
+    start        steps from the nominal origin, one number an axis; None: random within reach, by `seed`, or in the middle
+                 if nothing homes
     bounce_ms    barriers chatter for up to this long after each change
     faults       {input: "dead" or "stuck"}: the barrier never, or always, reads active; "dead@2000" from that
                  millisecond on
@@ -75,7 +75,7 @@ class Plant:
             if start is not None:
                 at = start[i]
             elif not homing:
-                at = (low + high) // 2  # nothing will find where it stands: let it have room
+                at = (low + high) // 2  # it cannot home: give it room on both sides
             if not low <= at <= high:
                 raise ValueError(f"start: {axis['name']} {at} is not between the hard ends {low} and {high}")
             self.carriages.append(Carriage(axis["name"], at, low, high, self.report))
@@ -126,7 +126,7 @@ class Plant:
             else:
                 decoder = Pbl3770a(mode, bit[name + "_ph_a"], 0, self.report)
             self._decoders.append(decoder)
-        # What a coil motor mounted the other way round makes of the same sequence.
+        # A coil motor mounted the other way round turns backward by the same sequence.
         mirrored = [kind != "step_dir" and axis.get("reversed", False) for axis in self._board["axes"]]
         self._signs = [-1 if turned else 1 for turned in mirrored]
         self._tool_mask = 1 << bit["tool"]

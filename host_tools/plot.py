@@ -17,7 +17,7 @@ _PAGE = "#8a8a8a"
 def plot(
     trace: Path = typer.Argument(..., help="A trace CSV, as passo board --trace writes it."),
     out: Optional[Path] = typer.Option(None, "-o", "--out", help="The picture; default TRACE.png."),
-    board: str = typer.Option("plotter_2014", help="Board that says how many steps a millimetre has, and how far it goes."),
+    board: str = typer.Option("plotter_2014", help="Board file with steps/mm and travel: a name, or the path of a .py file."),
     steps_per_mm: Optional[str] = typer.Option(None, metavar="N[,M]", help="Instead of --board; N for X, M for Y."),
     order: bool = typer.Option(False, "--order", help="Colour each line by when it was drawn: first blue, last red."),
 ):

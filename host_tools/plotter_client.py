@@ -1,4 +1,4 @@
-"""A client of the plotter's language: sends packets, awaits their answers, and repairs what the wire spoils.
+"""A client of the plotter's language: sends packets, waits for their answers, repeats packets that the line damaged.
 
     with PlotterClient("/dev/ttyACM0") as client:
         client.request()
@@ -7,10 +7,10 @@
         client.point(True, 644, 454)        # LINE
         client.end(2)
 
-Whenever an answer is not the one expected, the client asks STATUS: its answer follows all older ones, so both sides
-are in step again, and it tells a refusal, which this language keeps silent about, from a packet lost. Only then is the
-packet sent again. A repeated point adds a line of no length, which draws nothing; a jog is repeated only when the
-position shows that it did not happen.
+If an answer is not the expected one, the client asks STATUS. Its answer comes after all older ones, so both sides are in step
+again; and it tells a refusal, which has no answer in this language, from a lost packet. Only then the packet is sent again. A
+repeated point adds a line of no length, which draws nothing. A jog is repeated only if the position shows that it did not
+happen.
 """
 
 import math
@@ -26,7 +26,7 @@ _STOP_S = 10.0  # the longest that a machine may take to come to rest
 
 _ANSWER = {name: byte for byte, name in plotter.ANSWERS.items()}
 RESEND = _ANSWER["RESEND"]
-_REFUSE_NOTHING = (errors.CHECKSUM, errors.BYTES_DROPPED, errors.WORDS_LATE)  # logged, but nobody was told no
+_REFUSE_NOTHING = (errors.CHECKSUM, errors.BYTES_DROPPED, errors.WORDS_LATE)  # logged, but no command was refused
 _JOG_NAMES = ("UP", "LEFT", "DOWN", "RIGHT")
 
 
@@ -43,8 +43,8 @@ class Cancelled(Exception):
 
 
 class PlotterClient:
-    """`timeout_s` is how long an answer may take before STATUS is asked; it must exceed the 2 s after which the
-    controller drops a torn packet. Slow (emulated) boards need more."""
+    """`timeout_s`: how long to wait for an answer before asking STATUS; more than the 2 s after which the controller drops a
+    torn packet. Slow (emulated) boards need more."""
 
     def __init__(self, port, baud=57600, timeout_s=3.0, log=None):
         self.timeout_s = timeout_s
@@ -68,11 +68,11 @@ class PlotterClient:
         self._cancelled = True
 
     def hello(self):
-        """Is the controller there? Raises LinkError if nothing, or something else, answers."""
+        """Raise LinkError if no controller answers, or something else does."""
         self._deliver("REQUEST", "REQUEST_OK")
 
     def request(self):
-        """hello(), then the status; an old error is read and so cleared."""
+        """hello(), then read the status, which clears an old error."""
         self.hello()
         return self.status()
 
@@ -89,8 +89,8 @@ class PlotterClient:
         self._deliver("LINE" if pen_down else "MOVE", "NEXT", x, y)
 
     def end(self, points=None, progress=None):
-        """Draw the object and wait until it is drawn. With `points`, how many it has, a lost answer is recognised by
-        that count. `progress(status)` is called about once a second."""
+        """Draw the object and wait until it is drawn. `points`: their number; a lost answer is recognised by it. Calls
+        `progress(status)` about once a second."""
 
         def drawn(status):
             return points is not None and status["drawn"] >= points
@@ -141,8 +141,8 @@ class PlotterClient:
         raise LinkError("the machine does not stop: switch it off")
 
     def raw(self, data):
-        """Send `data` as it is; returns all that is answered until the line has been quiet, as a list of events.
-        Where a packet that takes its time ends the data, its answer is waited for as long as it takes."""
+        """Send `data` as it is; returns the events received until the line is quiet. If the data end with a packet that takes
+        time (END, ORIGIN), waits for its answer without limit."""
         self.packets += 1
         self._wire.send(data)
         patient = packet_name(data[-plotter.PACKET :]) in ("END", "ORIGIN")
@@ -152,7 +152,7 @@ class PlotterClient:
         return events[:-1]
 
     def _deliver(self, name, expected_name, x=0, y=0):
-        """Send a packet that is answered at once, until it is."""
+        """Send a packet that is answered at once; repeat it until it is answered."""
         expected = _ANSWER[expected_name]
         self._send(name, x, y)
         answer = self._await(self.timeout_s)
@@ -175,7 +175,7 @@ class PlotterClient:
         raise LinkError(f"{name} was not understood in {ATTEMPTS} attempts: the line is too noisy")
 
     def _withheld(self, name, status):
-        """True while the controller keeps NEXT back because its store is full: it draws, and there will be room."""
+        """True while the controller holds NEXT back because its memory is full: it draws, and there will be room."""
         return name in ("LINE", "MOVE") and status["free"] == 0 and status["state"] != "alarm"
 
     def _perform(self, name, expected_name, finished, progress):
@@ -204,7 +204,7 @@ class PlotterClient:
                 idle = 0
 
     def _check(self, status, what):
-        """Raise Refused where the status tells of an alarm or of a refusal."""
+        """Raise Refused if the status tells of an alarm or of a refusal."""
         number = status["error"]
         alarm = status["state"] == "alarm"
         if alarm or (number and number not in _REFUSE_NOTHING):
@@ -219,7 +219,7 @@ class PlotterClient:
         self._wire.send(plotter.packet(plotter.COMMANDS[name], x, y))
 
     def _await(self, timeout_s):
-        """The next one-byte answer, or None after `timeout_s`. A STATUS that comes late is passed over."""
+        """The next one-byte answer, or None after `timeout_s`. Skips a late STATUS."""
         deadline = time.monotonic() + timeout_s
         while True:
             kind, value = self._event(max(0.0, deadline - time.monotonic()))

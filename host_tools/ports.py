@@ -16,7 +16,7 @@ _BOARDS = [
 
 
 def kind_of(vendor, product):
-    """What a USB device is by its numbers, or None if it does not look like a board."""
+    """The kind of board by the USB numbers, or None if they are no board's."""
     for known_vendor, known_product, kind in _BOARDS:
         if vendor == known_vendor and product in (known_product, product if known_product is None else known_product):
             return kind

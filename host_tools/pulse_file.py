@@ -1,4 +1,4 @@
-"""Pulse files on the PC: read by the firmware's own protocol, drawn, and made of G-code by the firmware's own walkers."""
+"""Pulse files on the PC: reads them with the firmware's own protocol, draws them, and makes them from G-code with its walkers."""
 
 from pathlib import Path
 
@@ -117,10 +117,10 @@ class Converter:
         self._tool = False
 
     def convert(self, lines):
-        """The text of [(number, bytes)], up to M2 or M30. Raises Failure at the first line that cannot be.
+        """The text of [(number, bytes)], up to M2 or M30. Raises Failure at the first line that cannot be converted.
 
-        A tool that is only on or off needs no S: where the programme says none at all, M3 and M4 turn it on. Where it says
-        some, it is on as on a machine that has a spindle: not with S0.
+        If the program has no S at all, M3 and M4 switch the tool on. If it has, S0 keeps the tool off, as on a machine with a
+        spindle.
         """
         from host_tools.pulse_shapes import lines as folded
         from passo import errors

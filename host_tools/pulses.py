@@ -1,4 +1,4 @@
-"""`passo pulses`: files of pulse codes, as LPTControl played them: played, turned round, repeated, checked, converted."""
+"""`passo pulses`: plays files of pulse codes as LPTControl did (forward, backward, repeated); checks and converts them."""
 
 from pathlib import Path
 from typing import Annotated, Optional
@@ -38,7 +38,7 @@ def _client(port, baud, log=None):
 
 
 def _follow(client, wait, playing):
-    """Show what goes on until the machine stands; Ctrl-C stops it. Raises Failure if what is `playing` is only paused."""
+    """Show progress until the machine stands; Ctrl-C stops it. Raises Failure if it is `playing` and only paused."""
     from host_tools.pulses_client import check
     from host_tools.pulses_panel import Panel, status_text
 
@@ -78,12 +78,12 @@ def play(
     stream: Annotated[bool, typer.Option("--stream", help="Play it as it is sent; for what is too long to store.")] = False,
     port: Port = None, baud: Baud = 115200, wait: Wait = True, log: Log = None,
 ):  # fmt: skip
-    """Send a file and play it: checked whole and stored on the board first, or streamed.
+    """Send a file and play it. The board checks and stores it first, unless it is streamed.
 
-    Keys while it plays: p pause, r go on, b turn round, s stop (also Ctrl-C); a number and Enter is a new speed in mm/min,
-    also the one that a +0 in the file waits for. The port is this program's for so long: with --no-wait it ends as soon as
-    the file is on the board, and the other verbs of passo pulses command the run. Exit status 1 if the run was stopped, or
-    is paused when there are no keys to go on with.
+    Keys while it plays: p pause, r go on, b turn round, s stop (also Ctrl-C); a number and Enter set a new speed in mm/min, also
+    the one that a +0 in the file waits for. This program keeps the port until the end. With --no-wait it ends as soon as the
+    file is on the board; then the other commands of passo pulses control the run. Exit status 1 if the run was stopped, or if
+    it paused and there is no keyboard to go on with.
 
     Examples:
 
@@ -133,9 +133,9 @@ def run(
 
 @app.command()
 def reverse(port: Port = None, baud: Baud = 115200, wait: Wait = True):
-    """Play backward from where it is, to the start of the file; `run` goes forward again.
+    """Play backward from here to the start of the file; `run` goes forward again.
 
-    Of a file that is streamed the board remembers only the last commands. Exit status 1 if it had to stop before the start.
+    The board remembers only the last commands of a streamed file. Exit status 1 if it had to stop before the start.
 
     Example: passo pulses reverse
     """
@@ -158,7 +158,7 @@ def pause(port: Port = None, baud: Baud = 115200):
 
 @app.command()
 def stop(port: Port = None, baud: Baud = 115200):
-    """Stop at once, the tool off; the file is at its start again.
+    """Stop at once, tool off, and go back to the start of the file.
 
     Example: passo pulses stop
     """
@@ -167,7 +167,7 @@ def stop(port: Port = None, baud: Baud = 115200):
 
 @app.command()
 def step(back: Back = False, port: Port = None, baud: Baud = 115200):
-    """One command of the file; --back: the last one backward.
+    """Execute one command of the file; --back: the previous one, backward.
 
     Example: passo pulses step --back
     """
@@ -176,7 +176,7 @@ def step(back: Back = False, port: Port = None, baud: Baud = 115200):
 
 @app.command("return")
 def return_(back: Back = False, port: Port = None, baud: Baud = 115200, wait: Wait = True):
-    """Go back the way the moves by hand came, and on with the file.
+    """Undo the moves by hand, the same way back, and go on with the file.
 
     Example: passo pulses return
     """
@@ -194,7 +194,7 @@ def continue_(back: Back = False, port: Port = None, baud: Baud = 115200, wait: 
 
 @app.command()
 def repeat(times: Annotated[int, typer.Argument(min=1, max=100)], port: Port = None, baud: Baud = 115200):
-    """How many times the file is played.
+    """Set how many times the file is played.
 
     Example: passo pulses repeat 10
     """
@@ -205,7 +205,7 @@ def repeat(times: Annotated[int, typer.Argument(min=1, max=100)], port: Port = N
 def speed(
     mm_min: Annotated[int, typer.Argument(min=1, help="mm/min along the path.")], port: Port = None, baud: Baud = 115200
 ):
-    """Another speed, now, up to the next one of the file; also what a +0 waits for.
+    """Change the speed now, up to the next speed in the file; also answers a +0.
 
     Example: passo pulses speed 300
     """
@@ -260,7 +260,7 @@ def status(
     watch: Annotated[bool, typer.Option("--watch", help="Again and again, until Ctrl-C.")] = False,
     port: Port = None, baud: Baud = 115200,
 ):  # fmt: skip
-    """Where it is and what it does: the port's image, progress, speed, what a wait still lasts.
+    """Show state, progress, speed, position, the rest of a wait, and the image of the port.
 
     Example: passo pulses status --watch
     """

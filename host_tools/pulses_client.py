@@ -1,4 +1,4 @@
-"""A client of LPTControl's language: files with flow control, control commands, and what the board says unasked.
+"""A client of LPTControl's language: files with flow control, control commands, and unasked messages of the board.
 
     with PulsesClient("/dev/ttyACM0") as client:
         client.send_file(data, stream=False)        # commands in it; Failure with line and column
@@ -47,7 +47,7 @@ class PulsesClient:
             raise LinkError(f"port {self.port} went away: {error}") from error
 
     def lines(self):
-        """The lines that have come since the last time; waits a little for one."""
+        """The lines received since the last call; waits a little for one."""
         try:
             data = self._serial.read(max(1, self._serial.in_waiting))
         except (OSError, TypeError, ValueError) as error:
@@ -59,8 +59,8 @@ class PulsesClient:
         return [line.decode("ascii", "replace").strip() for line in whole]
 
     def _answer(self, wanted, what, timeout_s=TIMEOUT_S, idle=None):
-        """The next line for which `wanted(line)`; raises Failure at an error. Others are kept, and so are errors with a place in
-        the file that is being sent. `idle()`, called while waiting, may ask for something itself."""
+        """The next line for which `wanted(line)`; raises Failure at an error. Keeps other lines, and errors with a line and column
+        of the file being sent. Calls `idle()` while waiting, which may send commands itself."""
         deadline = time.monotonic() + timeout_s
         while time.monotonic() < deadline:
             if idle:
@@ -78,10 +78,10 @@ class PulsesClient:
                 return found
         raise LinkError(f"no answer on port {self.port} to {what}")
 
-    # --- what one can say
+    # --- commands
 
     def command(self, *words):
-        """A control command; raises Failure where it is refused."""
+        """Send a control command; raises Failure if it is refused."""
         self.send(frame(*words))
         return self._answer(lambda line: line == "ok", " ".join(map(str, words)))
 
@@ -98,8 +98,8 @@ class PulsesClient:
         return [(int(ms), int(number), who) for ms, number, who in lines]
 
     def send_file(self, data, stream=False, show=None, idle=None):
-        """Send a file to be stored, or to be played as it comes; returns how many commands it has. `show(part)`: 0…1.
-        `idle()` is called while waiting, and may give commands."""
+        """Send a file to be stored, or to be played as it comes; returns its number of commands. Calls `show(part)`, 0…1, and
+        `idle()` while waiting, which may send commands."""
         self.command("stream" if stream else "load", len(data))
         self.send(b"\n")
         self.acks = 0
@@ -126,7 +126,7 @@ class PulsesClient:
         return int(self._answer(lambda line: line.startswith("ok "), "end", limit_s, idle or (lambda: None)).split()[1])
 
     def wait(self, words, show=None):
-        """Until the board says one of `words`; returns it. `show(status)` every 0.1 s."""
+        """Wait until the board says one of `words`; returns it. Calls `show(status)` every 0.1 s."""
         asked = 0.0
         while True:
             for line in self.said + self.lines():
@@ -141,7 +141,7 @@ class PulsesClient:
 
 
 def check(line, what):
-    """Raises Failure where `line` is an error or an alarm."""
+    """Raise Failure if `line` is an error or an alarm."""
     kind, _, rest = line.partition(":")
     if kind in ("error", "alarm") and rest:
         number, _, where = rest.partition(" ")

@@ -1,4 +1,4 @@
-"""The verbs of `passo pulses` that want no board: check, convert, image, example."""
+"""The commands of `passo pulses` that need no board: check, convert, image, example."""
 
 from pathlib import Path
 from typing import Annotated, Optional
@@ -27,7 +27,7 @@ def _board(name):
 
 
 def check(file: PulseFile, board: BoardName = BOARD):
-    """Check a file: errors by line and column, commands, box, time; nothing is sent.
+    """Check a file: errors by line and column, number of commands, box, time. Sends nothing.
 
     Examples:
 
@@ -50,11 +50,11 @@ def convert(
     out: Out = None,
     board: BoardName = BOARD,
 ):
-    """A pulse file to a picture, or G-code to a pulse file.
+    """Convert a pulse file to a picture, or G-code to a pulse file.
 
-    The picture is a .png, .svg or .pdf: dark where the tool is on. Lines and arcs of G-code are walked as the firmware
-    walks them; M3 and M5 switch the tool, G4 waits, M0 asks the operator for the speed, M2 and M30 end it. If the
-    programme gives no S at all, M3 needs none; if it does, S0 is off.
+    The picture is a .png, .svg or .pdf, dark where the tool is on. Lines and arcs of G-code become the steps that the firmware
+    makes. M3 and M5 switch the tool, G4 waits, M0 asks the operator for the speed, M2 and M30 end it. If the program has no S
+    at all, M3 needs none; otherwise S0 is off.
 
     Examples:
 
@@ -80,7 +80,7 @@ def convert(
 
 
 def image(file: PulseFile, board: BoardName = BOARD):
-    """The bytes that the parallel port would have shown, command by command, in hex.
+    """Show the bytes of the parallel port, command by command, in hex.
 
     Examples:
 
@@ -109,10 +109,10 @@ def example(
     shape: Annotated[str, typer.Argument(help="square, triangle, hexagon or octagon.")],
     out: Out = None,
     speed: Annotated[int, typer.Option(min=1, help="mm/min.")] = 1000,
-    down: Annotated[float, typer.Option(min=0, help="How many mm the tool goes down by before it cuts.")] = 0.0,
+    down: Annotated[float, typer.Option(min=0, help="Lower the tool by so many mm before it cuts.")] = 0.0,
     board: BoardName = BOARD,
 ):
-    """Write one of the cuts of LPTControl's document: 10 × 10 cm, 10 × 10, 15 × 10 and 15 × 15.
+    """Write an example file: one of the four shapes of LPTControl's document, 10 to 15 cm wide.
 
     Examples:
 

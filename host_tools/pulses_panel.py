@@ -1,10 +1,10 @@
-"""The line on the screen and the keys below it while a file of pulse codes is played.
+"""The status line and the keys while a file of pulse codes is played.
 
     with Panel(client) as panel:
         client.send_file(data, stream=True, idle=panel.turn)
         status = panel.follow(playing=True)
 
-The port belongs to this program for so long, so that a pause, a new speed and the rest come from its own keys.
+This program has the port until the end, so pause, speed and stop come from its own keys.
 """
 
 import contextlib
@@ -63,15 +63,16 @@ class Panel:
             print("\r\x1b[K", end="", file=sys.stderr)
 
     def turn(self):
-        """A key, if one was pressed, and the screen now and then. Raises Failure after s, and what a lost port raises."""
+        """Handle a key, if one was pressed; redraw the screen now and then. Raises Failure after s, LinkError if the port is
+        lost."""
         if self._terminal and select.select([sys.stdin], [], [], 0)[0]:
             self._key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))
         if sys.stderr.isatty() and time.monotonic() - self._shown > _SHOW_S:
             self._show(self._client.status())
 
     def follow(self, playing):
-        """Wait until the machine stands; returns the last status. A pause of something that is `playing` is waited for too
-        if there are keys to end it."""
+        """Wait until the machine stands; returns the last status. If it is `playing`, a pause is no end as long as there are keys
+        to end it."""
         from host_tools.pulses_client import POLL_S
 
         while True:

@@ -1,4 +1,4 @@
-"""Where the project's own files are: in a checkout, or beside the package that pip has installed.
+"""Finds the project's own files: in a checkout, or beside the package that pip has installed.
 
     FIRMWARE        the folder that holds passo/, the firmware's package
     MAIN            firmware/main.py

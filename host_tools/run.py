@@ -1,8 +1,8 @@
 """`python -m host_tools.run`: the main job on the virtual board, by packets through a pty, into `out/`.
 
-For each of the five objects of 2014 and the contour map: a virtual board of its own is started, homed, and draws; its
-trace is measured against the commanded points and plotted. Exit status 0 only if every path is exact. Traces leave out
-the time in which nothing is under way, so that those of two runs are equal: diff shows it.
+For each of the five objects of 2014 and the contour map it starts a virtual board, homes it and draws, measures the trace
+against the commanded points, and plots it. Exit status 0 only if every path is exact. Traces leave out the time in which
+nothing is under way, so those of two runs are equal: diff shows it.
 """
 
 import signal

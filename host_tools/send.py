@@ -1,4 +1,4 @@
-"""`passo send`: packets from a terminal, shown with their answers as the log of 2014 shows them."""
+"""`passo send`: sends packets from a terminal and shows their answers, in the format of the log of 2014."""
 
 import re
 import signal
@@ -55,7 +55,7 @@ def send(
 
 
 def parse(words):
-    """Words to [(name, numbers) | bytes]. Raises Failure at the first that is neither."""
+    """Convert words to [(name, numbers) | bytes]. Raises Failure at the first that is neither."""
     from passo.protocols import plotter_host as plotter
 
     tokens = [token for word in words for token in word.split()]
@@ -80,7 +80,7 @@ def parse(words):
 
 
 def _converse(client):
-    """Packets from the keyboard (or a pipe) until its end; an error is shown and does not end the conversation."""
+    """Send packets from the keyboard (or a pipe) until its end; show errors and go on."""
     tty = sys.stdin.isatty()
     failed = None
     while True:

@@ -1,4 +1,4 @@
-"""Virtual serial lines: what the board's end of a link is on a PC.
+"""Virtual serial lines: the board's end of a link, on a PC.
 
     line = PtyLine(link="/tmp/plotter")     # any serial program opens line.name, or the link
     line = TcpLine(5000)                    # pyserial opens line.name: socket://127.0.0.1:5000
@@ -6,7 +6,7 @@
     line.write(b"k")
     wait([line], 5)                         # until a byte may have come, or 5 ms
 
-A client may come, go and come back. What the board says while there is none is lost, as on a real wire.
+Clients may connect again and again. What the board says while there is none is lost, as on a real line.
 """
 
 import errno
@@ -23,7 +23,7 @@ from pathlib import Path
 from host_tools.failure import Failure
 
 READ_BYTES = 4096
-UNSENT_BYTES = 1 << 20  # kept for a client that does not read; beyond that the oldest are lost, and it is said
+UNSENT_BYTES = 1 << 20  # kept for a client that does not read; beyond that the oldest are lost, with a message
 
 
 def wait(lines, milliseconds):
@@ -62,8 +62,8 @@ class _Line:
 
 
 class PtyLine(_Line):
-    """A pseudo-terminal, raw, so that bytes pass as they are. `link`: a symlink to make, replacing one that is left over.
-    Raises Failure if another board has it: the symlink belongs to whoever holds the lock on .LINK.lock beside it."""
+    """A pseudo-terminal in raw mode: bytes pass unchanged. `link`: a symlink to make; replaces a stale one. Raises Failure if
+    another board has it: the symlink belongs to the holder of the lock on .LINK.lock beside it."""
 
     def __init__(self, link=None):
         super().__init__()
@@ -115,7 +115,7 @@ class PtyLine(_Line):
         return os.write(self._fd, data) if self._open else len(data)
 
     def _hung_up(self):
-        """The client has gone: the next one finds a raw line, and none of the answers to this one."""
+        """The client has gone: make the line raw for the next one, without answers to this one."""
         self._open = False
         self._unsent = b""
         slave = os.open(self._path, os.O_RDWR | os.O_NOCTTY)
@@ -145,7 +145,7 @@ class Lock:
         self._fd = os.open(path, os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o666)
         try:
             fcntl.flock(self._fd, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            # Who had it may have removed the file since we opened it: then our lock is on a file without a name.
+            # The former holder may have removed the file since it was opened: then this lock is on a file without a name.
             self.taken = _same(self._fd, path)
         except BlockingIOError:
             self.taken = False

@@ -1,11 +1,10 @@
-"""Opening a serial port for one program alone.
+"""Opens a serial port for one program only.
 
     opened = open_exclusively("/dev/ttyACM0", 57600, 0.05)      # a pyserial port
 
-A port is locked with flock, as pyserial and mpremote do, and a real serial device with TIOCEXCL too, which programs that do
-not lock run into; root passes over TIOCEXCL, and flock stops root as well. What is not a device on this computer, such as
-socket://host:port, is locked by a file in the folder for temporary files: its server would drop the first client for the
-second.
+A port is locked with flock, as pyserial and mpremote do. A real serial device is also locked with TIOCEXCL, which stops
+programs that do not use flock; flock also stops root, whom TIOCEXCL does not. A URL such as socket://host:port is locked by a
+file in the folder for temporary files: its server would drop the first client for the second.
 """
 
 import errno
@@ -22,8 +21,8 @@ class LinkError(Failure):
 
 
 def open_exclusively(port, baud, slice_s):
-    """A pyserial port: a device, a pty or any pyserial URL such as socket://host:port; one read waits `slice_s`. Raises
-    LinkError, which says whose it is if another program has it."""
+    """Open a device, a pty or any pyserial URL such as socket://host:port; one read waits `slice_s`. Returns a pyserial port.
+    Raises LinkError; if another program has the port, it names that program."""
     import serial
 
     lock = None
@@ -48,7 +47,7 @@ def open_exclusively(port, baud, slice_s):
 
 
 def _keep_others_out(opened):
-    """TIOCEXCL, which ends when the device is closed; not on a pty, where it would outlive a program that is killed."""
+    """Set TIOCEXCL, which ends when the device is closed; not on a pty, where it would outlive a killed program."""
     try:
         import fcntl
         import termios
@@ -56,7 +55,7 @@ def _keep_others_out(opened):
         if not os.path.realpath(opened.port).startswith("/dev/pts/"):
             fcntl.ioctl(opened.fileno(), termios.TIOCEXCL)
     except (ImportError, AttributeError, OSError, ValueError):
-        pass  # not every device can: flock holds
+        pass  # not every device can: flock is enough
 
 
 def _lock_file(url):

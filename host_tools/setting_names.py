@@ -1,10 +1,10 @@
-"""What a controller's settings are called, and in what unit and between which bounds they are.
+"""Names, units and bounds of a controller's settings, for people.
 
     describe("$110=5000.000", axes=3)       # ("x: highest speed", "mm/min", "0.001 … 999999.999")
     describe("$N0=G54", axes=3)             # ("sent when the board starts", "", "")
 
-The bounds are those of the firmware (control/setting_table.py; a test compares them). Speed times steps/mm is bounded besides,
-by what the board's player can step.
+The bounds are those of the firmware (control/setting_table.py; a test compares them). Speed times steps/mm is bounded too, by the
+step rate of the board's player.
 """
 
 import re
@@ -48,7 +48,7 @@ AXIS_NAMES = {
 
 
 def rule(number, axes):
-    """(name, unit, least, most) of a setting on a machine with so many axes, or None if it is not known."""
+    """(name, unit, least, most) of a setting on a machine with `axes` axes; None if it is not known."""
     if number in NAMES:
         name, unit, least, most = NAMES[number]
         return name, unit, least, (1 << axes) - 1 if most is None else most
@@ -60,7 +60,7 @@ def rule(number, axes):
 
 
 def describe(line, axes):
-    """(name, unit, bounds) of a line of a back-up, as texts; empty ones of what is not known."""
+    """(name, unit, bounds) of a line of a back-up, as texts; empty if it is not known."""
     start_up = re.match(r"\$N(\d)=", line)
     if start_up:
         return "sent when the board starts", "", ""
@@ -76,7 +76,7 @@ def describe(line, axes):
 
 
 def table(lines):
-    """The lines of a back-up with what they mean beside them, aligned."""
+    """The lines of a back-up with their meanings beside them, aligned."""
     axes = sum(1 for line in lines if re.match(r"\$10\d=", line))
     rows = [(line, *describe(line, axes)) for line in lines]
     widths = [max(len(row[column]) for row in rows) for column in range(3)]

@@ -1,8 +1,8 @@
-"""`passo settings`: a controller's settings to a file and back.
+"""`passo settings`: shows a controller's settings, saves them to a file and restores them.
 
-The first line of a back-up is its version. One without a version that has settings of Passo's own is of the first firmware,
-whose masks ($2 to $6 and $23) said what differs from the board file; one without either is of a grbl, whose masks mean what
-Passo's mean since version 2.
+The first line of a back-up is its version. A back-up without one that has Passo's own settings comes from the first firmware;
+its masks ($2 to $6 and $23) said what differs from the board file. A back-up with neither comes from grbl, whose masks mean
+the same as Passo's since version 2.
 """
 
 import re
@@ -16,7 +16,7 @@ from host_tools.grbl_client import Refused
 
 VERSION = 2
 _HEADER = "; passo settings, version "
-_OWN = ("$140=", "$141=")  # that no grbl has
+_OWN = ("$140=", "$141=")  # Passo's, not grbl's
 _KEPT_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59")
 
 
@@ -26,10 +26,10 @@ def settings(
     port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
     baud: int = typer.Option(115200, help="Bits per second of a serial port."),
 ):
-    """Show a controller's settings with their names, units and bounds, save them to a file, or bring them back.
+    """Show a controller's settings with names, units and bounds, save them to a file, or restore them.
 
-    A back-up holds the $ settings, the work offsets and the start-up lines, one a line, as they are sent. What grbl's $$ says
-    can be restored as well, and back-ups of older firmware are converted.
+    A back-up holds the $ settings, the work offsets and the start-up lines, as they are sent. The output of grbl's $$ can be
+    restored as well; back-ups of older firmware are converted.
 
     Examples:
 
@@ -67,7 +67,7 @@ def settings(
 
 
 def backup(client):
-    """All that a controller keeps, as the lines that bring it back."""
+    """All that a controller keeps, as the lines that restore it."""
     lines = [line for line in client.command("$$") if line.startswith("$")]
     lines += [line for line in client.command("$N") if line.startswith("$N")]
     for line in client.command("$#"):
@@ -79,7 +79,7 @@ def backup(client):
 
 
 def masks(client):
-    """{number: what the board file says} of the settings that are masks; None where the firmware cannot tell."""
+    """{number: board file's value} of the settings that are masks; None if the firmware cannot tell."""
     try:
         said = client.command("$MASKS")
     except Refused:
@@ -92,7 +92,7 @@ def masks(client):
 
 
 def meant(client, wanted, version):
-    """The lines of a back-up as this controller understands them. Raises Failure where it would take a mask for another."""
+    """The lines of a back-up, converted for this controller. Raises Failure if it would misread a mask."""
     board = masks(client)
     if board is None:
         if version >= VERSION and any(_mask(line) for line in wanted) and _is_passo(client.command("$$")):
@@ -100,7 +100,7 @@ def meant(client, wanted, version):
         return wanted
     if version >= VERSION:
         return wanted
-    lines = [line for line in wanted if line != "$1=255"]  # of the first firmware it said nothing of the drivers' release
+    lines = [line for line in wanted if line != "$1=255"]  # the first firmware did not release drivers by it
     for index, line in enumerate(lines):
         number, value = _mask(line) or (None, None)
         if number in board:
@@ -119,7 +119,7 @@ def _is_passo(lines):
 
 
 def read(file):
-    """(lines, version) of a back-up. Raises Failure where it is none."""
+    """(lines, version) of a back-up. Raises Failure if the file is none."""
     try:
         lines = file.read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeError) as error:
@@ -140,8 +140,8 @@ def read(file):
 
 
 def restore(client, wanted):
-    """Send what differs from what the controller has; the lines that did. Offsets are read in the units of $13. What is
-    refused is sent again behind the others, as long as that helps: a setting may have to wait for another."""
+    """Send the lines that differ from the controller's; returns them. Offsets are read in the units of $13. Refused lines are
+    sent again after the others, as long as that helps: a setting may depend on another."""
     have = set(backup(client))
     changed = sorted([line for line in wanted if line not in have], key=_order)
     if any(line.startswith(("G10", "$N")) for line in changed):
@@ -158,7 +158,7 @@ def restore(client, wanted):
 
 
 def _send(client, lines):
-    """{line: Refused} of those that were."""
+    """Send lines; returns {line: Refused} of the refused ones."""
     refusals = {}
     for line in lines:
         try:

@@ -1,4 +1,4 @@
-"""`passo stream`: a G-code file to a controller that speaks grbl."""
+"""`passo stream`: sends a G-code file to a controller that speaks grbl."""
 
 import bisect
 import contextlib
@@ -28,13 +28,12 @@ def stream(
     log: Optional[Path] = typer.Option(None, help="Save the conversation on the wire to this file."),
     timeout: float = typer.Option(5.0, min=0.1, help="Seconds an answer may take."),
 ):
-    """Send a G-code file and show how far it is. Stops at the first error and says which line.
+    """Send a G-code file and show progress. Stops at the first error and names its line.
 
-    What is shown is the line that moves the machine: lines go out with their numbers in the file as N words, unless the
-    file has such words of its own.
+    It shows the line that moves the machine: lines get their numbers in the file as N words, unless the file has N words of
+    its own.
 
-    Keys while it runs: p pause, r resume, also after M0, M1 and M6, a abort (also Ctrl-C). The machine comes to a stand
-    before anything is dropped.
+    Keys: p pause, r resume (also after M0, M1 and M6), a abort (also Ctrl-C). An abort first comes to a stand on the path.
 
     Examples:
 
@@ -77,7 +76,7 @@ class Aborted(Failure):
 
 
 class Panel:
-    """The bar on the screen and the keys beside it. `seconds`: what each line is thought to take."""
+    """The progress bar and the keys. `seconds`: estimated time of each line."""
 
     def __init__(self, client, lines, seconds=None):
         self._client = client
@@ -141,7 +140,7 @@ class Panel:
                 self._show()
 
     def _pause(self, paused, now):
-        """Time in a hold counts for nothing, whoever asked for it: a key, the door, or M0 in the programme."""
+        """Do not count time in a hold, whether by a key, the door, or M0 in the program."""
         if paused and self._paused_at is None:
             self._paused_at = now
         elif not paused and self._paused_at is not None:

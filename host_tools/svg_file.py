@@ -1,13 +1,13 @@
-"""The outlines of an SVG file, layer by layer, in px of 1/96 inch, and what of the file cannot be drawn.
+"""Reads the outlines of an SVG file, layer by layer, in px of 1/96 inch, and counts what cannot be drawn.
 
     file = SvgFile("map.svg")
     page = file.outlines(deviation_px=0.1)
     page.layers             # {1: [complex array, ...], ...}: x + iy, y down
     page.left_out           # {"picture": 2, ...}
 
-Drawn are shapes, paths, <use> and <symbol>, text as the outlines of its letters, dashes, and all of it cut by clip paths;
-fills are not hatched. Each group at the top is a layer: its number is the first one in its label, or in its id, or else
-its place among the groups; what stands in no group is layer 1. So vpype numbers them.
+It reads shapes, paths, <use> and <symbol>, text as the outlines of its letters, and dashes, cut by clip paths. Fills are not
+hatched. Each top-level group is a layer; its number is the first one in its label or id, or else its index among the groups;
+elements in no group are layer 1. vpype numbers layers in the same way.
 """
 
 import math
@@ -43,7 +43,7 @@ class Page:
 
 @dataclass(frozen=True)
 class _Context:
-    """What an element finds itself in."""
+    """What an element inherits: style, matrix, clip paths."""
 
     matrix: tuple
     style: dict
@@ -76,7 +76,7 @@ class SvgFile:
         self.size_px = self._size()
 
     def _size(self):
-        """Width and height of the page; what is missing, or in %, follows from the viewBox."""
+        """Width and height of the page; from the viewBox if they are missing or in %."""
         box = self._view_box(self._root)
         width = svg_geometry.length(self._root.get("width"), default=None)
         height = svg_geometry.length(self._root.get("height"), default=None)
@@ -107,7 +107,7 @@ class SvgFile:
         return self._page
 
     def _layers(self, context):
-        """Sort what stands at the top into layers."""
+        """Sort the top-level elements into layers."""
         groups = 0
         pending = [(child, context) for child in reversed(self._root)]
         while pending:
@@ -164,7 +164,7 @@ class SvgFile:
         return [line for child in children for line in self._lines(child, context)]
 
     def _chosen(self, element):
-        """The children that are shown: of a <switch> the first that asks for nothing special."""
+        """The children that are shown; of a <switch> the first without conditions."""
         if local_name(element.tag) != "switch":
             return list(element)
         plain = (
@@ -301,7 +301,7 @@ class SvgFile:
         return svg_area.clipped(lines, svg_area.grown(area, _CLIP_PX))
 
     def _area(self, clip, lines, context, depth):
-        """What a <clipPath> leaves of the element of `context`, whose outlines are `lines`."""
+        """The area that a <clipPath> leaves of an element whose outlines are `lines`."""
         matrix = context.matrix
         if clip.get("clipPathUnits") == "objectBoundingBox":
             matrix = svg_geometry.compose(matrix, _box_matrix(lines, matrix))

@@ -21,7 +21,7 @@ _MOST_DASHES = 100_000  # of one line: more are a mistake in the file
 
 
 def length(text, whole=None, font_size=16.0, default=0.0):
-    """A length in px; `whole` is what 100 % are. `default` if there is none, or it cannot be read."""
+    """A length in px; `whole` is 100 %. `default` if there is none, or it cannot be read."""
     match = _LENGTH.match(text) if text else None
     if not match:
         return default
@@ -84,7 +84,7 @@ def inverse(of):
 
 
 def stretch(of):
-    """The most that a matrix lengthens anything."""
+    """The largest factor by which a matrix lengthens anything."""
     return float(numpy.linalg.norm(numpy.array([[of[0], of[2]], [of[1], of[3]]]), 2))
 
 
@@ -153,7 +153,7 @@ def _data(*parts):
 
 
 def path_segments(data):
-    """svgelements' segments of a path, and whether all of it could be read; what comes before a mistake is kept."""
+    """svgelements' segments of a path up to its first mistake, and True if there is none."""
     import svgelements
 
     path = svgelements.Path()

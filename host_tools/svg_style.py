@@ -1,10 +1,10 @@
-"""Styles of an SVG file: what attributes, style sheets and `style` say of an element, and what it inherits.
+"""Styles of an SVG file: attributes, style sheets and `style` of an element, and the properties it inherits.
 
     sheet = Sheet([".st0{stroke:#000}"])
     style = sheet.style(element, inherited)         # {"stroke": "#000", …}
 
-Known are the properties that decide whether, where and how an outline is drawn, and selectors of one element: `*`, `rect`,
-`.class`, `#id`, `rect.class`, in lists. Other selectors are in `unknown` and match nothing.
+Supports the properties that decide whether, where and how an outline is drawn, and selectors of one element: `*`, `rect`,
+`.class`, `#id`, `rect.class`, in lists. Other selectors go to `unknown` and match nothing.
 """
 
 import re

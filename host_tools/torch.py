@@ -36,7 +36,7 @@ DEFAULT_SPEED = 600.0  # mm/min: the 60 cm/min of the document's measurements
 
 
 class Units:
-    """What a number on the command line is in steps."""
+    """Converts numbers of the command line to steps."""
 
     def __init__(self, board, steps):
         from host_tools import boards
@@ -129,12 +129,12 @@ def move(
 
 @app.command(context_settings=_NUMBERS)
 def goto(
-    x: Annotated[float, typer.Argument(help="Where to, from the origin.")],
+    x: Annotated[float, typer.Argument(help="Target, from the origin.")],
     y: Annotated[float, typer.Argument()],
     speed: Speed = DEFAULT_SPEED, x_speed: AxisSpeed = None, y_speed: AxisSpeed = None, steps: Steps = False,
     board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, wait: Wait = True, log: Log = None,
 ):  # fmt: skip
-    """Go to a place on the plane, counted from the origin.
+    """Go to a position, counted from the origin.
 
     Examples:
 
@@ -154,11 +154,11 @@ def goto(
 @app.command()
 def jog(
     direction: Annotated[str, typer.Argument(help="x+, x-, y+ or y-.")],
-    times: Annotated[int, typer.Option(min=1, max=1000, help="As long as a button held for so many jogs.")] = 1,
+    times: Annotated[int, typer.Option(min=1, max=1000, help="Number of jogs, as one motion.")] = 1,
     steps: Steps = False,
     board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, wait: Wait = True, log: Log = None,
 ):  # fmt: skip
-    """Move one axis by the step that is configured; several run into one another without a gap.
+    """Move one axis by the configured jog; several jogs run without a gap.
 
     Examples:
 
@@ -181,7 +181,7 @@ def info(
     watch: Annotated[bool, typer.Option("--watch", help="Go on until Ctrl-C.")] = False, steps: Steps = False,
     board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, log: Log = None,
 ):  # fmt: skip
-    """Where the machine is, what it does, and how far it has come since the last move or jog.
+    """Show position, state, and the way since the last move or jog.
 
     Examples:
 
@@ -216,7 +216,7 @@ def info(
 def halt(
     steps: Steps = False, board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, log: Log = None,
 ):
-    """Stop at once; says how far the last move or jog came.
+    """Stop at once; show how far the last move or jog came.
 
     Examples:
 
@@ -229,7 +229,7 @@ def halt(
 
 @app.command()
 def origin(port: Port = None, baud: Baud = 115200, log: Log = None):
-    """Where the machine stands is the origin from now on.
+    """Set the origin to the present position.
 
     Examples:
 
@@ -241,12 +241,12 @@ def origin(port: Port = None, baud: Baud = 115200, log: Log = None):
 
 @app.command()
 def config(
-    x_jog: Annotated[float, typer.Argument(min=0, help="How far a jog of X goes.")],
-    y_jog: Annotated[float, typer.Argument(min=0, help="How far a jog of Y goes.")],
+    x_jog: Annotated[float, typer.Argument(min=0, help="Length of a jog of X.")],
+    y_jog: Annotated[float, typer.Argument(min=0, help="Length of a jog of Y.")],
     speed: Speed = DEFAULT_SPEED, x_speed: AxisSpeed = None, y_speed: AxisSpeed = None, steps: Steps = False,
     board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, log: Log = None,
 ):  # fmt: skip
-    """Set how far a jog goes, and how fast, until the board is switched off.
+    """Set length and speed of a jog, until the board is switched off.
 
     Examples:
 
@@ -290,7 +290,7 @@ def disconnect(port: Port = None, baud: Baud = 115200, log: Log = None):
 
 @app.command()
 def unlock(port: Port = None, baud: Baud = 115200, log: Log = None):
-    """Leave an alarm: what caused it must be gone. The position may be wrong from then on.
+    """Leave an alarm. Remove its cause first; the position may be wrong afterwards.
 
     Examples:
 

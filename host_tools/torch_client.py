@@ -1,12 +1,12 @@
-"""A client of the torch manipulator's frames, with the board's own words where it has them.
+"""A client of the torch manipulator's frames, and of Passo's own frames if the board knows them.
 
     with TorchClient("/dev/ttyACM0") as client:
         client.order(torch.move(480, 480, 830, -830))       # raises Refused with the board's reason
         client.wait(show)                                   # until it stands; show(status) as it goes
         client.counts("STOP")                               # (x, y): steps made since the last move or jog
 
-The documents' language has no word for no. A Passo board counts what it dropped and says why when it is asked; of any
-other board, only the counts are known.
+The original language cannot refuse. A Passo board counts what it dropped and tells the reason if asked; any other board tells
+only the steps made.
 """
 
 import time
@@ -17,8 +17,8 @@ from passo import errors
 from passo.protocols import torch
 
 POLL_S = 0.1
-_PASSO_S = 0.5  # a board that has not told its status by then is none of ours
-_IDLE_GAP_S = 0.02  # a silence, so that a frame of ours is never taken for the rest of a torn one
+_PASSO_S = 0.5  # a board that does not answer a status question by then is not Passo
+_IDLE_GAP_S = 0.02  # silence before a frame, so that it is never taken for the rest of a torn one
 
 
 class Refused(Failure):
@@ -120,10 +120,10 @@ class TorchClient:
             if not fields["older"]:
                 return entries
 
-    # --- what one wants of it
+    # --- commands
 
     def order(self, data):
-        """Send a frame that has no answer. Raises Refused where the board dropped it, and can say so."""
+        """Send a frame that has no answer. Raises Refused if a Passo board dropped it."""
         before = self.status()
         self.send(data)
         after = self.status()
@@ -132,8 +132,8 @@ class TorchClient:
         return after
 
     def jog(self, direction, times=1):
-        """So many whole jogs in `direction`, X+ … Y-, as one. Jogs that are only repeated are those of a button held: a
-        Passo board takes no more of them than end soon after it is let go; any other board gets them all."""
+        """Make `times` jogs in `direction`, X+ … Y-, as one motion. A Passo board has a frame for that, because it takes only
+        a few repeated jogs in advance (a held button); any other board gets them one by one."""
         code = torch.CODES["JOG_" + direction]
         if self.status() is None:
             self.send(torch.frame("JOG_" + direction) * times)
@@ -146,7 +146,7 @@ class TorchClient:
                 self.wait()
 
     def wait(self, show=None):
-        """Until the machine stands. `show(status)` each time it is asked. Raises Refused in an alarm."""
+        """Wait until the machine stands. Calls `show(status)` each time. Raises Refused in an alarm."""
         last = None
         while True:
             status = self.status() or self._guess(last)
@@ -160,7 +160,7 @@ class TorchClient:
             time.sleep(POLL_S)
 
     def _guess(self, last):
-        """Of a board without a status: it stands where two answers are the same."""
+        """Wait for a board without a status: it stands when two answers are the same."""
         x, y = self.counts()
         still = last is not None and (x, y) == (last["x"], last["y"])
         return {"state": "idle" if still else "run", "error": 0, "ours": None, "x": x, "y": y, "dropped": 0}

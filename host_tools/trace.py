@@ -1,4 +1,4 @@
-"""The trace: a CSV file of where the machine was and when, as the plant decoded it from the pins.
+"""The trace: a CSV file of the machine's positions over time, as the plant decoded them from the pins.
 
     trace = Trace("square.csv", plant)      # or None: keep the rows in memory, for `rows()`
     ...
@@ -9,9 +9,9 @@
     0.000,0,0,0,0,0                         and one for each arrival of the tool
     1222.000,1,0,0,0,0
 
-`t_us` is virtual time since the start at the leading edge; x…a are steps from the machine's origin (from where it
-stood at the start while it has never homed), axes that it has not are 0; tool is 0…1000. The whole file has one zero:
-a homing rewrites the rows before it. Time that is told to `skip` is left out of it.
+`t_us` is virtual time since the start at the leading edge; x…a are steps from the machine's origin (from the start, if it never
+homed), 0 for missing axes; tool is 0…1000. The whole file has one zero: homing rewrites the rows before it. `skip` leaves
+out time.
 """
 
 import os
@@ -24,7 +24,7 @@ BATCH_ROWS = 8192
 
 
 class Trace:
-    """Listens to `plant`. Axes x, y, z, a in this order are in the columns of their names, others in their order."""
+    """Listens to `plant`. Axes named x, y, z, a are in the columns of their names, others in their order."""
 
     def __init__(self, path, plant):
         self._path = None if path is None else Path(path)
@@ -56,7 +56,7 @@ class Trace:
         self._skipped += ticks
 
     def flush(self):
-        """Write what has been kept back."""
+        """Write buffered rows."""
         if self._file is None:
             return
         self._file.write("".join(self._lines(self._rows)))
@@ -93,7 +93,7 @@ class Trace:
             yield mark % (tens_ns // 100, tens_ns % 100, *map(sub, row[1:], zero))
 
     def _rewrite(self, shift):
-        """Shift every row of the file by way of a second one, so that there is a whole file at any moment."""
+        """Shift every row by writing a second file, so that there is a whole file at any moment."""
         self._file.close()
         moved = self._path.with_name(self._path.name + ".part")
         with open(self._path, encoding="ascii") as old, open(moved, "w", encoding="ascii", newline="\n") as new:

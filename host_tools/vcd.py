@@ -15,7 +15,7 @@ MODULE = "passo"
 
 
 class VcdTap:
-    """Writes down what passes between a port and `plant`, and passes it on."""
+    """Records the calls between a port and `plant`, and passes them on."""
 
     def __init__(self, path, board, plant):
         self._file = open(path, "w", encoding="ascii", newline="\n")
@@ -59,7 +59,7 @@ class VcdTap:
         return self._plant.input(tick, name)
 
     def changed(self, tick, name, level):
-        """The plant says that an input has changed."""
+        """Called by the plant if an input has changed."""
         self._change(tick, self._others[name], level)
 
     def flush(self):

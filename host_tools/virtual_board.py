@@ -9,7 +9,7 @@ import typer
 
 from host_tools.failure import Failure
 
-FLUSH_S = 0.5  # how old what is kept back for a file may get
+FLUSH_S = 0.5  # longest time before buffered rows are written
 
 
 def board(
@@ -30,7 +30,7 @@ def board(
         Optional[Path], typer.Option(metavar="FILE.csv", help="Write where the machine is, step by step.")
     ] = None,
     idle: Annotated[
-        bool, typer.Option("--idle/--no-idle", help="With or without the time in the trace in which nothing moves.")
+        bool, typer.Option("--idle/--no-idle", help="Keep or leave out the time in which nothing moves.")
     ] = True,
     vcd: Annotated[
         Optional[Path], typer.Option(metavar="FILE.vcd", help="Write the pins, for GTKWave or PulseView.")
@@ -46,10 +46,10 @@ def board(
 ):
     """Run the firmware on a virtual board, and a machine with it.
 
-    Prints the port to open: `port: PATH` for the first link, `port NAME: PATH` for the others. Ends, with motors and
-    pen safe and all files written, on SIGTERM or Ctrl-C.
+    Prints the port to open: `port: PATH` for the first link, `port NAME: PATH` for the others. Ctrl-C or SIGTERM ends it:
+    motors and pen safe, all files written.
 
-    With --no-idle two traces of the same job are equal byte for byte: how long the PC thinks between two jobs is left out.
+    With --no-idle the trace leaves out the time in which nothing moves, so two traces of the same job are equal byte for byte.
 
     Examples:
 

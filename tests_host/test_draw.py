@@ -153,7 +153,7 @@ def test_placement_options(tmp_path):
         drawing.load(path, BOARD, Options(origin=(330, 0)))
     with pytest.raises(Failure, match="margin"):
         drawing.load(path, BOARD, Options(margin=150, fit=True))
-    with pytest.raises(Failure, match="the page or the outlines"):
+    with pytest.raises(Failure, match="page or outlines"):
         drawing.load(path, BOARD, Options(place="paper"))
 
 
