@@ -1,4 +1,4 @@
-"""A job of G-code on the virtual port, as fast as it can: what it would do, without a machine around it.
+"""Runs a job of G-code on the virtual port as fast as it can, without a model of the machine, and says what it would do.
 
     job = VirtualJob("router_3axis")
     job.run([(1, b"G21"), (2, b"G1X10F600")])
@@ -71,7 +71,7 @@ class Track:
                 self._measure(tick)
 
     def _draw(self, lit):
-        """Append the place to the picture; every step would be too many, so only each tenth of a millimetre."""
+        """Append the position to the picture, each tenth of a millimetre: all steps would be too many."""
         here = tuple(place / scale for place, scale in zip(self.place, self._steps_per_mm))
         kind, places = self.strokes[-1]
         lowered = here[2] < self.surface if self.by_height else lit
@@ -118,7 +118,7 @@ def _is_order(line):
 
 
 def fits(under_way, line):
-    """True where `line` may be sent too. Probing goes alone: the alarm at its end would refuse what follows."""
+    """True if `line` may be sent too. Probing is sent alone: the alarm at its end would refuse the next lines."""
     if under_way and (b"G38" in line.upper() or b"G38" in under_way[-1][1].upper()):
         return False
     return sum(len(sent) + 1 for _, sent in under_way) + len(line) < WINDOW
@@ -180,7 +180,7 @@ class VirtualJob:
             self._app.turn()
 
     def run(self, lines, progress=None):
-        """Carry out [(number, bytes)] to the end of their motion. `progress(number)` is called now and then."""
+        """Execute [(number, bytes)] to the end of their motion. Calls `progress(number)` now and then."""
         self.skipped = [(number, line.decode()) for number, line in lines if _is_order(line)]
         waiting = [(number, line) for number, line in reversed(lines) if not _is_order(line)]
         under_way = []
@@ -206,7 +206,7 @@ class VirtualJob:
         self.seconds = self.track.last_tick / TICKS_PER_S
 
     def _resume(self, under_way):
-        """The operator's part in a pause: the oldest line without an answer asked for it."""
+        """Act as the operator in a pause: the oldest line without an answer asked for it."""
         paused = (under_way[0][0], under_way[0][1].decode()) if under_way else None
         if paused and paused not in self.pauses[-1:]:
             self.pauses.append(paused)
@@ -248,7 +248,7 @@ class VirtualJob:
 
     @property
     def low(self):
-        """Least place of each axis in mm."""
+        """Lowest position of each axis in mm."""
         return [place / scale for place, scale in zip(self.track.low, self.steps_per_mm)]
 
     @property

@@ -1,4 +1,4 @@
-"""The plotter's wire seen from the PC: a port of bytes, cut into answers, and the log of what passed.
+"""The PC's end of the plotter's line: cuts bytes into answers, and logs packets and answers.
 
     wire = Wire("/dev/ttyACM0", 57600, log="wire.log")
     wire.send(plotter.packet(plotter.COMMANDS["REQUEST"]))
@@ -43,7 +43,7 @@ def answer_text(data):
 
 
 def open_port(port, baud):
-    """A pyserial port for this program alone, what came before forgotten. Raises LinkError."""
+    """Open a pyserial port for this program only and discard old input. Raises LinkError."""
     opened = open_exclusively(port, baud, _SLICE_S)
     try:
         opened.reset_input_buffer()

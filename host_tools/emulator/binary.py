@@ -2,9 +2,9 @@
 
     path = find_uf2()      # raises Unavailable with what to do
 
-Looked for in this order: the file that PASSO_UF2 names; the newest ~/.cache/passo/*.uf2; what rp2040py has downloaded
-before; and, unless PASSO_OFFLINE is set, the official release, which rp2040py's own resolver fetches. What is found must
-be a UF2 for the RP2040: anything else would be run all the same, and spin for ever.
+Order of search: the file that PASSO_UF2 names; the newest ~/.cache/passo/*.uf2; earlier downloads of rp2040py; and, unless
+PASSO_OFFLINE is set, the official release, which rp2040py's own resolver fetches. The file is checked to be a UF2 for the
+RP2040: the emulator would run anything else too, and spin for ever.
 """
 
 import os

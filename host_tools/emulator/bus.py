@@ -1,9 +1,8 @@
 """Memory accesses of rp2040py's compiled chip without a detour through Python: twice the speed.
 
-Before each access the compiled code looks the method up by name, to see whether Python has replaced it. What it finds is
-a method bound for the occasion, which costs more than the access. In the instance's own dictionary it finds the plain
-function: that is the one it knows, with nothing to be bound. First in that dictionary, and with interned names, they
-are found at the first try.
+Before each access the compiled code looks up the method by name, in case Python has replaced it. That makes a bound method,
+which costs more than the access. With the plain function in the instance's own dictionary nothing is bound; first in the
+dictionary and with interned names, it is found at the first try.
 
     install(chip)
 

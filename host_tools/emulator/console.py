@@ -21,7 +21,7 @@ class RemoteError(Exception):
 
 class Console:
     def __init__(self, pico):
-        self.text = bytearray()  # what the Pico has said and nobody has taken yet
+        self.text = bytearray()  # output of the Pico that has not been taken
         self._pico = pico
         pico.usb.heard = self.text.extend
 
@@ -29,13 +29,13 @@ class Console:
         self._pico.usb.write(data)
 
     def take(self):
-        """What has been said since the last `take`."""
+        """The output since the last `take`."""
         said = bytes(self.text)
         self.text.clear()
         return said
 
     def expect(self, wanted, limit_us=PROMPT_LIMIT_US):
-        """All that was said up to and with `wanted`. Raises TimeoutError."""
+        """Wait for `wanted`; returns the output up to its end. Raises TimeoutError."""
         if not self._pico.run_until(lambda: wanted in self.text, limit_us, SLICE_US):
             raise TimeoutError(f"{wanted!r} was not said; the last was {bytes(self.text[-300:])!r}")
         end = self.text.index(wanted) + len(wanted)

@@ -1,4 +1,4 @@
-"""Try something on a copy: an emulated Pico takes a minute to load its firmware and a few milliseconds to fork.
+"""Runs work on a copy of an emulated Pico: loading its firmware takes a minute, forking a few milliseconds.
 
     steps = on_a_copy(lambda: run_and_count(pico))      # pico stays as it was
 
@@ -18,7 +18,7 @@ class CopyFailed(Exception):
 
 
 def on_a_copy(work):
-    """What `work()` returns in a copy of this process. Raises CopyFailed where it raises."""
+    """Call `work()` in a copy of this process; returns its result. Raises CopyFailed if it raises."""
     sys.stdout.flush()
     sys.stderr.flush()
     reading, writing = os.pipe()

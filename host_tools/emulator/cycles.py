@@ -1,8 +1,7 @@
 """Time as it is measured on the emulated chip: in cycles of 125 MHz, whatever its clock is (see `system_clock`).
 
-rp2040py counts nanoseconds in a float. A cycle is 8 ns, so whole cycles are exact there; every alarm that the patches
-set is rounded up to one, which keeps the processor in step with them. At another clock, too, what is whole ticks of 80 ns
-apart is ten cycles a tick apart here: all is rounded alike.
+rp2040py counts nanoseconds in a float. A cycle is 8 ns, so whole cycles are exact. The patches round every alarm up to a whole
+cycle, which keeps the processor in step with them. At other clocks a tick of 80 ns is ten of these cycles too.
 """
 
 CYCLE_NS = 8
@@ -18,5 +17,5 @@ def now(clock):
 
 
 def delay_ns(nanoseconds):
-    """The nanoseconds of the whole cycles that `nanoseconds` begin."""
+    """`nanoseconds`, rounded up to whole cycles."""
     return -(-nanoseconds // CYCLE_NS) * CYCLE_NS

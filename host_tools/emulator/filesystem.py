@@ -3,8 +3,8 @@
     image = make_image({"main.py": b"...", "passo/app.mpy": b"..."})
     files = read_image(image)
 
-A MicroPython binary says where its file system is (`location`): RPI_PICO has 352 blocks of 4096 bytes at the end of 2 MB of
-flash, RPI_PICO_W 212.
+A MicroPython binary tells the position of its file system (`location`): RPI_PICO has 352 blocks of 4096 bytes at the end of
+2 MB of flash, RPI_PICO_W 212.
 """
 
 import struct

@@ -4,17 +4,16 @@
     cache.miss_cycles = 50          # what a miss costs while flash runs at half the clock; 0 is rp2040py's own time
     cache.accesses, cache.misses
 
-Fetches of instructions and reads of data by the processor count, each access for itself; DMA's do not. The datasheet does
-not say which of two lines gives way: here the one used longer ago, or with `random` either. 0x11… allocates no line,
-0x12… and 0x13… look none up. A flush empties the cache and takes 1024 cycles; a disabled cache never hits.
-Not modelled: the processor's prefetch, which also fetches beyond a branch taken; the shorter transfer of an access that
-bypasses the cache; two masters at once.
+Each instruction fetch and data read by the processor counts; DMA's do not. The datasheet does not say which of two lines is
+replaced: here the one used longer ago, or with `random` either. 0x11… allocates no line; 0x12… and 0x13… do not look up. A
+flush empties the cache and takes 1024 cycles; a disabled cache never hits. Not modelled: the processor's prefetch, which also
+fetches beyond a branch taken; the shorter transfer of an access that bypasses the cache; two masters at once.
 
-A miss is a transfer of so many flash clocks. MicroPython keeps these within 62.5 MHz, by even dividers: 2 at 125 MHz, 4 at
-150 and at 200 MHz. So the 50 cycles of a miss (400 ns) are 100 cycles there: 667 and 500 ns.
+A miss is a transfer of a fixed number of flash clocks. MicroPython keeps the flash clock within 62.5 MHz by even dividers: 2
+at 125 MHz, 4 at 150 and at 200 MHz. So the 50 cycles of a miss (400 ns) become 100 cycles there: 667 and 500 ns.
 
-Where the processor is core.c (see `native`), the model is there, and costs no time. Otherwise `watch` puts it into
-rp2040py's own reads of memory, which makes everything five times slower, and only where a miss is to cost anything.
+With core.c (see `native`) the model is part of it and costs no time. Otherwise `watch` puts it into rp2040py's own reads, which
+makes everything five times slower; it is done only if a miss is to cost anything.
 """
 
 import ctypes
@@ -33,7 +32,7 @@ _NO_ALLOCATION, _NO_LOOK_UP = 1 << 24, 1 << 25
 
 
 class Fault(Exception):
-    """What is a HardFault on silicon."""
+    """A HardFault on silicon."""
 
     WHAT = ""
 
@@ -217,5 +216,5 @@ class FlashCache:
 
 
 def wanted_cycles():
-    """What a miss costs if nobody says: PASSO_FLASH_MISS, or nothing."""
+    """Default cost of a miss: PASSO_FLASH_MISS, or 0."""
     return int(os.environ.get("PASSO_FLASH_MISS") or 0)

@@ -1,4 +1,4 @@
-"""Notices on the wire that the machine has homed, which is when its trace gets its zero.
+"""Watches a link for the answer to homing: then the trace gets its zero.
 
     watch = HomingWatch("plotter", homed)
     watch.asked(bytes to the board); watch.answered(byte from the board)

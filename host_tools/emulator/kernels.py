@@ -1,11 +1,11 @@
-"""The firmware's functions in machine code, found in an emulated Pico's memory and named.
+"""Finds and names the firmware's machine-code functions in an emulated Pico's memory.
 
     kernels = Kernels(symbols, ram, flash)      # `profile.Symbols` of the UF2 that runs, the two memories
     kernels.name(0x2002dd14)                    # 'passo.steps.segment.cut', or None
     kernels.starts                              # [(address, name)]
 
-Function objects are told by their type; a function's name is that of the dictionary entry which points to it, its module's
-the `__name__` beside it. Functions in assembly know no module. The layouts are those of MicroPython 1.23 to 1.28 on 32 bits.
+Function objects are recognised by their type. A function's name is that of the dictionary entry that points to it; its module's
+name is the `__name__` beside it. Assembler functions have no module. Layouts: MicroPython 1.23 to 1.28 on 32 bits.
 """
 
 import bisect

@@ -1,11 +1,11 @@
-"""Where the processor's time goes: samples of an emulated Pico.
+"""Samples where the processor of an emulated Pico spends its time.
 
     load = Load(pico)           # from now on, a sample every 10 µs
     pico.run(100_000)
     load.end()                  # {"timers": 0.31, "main": 0.42, "asleep": 0.25, …}
 """
 
-SAMPLE_NS = 10_008  # whole cycles, and no divisor of what is measured
+SAMPLE_NS = 10_008  # whole cycles; not in step with anything measured
 _EXCEPTIONS = {0: "main", 16 + 3: "timers", 16 + 5: "usb", 16 + 13: "pins", 16 + 7: "pio", 16 + 20: "uart"}
 
 

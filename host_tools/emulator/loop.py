@@ -1,8 +1,8 @@
-"""What rp2040py's compiled loop is given to run.
+"""Runs rp2040py's compiled loop faster, by hiding the PIO blocks from it.
 
-After each instruction that loop asks every PIO block whether it is stopped. Ours always are (see `pio`), and asking
-costs a sixth of all time. So the loop finds a chip without PIO blocks when it begins, and before the first instruction
-they are back: the two attributes that it reads then, in this order, see to that.
+After each instruction the loop asks every PIO block if it is stopped. Ours always are (see `pio`), and asking costs a sixth of
+the time. So the loop sees a chip without PIO blocks when it begins; before the first instruction they are back. The two
+attributes that it reads then, in this order, do that.
 
     loop = Loop(chip)
     loop.run()                  # some milliseconds of wall time, or until loop.ended is set

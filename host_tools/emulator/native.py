@@ -1,10 +1,10 @@
-"""The loop that runs an emulated Pico where a C compiler is at hand: core.c beside rp2040py's processor.
+"""Runs an emulated Pico with core.c beside rp2040py's processor, if there is a C compiler.
 
     loop = NativeLoop(chip, cache)      # of `flash_cache.FlashCache`
     loop.run()                          # until loop.ended is set
 
-core.c carries out most instructions, some twenty-five times as fast as rp2040py; what concerns peripherals, exceptions and
-sleep is left to rp2040py, on the same registers and memories, at the same cycles. It is compiled once, into ~/.cache/passo.
+core.c executes most instructions, about twenty-five times as fast as rp2040py. Peripherals, exceptions and sleep are left to
+rp2040py, on the same registers and memories, at the same cycles. core.c is compiled once, into ~/.cache/passo.
 Without a compiler, or with PASSO_NATIVE=0, `loop.Loop` does the same at rp2040py's pace.
 
 An access that is not aligned raises Unaligned, and a branch to an even address NotThumb, where silicon has a HardFault.

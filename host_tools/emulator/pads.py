@@ -1,7 +1,7 @@
-"""Patch: pads with two sides. An output reads back what it drives, and lets go at a reset.
+"""Patch: pads with two sides. An output reads back its own level, and is released at a reset.
 
-In rp2040py a pin reads only what the outside drives, so `Pin.value()` of an output, and a state machine that watches
-one, see nothing; a reset lets no listener know; and setting an input raises an edge also where the level is the same.
+In rp2040py a pin reads only what the outside drives: `Pin.value()` of an output, and a state machine that watches one, see
+nothing. A reset tells no listener. Setting an input to the level that it has raises an edge.
 
     pads.drive(5, 1)                # the world outside drives GPIO5 high; None lets go, and the pull decides
     pads.listen(2, heard)           # heard(gpio, state) at each change of what the chip drives: 0, 1 or RELEASED

@@ -1,4 +1,4 @@
-"""What rp2040py 0.3.6 does otherwise than the chip, and is put right here: one function a fault.
+"""Corrects rp2040py 0.3.6 where it differs from the chip; one function for each fault.
 
     apply(chip, leave_out=("uart",))
 

@@ -70,7 +70,7 @@ class EmulatedPico:
         return Loop(self.chip)
 
     def charge_flash(self, cycles):
-        """From now on a miss of the flash cache costs so many cycles; the FlashCache."""
+        """Let a miss of the flash cache cost `cycles` from now on; returns the FlashCache."""
         if cycles and not self._flash_miss and self.native_loop is None:
             self.flash_cache.watch()
         self._flash_miss = self.flash_cache.miss_cycles = cycles
@@ -154,7 +154,7 @@ class EmulatedPico:
         self._await_usb(self.usb.connections, limit_us)
 
     def power_cycle(self):
-        """Take the power away and give it back: only the flash survives. Wires and listeners are to be made anew."""
+        """Switch the power off and on: only the flash survives. Make wires and listeners anew."""
         self._build(self.image())
         return self.boot()
 

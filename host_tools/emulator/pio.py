@@ -1,13 +1,13 @@
 """Patch: PIO blocks that run by the clock.
 
-rp2040py steps a PIO block once after each instruction of the processor, at most one PIO instruction a time, and writes
-time off while the processor sleeps; it ignores FIFO joining, and shows pins that an executed instruction sets only at
-the next step. Here an alarm of the clock is set for the next PIO instruction, so that each happens at its own cycle,
-also in the middle of a long processor instruction or of a sleep.
+rp2040py steps a PIO block once after each processor instruction, at most one PIO instruction at a time, and loses time while
+the processor sleeps; it ignores FIFO joining, and shows pins set by an executed instruction only at the next step. Here an
+alarm of the clock is set for the next PIO instruction, so each happens at its own cycle, also in the middle of a long processor
+instruction or of a sleep.
 
-A delay loop (`jmp(x_dec, …)` to itself, or with `jmp(pin, …)`, `nop` and the other counter in it) is run through in one
-go: its counters and its due time are moved to its last turn. Whoever looks or meddles before that (a register access,
-an edge on its pin) finds it at the turn where it would be. So a program costs what it does, not how long it waits.
+A delay loop (`jmp(x_dec, …)` to itself, or with `jmp(pin, …)`, `nop` and the other counter in it) is skipped in one go: its
+counters and its due time move to its last pass. A register access or an edge on its pin before that finds it in the pass where
+it would be. So a program costs emulation time for its instructions, not for its delays.
 """
 
 from rp2040py.peripherals.pio import RPPIO

@@ -1,4 +1,4 @@
-"""Where the processor's time goes, to the cycle: of each place of code, by functions and by parts of the interpreter.
+"""Counts the processor's cycles for each address of code, by functions and by parts of the interpreter.
 
     profile = Profile(pico)                     # from now on; only where core.c runs (see `native`)
     pico.run(100_000)
@@ -7,8 +7,8 @@
     spent.parts(read_symbols("firmware.elf"))       # {"lookup": Cost, …}
     spent.kernels(read_symbols("firmware.elf"))     # [(name, calls, Cost)] of the machine code in RAM
 
-`load` samples instead, and tells the main loop from interrupts; here both are apart as well. An ELF file belongs to the
-UF2 that runs; a build of MicroPython leaves both in one folder. Time asleep is nobody's.
+`load` samples instead. Both separate the main loop from interrupts. The ELF file must belong to the UF2 that runs; a build of
+MicroPython leaves both in one folder. Time asleep is not counted.
 """
 
 import bisect

@@ -1,4 +1,4 @@
-"""A PC that sends points to a Rig as fast as they are answered, so many packets under way at a time.
+"""A PC that sends points to a Rig as fast as they are answered, with `window` packets under way.
 
     sender = Sender(usb_rig())              # or Sender(Rig(router(3)), 57_600): its UART at this rate
     sent = sender.send(300, window=1, hz=100_000)

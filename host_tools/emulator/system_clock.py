@@ -1,7 +1,7 @@
-"""Patch: the chip runs at the clock that its PLL makes, with the core voltage that this wants.
+"""Patch: the chip runs at the clock of its PLL, and checks the core voltage that the clock needs.
 
-rp2040py knows no PLL, no frequency counter and no regulator: it and its UARTs run at 125 MHz for ever, so that baud rates
-are off: MicroPython runs them from the USB PLL.
+rp2040py has no PLL, frequency counter or regulator: it and its UARTs always run at 125 MHz, so baud rates are wrong, because
+MicroPython runs them from the USB PLL.
 
     system = of(chip)
     system.hz, system.cycle_ns

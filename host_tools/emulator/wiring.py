@@ -45,7 +45,7 @@ class Wiring:
         return cycles.now(self._clock) // cycles.CYCLES_PER_TICK
 
     def unplug(self):
-        """The Pico lets go of every pin, as without power."""
+        """Release every pin, as without power."""
         self._levels = self._rest
         self._flush()
 
