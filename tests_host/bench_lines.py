@@ -14,7 +14,8 @@ import time
 from array import array
 
 from passo.motion import line as lines
-from passo.motion import line_plain
+from passo.motion import line_viper
+from plain import plain
 from passo.motion.line import MAX_RUN, Line
 
 REPEATS = 7
@@ -78,7 +79,7 @@ def main():
         points = list(zip(numbers[::2], numbers[1::2]))
         driven_us, steps = best_us(integer, points)
         driven_walk = lines.walk
-        lines.walk = line_plain.walk
+        lines.walk = plain(line_viper)["walk"]
         plain_us, _ = best_us(integer, points)
         lines.walk = driven_walk
         float_us, _ = best_us(floating, points)

@@ -113,7 +113,7 @@ class Live:
         """Look at each block as its first segment is cut."""
         self._last = -1
 
-        def listen_cut(*arguments, cut=self._ramp.cut_short):
+        def listen_cut(*arguments, cut=self._ramp.accelerated):
             number = self.machine.number()
             if number != self._last:
                 if 0 < number < self._known and self._could_go_on(number):
@@ -125,7 +125,7 @@ class Live:
                 self._last = number
             cut(*arguments)
 
-        self._ramp.cut_short = listen_cut
+        self._ramp.accelerated = listen_cut
 
     def _could_go_on(self, number):
         """The corner before block `number`, and the blocks on both sides, allow a hundredth of the highest speed."""

@@ -50,7 +50,7 @@ class Smooth(Machine):
         if hasattr(self, "jerk"):
             self.limits = Limits(steps_per_m, speeds, accelerations, deviation, 0, self.jerk * MM)
             self.rig.planner.limits(self.limits)
-            self._listen_short()
+            self._listen_accelerated()
 
     def seconds(self):
         return sum([segment[2] for segment in self.segments]) / TICKS_PER_S

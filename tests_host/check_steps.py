@@ -2,6 +2,7 @@
 
 from array import array
 
+from check_kernels import terms_of
 from passo.motion.block import LINE
 from passo.motion.integers import length_nm
 from passo.motion.independent import IndependentAxes
@@ -10,9 +11,8 @@ from passo.motion.planner import LOOK_AHEAD
 from passo.records import COUNT_MASK, ENDLESS, FEED_DEBT, HOLD_TICKS, TICKS_PER_MS, TICKS_PER_S
 from passo.steps import position as asked
 from passo.steps.pace import pace, repay
-from passo.steps.pace_plain import new_terms, set_terms
 from passo.steps.ring import Ring
-from passo.steps.word import COUNT_MASK, HOLD_TICKS, TICKS_PER_MS, TICKS_PER_S, us_to_ticks
+from passo.steps.word import us_to_ticks
 from rig import DRIVES, LEAST_TICKS, SETUP_TICKS, Rig, total_ticks
 
 VECTOR = (("dx", -3000, 3000), ("dy", -3000, 3000))
@@ -61,13 +61,12 @@ def check_ring_size_is_a_power_of_two():
 
 def check_pace(steps, ticks, cut):
     """Two calls that share a carry make the same words as one; the total is exact, intervals differ by one tick."""
-    terms = new_terms()
-    set_terms(terms, steps, ticks, 0b100, 5)
+    terms = terms_of(steps, ticks, 0b100, 5)
     whole = array("I", [1] * steps)
     pace(whole, 0, steps, terms)
     parts = array("I", [1] * steps)
     cut = min(cut, steps)
-    set_terms(terms, steps, ticks, 0b100, 5)
+    terms = terms_of(steps, ticks, 0b100, 5)
     for at, count in ((0, cut), (cut, steps - cut)):
         if count:
             pace(parts, at, count, terms)

@@ -4,7 +4,6 @@ from draws import Random
 from passo.motion.step_program import DWELL, MOST, SPEED, STATION, TOOL, StepProgram, mark, run, units
 from passo.motion.step_program_walker import StepProgramWalker
 from passo.records import COUNT_MASK, ENDLESS, FEED_LEVELS, HOLD_TICKS
-from passo.steps.word import HOLD_TICKS
 from rig import Rig
 
 CASES = {

@@ -16,9 +16,8 @@ from passo.motion.block import ARC, COARSE, LINE
 from passo.motion.profile import Limits
 from passo.records import (
     ARC_PATH, ARC_PATH_FINE, ARC_TAIL_A, ARC_TAIL_B, CIRCLE_FALL, CIRCLE_PATH, CIRCLE_RISE, CIRCLE_U_AXIS,
-    CIRCLE_WORDS, LINE_FALL, LINE_RISE, QUEUE_FETCHED, RAMP_STEPS, RAMP_TICKS,
+    CIRCLE_WORDS, FEED_KIND, LINE_FALL, LINE_RISE, QUEUE_FETCHED, RAMP_STEPS, RAMP_TICKS, TICKS_PER_S,
 )  # fmt: skip
-from passo.steps.word import TICKS_PER_S
 from rig import Rig
 
 MM = 1_000_000
@@ -77,22 +76,19 @@ class Machine:
     def _listen(self):
         """Have every segment noted as it is cut."""
         ramp = self.rig.planner.ramp
+        ramp.even = self._noted(ramp.even)
+        self._listen_accelerated()
 
-        def listen_cut(left, percent, hold, cut=ramp.cut):
-            cut(left, percent, hold)
-            self._note(ramp)
-
-        ramp.cut = listen_cut
-        self._listen_short()
-
-    def _listen_short(self):
+    def _listen_accelerated(self):
         ramp = self.rig.planner.ramp
+        ramp.accelerated = self._noted(ramp.accelerated)
 
-        def listen_short(rows, at, state, walker, left, percent, hold, cut=ramp.cut_short):
-            cut(rows, at, state, walker, left, percent, hold)
-            self._note(ramp)
+    def _noted(self, cut):
+        def listen(*arguments):
+            cut(*arguments)
+            self._note(self.rig.planner.ramp)
 
-        ramp.cut_short = listen_short
+        return listen
 
     def number(self):
         """Of the block under way."""
@@ -100,7 +96,7 @@ class Machine:
 
     def _note(self, ramp):
         planner = self.rig.planner
-        arc = self.rig.feeder._block.kind == ARC
+        arc = self.rig.feeder.state[FEED_KIND] == ARC
         walker = planner._circle if arc else planner._line
         steps, ticks = int(ramp.state[RAMP_STEPS]), int(ramp.state[RAMP_TICKS])
         if not steps:

@@ -3,7 +3,6 @@
 from passo.assembly import make_drive
 from passo.motion.planner import Planner
 from passo.steps.feeder import Feeder
-from passo.steps.line_feeder import LineFeeder
 from passo.steps.ring import Ring
 from passo.steps.word import COUNT_MASK
 
@@ -31,8 +30,7 @@ class Rig:
         self.planner = Planner(axes)
         self.planner.load()
         setup = SETUP_TICKS if kind == "step_dir" else 0
-        kind = LineFeeder if self.planner.ramp.cut_short else Feeder
-        self.feeder = kind(self.ring, self.layout, self.planner, self.drive, setup, LEAST_TICKS)
+        self.feeder = Feeder(self.ring, self.layout, self.planner, self.drive, setup, LEAST_TICKS)
         self.played = 0
 
     def take(self, lead_ticks=375_000):

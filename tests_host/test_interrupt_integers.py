@@ -13,8 +13,7 @@ from passo.motion import independent, line, planner, step_program, step_program_
 from passo.motion.block import Block
 from passo.motion.line import MAX_STEPS
 from passo.records import COUNT_MASK, ENDLESS, FEED_OLDEST, FEED_PLACE, FEED_TICKS, MARK_FIELDS, MARK_TICKS
-from passo.steps import feeder, pace_plain, power, ring
-from passo.steps.word import COUNT_MASK
+from passo.steps import feeder, power, ring
 from rig import DRIVES, LEAST_TICKS, Rig
 from small_int import Small
 
@@ -50,7 +49,7 @@ class SmallView:
 def narrow():
     """Every array that the interrupt code reads or writes is narrow."""
     patch = pytest.MonkeyPatch()
-    for module in (line, planner, feeder, pace_plain, power, ring, independent, step_program, step_program_words):
+    for module in (line, planner, feeder, power, ring, independent, step_program, step_program_words):
         patch.setattr(module, "array", SmallList)
     for module in (line, planner):
         patch.setattr(module, "memoryview", SmallView, raising=False)

@@ -334,7 +334,7 @@ def burning(uf2, *fault):
 def test_what_goes_wrong_where_words_are_made_leaves_it_dark(uf2):
     """The interrupt that feeds halts at once; the main loop makes all else safe and leaves a report."""
     fault = "        if self.planner.percent[1] != self.planner.percent[0]:\n            raise ValueError('on purpose')\n"
-    laser = burning(uf2, "passo/steps/line_feeder.py", "        state[FEED_DRY] = 0\n", fault)
+    laser = burning(uf2, "passo/steps/feeder.py", "        state[FEED_DRY] = 0\n", fault)
     laser.machine.run_until(laser.dark, 10)
     made = len(laser.steps)
     laser.machine.run_ms(300)

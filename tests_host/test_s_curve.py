@@ -16,12 +16,12 @@ def test_no_integer_outgrows_a_board():
         rig = machine.rig
         ramp = rig.feeder.ramp
         ramp.state = SmallRows(ramp.state)
-        cut, load = ramp.cut_short, ramp.s_curve
+        cut, load = ramp.accelerated, ramp.s_curve
 
         def cut_small(rows, at, state, walker, left, percent, hold, cut=cut):
             cut(SmallRows(rows), Small(at), state, walker, Small(left), Small(percent), hold)
 
-        ramp.cut_short = cut_small
+        ramp.accelerated = cut_small
         ramp.s_curve = lambda rows, at, state, load=load: load(SmallRows(rows), at, state)
 
         def each(machine, random=random):

@@ -78,10 +78,8 @@ class App:
         least = self.player.min_word_ticks
         assembly.check_speed(board, least)
         setup = us_to_ticks(board["drive"]["setup_us"]) if drive is None else 0
-        if streamed:
-            from passo.steps.line_feeder import LineFeeder as Feeder
-        else:
-            from passo.steps.feeder import Feeder
+        from passo.steps.feeder import Feeder
+
         self.feeder = Feeder(self.ring, self.layout, self.planner, drive, setup and max(setup, least), least)
         self.interrupt = port.feed_from_interrupt(self.feeder, self.player)
         motors = Motors(port, self.player, self.layout, drive, off_levels, board)

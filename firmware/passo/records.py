@@ -208,20 +208,22 @@ FEED_TICKS = const(12)  # of all segments made, modulo 2²⁹, as the next four 
 FEED_HEAD = const(13)  # words made
 FEED_OLDEST = const(14)  # mark: the last segment played
 FEED_NEWEST = const(15)  # mark: the last segment made
-FEED_INDEX = const(16)  # dominant steps of its block made so far; of a track, the place
+FEED_INDEX = const(16)  # dominant steps of its block made so far; of a step program the place
 FEED_PACE = const(17)  # mean speed of the segment under way, as RAMP_PACE; 0 at a stand
 FEED_PLAYED = const(18)  # words played when segments were last retired
 FEED_LEAD = const(19)  # ticks that may lie ahead of the player
 FEED_HOLD = const(20)  # 1: come to a stand on the path
 FEED_DRIVE = const(21)  # 1: a drive turns steps into levels
-FEED_ROW = const(22)  # row of the line under way
-FEED_LEFT = const(23)  # dominant steps of it to come
+FEED_ROW = const(22)  # row of the block under way
+FEED_LEFT = const(23)  # dominant steps of it to come, of an arc those of its run; whole words: 1 until they end
 FEED_WAIT = const(24)  # ticks of a wait, or of a word longer than a word may be, to come
 FEED_TOOL = const(25)  # the tool's bit in the levels
-FEED_POWER = const(26)  # of the last mark put; above 1000: the next segment puts one in any case
-FEED_FAST = const(27)  # 1: the block under way is an accelerated line, and nothing is unusual
+FEED_POWER = const(26)  # of the last mark put; POWER_UNKNOWN: the next segment puts one in any case
+FEED_FAST = const(27)  # 1: it is an accelerated line: others may follow it at once
 FEED_DRY = const(28)  # 1: all words made have been played
-FEED_PLACE = const(29)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
+FEED_KIND = const(29)  # of the block under way, as ROW_KIND
+FEED_BEGINS = const(30)  # 1: it has no segment yet
+FEED_PLACE = const(31)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
 
 # A mark of Feeder._marks: a checkpoint at the end of a segment. Then the position, of each axis.
 MARK_WORD = const(0)  # words so far, modulo 2²⁹
@@ -237,8 +239,10 @@ POWER_HEAD = const(0)
 POWER_TAIL = const(1)
 POWER_MARKS = const(2)
 POWER_WORD = const(0)  # of a mark: the word that it counts from, modulo 2²⁹
-POWER_LEVEL = const(1)  # 0 … 1000
+POWER_LEVEL = const(1)  # 0 … POWER_MOST
 POWER_FIELDS = const(2)
+POWER_MOST = const(1000)
+POWER_UNKNOWN = const(2000)
 POWER_SIZE = const(128)  # marks, a power of two: at most one a segment
 
 # GCode._place: what plain lines are understood by; three numbers each if they are the axes'. Places from PLAIN_LOW on have

@@ -18,7 +18,7 @@ ANSWER_LIMIT_MS = 500
 BUFFER_BYTES = 127  # of a grbl, as senders count it
 _ASK = """
 from array import array
-from passo.steps.checkpoints import find
+from passo.steps.position_viper import find
 state, marks = feeder.state, feeder._marks
 place = array("i", [0] * {each})
 asked = array("i", [0] * ({each} * {count}))

@@ -10,10 +10,7 @@ modulo the table's length: after a stop it is found again from the position alon
 
 import micropython
 
-try:
-    from passo.drives.coils_viper import apply, tally
-except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
-    from passo.drives.coils_plain import apply, tally
+from passo.drives.coils_viper import apply, tally
 
 
 class CoilDrive:

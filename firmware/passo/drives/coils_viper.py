@@ -1,11 +1,19 @@
-"""The functions of coils_plain.py as machine code of the board. See there; they give the same bits."""
+"""From the step form to coil levels, and back to steps. One text for all interpreters: a board compiles it to machine code,
+elsewhere it is ordinary Python."""
 # ruff: noqa: F821
 
 import micropython
 
+try:
+    ptr32, ptr8
+except NameError:
+    ptr32 = ptr8 = None  # names that only viper's compiler knows
+
 
 @micropython.viper
-def apply(words: ptr32, at: int, count: int, axes: int, width: int, last: int, tables: ptr8, phases: ptr8):
+def apply(words: ptr32, at: int, count: int, axes: int, width: int, last: int, tables: ptr8, phases: ptr8):  # ISR: no allocation
+    """Turn words[at : at + count] from the step form into pin levels. `tables`: each axis's table of `last` + 1 phases,
+    one after the other; `phases`: where each axis stands."""
     keep = -1 << width * axes
     end = at + count
     while at < end:
@@ -28,6 +36,8 @@ def tally(
     words: ptr32, mask: int, word: int, until: int, axes: int, width: int, last: int, tables: ptr8, off: int,
     position: ptr32,
 ) -> int:
+    """Add the steps that the words of a ring (its size − 1 is `mask`) from count `word` to `until` make to `position`,
+    where the machine stands before them; returns how many of them step. A motor whose levels are `off` does not."""
     field = (1 << width) - 1
     stepping = 0
     while word != until:

@@ -16,20 +16,11 @@ from array import array
 import micropython
 from micropython import const
 
+from passo.motion.line_viper import begin, walk  # steps/kernels.py may put a port's own walk() in the place of this one
 from passo.records import LINE_MOVING, LINE_NEGATIVE, LINE_RISE
 
 MAX_STEPS = const(2_097_151)  # 2²¹ − 1
 MAX_RUN = const(500)  # most steps one walk() may take
-
-# A walker's state, in one array for the sake of its twin in machine code.
-#   rise: twice its steps, what every dominant step adds to its decision
-#   decision, with the fall added so that it is never negative: a step is due above the fall
-#   made: its signed steps since the feeder last cleared them
-
-try:
-    from passo.motion.line_viper import begin, walk
-except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
-    from passo.motion.line_plain import begin, walk
 
 
 class Line:

@@ -1,4 +1,11 @@
-"""line_plain.begin and walk as machine code of the board. See there; they give the same bits."""
+"""What every step of a line costs: which axes step in it, by Bresenham's method.
+
+    total = begin(rows, at, state)      # make ready for the vector rows[at : at + axes]; its dominant steps
+    walk(out, at, count, state)         # the masks of the next `count` of them
+
+The method stands in line.py, the fields of `state` in records.py. One text for all interpreters: a board compiles it to
+machine code, elsewhere it is ordinary Python; see measure_viper.py for what that asks of integers. None reaches 2³⁰.
+"""
 # ruff: noqa: F821
 
 import micropython
@@ -7,9 +14,15 @@ from passo.records import (
     LINE_AXES, LINE_DOMINANT, LINE_FALL, LINE_MOVING, LINE_NEGATIVE, LINE_RISE,
 )  # fmt: skip
 
+try:
+    ptr32
+except NameError:
+    ptr32 = None  # a name that only viper's compiler knows
+
 
 @micropython.viper
-def begin(rows: ptr32, at: int, state: ptr32) -> int:
+def begin(rows: ptr32, at: int, state: ptr32) -> int:  # ISR: no allocation
+    """Make ready for the vector rows[at : at + axes]; its dominant steps."""
     axes = state[LINE_AXES]
     total = 0
     dominant = 0
@@ -40,7 +53,8 @@ def begin(rows: ptr32, at: int, state: ptr32) -> int:
 
 
 @micropython.viper
-def walk(out: ptr32, at: int, count: int, state: ptr32):
+def walk(out: ptr32, at: int, count: int, state: ptr32):  # ISR: no allocation
+    """Write the masks of the next `count` ≥ 1 dominant steps to out[at:], and add each axis's signed steps to `made`."""
     axes = state[LINE_AXES]
     dominant = state[LINE_DOMINANT]
     fall = state[LINE_FALL]

@@ -40,7 +40,8 @@ class Ramp(Steady):
     def __init__(self):
         Steady.__init__(self)
         self.state = array("i", [0] * RAMP_FIELDS)
-        self.cut_short = cut  # cut_short(block.rows, block.at, state, walker.state, left, percent, hold)
+        self.take_up = begin
+        self.accelerated = cut  # what cuts accelerated lines, and arcs
         self.s_curve = None  # takes up a block where jerk is limited: s_curve_block.load()
 
     @micropython.native
@@ -50,10 +51,9 @@ class Ramp(Steady):
         gain = rows[at + ROW_GAIN]
         total = block.walker.total if block.kind == LINE else 0
         if total and not gain:
-            self.short = False
             Steady.begin(self, block)
             return
-        self.short = True
+        self.cut = self.accelerated
         s_curve = gain and self.s_curve
         begin(rows, at, self.state, block.start, total, 1 if s_curve else 0)
         if s_curve:

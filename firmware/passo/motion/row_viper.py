@@ -2,7 +2,6 @@
 
     through = close(rows, at, work, counts, kind, flags, tag, power, first)     # the row at rows[at] is done, and is counted
     row = take(rows, work, counts, moving, lines)                               # the next one released, for the feeder
-    power = begun(rows, row, state, tool)                                       # ... which begins with it
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see measure_viper.py.
 Fields: records.py.
@@ -12,8 +11,8 @@ Fields: records.py.
 import micropython
 
 from passo.records import (
-    FEED_INDEX, FEED_LEVELS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FLUSHED, ROW_DYNAMIC, ROW_FIRST, ROW_GAIN, ROW_KIND, ROW_POWER,
-    ROW_RAPID, ROW_TAG, ROW_TOOL, WORK_FEED, WORK_LIMITED, WORK_SIZE, WORK_SPEED, WORK_STRIDE, WORK_THROUGH,
+    QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FLUSHED, ROW_DYNAMIC, ROW_FIRST, ROW_GAIN, ROW_KIND, ROW_POWER, ROW_RAPID,
+    ROW_TAG, ROW_TOOL, WORK_FEED, WORK_LIMITED, WORK_SIZE, WORK_SPEED, WORK_STRIDE, WORK_THROUGH,
 )  # fmt: skip
 
 try:
@@ -69,14 +68,3 @@ def take(rows: ptr32, work: ptr32, counts: ptr32, moving: int, lines: int) -> in
         counts[QUEUE_FLUSHED] = (fetched + 1) & 0x1FFFFFFF
     counts[QUEUE_FETCHED] = (fetched + 1) & 0x1FFFFFFF
     return at
-
-
-@micropython.viper
-def begun(rows: ptr32, at: int, state: ptr32, tool: int) -> int:  # ISR: no allocation
-    """Where the index of the block begins, and its tool, `tool` being its bit in the levels. Returns its power."""
-    state[FEED_INDEX] = rows[at + ROW_FIRST]
-    levels = state[FEED_LEVELS] & ~tool
-    if rows[at + ROW_TOOL]:
-        levels |= tool
-    state[FEED_LEVELS] = levels
-    return rows[at + ROW_POWER]

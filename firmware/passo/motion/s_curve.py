@@ -1,7 +1,7 @@
 """Ramps with limited jerk (S-curves), for the ramp to use where Limits are given a jerk; else nobody loads this.
 
     limit(ramp, limits, stride, size)       # of the planner's rows
-    ramp.cut_short(…)                       # is the one here from now on, for lines and arcs alike
+    ramp.accelerated(…)                     # is the one here from now on, for lines and arcs alike
 
 The planner's speeds at the ends of blocks stay those of trapezoids. What goes with the speed from segment to segment, on
 into the next block, is the acceleration, which changes by jerk × time at most. It is kept as b, the square root of the
@@ -20,7 +20,7 @@ first and the last of them have room for; there, and where motion sets out again
 limit alone counts. A jerk that is reached within a step or so makes no difference to none.
 
 All but limit() may run in an interrupt: no allocation, no integer of 2³⁰. There a level of calls costs some 250 bytes of
-stack, which the main loop's way to an arc's plan leaves little of: cut_short() calls what a segment needs one after the
+stack, which the main loop's way to an arc's plan leaves little of: cut_s_curve() calls what a segment needs one after the
 other, and what one tells the next is in `state`.
 """
 
@@ -57,9 +57,9 @@ _REST_TO_REST = const(4)
 
 def limit(ramp, limits, stride, size):
     """Have `ramp` keep to the jerk of `limits`, nm/s³ along the path (0: any); `stride` and `size`: of a row of the planner's,
-    and all. With a jerk the ramp's `state` is longer from now on, and its cut_short() the one here."""
+    and all. With a jerk the ramp's `state` is longer from now on, and what cuts accelerated blocks is the one here."""
     if not limits.jerk:
-        ramp.cut_short = cut
+        ramp.accelerated = cut
         ramp.s_curve = None
         return
     state = ramp.state = array("i", bytearray(4 * S_CURVE_FIELDS))
@@ -73,12 +73,12 @@ def limit(ramp, limits, stride, size):
     state[S_CURVE_ROWS] = size
     state[S_CURVE_B] = 0
     state[S_CURVE_RATE] = 1
-    ramp.cut_short = cut_short
+    ramp.accelerated = cut_s_curve
     ramp.s_curve = load
 
 
 @micropython.native
-def cut_short(rows, at, state, walker, left, percent, hold):  # ISR: no allocation
+def cut_s_curve(rows, at, state, walker, left, percent, hold):  # ISR: no allocation
     """The next segment: what ramp_viper.cut() does up to how fast it ends."""
     cut(rows, at, state, walker, left, percent, hold)
     if state[RAMP_S_CURVE] and state[RAMP_STEPS]:  # one after the other: inside each other they would take more stack

@@ -8,22 +8,42 @@ ramp.py does this. All may run in an interrupt: no allocation, no integer of 2³
 from array import array
 
 import micropython
-from micropython import const
 
 from passo.motion.line import MAX_RUN
-from passo.records import RAMP_CARRY, RAMP_PACE, RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_TICKS, RAMP_V, STEADY_FIELDS
+from passo.records import (
+    RAMP_CARRY, RAMP_PACE, RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_TICKS, RAMP_TOTAL, RAMP_V, ROW_TICKS, ROW_TICKS_REST,
+    STEADY_FIELDS, TICKS_PER_MS,
+)  # fmt: skip
 
-SEGMENT_TICKS = const(12_500)  # 1 ms
+
+@micropython.native
+def cut(rows, at, state, walker, left, percent, hold):  # ISR: no allocation
+    """The next segment of the line whose row begins at rows[at], with `left` ≥ 1 dominant steps to come. With `hold` its steps
+    are 0: the machine stands."""
+    state[RAMP_STEPS] = 0
+    state[RAMP_PACE] = -1
+    if hold:
+        return
+    each = rows[at + ROW_TICKS]
+    steps = TICKS_PER_MS // each or 1
+    if steps > left:
+        steps = left
+    if steps > MAX_RUN:
+        steps = MAX_RUN
+    carry = state[RAMP_CARRY] + steps * rows[at + ROW_TICKS_REST]
+    state[RAMP_CARRY] = carry % state[RAMP_TOTAL]
+    state[RAMP_TICKS] = steps * each + carry // state[RAMP_TOTAL]
+    state[RAMP_STEPS] = steps
 
 
 class Steady:
-    """After cut(), the first of `state` tell of the segment."""
+    """Lines at programmed speed. After cut() the first fields of `state` tell of the segment."""
 
     def __init__(self):
         self.state = array("i", [0] * STEADY_FIELDS)
-        self.cut_short = None
-        self.short = False  # the block is accelerated, or an arc: cut_short() is to be called instead of cut()
-        self._each = self._rest = self._total = 0
+        self.cut = cut  # of the block under way: cut(rows, at, state, walker.state, left, percent, hold)
+        self.even = cut  # what cuts lines at constant speed
+        self.take_up = None  # begins an accelerated line: ramp_viper.begin()
 
     def stall(self):  # ISR: no allocation
         """The machine stands: what comes next begins at rest."""
@@ -33,35 +53,9 @@ class Steady:
         """True when the next segment begins at a speed that was reached by acceleration: it could not stand here."""
         return self.state[RAMP_Q] > self.state[RAMP_START]
 
-    @micropython.native
     def begin(self, block):  # ISR: no allocation
-        """Take up `block`."""
+        """Take up `block`, a line."""
         state = self.state
         state[RAMP_Q] = state[RAMP_V] = state[RAMP_CARRY] = 0
-        self._each = block.ticks
-        self._rest = block.ticks_rest
-        self._total = block.walker.total
-
-    @micropython.native
-    def cut(self, left, percent=100, hold=False):  # ISR: no allocation
-        """The next segment of a walker that has `left` ≥ 1 dominant steps before its end or its next corner. With `hold`
-        its steps are 0: the machine stands."""
-        state = self.state
-        state[RAMP_STEPS] = 0
-        state[RAMP_PACE] = -1
-        if hold:
-            return
-        steps = SEGMENT_TICKS // self._each or 1
-        if steps > left:
-            steps = left
-        if steps > MAX_RUN:
-            steps = MAX_RUN
-        state[RAMP_TICKS] = self._nominal(steps)
-        state[RAMP_STEPS] = steps
-
-    @micropython.native
-    def _nominal(self, steps):  # ISR: no allocation
-        state = self.state
-        carry = state[RAMP_CARRY] + steps * self._rest
-        state[RAMP_CARRY] = carry % self._total
-        return steps * self._each + carry // self._total
+        state[RAMP_TOTAL] = block.walker.total
+        self.cut = self.even

@@ -15,23 +15,20 @@ rest belongs to the main loop.
 from array import array
 
 import micropython
-from micropython import const
 
 from passo.motion.block import INDEPENDENT, LINE, STEP_PROGRAM, WAIT
 from passo.motion.line import MAX_RUN
-from passo.motion.row_viper import begun
 from passo.records import (
-    COUNT_MASK, FEED_AXES, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_FAST, FEED_HEAD, FEED_INDEX, FEED_LEAD, FEED_LEVELS,
-    FEED_LIMIT, FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_POWER, FEED_SETUP, FEED_TICKS,
-    FEED_TOOL, FEED_WAIT, HOLD_TICKS, MARKS, MARK_FIELDS, RAMP_PACE, RAMP_STEPS, RAMP_TICKS, ROW_DYNAMIC, ROW_POWER,
-    ROW_RAPID, ROW_TICKS, ROW_TOP,
+    COUNT_MASK, FEED_AXES, FEED_BEGINS, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_FAST, FEED_HEAD, FEED_HOLD,
+    FEED_INDEX, FEED_KIND, FEED_LEAD, FEED_LEFT, FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST, FEED_OLDEST,
+    FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW, FEED_SETUP, FEED_TICKS, FEED_TOOL, FEED_WAIT, MARKS,
+    MARK_ENDS, MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS, MARK_WORD, POWER_HEAD, POWER_TAIL, POWER_UNKNOWN,
+    ROW_GAIN, ROW_TICKS,
 )  # fmt: skip
-from passo.steps import pace
-from passo.steps.checkpoints import begin, end, retire, room
 from passo.steps.pace import repay
 from passo.steps.position import Position
+from passo.steps.segments_viper import ENDED, LATER, make
 
-_UNKNOWN = const(2000)  # no power: the next segment marks its own in any case
 _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
 
 
@@ -47,8 +44,7 @@ class Feeder(Position):
         self.min_word_ticks = min_word_ticks
         self.ramp = planner.ramp
         axes = layout.axes
-        self._none = array("i", [0] * axes)  # no steps made
-        self._found = array("i", self._none)  # for who asks where the machine is
+        self._found = array("i", [0] * axes)  # for who asks where the machine is
         self._stepping = 0
         self._stride = MARK_FIELDS + axes
         self._marks = array("i", [0] * (MARKS * self._stride))
@@ -66,19 +62,28 @@ class Feeder(Position):
         self.late = 0  # times the player ran dry inside a block
         if drive is not None:
             ring.words[ring.mask] = drive.levels()  # the pins before the first word
+        self._arrays = (  # fetched at once; the bound method too, which would allocate
+            self._marks, ring.words, planner.rows, planner.work, planner.counts, planner.line_state, ring.power.marks,
+            self.settle,
+        )  # fmt: skip
         self._reset(0)
 
     def _reset(self, played):
-        self._block = None
         self.ramp.stall()
         self.stood = False
+        self._geometry = None
         state = self.state
-        state[FEED_WAIT] = state[FEED_FAST] = 0
-        state[FEED_POWER] = _UNKNOWN
+        state[FEED_KIND] = WAIT
+        state[FEED_LEFT] = state[FEED_WAIT] = state[FEED_FAST] = state[FEED_BEGINS] = 0
+        state[FEED_POWER] = POWER_UNKNOWN
         state[FEED_HEAD] = played
         state[FEED_DEBT] = state[FEED_TICKS] = state[FEED_OLDEST] = state[FEED_NEWEST] = state[FEED_INDEX] = state[FEED_PACE] = 0
-        end(state, self._marks, self._none, 0, 0, 1)
-        state[FEED_OLDEST] = state[FEED_NEWEST]
+        marks = self._marks
+        marks[MARK_WORD] = played
+        marks[MARK_TICKS] = marks[MARK_INDEX] = marks[MARK_PACE] = 0
+        marks[MARK_ENDS] = 1
+        for axis in range(self.layout.axes):
+            marks[MARK_FIELDS + axis] = state[FEED_PLACE + axis]
 
     # --- filling: may run in an interrupt
 
@@ -89,181 +94,92 @@ class Feeder(Position):
         if not self.open:
             return False
         state = self.state
-        marks = self._marks
-        ended = retire(state, marks, played)
-        if ended:
-            self.planner.retire(ended)
-        self.ring.power.play(played)
+        power = self.ring.power
         held = self.hold or self.brake
         if held and self.standing():
+            self.retire(played)
+            power.play(played)
             self.stood = True
-            state[FEED_POWER] = _UNKNOWN
+            state[FEED_POWER] = POWER_UNKNOWN
             return False
-        amid = self._block is not None and not self.stood
-        if amid and state[FEED_OLDEST] == state[FEED_NEWEST]:
-            self.late += 1
+        amid = (state[FEED_LEFT] or state[FEED_WAIT]) and not self.stood
         self.stood = False
-        state[FEED_LEAD] = lead_ticks
-        while room(state, marks, lead_ticks):
-            if held and self.standing():
+        state[FEED_DRY] = 0
+        state[FEED_HOLD] = 1 if held else 0
+        what = self._make(played, lead_ticks)
+        while what == ENDED:
+            if held and self.standing() or not self._fetch() or held and self.standing():
                 break
-            block = self._block
-            if block is None:
-                if not self._fetch():
-                    break
-                if held and self.standing():
-                    break
-                block = self._block
-            kind = block.kind
-            if state[FEED_WAIT]:
-                more = self._stand(block)
-            elif kind == LINE and self.ramp.short:
-                more = self._accelerated(block, played, lead_ticks, held)
-            elif kind == INDEPENDENT or kind == STEP_PROGRAM:
-                more = self._words(block.walker, held)
-            else:
-                more = self._segment(block, block.walker, held)
-            if not more:
-                break
+            what = self._make(played, lead_ticks)
+        if what == LATER:
+            self.stood = True  # no word comes late
+        if amid and state[FEED_DRY]:
+            self.late += 1
+        marks = power.marks
+        if marks[POWER_TAIL] != marks[POWER_HEAD]:
+            power.play(played)
         return amid
+
+    @micropython.native
+    def _make(self, played, lead_ticks):  # ISR: no allocation
+        """The segments of the block under way, and of lines behind it. See segments_viper.make() for the result."""
+        marks, words, rows, work, counts, path, power, settle = self._arrays
+        state = self.state
+        state[FEED_PLAYED] = played
+        state[FEED_LEAD] = lead_ticks
+        ramp = self.ramp
+        what = make(
+            state, marks, words, rows, work, counts, ramp.state, path, power, ramp.cut, ramp.take_up, settle, self._geometry
+        )
+        self.ring.head = state[FEED_HEAD]
+        return what
 
     def standing(self):  # ISR: no allocation
         """True when a hold has come to its stand; the words already made may still be playing."""
         if not (self.hold or self.brake) or self.ramp.moving():
             return False
-        block = self._block
-        return block is None or block.kind != INDEPENDENT or not block.walker.rolling()
+        state = self.state
+        return not state[FEED_LEFT] or state[FEED_KIND] != INDEPENDENT or not self._geometry.rolling()
 
     def amid(self):  # ISR: no allocation
         """True while a block has been begun that has words to come."""
-        return self._block is not None and not self.stood
+        state = self.state
+        return bool(state[FEED_LEFT] or state[FEED_WAIT]) and not self.stood
 
     def retire(self, played):  # ISR: no allocation
         """Give back the room, and the blocks, of all segments that have been played to their end."""
-        ended = retire(self.state, self._marks, played)
-        if ended:
-            self.planner.retire(ended)
+        self._make(played, 0)
 
+    @micropython.native
     def _fetch(self):  # ISR: no allocation
+        """Take up the next block released; False if there is none."""
         ramp = self.ramp
         block = self.planner.next(ramp.moving())
         if block is None:
             return False
-        self._block = block
-        rows = block.rows
-        at = block.at
-        self._open(rows, at)
-        kind = block.kind
-        if kind == WAIT:
-            self.state[FEED_WAIT] = rows[at + ROW_TICKS]
-            ramp.stall()
-            self._mark_power(block, 0)
-        elif kind == INDEPENDENT or kind == STEP_PROGRAM:
-            ramp.stall()
-            self._mark_power(block, -1)
-        else:
-            ramp.begin(block)
-        return True
-
-    def _open(self, rows, at):  # ISR: no allocation
-        """The tool, and where the index begins, of the block whose row begins at rows[at]."""
         state = self.state
-        if begun(rows, at, state, state[FEED_TOOL]) != state[FEED_POWER]:
-            state[FEED_POWER] = _UNKNOWN
-
-    def _accelerated(self, block, played, lead_ticks, held):  # ISR: no allocation
-        """An accelerated line is under way. LineFeeder knows a faster way."""
-        return self._segment(block, block.walker, held)
-
-    @micropython.native
-    def _segment(self, block, walker, held):  # ISR: no allocation
-        """One segment of an arc, or of a line without acceleration."""
-        ramp = self.ramp
-        made = ramp.state
         rows = block.rows
         row = block.at
-        percent = self.planner.percent[rows[row + ROW_RAPID]]
-        if ramp.short:
-            ramp.cut_short(rows, row, made, walker.state, walker.left, percent, held)
+        kind = block.kind
+        geometry = block.walker
+        self._geometry = geometry
+        state[FEED_ROW] = row
+        state[FEED_KIND] = kind
+        state[FEED_BEGINS] = 1
+        state[FEED_FAST] = 0
+        if kind == WAIT:
+            state[FEED_LEFT] = 0
+            state[FEED_WAIT] = rows[row + ROW_TICKS]
+            ramp.stall()
+        elif kind == INDEPENDENT or kind == STEP_PROGRAM:
+            state[FEED_LEFT] = 1
+            ramp.stall()
         else:
-            ramp.cut(walker.left, percent, held)
-        steps = made[RAMP_STEPS]
-        if not steps:
-            return False
-        state = self.state
-        ticks = made[RAMP_TICKS]
-        waits = ticks > HOLD_TICKS and steps == 1
-        if waits:
-            state[FEED_WAIT] = ticks - HOLD_TICKS
-            ticks = HOLD_TICKS
-        if rows[row + ROW_DYNAMIC] or state[FEED_POWER] == _UNKNOWN:
-            self._mark_power(block, made[RAMP_PACE])
-        else:
-            state[FEED_PACE] = made[RAMP_PACE]
-        ring = self.ring
-        words = ring.words
-        at = begin(state, words, walker.moving, walker.negative, steps, ticks)
-        run = steps
-        while run:
-            part = run if at + run <= ring.size else ring.size - at
-            walker.walk(words, at, part)
-            pace.pace(words, at, part, state)
-            if state[FEED_DEBT] or self.drive is not None:
-                self.settle(at, part)
-            at = 0
-            run -= part
-        self.finish(steps, ticks, not (walker.left or waits), walker.made)
+            ramp.begin(block)
+            state[FEED_LEFT] = geometry.left
+            if kind == LINE and rows[row + ROW_GAIN]:
+                state[FEED_FAST] = 1
         return True
-
-    @micropython.native
-    def _words(self, geometry, held):  # ISR: no allocation
-        """One segment of a geometry that makes whole words: independent axes, a step program."""
-        if not geometry.ready():
-            self.stood = True  # there is no more yet: no word comes late
-            return False
-        state = self.state
-        ring = self.ring
-        if geometry.tool >= 0:
-            levels = state[FEED_LEVELS] & ~state[FEED_TOOL]
-            state[FEED_LEVELS] = levels | (state[FEED_TOOL] if geometry.tool else 0)
-        at = begin(state, ring.words, geometry.moving, geometry.negative, 0, 0)
-        room = ring.size - at
-        if room > MAX_RUN:
-            room = MAX_RUN
-        count = geometry.walk(ring.words, at, room, state[FEED_LEVELS], state[FEED_BITS], held)
-        ends = geometry.ends()
-        if not count and not ends:
-            return False
-        state[FEED_LEVELS] = geometry.levels
-        state[FEED_INDEX] = geometry.place
-        self.settle(at, count)
-        self.finish(count, geometry.ticks, ends, geometry.made)
-        return True
-
-    def _stand(self, block):  # ISR: no allocation
-        state = self.state
-        ticks = state[FEED_WAIT]
-        if ticks > HOLD_TICKS:
-            ticks = HOLD_TICKS
-        state[FEED_WAIT] -= ticks
-        ring = self.ring
-        at = state[FEED_HEAD] & ring.mask
-        ring.words[at] = ticks << state[FEED_BITS] | state[FEED_LEVELS]
-        self.settle(at, 1)
-        self.finish(1, ticks, not state[FEED_WAIT] and (block.kind == WAIT or block.walker.left == 0), self._none)
-        return True
-
-    def _mark_power(self, block, pace):  # ISR: no allocation
-        """The segment that follows has this mean speed: mark the power where it changes."""
-        self.state[FEED_PACE] = pace
-        rows = block.rows
-        at = block.at
-        power = rows[at + ROW_POWER]
-        if rows[at + ROW_DYNAMIC] and pace >= 0:
-            power = power * pace // rows[at + ROW_TOP] if pace else 0
-        if power != self.state[FEED_POWER]:
-            self.state[FEED_POWER] = power
-            self.ring.power.put(self.ring.head, power)
 
     @micropython.native
     def settle(self, at, count):  # ISR: no allocation
@@ -277,14 +193,6 @@ class Feeder(Position):
             state[FEED_DEBT] = debt
         if self.drive is not None:
             self.drive.apply(words, at, count)
-
-    @micropython.native
-    def finish(self, count, ticks, ends, made):  # ISR: no allocation
-        """Publish a segment of `count` words, with a checkpoint behind it."""
-        state = self.state
-        self.ring.head = end(state, self._marks, made, count, ticks, 1 if ends else 0)
-        if ends:
-            self._block = None
 
     # --- stopping: main loop only; asking is in position.py
 

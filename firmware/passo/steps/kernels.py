@@ -5,6 +5,6 @@ from passo.steps import pace as pacing
 
 
 def use(walk, pace):
-    """`walk` for motion.line_plain.walk, `pace` for steps.pace_plain.pace."""
+    """`walk` for motion.line_viper.walk, `pace` for steps.pace_viper.pace."""
     line.walk = walk
     pacing.pace = pace

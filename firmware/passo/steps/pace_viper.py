@@ -1,13 +1,28 @@
-"""pace_plain.pace and repay as machine code of the board. See there; they give the same bits."""
+"""Pacing: gives the step masks of a segment their ticks.
+
+    pace(words, at, count, terms)       # masks to words
+    debt = repay(words, at, count, bits, debt, least)
+
+`count` steps share `ticks` evenly: each interval is the floor or the ceiling of ticks / count, and the total is exact.
+A segment that runs over the end of the ring is paced in two calls; the second goes on with the first one's carry. `terms`:
+PACE_… of records.py, with which the feeder's state begins. One text for all interpreters: a board compiles it to machine
+code, elsewhere it is ordinary Python.
+"""
 # ruff: noqa: F821
 
 import micropython
 
 from passo.records import PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK
 
+try:
+    ptr32
+except NameError:
+    ptr32 = None  # a name that only viper's compiler knows
+
 
 @micropython.viper
-def pace(words: ptr32, at: int, count: int, terms: ptr32):
+def pace(words: ptr32, at: int, count: int, terms: ptr32):  # ISR: no allocation
+    """Turn the masks in words[at : at + count], count ≥ 1, into words."""
     short = terms[PACE_SHORT]
     tick = terms[PACE_TICK]
     rest = terms[PACE_REST]
@@ -26,7 +41,8 @@ def pace(words: ptr32, at: int, count: int, terms: ptr32):
 
 
 @micropython.viper
-def repay(words: ptr32, at: int, count: int, bits: int, debt: int, least: int) -> int:
+def repay(words: ptr32, at: int, count: int, bits: int, debt: int, least: int) -> int:  # ISR: no allocation
+    """Take `debt` ticks off words[at : at + count], none falling below `least`. Returns the debt that remains."""
     end = at + count
     while at < end and debt:
         word = words[at]

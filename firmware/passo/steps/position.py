@@ -5,15 +5,8 @@ from passo.motion.block import STEP_PROGRAM
 from passo.records import (
     COUNT_HALF, COUNT_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PLAYED, MARKS, MARK_ENDS, MARK_INDEX, MARK_PACE, MARK_WORD,
 )  # fmt: skip
-from passo.steps.checkpoints import find
+from passo.steps.position_viper import find, tally
 
-# In the feeder's arrays, as checkpoints_plain.py has them.
-
-
-try:
-    from passo.steps.position_viper import tally
-except (ImportError, NameError, ValueError):  # an interpreter that has no machine code of its own
-    from passo.steps.position_plain import tally
 
 
 class Position:

@@ -12,10 +12,10 @@ from array import array
 from micropython import const
 
 from passo.records import (
-    COUNT_HALF, COUNT_MASK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_SIZE, POWER_TAIL, POWER_WORD,
+    COUNT_HALF, COUNT_MASK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_MOST, POWER_SIZE, POWER_TAIL,
+    POWER_WORD,
 )  # fmt: skip
 
-FULL = const(1000)
 
 
 class Power:
@@ -88,11 +88,11 @@ class Power:
         if not value:
             return 0
         value = value * self._percent // 100
-        if value >= FULL:
-            return FULL
+        if value >= POWER_MOST:
+            return POWER_MOST
         if not self._least:
             return value
-        return 1 if value <= self._least else 1 + (value - self._least) * (FULL - 1) // (FULL - self._least)
+        return 1 if value <= self._least else 1 + (value - self._least) * (POWER_MOST - 1) // (POWER_MOST - self._least)
 
     def clear(self):
         """Forget all marks: everything not yet played is dropped. The power is off."""

@@ -1,4 +1,4 @@
-"""The inner loops of lines as Thumb code: motion.line_plain.walk and steps.pace_plain.pace, bit for bit.
+"""The inner loops of lines as Thumb code: motion.line_viper.walk and steps.pace_viper.pace, bit for bit.
 
 Cycles a step at 125 MHz, code in RAM: walk 7, and 9 to 14 for each axis but the dominant one; pace 14.
 """
