@@ -19,6 +19,7 @@ from passo.motion.line import MAX_RUN
 from passo.motion.profile import Limits
 from passo.protocols.gcode import GCode
 from passo.protocols.gcode_offsets import Offsets
+from passo.records import QUEUE_RETIRED
 from rig import Rig
 from true_path import Arc, centre_by_radius
 
@@ -96,7 +97,7 @@ class Bench:
                 self.queue.flush()
                 block = planner.next()
             self._walk(block.walker)
-            planner.retire(1)
+            planner.counts[QUEUE_RETIRED] += 1
 
     def _walk(self, walker):
         place = self.place

@@ -7,7 +7,6 @@ modulo the table's length: after a stop it is found again from the position alon
     drive.pattern(phase=7, delta=1)      # the levels one step on: table[0]
 """
 
-
 import micropython
 
 from passo.drives.coils_viper import apply, tally

@@ -36,7 +36,6 @@ from passo.records import (
 )  # fmt: skip
 
 
-
 class IndependentAxes:
     """A geometry that makes whole words, of `axes` axes, no two words nearer than `least` ticks; `setup` as the feeder's."""
 

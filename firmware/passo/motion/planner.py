@@ -39,8 +39,8 @@ from passo.motion.steady import Steady
 from passo.records import (
     ARC_FIELDS, ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS,
     QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS,
-    ROW_TICKS_REST, WORK_ALL, WORK_ASKED, WORK_FACTOR, WORK_FEED, WORK_FIELDS, WORK_GIVEN, WORK_GIVEN_SHIFT,
-    WORK_IS_ARC, WORK_PERCENT, WORK_SIZE, WORK_START, WORK_STRIDE, WORK_THROUGH,
+    ROW_TICKS_REST, TICKS_PER_S, WORK_ALL, WORK_ASKED, WORK_FACTOR, WORK_FEED, WORK_FIELDS, WORK_GIVEN,
+    WORK_GIVEN_SHIFT, WORK_IS_ARC, WORK_PERCENT, WORK_SIZE, WORK_START, WORK_STRIDE, WORK_THROUGH,
 )  # fmt: skip
 
 LOOK_AHEAD = const(64)
@@ -402,11 +402,6 @@ class Planner:
             block.walker = self._circle
         else:
             block.walker = None if kind == WAIT else self._walkers[place]
-
-    def retire(self, count):  # ISR: no allocation
-        """The oldest `count` fetched blocks have been played to their last word."""
-        counts = self.counts
-        counts[QUEUE_RETIRED] = (counts[QUEUE_RETIRED] + count) & _COUNT
 
     def row(self):
         """Where the oldest block not yet played to its last word stands in `rows`, as block.py has them; -1: there is none."""

@@ -1,15 +1,18 @@
-"""The feeder: turns the planner's blocks into step words, a segment at a time, and knows where the machine is.
+"""The feeder: has each block's geometry make its next segment, writes the words to the ring, and knows where the machine is.
 
-    planner ─► block ─► walker (which axes) ─► pace (when) ─► drive (which pins) ─► ring
+    block ─► geometry (which axes step) ─► pace (when) ─► drive (which pins) ─► ring ─► player
 
-It fills by time, so that what it has committed to is never more than a few milliseconds ahead. At the end of each
-segment it leaves a checkpoint: words, ticks and position so far (checkpoints.py). Position is the last checkpoint
-played plus the words played since, never a walk over more than one segment. Words count as free only up to that
-checkpoint.
+    feeder = Feeder(ring, layout, planner, drive, setup_ticks, min_word_ticks)
+    feeder.fill(player.played(), 30 * TICKS_PER_MS)     # words until so many ticks lie ahead of the player
+    feeder.position(player.played())                    # steps of each axis, exact at any word
 
-`fill` and all it calls may run in an interrupt: they allocate nothing and every integer stays below 2³⁰. They are
-compiled to machine code, because the interpreter's time a segment, not the steps, is what a board has least of. The
-rest belongs to the main loop.
+It fills by time, so that what it has committed to is never more than a few milliseconds ahead. Only it writes the ring, the
+checkpoints and its `state`; geometries and ramp answer "next segment" and know nothing of it. At the end of each segment it
+leaves a checkpoint: words, ticks and position so far. Position is the last checkpoint played plus the words played since,
+never a walk over more than one segment. Words count as free only up to that checkpoint.
+
+fill() and all it calls may run in an interrupt: no allocation, no integer of 2³⁰. The rest belongs to the main loop; what
+drops words, retire() and cancel(), only while `open` is cleared.
 """
 
 from array import array

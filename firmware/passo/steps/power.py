@@ -1,21 +1,18 @@
 """Analogue power: how strong the tool is while it is on, 0 … 1000, as marks in the step stream.
 
-    power.put(word, 700)     # the feeder: from that word on
     power.play(played)       # what plays the words, or feeds it: `level` is now what the output should show
 
 A mark is a word's number and a value; it counts from the moment that word begins. One producer, one consumer, as with
-the ring. There is at most one mark a segment, so there is room for them as long as there is for segments.
+the ring: segments_viper.py puts them. There is at most one mark a segment, so there is room for them as long as there is for
+segments.
 """
 
 from array import array
-
-from micropython import const
 
 from passo.records import (
     COUNT_HALF, COUNT_MASK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_MOST, POWER_SIZE, POWER_TAIL,
     POWER_WORD,
 )  # fmt: skip
-
 
 
 class Power:
@@ -26,14 +23,6 @@ class Power:
         self._percent = 100
         self._least = 0
         self.marks = array("i", [0] * (POWER_MARKS + POWER_FIELDS * POWER_SIZE))
-
-    def put(self, word, value):  # ISR: no allocation
-        """From the word number `word` on the power is `value`."""
-        marks = self.marks
-        at = POWER_MARKS + POWER_FIELDS * (marks[POWER_HEAD] % POWER_SIZE)
-        marks[at + POWER_WORD] = word
-        marks[at + POWER_LEVEL] = value
-        marks[POWER_HEAD] = (marks[POWER_HEAD] + 1) & COUNT_MASK
 
     def next(self):
         """The word of the next mark to be played, or -1."""

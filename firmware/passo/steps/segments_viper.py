@@ -8,9 +8,11 @@ For each segment: room, how many steps and how long (`cut`, the ramp's), directi
 geometry's), when (pace.pace), a checkpoint; and behind an accelerated line's last one the next line, if it is accelerated and
 released.
 
-    words   . . [a a a a b b b c c c c c] . . . .       a, b, c: segments; a direction's word belongs to the next one
-                 ^ oldest mark played    ^ FEED_HEAD    room: FEED_LIMIT words, MARKS segments, FEED_LEAD ticks
-    marks       ^a      ^b    ^c        ^d              at each segment's end
+    words   . . a a a a b b b c c c c c d d d . . .     a … d: segments; c is being played
+    marks             |a    |b        |c    |d          one at each segment's end: words, ticks and position so far
+                            ^FEED_OLDEST    ^FEED_NEWEST, FEED_HEAD
+
+A segment is made if fewer than FEED_LEAD ticks, FEED_LIMIT words and MARKS segments lie behind the oldest mark.
 
 A call of machine code by name costs some 15 µs, so all that a segment needs stands here between the calls: a segment of a
 line costs three of them, a line three more. One text for all interpreters; see motion/measure_viper.py. Fields: records.py.

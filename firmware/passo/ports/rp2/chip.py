@@ -32,7 +32,6 @@ _NVIC_PRIORITY = 0xE000E400
 _TIMER_IRQ_3 = 3  # what machine.Timer runs in
 
 
-
 def cycles_per_tick():
     """System clocks of one tick. Raises ValueError where the clock is no multiple of the tick's."""
     clock = machine.freq()
