@@ -33,7 +33,6 @@ from micropython import const
 from passo.motion import profile
 from passo.motion.block import ARC, INDEPENDENT, LINE, STEP_PROGRAM, WAIT, Block, q_of
 from passo.motion.line import MAX_STEPS, Line
-from passo.motion.profile import TICKS_PER_S
 from passo.motion.row_viper import close, take
 from passo.motion.steady import Steady
 from passo.records import (
