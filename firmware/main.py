@@ -48,7 +48,7 @@ def main():
 
         port = start.port(board)
         app = App(board, port, None, FileSlots("settings"))
-        forget("passo.assembly")
+        forget("passo.machine_builder")
         room = None
         said = start.loaded()
         if said:

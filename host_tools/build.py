@@ -82,7 +82,7 @@ def source_of(path, firmware):
 
 
 def modules_imported(path, firmware):
-    """Full names of all that a file imports. Raises Failure if it is not Python."""
+    """Full names of all that a file imports, or has loaded by name. Raises Failure if it is not Python."""
     found = set()
     try:
         tree = ast.parse(source_of(path, firmware).read_text(encoding="utf-8"))
@@ -93,6 +93,19 @@ def modules_imported(path, firmware):
             found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
         elif isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
+    return found | {f"passo.control.{name}" for name in features_named(tree)}
+
+
+def features_named(tree):
+    """Features of the machine that a module has loaded by name: a language's NEEDS, and those of the machine builder's
+    FEATURES that a board file may ask for."""
+    found = set()
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            if node.targets[0].id == "NEEDS":
+                found |= set(ast.literal_eval(node.value))
+            elif node.targets[0].id == "FEATURES":
+                found |= {row.elts[0].value for row in node.value.elts if not isinstance(row.elts[2], ast.Constant)}
     return found
 
 

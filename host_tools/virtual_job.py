@@ -129,7 +129,7 @@ class VirtualJob:
         """`changes`: $ lines carried out first, as text; `zero`: mm from machine zero, a figure an axis. Raises Failure if the
         board file cannot be used, or `zero` is not on the machine."""
         from passo.app import App
-        from passo.assembly import make_drive
+        from passo.machine_builder import make_drive
         from passo.control.boardfile import BoardError, check
         from passo.ports.virtual import VirtualPort
 
@@ -173,7 +173,7 @@ class VirtualJob:
             low, high = (end / self.steps_per_mm[number] for end in self._app.controller.queue.reach(number))
             if not low <= place <= high:
                 raise Failure(f"{name}{place:g} is not on the machine, which goes from {low:g} to {high:g} mm")
-        self._app.controller.homed = True
+        self._app.controller.machine.homed = True
         words = "".join(f"{name}{place:.4f}" for name, place in zip(names, zero))
         self._line.incoming += b"$20=1\nG21G10L2P1" + words.encode() + b"\n"
         for _ in range(50):

@@ -50,7 +50,7 @@ class Machine:
         app = self.app
         app.poll()
         homing = app.controller.state == "home"
-        if self._homing and not homing and app.controller.homed and self.trace:
+        if self._homing and not homing and app.controller.machine.homed and self.trace:
             self.trace.rezero(self.plant.position)
         self._homing = homing
         self._wait(app.controller.busy(), homing)

@@ -62,8 +62,7 @@ class Bench:
         self.arcs = arcs
         self.settings = Settings()
         self.gcode = GCode("xyz", Offsets(3, Memory()), self)
-        self.program = Program(board, self.queue, self, self.planner)
-        self.program.accelerates = True
+        self.program = Program(board, self, self.queue)
         self.program._limits_of = Settings.version
         self.place = [0, 0, 0]
         self.path = []

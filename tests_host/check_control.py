@@ -5,8 +5,8 @@ from passo import errors
 from passo.control.boardfile import BoardError, check
 from passo.control.log import Log
 from passo.control.motors import HOLDING, RELEASED, RUNNING
+from passo.control.point_buffer import PointBuffer
 from passo.control.sensor import Sensor
-from passo.control.store import Store
 from table import EDGE, Machine, Table
 
 PULL_OFF = BOARD["homing"]["pull_off_steps"]
@@ -29,7 +29,7 @@ def check_homing_from_anywhere(x, y, noise):
     for place in machine.table.place:
         assert 0 <= place - EDGE - PULL_OFF <= (1 if noise else 0)
     assert machine.app.controller.position() == [0, 0]
-    assert machine.app.controller.homed
+    assert machine.app.controller.machine.homed
     assert machine.table.lowest[0] >= min(x, EDGE) - 10 and machine.table.lowest[1] >= min(y, EDGE) - 10
 
 
@@ -46,9 +46,9 @@ def check_dead_and_stuck_sensors():
         assert status["state"] == "alarm" and status["error"] == number
         axis = "xy".find(barrier[-1])
         assert abs(table.place[axis] - table.start[axis]) <= 2 * TRAVEL[axis]
-        assert machine.app.controller._motors.state == RELEASED and table.pen == 0
+        assert machine.app.controller.machine.motors.state == RELEASED and table.pen == 0
         assert machine.ask("LINE", 10, 10, turns=50) == b""
-        assert machine.app.controller.log.last == errors.LOCKED
+        assert machine.app.controller.machine.log.last == errors.LOCKED
         table.fault = {}
         table.place = [200, 150]
         assert machine.ask("ORIGIN") == b"o"
@@ -58,7 +58,7 @@ def check_dead_and_stuck_sensors():
 def check_a_sensor_that_dies_between_seek_and_locate():
     machine = Machine(Table((60, 60)))
     machine.send("ORIGIN")
-    while machine.app.controller._homing._stage < 3:
+    while machine.app.controller.features["homing"]._stage < 3:
         machine.app.turn()
     machine.table.fault = {"barrier_x": 0}
     machine.turns(20_000)
@@ -201,7 +201,7 @@ def check_stop_while_homing():
     machine.send("ORIGIN")
     machine.turns(100)
     assert machine.ask("STOP") == b"d"
-    assert not machine.app.controller.homed
+    assert not machine.app.controller.machine.homed
     x, y = machine.app.controller.position()
     assert x < -10 and y == 0  # counted from where it was switched on
     for name, answer in (("UP", b"n"), ("RIGHT", b"n"), ("LEFT", b""), ("DOWN", b"n"), ("DOWN", b"")):
@@ -226,7 +226,7 @@ def check_commands_wait_while_drawing():
         answers += machine.turns(1)
     answers += machine.turns(100)
     assert answers == b"dsnd"
-    assert machine.app.controller.objects.speed == 900
+    assert machine.app.controller.features["drawing"].speed == 900
 
 
 def check_an_object_longer_than_the_store():
@@ -252,7 +252,7 @@ def check_too_many_waiting():
     machine.turns(3)
     assert machine.status()["error"] == errors.TOO_MANY_WAITING
     machine.turns(40_000)
-    assert machine.app.controller.homed
+    assert machine.app.controller.machine.homed
 
 
 def check_homing_required():
@@ -274,7 +274,7 @@ def check_no_homing():
 def check_motor_current():
     """Released at power-up, running in motion, holding soon after, released after the board file's time."""
     machine = Machine()
-    motors = machine.app.controller._motors
+    motors = machine.app.controller.machine.motors
     machine.turns(5)
     assert motors.state == RELEASED
     machine.ask("UP")
@@ -318,7 +318,7 @@ def check_sensor_noise(spikes):
 
 
 def check_store(capacity, points):
-    store = Store(capacity)
+    store = PointBuffer(capacity)
     kept = []
     for put, x, y in points:
         if put and store.free():

@@ -281,8 +281,8 @@ def check_a_halting_input():
             steps = board.table.steps
         board.turns(100)
         assert board.table.steps == steps > 10
-        assert board.app.controller.alarm == errors.ALARM_HARD_LIMIT
-        assert board.app.controller.log.entries[-1][2] == "stop"
+        assert board.app.controller.machine.alarm == errors.ALARM_HARD_LIMIT
+        assert board.app.controller.machine.log.entries[-1][2] == "stop"
 
 
 class Switched(Table):

@@ -59,7 +59,7 @@ class Shop:
     def __init__(self, machine=None):
         self.machine = machine or Machine()
         self.memory = Memory()
-        self.gcode = GCode("xyz", Offsets(3, self.memory), self.machine)
+        self.gcode = GCode("xyz", Offsets(3, self.memory), self.machine, self.machine)
 
     def do(self, *lines):
         """Interpret and carry out; the commands of the last line."""

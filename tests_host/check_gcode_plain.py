@@ -58,7 +58,7 @@ class Straight(Machine):
 
     def __init__(self):
         Machine.__init__(self)
-        self.program = self.planner = self
+        self.planner = self
         self.blocks = 96
         self.travel = None
         self.tool = False  # the queue's, and the planner's

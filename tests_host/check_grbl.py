@@ -56,7 +56,7 @@ def check_both_ends_of_lines():
 def check_a_few_lines_a_turn():
     """Where lines take time, a burst of them is shared out over turns, and what is asked meanwhile is answered first."""
     machine = Machine().ready()
-    machine.app.links[0].protocol.most = 3
+    machine.app.links[0].protocol._most = 3
     machine.put("G91 G0\n" + "".join(["X%d\n" % (i + 1) for i in range(10)]))
     assert machine.turns() == ["ok"]  # it goes the long way
     assert machine.turns() == ["ok"] * 3
@@ -98,7 +98,7 @@ def check_settings_lines():
     assert "$100=160.000" in shown and "$101=160.500" in shown and "$10=3" in shown and shown[-1] == "ok"
     again = Machine(slots=machine.slots)
     assert "$101=160.500" in again.ready().ask("$$")
-    assert again.controller.settings.value(13) == 1
+    assert again.controller.machine.settings.value(13) == 1
 
 
 def check_texts_and_start_lines():
@@ -184,7 +184,7 @@ def check_nothing_is_written_while_moving():
     machine.settle()
     machine.turns(2)
     assert writes == [True]
-    assert Machine(slots=machine.slots).controller.settings.get("G54") == "1000000,0,0"
+    assert Machine(slots=machine.slots).controller.machine.settings.get("G54") == "1000000,0,0"
 
 
 def check_busy_refusals():
@@ -268,10 +268,10 @@ def check_overrides():
     ):
         machine.put(data)
         machine.turns(2)
-        assert ",".join([str(part) for part in machine.controller.tools.overrides]) == shown
+        assert ",".join([str(part) for part in machine.controller.features["tools"].overrides]) == shown
     machine.put(b"\x91\x96\x9a")
     machine.do("M30")
-    assert machine.controller.tools.overrides == [100, 100, 100]
+    assert machine.controller.features["tools"].overrides == [100, 100, 100]
 
 
 def check_real_time_bytes_inside_lines():
@@ -281,7 +281,7 @@ def check_real_time_bytes_inside_lines():
     said = machine.turns(3)
     assert answers(said) == ["ok"] and len([line for line in said if line.startswith("<")]) == 1
     machine.settle()
-    assert machine.controller.position() == [320, 0, 0] and machine.controller.tools.overrides[0] == 110
+    assert machine.controller.position() == [320, 0, 0] and machine.controller.features["tools"].overrides[0] == 110
 
 
 SQUARE = ["G1 X%d.%d Y%d F4000" % (5 + i % 7, i % 10, i % 5) for i in range(150)] + ["G1 X1 Y2 Z-1"]

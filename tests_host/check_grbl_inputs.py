@@ -10,7 +10,7 @@ RUNS = {}
 
 def check_homing():
     machine = home(Machine())
-    assert machine.controller.position() == [0, 0, 0] and machine.controller.homed
+    assert machine.controller.position() == [0, 0, 0] and machine.controller.machine.homed
     assert [machine.world.place[axis] for axis in (0, 1)] == [PULL_OFF] * 2 and machine.world.place[2] == -PULL_OFF
     assert machine.status()["MPos"] == "0.000,0.000,0.000" and machine.status()["state"] == "Idle"
     machine.do("G0 X300 Y200 Z-80", "G0 X0 Y0 Z0")
@@ -71,7 +71,7 @@ def check_nothing_is_done_behind_a_failed_homing():
     steps = machine.world.steps
     machine.turns(50)
     assert machine.said() == [] and machine.world.steps == steps and machine.world.tool == 0
-    assert machine.world.outputs["flood"] == 0 and machine.controller.tools.overrides[0] == 100
+    assert machine.world.outputs["flood"] == 0 and machine.controller.features["tools"].overrides[0] == 100
     machine.world.switches["door"] = 0
     machine.turns(10)
     assert machine.ask("$H") == ["error:13"]
@@ -101,7 +101,7 @@ def check_real_time_bytes_in_an_alarm():
     machine.do("$X", "$C")
     machine.put(b"\x84!\xa0~")
     assert machine.turns(20) == [] and machine.status()["state"] == "Check"
-    assert machine.world.tool == 0 and machine.controller.tools.coolant == 0
+    assert machine.world.tool == 0 and machine.controller.machine.coolant == 0
 
 
 def check_an_alarm_switches_off():
@@ -145,7 +145,7 @@ def check_soft_limits():
         machine.put(b"\x18")
         assert machine.turns(3) == [BANNER, UNHOMED]
         machine.do("$X")
-        assert machine.controller.homed and machine.world.tool == 0
+        assert machine.controller.machine.homed and machine.world.tool == 0
     assert machine.ask("$J=X-1F100") == ["error:15"]
     assert machine.world.steps == steps
     machine.do("$20=0", "G0 X-0.5")
@@ -178,7 +178,7 @@ def check_hard_limits():
     assert said[:2] == ["ALARM:1", "[MSG:Reset to continue]"]
     place = machine.world.place[:]
     machine.turns(20)
-    assert machine.world.place == place and machine.controller.inputs.hit == "Y" and not machine.controller.homed
+    assert machine.world.place == place and machine.controller.machine.log.entries[-1][2] == "limit_y" and not machine.controller.machine.homed
     assert machine.ask("$H") == ["error:9"]
     machine.put(b"\x18")
     machine.turns(3)

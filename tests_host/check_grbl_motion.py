@@ -128,17 +128,17 @@ def check_what_a_board_has_no_memory_for():
     """Arcs and S-curves where they do not fit: said, and nothing else is lost."""
     machine = Machine().ready()
     controller = machine.controller
-    controller.arcs_want = 1 << 40
+    controller.machine.arcs_want = 1 << 40
     if not hasattr(gc, "mem_free"):
         gc.mem_free = lambda: 0  # CPython knows no such thing
     assert machine.ask("G1F600X1") == ["ok"] and machine.ask("G2X3I1") == ["error:%d" % errors.NO_MEMORY]
     assert machine.ask("X2") == ["ok"]
     machine.settle()
     assert tuple(machine.controller.position()) == (640, 0, 0)
-    controller.program.curves_want = 1 << 40
+    controller.features["program"].curves_want = 1 << 40
     assert machine.ask("$141=5000") == ["ok", "[MSG:No S-curves on this board]"]
     assert not machine.app.planner.ramp.s_curve
-    controller.program.curves_want = 0
+    controller.features["program"].curves_want = 0
     machine.ask("$141=6000")
     machine.turns(3)
     assert machine.app.planner.ramp.s_curve
@@ -197,7 +197,7 @@ def check_reset():
     machine.put(b"G0 X1\nG0\x18")
     assert machine.turns(5) == ["ALARM:3", BANNER, UNHOMED]
     place = machine.controller.position()
-    assert machine.turns(50) == [] and machine.controller.position() == place and not machine.controller.homed
+    assert machine.turns(50) == [] and machine.controller.position() == place and not machine.controller.machine.homed
     assert machine.world.place[0] - 3000 == place[0]
     machine.do("$X")
     assert machine.ask("$G")[0].startswith("[GC:G0 G54")

@@ -76,6 +76,6 @@ def check_mutated_programmes(seed):
             assert machine.controller.queue.target == before, line
         number = answers(said)[0][6:]
         assert not number or errors.text(int(number)) != "error " + number
-        if random.between(0, 3) == 0 or machine.controller.alarm:
+        if random.between(0, 3) == 0 or machine.controller.machine.alarm:
             recover(machine)
     recover(machine)

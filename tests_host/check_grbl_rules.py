@@ -32,7 +32,7 @@ def check_codes_with_decimals():
 def check_comments_behind_a_dollar():
     machine = Machine().ready()
     assert answers(machine.ask("$g (modes)")) == ["ok"]
-    assert machine.ask("$110 = 4000 ; (slow)") == ["ok"] and machine.controller.settings.value(110) == 4_000_000
+    assert machine.ask("$110 = 4000 ; (slow)") == ["ok"] and machine.controller.machine.settings.value(110) == 4_000_000
     assert machine.ask("$I=ab(c)d;e") == ["ok"] and machine.ask("$I")[0] == "[VER:1.1h.20190830:ABD]"
 
 
@@ -122,7 +122,7 @@ def check_hard_limits_count_in_every_state():
         assert machine.status()["state"] == "Idle" and machine.status()["Pn"] == "Y"
         del machine.world.switches["limit_y"]
         machine.turns(20)
-        assert home(machine).controller.homed
+        assert home(machine).controller.machine.homed
     machine.do("$21=0")
     machine.world.switches["limit_y"] = 1
     machine.turns(20)

@@ -111,7 +111,7 @@ def ramped(accel):
     machine = FreeMachine(planning={"independent_ramps": True})
     axes = machine.app.board["axes"]
     for number in range(2):
-        assert machine.controller.settings.change(120 + number, accel * 1000) == 0
+        assert machine.controller.machine.settings.change(120 + number, accel * 1000) == 0
     return machine, [accel * axis["steps_per_m"] / 1000 for axis in axes]
 
 
@@ -175,7 +175,7 @@ def check_jogs_extend_without_a_gap():
     machine.settle()
     assert machine.made() == [480, 0] == machine.part.made()
     intervals_hold(machine, 0, (12_500_000, 480))
-    assert machine.controller.log.entries[-1][1] == errors.BUSY
+    assert machine.controller.machine.log.entries[-1][1] == errors.BUSY
 
 
 def check_a_jog_that_comes_as_the_last_step_plays():
@@ -209,8 +209,8 @@ def check_limits_and_zero():
     machine.settle()
     assert machine.accept(Command(ZERO)) == 0
     assert controller.position() == [0, 0] and machine.part.made() == [100, 50]
-    controller.homed = True
-    controller.settings._table[20] = ("soft_limits", 0, 1, 0, 1)
+    controller.machine.homed = True
+    controller.machine.settings._table[20] = ("soft_limits", 0, 1, 0, 1)
     assert machine.accept(Command(ZERO)) == errors.ZERO_IS_HOMED
     for steps in ((-1, None), (48_001, None), (FOREVER, None)):
         assert machine.run(steps, ((480, 1000), None)) == errors.TRAVEL
@@ -220,5 +220,5 @@ def check_limits_and_zero():
     assert machine.run((-10, None), ((480, 1000), None), LIVE) == errors.TRAVEL
     machine.settle()
     assert controller.position() == [48_000, 0]
-    controller.alarm = errors.ALARM_HARD_LIMIT
+    controller.machine.alarm = errors.ALARM_HARD_LIMIT
     assert machine.run((-1, None), ((480, 1000), None)) == errors.LOCKED

@@ -128,7 +128,7 @@ def check_whatever_is_pressed(presses):
         first = [len(motor.steps) for motor in kit.motors]
         kit.press(pressed(key, value), ms)
         for motor in range(2):
-            assert kit.language._part.turning(motor) == on[motor]
+            assert kit.language._is_turning(motor) == on[motor]
             since = kit.now_ms() - told[motor][-1][0]
             if since > AHEAD_MS:
                 assert (kit.motors[motor].pattern != 0) == on[motor] or on[motor] and since < 4 * 127
@@ -141,7 +141,7 @@ def check_whatever_is_pressed(presses):
         periods_hold(kit.motors[motor].steps, told[motor])
     kit.press(b"J", 600)
     assert [motor.pattern for motor in kit.motors] == [0, 0]
-    assert kit.controller._motors.state == RELEASED and kit.controller.state == "idle"
+    assert kit.controller.machine.motors.state == RELEASED and kit.controller.state == "idle"
     steps = [sum([delta for _, delta in motor.steps]) for motor in kit.motors]
     assert kit.controller.position() == steps
     assert kit.line.outgoing == b""
@@ -204,7 +204,7 @@ def check_off_releases_the_coils_of_one_motor():
     kit.press(b"F", 60)
     assert kit.motors[0].pattern and kit.motors[1].pattern == 0
     kit.press(b"E", 60)
-    assert kit.motors[0].pattern == 0 and kit.controller._motors.state == RELEASED
+    assert kit.motors[0].pattern == 0 and kit.controller.machine.motors.state == RELEASED
 
 
 def check_off_while_nothing_turns():
@@ -240,11 +240,7 @@ def check_the_state_at_the_start():
 def check_every_byte():
     """The command of each of the ten, and of no other."""
 
-    class Part:
-        def turning(self, axis):
-            return True
-
-    language = Keys(Part(), 3)
+    language = Keys(lambda axis: True, 3)
     for key, kind, mask in ((b"C", RUN, 1), (b"D", RUN, 2), (b"I", RUN, 3), (b"G", RUN, 1), (b"H", RUN, 2)):
         command = list(language.feed(key, 0))[0]
         assert command.kind == kind and command.limp == 4
@@ -275,7 +271,7 @@ def check_a_speed_that_does_not_come():
     kit.press(b"IA", 2100)
     kit.press(b"J", 100)
     assert [motor.pattern for motor in kit.motors] == [0, 0] and kit.language.ignored == 1
-    assert kit.controller.log.entries[-1][1:] == (errors.GARBLED, "pc")
+    assert kit.controller.machine.log.entries[-1][1:] == (errors.GARBLED, "pc")
 
 
 def check_bytes_that_mean_nothing(noise):
@@ -283,8 +279,8 @@ def check_bytes_that_mean_nothing(noise):
     kit = Kit()
     data = bytes([byte for byte in noise if not 0x41 <= byte <= 0x4A])
     kit.press(data, 50)
-    assert kit.language.ignored == len(data) == kit.controller.log.counts.get(errors.UNKNOWN_COMMAND, 0)
-    assert len(kit.controller.log.entries) == min(32, len(data))
+    assert kit.language.ignored == len(data) == kit.controller.machine.log.counts.get(errors.UNKNOWN_COMMAND, 0)
+    assert len(kit.controller.machine.log.entries) == min(32, len(data))
     assert kit.motors[0].switched == kit.motors[1].switched == [] and kit.line.outgoing == b""
 
 
@@ -308,7 +304,7 @@ def check_other_drives():
         kit.press(b"E", 200)
         assert kit.enable == 0
         kit.press(b"F", 200)
-        assert kit.enable == 1 and kit.controller._motors.state == RELEASED
+        assert kit.enable == 1 and kit.controller.machine.motors.state == RELEASED
         places.append(kit.controller.position())
     assert places[0] == places[1] and abs(places[2][0] - places[0][0]) <= 6 and abs(places[2][1] - places[0][1]) <= 2
 
@@ -347,7 +343,7 @@ def check_the_link_that_may_not_command():
     other.incoming += b"CI"
     kit.run_ms(100)
     assert kit.motors[0].switched == [] and other.outgoing == b""
-    assert [entry[1:] for entry in kit.controller.log.entries] == [(errors.COMMANDED_ELSEWHERE, "usb")] * 2
+    assert [entry[1:] for entry in kit.controller.machine.log.entries] == [(errors.COMMANDED_ELSEWHERE, "usb")] * 2
     kit.press(b"I", 100)
     other.incoming += b"J"
     kit.run_ms(100)

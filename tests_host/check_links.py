@@ -44,12 +44,12 @@ class Two:
         return self.machine.ask(text)[-1]
 
     def logged(self):
-        return [(number, who) for _, number, who in self.controller.log.entries]
+        return [(number, who) for _, number, who in self.controller.machine.log.entries]
 
 
 def check_the_first_link_commands():
     two = Two()
-    assert two.line("$LINK") == "ok" and two.controller.links.commander == 0
+    assert two.line("$LINK") == "ok" and two.controller.machine.commander == 0
     assert two.line("$X") == "ok" and two.line("G0 X3") == "ok"
     two.machine.settle()
     assert two.packet("LINE", 100, 100, turns=50) == b""
@@ -61,7 +61,7 @@ def check_the_first_link_commands():
 
 def check_the_board_file_names_another():
     two = Two(commands="draw")
-    two.controller.alarm = 0
+    two.controller.machine.alarm = 0
     assert two.packet("SPEED", 900) == b"s"
     assert two.line("G0 X1") == "error:%d" % errors.COMMANDED_ELSEWHERE
     assert two.logged() == [(errors.COMMANDED_ELSEWHERE, "pc")]
@@ -76,18 +76,18 @@ def check_the_board_file_names_another():
 def check_the_other_link_moves_nothing(lines):
     """Nothing a line of the link that may not command says reaches pins, settings, offsets or modes."""
     two = Two(commands="draw")
-    two.controller.alarm = 0
-    before = two.controller.settings._dump(), two.machine.ask("$#"), two.machine.ask("$G")
+    two.controller.machine.alarm = 0
+    before = two.controller.machine.settings._dump(), two.machine.ask("$#"), two.machine.ask("$G")
     for line in lines:
         assert two.line(LINES[line]) == "error:%d" % errors.COMMANDED_ELSEWHERE
         assert two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "pc")
-    assert (two.controller.settings._dump(), two.machine.ask("$#"), two.machine.ask("$G")) == before
+    assert (two.controller.machine.settings._dump(), two.machine.ask("$#"), two.machine.ask("$G")) == before
     assert two.machine.world.steps == 0 and two.controller.state == "idle"
     for byte in (b"~", b"\x91", b"\x9e", b"\xa0"):
-        entries = len(two.controller.log.entries)
+        entries = len(two.controller.machine.log.entries)
         two.machine.put(byte)
         assert two.machine.turns(3) == []
-        assert len(two.controller.log.entries) == min(32, entries + 1)
+        assert len(two.controller.machine.log.entries) == min(32, entries + 1)
 
 
 def check_the_other_link_draws_nothing(packets):
@@ -98,7 +98,7 @@ def check_the_other_link_draws_nothing(packets):
         assert two.packet(PACKETS[index], 500, 300, turns=30) == b""
         entries += 1
         assert two.logged() == entries * [(errors.COMMANDED_ELSEWHERE, "draw")]
-    assert two.machine.world.steps == 0 and two.controller.objects.store.count == 0
+    assert two.machine.world.steps == 0 and two.controller.features["drawing"].points.count == 0
 
 
 def check_anybody_makes_it_safe():
@@ -112,7 +112,7 @@ def check_anybody_makes_it_safe():
     place = two.controller.position()
     assert two.packet("RIGHT", turns=30) == b"" and two.controller.position() == place
     two = Two(commands="draw")
-    two.controller.alarm = 0
+    two.controller.machine.alarm = 0
     for x, y in ((2000, 0), (2000, 2000)):
         assert two.packet("LINE", x, y) == b"n"
     two.draw.incoming += packet(COMMANDS["END"])
@@ -126,7 +126,7 @@ def check_anybody_makes_it_safe():
     assert two.machine.status()["state"] == "Hold:0" and two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "pc")
     two.machine.put(b"\x18")
     two.machine.turns(3)
-    assert two.controller.state == "idle" and two.controller.links.commander == 1
+    assert two.controller.state == "idle" and two.controller.machine.commander == 1
 
 
 def check_a_lock_at_the_start_is_for_grbl_alone():
@@ -148,7 +148,7 @@ def check_a_lock_at_the_start_is_for_grbl_alone():
     two.machine.settle()
     two.machine.do("$LINK=2", "$LINK=1", "G0 X0")  # unlocked once is unlocked
     two.machine.settle()
-    two.controller.fail(errors.ALARM_TWO_MOTORS, "test")
+    two.controller.raise_alarm(errors.ALARM_TWO_MOTORS, "test")
     two.machine.do("$LINK=2")
     assert two.packet("MOVE", 5, 5, turns=30) == b"" and status_from(two.packet("STATUS"))["state"] == "alarm"
 
@@ -159,13 +159,13 @@ def check_handing_over():
     assert two.packet("LINK", turns=20) == b"" and two.logged()[-1] == (errors.BUSY, "draw")  # while it moves
     two.machine.settle()
     two.machine.said()
-    assert two.packet("LINK") == b"t" and two.controller.links.commander == 1
+    assert two.packet("LINK") == b"t" and two.controller.machine.commander == 1
     assert two.machine.said() == ["[MSG:Command handed over]"]
     assert two.line("G0 X1") == "error:%d" % errors.COMMANDED_ELSEWHERE
     for x, y in ((100, 50), (0, 50)):
         assert two.packet("LINE", x, y) == b"n"
     assert two.packet("END") == b"d" and two.controller.position()[:2] == [0, 50]
-    assert two.packet("LINK", 1) == b"t" and two.controller.links.commander == 0  # given back
+    assert two.packet("LINK", 1) == b"t" and two.controller.machine.commander == 0  # given back
     assert two.packet("UP", turns=30) == b""
     two.machine.do("G91", "G0 X1")
     two.machine.settle()
@@ -200,7 +200,7 @@ def check_torch_beside_grbl():
     assert say(torch.frame("JOG_X+")) == b"" and two.machine.world.steps == 0
     assert say(torch.frame("INFO")) == torch.answer("INFO", 0, 0)
     assert say(torch.passo(torch.LINK_OF, 0)) == b""
-    assert two.controller.links.commander == 1
+    assert two.controller.machine.commander == 1
     say(torch.frame("CONNECT"))
     say(torch.move(100, 480, 50, -480))
     assert two.controller.position()[:2] == [100, -50]
@@ -233,7 +233,7 @@ def check_pulses_beside_torch():
     torch_line.incoming += torch.move(20_000, 4000, 0, 1)
     two.machine.turns(60)
     assert b"ok" in say(b"{stop}") and 0 < two.controller.position()[0] < 20_000
-    assert b"ok" in say(b"{link}") and two.controller.links.commander == 1
+    assert b"ok" in say(b"{link}") and two.controller.machine.commander == 1
     assert b"ok" in say(b"{jog y 10}", 200) and two.controller.position()[1] == 10
     torch_line.incoming += torch.move(100, 480, 0, 1)
     two.machine.turns(60)
@@ -287,18 +287,18 @@ def check_a_link_that_is_not_there():
     assert two.packet("LINK", 9, turns=20) == b"" and two.logged()[-1] == (errors.NO_SUCH_LINK, "draw")
     for text in ("$LINK=", "$LINK=draw", "$LINKS"):
         assert two.line(text) == "error:%d" % errors.STATEMENT
-    assert two.controller.links.commander == 0
+    assert two.controller.machine.commander == 0
 
 
 def check_what_waited_is_refused_after_the_hand_over():
     """A command that was let in and waits its turn still needs the command when its turn comes."""
     two = Two(commands="draw")
-    two.controller.alarm = 0
+    two.controller.machine.alarm = 0
     two.packet("LINE", 30_000, 0)
     two.draw.incoming += packet(COMMANDS["END"]) + packet(COMMANDS["SPEED"], 900)
     two.machine.turns(60)
     assert two.machine.app.links[1].waiting
-    two.controller.links.commander = 0
+    two.controller.machine.commander = 0
     two.draw.outgoing = b""
     two.machine.settle()
     two.machine.turns(20)

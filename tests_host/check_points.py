@@ -2,7 +2,7 @@
 
 from draws import Random
 from passo.commands import POINT
-from passo.control.store import Store
+from passo.control.point_buffer import PointBuffer
 from passo.protocols.plotter_host import COMMANDS, Plotter, packet
 from passo.steps.word import TICKS_PER_MS
 from table import Machine
@@ -55,12 +55,11 @@ class Objects:
 
     def __init__(self, random):
         self._random = random
-        self.objects = self  # of the machine, which has nothing else here
         self._data = bytearray(300)
         self.most = [random.between(60_000, 65_535) for _ in range(2)]
         self.points = []  # meanings of what has been added
 
-    def piece(self):
+    def reserve(self, link):
         self._at = self._random.between(0, 40)
         room = self._random.between(-8, 50)
         return None if room <= 0 else (self._data, self._at, room, self.most[0], self.most[1])
@@ -74,12 +73,13 @@ class Objects:
 def check_the_language(seed, chunk):
     """Points added and commands are what feed() alone makes of the same bytes, however many there is room for."""
     random = Random(seed)
-    plain, short, objects = Plotter(GAP_MS), Plotter(GAP_MS), Objects(random)
+    objects = Objects(random)
+    plain, short = Plotter(GAP_MS), Plotter(GAP_MS, drawing=objects)
     now_ms = 7
     for data, wait_ms in parts(random, stream(random, 65535), chunk):
         wanted = [meaning(command) for command in plain.feed(data, now_ms)]
         objects.points = []
-        answers = short.short(data, now_ms, objects)
+        answers = short.short(data, now_ms, None)
         assert answers == b"n" * len(objects.points)
         for _, place, _, _, _ in objects.points:
             assert place[0] <= objects.most[0] and place[1] <= objects.most[1]
@@ -90,9 +90,9 @@ def check_the_language(seed, chunk):
 def check_the_store(seed, capacity):
     """Points put into pieces are kept as single ones are, to the last one there is room for, round and round."""
     random = Random(seed)
-    plain, short = Store(capacity), Store(capacity)
+    plain, short = PointBuffer(capacity), PointBuffer(capacity)
     for _ in range(20):
-        piece = short.piece()
+        piece = short.reserve()
         assert (piece is None) == (plain.free() == 0)
         count = random.between(0, piece[2]) if piece else 0
         for at in range(count):
@@ -112,8 +112,8 @@ def check_the_machine(seed, chunk):
     room = random.between(10, 80)
     machines = [Machine(store_points=room), Machine(store_points=room)]
     for machine in machines:
-        machine.app.controller.homed = bool(seed % 5)
-    machines[1].app.links[0].points = None
+        machine.app.controller.machine.homed = bool(seed % 5)
+    machines[1].app.links[0].short = None
     for data, wait_ms in parts(random, stream(random, 1300), chunk):
         said = []
         for machine in machines:
@@ -122,8 +122,8 @@ def check_the_machine(seed, chunk):
             machine.port.advance(wait_ms * TICKS_PER_MS)
         assert said[0] == said[1]
     short, plain = [machine.app.controller for machine in machines]
-    assert short.log.counts == plain.log.counts and short.position() == plain.position()
-    stores = short.objects.store, plain.objects.store
+    assert short.machine.log.counts == plain.machine.log.counts and short.position() == plain.position()
+    stores = short.features["drawing"].points, plain.features["drawing"].points
     assert stores[0].count == stores[1].count
     while stores[0].count:
         assert stores[0].take() == stores[1].take()

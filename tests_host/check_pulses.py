@@ -2,6 +2,7 @@
 
 from draws import Random
 from lpt import Lpt
+from passo import commands
 from passo.commands import TRACK_ABORT, TRACK_ADD, TRACK_CLOSE, TRACK_ITEMS
 from passo.motion.integers import isqrt
 from passo.protocols.pulses import CODES, Pulses, frame
@@ -155,7 +156,7 @@ def check_picture_stored_and_streamed():
     stored = Lpt()
     stored.play(PICTURE)
     assert stored.picture() == WHOLE
-    assert stored.app.controller.log.entries == []
+    assert stored.app.controller.machine.log.entries == []
     streamed = Lpt(cells=512)
     assert streamed.send(PICTURE, "stream").startswith("ok ")
     streamed.until("end")
@@ -470,11 +471,11 @@ def check_moves_by_hand_and_the_drives():
 
 def check_where_unpowered_motors_are_nobody_knows():
     machine = Lpt()
-    machine.app.controller.homed = True
+    machine.app.controller.machine.homed = True
     machine.play("[AAA]")
-    assert machine.app.controller.homed
+    assert machine.app.controller.machine.homed
     machine.play("A")
-    assert not machine.app.controller.homed
+    assert not machine.app.controller.machine.homed
 
 
 def check_continue_from_here():
@@ -751,10 +752,10 @@ def check_button_on_the_way_back():
     machine.settle()
     machine.tell("return")
     machine.run_ms(40)
-    machine.app.controller.press("hold")
+    machine.app.controller.machine.carry_out(commands.HOLD)
     machine.run_ms(60)
     assert machine.status()["state"] == "hold" and 0 < machine.world.place[1] < 100
-    machine.app.controller.press("resume")
+    machine.app.controller.machine.carry_out(commands.RESUME)
     machine.until("end")
     assert machine.world.place == [100, 0, 0]
 
@@ -765,12 +766,12 @@ def check_button():
     machine.load("A" * 400)
     machine.tell("run")
     machine.run_ms(50)
-    machine.app.controller.press("hold")
+    machine.app.controller.machine.carry_out(commands.HOLD)
     machine.run_ms(60)
     at = machine.world.place[0]
     machine.run_ms(60)
     assert machine.world.place[0] == at and machine.status()["state"] == "hold"
-    machine.app.controller.press("resume")
+    machine.app.controller.machine.carry_out(commands.RESUME)
     machine.until("end")
     assert machine.world.place == [400, 0, 0]
 
@@ -797,8 +798,8 @@ def check_travel():
     """Where soft limits hold, a file that would leave the travel does not begin."""
     machine = Lpt()
     controller = machine.app.controller
-    controller.homed = True
-    controller.settings.value = lambda number: 1
+    controller.machine.homed = True
+    controller.machine.settings.value = lambda number: 1
     machine.load("[AAAB]")
     assert machine.ask("run") == "ok"
     machine.until("end")

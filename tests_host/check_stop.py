@@ -77,29 +77,29 @@ class Two:
         self.world = self.machine.world
         self.languages = first, second
         self.lines = [self.machine.port.lines[name] for name in ("a", "pc")]
-        self.controller.links.wary = 0
-        self.controller.alarm = 0
+        self.controller.machine.guarded = 0
+        self.controller.machine.alarm = 0
         self.stood = None  # steps made when it was stopped, from arm() on
         self._armed = False
         for kind in (commands.STOP, commands.RESET, commands.HAND_OVER):
             self._watch(kind)
-        self._fail = self.controller.fail
-        self.controller.fail = self.fails
+        self._raise_alarm = self.controller.machine.raise_alarm
+        self.controller.machine.raise_alarm = self.raises_alarm
 
     def _watch(self, kind):
-        handler = self.controller._handlers[kind]
+        handler = self.controller.machine.handlers[kind]
 
         def watched(command):
-            before = self.controller.links.commander
+            before = self.controller.machine.commander
             result = handler(command)
-            if kind != commands.HAND_OVER or self.controller.links.commander != before:
+            if kind != commands.HAND_OVER or self.controller.machine.commander != before:
                 self._mark()
             return result
 
-        self.controller._handlers[kind] = watched
+        self.controller.machine.handlers[kind] = watched
 
-    def fails(self, number, who=None):
-        self._fail(number, who)
+    def raises_alarm(self, number, who=None):
+        self._raise_alarm(number, who)
         self._mark()
 
     def arm(self):
@@ -138,7 +138,7 @@ class Two:
 
 def fail(machine, number):
     """An alarm, as one turn of the main loop raises and tells it."""
-    machine.app.controller.fail(number, "test")
+    machine.app.controller.raise_alarm(number, "test")
     machine.app._answer()
 
 
@@ -158,7 +158,7 @@ def check_nothing_moves_after_a_stop(first, second, commander, events, late, how
     elif how == 3:
         fail(two.machine, errors.ALARM_HARD_LIMIT)
     elif how == 4:
-        two.controller.press("reset")
+        two.controller.machine.carry_out(commands.RESET)
         two.machine.app._answer()
     else:
         two.world.switches["stop"] = 1
@@ -179,9 +179,9 @@ def check_nothing_moves_after_a_hand_over(first, second, commander, events, late
         for who in (0, 1):
             two.say(who, STOPS.get(two.languages[who], b"J") if two.controller.state in ("run", "hold", "door") else b"")
     two.turns(20)
-    two.controller.alarm = 0
+    two.controller.machine.alarm = 0
     two.turns(20)
-    links = two.controller.links
+    links = two.controller.machine
     who = 1 - links.commander
     if two.languages[who] not in HAND_OVER:
         return
@@ -219,7 +219,7 @@ def stopped(plotter):
     said += plotter.turns(1500)
     assert said == b"d" and plotter.table.steps == steps and plotter.table.pen == 0
     status = plotter.status()
-    assert status["state"] == "idle" and status["free"] == plotter.app.controller.objects.store.capacity
+    assert status["state"] == "idle" and status["free"] == plotter.app.controller.features["drawing"].points.capacity
     plotter.table.path = []
     zero = [place - at for place, at in zip(plotter.table.place, plotter.app.controller.position())]
     plotter.draw(((0, 300, 40), (1, 340, 40)))
@@ -294,7 +294,7 @@ def check_lines_behind_an_alarm():
     machine.put("G38.2 Z-1 F900\nX9\n$X\nX9\n\nX9\n")
     said = machine.turns(800)
     assert said[0] == "ALARM:5" and said.count("ok") == 2  # the probing itself, as grbl has it, and the empty line
-    assert said.count("error:9") == 4 and two.controller.alarm == errors.ALARM_PROBE_MISSED
+    assert said.count("error:9") == 4 and two.controller.machine.alarm == errors.ALARM_PROBE_MISSED
     assert two.world.steps == steps + 400
     machine.do("$X", "G0 X0")
 
@@ -304,7 +304,7 @@ def check_a_hand_over_forgets_the_object():
     two = Two("plotter", "grbl")
     two.say(0, SQUARE)
     two.turns(5)
-    assert two.controller.objects.store.count == 3
+    assert two.controller.features["drawing"].points.count == 3
     two.machine.do("$LINK=2", "G0 X3")
     two.machine.settle()
     two.machine.do("$LINK=1")

@@ -228,7 +228,7 @@ def check_moves(moves):
         if max(speeds) > 48_000 or min(speeds) < -48_000:
             if (abs(speeds[0]) > 48_000 and x) or (abs(speeds[1]) > 83_000 and y):
                 assert not board.controller.busy()
-                assert board.controller.log.last == errors.SPEED_RANGE and board.take() == b""
+                assert board.controller.machine.log.last == errors.SPEED_RANGE and board.take() == b""
                 continue
         board.settle()
         board.turn()
@@ -325,7 +325,7 @@ def check_whole_jogs(times, jog):
     assert not gaps or max(gaps) <= 12_500_000 // 4000 + 1
     board.send(torch.configure((1 << 29) - 2, 1, 4000, 4000) + torch.passo(torch.CODES["JOG_X+"], 2))
     board.poll(200_000)
-    assert board.made()[0] == 0 and board.controller.log.last == errors.TRAVEL
+    assert board.made()[0] == 0 and board.controller.machine.log.last == errors.TRAVEL
 
 
 def check_the_time_ahead_is_the_board_files():
@@ -395,10 +395,10 @@ def check_relays():
         steps = [tick for tick, _ in board.steps[0] if tick >= asked]
         assert len(steps) == (3 if ours else 0)
         assert not ours or steps[0] >= on[0][0] + 30 * ticks_ms
-        assert ours or board.controller.log.last == errors.NO_MOTORS
+        assert ours or board.controller.machine.log.last == errors.NO_MOTORS
     board.send(torch.move(5000, 480, 0, 0))
     board.poll(1_000_000)
-    board.controller.fail(errors.ALARM_HARD_LIMIT, "test")
+    board.controller.raise_alarm(errors.ALARM_HARD_LIMIT, "test")
     assert switched()[0][1:] == ("relay", 0)
     made = board.made()
     board.send(torch.frame("CONNECT") + torch.move(10, 480, 10, 480) + torch.frame("JOG_X+"))
@@ -428,7 +428,7 @@ def check_the_log():
     begun = board.port.machine_ms()
     board.send(torch.move(5, 0, 5, 480))
     board.turn()
-    board.controller.fail(errors.ALARM_HARD_LIMIT, "emergency stop")
+    board.controller.raise_alarm(errors.ALARM_HARD_LIMIT, "emergency stop")
     name, newest = asked(0)
     assert name == "LOG" and begun <= newest["ms"] <= board.port.machine_ms()
     assert (newest["number"], newest["older"], newest["who"]) == (errors.ALARM_HARD_LIMIT, 1, "emergenc")
@@ -454,7 +454,7 @@ def check_another_link_is_silent_until_it_has_the_command():
         return said
 
     assert says(torch.move(5, 480, 5, 480)) == b"" and board.made() == [0, 0]
-    assert board.controller.log.entries[-1][1:] == (errors.COMMANDED_ELSEWHERE, "b")
+    assert board.controller.machine.log.entries[-1][1:] == (errors.COMMANDED_ELSEWHERE, "b")
     assert says(torch.frame("INFO")) == torch.answer("INFO", 0, 0)
     assert says(torch.frame("STOP")) == torch.answer("STOP", 0, 0)
     assert torch.answer_from(says(torch.passo(torch.STATUS_OF)))[1]["dropped"] == 1

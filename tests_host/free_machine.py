@@ -9,10 +9,9 @@ Runs under CPython and MicroPython.
 """
 
 from passo.app import App
-from passo.assembly import make_drive
+from passo.machine_builder import make_drive
 from passo.commands import AT_REST, RUN, STOP, Command, Run
 from passo.control.boardfile import check
-from passo.control.independent import Independent
 from passo.ports.virtual import VirtualPort
 
 
@@ -30,7 +29,10 @@ def board(kind="step_dir", **changes):
         "tool": {"pin": 6 if kind == "step_dir" else 10},
         "speed": {"unit": "steps_per_s", "default": 480, "min": 1, "max": 20_000},
         "idle_release_ms": 0,
-        "links": [{"name": "pc", "port": "uart0", "tx": 0, "rx": 1, "protocol": "plotter"}],
+        "links": [
+            {"name": "pc", "port": "uart0", "tx": 0, "rx": 1, "protocol": "plotter"},
+            {"name": "keys", "port": "usb", "protocol": "keys"},  # needs axes that run on their own
+        ],
     }
     data.update(changes)
     return data
@@ -88,8 +90,7 @@ class FreeMachine:
         self.port = VirtualPort(data, self.world, "stepped")
         self.app = App(data, self.port)
         self.controller = self.app.controller
-        found = [part for part in self.controller._parts if isinstance(part, Independent)]
-        self.part = found[0] if found else Independent(self.app.board, self.controller)
+        self.part = self.controller.features["independent"]
         self.steps = self.world.steps
         self.least = self.app.feeder.min_word_ticks
         self.events = []
@@ -128,7 +129,7 @@ class FreeMachine:
     def settle(self):
         for _ in range(100_000):
             self.turn()
-            if self.controller.still() and not self.part.active():
+            if self.controller.queue.still() and not self.part.active():
                 return
         raise AssertionError("it goes on and on")
 

@@ -72,7 +72,7 @@ class Fuzz:
         self.port = Port()
         self.app = App(board, self.port)
         self.controller = self.app.controller
-        self.controller.homed = True
+        self.controller.machine.homed = True
         self._recover()
 
     # --- the wire
@@ -95,7 +95,7 @@ class Fuzz:
         for data, count in ((b"$X\n", 1), (b"$RST=*\n", 1), (b"$X\nG21G90G94\n", 2)):
             assert self._answers(data, count), (data, self.controller.state)
             self._settle()  # a start-up line may have set it moving
-        self.controller.homed = True
+        self.controller.machine.homed = True
         self.controller.queue.set_origin()
         before = self.port.stepping
         assert self._answers(b"$J=G91X1F1000\n", 1), self.controller.state
@@ -178,7 +178,7 @@ class Fuzz:
             if not self._settle():
                 return self._recover()
             controller = self.controller
-            before = controller.queue.target[:], self.port.stepping, controller.alarm
+            before = controller.queue.target[:], self.port.stepping, controller.machine.alarm
             self.lines += 1
             answers, last = self._turn(line + b"\n")
             turns = 0
@@ -192,7 +192,7 @@ class Fuzz:
                 return self._recover()
             if last != b"ok":
                 self.refused += 1
-                homing = last == b"error:9" and controller.alarm and not before[2]  # refused on the way
+                homing = last == b"error:9" and controller.machine.alarm and not before[2]  # refused on the way
                 self._turn()
                 self._settle()
                 if not homing:

@@ -26,7 +26,7 @@ class Lpt:
         self.world.path = []
         self.port = VirtualPort(board, self.world)
         self.app = App(board, self.port)
-        self.track = self.app.controller._parts[0]
+        self.track = self.app.controller.features["track"]
         self.line = self.port.lines["pc"]
         self.heard = ""
         self.acks = 0

@@ -1,6 +1,6 @@
 """A feeder on a bench: planner, ring and drive without a port. Words are taken as fast as they are made."""
 
-from passo.assembly import make_drive
+from passo.machine_builder import make_drive
 from passo.motion.planner import Planner
 from passo.steps.feeder import Feeder
 from passo.steps.ring import Ring

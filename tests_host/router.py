@@ -137,7 +137,7 @@ class Machine:
     def settle(self, turns=200_000):
         """Until nothing moves."""
         self.app.turn()
-        while not self.controller.queue.still() or self.controller.command is not None:
+        while not self.controller.queue.still() or self.controller.machine.command is not None:
             self.app.turn()
             turns -= 1
             assert turns, "still busy: " + self.controller.state

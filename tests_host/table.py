@@ -8,7 +8,7 @@ hold against the documents. Small enough for MicroPython; host_tools.plant is th
 
 from boards.plotter_2014 import BOARD
 from passo.app import App
-from passo.assembly import make_drive
+from passo.machine_builder import make_drive
 from passo.control.boardfile import check
 from passo.ports.virtual import VirtualPort
 from passo.protocols.plotter_host import COMMANDS, packet, status_from

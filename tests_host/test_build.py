@@ -20,10 +20,12 @@ from passo.control import boardfile
 MODULES = {
     "main.py": "import passo.app\n",
     "passo/__init__.py": "",
-    "passo/app.py": "from passo.motion.line import line\nfrom passo import errors\n",
+    "passo/app.py": "from passo.motion.line import line\nfrom passo import errors, machine_builder\n",
     "passo/control/track.py": "",
     "passo/languages/plotter.py": "from passo.protocols.plotter import sum\n",
-    "passo/languages/torch.py": "from passo.control import track\n",
+    "passo/control/homing.py": "",
+    "passo/languages/torch.py": "NEEDS = ('track',)\n",
+    "passo/machine_builder.py": "FEATURES = (('homing', 'Homing', bool), ('track', 'Track', None))\n",
     "passo/motion/line.py": "def line():\n    return 1\n",
     "passo/ports/virtual.py": "",
     "passo/ports/pins.py": "",
@@ -58,7 +60,10 @@ def built_files(out):
 
 
 ALWAYS = ["board.py", "main.py", "passo/__init__.mpy", "passo/app.mpy", "passo/files.txt", "passo/motion/line.mpy"]
-ROOMS = ["passo/errors.mpy", "passo/ports/pins.mpy", "passo/protocols/__init__.mpy"]
+ROOMS = [
+    "passo/control/homing.mpy", "passo/errors.mpy", "passo/machine_builder.mpy", "passo/ports/pins.mpy",
+    "passo/protocols/__init__.mpy",
+]  # fmt: skip
 TORCH = ["passo/control/track.mpy", "passo/languages/torch.mpy", "passo/protocols/torch.mpy"]
 PLOTTER = ["passo/languages/plotter.mpy", "passo/protocols/packets.mpy", "passo/protocols/plotter.mpy"]
 

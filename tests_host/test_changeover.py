@@ -30,7 +30,7 @@ def machine_of(language, **changes):
 def moved(machine, data):
     """How far the plant's axes have gone by `data`, and the numbers that were logged meanwhile."""
     before = list(machine.plant.position)
-    log = machine.app.controller.log
+    log = machine.app.controller.machine.log
     seen = dict(log.counts)
     machine.send(data, "pc")
     machine.run_ms(1500)
@@ -93,11 +93,11 @@ def test_words_for_the_motors():
 def test_the_first_motion_takes_the_motors_where_the_board_file_says_so(language):
     """Break before make: no step comes before the relays have closed and the time for it has passed once more."""
     machine = machine_of(language, changeover_by="motion")
-    assert not machine.app.controller.detached
+    assert not machine.app.controller.machine.detached
     steps = [moved(machine, data)[0] for data in MOTION[language]]
     assert any(step != [0, 0] for step in steps)
     controller = machine.app.controller
-    controller.fail(errors.ALARM_HARD_LIMIT, "test")
+    controller.raise_alarm(errors.ALARM_HARD_LIMIT, "test")
     machine.run_ms(50)
     position = list(machine.plant.position)
     machine.run_ms(500)

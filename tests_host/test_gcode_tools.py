@@ -86,7 +86,7 @@ def test_keys(board, job):
         panel = stream.Panel(client, [(1, b"")])
         client.command("G1X50F3000")
         panel.key("p")
-        board.until(board.app.controller.pauses.standing)
+        board.until(board.app.controller.machine.standing)
         client.ask_status()
         panel.turn()
         gone = panel.seconds()
@@ -97,7 +97,7 @@ def test_keys(board, job):
         client.command("G1X0")
         with pytest.raises(stream.Aborted):
             panel.key("a")
-        assert not board.app.controller.alarm
+        assert not board.app.controller.machine.alarm
 
 
 @pytest.mark.parametrize("prefix, numbered", [(b"", True), (b"N100", False)])
@@ -115,7 +115,7 @@ def test_progress_is_that_of_the_motion(job, prefix, numbered):
                 panel.done(number)
             running.until(lambda: running.world.steps > 0)
             client.real_time(b"!")
-            running.until(running.app.controller.pauses.standing)
+            running.until(running.app.controller.machine.standing)
             client.ask_status()
             panel.turn()
             if numbered:
@@ -141,7 +141,7 @@ def test_a_reset_ends_a_job(board, job):
         asked = []
 
         def reset():
-            if board.app.controller.pauses.standing() and not asked:
+            if board.app.controller.machine.standing() and not asked:
                 asked.append(client.real_time(RESET))
 
         with pytest.raises(LinkError, match="line 1, M0: the controller was reset"):
@@ -154,7 +154,7 @@ def test_a_board_that_falls_silent_ends_a_job(job):
     stopped = []
 
     def stop():
-        running.until(running.app.controller.pauses.standing)
+        running.until(running.app.controller.machine.standing)
         running._stop = True
         stopped.append(True)
 

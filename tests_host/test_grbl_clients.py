@@ -39,7 +39,7 @@ def test_grbl_streamer(board, one_by_one):
         board.until(lambda: ("on_read", "$132=80.000") in said)
         client.killalarm()
         client.homing()
-        board.until(lambda: board.app.controller.homed and state() == "idle")
+        board.until(lambda: board.app.controller.machine.homed and state() == "idle")
         zero = list(board.world.place)
 
         said.clear()
@@ -54,14 +54,14 @@ def test_grbl_streamer(board, one_by_one):
         client.job_run()
         board.until(lambda: state() == "run" and board.position()[0] < 3700)
         client.hold()
-        board.until(lambda: board.app.controller.pauses.standing())
+        board.until(lambda: board.app.controller.machine.standing())
         stood = board.position()
         time.sleep(0.2)
         assert board.position() == stood
         client._iface.serialport.write(b"\x91")
         client.resume()
         board.until(lambda: state() == "run")
-        assert board.app.controller.tools.overrides[0] == 110
+        assert board.app.controller.features["tools"].overrides[0] == 110
         client._iface.serialport.write(b"\x91" * 9)
         board.until(lambda: state() == "idle")
         assert board.position() == [0, 0, 0]
@@ -75,7 +75,7 @@ def test_grbl_streamer(board, one_by_one):
         client._iface_write("G0 X-5\n")
         board.until(lambda: any(event == ("on_alarm", "ALARM:2") for event in said))
         client.softreset()
-        board.until(lambda: board.app.controller.alarm == 200)
+        board.until(lambda: board.app.controller.machine.alarm == 200)
         client.killalarm()
         board.until(lambda: state() == "idle")
         assert [at - by for at, by in zip(board.world.place, zero)] == board.position()
@@ -122,7 +122,7 @@ def test_bcnc(board, tmp_path):
         bcnc.do("sender.unlock()")
         board.until(idle)
         bcnc.do("sender.home()")
-        board.until(lambda: controller.homed and idle())
+        board.until(lambda: controller.machine.homed and idle())
         zero = list(board.world.place)
         board.until(lambda: bcnc.do("CNC.vars['state'], CNC.vars['mx']") == "('Idle', 0.0)")
 
@@ -137,10 +137,10 @@ def test_bcnc(board, tmp_path):
         bcnc.do("sender.sendGCode('G1X0Y0F500')")
         board.until(lambda: controller.state == "run" and board.position()[0] < 3700)
         bcnc.do("sender.feedHold()")
-        board.until(controller.pauses.standing)
+        board.until(controller.machine.standing)
         stood = board.position()
         bcnc.do("CNC.vars.update(_OvFeed=200, _OvChanged=True)")
-        board.until(lambda: controller.tools.overrides[0] == 200)
+        board.until(lambda: controller.features["tools"].overrides[0] == 200)
         assert board.position() == stood
         bcnc.do("sender.resume()")
         board.until(idle)
@@ -153,10 +153,10 @@ def test_bcnc(board, tmp_path):
         assert 100 < board.position()[0] < 16000
 
         bcnc.do("sender.sendGCode('G90G0X-5')")
-        board.until(lambda: controller.alarm == 202)
+        board.until(lambda: controller.machine.alarm == 202)
         board.until(lambda: "ALARM:2" in bcnc.do("CNC.vars['state']"))
         bcnc.do("sender.softReset()")
-        board.until(lambda: controller.alarm == 200)
+        board.until(lambda: controller.machine.alarm == 200)
 
         def unlocked():
             bcnc.do("sender.unlock()")  # the sender may still be clearing its own queue after the reset: press again

@@ -34,7 +34,7 @@ MAY_IMPORT = {
     "web": ("passo.control",),
     "languages": VOCABULARY + ("passo.control", "passo.protocols"),
     "app": ("passo",),
-    "assembly": ("passo",),
+    "machine_builder": ("passo",),
     "main": (
         "passo.app", "passo.control.boardfile", "passo.control.board_error", "passo.control.journal", "passo.ports", "board",
     ),
@@ -104,10 +104,10 @@ def import_faults(source, path):
         top = name.split(".")[0]
         if not (within(name, allowed) or top in built_ins and top != "passo"):
             faults.append(f"{path}:{line}: {room} may not import {name}")
-    if room not in ("assembly", "main"):
+    if room not in ("machine_builder", "main"):
         for node in ast.walk(tree(source)):
             if isinstance(node, ast.Name) and node.id == "__import__":
-                faults.append(f"{path}:{node.lineno}: only assembly loads modules by name")
+                faults.append(f"{path}:{node.lineno}: only the machine builder loads modules by name")
     return faults
 
 
@@ -195,7 +195,7 @@ BROKEN = [
     (import_faults, "passo/errors.py", "from passo import commands"),
     (import_faults, "passo/control/homing.py", "from passo import ports"),
     (import_faults, "passo/protocols/plotter.py", "from passo.control import controller"),
-    (import_faults, "passo/control/store.py", "__import__('passo.ports.virtual')"),
+    (import_faults, "passo/control/point_buffer.py", "__import__('passo.ports.virtual')"),
     (import_faults, "passo/ports/virtual.py", "from passo.control.log import Log"),
     (float_faults, "passo/motion/line.py", "half = 0.5"),
     (float_faults, "passo/motion/line.py", "x = a / b"),
@@ -210,7 +210,7 @@ SOUND = [
     (import_faults, "passo/control/homing.py", "from passo import errors\nimport passo.commands"),
     (import_faults, "passo/motion/arc.py", "from . import line\nfrom array import array"),
     (import_faults, "passo/ports/rp2.py", "import machine, rp2\nfrom passo.steps.word import ahead"),
-    (import_faults, "passo/assembly.py", "from passo.ports import rp2\n__import__('passo.protocols.keys')"),
+    (import_faults, "passo/machine_builder.py", "from passo.ports import rp2\n__import__('passo.protocols.keys')"),
     (float_faults, "passo/motion/line.py", "half = total // 2"),
     (language_faults, "passo/steps/feeder.py", "pulses = len(table.keys())  # pulses of the STEP pins"),
 ]

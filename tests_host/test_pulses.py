@@ -20,7 +20,7 @@ def test_cuts_of_the_document(shape, show):
     machine.until("end", turns=4_000_000)
     assert machine.picture() == check_pulses.places_of(check_pulses.codes_of(text))
     assert machine.world.place == [0, 0, 0] and machine.world.tool == 0
-    assert machine.app.controller.log.entries == []
+    assert machine.app.controller.machine.log.entries == []
     rows = machine.world.path
     periods = {True: [], False: []}
     for before, after, later in zip(rows, rows[1:], rows[2:]):

@@ -116,4 +116,4 @@ def test_a_board_boots_with_what_a_power_cut_left(tmp_path, cut):
     armed.undo()
     app = App(check(BOARD), VirtualPort(check(BOARD), World()), None, FileSlots(path))
     app.turn()
-    assert app.controller.settings.value(110) == 1_000_000 and b"Grbl" in app.port.lines["pc"].outgoing
+    assert app.controller.machine.settings.value(110) == 1_000_000 and b"Grbl" in app.port.lines["pc"].outgoing

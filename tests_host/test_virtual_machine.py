@@ -27,7 +27,7 @@ def play(machine):
 def test_the_log_of_2014():
     machine = VirtualMachine(start=(700, 500))
     play(machine)
-    assert machine.received() == b"" and machine.app.controller.homed
+    assert machine.received() == b"" and machine.app.controller.machine.homed
     assert machine.plant.position == [644, 314] and machine.plant.tool == 0
     assert machine.plant.errors == []
     pen_down = [row[1:3] for row in machine.trace.rows() if row[5]]

@@ -93,7 +93,7 @@ def test_a_doubled_byte_that_could_be_another_packet():
             if sum(twin[:5]) & 255 == twin[5]:
                 machine = VirtualMachine()
                 assert machine.ask(twin) == b"r"
-                assert machine.app.controller.objects.store.count == 0
+                assert machine.app.controller.features["drawing"].points.count == 0
                 return
     raise AssertionError("no such packet")
 
@@ -192,7 +192,7 @@ def test_status_while_drawing_tells_the_place_on_the_pins():
         machine.turn()
         place = [machine.plant.position[axis] - zero[axis] for axis in range(2)]
         assert machine.app.controller.position() == place
-        drawn.append(machine.app.controller.objects.count_drawn())
+        drawn.append(machine.app.controller.features["drawing"].count_drawn())
     assert drawn == sorted(drawn) and set(drawn) == {0, 1, 2, 3}
     status = status_from(machine.ask(packet(COMMANDS["STATUS"]), 12))
     assert (status["x"], status["y"], status["drawn"], status["state"]) == (180, 140, 3, "idle")

@@ -14,7 +14,6 @@ from micropython import const
 
 from passo import errors
 from passo.commands import ALARM, DROPPED, IMMEDIATE, JOG, RESTARTED, STATUS
-from passo.control.controller import LATER, Controller
 from passo.control.journal import Journal, MemorySlots
 from passo.control.links import HARMLESS
 from passo.control.motors import Motors
@@ -30,7 +29,9 @@ _WAITING = const(64)  # commands of one link that may wait for their turn
 _READS = const(64)  # that empty a serial line: some give 64 bytes at a time
 _BY_RESET = (errors.ALARM_RESET, errors.ALARM_HOMING_RESET)
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
+_LATER = const(-1)  # as Controller.accept() says it
 _MOST = const(3)  # lines a turn on a chip, where they take time
+_ALL = const(0x1FFFFFFF)
 _ARCS = const(16_000)  # bytes free: arcs take 8 500, and work is to go on beside them
 _CURVES = const(31_000)  # S-curves take 8 500, and arcs are to fit beside them
 _FULL = const(128)  # bytes of a read that left some in the line's buffer
@@ -57,54 +58,72 @@ class App:
     def __init__(self, board, port, protocols=None, slots=None):
         """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the
         settings are kept, None: nowhere. Raises BoardError."""
-        from passo import assembly  # main.py forgets it again
+        from passo import machine_builder  # main.py forgets it again
 
         self.board = board
         for link in board["links"]:
             link["protocol"] = (protocols or {}).get(link["name"], link["protocol"])
         self.port = port
-        self.layout, drive, off_levels = assembly.make_drive(board)
         settings = Settings(board, Journal(slots or MemorySlots()))
-        assembly.forget("setting_table")
+        machine_builder.forget("setting_table")
         port.board = board  # pins follow the settings
-        self.ring = Ring(ring_size(assembly.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)))
+        self.layout, self._drive, off_levels = machine_builder.make_drive(board)
+        self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)))
         self.player = port.player(self.ring, self.layout)
+        inverted = bool(settings.turned(ENABLE_INVERT))
+        self._motors = Motors(port, self.player, self.layout, self._drive, off_levels, board, inverted)
         gc.collect()  # so that what is small fills the gaps and leaves room in one piece for what is large
-        self.planner = Planner(self.layout.axes)
-        streamed, stored = assembly.streamed(board), assembly.stored(board)
-        if streamed:
-            self.planner.load()
-        languages = assembly.languages(board)
-        least = self.player.min_word_ticks
-        assembly.check_speed(board, least)
-        setup = us_to_ticks(board["drive"]["setup_us"]) if drive is None else 0
-        from passo.steps.feeder import Feeder
-
-        self.feeder = Feeder(self.ring, self.layout, self.planner, drive, setup and max(setup, least), least)
-        self.interrupt = port.feed_from_interrupt(self.feeder, self.player)
-        motors = Motors(port, self.player, self.layout, drive, off_levels, board)
-        motors.enable_inverted = bool(settings.turned(ENABLE_INVERT))
-        motors.release()
+        languages = machine_builder.languages(board)
+        names = machine_builder.wanted(board, languages)
+        queue = self._make_queue(machine_builder, settings, "program" in names)
+        serials = [port.serial(link) for link in board["links"]]
+        kinds = machine_builder.load(names)
         gc.collect()
-        settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)
-        self.controller = Controller(board, self.planner, self.feeder, self.player, motors, port, settings, streamed, stored)
-        self.controller.program.curves_want = _CURVES if self.interrupt else 0
-        self.controller.arcs_want = _ARCS if self.interrupt else 0
+        self._make_controller(settings, queue, machine_builder.guarded(board, languages, settings), kinds)
         self._looked_ms = port.machine_ms()
         self._heard = 0  # by this turn: _PART, _WHOLE
         self._now_ms = port.link_ms()
         self._speaking = None  # the link whose bytes are being understood
         self._overruled = 0  # the error that ends the rest of them: another link, or an alarm, has stopped the machine
-        shared = {}  # what links of one language have in common
-        assembly.changeover(board, self.controller, shared)
         self.links = []
-        for link, language in zip(board["links"], languages):
-            protocol = language.opened(link, board, self.controller, shared)
-            self.links.append(Link(len(self.links), link, port.serial(link), protocol))
-            if self.interrupt and hasattr(protocol, "most"):
-                protocol.most = _MOST
-        self.controller.resets.restarted()
+        shared = {}  # what links of one language have in common
+        most = _MOST if self.interrupt else _ALL
+        for config, language, serial in zip(board["links"], languages, serials):
+            number = len(self.links)
+            protocol = language.create(config, number, board, self.controller, shared, most)
+            self.links.append(Link(number, config, serial, protocol))
+        self.controller.start()
         self._answer()
+
+    def _make_queue(self, builder, settings, streamed):
+        """Planner, feeder and queue; `streamed`: of a machine that moves as it is told."""
+        board = self.board
+        self.planner = Planner(self.layout.axes)
+        if streamed:
+            self.planner.load()
+            from passo.control.stream_queue import StreamQueue as Queue
+        else:
+            from passo.control.queue import Queue
+        from passo.steps.feeder import Feeder
+
+        least = self.player.min_word_ticks
+        builder.check_speed(board, least)
+        settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)
+        setup = us_to_ticks(board["drive"]["setup_us"]) if self._drive is None else 0
+        self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least)
+        self.interrupt = self.port.feed_from_interrupt(self.feeder, self.player)
+        self._motors.release()
+        return Queue(board, self.planner, self.feeder, self.player, self.port)
+
+    def _make_controller(self, settings, queue, guarded, kinds):
+        from passo.control.controller import Controller
+        from passo.control.state import MachineState
+
+        machine = MachineState(self.board, settings, queue, self._motors, self.port, guarded)
+        self.controller = Controller(self.board, machine, queue, self.feeder, kinds)
+        if self.interrupt and "program" in self.controller.features:
+            self.controller.features["program"].curves_want = _CURVES
+            machine.arcs_want = _ARCS
 
     def poll(self):
         """Links, then machine, then answers, then words for the player. False where the machine has to wait, because
@@ -113,8 +132,8 @@ class App:
         if self.interrupt and heard and self._overtaken(heard):
             return False
         tripped = self.port.tripped()
-        if tripped and not self.controller.alarm:
-            self.controller.fail(errors.ALARM_HARD_LIMIT, tripped)
+        if tripped and not self.controller.machine.alarm:
+            self.controller.raise_alarm(errors.ALARM_HARD_LIMIT, tripped)
         self.controller.poll()
         self._answer()
         if self.interrupt and not heard and self._coming():
@@ -149,7 +168,7 @@ class App:
         coming = heard == _PART or self._coming()
         if heard & _WHOLE:
             if not coming:
-                self.controller.program.begin()
+                self.controller.begin()
             if not self.feeder.open:
                 self._feed()
         return coming and (self.port.machine_ms() - self._looked_ms) & COUNT_MASK < _LOOK_MS
@@ -174,14 +193,13 @@ class App:
     def rest(self):
         """The end of a turn."""
         controller = self.controller
-        self.port.wait(controller.busy(), controller.fine())
+        self.port.wait(controller.busy(), controller.machine.fine())
         self._looked_ms = self.port.machine_ms()
 
     def _receive(self, link):
         """What waits comes first, then the commands in what the line brings: each is to be answered before the next is
         asked for."""
-        self.controller.links.speaker = link.number
-        while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
+        while link.waiting and self.controller.accept(link.waiting[0]) != _LATER:
             link.waiting.pop(0)
             self._answer()
             self._heard |= _WHOLE
@@ -206,7 +224,7 @@ class App:
         if command.kind != STATUS:
             self._heard |= _WHOLE
         if command.kind in IMMEDIATE or not link.waiting:
-            if self.controller.accept(command) == LATER:
+            if self.controller.accept(command) == _LATER:
                 link.waiting.append(command)
         elif len(link.waiting) < _WAITING and not (command.kind == JOG and link.waiting[-1].kind == JOG):
             link.waiting.append(command)
@@ -242,15 +260,18 @@ class App:
     def _answer(self):
         events = self.controller.take_events()
         while events:  # a push may bring about more of them
-            for event in events:
-                if event.command is None:
-                    self._push(event)
-                    continue
-                link = event.command.link
-                answer = link.protocol.reply(event) if link else b""
-                if answer:
-                    link.serial.write(answer)
+            self._tell(events)
             events = self.controller.take_events()
+
+    def _tell(self, events):
+        for event in events:
+            if event.command is None:
+                self._push(event)
+                continue
+            link = event.command.link
+            answer = link.protocol.reply(event) if link else b""
+            if answer:
+                link.serial.write(answer)
 
     def _push(self, event):
         """What the machine says unasked, to every link."""
@@ -288,7 +309,7 @@ class App:
                     command.link = link
                     if command.kind not in HARMLESS:
                         waiting.append(command)
-                    elif self.controller.accept(command) == LATER:
+                    elif self.controller.accept(command) == _LATER:
                         link.waiting.append(command)
             if waiting:
                 self.controller.refuse(waiting.pop(0), number, *waiting)
@@ -297,7 +318,7 @@ class App:
 
     def tell(self, text):
         """Keep a line about this board for who asks what it is."""
-        self.controller.about = text
+        self.controller.tell(text)
 
     def stop(self):
         """Halt, tool off, motors without current."""

@@ -96,8 +96,8 @@ def attach(app, port):
             with open(path, "rb") as file:
                 read = [file.read(CHUNK) for _ in range(max(order) + 1)]
             chunks += [read[place] for place in order]
-        app.controller.arcs_want = 0  # it is this memory that arcs lack, not the board's
-        app.controller.program.curves_want = 0
+        app.controller.machine.arcs_want = 0  # it is this memory that arcs lack, not the board's
+        app.controller.features["program"].curves_want = 0
         gc.collect()
         print("free", gc.mem_free())
         app.links[0].serial = port._lines[0] = Memory(app, chunks, again, lines, warm, width)

@@ -20,7 +20,7 @@ INPUTS = [
 _MOVE = """
 planner.line({deltas!r}, {ticks}, False)
 planner.flush()
-while not controller.alarm:
+while not controller.machine.alarm:
     app.turn()
     {loop}
 print(feeder.position(player.played()))

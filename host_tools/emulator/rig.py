@@ -15,7 +15,7 @@ from host_tools.emulator.cycles import CYCLES_PER_TICK
 from host_tools.emulator.load import Load
 from host_tools.emulator.machine import written
 from host_tools.emulator.pico import EmulatedPico
-from passo.assembly import make_drive
+from passo.machine_builder import make_drive
 from passo.control.boardfile import check
 from passo.motion.planner import Planner
 from passo.steps.feeder import Feeder

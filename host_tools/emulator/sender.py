@@ -37,9 +37,9 @@ if {hz}:
     while not player.busy():
         app.turn()
 print("ready")
-while controller.objects.store.count < {count}:
+while controller.features["drawing"].points.count < {count}:
     app.turn()
-print(feeder.late, controller.log.entries)
+print(feeder.late, controller.machine.log.entries)
 """
 
 

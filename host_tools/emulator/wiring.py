@@ -7,7 +7,7 @@ as a driver's own pull resistor would hold it. Edges less than a tick apart are 
 """
 
 from host_tools.emulator import cycles
-from passo.assembly import make_drive
+from passo.machine_builder import make_drive
 from passo.steps.wiring import inverted_pins, word_pins
 
 SETTLE_CYCLES = 9  # edges of one tick at 125 MHz, from wherever they start

@@ -1,8 +1,5 @@
 """Outputs that hand the motors from another controller to this one and back: relays, and lamps that show whose turn it is.
 
-    part = Changeover(board, controller)      # registers CONNECT with the controller; any language's motion needs it
-    part.ours                                 # True: the motors are this board's
-
 The roles of the board file's outputs: "ours" is on while the motors are this board's, "theirs" while they are not. Break
 before make: all of them are released, and only `changeover_ms` later the ones wanted are switched on; nothing is stepped
 before that time has passed once more, for the relays to have closed. As long as the motors are the other controller's,
@@ -11,14 +8,14 @@ when the app ends the outputs of role "ours" are off, which is how a machine wit
 """
 
 from passo import commands, errors
-from passo.control.part import Part
 from passo.steps.word import COUNT_MASK
 
 
-class Changeover(Part):
-    def __init__(self, board, machine):
+class Changeover:
+    def __init__(self, board, machine, queue):
         self._port = machine.port
         self._machine = machine
+        self._queue = queue
         self._pause_ms = board["changeover_ms"]
         self._ours = [item["name"] for item in board["outputs"] if item["role"] == "ours"]
         self._theirs = [item["name"] for item in board["outputs"] if item["role"] == "theirs"]
@@ -27,7 +24,6 @@ class Changeover(Part):
         self.ours = False
         self._made = True  # the outputs wanted are on
         self._due_ms = None  # when the next phase begins
-        machine.add(self)
         self._switch(False)
 
     def handlers(self):
@@ -47,11 +43,11 @@ class Changeover(Part):
         if self.ours:
             self._switch(False)
 
-    def poll(self):
+    def poll(self, now_ms):
         machine = self._machine
-        if (machine.alarm or machine.sleeping) and machine.still():
+        if (machine.alarm or machine.sleeping) and self._queue.still():
             self.release()
-        if self._due_ms is None or (self._port.machine_ms() - self._due_ms) & COUNT_MASK > COUNT_MASK // 2:
+        if self._due_ms is None or (now_ms - self._due_ms) & COUNT_MASK > COUNT_MASK // 2:
             return
         if self._made:
             self._due_ms = None
@@ -65,7 +61,7 @@ class Changeover(Part):
         ours = bool(command.value)
         if ours and (machine.alarm or machine.sleeping):
             return errors.LOCKED
-        if machine.state not in ("idle", "alarm") or not machine.still():
+        if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
         if ours != self.ours:
             self._switch(ours)

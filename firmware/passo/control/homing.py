@@ -10,25 +10,64 @@ Each phase has a travel limit; reaching it is an alarm. The edge is where the se
 debouncing ended, so a bouncing sensor gives the same origin every time.
 """
 
-from passo import errors
+from micropython import const
+
+from passo import commands, errors
 from passo.control.sensor import Sensor
 
-RUNNING = -1
+LATER = const(-1)
+_RUNNING = const(-1)
 
 
 class Homing:
-    def __init__(self, config, axes, mover, read, speeds):
-        """`config`: the board file's homing; `axes`: its axes; `mover`: travel(axis, steps, steps_s), arrest(),
-        still() and place(axis); `read(name)`: an input's active state; `speeds(axis)`: seek and locate speed in
-        steps/s, and the pull-off in steps."""
-        self._config = config
-        self._axes = axes
-        self._mover = mover
-        self._read = read
-        self._speeds = speeds
+    def __init__(self, board, machine, queue):
+        self._config = board["homing"]
+        self._axes = board["axes"]
+        self._machine = machine
+        self._queue = queue
+        self._lifting = False  # homing waits for the tool
         self._order = []
         self._phases = (self._leave, self._seek, self._pull_off, self._locate, self._pull_off)
         self._stage = 0
+
+    def handlers(self):
+        return {commands.HOME: self._home}
+
+    def _home(self, command):
+        machine = self._machine
+        if machine.alarm in errors.NEED_RESET:
+            return errors.LOCKED
+        if machine.inputs.door_open():
+            return errors.DOOR_OPEN
+        if machine.detached:
+            return errors.NO_MOTORS
+        if machine.state not in ("idle", "alarm") or not self._queue.still():
+            return LATER
+        machine.homing()
+        machine.unlock()
+        machine.homed = False
+        machine.command = command
+        self._queue.lift()
+        self._queue.flush()
+        self._lifting = True
+        return 0
+
+    def poll_command(self, now_ms):
+        machine = self._machine
+        if machine.command.kind != commands.HOME:
+            return
+        if self._lifting:
+            self._lifting = not self._queue.still()
+            if not self._lifting:
+                self._begin(now_ms)
+            return
+        result = self._go_on(now_ms)
+        if result == 0:
+            self._queue.set_origin()
+            machine.homed = True
+            machine.finish()
+        elif result != _RUNNING:
+            machine.homing_failed(result)
 
     def _axis_order(self):
         names = [axis["name"] for axis in self._axes]
@@ -36,9 +75,10 @@ class Homing:
         return [names.index(name) for name in order]
 
     def _sensor(self, name):
-        return Sensor(lambda: self._read(name), self._config["debounce_ms"])
+        read = self._machine.inputs.read
+        return Sensor(lambda: read(name), self._config["debounce_ms"])
 
-    def start(self, now_ms):
+    def _begin(self, now_ms):
         """Begin, with the settings as they are now."""
         self._order = []  # (axis, its travel in steps, its sensor)
         for number in self._axis_order():
@@ -49,24 +89,24 @@ class Homing:
         self._now_ms = now_ms
         self._enter()
 
-    def poll(self, now_ms):
-        """RUNNING, 0 when every axis stands at its origin, or the number of the alarm that ended it."""
+    def _go_on(self, now_ms):
+        """_RUNNING, 0 when every axis stands at its origin, or the number of the alarm that ended it."""
         self._now_ms = now_ms
         axis, _, sensor = self._order[self._stage // len(self._phases)]
-        sensor.sample(now_ms, self._mover.place(axis))
-        still = self._mover.still()
+        sensor.sample(now_ms, self._queue.axis(axis))
+        still = self._queue.still()
         if self._until is not None and sensor.active == self._until:
             if not still:
-                self._mover.arrest()
+                self._machine.abort()
         elif not still or sensor.pending:
-            return RUNNING
+            return _RUNNING
         elif self._until is not None or sensor.active:
             return self._alarm
         self._stage += 1
         if self._stage == len(self._order) * len(self._phases):
             return 0
         self._enter()
-        return RUNNING
+        return _RUNNING
 
     def _enter(self):
         axis, travel, sensor = self._order[self._stage // len(self._phases)]
@@ -74,7 +114,7 @@ class Homing:
         if phase == 0:
             sensor.restart(self._now_ms)
         self._away = -1 if self._axes[axis]["name"] in self._config["high_end"] else 1
-        self._seek_steps_s, self._locate_steps_s, self._pull_off_steps = self._speeds(axis)
+        self._seek_steps_s, self._locate_steps_s, self._pull_off_steps = self._machine.settings.homing(axis)
         self._phases[phase](axis, travel, sensor)
 
     # A phase sets out on its longest way and says what ends it: `_until` is the sensor's state that does (None: only
@@ -93,7 +133,7 @@ class Homing:
     def _pull_off(self, axis, travel, sensor):
         self._until = None
         self._alarm = errors.ALARM_SENSOR_STUCK
-        gone = (self._mover.place(axis) - sensor.edge) * self._away
+        gone = (self._queue.axis(axis) - sensor.edge) * self._away
         self._go(axis, self._pull_off_steps - gone, self._seek_steps_s)
 
     def _locate(self, axis, travel, sensor):
@@ -106,4 +146,4 @@ class Homing:
 
     def _go(self, axis, steps, steps_s):
         """Set out on `steps` away from the sensor's end."""
-        self._mover.travel(axis, steps * self._away, steps_s)
+        self._queue.travel(axis, steps * self._away, steps_s)

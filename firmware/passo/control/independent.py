@@ -1,8 +1,5 @@
 """Axes that run on their own: each so many steps, or for ever, at its own rate, from the moment it is asked.
 
-    part = Independent(board, controller)     # registers RUN, REST, ZERO and STILL with the controller
-    part.made()                               # steps of each axis since the last RUN from a stand
-
 A RUN that may only begin at a stand is refused as BUSY while anything moves; one marked as a jog also extends a jog of
 the same axes in the same directions, without a gap, but only up to the board file's jog.ahead_ms of steps ahead of the pins:
 a button that is let go stops the axis within that time, or at the end of the one jog it asked for at least. One marked as
@@ -19,7 +16,6 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import FINISHED, FOREVER, Event
 from passo.control import settings as table
-from passo.control.part import Part
 from passo.motion.independent_viper import MOST_STEPS
 from passo.records import ENDLESS
 from passo.steps.word import COUNT_MASK, TICKS_PER_MS
@@ -29,10 +25,10 @@ _HALF = const(0x10000000)
 _STANDING = ("idle", "alarm", "check", "sleep")
 
 
-class Independent(Part):
-    def __init__(self, board, machine):
+class Independent:
+    def __init__(self, board, machine, queue):
         self._axes = board["axes"]
-        self._queue = machine.queue
+        self._queue = queue
         self._machine = machine
         self._ramps = board["planning"]["independent_ramps"]
         self._ahead_ms = board["jog"]["ahead_ms"]
@@ -45,7 +41,6 @@ class Independent(Part):
         self._off = self._limp = 0  # masks of the axes that shall have no current, and of those that have none
         self._fastest = [0] * len(self._axes)  # steps/s of each axis
         self._from = self._queue.position()
-        machine.add(self)
 
     def handlers(self):
         return {
@@ -73,7 +68,7 @@ class Independent(Part):
     def report(self, report):
         report["made"] = self.made()
 
-    def poll(self):
+    def poll(self, now_ms):
         """Notices the end, and tells who asked last."""
         if not self._moving:
             return
@@ -82,7 +77,7 @@ class Independent(Part):
             return
         command = self._command
         if self._off == self._all:
-            self._machine.drives(False)
+            self._machine.motors.drives(False)
         self.clear()
         self._queue.settle()
         self._machine.tell(Event(FINISHED, command))
@@ -95,7 +90,7 @@ class Independent(Part):
                 limp |= 1 << axis
         if limp != self._limp:
             self._limp = limp
-            self._machine.limp(limp)
+            self._machine.motors.limp(limp)
 
     def turning(self, axis):
         """True while steps of an axis are to come."""
@@ -139,7 +134,7 @@ class Independent(Part):
     def _may_join(self, command):
         """True if `command` may come while a RUN is under way."""
         machine = self._machine
-        if machine.pauses.kind or machine.pauses.dropping:
+        if machine.hold or machine.dropping:
             return False
         if command.when == commands.LIVE:
             return True
@@ -194,7 +189,7 @@ class Independent(Part):
             self._jog = None
         if command.when == commands.AS_JOG:
             self._jog = self._directions(command)
-            machine.program.jogging = True
+            machine.jogging = True
         if self._off or command.limp:
             self._off = command.limp
             self._switch_off()
@@ -241,7 +236,7 @@ class Independent(Part):
                 self.walker.stop(axis)
         self._off = command.limp
         if not self._moving and self._off == self._all and self._queue.still():
-            self._machine.drives(False)
+            self._machine.motors.drives(False)
         return self._machine.accepted(command)
 
     def _still(self, command):

@@ -11,7 +11,7 @@ RELEASED = const(2)
 
 
 class Motors:
-    def __init__(self, port, player, layout, drive, off_levels, board):
+    def __init__(self, port, player, layout, drive, off_levels, board, enable_inverted=False):
         """`drive` and `off_levels` for coils; `drive` None for STEP/DIR drivers, which have an output "enable"."""
         self._port = port
         self._player = player
@@ -21,8 +21,8 @@ class Motors:
         self._enable = "enable" in [output["name"] for output in board["outputs"]]
         self._wake_ms = _WAKE_MS if self._enable or drive is not None else 0  # what is not switched need not settle
         self._hold_ms = board["drive"]["hold_ms"]
-        self.enable_inverted = False
-        self.keep = False  # the current stays on until release()
+        self._enable_inverted = enable_inverted
+        self._keep = False  # the current stays on until it is switched off: see drives()
         self._without = False  # see unpower()
         self._board = board  # its idle_release_ms may change
         self._since_ms = 0
@@ -32,7 +32,7 @@ class Motors:
 
     def poll(self, now_ms, moving, tool):
         """Once a main loop turn. `moving`: motion is under way or wanted; `tool`: where its end leaves the tool."""
-        if moving and not self._without or self.keep:
+        if moving and not self._without or self._keep:
             self._since_ms = now_ms
             if self.state != RUNNING and not self._player.busy():
                 self._ready_ms = now_ms + (self._wake_ms if self.state == RELEASED else 0)
@@ -68,6 +68,12 @@ class Motors:
         if axes and self.state != RELEASED:
             self._set(RELEASED)
 
+    def drives(self, on):
+        """The motors' current on until it is switched off, or off now."""
+        self._keep = on
+        if not on:
+            self.release()
+
     def release(self):
         """No current, and the tool off, at once: the safe state."""
         self._tool = False
@@ -76,7 +82,7 @@ class Motors:
     def _set(self, state):
         self.state = state
         if self._enable:
-            self._port.output("enable", (state != RELEASED) != self.enable_inverted)
+            self._port.output("enable", (state != RELEASED) != self._enable_inverted)
         if self._drive is None:
             return
         levels = (self._drive.levels, self._drive.holding, self._off)[state]()

@@ -4,23 +4,23 @@ _LETTERS = (("P", "probe"), ("D", "door"), ("H", "hold"), ("R", "reset"), ("S", 
 
 
 class Pins:
-    def __init__(self, board, inputs, settings):
+    def __init__(self, board, machine, queue):
         names = [item["name"] for item in board["inputs"]]
-        self._inputs = inputs
-        self._settings = settings
-        self._shown = inputs.limits + [item for item in _LETTERS if item[1] in names]
+        self._inputs = machine.inputs
+        self._settings = machine.settings
+        self._shown = self._inputs.limits + [item for item in _LETTERS if item[1] in names]
         self._levels = self._settings_of = None  # that the text is of
         self._text = ""
 
-    def text(self):
-        """Read anew only where a pin has changed, if the port can tell."""
+    def report(self, report):
+        """Read anew only if a pin has changed, where the port can tell."""
         inputs = self._inputs
         levels = inputs.levels() if inputs.levels else None
         if levels is None or levels != self._levels or self._settings_of != self._settings.version:
             self._levels = levels
             self._settings_of = self._settings.version
             self._read(inputs.read)
-        return self._text
+        report["pins"] = self._text
 
     def _read(self, read):
         self._text = "".join([item[0] for item in self._shown if read(item[1])])

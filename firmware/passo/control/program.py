@@ -30,20 +30,16 @@ def minute_ticks(command):
 
 
 class Program:
-    def __init__(self, board, queue, machine, planner):
+    def __init__(self, board, machine, queue):
         self._axes = board["axes"]
         self._queue = queue
         self._machine = machine
-        self._planner = planner
-        self.jogging = False
-        self._active = False  # motion has been queued and has not come to its end
-        self._fresh = False  # motion was queued since the last turn
+        self._planner = queue.planner
         self._limits_of = self._limits = None  # the settings' version that the planner knows, and its limits
         self._part = None  # of the fastest speed, that the one asked for is
         self._asked = 0  # nm/s
         self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
-        self.accelerates = False  # set by the app: lines begin and end at rest, within the settings' limits
         self._jerk = 0  # as it was set
         self.curves_want = 0  # set by the app: bytes that have to be free before S-curves are loaded
 
@@ -55,15 +51,7 @@ class Program:
             commands.PROBE: self._probe,
             commands.DWELL: self._dwell,
             commands.SYNC: self._sync,
-            commands.PAUSE: self._pause,
         }
-
-    def active(self):
-        return self._active
-
-    def moved(self):
-        """Something has been queued."""
-        self._active = self._fresh = True
 
     def followed(self, places, first, axes):
         """Lines have gone straight to the planner; they lead to places[first : first + axes]."""
@@ -71,11 +59,11 @@ class Program:
         for axis in range(axes):
             target[axis] = places[first + axis]
         self._queue.waiting = True
-        self.moved()
+        machine = self._machine
+        machine.active = machine.fresh = True
 
     def clear(self):
         """All motion has been dropped."""
-        self.jogging = self._active = self._fresh = False
         self._touch = None
 
     # --- motion
@@ -90,7 +78,7 @@ class Program:
             if error:
                 return error
         if not self._reachable(command):
-            machine.fail(errors.ALARM_SOFT_LIMIT)
+            machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
             return errors.JOG_TRAVEL
         if command.also:
             error = self._refusal(command)
@@ -111,8 +99,7 @@ class Program:
         planner = self._planner
         return not (
             machine.command is not None or machine.alarm or machine.sleeping or machine.checking or machine.detached
-            or self.jogging
-            or machine.occupied() or machine.objects.drawing or machine.pauses.dropping or not planner.accelerates
+            or machine.jogging or machine.occupied() or machine.drawing or machine.dropping or not planner.accelerates
             or not beam and (
                 tool != queue.tool or dynamic != planner.dynamic
                 or (power or planner.power) and thousandths(power) != planner.power
@@ -125,7 +112,7 @@ class Program:
         start = command.target
         for motion in command.also:
             if not self._inside(motion.target):
-                self._machine.fail(errors.ALARM_SOFT_LIMIT)
+                self._machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
                 return errors.JOG_TRAVEL
             deltas = [to - at for to, at in zip(motion.target, start)]
             try:
@@ -163,19 +150,20 @@ class Program:
         error = self._queue_motion(command)
         if error:
             return error
-        self.moved()
+        self._machine.moved()
         return self._machine.accepted(command)
 
     def _jog(self, command):
         error = self._unready(command) or self._too_long(command)
         if error and error != LATER:
             return error
-        if self._machine.state not in ("idle", "jog") or self._machine.pauses.dropping or self._machine.occupied():
-            return LATER if self._machine.pauses.dropping else errors.BUSY
+        machine = self._machine
+        if machine.state not in ("idle", "jog") or machine.dropping or machine.occupied():
+            return LATER if machine.dropping else errors.BUSY
         if not self._reachable(command):
             return errors.JOG_TRAVEL
         result = self._begin(command)
-        self.jogging = self.jogging or result == 0
+        machine.jogging = machine.jogging or result == 0
         return result
 
     def _unready(self, command):
@@ -185,7 +173,7 @@ class Program:
             return errors.LOCKED
         if machine.detached and not machine.checking:
             return errors.NO_MOTORS
-        if machine.command is not None or machine.objects.drawing or machine.pauses.dropping or machine.occupied():
+        if machine.command is not None or machine.drawing or machine.dropping or machine.occupied():
             return LATER
         return 0
 
@@ -242,7 +230,7 @@ class Program:
     def _set_limits(self):
         """Hand the settings to the planner, which takes them only while it is empty."""
         settings = self._machine.settings
-        if not self.accelerates or not self._queue.still():
+        if not self._queue.still():
             return
         self._limits_of = settings.version
         self._part = None
@@ -284,12 +272,12 @@ class Program:
             return error
         if not machine.inputs.has_probe:
             return errors.NO_PROBE
-        if not self._settled():
+        if not machine.settle():
             return LATER
         if machine.checking:
             return self._checked(command)
         if not self._reachable(command):
-            machine.fail(errors.ALARM_SOFT_LIMIT)
+            machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
             return errors.JOG_TRAVEL
         if machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
             return self._missed(command, errors.ALARM_PROBE_STATE)
@@ -299,7 +287,7 @@ class Program:
             return error
         machine.command = command
         self._queue.flush()
-        self._active = True
+        machine.active = True
         return 0
 
     def _poll_probe(self):
@@ -308,7 +296,7 @@ class Program:
         queue = self._queue
         if self._touch is None and machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
             self._touch = queue.position()
-            machine.pauses.drop()
+            machine.drop_at_stand()
         elif self._touch is None and queue.still():
             self._missed(command, 0 if command.value & _PROBE_MAY_MISS else errors.ALARM_PROBE_MISSED)
 
@@ -317,7 +305,7 @@ class Program:
         machine = self._machine
         machine.command = None
         if alarm:
-            machine.fail(alarm)
+            machine.raise_alarm(alarm)
         machine.command = command
         machine.finish((self._queue.position(), False))
         return 0
@@ -326,66 +314,29 @@ class Program:
         """A hold has come to its stand, and what was queued behind it is gone."""
         if self._touch is not None and self._machine.busy_with(commands.PROBE):
             self._machine.finish((self._touch, True))
-        self.clear()
+        self._touch = None
 
     # --- what waits for the motion before it
 
-    def _settled(self):
-        """True when everything before has ended; asks for it to end."""
-        if self._queue.still():
-            return True
-        self._queue.flush()
-        return False
-
-    def gate(self):
-        """0, LATER, or the error of a command that waits for the motion before it."""
-        machine = self._machine
-        if machine.alarm or machine.sleeping:
-            return errors.LOCKED
-        if machine.command is not None or machine.objects.drawing or not self._settled():
-            return LATER
-        return 0
-
     def _sync(self, command):
-        return self.gate() or self._machine.accepted(command)
+        return self._machine.gate() or self._machine.accepted(command)
 
     def _dwell(self, command):
         machine = self._machine
-        result = self.gate()
+        result = machine.gate()
         if result:
             return result
         if machine.checking or not command.value:
             return machine.accepted(command)
         self._queue.wait((command.value + 999) // 1000, 0)
         self._queue.flush()
-        self._active = True
+        machine.active = True
         machine.command = command
         return 0
 
-    def _pause(self, command):
-        machine = self._machine
-        result = self.gate()
-        if result:
-            return result
-        if machine.checking:
-            return machine.accepted(command)
-        machine.command = command
-        if command.value:
-            machine.notice(errors.NOTICE_TOOL, command.value - 1)
-        else:
-            machine.notice(errors.NOTICE_PAUSE)
-        machine.pauses.pause()
-        return 0
+    # --- what goes on over many passes
 
-    # --- what goes on over many turns
-
-    def begin(self):
-        """Nothing more is coming for now: what waits sets out. A moving machine fetches on its own."""
-        if self._queue.waiting and self._queue.resting():
-            self._queue.start()
-
-    def poll(self, still):
-        """`still`: nothing is queued or plays."""
+    def poll_end(self, still):
         machine = self._machine
         queue = self._queue
         queue.feed()
@@ -394,20 +345,21 @@ class Program:
                 self._poll_probe()
             elif (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE)) and still:
                 machine.finish()
-        if queue.waiting and not self._fresh:
-            self.begin()
+        if queue.waiting and not machine.fresh:
+            queue.begin()
         if self._limits_of != machine.settings.version:
             self._set_limits()
-        self._fresh = False
-        self._active = self._active and not still
+        machine.fresh = False
+        machine.active = machine.active and not still
 
     def report(self, report):
         """What the status report says of motion."""
         report["number"] = report["feed"] = 0
+        report["blocks"] = self._queue.room()
         at = self._planner.row()
         rows = self._planner.rows
         if at >= 0 and rows[at + ROW_KIND] != WAIT:
-            if self._active:
+            if self._machine.active:
                 report["number"] = rows[at + ROW_TAG]
             report["feed"] = self._speed(rows, at, self._queue.pace())
 

@@ -141,6 +141,13 @@ class Queue:
         self._planner.line(deltas, abs(steps) * TICKS_PER_S // steps_s, False, 0)
         self.flush()
 
+    def axis(self, axis):
+        """Where an axis is, in steps from where the machine was switched on."""
+        return self._feeder.position(self._player.played())[axis]
+
+    def begin(self):
+        """Nothing more is coming for now: see StreamQueue."""
+
     def track(self, walker):
         """Walk a track, as its walker has begun to; settle() is to follow when it has been played."""
         self._planner.track(walker)

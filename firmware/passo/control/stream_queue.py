@@ -14,14 +14,12 @@ class StreamQueue(Queue):
         Queue.__init__(self, board, planner, feeder, player, port)
         self.planner = planner  # for plain lines: see Program.followed()
 
-    def start(self):
-        """Begin to move: what is queued may still be followed by more, without a stand in between."""
-        self._planner.start()
-        self.waiting = False
-
-    def resting(self):
-        """True when nothing is under way: whatever is queued has not been released."""
-        return self._planner.resting()
+    def begin(self):
+        """What waits sets out, unless the machine moves and fetches on its own; it may still be followed by more, without a
+        stand in between."""
+        if self.waiting and self._planner.resting():
+            self._planner.start()
+            self.waiting = False
 
     def feed(self):
         """Queue as much of an arc as there is room for, once a main loop turn."""

@@ -17,11 +17,11 @@ def thousandths(power):
 
 
 class Tools:
-    def __init__(self, board, queue, machine, planner, port):
+    def __init__(self, board, machine, queue):
         self._queue = queue
         self._machine = machine
-        self._planner = planner
-        self._port = port
+        self._planner = queue.planner
+        self._port = machine.port
         self._outputs = [item["name"] for item in board["outputs"]]
         self._settings_of = None  # the settings' version that the power's range is of
         self._lasing = False
@@ -34,7 +34,7 @@ class Tools:
         self.spindle = OFF
         self.power = 0  # millionths
         self._queue.set_power(0, False)
-        self.coolant = self._cools = 0  # as it should be, and as it is
+        self._machine.coolant = self._cools = 0  # as it should be, and as it is
         self._override_all()
 
     def restart(self):
@@ -45,15 +45,15 @@ class Tools:
     def switch_off(self):
         """Spindle and coolant off until the next reset. Only at a stand."""
         self.spindle = OFF
-        self.power = self.coolant = 0
+        self.power = self._machine.coolant = 0
         if self._queue.lit():
             self._queue.rest(False)
         self.show_outputs(False)
 
-    def poll(self, still):
-        """Once a turn: a beam whose power follows the speed is off while nothing moves, which is `still`."""
+    def poll_end(self, still):
+        """A beam whose power follows the speed is off while nothing moves, which is `still`."""
         machine = self._machine
-        own = machine.program.jogging or machine.fine()
+        own = machine.jogging or machine.command is not None and machine.fine()
         if own != self._own or self._settings_of != machine.settings.version:
             self._own = own
             self._settings_of = machine.settings.version
@@ -85,7 +85,7 @@ class Tools:
             if machine.command is not None or self._queue.room() < _BLOCKS:
                 return LATER
         else:
-            result = machine.program.gate()
+            result = machine.gate()
             if result:
                 return result
         if not machine.checking:
@@ -98,7 +98,7 @@ class Tools:
             lit = self._queue.lit() if still else self._queue.tool
             if command.tool != lit:
                 self._queue.set_tool(command.tool, 0)
-                machine.program.moved()
+                machine.moved()
                 if still or not laser:
                     self._queue.flush()
                     machine.command = command
@@ -115,20 +115,17 @@ class Tools:
 
     def _cool(self, command):
         machine = self._machine
-        result = machine.program.gate()
+        result = machine.gate()
         if result:
             return result
         if not machine.checking:
-            self.set_coolant(command.value)
+            machine.coolant = command.value
+            self.show_outputs(machine.hold != "door")
         return machine.accepted(command)
-
-    def set_coolant(self, value):
-        self.coolant = value
-        self.show_outputs(self._machine.pauses.kind != "door")
 
     def show_outputs(self, on):
         """Coolant and the spindle's direction; all of them off while the door holds the machine."""
-        self._cools = self.coolant if on else 0
+        self._cools = self._machine.coolant if on else 0
         self._put("flood", self._cools & 1)
         self._put("mist", self._cools & 2)
         self._put("reverse", on and self.spindle == 4)

@@ -29,11 +29,10 @@ _HAND = const(2)  # manual moves
 _RETURN = const(3)  # the way back of the manual moves
 
 class TrackPlayer(TrackIntake):
-    def __init__(self, board, machine):
-        """`machine`: the controller; see its face towards its parts."""
+    def __init__(self, board, machine, queue):
         config = board["track"]
         axes = board["axes"]
-        self._queue = queue = machine.queue
+        self._queue = queue
         self._machine = machine
         self._dry_run = config["dry_run"]
         self._default = config["default_mm_min"]
@@ -56,7 +55,6 @@ class TrackPlayer(TrackIntake):
         self._command = None  # to be told when the track's end, or its start, is reached
         self._mode = _IDLE
         self._reset()
-        machine.add(self)
 
     def _reset(self):
         self.track.clear(self._clamp(self._default))
@@ -185,7 +183,7 @@ class TrackPlayer(TrackIntake):
         self._start(backward, most)
 
     def _pausing(self):
-        return self._next is not None or bool(self._machine.pauses.kind)
+        return self._next is not None or bool(self._machine.hold)
 
     def _moved_by_hand(self):
         return self._midway and self._hand.place != 0
@@ -253,15 +251,15 @@ class TrackPlayer(TrackIntake):
     def _set_drives(self, on):
         self._drives = on
         self._barred = self._barred and not on
-        self._machine.drives(on)
+        self._machine.motors.drives(on)
 
     def _power_back(self):
         """The end of a walk, or of a part of it; the next one has current if the drives are on."""
         if self._without is not None:
             if self._queue.position() != self._without:
-                self._machine.strayed()
+                self._machine.homed = False  # the motors are not where the steps lead to
             self._without = None
-            self._machine.unpower(0)
+            self._machine.motors.unpower(0)
 
     def _pace(self, command):
         """`feed` mm/min, from now on to the next speed of the track; it ends the wait for the operator's speed."""
@@ -296,7 +294,7 @@ class TrackPlayer(TrackIntake):
             self._queue.hold(True)
 
     def _release_hold(self):
-        self._machine.pauses.clear()
+        self._machine.end_hold()
         self._queue.hold(False)
         self._held = _IDLE
 
@@ -318,13 +316,13 @@ class TrackPlayer(TrackIntake):
                 other.gap = 0
         if not self._drives:
             self._without = self._queue.position()
-            self._machine.unpower((1 << self.track.axes) - 1)
+            self._machine.motors.unpower((1 << self.track.axes) - 1)
         walker.begin(backward, most, self._queue.lit())
         self._queue.track(walker)
 
-    def poll(self):
-        pauses = self._machine.pauses
-        if self._held and not pauses.kind:  # resumed by a button
+    def poll(self, now_ms):
+        machine = self._machine
+        if self._held and not machine.hold:  # resumed by a button
             if self._held == _RETURN:
                 self._go_back(self._backward)
             elif self._held == _RUN:
@@ -332,10 +330,10 @@ class TrackPlayer(TrackIntake):
             self._held = _IDLE
             return
         if self._mode == _IDLE:
-            if self._start_ms is not None and not pauses.kind and self._gathered():
+            if self._start_ms is not None and not machine.hold and self._gathered():
                 self._start()
             return
-        if self._next is not None or pauses.kind:
+        if self._next is not None or machine.hold:
             if self._queue.standing():
                 self._take()
         elif self._queue.still():

@@ -5,7 +5,6 @@ from micropython import const
 
 from passo import commands, errors
 from passo.control import settings as table
-from passo.control.part import Part
 from passo.motion import step_program as marks
 from passo.motion.integers import isqrt
 from passo.records import COUNT_MASK
@@ -37,7 +36,7 @@ def lengths_of(axes):
     return lengths
 
 
-class TrackIntake(Part):
+class TrackIntake:
     """The half of TrackPlayer that takes the track in."""
 
     def _clamp(self, mm_min):

@@ -5,14 +5,23 @@ from passo.control.settings import HOMING
 from passo.protocols.gcode_offsets import Offsets
 from passo.protocols.grbl import Grbl
 
+NEEDS = ("program", "pauses", "tools", "pins")
 
-def opened(link, board, controller, shared):
+
+def check(link, board):
     axes = "".join([axis["name"] for axis in board["axes"]])[:3]
     if axes not in ("x", "xy", "xyz"):
         raise BoardError("link %s: grbl wants axes x, y, z in this order, not %s" % (link["name"], axes))
+
+
+def guarded(settings):
+    """As grbl: with homing ($22) a link moves nothing before the machine is homed or unlocked."""
+    return bool(settings.value(HOMING))
+
+
+def create(link, number, board, controller, shared, most):
+    machine = controller.machine
+    axes = "".join([axis["name"] for axis in board["axes"]])[:3]
     if "offsets" not in shared:
-        shared["offsets"] = Offsets(len(axes), controller.settings)
-    controller.program.accelerates = True
-    if controller.settings.value(HOMING):
-        controller.links.lock(link["name"])
-    return Grbl(axes, shared["offsets"], controller.settings, controller)
+        shared["offsets"] = Offsets(len(axes), machine.settings)
+    return Grbl(axes, shared["offsets"], machine, controller.features["program"], number, most)

@@ -2,7 +2,10 @@
 
 from passo.protocols.plotter import Plotter
 
+NEEDS = ("drawing",)
 
-def opened(link, board, controller, shared):
+
+def create(link, number, board, controller, shared, most):
     sign = 1 if board["jog"]["up"][1] == "+" else -1
-    return Plotter(link["idle_gap_ms"], (0, sign) if board["jog"]["up"][0] == "y" else (sign, 0))
+    jog_up = (0, sign) if board["jog"]["up"][0] == "y" else (sign, 0)
+    return Plotter(link["idle_gap_ms"], jog_up, controller.features["drawing"], number)

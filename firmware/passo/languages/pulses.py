@@ -3,12 +3,13 @@
 from passo.control.board_error import BoardError
 from passo.protocols.pulses import Pulses
 
+NEEDS = ("track", "pauses")
 
-def opened(link, board, controller, shared):
+
+def check(link, board):
     if not board["track"]:
         raise BoardError("link %s: pulses wants the section track" % link["name"])
-    if "track" not in shared:
-        from passo.control.track import TrackPlayer
 
-        shared["track"] = TrackPlayer(board, controller)
+
+def create(link, number, board, controller, shared, most):
     return Pulses("".join([axis["name"] for axis in board["axes"]]), board["track"])

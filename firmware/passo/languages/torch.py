@@ -1,15 +1,12 @@
 """The torch manipulator's frames on a link."""
 
-from passo.languages.axes import independent
+from passo.languages.axes import check_axes as check  # noqa: F401
 from passo.protocols.torch import Torch
 
+NEEDS = ("independent", "changeover")
 
-def opened(link, board, controller, shared):
-    independent(link, board, controller, shared)
-    if "changeover" not in shared:
-        from passo.control.changeover import Changeover
 
-        shared["changeover"] = Changeover(board, controller)
+def create(link, number, board, controller, shared, most):
     axes = board["axes"][:2]
     steps = [axis["jog_steps"] or board["jog"]["steps"] for axis in axes]
     speeds = [axis["jog_steps_s"] or board["speed"]["default"] for axis in axes]

@@ -54,9 +54,11 @@ except MemoryError:  # a board that has too little, or not in one piece: interpr
 
 
 class GCode(Motions):
-    def __init__(self, axes, offsets, machine):
-        """`axes`: the names of the machine's axes in their order, the first three of "xyz" at most."""
+    def __init__(self, axes, offsets, machine, program=None):
+        """`axes`: the names of the machine's axes in their order, the first three of "xyz" at most; `program`: takes plain
+        lines."""
         Motions.__init__(self, len(axes), offsets, machine)
+        self._program = program
         self.ended = False  # the line was the programme's last
         self.waits = False  # see follow()
         self.laser = False
@@ -153,14 +155,14 @@ class GCode(Motions):
         queue = self._queue = machine.queue
         if (
             self._unknown or self.offsets.version != self._offsets_known or self._steps != queue.target
-            or self._reach is not machine.program.reach()
+            or self._reach is not self._program.reach()
         ) and not self._know():  # fmt: skip
             return False
         place = self._place
         planner = queue.planner
         beam = place[PLAIN_FULL] > _SAME
         tool = self._lit
-        if not machine.program.takes(tool, self._power, self._dynamic, beam):
+        if not self._program.takes(tool, self._power, self._dynamic, beam):
             return False
         if beam:
             place[PLAIN_LIT] = 1 if queue.tool else 0
@@ -212,7 +214,7 @@ class GCode(Motions):
             planner.dynamic = self._dynamic
         queue.tool = place[PLAIN_LIT] > 0
         self.motion = place[PLAIN_MODAL] * 100
-        machine.program.followed(place, PLAIN_TARGET, self.axes)
+        self._program.followed(place, PLAIN_TARGET, self.axes)
         self._steps = queue.target[:]
 
     def _know(self):
@@ -232,7 +234,7 @@ class GCode(Motions):
         place[PLAIN_FEED] = self.feed
         place[PLAIN_NUMBER] = self.number
         place[PLAIN_LEAST] = 1
-        self._reach = self.machine.program.reach()
+        self._reach = self._program.reach()
         for axis in range(self.axes):
             offset = self.offsets.of(self.system, axis)
             resolution = self.machine.steps_per_m[axis]

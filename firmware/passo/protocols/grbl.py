@@ -1,6 +1,6 @@
 """The language of grbl 1.1 on one link: lines in, one `ok` or `error:N` a line out, in order.
 
-    grbl = Grbl("xyz", offsets, settings, machine)
+    grbl = Grbl("xyz", offsets, machine, program, number, most)
     for command in grbl.feed(serial.read(), now_ms):    # a generator: it goes on where reply() has left it
         ... event ...
         serial.write(grbl.reply(event))                 # before the next command is asked for
@@ -77,14 +77,16 @@ def real_time(byte):
 
 class Grbl:
     keeps = True  # see app.py
-    most = 0x1FFFFFFF  # lines that one short() takes; one that goes the long way costs as much as four
 
-    def __init__(self, axes, offsets, settings, machine):
-        """`axes`: names; `settings`: control's; `machine`: the controller's face: queue, steps_per_m, state, blocks."""
-        self.gcode = GCode(axes, offsets, machine)
-        self._settings = settings
+    def __init__(self, axes, offsets, machine, program, number, most):
+        """`axes`: names; `machine`: the record of the machine's state; `program`: takes plain lines; `number`: of the link;
+        `most`: lines that one short() takes; one that goes the long way costs as much as four."""
+        self.gcode = GCode(axes, offsets, machine, program)
+        self._settings = settings = machine.settings
         self._machine = machine
-        self._system = System(self.gcode, settings, machine, machine.blocks)
+        self._number = number
+        self._most = most
+        self._system = System(self.gcode, settings, machine, number)
         self._status = Status(self.gcode, settings, machine)
         self._lines = Lines()
         self._asked = None  # made when first asked
@@ -124,11 +126,11 @@ class Grbl:
             return b""
         if not again and (
             self._under_way is not None or self._rest or self._start_lines
-            or self._stale or self._version != self._settings.version or not machine.links.listening()
+            or self._stale or self._version != self._settings.version or self._machine.commander != self._number
             or not gcode.begin_plain()
         ):  # fmt: skip
             return b""
-        count = gcode.go_on(lines, self.most)
+        count = gcode.go_on(lines, self._most)
         self._full = gcode.waits
         return _OKS[count] if count < 5 else _OKS[1] * count
 
@@ -169,7 +171,7 @@ class Grbl:
             return  # the lines come with the next turn, the short way or not
         if self._lines.asked:
             yield self._ask()[0]
-        most = (self.most + 3) >> 2
+        most = (self._most + 3) >> 2
         while self._under_way is None and most:
             most -= 1
             if not self._rest:
@@ -216,7 +218,7 @@ class Grbl:
                 return [Command(commands.BAD, error=self._why)]
         self.gcode.leave_plain()
         if not self._machine.checking:
-            self.gcode.coolant = self._machine.tools.coolant  # real-time bytes change it too
+            self.gcode.coolant = self._machine.coolant  # real-time bytes change it too
         self._start_line = None
         if self._version != self._settings.version:
             self._configure()
@@ -229,7 +231,7 @@ class Grbl:
             result = self._system.execute(plain_text(line))
         elif not line.strip() or line.strip() == b"%":
             result = answer("")
-        elif not self._machine.links.listening():
+        elif self._machine.commander != self._number:
             result = errors.COMMANDED_ELSEWHERE if bare(line) else answer("")
         elif self._machine.state in ("alarm", "jog", "sleep"):
             result = errors.LOCKED if bare(line) else answer("")

@@ -117,7 +117,7 @@ class Status:
     """The `<…>` report, which says some things only now and then."""
 
     def __init__(self, gcode, settings, machine):
-        """`machine`: the controller's face: steps_per_m, blocks, and its pauses and pins."""
+        """`machine`: the record of the machine's state: steps_per_m."""
         self._gcode = gcode
         self._settings = settings
         self._machine = machine
@@ -167,11 +167,11 @@ class Status:
         self._at = 0
         self._tell_place(report)
         if self._mask & 2:
-            self._figures[0] = self._machine.blocks
+            self._figures[0] = report["blocks"]
             self._figures[3] = room
             self._tell(b"|Bf:\0", 2)
         self._tell_speed(report)
-        pins = self._machine.pins.text()
+        pins = report["pins"]
         if pins:
             if pins != self._pins:
                 self._pins = pins
@@ -194,7 +194,7 @@ class Status:
         figures = self._figures
         state = report["state"]
         if state == "hold" or state == "door":
-            figures[0] = self._machine.pauses.substate()
+            figures[0] = report["substate"]
             figures[2] = 0
             self._tell(_STATES[state], 1)
         else:

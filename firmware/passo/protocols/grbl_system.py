@@ -29,11 +29,12 @@ def answer(text):
 
 
 class System:
-    def __init__(self, gcode, settings, machine, blocks):
+    def __init__(self, gcode, settings, machine, number):
         self._gcode = gcode
         self._settings = settings
         self._machine = machine
-        self._blocks = blocks
+        self._number = number
+        self._blocks = machine.queue.room()
         self._words = Words()
         self.probed = [0] * gcode.axes
         self.touched = False
@@ -55,7 +56,7 @@ class System:
             return answer(grbl_report.masks(self._settings))
         if line[:5] == "$LINK":
             return self._link(line[5:])
-        if line not in _QUERIES and not self._machine.links.listening():
+        if line not in _QUERIES and self._machine.commander != self._number:
             return errors.COMMANDED_ELSEWHERE
         if line == "$C":
             return [Command(commands.CHECK, value=0 if state == "check" else 1)]
@@ -92,9 +93,9 @@ class System:
         return error or self._gcode.commands
 
     def _link(self, text):
-        links = self._machine.links
+        machine = self._machine
         if not text:
-            return answer(grbl_report.link(links.commander + 1, links.names[links.commander]))
+            return answer(grbl_report.link(machine.commander + 1, machine.links[machine.commander]))
         if text[0] != "=" or text[1:] not in ("0", "1", "2", "3", "4"):
             return errors.STATEMENT
         return [Command(commands.HAND_OVER, value=int(text[1:]))]

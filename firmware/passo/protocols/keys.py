@@ -1,6 +1,6 @@
 """The two-motor kit's language: a byte is a task, two are a speed; the board never answers.
 
-    keys = Keys(part, axes)                         # the machine's part that runs axes on their own
+    keys = Keys(turning, axes)
     for command in keys.feed(serial.read(), now_ms): …
 
     A n, B n    speed of motor 1, motor 2: a step every n × 4 ms, n = 1 … 127
@@ -31,9 +31,9 @@ REVERSE = {0x47: 0, 0x48: 1}  # motor
 
 
 class Keys:
-    def __init__(self, part, axes):
-        """`part`: has turning(axis); `axes`: how many the machine has, two at least."""
-        self._part = part
+    def __init__(self, is_turning, axes):
+        """`is_turning(axis)`: whether an axis runs; `axes`: how many the machine has, two at least."""
+        self._is_turning = is_turning
         self._axes = axes
         self._speed = [1] * MOTORS
         self._negative = [False] * MOTORS
@@ -70,20 +70,20 @@ class Keys:
         if byte in REVERSE:
             motor = REVERSE[byte]
             self._negative[motor] = not self._negative[motor]
-            return self._run(self._turning(), 1 << motor) if self._part.turning(motor) else None
+            return self._run(self._turning(), 1 << motor) if self._is_turning(motor) else None
         return self._ignore(errors.UNKNOWN_COMMAND)
 
     def _set_speed(self, motor, speed):
         if not 1 <= speed <= SLOWEST:
             return self._ignore(errors.NUMBER_RANGE)
         self._speed[motor] = speed
-        return self._run(self._turning(), 1 << motor) if self._part.turning(motor) else None
+        return self._run(self._turning(), 1 << motor) if self._is_turning(motor) else None
 
     def _turning(self):
         """Mask of the motors that are on."""
         mask = 0
         for motor in range(MOTORS):
-            if self._part.turning(motor):
+            if self._is_turning(motor):
                 mask |= 1 << motor
         return mask
 

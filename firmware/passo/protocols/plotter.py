@@ -114,8 +114,11 @@ def sift(data: ptr8, count: int, before: int, quiet: int, out: ptr8, at: int, ro
 
 
 class Plotter:
-    def __init__(self, gap_ms=5, jog_up=(0, 1)):
-        """`gap_ms`: silence that ends a burst; `jog_up`: the direction, in axes, of UP (RIGHT is a quarter turn on)."""
+    def __init__(self, gap_ms=5, jog_up=(0, 1), drawing=None, number=0):
+        """`gap_ms`: silence that ends a burst; `jog_up`: the direction, in axes, of UP (RIGHT is a quarter turn on);
+        `drawing`: takes points for short(); `number`: of the link."""
+        self._drawing = drawing
+        self._number = number
         self.gap_ms = gap_ms
         up_x, up_y = jog_up
         self._jogs = {
@@ -133,18 +136,18 @@ class Plotter:
 
     def short(self, data, now_ms, machine, again=False):
         """The short way of points, before feed() has the rest: those at the start of what has come go into the store, as
-        far as the machine's `objects` have room for them now. Returns the answers to them."""
+        far as the drawing has room for them now. Returns the answers to them."""
         if not data:
             return b""
-        objects = machine.objects
+        drawing = self._drawing
         self._hear(data, now_ms)
         taken = 0
         while len(self._bytes) >= PACKET and not self._broken:
-            piece = objects.piece()
-            count = sift(self._bytes, len(self._bytes), self._before, 0, *piece) >> 2 if piece else 0
+            places = drawing.reserve(self._number)
+            count = sift(self._bytes, len(self._bytes), self._before, 0, *places) >> 2 if places else 0
             if not count:
                 break
-            objects.add(count)
+            drawing.add(count)
             self._cut(count, now_ms)
             taken += count
         return b"n" * taken

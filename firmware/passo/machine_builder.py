@@ -1,6 +1,6 @@
-"""What the app needs only while it puts a board file's machine together: drive, speeds and languages.
+"""The machine builder: what a board file and its links' languages ask for is made, and nothing else: drive, speeds, features.
 
-A board forgets it when that is done: it has better uses for the memory.
+A board forgets this module when that is done: it has better uses for the memory.
 """
 
 import sys
@@ -10,45 +10,95 @@ from passo.control.settings import SPEED, STEPS
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
-STREAMED = ("grbl",)  # lines and arcs as they come: program and tools are loaded for them
-STORED = ("plotter",)  # objects that are stored, then drawn
+_PAUSING = ("hold", "resume", "door")
 
 
-def _named(board, languages):
-    return bool([link for link in board["links"] if link["protocol"] in languages])
+def _always(board):
+    return True
 
 
-def streamed(board):
-    """True where some link's language asks for motion as it comes."""
-    return _named(board, STREAMED)
+def _has_inputs(board):
+    return bool(board["inputs"])
 
 
-def stored(board):
-    """True where some link's language asks for stored objects."""
-    return _named(board, STORED)
+def _homes(board):
+    return bool(board["homing"])
+
+
+def _pauses(board):
+    return bool([item for item in board["inputs"] if item["name"] in _PAUSING])
+
+
+def _changes_over(board):
+    return bool([item for item in board["outputs"] if item["role"] != "none"])
+
+
+# Every feature, in the order in which they are polled: the module of control, its class, and the rule by which a board file
+# asks for it. A feature is also made if a language of the board's links names it in its NEEDS; what nobody asks for is
+# neither loaded nor, but for those with a rule, in the build.
+FEATURES = (
+    ("switches", "Switches", _has_inputs),
+    ("homing", "Homing", _homes),
+    ("drawing", "Drawing", None),
+    ("changeover", "Changeover", _changes_over),
+    ("independent", "Independent", None),
+    ("track", "TrackPlayer", None),
+    ("program", "Program", None),
+    ("pauses", "Pauses", _pauses),
+    ("tools", "Tools", None),
+    ("pins", "Pins", None),
+    ("links", "Links", _always),
+    ("resets", "Resets", _always),
+)
 
 
 def languages(board):
-    """The modules of the languages of the board file's links: language.opened(link, board, controller, shared) is a
-    protocol. Only what is named is loaded, and early: machine code wants memory in one piece. Raises BoardError."""
+    """The modules of the languages of the board file's links, of passo/languages: NEEDS and create(). Only what is named is
+    loaded, and early: machine code wants memory in one piece. Raises BoardError."""
     modules = []
     for link in board["links"]:
         name = link["protocol"]
         if name not in PROTOCOLS:
             raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
         try:
-            modules.append(__import__("passo.languages." + name, None, None, ("opened",)))
+            language = __import__("passo.languages." + name, None, None, ("create",))
         except ImportError as missing:
             raise BoardError("link %s: %s is not on this board (%s): flash it anew" % (link["name"], name, missing))
+        check = getattr(language, "check", None)
+        if check:
+            check(link, board)
+        modules.append(language)
     return modules
 
 
-def changeover(board, controller, shared):
-    """Where the board file names relays between two controllers, motion of any language minds them."""
-    if [item for item in board["outputs"] if item["role"] != "none"]:
-        from passo.control.changeover import Changeover
+def wanted(board, languages):
+    """Names of the features that the board file or one of the languages (modules) asks for, in order."""
+    needed = []
+    for language in languages:
+        needed += language.NEEDS
+    return [name for name, _, rule in FEATURES if name in needed or rule and rule(board)]
 
-        shared["changeover"] = Changeover(board, controller)
+
+def load(names):
+    """[(name, class)] of features."""
+    kinds = []
+    for name, kind, _ in FEATURES:
+        if name in names:
+            kinds.append((name, getattr(__import__("passo.control." + name, None, None, (kind,)), kind)))
+    return kinds
+
+
+def guarded(board, languages, settings):
+    """Mask of the links that move nothing from the start on, before the machine is homed or unlocked."""
+    mask = 0
+    for number in range(len(languages)):
+        if getattr(languages[number], "guarded", _never)(settings):
+            mask |= 1 << number
+    return mask
+
+
+def _never(settings):
+    return False
 
 
 def make_drive(board):

@@ -6,7 +6,7 @@ _POINT = const(5)
 _CHUNK = const(256)  # points of one piece of memory: a board rarely has room for all in one
 
 
-class Store:
+class PointBuffer:
     """A ring of points (x, y, tool), x and y 0 … 65535 steps. `capacity`: how many at most."""
 
     def __init__(self, capacity):
@@ -46,7 +46,7 @@ class Store:
         data[at + 4] = y & 255
         self.count += 1
 
-    def piece(self):
+    def reserve(self):
         """(bytes, the first of them, points) that the next points may be put into, five bytes each: tool 0 or 1, x and y,
         high byte first; `count` is to be raised by how many they were. None where there is no room."""
         room = self.free()

@@ -1,9 +1,9 @@
-"""Drawing stored objects: points are kept as they come, drawn at END, or while they arrive where there are too many."""
+"""The stored drawing: points are kept as they come, drawn at DRAW, or while they arrive if the buffer is full."""
 
 from micropython import const
 
 from passo import commands, errors
-from passo.control.store import Store
+from passo.control.point_buffer import PointBuffer
 from passo.motion.integers import NM_PER_M, length_nm
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
@@ -11,18 +11,16 @@ LATER = const(-1)
 _BLOCKS_A_POINT = const(2)  # a change of the tool, and the line
 
 
-class Objects:
-    def __init__(self, board, queue, machine):
-        """`machine`: the controller; see its face towards its parts."""
+class Drawing:
+    def __init__(self, board, machine, queue):
         self._board = board
         self._queue = queue
         self._machine = machine
         self._steps_per_m = [axis["steps_per_m"] for axis in board["axes"]]
-        self.store = Store(board["store_points"])
+        self.points = PointBuffer(board["store_points"])
         self.speed = board["speed"]["default"]
         self.drawn = 0  # points of the object drawn so far
-        self._taken = 0  # points taken from the store for this object
-        self.drawing = False
+        self._taken = 0  # points taken from the buffer for this object
 
     def handlers(self):
         return {
@@ -34,11 +32,16 @@ class Objects:
 
     def clear(self):
         """Forget the object."""
-        self.store.clear()
-        self.drawing = False
+        self.points.clear()
+
+    homing = clear
+
+    def halt(self):
+        self.drawn = self.count_drawn()
 
     def busy(self):
-        return self.drawing and (self.store.count > 0 or self._machine.command is not None)
+        machine = self._machine
+        return machine.drawing and (self.points.count > 0 or machine.command is not None)
 
     # --- commands
 
@@ -58,45 +61,45 @@ class Objects:
             return refusal
         if not self._queue.inside(command.target):
             return errors.TRAVEL
-        if machine.command is not None or machine.program.active():
+        if machine.command is not None or machine.active:
             return LATER
-        if not self.store.free():
-            self.drawing = not machine.program.jogging
+        if not self.points.free():
+            machine.drawing = not machine.jogging
             return LATER
         self._begin()
         x, y = command.target
-        self.store.put(x, y, command.tool)
+        self.points.put(x, y, command.tool)
         return machine.accepted(command)
 
     def _begin(self):
         """The next point may be the first of an object."""
-        if not self.store.count and not self.drawing:
+        if not self.points.count and not self._machine.drawing:
             self._taken = self.drawn = 0
 
-    def piece(self):
-        """Where points that come in a run may be put, as Store.piece, and the largest x and y; add() is to follow. None
-        where they have to come as commands, to wait or to be told why not."""
+    def reserve(self, link):
+        """Where points of `link` may be put, as PointBuffer.reserve(), and the largest x and y; add() is to follow. None if
+        they have to come as commands."""
         machine = self._machine
-        if machine.unready() or not machine.links.listening() or machine.command is not None or machine.program.active():
+        if machine.unready() or machine.commander != link or machine.command is not None or machine.active:
             return None
-        piece = self.store.piece()
+        places = self.points.reserve()
         reach = self._queue.reach
-        return piece and piece + (reach(0)[1], reach(1)[1])
+        return places and places + (reach(0)[1], reach(1)[1])
 
     def add(self, count):
         """So many points have been put there."""
         self._begin()
-        self.store.count += count
+        self.points.count += count
 
     def _draw(self, command):
         machine = self._machine
         refusal = machine.unready()
         if refusal:
             return refusal
-        if machine.command is not None or machine.program.active() or machine.program.jogging:
+        if machine.command is not None or machine.active or machine.jogging:
             return LATER
         machine.command = command
-        self.drawing = True
+        machine.drawing = True
         return 0
 
     def _jog(self, command):
@@ -104,12 +107,12 @@ class Objects:
         refusal = machine.unready()
         if refusal:
             return refusal
-        if self.drawing or machine.command is not None or machine.occupied():
+        if machine.drawing or machine.command is not None or machine.occupied():
             return errors.BUSY
         queue = self._queue
         jog = self._board["jog"]
         steps = jog["steps"]
-        if machine.program.jogging:
+        if machine.jogging:
             ahead = self._ticks([to - at for to, at in zip(queue.target, queue.position())])  # jogs make one line, nearly
             if ahead > jog["ahead_ms"] * TICKS_PER_MS:
                 return LATER
@@ -121,41 +124,42 @@ class Objects:
                 return errors.JOG_TRAVEL
         if not queue.room():
             return LATER
-        machine.program.jogging = True
+        machine.jogging = True
         queue.line(target, self._ticks, queue.tool, 0)
         queue.flush()
         return machine.accepted(command)
 
     # --- drawing
 
-    def poll(self):
+    def poll(self, now_ms):
+        machine = self._machine
+        if not machine.drawing:
+            return
         queue = self._queue
-        while self.store.count and queue.room() >= _BLOCKS_A_POINT:
-            x, y, tool = self.store.take()
+        while self.points.count and queue.room() >= _BLOCKS_A_POINT:
+            x, y, tool = self.points.take()
             self._taken += 1
             queue.line((x, y), self._ticks, tool, self._taken)
-        if not self.store.count:
-            if self._machine.command is not None and queue.room():
-                self.lift()
+        if not self.points.count:
+            if machine.command is not None and queue.room():
+                queue.lift(self._taken + 1)
             queue.flush()
 
-    def end(self):
-        """The object is drawn to its end."""
-        if self.drawing:
+    def poll_end(self, still):
+        """Notices that the object is drawn to its end."""
+        machine = self._machine
+        if still and not self.points.count and machine.busy_with(commands.DRAW):
             self.drawn = self._taken
-        self.drawing = False
-
-    def lift(self):
-        """Tool off at the end of the queue, and time for it to get there."""
-        self._queue.lift(self._taken + 1)
+            machine.drawing = False
+            machine.finish(machine.report({}))
 
     def report(self, report):
         """What the status report says of what is stored and drawn."""
         report["drawn"] = self.count_drawn() & 0xFFFF
-        report["free"] = self.store.free()
+        report["free"] = self.points.free()
 
     def count_drawn(self):
-        if not self.drawing:
+        if not self._machine.drawing:
             return self.drawn
         block = self._queue.playing()
         if block is None and self._queue.empty():

@@ -1,0 +1,332 @@
+"""The machine's state: the one record that the controller and its features read and write, and protocols read.
+
+    machine.alarm, machine.state, machine.command …
+    machine.raise_alarm(errors.ALARM_HARD_LIMIT, "stop")
+
+A feature of the machine is a class Feature(board, machine, queue) with a few of these methods, all of them optional. It sees
+this record and the queue, and no other feature: what it wants of another one it asks for with a command.
+
+    handlers()              {kind of command: handler}; a handler returns as Controller.accept()
+    poll(now_ms)            once a pass of the main loop
+    poll_command(now_ms)    the same, while a long command is under way
+    poll_end(still)         behind them; `still`: nothing is queued or plays
+    active()                True while the axes are this feature's alone
+    held()                  True if it stands in the middle of its work, until somebody says what next
+    live()                  True while what is under way may change at any moment: few words should lie ahead
+    ready()                 True if words may be played
+    busy()                  True while it is about to move, though nothing is queued
+    report(report)          adds to a status report
+
+    halt()                  the pins have stopped; what is queued is dropped next
+    dropped()               a hold has come to its stand, and what was queued behind it is gone
+    clear()                 all work is dropped
+    homing()                homing begins
+    release()               the safe state, at once
+    switch_off()            outputs off until the next reset
+    restart()               as after power-up
+    show_outputs(on)        False: the door holds the machine; True: it goes on
+
+What concerns all of the machine (a stop, an alarm, a new beginning) is a method of the record, which calls those of all
+features that have one.
+"""
+
+import gc
+
+from micropython import const
+
+from passo import commands, errors
+from passo.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
+from passo.control.inputs import Inputs
+from passo.control.log import Log
+
+LATER = const(-1)
+# The machine came to its stand as it should: where it is remains known.
+_ORDERLY = (errors.ALARM_SOFT_LIMIT, errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED)
+
+
+def hooks(features, name):
+    """The methods `name` of those features that have one, in order."""
+    return [getattr(feature, name) for feature in features if hasattr(feature, name)]
+
+
+class MachineState:
+    def __init__(self, board, settings, queue, motors, port, guarded=0):
+        """`guarded`: mask of the links that move nothing until the machine is homed or unlocked; others may."""
+        self.settings = settings
+        self.queue = queue
+        self.motors = motors
+        self.port = port
+        self.inputs = Inputs(board, settings, port)
+        self.log = Log()
+        self.about = ""  # what the port says of itself, for who asks
+        self.homed = False
+        self.alarm = 0
+        self.checking = False  # commands are only checked
+        self.sleeping = False  # everything is off until RESET
+        self.detached = False  # the motors are another controller's, and no motion takes them
+        self.command = None  # the long command under way
+        self.hold = ""  # "hold" or "door" while the machine is held, or on its way to its stand
+        self.stood = False  # it has come to its stand
+        self.resuming = False  # it waits for spindle or coolant before it goes on
+        self.dropping = False  # at the stand, what is left is dropped
+        self.jogging = False
+        self.active = False  # motion of a program has been queued and has not come to its end
+        self.fresh = False  # such motion was queued since the last pass
+        self.drawing = False  # points are taken out of the point buffer
+        self.coolant = 0  # as it should be, see COOLANT
+        self.links = [link["name"] for link in board["links"]]
+        self.commander = self.links.index(board["commands"] or self.links[0])  # the link that may command
+        self.guarded = guarded
+        self.events = []
+        self.arcs_want = 0  # set by the app: bytes that have to be free before the first arc
+        self.handlers = {}  # of all features, by the kind of command
+        self._features = ()
+        self._active = self._held = self._reports = ()
+        self._axes = board["axes"]
+        homing = board["homing"]
+        self._homing_first = bool(homing and homing["required"])
+        self.guard()
+
+    def join(self, features):
+        """`features`: all there are. Called once, by the controller."""
+        self._features = features
+        self._active = hooks(features, "active")
+        self._held = hooks(features, "held")
+        self._reports = hooks(features, "report")
+        for handlers in hooks(features, "handlers"):
+            self.handlers.update(handlers())
+
+    def _call(self, name, *arguments):
+        for hook in hooks(self._features, name):
+            hook(*arguments)
+
+    # --- what it is doing
+
+    @property
+    def state(self):
+        """In a word, as a status report has it."""
+        if self.sleeping:
+            return "sleep"
+        if self.alarm:
+            return "alarm"
+        command = self.command
+        if command is not None and command.kind == commands.HOME:
+            return "home"
+        if self.hold:
+            return self.hold
+        if self.checking:
+            return "check"
+        if self.jogging:
+            return "jog"
+        for held in self._held:
+            if held():
+                return "hold"
+        return "run" if command or self.drawing or self.active or self.occupied() else "idle"
+
+    @property
+    def arcs(self):
+        """What a language asks about arcs; None where there is no memory for what they take."""
+        if self.arcs_want:
+            gc.collect()
+            if gc.mem_free() < self.arcs_want:
+                return None
+            self.arcs_want = 0
+        # first: loaded inside each other they take stack that interrupts want
+        from passo.motion.cordic import end_point  # noqa: F401
+
+        from passo.control import arcs
+
+        self.queue.planner.load_arcs()
+        return arcs
+
+    @property
+    def steps_per_m(self):
+        return [axis["steps_per_m"] for axis in self._axes]
+
+    def busy_with(self, kind):
+        return self.command is not None and self.command.kind == kind
+
+    def fine(self):
+        """True while inputs decide where the machine stops: passes of the main loop should be short."""
+        command = self.command
+        return command is not None and (command.kind == commands.HOME or command.kind == commands.PROBE)
+
+    def standing(self):
+        """True in a hold that has come to its stand."""
+        return bool(self.hold) and self.stood
+
+    def occupied(self):
+        """True while a feature has the axes to itself."""
+        for active in self._active:
+            if active():
+                return True
+        return False
+
+    def unready(self):
+        """0, or why nothing may move now."""
+        if self.alarm or self.sleeping:
+            return errors.LOCKED
+        if self.detached:
+            return errors.NO_MOTORS
+        return errors.NOT_HOMED if self._homing_first and not self.homed else 0
+
+    def gate(self):
+        """0, LATER, or the error of a command that waits for the motion before it."""
+        if self.alarm or self.sleeping:
+            return errors.LOCKED
+        if self.command is not None or self.drawing or not self.settle():
+            return LATER
+        return 0
+
+    def settle(self):
+        """True if everything before has ended; asks for it to end."""
+        if self.queue.still():
+            return True
+        self.queue.flush()
+        return False
+
+    def report(self, report):
+        """Have every feature add to `report`, a dict."""
+        for add in self._reports:
+            add(report)
+        return report
+
+    # --- what is told
+
+    def accepted(self, command, value=None):
+        event = command.accepted or Event(ACCEPTED, command)
+        event.value = value
+        self.events.append(event)
+        return 0
+
+    def finish(self, value=None):
+        """The long command has done what it was asked."""
+        command = self.command
+        self.command = None
+        self.events.append(Event(FINISHED, command, 0, value))
+
+    def tell(self, event):
+        """Hand an event to the link of its command."""
+        self.events.append(event)
+
+    def notice(self, number, value=None):
+        self.events.append(Event(NOTICE, None, number, value))
+
+    def note(self, number, who=None):
+        """Add to the log."""
+        self.log.add(self.port.machine_ms(), number, who)
+
+    # --- what concerns all of it
+
+    def carry_out(self, kind):
+        """As a command without a link: a button, or a feature that wants something of another one."""
+        handler = self.handlers.get(kind)
+        if handler:
+            handler(Command(kind))
+
+    def moved(self):
+        """Motion of a program has been queued."""
+        self.active = self.fresh = True
+
+    def show_outputs(self, on):
+        self._call("show_outputs", on)
+
+    def switch_off(self):
+        self._call("switch_off")
+
+    def drop_at_stand(self):
+        """Come to a stand, then drop what is queued."""
+        self.dropping = True
+        self.queue.flush()
+        self.queue.hold(True)
+
+    def drop(self):
+        """What is queued, at the stand of a hold."""
+        self.queue.drop()
+        self._call("dropped")
+        self.jogging = self.active = self.fresh = False
+
+    def end_hold(self):
+        """Nothing is held any more."""
+        self.hold = ""
+        self.dropping = self.stood = self.resuming = False
+
+    def abort(self):
+        """Stop inside the word under way, drop everything queued; the tool is off. The position stays exact."""
+        self.queue.halt()
+        self._call("halt")
+        self.queue.drop()
+        self.end_hold()
+
+    def forget(self):
+        """Drop all work, begun or waiting; what is queued is the caller's affair."""
+        self._call("clear")
+        self.drawing = self.jogging = self.active = self.fresh = False
+        self.command = None
+
+    def shut_down(self):
+        """Stop at once, forget all work, outputs safe. The position is no longer known."""
+        self.abort()
+        self.forget()
+        self.homed = False
+        self._call("release")
+        self.motors.release()
+
+    def raise_alarm(self, number, who=None):
+        """Stop, tool off. Only homing, or the user's word for it, leads out of it. `who`: for the log."""
+        command = self.command
+        if number in _ORDERLY:
+            self.drop_at_stand()
+            self.forget()
+        elif number == errors.ALARM_HARD_LIMIT or number == errors.ALARM_RESET:
+            self.abort()
+            self.forget()
+            self.homed = False
+            self._call("release")
+            self.switch_off()
+        else:
+            self.shut_down()
+        self.guarded = 0
+        self.alarm = number
+        self.note(number, who)
+        self.events.append(Event(ALARM, None, number))
+        if number in errors.NEED_RESET:
+            self.notice(errors.NOTICE_RESET_TO_CONTINUE)
+        if command is not None:
+            self.events.append(Event(REFUSED, command, errors.LOCKED))
+
+    def unlock(self):
+        self.guarded = 0
+        self.alarm = 0
+
+    def guard(self):
+        """Lock the machine, or let it go, as the link that commands is one of the guarded."""
+        if self.guarded and self.alarm in (0, errors.ALARM_LOCKED):
+            self.alarm = errors.ALARM_LOCKED if self.guarded >> self.commander & 1 else 0
+
+    def restart(self):
+        """Outputs, overrides and their like as after power-up."""
+        self._call("restart")
+
+    def restarted(self, command=None):
+        """Tell all links that the machine begins anew, by `command` or because it was switched on; an active limit locks
+        it, an open door holds it."""
+        limits = self.inputs.limits_hit()
+        if limits and not self.alarm:
+            self.guarded = 0
+            self.alarm = errors.ALARM_LOCKED
+        self.events.append(Event(RESTARTED, None, self.alarm, command))
+        if limits:
+            self.notice(errors.NOTICE_LIMITS)
+        if self.inputs.door_open() and not self.alarm:
+            self.carry_out(commands.DOOR)
+
+    def homing(self):
+        """It begins: what was stored is of places that count no more."""
+        self._call("homing")
+
+    def homing_failed(self, alarm):
+        """Alarm, and the machine begins anew, as grbl does: nothing is done of what was sent behind the homing."""
+        self.raise_alarm(alarm)
+        self.restart()
+        self.restarted()

@@ -1,0 +1,93 @@
+"""The switches that act by themselves, beside homing's work: hard limits, safety door, buttons."""
+
+from passo import commands, errors
+from passo.control import settings as table
+from passo.control.sensor import Sensor
+
+_BUTTONS = (("reset", commands.RESET), ("hold", commands.HOLD), ("resume", commands.RESUME))
+
+
+class Switches:
+    def __init__(self, board, machine, queue):
+        self._machine = machine
+        self._settings = settings = machine.settings
+        self._inputs = inputs = machine.inputs
+        self._levels = inputs.levels or self._look
+        self._sensors = []
+        self._settings_of = settings.version  # that the sensors are of
+        names = [item["name"] for item in board["inputs"]]
+        self._limits = [(name, self._sensor(name)) for _, name in inputs.limits]
+        self._buttons = [(name, kind, self._sensor(name)) for name, kind in _BUTTONS if name in names]
+        self._door = self._sensor("door") if inputs.door else None
+        self._watched = self._to_watch()
+        self._seen = -1  # their states at the last pass, a bit each
+        self._calm = False  # they are as the sensors have them: until one changes there is nothing to do
+        self._polled_ms = 0
+
+    def _sensor(self, name):
+        read = self._inputs.read
+        sensor = Sensor(lambda: read(name), self._settings.value(table.HOMING_DEBOUNCE))
+        self._sensors.append(sensor)
+        return sensor
+
+    def _to_watch(self):
+        """Names of the inputs that a pass has to look at."""
+        names = [name for name, _, _ in self._buttons]
+        if self._door is not None:
+            names.append("door")
+        if self._settings.value(table.HARD_LIMITS):
+            names += self._inputs.names
+        return names
+
+    def poll(self, now_ms):
+        seen = self._levels()
+        if seen != self._seen or not self._calm or self._settings_of != self._settings.version:
+            self._seen = seen
+            self._sample(now_ms)
+        self._polled_ms = now_ms
+
+    def _look(self):
+        seen = 0
+        input_of = self._inputs.input
+        for name in self._watched:
+            seen = seen << 1 | (1 if input_of(name) else 0)
+        return seen
+
+    def _sample(self, now_ms):
+        machine = self._machine
+        if self._calm:
+            for sensor in self._sensors:
+                sensor.pass_by(self._polled_ms)
+        if self._settings_of != self._settings.version:
+            self._settings_of = self._settings.version
+            self._watched = self._to_watch()
+            for sensor in self._sensors:
+                sensor.debounce_ms = self._settings.value(table.HOMING_DEBOUNCE)
+            for _, sensor in self._limits:
+                sensor.restart(now_ms)  # one that was hit before it was watched is no news
+        if self._door is not None:
+            before = self._door.active
+            self._door.sample(now_ms, 0)
+            if self._door.active and not before:
+                machine.carry_out(commands.DOOR)
+        for _, kind, sensor in self._buttons:
+            before = sensor.active
+            sensor.sample(now_ms, 0)
+            if sensor.active and not before:
+                machine.carry_out(kind)
+        self._poll_limits(now_ms)
+        self._calm = not any([sensor.pending for sensor in self._sensors])
+
+    def _poll_limits(self, now_ms):
+        if not self._settings.value(table.HARD_LIMITS):
+            return
+        machine = self._machine
+        watching = not machine.alarm and not machine.busy_with(commands.HOME)
+        hit = None
+        for name, sensor in self._limits:
+            before = sensor.active
+            sensor.sample(now_ms, 0)
+            if watching and sensor.active and not before and hit is None:
+                hit = name
+        if hit is not None:
+            machine.raise_alarm(errors.ALARM_HARD_LIMIT, hit)
