@@ -3,9 +3,9 @@
 GT2 belts on pulleys of 20 teeth at 1/16 step: 80 steps/mm. $30=1000: S1000 is full power, and M4 has it follow the
 speed.
 
-The tool's pin is exact to the step: it is high only where the beam may burn. The power's pin carries the PWM, whose duty
-changes with the step too, or within 2 ms of it where steps are slow. A laser with a single input gets both: the tool's pin through 1 kΩ to the input, and from the input
-a Schottky diode to the power's pin, its cathode at the pin.
+The tool's pin is exact to the step: it is high only while the beam may burn. The power's pin carries the PWM, whose duty
+changes with the step too, or within 2 ms of it if steps are slow. A laser with a single input gets both: the tool's pin through
+1 kΩ to the input, and from the input a Schottky diode to the power's pin, its cathode at the pin (docs/wiring.md).
 """
 
 BOARD = {
@@ -38,7 +38,7 @@ BOARD = {
     "speed": {"unit": "steps_per_s", "default": 8000, "min": 10, "max": 20000},
     "planning": {"junction_um": 10, "arc_um": 2},
     "spindle": {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 7, "pwm_hz": 5000, "laser": True,
-                "coolant_ms": 1000},  # the air assist or exhaust: after the door it has so much time before the beam
+                "coolant_ms": 1000},  # after the door: wait so long for the air assist or exhaust
     "idle_release_ms": 0,
     "store_points": 1000,
     "links": [

@@ -34,7 +34,7 @@ BOARD = {
         "port_bits": "76543210",
         "port_invert": 0x00,
     },
-    "spindle": {"spin_up_ms": 4000},  # where a door is added: the cut goes on only when the spindle is there again
+    "spindle": {"spin_up_ms": 4000},  # if a door is added: cutting waits so long for the spindle
     "idle_release_ms": 0,
     "store_points": 10,
     "links": [

@@ -29,8 +29,8 @@ BOARD = {
         "pull_off_steps": 40,
         "debounce_ms": 5,
     },
-    # half_period_us as the table of 2014 behaved: a dominant step lasts two half periods and the packet loop's own
-    # time. Machines without that history say "steps_per_s", which is the speed along the path.
+    # half_period_us as the table of 2014 behaved: a step of the axis with most steps lasts two half periods and
+    # overhead_us, the time of its packet loop. Other machines say "steps_per_s", the speed along the path.
     "speed": {"unit": "half_period_us", "default": 1000, "min": 200, "max": 20000, "overhead_us": 225},
     "jog": {"steps": 10, "up": "y+"},
     "idle_release_ms": 5000,

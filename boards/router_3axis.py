@@ -17,7 +17,7 @@ BOARD = {
         {"name": "z", "pins": [4, 7], "steps_per_m": 400000, "travel_steps": 32000, "max_mm_min": 1500,
          "accel_mm_s2": 150},
     ],
-    # The spindle's relay, or the input of its inverter. "on_ms" would have every M3 and M4 wait for it.
+    # The spindle's relay, or the input of its inverter. "on_ms": M3 and M4 wait so long for it.
     "tool": {"pin": 8},
     # Switches to ground that open when hit: a broken wire reads as a hit.
     "inputs": [
@@ -26,7 +26,7 @@ BOARD = {
         {"name": "limit_z", "pin": 11, "active": 1, "pull": "up"},
         {"name": "probe", "pin": 12, "active": 0, "pull": "up"},
         {"name": "door", "pin": 13, "active": 0, "pull": "up"},
-        # The emergency stop, too: the steps end within microseconds of it, before any program has looked.
+        # The emergency stop's second contact: steps end within microseconds. The first one cuts the power.
         {"name": "stop", "pin": 27, "active": 1, "pull": "up", "halt": True},
         # Held at the start: the REPL instead of the machine.
         {"name": "repl", "pin": 26, "active": 0, "pull": "up"},
@@ -48,7 +48,7 @@ BOARD = {
     },
     "speed": {"unit": "steps_per_s", "default": 8000, "min": 10, "max": 26000},
     "planning": {"junction_um": 10, "arc_um": 2},
-    # After the door, or a spindle stopped in a hold, the cut goes on only when spindle and coolant are there again.
+    # After the door, or a spindle stopped in a hold, cutting waits so long for spindle and coolant.
     "spindle": {"max_rpm": 24000, "min_rpm": 0, "spin_up_ms": 4000, "coolant_ms": 1000},
     "idle_release_ms": 0,
     "store_points": 1000,

@@ -7,8 +7,8 @@ where it is set. The travels are only what the virtual machine needs.
 BOARD = {
     "name": "torch_manipulator",
     "chip": "rp2040",
-    # The drivers' inputs are switched on their minus side, so a low pin is an active one. Their EN is left open, which
-    # is how they are enabled, whoever steps them.
+    # The drivers' inputs are switched on their minus side, so a low pin is active. Their EN is left open: enabled, whoever
+    # steps them.
     "drive": {"kind": "step_dir", "pulse_us": 5, "setup_us": 20, "step_active": 0},
     "axes": [
         # pins: STEP DIR. A jog is 1 mm at 60 cm/min, until a host configures it.
@@ -17,21 +17,21 @@ BOARD = {
         {"name": "y", "pins": [3, 5], "steps_per_m": 83000, "travel_steps": 166000, "max_mm_min": 15000,
          "accel_mm_s2": 200, "jog_steps": 83, "jog_steps_s": 830, "reversed": True},
     ],
-    # The torch's contact, for languages that switch a tool; this machine's own leaves it off.
+    # The torch's contact, for languages that switch a tool; the torch's own language does not.
     "tool": {"pin": 6},
     "outputs": [
-        # Relays of X and Y: without power the original controller's signals reach the drivers. The panel's LED shows
-        # whose turn it is.
+        # Relays of X and Y: without power the original controller's signals reach the drivers. The panel's LED shows who
+        # has the motors.
         {"name": "relay_x", "pin": 10, "role": "ours"},
         {"name": "relay_y", "pin": 11, "role": "ours"},
         {"name": "led", "pin": 12, "role": "ours"},
     ],
-    # What takes the motors from the original controller: "command" (CONNECT, $MOTORS=1), until then motion is refused; or
-    # "motion", the first one of any language.
+    # What takes the motors from the original controller. "command": CONNECT or $MOTORS=1, motion is refused before. "motion":
+    # the first motion of any language.
     "changeover_by": "command",
     "changeover_ms": 20,
     "speed": {"unit": "steps_per_s", "default": 480, "min": 1, "max": 20000},
-    # True: each axis of a move speeds up and slows down within accel_mm_s2; False: one speed, as it always was.
+    # True: each axis of a move accelerates with accel_mm_s2; False: constant speed, as the original.
     "planning": {"independent_ramps": False},
     "idle_release_ms": 0,
     "store_points": 100,

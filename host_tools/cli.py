@@ -39,7 +39,7 @@ Try this first, without any hardware:
 passo VERB --help has examples. With a board: passo ports, then passo flash.\
 """
 
-app = typer.Typer(add_completion=False, pretty_exceptions_enable=False)
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
 
 
 def _show_version(wanted: bool):

@@ -106,44 +106,67 @@ def _default(rule, must):
 
 
 def pins():
-    """A table of each board file's pins, in their order."""
+    """Of each board file the pins in their order, and for a Pico where they are on its edges; boards that are alike together."""
     from passo.control.boardfile import check
 
     from host_tools import boards
 
-    rows = []
+    found = {}  # the rows of a board: names of the boards that have them
     for name in boards.names():
         board = check(boards.load(name))
-        rows += ["", f"### {name}", "", f"| {board['chip']} | goes to |", "| --- | --- |"]
-        prefix = "GPIO" if board["chip"].startswith("esp32") else "GP"
-        rows += [f"| {prefix}{pin} | {what} |" for pin, what in sorted(_pins(board))]
+        esp32 = board["chip"].startswith("esp32")
+        uses = sorted(_pins(board))
+        picture = () if esp32 else _pico({pin: short for pin, short, _ in uses})
+        table = [f"| {'GPIO' if esp32 else 'GP'}{pin} | {short}{about} |" for pin, short, about in uses]
+        found.setdefault((*picture, "| pin | goes to |", "| --- | --- |", *table), []).append(name)
+    rows = []
+    for lines, names in found.items():
+        rows += ["", f"### {', '.join(names)}", "", *lines]
     return rows[1:]
 
 
 def _pins(board):
+    """(pin, what it is, more about that) of each pin in use."""
     from passo.drives import pbl3770a, unipolar
 
     coils = {"step_dir": ("step", "dir"), "unipolar": unipolar.PINS, "pbl3770a": pbl3770a.PINS}[board["drive"]["kind"]]
     for axis in board["axes"]:
         for pin, coil in zip(axis["pins"], coils):
-            yield pin, f"motor {axis['name'].upper()}: {coil.upper()}"
-    yield board["tool"]["pin"], f"tool; {_active(board['tool'])}"
+            yield pin, f"motor {axis['name'].upper()} {coil.upper()}", ""
+    yield board["tool"]["pin"], "tool", _active(board["tool"])
     if board["spindle"]["pwm"]:
-        yield board["spindle"]["pin"], f"PWM of the tool's power, {board['spindle']['pwm_hz']} Hz"
+        yield board["spindle"]["pin"], "tool PWM", f", {board['spindle']['pwm_hz']} Hz"
     for item in board["inputs"]:
-        halt = ", halts" if item["halt"] else ""
-        yield item["pin"], f"input `{item['name']}`; {_active(item)}, pull-{item['pull']}{halt}"
+        yield item["pin"], f"in {item['name']}", f"{_active(item)}, pull-{item['pull']}{', halts' if item['halt'] else ''}"
     for item in board["outputs"]:
-        yield item["pin"], f"output `{item['name']}`; {_active(item)}"
+        yield item["pin"], f"out {item['name']}", _active(item)
     for link in board["links"]:
         if link["port"] != "usb":
-            about = f"link `{link['name']}`: {link['protocol']}, {link['baud']} baud"
-            yield link["tx"], f"{link['port'].upper()} TX, to the PC's RX; {about}"
-            yield link["rx"], f"{link['port'].upper()} RX, from the PC's TX"
+            uart = link["port"].upper()
+            yield link["tx"], f"{uart} TX", f", to the RX of the other side: {link['protocol']}, {link['baud']} baud"
+            yield link["rx"], f"{uart} RX", ", from the TX of the other side"
+
+
+# A Pico from above, USB at the top: pins 1 … 20 down the left side, 40 … 21 down the right one.
+_LEFT = "GP0 GP1 GND GP2 GP3 GP4 GP5 GND GP6 GP7 GP8 GP9 GND GP10 GP11 GP12 GP13 GND GP14 GP15".split()
+_RIGHT = "VBUS VSYS GND 3V3_EN 3V3 VREF GP28 GND GP27 GP26 RUN GP22 GND GP21 GP20 GP19 GP18 GND GP17 GP16".split()
+
+
+def _pico(uses):
+    """The lines of a drawing of a Pico. `uses`: {pin: text}."""
+    labels = {f"GP{pin}": text for pin, text in uses.items()}
+    width = max(len(text) for text in labels.values())
+    yield f"    {'':{width}}          ┌─ USB ─┐"
+    for number, (left, right) in enumerate(zip(_LEFT, _RIGHT), 1):
+        yield (
+            f"    {labels.get(left, ''):>{width}}  {left:>4} {number:2} │       │ {41 - number} {right:<6} {labels.get(right, '')}"
+        ).rstrip()
+    yield f"    {'':{width}}          └───────┘"
+    yield ""
 
 
 def _active(item):
-    return f"active {'high' if item['active'] else 'low'}"
+    return f", active {'high' if item['active'] else 'low'}"
 
 
 # --- settings

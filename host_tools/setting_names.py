@@ -16,9 +16,9 @@ _ANY_OR_0 = (0, 999_999.999)
 NAMES = {
     0: ("length of a step pulse", "µs", 3, 100),
     1: ("idle time until motors are released; 255: never", "ms", 0, 255),
-    2: ("step pulse low: x 1 + y 2 + z 4 + a 8", "", 0, None),
-    3: ("direction high forwards: likewise", "", 0, None),
-    4: ("drivers enabled by high", "", 0, 1),
+    2: ("step pulse low: mask, x 1 + y 2 + z 4 + a 8", "", 0, None),
+    3: ("direction pin high in + direction: mask", "", 0, None),
+    4: ("enable pin high when drivers are on", "", 0, 1),
     5: ("limit inputs active when high", "", 0, 1),
     6: ("probe active when high", "", 0, 1),
     10: ("status report: 1 machine position, 2 buffer", "", 0, 255),
@@ -27,8 +27,8 @@ NAMES = {
     13: ("reports are in inches", "", 0, 1),
     20: ("soft limits: no target beyond the travel", "", 0, 1),
     21: ("hard limits: a limit input stops the machine", "", 0, 1),
-    22: ("homing, asked for at the start", "", 0, 1),
-    23: ("homes at the negative end: likewise", "", 0, None),
+    22: ("homing; locked at the start until homed", "", 0, 1),
+    23: ("homes at the negative end: mask", "", 0, None),
     24: ("homing: speed to locate the switch", "mm/min", *_ANY),
     25: ("homing: speed to seek the switch", "mm/min", *_ANY),
     26: ("homing: time a switch may bounce", "ms", 0, 1000),
@@ -36,7 +36,7 @@ NAMES = {
     30: ("spindle: highest speed", "rpm", *_ANY),
     31: ("spindle: lowest speed", "rpm", *_ANY_OR_0),
     32: ("laser mode", "", 0, 1),
-    140: ("speed up to which nothing is ramped", "mm/min", *_ANY_OR_0),
+    140: ("speed up to which there is no ramp", "mm/min", *_ANY_OR_0),
     141: ("jerk limit along the path: S-curves; 0: none", "mm/s³", *_ANY_OR_0),
 }
 AXIS_NAMES = {

@@ -30,35 +30,21 @@ SEQUENCES = {
     ("passo/ports/usb_line.py", "self._said"): "the first bytes said",
     ("passo/ports/esp32/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",
     ("passo/ports/rp2/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",
-    # Registers of the chip, as words from the address that the name stands for: the datasheet's order.
+    # Pointers to one register, or to a table.
     ("passo/ports/rp2/beam_player.py", "compare"): "a PWM slice's CC",
-    ("passo/ports/rp2/beam_player.py", ""): "a DMA channel",
-    ("passo/ports/rp2/pio_player.py", ""): "a PIO block, a state machine, a DMA channel",
-    ("passo/ports/rp2/pio_player.py", "a"): "a DMA channel",
     ("passo/ports/rp2/pio_player.py", "abort"): "CHAN_ABORT",
-    ("passo/ports/rp2/pio_player.py", "b"): "a DMA channel",
-    ("passo/ports/rp2/pio_player.py", "c"): "a DMA channel",
-    ("passo/ports/rp2/pio_player.py", "channel"): "a DMA channel",
-    ("passo/ports/rp2/pio_player.py", "flip"): "a state machine, bits turned over",
-    ("passo/ports/rp2/pio_player.py", "pio"): "a PIO block",
-    ("passo/ports/rp2/pio_player.py", "sm"): "a state machine",
-    ("passo/ports/rp2/port.py", ""): "GPIO",
+    ("passo/ports/rp2/pio_player.py", ""): "the first run of a table",
+    ("passo/ports/rp2/port.py", ""): "GPIO_IN",
     ("passo/ports/rp2/port.py", "inputs"): "GPIO_IN",
-    ("passo/ports/rp2/timer_player.py", ""): "a PIO block, a state machine",
-    ("passo/ports/rp2/timer_player.py", "flip"): "a state machine, bits turned over",
     ("passo/ports/rp2/timer_player.py", "pins"): "GPIO_OUT",
-    ("passo/ports/rp2/timer_player.py", "pio"): "a PIO block",
-    ("passo/ports/rp2/timer_player.py", "sm"): "a state machine",
     ("passo/ports/rp2/timer_player.py", "toggle"): "GPIO_OUT_XOR",
 }
 BARE_FILES = {"passo/ports/rp2/flash_scan.py"}  # to be emptied: the interpreter's objects in memory
 
 # To be emptied: {name without its underscore: value} of constants that stand in several modules.
 TWICE = {
-    "INCHES": 13, "LASER": 32, "LATER": -1, "LEAD_TICKS": 375_000, "LONGEST": 80,
-    "MASK": 10, "MAX_RPM": 30, "NM_PER_M": 1_000_000_000, "NUMBER": 2, "TIME_MASK": 0x1FFFFFFF,
-    "ARMED": 20, "CHANNELS": 17, "D": 5, "HELD": 23, "PIO": 0,
-    "PLAYED": 22, "PLAYING": 19, "RUNS": 64, "SLOT": 21, "SM": 1,
+    "INCHES": 13, "LASER": 32, "LATER": -1, "LEAD_TICKS": 375_000, "LONGEST": 80, "MAX_RPM": 30,
+    "NM_PER_M": 1_000_000_000, "TIME_MASK": 0x1FFFFFFF,
 }  # fmt: skip
 
 # To be emptied: files and functions that are too long.

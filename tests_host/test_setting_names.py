@@ -24,7 +24,7 @@ def test_lines_with_what_they_mean():
     lines = ["$3=1", "$11=0.010", "$100=320.000", "$101=320.000", "$112=1500.000", "$N0=G54", "G10L2P2X1.000Y0.000", "$777=1"]
     shown = setting_names.table(lines)
     assert [text.split("  ")[0].strip() for text in shown] == lines
-    assert "direction high forwards" in shown[0] and shown[0].endswith("0 … 3")
+    assert "direction pin high" in shown[0] and shown[0].endswith("0 … 3")
     assert "mm " in shown[1] and shown[1].endswith("0 … 10")
     assert "x: steps per millimetre" in shown[2] and "steps/mm" in shown[2] and shown[2].endswith("0.001 … 100000")
     assert "z: highest speed" in shown[4] and shown[4].split()[-4:] == ["mm/min", "0.001", "…", "999999.999"]

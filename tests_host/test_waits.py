@@ -8,6 +8,10 @@ import types
 import pytest
 
 from host_tools.build import FIRMWARE
+from passo.ports.rp2.fields import (
+    PIO_A, PIO_ABORT, PIO_ADDRESSES, PIO_B, PIO_BITS, PIO_BLOCK, PIO_BUSY, PIO_C, PIO_CHANNELS, PIO_COUNTS, PIO_D,
+    PIO_FIRST, PIO_MACHINE, PIO_MASK, PIO_PLAYING, PIO_STUCK, PIO_WORDS,
+)  # fmt: skip
 
 pytestmark = pytest.mark.quick
 PORTS = FIRMWARE / "passo" / "ports"
@@ -51,11 +55,12 @@ def player(monkeypatch):
         source = (PORTS / "rp2" / "pio_player.py").read_text(encoding="utf-8")
         exec(source, names)
         state = [0] * 32
-        for name, value in {"_PIO": 0x50200000, "_SM": 0x502000C8, "_A": 0x50000000, "_B": 0x50000040, "_C": 0x50000080,
-                            "_D": 0x50000000, "_COUNTS": 0x20001000, "_ADDRESSES": 0x20001100, "_WORDS": 0x20002000,
-                            "_ABORT": ABORT, "_MASK": 4095, "_CHANNELS": CHANNELS, "_BUSY": BUSY, "_BITS": 9,
-                            "_FIRST": 20, "_PLAYING": 1}.items():  # fmt: skip
-            state[names[name]] = value
+        for field, value in {
+            PIO_BLOCK: 0x50200000, PIO_MACHINE: 0x502000C8, PIO_A: 0x50000000, PIO_B: 0x50000040, PIO_C: 0x50000080,
+            PIO_D: 0x50000000, PIO_COUNTS: 0x20001000, PIO_ADDRESSES: 0x20001100, PIO_WORDS: 0x20002000, PIO_ABORT: ABORT,
+            PIO_MASK: 4095, PIO_CHANNELS: CHANNELS, PIO_BUSY: BUSY, PIO_BITS: 9, PIO_FIRST: 20, PIO_PLAYING: 1,
+        }.items():  # fmt: skip
+            state[field] = value
         return types.SimpleNamespace(**names), state
 
     return make
@@ -69,14 +74,14 @@ def test_channels_that_stop_are_waited_for(player):
     looks = iter([CHANNELS, CHANNELS, 0b100] + [0] * 100)
     module, state = player({ABORT: looks.__next__})
     module._still(state)
-    assert next(looks) == 0 and not state[module._STUCK]
+    assert next(looks) == 0 and not state[PIO_STUCK]
 
 
 @pytest.mark.parametrize("name", ["_still", "_quiet", "_halt", "_stop"])
 def test_channels_that_never_stop_are_given_up(player, name):
     module, state = player(NEVER_STOPS)
     getattr(module, name)(state)
-    assert state[module._STUCK]
+    assert state[PIO_STUCK]
 
 
 @pytest.mark.parametrize("name, more", [("_count", ()), ("_played", ()), ("_halt", ()), ("_stop", ()), ("_busy", (5,)),
@@ -84,7 +89,7 @@ def test_channels_that_never_stop_are_given_up(player, name):
 def test_a_place_that_never_settles_is_given_up(player, name, more):
     module, state = player({**NEVER_THE_SAME, ABORT: lambda: 0})
     getattr(module, name)(state, *more)
-    assert state[module._STUCK]
+    assert state[PIO_STUCK]
 
 
 def test_a_player_that_is_stuck_plays_nothing_and_says_so(player):

@@ -21,27 +21,21 @@ from machine import mem32
 from micropython import const
 
 from passo.ports.rp2 import chip
+from passo.ports.rp2.fields import (
+    PIO_ARMED, PIO_CHANNELS, PIO_D, PIO_HELD, PIO_MASK, PIO_PLAYED, PIO_PLAYING, PIO_RUNS, PIO_SLOT,
+)  # fmt: skip
 from passo.ports.rp2.pio_player import PioPlayer, append
+from passo.ports.rp2.registers import CHANNEL_READ
 from passo.records import (
     COUNT_HALF, COUNT_MASK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_SIZE, POWER_TAIL, POWER_WORD,
 )  # fmt: skip
 
 _AHEAD = const(9)  # words handed over as a mark counts, its own included
-_RUNS = const(64)
 _TABLE = const(256)  # bytes: one number for each run
 _TABLE_RING = const(8)
 _CC = const(12)  # registers of a PWM slice
 _TOP = const(16)
 _SLICE = const(20)
-# Of the player's state, as pio_player.py has them.
-_D = const(5)
-_MASK = const(10)
-_CHANNELS = const(17)
-_PLAYING = const(19)
-_ARMED = const(20)
-_SLOT = const(21)
-_PLAYED = const(22)
-_HELD = const(23)
 # Addresses, in an array of our own.
 _DUTIES = const(0)
 _COMPARE = const(1)
@@ -68,32 +62,32 @@ class BeamPlayer(PioPlayer):
             size=2, inc_write=False, high_pri=True, ring_size=_TABLE_RING, ring_sel=False, chain_to=self._dma[1].channel
         )
         d.config(read=self._beam[_DUTIES], write=self._beam[_COMPARE], count=1, ctrl=ctrl)
-        self._state[_D] = 0x50000000 + 0x40 * d.channel
-        self._state[_CHANNELS] |= 1 << d.channel
+        self._state[PIO_D] = 0x50000000 + 0x40 * d.channel
+        self._state[PIO_CHANNELS] |= 1 << d.channel
 
     @micropython.native
     def show(self, level):  # ISR: no allocation
         """The power is `level`, 0 … 1000, at once. While words play that is for start() to see to, so that what D has been
         told before does not show again."""
         state = self._state
-        if state[_HELD] or state[_PLAYING] != 1 or self._ring.head == self.played():
+        if state[PIO_HELD] or state[PIO_PLAYING] != 1 or self._ring.head == self.played():
             _show(state, self._beam, level * self._full // 1000, 0)
 
     @micropython.native
     def start(self):  # ISR: no allocation
         """As PioPlayer.start(). The power that D has not been told of, or that is not the mark's any more, shows now."""
         state = self._state
-        if state[_HELD]:
+        if state[PIO_HELD]:
             return False
         power = self._power
         marks = power.marks
         mark = self._mark
-        if state[_PLAYING] != 1 or (mark - marks[POWER_TAIL]) & COUNT_MASK >= COUNT_HALF:
+        if state[PIO_PLAYING] != 1 or (mark - marks[POWER_TAIL]) & COUNT_MASK >= COUNT_HALF:
             mark = marks[POWER_TAIL]
         beam = self._beam
         if mark == marks[POWER_TAIL]:
             self._duty = power.level * self._full // 1000
-            _show(state, beam, self._duty, _RUNS)
+            _show(state, beam, self._duty, PIO_RUNS)
         head = self._ring.head
         last = marks[POWER_HEAD]
         dry = False
@@ -107,7 +101,7 @@ class BeamPlayer(PioPlayer):
                 break
             if append(state, word):
                 dry = True
-            if state[_ARMED] != word:  # no room for more runs
+            if state[PIO_ARMED] != word:  # no room for more runs
                 self._mark = mark
                 return dry
             self._duty = duty
@@ -123,9 +117,9 @@ def _show(state: ptr32, beam: ptr32, duty: int, runs: int):
     dark, also where the halt comes in between."""
     duty |= duty << 16  # for both outputs of the slice
     compare = ptr32(beam[_COMPARE])
-    if state[_HELD] == 0:
+    if state[PIO_HELD] == 0:
         compare[0] = duty
-    if state[_HELD]:
+    if state[PIO_HELD]:
         compare[0] = 0
     duties = ptr32(beam[_DUTIES])
     while runs:
@@ -139,17 +133,17 @@ def _tell(state: ptr32, beam: ptr32, word: int, before: int, duty: int) -> bool:
     because the ring ends among them, behind the first. False where they have been appended already."""
     duties = ptr32(beam[_DUTIES])
     slot = 0
-    armed = state[_PLAYED]
-    if state[_PLAYING] == 1:
-        slot = state[_SLOT]
-        armed = state[_ARMED]
+    armed = state[PIO_PLAYED]
+    if state[PIO_PLAYING] == 1:
+        slot = state[PIO_SLOT]
+        armed = state[PIO_ARMED]
     else:
-        ptr32(state[_D])[0] = beam[_DUTIES]
+        ptr32(state[PIO_D])[CHANNEL_READ] = beam[_DUTIES]
     count = (word - armed) & COUNT_MASK
     if count >= COUNT_HALF:
         return False
-    if count > state[_MASK] + 1 - (armed & state[_MASK]):
+    if count > state[PIO_MASK] + 1 - (armed & state[PIO_MASK]):
         duties[slot] = before << 16 | before
-        slot = (slot + 1) & (_RUNS - 1)
+        slot = (slot + 1) & (PIO_RUNS - 1)
     duties[slot] = duty << 16 | duty
     return True

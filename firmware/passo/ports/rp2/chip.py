@@ -13,6 +13,7 @@ import sys
 import machine
 from machine import Pin, mem32
 
+from passo.ports.rp2.registers import ALIAS_CLEAR
 from passo.records import TICKS_PER_S
 
 RP2350 = "RP2350" in sys.implementation._machine
@@ -27,7 +28,6 @@ BUSY = 1 << (26 if RP2350 else 24)  # of a DMA channel's control register
 _OUT_OVER = 12 if RP2350 else 8
 _IN_OVER = 16
 _INVERT = 1
-_CLEAR = 0x3000  # alias of a register that clears the bits written
 _NVIC_PRIORITY = 0xE000E400
 _TIMER_IRQ_3 = 3  # what machine.Timer runs in
 
@@ -57,4 +57,4 @@ def yield_timers():
 
 
 def stop_watchdog():
-    mem32[WATCHDOG + _CLEAR] = 1 << 30
+    mem32[WATCHDOG + ALIAS_CLEAR] = 1 << 30

@@ -22,38 +22,20 @@ import uctypes
 from micropython import const
 
 from passo.ports.rp2 import chip, programs
+from passo.ports.rp2.fields import (
+    PIO_A, PIO_ABORT, PIO_ADDRESSES, PIO_ARMED, PIO_B, PIO_BITS, PIO_BLOCK, PIO_BUSY, PIO_C, PIO_CHANNELS, PIO_COUNTS,
+    PIO_D, PIO_FIELDS, PIO_FIRST, PIO_HELD, PIO_MACHINE, PIO_MASK, PIO_NUMBER, PIO_PINS, PIO_PLAYED, PIO_PLAYING,
+    PIO_PULSE, PIO_RUNS, PIO_SLOT, PIO_STUCK, PIO_TOOL, PIO_WORDS,
+)  # fmt: skip
+from passo.ports.rp2.registers import (
+    ALIAS_CLEAR, ALIAS_SET, ALIAS_XOR, BLOCK_CTRL, BLOCK_FLEVEL, BLOCK_TXF, CHANNEL_CTRL, CHANNEL_CTRL_TRIG,
+    CHANNEL_READ, CHANNEL_READ_TRIG, MACHINE_ADDR, MACHINE_EXECCTRL, MACHINE_INSTR, MACHINE_PINCTRL,
+    MACHINE_SHIFTCTRL,
+)  # fmt: skip
 from passo.records import COUNT_MASK
 
-_RUNS = const(64)  # entries of each table; 64 words, so aligned to 256 bytes for the DMA's address ring
 _RUNS_RING = const(8)
 _SPARE = const(3)  # entries left free: two for the next append, one for the end mark
-
-# Fields of the state that the viper functions share; the first group does not change.
-_PIO = const(0)  # addresses: PIO block, state machine, DMA channels, tables, words
-_SM = const(1)
-_A = const(2)
-_B = const(3)
-_C = const(4)
-_D = const(5)  # of a player that has a fourth; else A's again
-_COUNTS = const(6)
-_ADDRESSES = const(7)
-_WORDS = const(8)
-_ABORT = const(9)
-_MASK = const(10)
-_NUMBER = const(11)  # of the state machine in its block
-_FIRST = const(12)  # address of the program
-_PULSE = const(13)  # pulse ticks − 2, for the program's ISR; −1 where there are no pulses
-_PINS = const(14)  # pin control: words' pins and pulse pins
-_TOOL = const(15)  # pin control: the tool's pin as the one to set
-_BITS = const(16)
-_CHANNELS = const(17)  # mask of them, for the abort register
-_BUSY = const(18)
-_PLAYING = const(19)  # 0 still, 1 playing, 2 the last word ends
-_ARMED = const(20)  # words of the ring that stand in the table, modulo 2²⁹
-_SLOT = const(21)  # the table's end mark
-_PLAYED = const(22)  # words played, while not playing
-_HELD = const(23)
-_STUCK = const(24)  # 1: a register that was waited for never came to its value
 
 # Looks at a register that should be right after two or three of them; as many take a fifth of a millisecond.
 _TRIES = const(1000)
@@ -73,21 +55,21 @@ class PioPlayer:
         self._machine = rp2.StateMachine(machine_id, program, jmp_pin=halt_pin)
         block, number = divmod(machine_id, 4)
         pio = 0x50200000 + 0x100000 * block
-        self._tables = bytearray(3 * 4 * _RUNS)
-        counts = (uctypes.addressof(self._tables) + 4 * _RUNS - 1) & ~(4 * _RUNS - 1)
+        self._tables = bytearray(3 * 4 * PIO_RUNS)
+        counts = (uctypes.addressof(self._tables) + 4 * PIO_RUNS - 1) & ~(4 * PIO_RUNS - 1)
         self._dma = [rp2.DMA() for _ in range(3)]
         channels = [0x50000000 + 0x40 * dma.channel for dma in self._dma]
         out = base | layout.bits << 20
-        self._state = array("I", [0] * 25)
+        self._state = array("I", [0] * PIO_FIELDS)
         for index, value in (
-            (_PIO, pio), (_SM, pio + 0xC8 + 0x18 * number), (_A, channels[0]), (_B, channels[1]), (_C, channels[2]),
-            (_D, channels[0]), (_ABORT, chip.ABORT),
-            (_COUNTS, counts), (_ADDRESSES, counts + 4 * _RUNS), (_WORDS, uctypes.addressof(ring.words)),
-            (_MASK, ring.mask), (_NUMBER, number), (_PULSE, pulse_ticks - 2 if pulse_ticks else 0xFFFFFFFF),
-            (_PINS, out | (base << 5 | layout.axes << 26 if pulse_ticks else 0)),
-            (_TOOL, out | base + layout.bits - 1 << 5 | 1 << 26), (_BITS, layout.bits),
-            (_CHANNELS, 1 << self._dma[0].channel | 1 << self._dma[1].channel | 1 << self._dma[2].channel),
-            (_BUSY, chip.BUSY),
+            (PIO_BLOCK, pio), (PIO_MACHINE, pio + 0xC8 + 0x18 * number), (PIO_A, channels[0]), (PIO_B, channels[1]), (PIO_C, channels[2]),
+            (PIO_D, channels[0]), (PIO_ABORT, chip.ABORT),
+            (PIO_COUNTS, counts), (PIO_ADDRESSES, counts + 4 * PIO_RUNS), (PIO_WORDS, uctypes.addressof(ring.words)),
+            (PIO_MASK, ring.mask), (PIO_NUMBER, number), (PIO_PULSE, pulse_ticks - 2 if pulse_ticks else 0xFFFFFFFF),
+            (PIO_PINS, out | (base << 5 | layout.axes << 26 if pulse_ticks else 0)),
+            (PIO_TOOL, out | base + layout.bits - 1 << 5 | 1 << 26), (PIO_BITS, layout.bits),
+            (PIO_CHANNELS, 1 << self._dma[0].channel | 1 << self._dma[1].channel | 1 << self._dma[2].channel),
+            (PIO_BUSY, chip.BUSY),
         ):  # fmt: skip
             self._state[index] = value
         self._set_up_dma(channels[0], 8 * block + number)
@@ -101,13 +83,13 @@ class PioPlayer:
         a, b, c = self._dma
         state = self._state
         a.config(
-            read=state[_WORDS], write=state[_PIO] + 0x10 + 4 * state[_NUMBER], count=0,
+            read=state[PIO_WORDS], write=state[PIO_BLOCK] + 0x10 + 4 * state[PIO_NUMBER], count=0,
             ctrl=a.pack_ctrl(size=2, inc_write=False, high_pri=True, treq_sel=request,
                              chain_to=b.channel if after_a is None else after_a),
         )  # fmt: skip
         for dma, table, register, after in (
-            (b, state[_ADDRESSES], 0x14, c.channel),  # A's address, which does not start it
-            (c, state[_COUNTS], 0x1C, c.channel),  # A's length, which does, unless it is 0
+            (b, state[PIO_ADDRESSES], 0x14, c.channel),  # A's address, which does not start it
+            (c, state[PIO_COUNTS], 0x1C, c.channel),  # A's length, which does, unless it is 0
         ):
             ctrl = dma.pack_ctrl(
                 size=2, inc_write=False, high_pri=True, ring_size=_RUNS_RING, ring_sel=False, chain_to=after
@@ -120,7 +102,7 @@ class PioPlayer:
 
     def hold(self, on):  # ISR: no allocation
         """While held, start() does nothing: not even one that was under way when an interrupt halted the player."""
-        self._state[_HELD] = on
+        self._state[PIO_HELD] = on
 
     def stop(self):
         """Play no further word after the one under way."""
@@ -146,227 +128,227 @@ class PioPlayer:
 @micropython.viper
 def _run(state: ptr32, instruction: int):
     """Have the state machine, enabled or not, carry out one instruction."""
-    ptr32(state[_SM])[4] = instruction
+    ptr32(state[PIO_MACHINE])[MACHINE_INSTR] = instruction
 
 
 @micropython.viper
 def _still(state: ptr32):
     """No DMA channel is active. None is enabled either: one that is aborted may set off the next (RP2350-E5). One that
     does not stop is left alone: the state machine does not run, and nothing is played any more."""
-    for field in range(_A, _D + 1):
+    for field in range(PIO_A, PIO_D + 1):
         channel = ptr32(state[field])
-        channel[4] = channel[4] & ~1
-    abort = ptr32(state[_ABORT])
-    abort[0] = state[_CHANNELS]
+        channel[CHANNEL_CTRL] = channel[CHANNEL_CTRL] & ~1
+    abort = ptr32(state[PIO_ABORT])
+    abort[0] = state[PIO_CHANNELS]
     tries = _TRIES
-    while abort[0] & state[_CHANNELS]:
+    while abort[0] & state[PIO_CHANNELS]:
         tries -= 1
         if tries == 0:
-            state[_STUCK] = 1
+            state[PIO_STUCK] = 1
             return
 
 
 @micropython.viper
 def _empty(state: ptr32):
     """The FIFO is empty: joining it otherwise and back does that."""
-    flip = ptr32(state[_SM] + 0x1000)
+    flip = ptr32(state[PIO_MACHINE] + ALIAS_XOR)
     join = 1
     join <<= 31
-    flip[2] = join
-    flip[2] = join
+    flip[MACHINE_SHIFTCTRL] = join
+    flip[MACHINE_SHIFTCTRL] = join
 
 
 @micropython.viper
 def _quiet(state: ptr32):
     """State machine off and restarted, its FIFO empty, no DMA channel active."""
-    bit = 1 << state[_NUMBER]
-    ptr32(state[_PIO] + 0x3000)[0] = bit
+    bit = 1 << state[PIO_NUMBER]
+    ptr32(state[PIO_BLOCK] + ALIAS_CLEAR)[BLOCK_CTRL] = bit
     _still(state)
     _empty(state)
-    ptr32(state[_PIO] + 0x2000)[0] = bit << 4 | bit << 8
+    ptr32(state[PIO_BLOCK] + ALIAS_SET)[BLOCK_CTRL] = bit << 4 | bit << 8
 
 
 @micropython.viper
 def _set_up(state: ptr32):
     """After the program has been loaded: pins low but not yet driven."""
-    sm = ptr32(state[_SM])
-    state[_FIRST] = (sm[1] >> 7) & 31
+    sm = ptr32(state[PIO_MACHINE])
+    state[PIO_FIRST] = (sm[MACHINE_EXECCTRL] >> 7) & 31
     _quiet(state)
-    sm[5] = state[_PINS]
+    sm[MACHINE_PINCTRL] = state[PIO_PINS]
     _put(state, 0)
-    _run(state, 0x6000 | state[_BITS])  # out(pins, bits)
+    _run(state, 0x6000 | state[PIO_BITS])  # out(pins, bits)
 
 
 @micropython.viper
 def _drive(state: ptr32):
     """The pins become outputs."""
-    _put(state, (1 << state[_BITS]) - 1)
-    _run(state, 0x6080 | state[_BITS])  # out(pindirs, bits)
+    _put(state, (1 << state[PIO_BITS]) - 1)
+    _run(state, 0x6080 | state[PIO_BITS])  # out(pindirs, bits)
 
 
 @micropython.viper
 def _put(state: ptr32, value: int):
     """Bring `value` into the state machine's OSR; its FIFO is empty."""
-    ptr32(state[_PIO])[4 + state[_NUMBER]] = value
+    ptr32(state[PIO_BLOCK])[BLOCK_TXF + state[PIO_NUMBER]] = value
     _run(state, 0x8080)  # pull(noblock)
 
 
 @micropython.viper
 def _count(state: ptr32) -> int:
     """Words played, read off A, the FIFO and the state machine; read twice, until no word was just changing places."""
-    pio = ptr32(state[_PIO])
-    sm = ptr32(state[_SM])
-    a = ptr32(state[_A])
-    shift = state[_NUMBER] << 3
+    pio = ptr32(state[PIO_BLOCK])
+    sm = ptr32(state[PIO_MACHINE])
+    a = ptr32(state[PIO_A])
+    shift = state[PIO_NUMBER] << 3
     read = 0
     level = 0
     address = 0
     tries = _TRIES
     while tries:
-        read = a[0]
-        level = (pio[3] >> shift) & 15
-        address = sm[3]
-        if a[0] == read and (pio[3] >> shift) & 15 == level:
+        read = a[CHANNEL_READ]
+        level = (pio[BLOCK_FLEVEL] >> shift) & 15
+        address = sm[MACHINE_ADDR]
+        if a[CHANNEL_READ] == read and (pio[BLOCK_FLEVEL] >> shift) & 15 == level:
             break
         tries -= 1
     if tries == 0:
-        state[_STUCK] = 1
-    armed = state[_ARMED]  # after the address: an interrupt in between only makes it larger
-    left = (armed - ((read - state[_WORDS]) >> 2)) & state[_MASK]
-    if address == state[_FIRST] + 1:
+        state[PIO_STUCK] = 1
+    armed = state[PIO_ARMED]  # after the address: an interrupt in between only makes it larger
+    left = (armed - ((read - state[PIO_WORDS]) >> 2)) & state[PIO_MASK]
+    if address == state[PIO_FIRST] + 1:
         left += 1
     return (armed - left - level) & COUNT_MASK
 
 
 @micropython.viper
 def _played(state: ptr32) -> int:
-    if state[_PLAYING] == 1:
+    if state[PIO_PLAYING] == 1:
         return int(_count(state))
-    return state[_PLAYED]
+    return state[PIO_PLAYED]
 
 
 @micropython.viper
 def _busy(state: ptr32, head: int) -> bool:
-    if state[_PLAYING] == 0:
+    if state[PIO_PLAYING] == 0:
         return False
-    sm = ptr32(state[_SM])
-    if state[_PLAYING] == 1 and int(_count(state)) != head:
+    sm = ptr32(state[PIO_MACHINE])
+    if state[PIO_PLAYING] == 1 and int(_count(state)) != head:
         return True
-    return sm[3] != state[_FIRST]
+    return sm[MACHINE_ADDR] != state[PIO_FIRST]
 
 
 @micropython.viper
 def _halt(state: ptr32):
-    ptr32(state[_PIO] + 0x3000)[0] = 1 << state[_NUMBER]  # the state machine stands still from here
-    if state[_PLAYING] == 1:
-        state[_PLAYED] = int(_count(state))
-    state[_PLAYING] = 0
-    ptr32(state[_PIO] + 0x2000)[0] = 16 << state[_NUMBER]  # restart: no delay is left over
-    sm = ptr32(state[_SM])
-    if state[_PULSE] >= 0:
-        sm[4] = 0xE000  # set(pins, 0)
-    sm[5] = state[_TOOL]
-    sm[4] = 0xE000
-    sm[5] = state[_PINS]
+    ptr32(state[PIO_BLOCK] + ALIAS_CLEAR)[BLOCK_CTRL] = 1 << state[PIO_NUMBER]  # the state machine stands still from here
+    if state[PIO_PLAYING] == 1:
+        state[PIO_PLAYED] = int(_count(state))
+    state[PIO_PLAYING] = 0
+    ptr32(state[PIO_BLOCK] + ALIAS_SET)[BLOCK_CTRL] = 16 << state[PIO_NUMBER]  # restart: no delay is left over
+    sm = ptr32(state[PIO_MACHINE])
+    if state[PIO_PULSE] >= 0:
+        sm[MACHINE_INSTR] = 0xE000  # set(pins, 0)
+    sm[MACHINE_PINCTRL] = state[PIO_TOOL]
+    sm[MACHINE_INSTR] = 0xE000
+    sm[MACHINE_PINCTRL] = state[PIO_PINS]
     _still(state)  # the FIFO stays as it is: an interrupted `_count` must still come out right
 
 
 @micropython.viper
 def _stop(state: ptr32):
-    if state[_PLAYING] != 1:
+    if state[PIO_PLAYING] != 1:
         return
-    sm = ptr32(state[_SM])
-    bit = 1 << state[_NUMBER]
-    ptr32(state[_PIO] + 0x3000)[0] = bit
-    in_hand = 1 if sm[3] == state[_FIRST] + 1 else 0  # it will still be played
-    state[_PLAYED] = (int(_count(state)) + in_hand) & COUNT_MASK
-    state[_PLAYING] = 2
+    sm = ptr32(state[PIO_MACHINE])
+    bit = 1 << state[PIO_NUMBER]
+    ptr32(state[PIO_BLOCK] + ALIAS_CLEAR)[BLOCK_CTRL] = bit
+    in_hand = 1 if sm[MACHINE_ADDR] == state[PIO_FIRST] + 1 else 0  # it will still be played
+    state[PIO_PLAYED] = (int(_count(state)) + in_hand) & COUNT_MASK
+    state[PIO_PLAYING] = 2
     _still(state)
     _empty(state)
-    ptr32(state[_PIO] + 0x2000)[0] = bit
+    ptr32(state[PIO_BLOCK] + ALIAS_SET)[BLOCK_CTRL] = bit
 
 
 @micropython.viper
 def _rest(state: ptr32, value: int):
-    if state[_PLAYING] == 1:
-        state[_PLAYED] = int(_count(state))
-    state[_PLAYING] = 0
+    if state[PIO_PLAYING] == 1:
+        state[PIO_PLAYED] = int(_count(state))
+    state[PIO_PLAYING] = 0
     _quiet(state)
     _put(state, value)
-    _run(state, 0x6000 | state[_BITS])
+    _run(state, 0x6000 | state[PIO_BITS])
 
 
 @micropython.viper
 def _resume(state: ptr32):
     """From standing still, or from the last word's end, to playing; the table is empty and its end mark read."""
-    if state[_PLAYING] == 0:
+    if state[PIO_PLAYING] == 0:
         _quiet(state)
-        if state[_PULSE] >= 0:
-            _put(state, state[_PULSE])
+        if state[PIO_PULSE] >= 0:
+            _put(state, state[PIO_PULSE])
             _run(state, 0xA0C7)  # mov(isr, osr)
-        _run(state, state[_FIRST])  # jmp
-        ptr32(state[_PIO] + 0x2000)[0] = 1 << state[_NUMBER]
-    state[_ARMED] = state[_PLAYED]
-    next_word = state[_WORDS] + ((state[_PLAYED] & state[_MASK]) << 2)
-    state[_SLOT] = 0
-    ptr32(state[_A])[0] = next_word
-    ptr32(state[_ADDRESSES])[0] = next_word
-    ptr32(state[_COUNTS])[0] = 0
-    ptr32(state[_B])[0] = state[_ADDRESSES] + 4
-    ptr32(state[_C])[0] = state[_COUNTS] + 4
-    for field in range(_A, _D + 1):
+        _run(state, state[PIO_FIRST])  # jmp
+        ptr32(state[PIO_BLOCK] + ALIAS_SET)[BLOCK_CTRL] = 1 << state[PIO_NUMBER]
+    state[PIO_ARMED] = state[PIO_PLAYED]
+    next_word = state[PIO_WORDS] + ((state[PIO_PLAYED] & state[PIO_MASK]) << 2)
+    state[PIO_SLOT] = 0
+    ptr32(state[PIO_A])[CHANNEL_READ] = next_word
+    ptr32(state[PIO_ADDRESSES])[0] = next_word
+    ptr32(state[PIO_COUNTS])[0] = 0
+    ptr32(state[PIO_B])[CHANNEL_READ] = state[PIO_ADDRESSES] + 4
+    ptr32(state[PIO_C])[CHANNEL_READ] = state[PIO_COUNTS] + 4
+    for field in range(PIO_A, PIO_D + 1):
         channel = ptr32(state[field])
-        channel[4] = channel[4] | 1
-    state[_PLAYING] = 1
+        channel[CHANNEL_CTRL] = channel[CHANNEL_CTRL] | 1
+    state[PIO_PLAYING] = 1
 
 
 @micropython.viper
 def append(state: ptr32, head: int) -> bool:
-    if state[_STUCK]:
+    if state[PIO_STUCK]:
         raise STUCK  # the feeding interrupt catches it, and the main loop ends with it: outputs safe, a report
-    if state[_HELD]:
+    if state[PIO_HELD]:
         return False
     dry = False
-    if state[_PLAYING] != 1:
+    if state[PIO_PLAYING] != 1:
         _resume(state)
-    elif ptr32(state[_SM])[3] == state[_FIRST] and int(_count(state)) == state[_ARMED]:
+    elif ptr32(state[PIO_MACHINE])[MACHINE_ADDR] == state[PIO_FIRST] and int(_count(state)) == state[PIO_ARMED]:
         dry = True
-    counts = ptr32(state[_COUNTS])
-    addresses = ptr32(state[_ADDRESSES])
-    b = ptr32(state[_B])
-    c = ptr32(state[_C])
-    mask = state[_MASK]
-    first = state[_SLOT]
-    after = (first + 1) & (_RUNS - 1)
+    counts = ptr32(state[PIO_COUNTS])
+    addresses = ptr32(state[PIO_ADDRESSES])
+    b = ptr32(state[PIO_B])
+    c = ptr32(state[PIO_C])
+    mask = state[PIO_MASK]
+    first = state[PIO_SLOT]
+    after = (first + 1) & (PIO_RUNS - 1)
     ended = 0  # 1 once the chain has read the end mark in `first`: it has to be set going again
-    if ((c[0] - state[_COUNTS]) >> 2) & (_RUNS - 1) == after:
+    if ((c[CHANNEL_READ] - state[PIO_COUNTS]) >> 2) & (PIO_RUNS - 1) == after:
         ended = 1
-    count = (head - state[_ARMED]) & COUNT_MASK
+    count = (head - state[PIO_ARMED]) & COUNT_MASK
     while count:
-        slot = state[_SLOT]
-        waiting = (slot - ((c[0] - state[_COUNTS]) >> 2)) & (_RUNS - 1)
-        if waiting >= _RUNS - _SPARE and ended == 0:
+        slot = state[PIO_SLOT]
+        waiting = (slot - ((c[CHANNEL_READ] - state[PIO_COUNTS]) >> 2)) & (PIO_RUNS - 1)
+        if waiting >= PIO_RUNS - _SPARE and ended == 0:
             break
-        run = mask + 1 - (state[_ARMED] & mask)
+        run = mask + 1 - (state[PIO_ARMED] & mask)
         if run > count:
             run = count
-        armed = (state[_ARMED] + run) & COUNT_MASK
-        following = (slot + 1) & (_RUNS - 1)
-        addresses[following] = state[_WORDS] + ((armed & mask) << 2)
+        armed = (state[PIO_ARMED] + run) & COUNT_MASK
+        following = (slot + 1) & (PIO_RUNS - 1)
+        addresses[following] = state[PIO_WORDS] + ((armed & mask) << 2)
         counts[following] = 0
-        state[_ARMED] = armed
-        state[_SLOT] = following
+        state[PIO_ARMED] = armed
+        state[PIO_SLOT] = following
         counts[slot] = run  # last, over the end mark: from here on the chain may take it
         count -= run
-    if state[_SLOT] == first:
+    if state[PIO_SLOT] == first:
         return False
     if ended == 0:
         # The chain may have read the end mark just before it was replaced: then C stands behind it and A rests.
-        place = c[0]
-        active = (ptr32(state[_A])[3] | ptr32(state[_D])[3] | b[3] | c[3]) & state[_BUSY]
-        if ((place - state[_COUNTS]) >> 2) & (_RUNS - 1) == after and active == 0 and c[0] == place:
+        place = c[CHANNEL_READ]
+        active = (ptr32(state[PIO_A])[CHANNEL_CTRL_TRIG] | ptr32(state[PIO_D])[CHANNEL_CTRL_TRIG] | b[CHANNEL_CTRL_TRIG] | c[CHANNEL_CTRL_TRIG]) & state[PIO_BUSY]
+        if ((place - state[PIO_COUNTS]) >> 2) & (PIO_RUNS - 1) == after and active == 0 and c[CHANNEL_READ] == place:
             ended = 1
-    if ended and state[_HELD] == 0:
-        c[0] = state[_COUNTS] + (first << 2)
-        b[15] = state[_ADDRESSES] + (first << 2)
+    if ended and state[PIO_HELD] == 0:
+        c[CHANNEL_READ] = state[PIO_COUNTS] + (first << 2)
+        b[CHANNEL_READ_TRIG] = state[PIO_ADDRESSES] + (first << 2)
     return dry

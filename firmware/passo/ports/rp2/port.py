@@ -17,6 +17,7 @@ from micropython import const
 from passo.ports.chip_port import ChipPort
 from passo.ports.rp2 import chip
 from passo.ports.rp2 import kernels as thumb
+from passo.ports.rp2.registers import BLOCK_CTRL
 from passo.steps import kernels
 from passo.steps.wiring import inverted_pins, word_pins, word_times
 
@@ -44,7 +45,7 @@ class Guard:
             high = 1 if inputs[0] & mask else 0
             if high != int(item.level):
                 return  # a spike of noise is over by now: then nothing has happened
-            ptr32(0x50203000)[0] = 1  # the players' state machine: number 0 of block 0
+            ptr32(0x50203000)[BLOCK_CTRL] = 1  # the players' state machine: number 0 of block 0
         elif not item.active():
             return
         self._port.trip(item)

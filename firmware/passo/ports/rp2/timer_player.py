@@ -15,31 +15,20 @@ from machine import Pin
 from micropython import const
 
 from passo.ports.rp2 import chip, programs
+from passo.ports.rp2.fields import (
+    TIMER_ALL, TIMER_BITS, TIMER_BLOCK, TIMER_FIELDS, TIMER_FIRST, TIMER_GIVEN, TIMER_HELD, TIMER_INVERT,
+    TIMER_MACHINE, TIMER_MASK, TIMER_NUMBER, TIMER_PLAYED, TIMER_PLAYING, TIMER_SPIN, TIMER_STEPS, TIMER_TABLES,
+    TIMER_TOGGLE, TIMER_TOOL, TIMER_WORDS,
+)  # fmt: skip
+from passo.ports.rp2.registers import (
+    ALIAS_CLEAR, ALIAS_SET, ALIAS_XOR, BLOCK_CTRL, BLOCK_FLEVEL, BLOCK_IRQ, BLOCK_TXF, MACHINE_ADDR, MACHINE_EXECCTRL,
+    MACHINE_INSTR, MACHINE_SHIFTCTRL,
+)  # fmt: skip
 from passo.records import COUNT_MASK
 
 SHORTEST_TICKS = const(500)  # 40 µs
 
 _DEEP = const(6)  # words in the FIFO of eight
-
-# Fields of the state that the viper functions share; the first group does not change.
-_PIO = const(0)
-_SM = const(1)
-_NUMBER = const(2)
-_FIRST = const(3)
-_WORDS = const(4)
-_MASK = const(5)
-_BITS = const(6)
-_TABLES = const(7)  # from levels to pins: 128 entries for the low seven bits, 128 for those above
-_ALL = const(8)  # pins of all levels
-_STEPS = const(9)  # pins of the pulses
-_TOOL = const(10)  # pin of the tool
-_INVERT = const(11)  # pins whose level is the opposite of the word's
-_SPIN = const(12)  # turns of the loop that a pulse lasts, some twenty cycles each
-_PLAYING = const(13)
-_GIVEN = const(14)  # words given to the state machine, modulo 2²⁹
-_PLAYED = const(15)
-_HELD = const(16)
-_TOGGLE = const(17)  # address of the register that turns pins over
 
 
 class TimerPlayer:
@@ -65,16 +54,16 @@ class TimerPlayer:
         pulses = 0
         for bit in range(layout.bits):
             pulses |= (layout.pulse_mask >> bit & 1) << pins[bit]
-        self._state = array("I", [0] * 18)
+        self._state = array("I", [0] * TIMER_FIELDS)
         for index, value in (
-            (_PIO, pio), (_SM, pio + 0xC8 + 0x18 * number), (_NUMBER, number), (_WORDS, uctypes.addressof(ring.words)),
-            (_MASK, ring.mask), (_BITS, layout.bits), (_TABLES, uctypes.addressof(self._tables)), (_ALL, 0),
-            (_STEPS, pulses), (_TOOL, 1 << pins[-1]), (_INVERT, inverted), (_SPIN, pulse_ticks * cycles // 16),
-            (_TOGGLE, chip.TOGGLE),
+            (TIMER_BLOCK, pio), (TIMER_MACHINE, pio + 0xC8 + 0x18 * number), (TIMER_NUMBER, number),
+            (TIMER_WORDS, uctypes.addressof(ring.words)), (TIMER_MASK, ring.mask), (TIMER_BITS, layout.bits),
+            (TIMER_TABLES, uctypes.addressof(self._tables)), (TIMER_ALL, 0), (TIMER_STEPS, pulses), (TIMER_TOOL, 1 << pins[-1]),
+            (TIMER_INVERT, inverted), (TIMER_SPIN, pulse_ticks * cycles // 16), (TIMER_TOGGLE, chip.TOGGLE),
         ):  # fmt: skip
             self._state[index] = value
         for bit in range(layout.bits):
-            self._state[_ALL] |= 1 << pins[bit]
+            self._state[TIMER_ALL] |= 1 << pins[bit]
             Pin(pins[bit], Pin.OUT, value=invert >> bit & 1)
         _set_up(self._state)
         self._machine.irq(self._begun, hard=True)
@@ -83,35 +72,35 @@ class TimerPlayer:
     def _begun(self, machine):  # ISR: no allocation
         state = ptr32(self._state)
         head = int(self._ring.head)
-        if state[_PLAYING] != 1:
+        if state[TIMER_PLAYING] != 1:
             return
-        words = ptr32(state[_WORDS])
-        table = ptr32(state[_TABLES])
+        words = ptr32(state[TIMER_WORDS])
+        table = ptr32(state[TIMER_TABLES])
         pins = ptr32(0xD0000010)
-        toggle = ptr32(state[_TOGGLE])
-        pio = ptr32(state[_PIO])
-        shift = state[_NUMBER] << 3
-        mask = state[_MASK]
-        played = state[_PLAYED]
-        given = state[_GIVEN]
-        level = (pio[3] >> shift) & 15
+        toggle = ptr32(state[TIMER_TOGGLE])
+        pio = ptr32(state[TIMER_BLOCK])
+        shift = state[TIMER_NUMBER] << 3
+        mask = state[TIMER_MASK]
+        played = state[TIMER_PLAYED]
+        given = state[TIMER_GIVEN]
+        level = (pio[BLOCK_FLEVEL] >> shift) & 15
         while (given - level - played) & COUNT_MASK:  # usually one word; more where the interrupt came late
             word = words[played & mask]
-            want = (table[word & 127] | table[128 + ((word >> 7) & 127)]) ^ state[_INVERT]
-            toggle[0] = (pins[0] ^ want) & state[_ALL]
+            want = (table[word & 127] | table[128 + ((word >> 7) & 127)]) ^ state[TIMER_INVERT]
+            toggle[0] = (pins[0] ^ want) & state[TIMER_ALL]
             played = (played + 1) & COUNT_MASK
-            state[_PLAYED] = played
-            if state[_STEPS]:
-                spin = state[_SPIN]
+            state[TIMER_PLAYED] = played
+            if state[TIMER_STEPS]:
+                spin = state[TIMER_SPIN]
                 while spin > 0:
                     spin -= 1
-                toggle[0] = (pins[0] ^ state[_INVERT]) & state[_STEPS]
-            level = (pio[3] >> shift) & 15
+                toggle[0] = (pins[0] ^ state[TIMER_INVERT]) & state[TIMER_STEPS]
+            level = (pio[BLOCK_FLEVEL] >> shift) & 15
         while given != head and level < _DEEP:
-            pio[4 + state[_NUMBER]] = words[given & mask]
+            pio[BLOCK_TXF + state[TIMER_NUMBER]] = words[given & mask]
             given = (given + 1) & COUNT_MASK
             level += 1
-        state[_GIVEN] = given
+        state[TIMER_GIVEN] = given
 
     def start(self):  # ISR: no allocation
         """Play from the ring what is published there; call it again when there is more."""
@@ -119,7 +108,7 @@ class TimerPlayer:
 
     def hold(self, on):  # ISR: no allocation
         """While held, start() does nothing: not even one that was under way when an interrupt halted the player."""
-        self._state[_HELD] = on
+        self._state[TIMER_HELD] = on
 
     def stop(self):
         """Play no further word after the one under way."""
@@ -144,89 +133,89 @@ class TimerPlayer:
 
 @micropython.viper
 def _set_up(state: ptr32):
-    sm = ptr32(state[_SM])
-    state[_FIRST] = (sm[1] >> 7) & 31
+    sm = ptr32(state[TIMER_MACHINE])
+    state[TIMER_FIRST] = (sm[MACHINE_EXECCTRL] >> 7) & 31
 
 
 @micropython.viper
 def _show(state: ptr32, levels: int):
     """Put the levels of a word on the pins: those that change, all at once."""
-    table = ptr32(state[_TABLES])
+    table = ptr32(state[TIMER_TABLES])
     pins = ptr32(0xD0000010)
-    toggle = ptr32(state[_TOGGLE])
-    want = (table[levels & 127] | table[128 + ((levels >> 7) & 127)]) ^ state[_INVERT]
-    toggle[0] = (pins[0] ^ want) & state[_ALL]
+    toggle = ptr32(state[TIMER_TOGGLE])
+    want = (table[levels & 127] | table[128 + ((levels >> 7) & 127)]) ^ state[TIMER_INVERT]
+    toggle[0] = (pins[0] ^ want) & state[TIMER_ALL]
 
 
 @micropython.viper
 def _start(state: ptr32, head: int):
-    number = state[_NUMBER]
-    if state[_HELD]:
+    number = state[TIMER_NUMBER]
+    if state[TIMER_HELD]:
         return
-    if state[_PLAYING] == 0:
+    if state[TIMER_PLAYING] == 0:
         _still(state)
-        state[_GIVEN] = state[_PLAYED]
-        ptr32(state[_SM])[4] = state[_FIRST]  # jmp
-        ptr32(state[_PIO] + 0x2000)[0] = 1 << number
-    if state[_PLAYING] == 2:
-        state[_GIVEN] = state[_PLAYED]
-    state[_PLAYING] = 1
-    given = state[_GIVEN]
-    if given == state[_PLAYED] and given != head and state[_HELD] == 0:
+        state[TIMER_GIVEN] = state[TIMER_PLAYED]
+        ptr32(state[TIMER_MACHINE])[MACHINE_INSTR] = state[TIMER_FIRST]  # jmp
+        ptr32(state[TIMER_BLOCK] + ALIAS_SET)[BLOCK_CTRL] = 1 << number
+    if state[TIMER_PLAYING] == 2:
+        state[TIMER_GIVEN] = state[TIMER_PLAYED]
+    state[TIMER_PLAYING] = 1
+    given = state[TIMER_GIVEN]
+    if given == state[TIMER_PLAYED] and given != head and state[TIMER_HELD] == 0:
         # None is left to raise the interrupt. It takes over with this one, before the next line here.
-        state[_GIVEN] = (given + 1) & COUNT_MASK
-        ptr32(state[_PIO])[4 + number] = ptr32(state[_WORDS])[given & state[_MASK]]
+        state[TIMER_GIVEN] = (given + 1) & COUNT_MASK
+        ptr32(state[TIMER_BLOCK])[BLOCK_TXF + number] = ptr32(state[TIMER_WORDS])[given & state[TIMER_MASK]]
 
 
 @micropython.viper
 def _still(state: ptr32):
     """State machine off and restarted, FIFO and interrupt cleared."""
-    bit = 1 << state[_NUMBER]
-    ptr32(state[_PIO] + 0x3000)[0] = bit
+    bit = 1 << state[TIMER_NUMBER]
+    ptr32(state[TIMER_BLOCK] + ALIAS_CLEAR)[BLOCK_CTRL] = bit
     _empty(state)
-    ptr32(state[_PIO] + 0x2000)[0] = bit << 4 | bit << 8
-    ptr32(state[_PIO])[12] = bit
+    ptr32(state[TIMER_BLOCK] + ALIAS_SET)[BLOCK_CTRL] = bit << 4 | bit << 8
+    ptr32(state[TIMER_BLOCK])[BLOCK_IRQ] = bit
 
 
 @micropython.viper
 def _empty(state: ptr32):
     """The FIFO is empty: joining it otherwise and back does that."""
-    flip = ptr32(state[_SM] + 0x1000)
+    flip = ptr32(state[TIMER_MACHINE] + ALIAS_XOR)
     join = 1
     join <<= 31
-    flip[2] = join
-    flip[2] = join
+    flip[MACHINE_SHIFTCTRL] = join
+    flip[MACHINE_SHIFTCTRL] = join
 
 
 @micropython.viper
 def _halt(state: ptr32):
-    ptr32(state[_PIO] + 0x3000)[0] = 1 << state[_NUMBER]
-    state[_PLAYING] = 0
+    ptr32(state[TIMER_BLOCK] + ALIAS_CLEAR)[BLOCK_CTRL] = 1 << state[TIMER_NUMBER]
+    state[TIMER_PLAYING] = 0
     pins = ptr32(0xD0000010)
-    toggle = ptr32(state[_TOGGLE])
-    toggle[0] = (pins[0] ^ state[_INVERT]) & (state[_STEPS] | state[_TOOL])
+    toggle = ptr32(state[TIMER_TOGGLE])
+    toggle[0] = (pins[0] ^ state[TIMER_INVERT]) & (state[TIMER_STEPS] | state[TIMER_TOOL])
 
 
 @micropython.viper
 def _stop(state: ptr32):
-    if state[_PLAYING] != 1:
+    if state[TIMER_PLAYING] != 1:
         return
-    state[_PLAYING] = 2
-    bit = 1 << state[_NUMBER]
-    ptr32(state[_PIO] + 0x3000)[0] = bit
+    state[TIMER_PLAYING] = 2
+    bit = 1 << state[TIMER_NUMBER]
+    ptr32(state[TIMER_BLOCK] + ALIAS_CLEAR)[BLOCK_CTRL] = bit
     _empty(state)
-    ptr32(state[_PIO] + 0x2000)[0] = bit
+    ptr32(state[TIMER_BLOCK] + ALIAS_SET)[BLOCK_CTRL] = bit
 
 
 @micropython.viper
 def _busy(state: ptr32, head: int) -> bool:
-    if state[_PLAYING] == 0:
+    if state[TIMER_PLAYING] == 0:
         return False
-    if state[_PLAYING] == 1 and state[_PLAYED] != head:
+    if state[TIMER_PLAYING] == 1 and state[TIMER_PLAYED] != head:
         return True
-    return ptr32(state[_SM])[3] != state[_FIRST]
+    return ptr32(state[TIMER_MACHINE])[MACHINE_ADDR] != state[TIMER_FIRST]
 
 
 @micropython.viper
 def _played(state: ptr32) -> int:
-    return state[_PLAYED]
+    return state[TIMER_PLAYED]
