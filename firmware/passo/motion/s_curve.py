@@ -92,6 +92,7 @@ def cut_s_curve(rows, at, state, walker, left, percent, hold):  # ISR: no alloca
         elif state[S_CURVE_WAY] == _REST_TO_REST:
             state[RAMP_TICKS] = rest_to_rest(state)
         end(rows, at, state)
+        finish(rows, at, state)
         if not state[RAMP_TICKS]:
             stop(state)
 
@@ -179,9 +180,8 @@ def set_pace(rows, at, state):  # ISR: no allocation
 
 
 def end(rows, at, state):  # ISR: no allocation
-    """How fast the segment ends, and how long it takes; 0: stop() has to say."""
+    """What choose() has found, or what comes before it: the block's planned end, a stand, the speed wanted."""
     q = state[RAMP_Q]
-    speed = state[RAMP_V]
     cap = state[RAMP_CAP]
     high = state[RAMP_HIGH]
     change = state[RAMP_CHANGE]
@@ -229,16 +229,31 @@ def end(rows, at, state):  # ISR: no allocation
     elif not state[S_CURVE_BRAKES] and abs(b) <= state[S_CURVE_GROW] and abs(aim - cap) <= cap >> 10 and abs(cap - q) <= change:
         aim = cap
         b = 0
+    if aim != state[S_CURVE_AIM]:
+        state[S_CURVE_AIM] = aim
+        state[S_CURVE_SPEED] = -1
+    state[S_CURVE_B] = b
+    state[RAMP_TICKS] = ticks
+
+
+def finish(rows, at, state):  # ISR: no allocation
+    """The segment ends with S_CURVE_AIM and S_CURVE_B: its speed there, and its ticks if nobody knows them yet; 0: stop() has to
+    say."""
+    q = state[RAMP_Q]
+    speed = state[RAMP_V]
+    aim = state[S_CURVE_AIM]
+    b = state[S_CURVE_B]
+    ticks = state[RAMP_TICKS]
     after = state[S_CURVE_SPEED]
-    if aim != state[S_CURVE_AIM] or after < 0:
+    if after < 0:
         after = root_of(aim, speed)
     if b < 0 and (b * b >> 7) > after:
-        b = -(root_of(after << 7, abs(state[S_CURVE_B]) << 7) >> 7)
+        b = -(root_of(after << 7, -b << 7) >> 7)
     if not ticks:
         if not aim:
             if not state[S_CURVE_FIRST]:
                 step_from_rest(rows[at + ROW_GAIN], state)  # stop() is next
-        elif q == aim == cap and rows[at + ROW_KIND] == LINE and q == rows[at + ROW_TOP] * rows[at + ROW_TOP]:
+        elif q == aim == state[RAMP_CAP] and rows[at + ROW_KIND] == LINE and q == rows[at + ROW_TOP] * rows[at + ROW_TOP]:
             steps = state[RAMP_STEPS]
             rest = state[RAMP_CARRY] + steps * rows[at + ROW_TICKS_REST]
             state[RAMP_CARRY] = rest % state[RAMP_TOTAL]

@@ -50,8 +50,7 @@ def step_ticks(span: int, speed: int) -> int:  # ISR: no allocation
 
 
 def need(state, fast, b):  # ISR: no allocation
-    """End at the speed `fast` with b: the way to slow down to the block's end then, in the units of `_ROOM`. `_ABOVE`: how
-    much speed too much it is."""
+    """Room, as S_CURVE_ROOM, to slow down to the block's end from the speed `fast` with b. S_CURVE_ABOVE: what is too fast."""
     until = state[S_CURVE_UNTIL]
     above = b * b >> 7
     if not state[S_CURVE_ROOM]:  # the block ends here
