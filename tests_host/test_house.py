@@ -31,7 +31,7 @@ SEQUENCES = {
     ("passo/ports/esp32/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",
     ("passo/ports/rp2/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",
     # Pointers to one register, or to a table.
-    ("passo/ports/rp2/beam_player.py", "compare"): "a PWM slice's CC",
+    ("passo/ports/rp2/laser_player.py", "compare"): "a PWM slice's CC",
     ("passo/ports/rp2/pio_player.py", "abort"): "CHAN_ABORT",
     ("passo/ports/rp2/pio_player.py", ""): "the first run of a table",
     ("passo/ports/rp2/port.py", ""): "GPIO_IN",

@@ -58,7 +58,7 @@ class ChipPort:
         if spindle["pwm"]:
             self._pwm = PWM(Pin(spindle["pin"]), freq=spindle["pwm_hz"], duty_u16=0)
         self._shown = 0  # power
-        self._beam = None  # the player, where it sees to the power of the words it plays
+        self._laser = None  # the player, where it sees to the power of the words it plays
         self._player = None
         self._feeder = None
         self._timer = None
@@ -100,8 +100,8 @@ class ChipPort:
 
     def power(self, level):  # ISR: no allocation
         """Show the tool's analogue power, 0 … 1000, at once."""
-        if self._beam is not None:
-            self._beam.show(level)
+        if self._laser is not None:
+            self._laser.show(level)
         elif level != self._shown:
             if self._pwm is not None:
                 self._pwm.duty_u16(level * 65535 // 1000)
@@ -196,7 +196,7 @@ class ChipPort:
                     amid = feeder.fill(played, self.lead_ticks)
                     if player.start() and amid:
                         feeder.late += 1  # making these took longer than those before them lasted
-                if self._pwm is not None and self._beam is None:
+                if self._pwm is not None and self._laser is None:
                     self.power(feeder.ring.power.level)
             except Exception as error:  # out of here it would end the timer, and leave the tool as it is
                 self._failed = error
@@ -213,8 +213,8 @@ class ChipPort:
         lead_ticks = _FIRST_TICKS
         feeder.fill(played, lead_ticks)
         if ring.head == played:
-            # Of the last word, which has begun since; where the main loop does not run, a beam does not stand on one place.
-            self.power(0 if feeder.brake and self._beam is not None else ring.power.level)
+            # Of the last word, which has begun since; where the main loop does not run, a laser does not burn on in one place.
+            self.power(0 if feeder.brake and self._laser is not None else ring.power.level)
         while ring.head != played:
             player.start()
             if lead_ticks >= self.lead_ticks or self._trip is not None:

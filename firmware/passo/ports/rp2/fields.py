@@ -1,6 +1,6 @@
 """The fields of the players' state, by name: each is the index of a field in its array. As in passo/records.py.
 
-    state[PIO_PLAYED]           # PioPlayer, BeamPlayer
+    state[PIO_PLAYED]           # PioPlayer, LaserPlayer
     state[TIMER_PLAYED]         # TimerPlayer
 """
 

@@ -24,7 +24,7 @@ from passo.steps.wiring import inverted_pins, word_pins, word_times
 _FEED_MS = const(2)
 _LEAD_TICKS = const(12 * 12_500)  # more than the longest word, so that one is always waiting behind it
 _LIVE_TICKS = const(6 * 12_500)
-_BEAM_RING = const(1024)  # words: beside a larger ring there is no memory for BeamPlayer
+_LASER_RING = const(1024)  # words: beside a larger ring there is no memory for LaserPlayer
 
 
 class Guard:
@@ -86,14 +86,14 @@ class Port(ChipPort):
                 item.level = 1
             halt_pin = item.pin
         rest = ring, layout, pins[0], pulse_ticks, least, invert, halt_pin
-        if self._pwm is None or ring.size > _BEAM_RING:
+        if self._pwm is None or ring.size > _LASER_RING:
             from passo.ports.rp2.pio_player import PioPlayer
 
             self._player = PioPlayer(*rest)
         else:
-            from passo.ports.rp2.beam_player import BeamPlayer
+            from passo.ports.rp2.laser_player import LaserPlayer
 
-            self._player = self._beam = BeamPlayer(self._board["spindle"]["pin"], *rest)
+            self._player = self._laser = LaserPlayer(self._board["spindle"]["pin"], *rest)
         return self._player
 
     def feed_from_interrupt(self, feeder, player):

@@ -41,7 +41,7 @@ _DUTIES = const(0)
 _COMPARE = const(1)
 
 
-class BeamPlayer(PioPlayer):
+class LaserPlayer(PioPlayer):
     """`pin`: that of the PWM, which has been set up; the rest as PioPlayer's."""
 
     def __init__(self, pin, ring, *rest):
@@ -49,7 +49,7 @@ class BeamPlayer(PioPlayer):
         self._full = mem32[compare - _CC + _TOP] + 1
         self._table = bytearray(2 * _TABLE)
         table = (uctypes.addressof(self._table) + _TABLE - 1) & ~(_TABLE - 1)
-        self._beam = array("I", [table, compare])
+        self._laser = array("I", [table, compare])
         self._power = ring.power
         self._mark = 0  # the next one that D has not been told of; they count for ever, modulo 2²⁹
         self._duty = 0  # behind the last one that it has
@@ -61,7 +61,7 @@ class BeamPlayer(PioPlayer):
         ctrl = d.pack_ctrl(
             size=2, inc_write=False, high_pri=True, ring_size=_TABLE_RING, ring_sel=False, chain_to=self._dma[1].channel
         )
-        d.config(read=self._beam[_DUTIES], write=self._beam[_COMPARE], count=1, ctrl=ctrl)
+        d.config(read=self._laser[_DUTIES], write=self._laser[_COMPARE], count=1, ctrl=ctrl)
         self._state[PIO_D] = 0x50000000 + 0x40 * d.channel
         self._state[PIO_CHANNELS] |= 1 << d.channel
 
@@ -71,7 +71,7 @@ class BeamPlayer(PioPlayer):
         told before does not show again."""
         state = self._state
         if state[PIO_HELD] or state[PIO_PLAYING] != 1 or self._ring.head == self.played():
-            _show(state, self._beam, level * self._full // 1000, 0)
+            _show(state, self._laser, level * self._full // 1000, 0)
 
     @micropython.native
     def start(self):  # ISR: no allocation
@@ -84,10 +84,10 @@ class BeamPlayer(PioPlayer):
         mark = self._mark
         if state[PIO_PLAYING] != 1 or (mark - marks[POWER_TAIL]) & COUNT_MASK >= COUNT_HALF:
             mark = marks[POWER_TAIL]
-        beam = self._beam
+        laser = self._laser
         if mark == marks[POWER_TAIL]:
             self._duty = power.level * self._full // 1000
-            _show(state, beam, self._duty, PIO_RUNS)
+            _show(state, laser, self._duty, PIO_RUNS)
         head = self._ring.head
         last = marks[POWER_HEAD]
         dry = False
@@ -97,7 +97,7 @@ class BeamPlayer(PioPlayer):
             if (head - word) & COUNT_MASK >= COUNT_HALF:
                 break
             duty = power.scaled(marks[at + POWER_LEVEL]) * self._full // 1000
-            if not _tell(state, beam, word, self._duty, duty):
+            if not _tell(state, laser, word, self._duty, duty):
                 break
             if append(state, word):
                 dry = True
@@ -107,38 +107,38 @@ class BeamPlayer(PioPlayer):
             self._duty = duty
             mark = (mark + 1) & COUNT_MASK
         self._mark = mark
-        _tell(state, beam, head, self._duty, self._duty)
+        _tell(state, laser, head, self._duty, self._duty)
         return append(state, head) or dry
 
 
 @micropython.viper
-def _show(state: ptr32, beam: ptr32, duty: int, runs: int):
+def _show(state: ptr32, laser: ptr32, duty: int, runs: int):
     """At once, and behind so many runs: all of them where D has been told of no mark that is still to come. While held it is
     dark, also where the halt comes in between."""
     duty |= duty << 16  # for both outputs of the slice
-    compare = ptr32(beam[_COMPARE])
+    compare = ptr32(laser[_COMPARE])
     if state[PIO_HELD] == 0:
         compare[0] = duty
     if state[PIO_HELD]:
         compare[0] = 0
-    duties = ptr32(beam[_DUTIES])
+    duties = ptr32(laser[_DUTIES])
     while runs:
         runs -= 1
         duties[runs] = duty
 
 
 @micropython.viper
-def _tell(state: ptr32, beam: ptr32, word: int, before: int, duty: int) -> bool:
+def _tell(state: ptr32, laser: ptr32, word: int, before: int, duty: int) -> bool:
     """What D is to write behind the words up to `word`, which are to be appended next; `before`: where they are two runs,
     because the ring ends among them, behind the first. False where they have been appended already."""
-    duties = ptr32(beam[_DUTIES])
+    duties = ptr32(laser[_DUTIES])
     slot = 0
     armed = state[PIO_PLAYED]
     if state[PIO_PLAYING] == 1:
         slot = state[PIO_SLOT]
         armed = state[PIO_ARMED]
     else:
-        ptr32(state[PIO_D])[CHANNEL_READ] = beam[_DUTIES]
+        ptr32(state[PIO_D])[CHANNEL_READ] = laser[_DUTIES]
     count = (word - armed) & COUNT_MASK
     if count >= COUNT_HALF:
         return False
