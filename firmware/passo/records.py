@@ -172,7 +172,8 @@ S_CURVE_WAY = const(44)  # how its end is found: STAY … REST_TO_REST of s_curv
 S_CURVE_GROW = const(45)  # what b may change by
 S_CURVE_GUESS = const(46)  # speed at its end if b stays
 S_CURVE_BRAKES = const(47)  # 1: it has to slow down for what lies ahead
-# Of the machine: √(jerk / 2) a tick, of a unit of speed of fastest / 2²⁸: S_CURVE_ROOT / 2 ** S_CURVE_SHIFT; the planner's rows.
+# Of the machine: √(jerk / 2) a tick, in units of speed of fastest / 2²⁸: S_CURVE_ROOT / 2 ** S_CURVE_SHIFT; the planner's
+# rows.
 S_CURVE_ROOT = const(48)
 S_CURVE_SHIFT = const(49)
 S_CURVE_STRIDE = const(50)

@@ -11,7 +11,9 @@ except NameError:
 
 
 @micropython.viper
-def apply(words: ptr32, at: int, count: int, axes: int, width: int, last: int, tables: ptr8, phases: ptr8):  # ISR: no allocation
+def apply(
+    words: ptr32, at: int, count: int, axes: int, width: int, last: int, tables: ptr8, phases: ptr8
+):  # ISR: no allocation
     """Turn words[at : at + count] from the step form into pin levels. `tables`: each axis's table of `last` + 1 phases,
     one after the other; `phases`: where each axis stands."""
     keep = -1 << width * axes

@@ -1,4 +1,4 @@
-"""What the walker of an arc needs to know beforehand, worked out with big integers, once a block.
+"""The plan of an arc, for the circle's walker: computed with big integers, once a block.
 
     path, turned = plan(into, plane, center, deltas, clockwise, turns, over_half)
 

@@ -1,5 +1,5 @@
-"""The limits of an arc's plan, which arc.plan() works out once a block, and what steps cannot say of an arc: how many turns
-it makes. The plan's fields are ARC_… of records.py.
+"""Limits of an arc's plan (arc.plan()), and how many turns an arc makes, which its steps alone cannot say. The plan's
+fields are ARC_… of records.py.
 """
 
 from micropython import const
@@ -11,12 +11,11 @@ FINE = const(20)  # fraction bits of a length along the circle
 
 
 def turns_off(cross, dot, over_half):
-    """How many turns are to be added to the angle from an arc's start to its end as whole steps have it, which is above 0 and
-    up to a full turn: −1, 0 or 1.
+    """Turns to add (−1, 0 or 1) to the angle between start and end in whole steps, which is above 0 and at most a full turn.
 
-    `cross` and `dot`: products of the two radii in steps, the angle's sense positive. `over_half`: the arc as it was asked
-    for, before anything was rounded, sweeps more than half a turn, full ones aside; None: nobody knows. Rounding may bring
-    the end of a short arc behind its start, which would be a full turn, and the end of a nearly full one before it.
+    Rounding to steps may bring the end of a short arc behind its start, which would make it a full turn, and the end of a
+    nearly full one before it. `over_half`: the arc as programmed sweeps more than half a turn, full ones aside; None: not
+    known. `cross` and `dot`: products of the two radii in steps, the angle's sense positive.
     """
     if dot <= 0 or over_half is None:
         return 0

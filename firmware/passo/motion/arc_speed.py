@@ -1,6 +1,6 @@
-"""How fast an arc may be walked: what measure() finds out for lines, worked out with big integers, once an arc.
+"""The highest speed and acceleration of an arc. measure() does this for lines; here with big integers, once an arc.
 
-On a circle an axis has its share of the speed and of the ramp's acceleration, cos φ where its own direction is φ away, and
+On a circle an axis has its share of the speed and of the ramp's acceleration, cos φ if its own direction is φ away, and
 sin φ of v²/R, which points to the centre. The limits of an arc are the highest that hold from its first step to its last:
 a quarter from 30° to 60° of a circle may be 15 % faster than a whole one. Each of the two accelerations alone stays within
 every axis's; together they ask no axis for more than √2 of its own, which is what a whole circle at its highest speed does
@@ -20,7 +20,7 @@ from passo.records import (
 
 def set_speed(rows, at, work, limits, plan, path, swept, plane, center, deltas, clockwise, speed_nm_s, ticks):
     """Fill in the row rows[at:] of an arc `path` (2⁻¹⁰ steps) long that sweeps `swept` (2⁻³² turn), at `speed_nm_s` or in
-    `ticks`; False where its steps would be too far apart. The rest is as Planner.arc() has it."""
+    `ticks`; False if its steps would be too far apart. Other arguments: Planner.arc()."""
     steps_per_m = limits.steps_per_m
     flat = path * NM_PER_M // (steps_per_m[plane[0]] << 10)
     rise = deltas[plane[2]] * NM_PER_M // steps_per_m[plane[2]] if plane[2] >= 0 else 0
@@ -61,7 +61,7 @@ def shares(start, end, swept):
     """The largest shares, of 2²⁸, that two axes have of the radius on the way from `start` to `end`, seen from the centre."""
     found = []
     for axis in range(2):
-        # Less than half a turn goes through the end of an axis where the other's sign changes.
+        # An arc of less than half a turn crosses an axis if the other coordinate changes its sign.
         share = ONE
         if swept < TURN // 2 and start[1 - axis] * end[1 - axis] > 0:
             share = max(_share(start, axis), _share(end, axis))

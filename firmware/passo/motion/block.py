@@ -29,14 +29,14 @@ COARSE = const(13)  # fraction bits of the lengths that an arc's walker tells th
 
 
 class Block:
-    """What others than the ramp and the feeder ask of a row, which read it themselves; `start` is the planner's to fill in."""
+    """A row unpacked. Ramp and feeder read an accelerated row itself; the planner fills in `start`."""
 
     def __init__(self):
         self.kind = WAIT
-        self.walker = None  # what the feeder walks: the planner's line or circle, independent axes, a step program
+        self.walker = None  # its geometry: the planner's line or circle, independent axes, a step program; a wait has none
         self.ticks = self.ticks_rest = self.first = self.tag = self.dynamic = 0
         self.start = 0  # q at which it may be begun and ended without a ramp
-        self.rows = None  # where it stands as a row
+        self.rows = None  # its row begins at rows[at]
         self.at = 0
 
     @micropython.native

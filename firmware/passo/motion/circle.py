@@ -25,8 +25,8 @@ Runs follow from the geometry alone: speed, hold and resume never change the pat
     while circle.left:
         circle.walk(out, 0, min(circle.left, MAX_RUN))
 
-`left` counts words to the end of the run, 0 only at the arc's end. All but seek() and offset() may run in an interrupt; what
-every run costs is circle_viper.py's.
+`left` counts words to the end of the run, 0 only at the arc's end. All but seek() and offset() may run in an interrupt: no
+allocation, no integer of 2³⁰. The kernels are in circle_viper.py.
 """
 
 from array import array
@@ -100,7 +100,7 @@ class Circle:
 
     @micropython.native
     def _run(self):  # ISR: no allocation
-        """Set up the next run, or the last line; `left` stays 0 where there is none."""
+        """Set up the next run, or the last line; `left` is 0 if there is none."""
         state = self.state
         left = run(state)
         if not left:

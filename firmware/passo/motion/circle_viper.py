@@ -1,12 +1,12 @@
-"""What every run of an arc costs: how long it may be, its length on the true circle, how it is walked, and its steps.
+"""The kernels of an arc: the length of a run, its time, and the masks of its words.
 
     load(plan, state)                   # stand before the arc
     words = run(state)                  # set up the next run; 0: the circle has come to its end
     walk(out, at, count, state)         # the masks of `count` words of it
 
-The method stands in circle.py, the fields of `plan` and `state` in records.py. One text for all interpreters: a board compiles it to
-machine code, elsewhere it is ordinary Python; see measure_viper.py for what that asks of integers. None reaches 2³⁰, and
-what may be negative, within ±2²⁹, is read out of an array as ((number + 2²⁹) & (2³⁰ − 1)) − 2²⁹.
+The method stands in circle.py, the fields of `plan` and `state` in records.py. One text for all interpreters: a board
+compiles it to machine code, elsewhere it is ordinary Python; measure_viper.py says what that asks of integers. None reaches
+2³⁰. A number that may be negative, within ±2²⁹, is read out of an array as ((number + INT_HALF) & INT_MOST) − INT_HALF.
 """
 # ruff: noqa: F821
 

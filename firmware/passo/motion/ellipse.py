@@ -1,4 +1,4 @@
-"""Arcs where the plane's axes differ in steps/mm, and helices too steep for the circle's walker: as chords.
+"""Arcs as chords: if the plane's axes differ in steps/mm, and for helices too steep for the circle's walker.
 
     ellipse = Ellipse(deltas, (0, 1, 2), center, steps_per_m)
     while ellipse.left:
@@ -22,7 +22,7 @@ class Ellipse:
     def __init__(self, deltas, plane, center, steps_per_m, clockwise=False, turns=0, over_half=None):
         """Vectors are in steps, arguments as of Planner.arc(). What is too short for a step along the arc is one chord.
 
-        Where the end is not on the circle the radius changes evenly.
+        If the end is not on the circle the radius changes evenly.
         """
         self._deltas = list(deltas)
         self._a, self._b, third = plane

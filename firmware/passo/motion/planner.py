@@ -8,13 +8,19 @@ A block is released to the feeder only when the look-ahead is full, or everythin
 job gives the same ticks however fast it arrived. A fetched block stays in its place until its last word has been
 played, because a hold may come back to it.
 
-Without limits() every block keeps its programmed speed from first to last. With them each block also has the speed at
-which it may be left: that of the corner, and no more than what the blocks behind it, the last of which ends at rest,
-can slow
-down from. Adding a block runs back over the look-ahead, only as far as something changes, and never over blocks that
-may have been released: what a block does depends on the LOOK_AHEAD − 1 that follow it, however many have come. The
-way up needs no
-pass: the ramp speeds up as it can.
+Without limits() every block keeps its programmed speed from first to last. With them each block also has an exit speed: at
+most that of the corner (junction deviation), and what the blocks behind it can slow down from, the last of which ends at
+rest.
+
+    speed ^          _________
+          |   /\\    /         \\        A … D: blocks. B's exit is the speed of its corner; C's is what D, which is short and
+          |  /  \\__/           \\       ends at rest, can slow down from. The way up needs no pass over the queue: the ramp
+          | /                   \\      speeds up as it can.
+          +-----|--|----------|--|--> path
+             A   B      C       D
+
+Adding a block runs back over the look-ahead, only as far as something changes, and never over blocks that may have been
+released: what a block does depends on the LOOK_AHEAD − 1 that follow it, however many have come.
 
     planner.limits(Limits(steps_per_m, speeds, accelerations, junction_deviation))
     planner.line((400, 30, 0), 0, tool=True, speed_nm_s=20_000_000)

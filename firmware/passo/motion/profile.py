@@ -1,4 +1,7 @@
-"""What a machine's axes can do, and how fast a block may be begun and ended: the terms that measure_viper.py reckons with.
+"""The limits of a machine's axes (resolution, speed, acceleration, jerk) in the units that measure_viper.py computes with, and
+how fast a corner may be passed.
+
+    planner.limits(Limits(steps_per_m, speeds, accelerations, junction_deviation))
 
 Lengths are nanometres, speeds nm/s, accelerations nm/s². Speeds count as fractions, of 2²⁸, of `fastest`, which no path
 exceeds; their squares as fractions of its square.
@@ -30,7 +33,7 @@ BIAS = 1000  # of exponents, so that none is negative
 
 
 class Limits:
-    """Of a machine: the axes' resolution, and what each can do."""
+    """The limits of a machine."""
 
     def __init__(self, steps_per_m, speeds, accelerations, junction_deviation, start_speed=0, jerk=0):
         """`speeds` in nm/s and `accelerations` in nm/s², each axis; the deviation in nm. Four axes at most.
@@ -62,7 +65,7 @@ class Limits:
         return part * self.fastest >> 28
 
     def _terms(self):
-        """What measure() wants to know, in an array: a number, or a float as two of them."""
+        """LIMIT_… of records.py, for measure(): numbers, or floats as two of them."""
         terms = array("i", bytearray(4 * LIMIT_FIELDS))
         axes = len(self.steps_per_m)
         finest = 0

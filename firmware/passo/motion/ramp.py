@@ -1,4 +1,7 @@
-"""Cuts a block into segments of about a millisecond, with acceleration: how many dominant steps, how many ticks they last.
+"""Cuts accelerated lines, and arcs, into segments: how many steps, and how many ticks they last.
+
+    ramp.begin(block)
+    ramp.cut(rows, at, ramp.state, walker.state, left, percent, hold)   # RAMP_STEPS, RAMP_TICKS, RAMP_PACE of ramp.state
 
 The ramp carries q, the square of the speed, in units of the block's own (see profile.py), because along the path q is
 linear: it gains at most `gain` a step. Each segment's end takes the largest q that
@@ -13,13 +16,12 @@ linear: it gains at most `gain` a step. Each segment's end takes the largest q t
 
     v₁                     v₂
 
-The peak may be above both ends: so the steps in which a hold comes to its stand never take longer than from rest, however
-slow the machine is before them.
+The peak may be above both ends, so that the last steps of a hold never take longer than from rest, however slow the
+machine was before them.
 
-What is accelerated, and every arc, is cut by ramp_viper.py; where jerk is limited s_curve.py goes on from there. A step of
-path is along a line one of its dominant axis, along an arc the length of one. The ramp takes a part of a board's memory
-that not every machine has to spare: Planner.load() makes it. All may run in an interrupt: no allocation, no integer of
-2³⁰.
+ramp_viper.py has the kernels; if jerk is limited s_curve.py takes over from there. A step of path is a step of a line's
+dominant axis, and the same length along an arc. Costs a board 7 kB of machine code: only Planner.load() makes
+a ramp. All may run in an interrupt: no allocation, no integer of 2³⁰.
 """
 
 from array import array
@@ -30,8 +32,6 @@ from passo.motion.block import LINE
 from passo.motion.ramp_viper import begin, cut
 from passo.motion.steady import Steady
 from passo.records import RAMP_FIELDS, ROW_GAIN
-
-# In `state`, behind what steady.py has there:
 
 
 class Ramp(Steady):

@@ -1,7 +1,7 @@
 """How the ramp takes up an accelerated line or arc and cuts it.
 
     begin(rows, at, state, start, total, s_curve)    # the block whose row begins at rows[at]
-    cut(rows, at, state, walker, left, percent, hold)   # state[RAMP_STEPS]: steps, state[RAMP_TICKS]: ticks, state[RAMP_PACE]: pace
+    cut(rows, at, state, walker, left, percent, hold)   # its next segment: RAMP_STEPS, RAMP_TICKS and RAMP_PACE of `state`
 
 What it computes, and why, stands in ramp.py, the fields of the arrays in records.py; `walker` is Line.state or Circle.state.
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; measure_viper.py says

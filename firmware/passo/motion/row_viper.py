@@ -54,8 +54,8 @@ def close(rows: ptr32, at: int, work: ptr32, counts: ptr32, kind: int, flags: in
 
 @micropython.viper
 def take(rows: ptr32, work: ptr32, counts: ptr32, moving: int, lines: int) -> int:  # ISR: no allocation
-    """Where the next row released begins; -1: there is none, or, `lines`, it is not that of a line with acceleration. A
-    machine that is `moving` could not stop here: to it any row is released."""
+    """Take the next row released; returns where it begins, -1 if there is none, or with `lines` if it is no accelerated line.
+    If the machine is `moving` it could not stop here: any row is released then."""
     fetched = counts[QUEUE_FETCHED]
     if fetched == counts[QUEUE_ADDED]:
         return -1

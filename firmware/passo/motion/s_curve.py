@@ -226,9 +226,10 @@ def end(rows, at, state):  # ISR: no allocation
     elif aim > q and aim > (high if q <= high else rows[at + ROW_LIMIT] * rows[at + ROW_LIMIT]):
         aim = high if q <= high else q
         b = 0
-    elif not state[S_CURVE_BRAKES] and abs(b) <= state[S_CURVE_GROW] and abs(aim - cap) <= cap >> 10 and abs(cap - q) <= change:
-        aim = cap
-        b = 0
+    elif not state[S_CURVE_BRAKES] and abs(b) <= state[S_CURVE_GROW]:
+        if abs(aim - cap) <= cap >> 10 and abs(cap - q) <= change:
+            aim = cap
+            b = 0
     if aim != state[S_CURVE_AIM]:
         state[S_CURVE_AIM] = aim
         state[S_CURVE_SPEED] = -1
@@ -237,8 +238,7 @@ def end(rows, at, state):  # ISR: no allocation
 
 
 def finish(rows, at, state):  # ISR: no allocation
-    """The segment ends with S_CURVE_AIM and S_CURVE_B: its speed there, and its ticks if nobody knows them yet; 0: stop() has to
-    say."""
+    """The segment ends with S_CURVE_AIM and S_CURVE_B: its speed there, and its ticks unless they are known; 0: stop() is to say."""
     q = state[RAMP_Q]
     speed = state[RAMP_V]
     aim = state[S_CURVE_AIM]

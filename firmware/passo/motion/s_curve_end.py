@@ -1,5 +1,5 @@
-"""How a segment of an S-curve ends: the largest b that what lies ahead allows, setting out, and coming to rest. The method stands
-in s_curve.py.
+"""How a segment of an S-curve ends: the largest b that what lies ahead allows, setting out, and coming to rest. The method
+stands in s_curve.py.
 
 All may run in an interrupt: no allocation, no integer of 2³⁰.
 """

@@ -1,8 +1,11 @@
-"""Cuts a block into segments of about a millisecond: how many dominant steps, and how many ticks they last.
+"""Cuts lines at constant speed into segments of about a millisecond: how many dominant steps, and how many ticks they last.
 
-A segment is never cut inside a dominant interval: where steps are further apart it is one step long. At programmed
-speed a line's total is exact: the ticks that do not divide by its steps are spread over all of it. With acceleration
-ramp.py does this. All may run in an interrupt: no allocation, no integer of 2³⁰.
+    ramp.begin(block)
+    ramp.cut(rows, at, ramp.state, line.state, left, percent, hold)     # RAMP_STEPS, RAMP_TICKS, RAMP_PACE of ramp.state
+
+A segment is never cut inside a dominant interval: below 1000 steps/s it is one step long. A line's total is exact: the ticks
+that do not divide by its steps are spread over all of it. Overrides do not count. ramp.py accelerates. All may run in an
+interrupt: no allocation, no integer of 2³⁰.
 """
 
 from array import array

@@ -80,7 +80,8 @@ class Feeder(Position):
         state[FEED_LEFT] = state[FEED_WAIT] = state[FEED_FAST] = state[FEED_BEGINS] = 0
         state[FEED_POWER] = POWER_UNKNOWN
         state[FEED_HEAD] = played
-        state[FEED_DEBT] = state[FEED_TICKS] = state[FEED_OLDEST] = state[FEED_NEWEST] = state[FEED_INDEX] = state[FEED_PACE] = 0
+        state[FEED_DEBT] = state[FEED_TICKS] = state[FEED_INDEX] = state[FEED_PACE] = 0
+        state[FEED_OLDEST] = state[FEED_NEWEST] = 0
         marks = self._marks
         marks[MARK_WORD] = played
         marks[MARK_TICKS] = marks[MARK_INDEX] = marks[MARK_PACE] = 0

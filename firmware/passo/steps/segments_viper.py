@@ -1,5 +1,5 @@
-"""The feeder's kernel: asks the geometry of the block under way for its next segment and writes its words to the ring, one after
-the other, and line after line.
+"""The feeder's kernel: has the geometry of the block under way make segment after segment, writes their words to the ring,
+and goes on with the lines behind it.
 
     what = make(state, marks, words, planner.rows, planner.work, planner.counts, ramp.state, line.state, power, cut, take_up,
                 settle, geometry)

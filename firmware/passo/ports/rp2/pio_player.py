@@ -62,7 +62,8 @@ class PioPlayer:
         out = base | layout.bits << 20
         self._state = array("I", [0] * PIO_FIELDS)
         for index, value in (
-            (PIO_BLOCK, pio), (PIO_MACHINE, pio + 0xC8 + 0x18 * number), (PIO_A, channels[0]), (PIO_B, channels[1]), (PIO_C, channels[2]),
+            (PIO_BLOCK, pio), (PIO_MACHINE, pio + 0xC8 + 0x18 * number), (PIO_A, channels[0]),
+            (PIO_B, channels[1]), (PIO_C, channels[2]),
             (PIO_D, channels[0]), (PIO_ABORT, chip.ABORT),
             (PIO_COUNTS, counts), (PIO_ADDRESSES, counts + 4 * PIO_RUNS), (PIO_WORDS, uctypes.addressof(ring.words)),
             (PIO_MASK, ring.mask), (PIO_NUMBER, number), (PIO_PULSE, pulse_ticks - 2 if pulse_ticks else 0xFFFFFFFF),
@@ -345,7 +346,8 @@ def append(state: ptr32, head: int) -> bool:
     if ended == 0:
         # The chain may have read the end mark just before it was replaced: then C stands behind it and A rests.
         place = c[CHANNEL_READ]
-        active = (ptr32(state[PIO_A])[CHANNEL_CTRL_TRIG] | ptr32(state[PIO_D])[CHANNEL_CTRL_TRIG] | b[CHANNEL_CTRL_TRIG] | c[CHANNEL_CTRL_TRIG]) & state[PIO_BUSY]
+        active = ptr32(state[PIO_A])[CHANNEL_CTRL_TRIG] | ptr32(state[PIO_D])[CHANNEL_CTRL_TRIG]
+        active = (active | b[CHANNEL_CTRL_TRIG] | c[CHANNEL_CTRL_TRIG]) & state[PIO_BUSY]
         if ((place - state[PIO_COUNTS]) >> 2) & (PIO_RUNS - 1) == after and active == 0 and c[CHANNEL_READ] == place:
             ended = 1
     if ended and state[PIO_HELD] == 0:

@@ -58,8 +58,8 @@ class TimerPlayer:
         for index, value in (
             (TIMER_BLOCK, pio), (TIMER_MACHINE, pio + 0xC8 + 0x18 * number), (TIMER_NUMBER, number),
             (TIMER_WORDS, uctypes.addressof(ring.words)), (TIMER_MASK, ring.mask), (TIMER_BITS, layout.bits),
-            (TIMER_TABLES, uctypes.addressof(self._tables)), (TIMER_ALL, 0), (TIMER_STEPS, pulses), (TIMER_TOOL, 1 << pins[-1]),
-            (TIMER_INVERT, inverted), (TIMER_SPIN, pulse_ticks * cycles // 16), (TIMER_TOGGLE, chip.TOGGLE),
+            (TIMER_TABLES, uctypes.addressof(self._tables)), (TIMER_ALL, 0), (TIMER_STEPS, pulses),
+            (TIMER_TOOL, 1 << pins[-1]), (TIMER_INVERT, inverted), (TIMER_SPIN, pulse_ticks * cycles // 16), (TIMER_TOGGLE, chip.TOGGLE),
         ):  # fmt: skip
             self._state[index] = value
         for bit in range(layout.bits):
