@@ -41,12 +41,6 @@ SEQUENCES = {
 }
 BARE_FILES = {"passo/ports/rp2/flash_scan.py"}  # to be emptied: the interpreter's objects in memory
 
-# To be emptied: {name without its underscore: value} of constants that stand in several modules.
-TWICE = {
-    "INCHES": 13, "LASER": 32, "LATER": -1, "LEAD_TICKS": 375_000, "LONGEST": 80, "MAX_RPM": 30,
-    "NM_PER_M": 1_000_000_000, "TIME_MASK": 0x1FFFFFFF,
-}  # fmt: skip
-
 # To be emptied: files and functions that are too long.
 LONG_FILES = {
     "passo/control/track.py", "passo/motion/measure_viper.py", "passo/motion/planner.py", "passo/ports/rp2/flash_code.py", "passo/protocols/pulses.py",
@@ -137,12 +131,7 @@ def declared_twice(trees):
 
 def test_no_constant_stands_twice():
     twice = declared_twice({name: TREES[name] for name in FIRMWARE})
-    faults = [
-        f"{name} = {value} stands in {', '.join(paths)}: import it"
-        for (name, value), paths in twice.items()
-        if (name, value) not in TWICE.items()
-    ]
-    report(faults + [f"{name}: stands in one place" for name, value in TWICE.items() if (name, value) not in twice])
+    report([f"{name} = {value} stands in {', '.join(paths)}: import it" for (name, value), paths in twice.items()])
 
 
 # --- (c) short files and functions

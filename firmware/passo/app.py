@@ -18,18 +18,18 @@ from passo.control.journal import Journal, MemorySlots
 from passo.control.links import HARMLESS
 from passo.control.motors import Motors
 from passo.control.settings import ENABLE_INVERT, Settings
+from passo.errors import LATER
 from passo.motion.planner import Planner
+from passo.records import COUNT_MASK, LEAD_TICKS, TICKS_PER_S
 from passo.steps.ring import Ring, ring_size
-from passo.steps.word import COUNT_MASK, TICKS_PER_S, us_to_ticks
+from passo.steps.word import us_to_ticks
 
-LEAD_TICKS = const(30 * 12_500)  # from a main loop
 LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any moment, within 20 ms on the pins
 _TURNS_S = const(200)  # half a ring of words has to last as long as such a turn of the feeder
 _WAITING = const(64)  # commands of one link that may wait for their turn
 _READS = const(64)  # that empty a serial line: some give 64 bytes at a time
 _BY_RESET = (errors.ALARM_RESET, errors.ALARM_HOMING_RESET)
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
-_LATER = const(-1)  # as Controller.accept() says it
 _MOST = const(3)  # lines a turn on a chip, where they take time
 _ALL = const(0x1FFFFFFF)
 _ARCS = const(16_000)  # bytes free: arcs take 8 500, and work is to go on beside them
@@ -199,7 +199,7 @@ class App:
     def _receive(self, link):
         """What waits comes first, then the commands in what the line brings: each is to be answered before the next is
         asked for."""
-        while link.waiting and self.controller.accept(link.waiting[0]) != _LATER:
+        while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
             link.waiting.pop(0)
             self._answer()
             self._heard |= _WHOLE
@@ -224,7 +224,7 @@ class App:
         if command.kind != STATUS:
             self._heard |= _WHOLE
         if command.kind in IMMEDIATE or not link.waiting:
-            if self.controller.accept(command) == _LATER:
+            if self.controller.accept(command) == LATER:
                 link.waiting.append(command)
         elif len(link.waiting) < _WAITING and not (command.kind == JOG and link.waiting[-1].kind == JOG):
             link.waiting.append(command)
@@ -309,7 +309,7 @@ class App:
                     command.link = link
                     if command.kind not in HARMLESS:
                         waiting.append(command)
-                    elif self.controller.accept(command) == _LATER:
+                    elif self.controller.accept(command) == LATER:
                         link.waiting.append(command)
             if waiting:
                 self.controller.refuse(waiting.pop(0), number, *waiting)

@@ -7,6 +7,7 @@ and must be homed. Where grbl 1.1 has a number for the same thing it is that num
 
 from micropython import const
 
+LATER = const(-1)  # no error: the command cannot be taken yet, ask again
 NONE = const(0)
 LETTER = const(1)
 NUMBER = const(2)

@@ -18,7 +18,14 @@ INT_HALF = const(0x20000000)  # ((number + INT_HALF) & INT_MOST) − INT_HALF re
 TICKS_PER_S = const(12_500_000)  # a tick is 80 ns
 TICKS_PER_MS = const(12_500)
 HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is never far away
+LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
+
+# Numbers of settings that languages ask for, too.
+SETTING_REPORT = const(10)
+SETTING_INCHES = const(13)
+SETTING_MAX_RPM = const(30)
+SETTING_LASER = const(32)
 
 # A block as a row of Planner.rows, which begins at `row`. "Of 2²⁸" is a fraction of the machine's fastest speed, or of its
 # square (motion/profile.py). q is the square of a speed in the block's own unit, which is the programmed speed / ROW_TOP.

@@ -8,7 +8,7 @@ when the app ends the outputs of role "ours" are off, which is how a machine wit
 """
 
 from passo import commands, errors
-from passo.steps.word import COUNT_MASK
+from passo.records import COUNT_MASK
 
 
 class Changeover:

@@ -8,8 +8,8 @@ Nothing else may be queued meanwhile. The speed along the path is the same on al
 the junction deviation's affair: with $11=0 the machine stands at each.
 """
 
-from passo.motion.integers import NM_PER_M, isqrt, length_nm
-from passo.steps.word import COUNT_MASK, TICKS_PER_S
+from passo.motion.integers import isqrt, length_nm
+from passo.records import COUNT_MASK, NM_PER_M, TICKS_PER_S
 
 
 class Chords:

@@ -4,10 +4,10 @@ from micropython import const
 
 from passo import commands, errors
 from passo.control.point_buffer import PointBuffer
-from passo.motion.integers import NM_PER_M, length_nm
-from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
+from passo.errors import LATER
+from passo.motion.integers import length_nm
+from passo.records import NM_PER_M, TICKS_PER_MS, TICKS_PER_S
 
-LATER = const(-1)
 _BLOCKS_A_POINT = const(2)  # a change of the tool, and the line
 
 

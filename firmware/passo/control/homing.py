@@ -14,8 +14,8 @@ from micropython import const
 
 from passo import commands, errors
 from passo.control.sensor import Sensor
+from passo.errors import LATER
 
-LATER = const(-1)
 _RUNNING = const(-1)
 
 

@@ -11,17 +11,14 @@ Where soft limits hold, an endless run and a turn on the way are refused: where 
 """
 
 import micropython
-from micropython import const
 
 from passo import commands, errors
 from passo.commands import FINISHED, FOREVER, Event
 from passo.control import settings as table
+from passo.errors import LATER
 from passo.motion.independent_viper import MOST_STEPS
-from passo.records import ENDLESS
-from passo.steps.word import COUNT_MASK, TICKS_PER_MS
+from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, TICKS_PER_MS
 
-LATER = const(-1)
-_HALF = const(0x10000000)
 _STANDING = ("idle", "alarm", "check", "sleep")
 
 
@@ -56,7 +53,7 @@ class Independent:
 
     def made(self):
         """Signed steps of each axis since the last RUN that began at a stand, exact at this moment."""
-        return [((now - then + _HALF) & COUNT_MASK) - _HALF for now, then in zip(self._queue.position(), self._from)]
+        return [((now - then + COUNT_HALF) & COUNT_MASK) - COUNT_HALF for now, then in zip(self._queue.position(), self._from)]
 
     def clear(self):
         """All motion has been dropped."""

@@ -2,8 +2,9 @@
 
 from micropython import const
 
+from passo.records import COUNT_HALF, COUNT_MASK
+
 _WAKE_MS = const(20)  # for the rotor to settle on its phase before it is asked to step
-_TIME_MASK = const(0x1FFFFFFF)
 
 RUNNING = const(0)
 HOLDING = const(1)
@@ -39,7 +40,7 @@ class Motors:
                 self._set(RUNNING)
             return
         self._tool = tool
-        idle_ms = (now_ms - self._since_ms) & _TIME_MASK
+        idle_ms = (now_ms - self._since_ms) & COUNT_MASK
         if self.state == RUNNING and idle_ms >= self._hold_ms:
             self._set(HOLDING)
         release_ms = self._board["idle_release_ms"]
@@ -52,7 +53,7 @@ class Motors:
             return True
         if self.state == HOLDING:
             return self._drive is None
-        return self.state == RUNNING and (now_ms - self._ready_ms) & _TIME_MASK < _TIME_MASK // 2
+        return self.state == RUNNING and (now_ms - self._ready_ms) & COUNT_MASK < COUNT_HALF
 
     def limp(self, mask):
         """The axes of `mask` are without current while the others run; 0: none. Drivers with STEP and DIR share one

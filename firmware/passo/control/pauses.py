@@ -2,7 +2,7 @@
 
 from passo import commands, errors
 from passo.control.settings import LASER
-from passo.steps.word import COUNT_MASK
+from passo.records import COUNT_MASK
 
 
 class Pauses:

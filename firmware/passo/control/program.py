@@ -12,13 +12,13 @@ from passo import commands, errors
 from passo.control import settings as table
 from passo.control.extent import farthest
 from passo.control.tools import thousandths
+from passo.errors import LATER
 from passo.motion.block import WAIT
 from passo.motion.line import MAX_STEPS
 from passo.motion.profile import Limits
 from passo.records import ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP
 from passo.steps.word import TICKS_PER_S
 
-LATER = const(-1)
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
 _PROBE_AWAY = const(1)
 _PROBE_MAY_MISS = const(2)

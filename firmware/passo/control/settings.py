@@ -18,6 +18,9 @@ where it said what differs from the board file: it is converted. That firmware i
 from micropython import const
 
 from passo import errors
+from passo.records import (
+    SETTING_INCHES as INCHES, SETTING_LASER as LASER, SETTING_MAX_RPM as MAX_RPM, SETTING_REPORT as REPORT,
+)  # fmt: skip
 
 _LONGEST_TEXT = const(80)
 _LEAST_JERK = const(10_000)  # 10 mm/s³; 0: no limit
@@ -29,10 +32,8 @@ DIRECTION_INVERT = const(3)
 ENABLE_INVERT = const(4)
 LIMIT_INVERT = const(5)
 PROBE_INVERT = const(6)
-REPORT = const(10)
 JUNCTION = const(11)
 ARC = const(12)
-INCHES = const(13)
 SOFT_LIMITS = const(20)
 HARD_LIMITS = const(21)
 HOMING = const(22)
@@ -41,9 +42,7 @@ HOMING_LOCATE = const(24)
 HOMING_SEEK = const(25)
 HOMING_DEBOUNCE = const(26)
 HOMING_PULL_OFF = const(27)
-MAX_RPM = const(30)
 MIN_RPM = const(31)
-LASER = const(32)
 STEPS = const(100)
 SPEED = const(110)
 ACCELERATION = const(120)

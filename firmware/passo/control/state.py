@@ -32,14 +32,13 @@ features that have one.
 
 import gc
 
-from micropython import const
 
 from passo import commands, errors
 from passo.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
 from passo.control.inputs import Inputs
 from passo.control.log import Log
+from passo.errors import LATER
 
-LATER = const(-1)
 # The machine came to its stand as it should: where it is remains known.
 _ORDERLY = (errors.ALARM_SOFT_LIMIT, errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED)
 

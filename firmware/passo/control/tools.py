@@ -4,8 +4,8 @@ from micropython import const
 
 from passo import commands, errors
 from passo.control import settings as table
+from passo.errors import LATER
 
-LATER = const(-1)
 OFF = const(5)  # spindle
 _BLOCKS = const(2)  # room for a change of the tool
 _LOWEST, _HIGHEST = 10, 200  # of feed and spindle override, per cent

@@ -5,11 +5,11 @@ from micropython import const
 
 from passo import commands, errors
 from passo.control import settings as table
+from passo.errors import LATER
 from passo.motion import step_program as marks
 from passo.motion.integers import isqrt
 from passo.records import COUNT_MASK
 
-LATER = const(-1)
 _GATHER_MS = const(50)  # how long a stream is waited for, so that it sets out with some of it in hand
 
 # STATION's values.

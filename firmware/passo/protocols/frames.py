@@ -14,9 +14,10 @@ for SETTLE_MS without a byte.
 import micropython
 from micropython import const
 
+from passo.records import COUNT_MASK
+
 END = const(0xFF)
 SETTLE_MS = const(2)  # at 9600 baud the next byte of a torn frame comes within 1.1 ms
-_TIME_MASK = const(0x1FFFFFFF)
 _LONG_GAPS = const(20)  # so many gaps between two reads are a silence, even if nobody looked in between
 
 
@@ -36,7 +37,7 @@ class Cutter:
     @micropython.native
     def put(self, data, now_ms):
         """Bytes, which may be none: time alone ends frames."""
-        silent_ms = (now_ms - self._latest) & _TIME_MASK
+        silent_ms = (now_ms - self._latest) & COUNT_MASK
         if not data:
             self._silent_ms = silent_ms
             return

@@ -7,8 +7,8 @@ from passo.commands import Motion
 from passo.protocols.gcode_codes import G80, G81
 from passo.protocols.gcode_reader import Reader, Refused
 from passo.protocols.gcode_words import H, I, L, P, R, X, Z, rounded
+from passo.records import NM_PER_M
 
-NM_PER_M = 1_000_000_000
 MAX_STEPS = const(0x1FFFFFFF)
 _DEGREES = const(360_000_000)
 _PLANES = {17: (0, 1), 18: (2, 0), 19: (1, 2)}

@@ -29,11 +29,9 @@ from passo.protocols.gcode_words import LONGEST, bare, rounded
 from passo.protocols.grbl_lines import Lines
 from passo.protocols.grbl_report import Status
 from passo.protocols.grbl_system import System, answer
+from passo.records import NM_PER_M, SETTING_LASER, SETTING_MAX_RPM
 
-NM_PER_M = 1_000_000_000
 _ALARMS = const(200)  # errors.py has alarms that much higher
-_LASER = const(32)
-_MAX_RPM = const(30)
 
 # Kind · 1, value · 64, whether the amount is a change · 512, amount · 1024: in one integer, 20 tuples take much more.
 _VALUE = const(6)
@@ -106,8 +104,8 @@ class Grbl:
     def _configure(self):
         settings = self._settings
         self._version = settings.version
-        self.gcode.laser = bool(settings.value(_LASER))
-        self.gcode.max_rpm = settings.value(_MAX_RPM)
+        self.gcode.laser = bool(settings.value(SETTING_LASER))
+        self.gcode.max_rpm = settings.value(SETTING_MAX_RPM)
         self.gcode.forget_place()
 
     # --- bytes to motion

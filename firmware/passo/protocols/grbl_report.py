@@ -7,7 +7,8 @@ from micropython import const
 from passo.protocols.gcode_words import rounded
 from passo.protocols.grbl_text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
 from passo.records import (
-    REPORT_AXIS, REPORT_FIELDS, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_STEPS_PER_M, REPORT_UNIT,
+    REPORT_AXIS, REPORT_FIELDS, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_STEPS_PER_M, REPORT_UNIT, SETTING_INCHES,
+    SETTING_MAX_RPM, SETTING_REPORT,
 )  # fmt: skip
 
 VERSION = "1.1h"
@@ -31,9 +32,6 @@ _WCO_BUSY = const(30)
 _OVERRIDES_BUSY = const(20)
 _IDLE = const(10)
 _NM_PER_TENTH_MIL = const(2540)
-_MASK = const(10)  # settings
-_INCHES = const(13)
-_MAX_RPM = const(30)
 _LONGEST = const(224)  # bytes of a report
 
 
@@ -140,8 +138,8 @@ class Status:
         self._settings_of = settings.version
         self._offsets_of = gcode.offsets.version
         self._system = gcode.system
-        self._mask = settings.value(_MASK)
-        self._inches = settings.value(_INCHES)
+        self._mask = settings.value(SETTING_REPORT)
+        self._inches = settings.value(SETTING_INCHES)
         self._pins = self._power = None  # that `_pressed` and `_rpm` are of
         self._figures[REPORT_UNIT:REPORT_AXIS] = INCHES if self._inches else MILLIMETRES
         offsets = [gcode.offsets.of(gcode.system, axis) for axis in range(gcode.axes)]
@@ -218,7 +216,7 @@ class Status:
         power = report["power"]
         if power != self._power:
             self._power = power
-            self._rpm = rounded(power * self._settings.value(_MAX_RPM), 1_000_000_000)
+            self._rpm = rounded(power * self._settings.value(SETTING_MAX_RPM), 1_000_000_000)
         figures[3] = self._rpm
         self._tell(b"|FS:\0", 2)
 

@@ -12,10 +12,10 @@ from passo.commands import Command
 from passo.protocols import grbl_report
 from passo.protocols.gcode_words import X, Words
 from passo.protocols.grbl_lines import RX_BYTES
+from passo.records import SETTING_INCHES
 
 _QUIET = ("idle", "alarm")
 _QUERIES = ("$#", "$I", "$N")
-_INCHES = 13
 _A_FEW = const(6)
 _START_LINES = ("N0", "N1")
 INFO = "I"
@@ -40,7 +40,7 @@ class System:
         self.touched = False
 
     def inches(self):
-        return self._settings.value(_INCHES)
+        return self._settings.value(SETTING_INCHES)
 
     def execute(self, line):
         state = self._machine.state

@@ -16,12 +16,12 @@ from micropython import const
 
 from passo import errors
 from passo.commands import BAD, FOREVER, LIVE, REST, Command, Run
+from passo.records import COUNT_MASK
 
 STEP_MS = const(4)  # between steps at speed 1
 SLOWEST = const(127)
 MOTORS = const(2)
 _PATIENCE_MS = const(2000)
-_TIME_MASK = const(0x1FFFFFFF)
 
 # Byte of each task, and the mask of the motors that it is for.
 SPEED = {0x41: 0, 0x42: 1}  # motor
@@ -43,7 +43,7 @@ class Keys:
 
     def feed(self, data, now_ms):
         """Commands, each to be carried out before the next is asked for."""
-        if self._waiting is not None and (now_ms - self._since_ms) & _TIME_MASK >= _PATIENCE_MS:
+        if self._waiting is not None and (now_ms - self._since_ms) & COUNT_MASK >= _PATIENCE_MS:
             self._waiting = None
             yield self._ignore(errors.GARBLED)
         for byte in data:

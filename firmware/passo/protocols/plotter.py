@@ -27,6 +27,7 @@ from passo import errors
 from passo.commands import (
     ACCEPTED, BAD, DRAW, FINISHED, HAND_OVER, HELLO, HOME, JOG, POINT, SPEED, STATUS, STOP, Command,
 )
+from passo.records import COUNT_MASK
 
 try:
     ptr8
@@ -35,7 +36,6 @@ except NameError:
 
 RESYNC_MS = const(2000)
 PACKET = const(6)
-_TIME_MASK = const(0x1FFFFFFF)
 _HELD = const(2)  # as sift() tells
 _OTHER = const(3)
 
@@ -159,7 +159,7 @@ class Plotter:
         elif not self._bytes and not self._broken:
             return ()
         commands = []
-        quiet = (now_ms - self._latest) & _TIME_MASK >= self.gap_ms
+        quiet = (now_ms - self._latest) & COUNT_MASK >= self.gap_ms
         while not self._broken and len(self._bytes) >= PACKET:
             found = sift(self._bytes, len(self._bytes), self._before, quiet, self._bytes, 0, 0, 0, 0)
             if found == _HELD:
@@ -173,7 +173,7 @@ class Plotter:
             self._bytes = b""
             if quiet:
                 commands.append(self._dropped(self._why))
-        elif self._bytes and (now_ms - self._since) & _TIME_MASK >= RESYNC_MS:
+        elif self._bytes and (now_ms - self._since) & COUNT_MASK >= RESYNC_MS:
             commands.append(self._dropped(errors.BYTES_DROPPED))
         return commands
 

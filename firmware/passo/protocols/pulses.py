@@ -49,6 +49,7 @@ from passo.commands import (
 )  # fmt: skip
 from passo.protocols.pulses_control import number, understand
 from passo.protocols.pulses_report import status
+from passo.records import COUNT_MASK
 
 WINDOW = const(512)
 CREDIT = const(64)
@@ -57,8 +58,7 @@ WAIT_MS = (0, 3_600_000)
 SPEED_MM_MIN = (0, 900_000)
 QUIET_MS = const(1000)  # ends what was typed without {stream}
 CUT_MS = const(5000)  # a file that stops coming is cut off
-_LONGEST = const(80)  # of a control command
-_TIME_MASK = const(0x1FFFFFFF)
+_LONGEST_COMMAND = const(80)  # of a control command
 
 # What each letter steps, from A on: bits 0 to 2 the axes x, y, z, bits 4 to 6 those of them that go backward.
 CODES = bytes((
@@ -135,7 +135,7 @@ class Pulses:
                     at = self._codes(data, at, found)
             self._hand_on(found)
         else:
-            silent_ms = (now_ms - self._latest) & _TIME_MASK
+            silent_ms = (now_ms - self._latest) & COUNT_MASK
             if silent_ms >= QUIET_MS:
                 self._quiet(silent_ms, found)
         return found
@@ -309,12 +309,12 @@ class Pulses:
         text = bytes(data[at:])
         end = text.find(b"}")
         if end < 0:
-            self._frame = (self._frame + text)[: _LONGEST + 1]
+            self._frame = (self._frame + text)[: _LONGEST_COMMAND + 1]
             return len(data)
         text = self._frame + text[:end]
         self._frame = None
         try:
-            words = text.decode().split() if len(text) <= _LONGEST else []
+            words = text.decode().split() if len(text) <= _LONGEST_COMMAND else []
         except UnicodeError:
             words = []
         command = self._command(words, found)

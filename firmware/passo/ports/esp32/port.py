@@ -16,10 +16,10 @@ from micropython import const
 
 from passo.ports.chip_port import ChipPort
 from passo.ports.esp32.timer_player import TimerPlayer
+from passo.records import LEAD_TICKS
 from passo.steps.wiring import inverted_pins, word_pins, word_times
 
 _FEED_MS = const(5)
-_LEAD_TICKS = const(30 * 12_500)
 _PLAYER_TIMER = const(0)
 _FEED_TIMER = const(1)
 _KEEP_MS = const(300)
@@ -28,7 +28,7 @@ _KEEP_MS = const(300)
 class Port(ChipPort):
     def __init__(self, board):
         """`board` is checked. Outputs go to their inactive level here."""
-        ChipPort.__init__(self, board, _LEAD_TICKS, _LEAD_TICKS)
+        ChipPort.__init__(self, board, LEAD_TICKS, LEAD_TICKS)
 
     def watch(self, pin, handler, edge):
         """Call `handler(pin)` soon after an edge."""
