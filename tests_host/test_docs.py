@@ -11,6 +11,10 @@ from host_tools import boards, reference
 from host_tools.cli import app
 from host_tools.resources import ROOT
 from passo.control import boardfile
+from passo.protocols import plotter_host as plotter
+from passo.protocols import torch
+from passo.protocols.gcode_codes import GROUP_OF
+from passo.protocols.gcode_words import M_CODES
 
 pytestmark = pytest.mark.quick
 
@@ -168,3 +172,37 @@ def test_functions_exist():
             if re.fullmatch(r"\w+\.py", span) and span not in modules | {"board.py"} and not span.startswith(("check_", "test_")):
                 missing.append(f"{page.name}: {span}")
     assert not missing
+
+
+def codes_of_the_page():
+    """G and M codes in hundredths, as the firmware has them, of the table of docs/gcode.md."""
+    text = (ROOT / "docs" / "gcode.md").read_text(encoding="utf-8")
+    table = text[text.index("## Codes") : text.index("Letters:")]
+    found = set()
+    for cell in re.findall(r"^\| ([GM]\d[^|]*) \|", table, re.MULTILINE):
+        for first, last in re.findall(r"([GM][\d.]+)(?: … ([GM][\d.]+))?", cell):
+            low, high = (round(float(code[1:]) * 100) for code in (first, last or first))
+            step = 10 if low % 100 else 100
+            found |= {code + (M_CODES if first[0] == "M" else 0) for code in range(low, high + 1, step)}
+    return found
+
+
+def test_the_codes_are_those_that_are_understood():
+    assert codes_of_the_page() == set(GROUP_OF)
+
+
+def test_the_packets_are_those_of_the_plotter():
+    text = (ROOT / "docs" / "languages" / "plotter.md").read_text(encoding="utf-8")
+    rows = re.findall(r"^\| ([A-Z ]+) \| `(.+?)`(?: (\d+))? \|", text, re.MULTILINE)
+    shown = {}
+    for names, letters, number in rows:
+        shown.update(zip(names.split(), letters.split()))
+        assert not number or ord(letters) == int(number)
+    assert {name: chr(byte) for name, byte in plotter.COMMANDS.items()} == shown
+
+
+def test_the_frames_are_those_of_the_torch():
+    text = (ROOT / "docs" / "languages" / "torch.md").read_text(encoding="utf-8")
+    table = text[text.index("## The frames") :]
+    shown = {int(code, 16) for code in re.findall(r"(?<![\w])([0-9A-F]{2})(?= |`)", table)} - {0xFF}
+    assert shown >= set(torch.CODES.values())
