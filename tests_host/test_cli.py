@@ -35,6 +35,17 @@ def test_extras_are_those_of_the_project(extra):
     assert all(name in declared for name in cli.EXTRAS[extra])
 
 
+def test_on_windows_the_virtual_board_says_what_it_needs():
+    done = passo("board", without=cli.UNIX_ONLY)
+    assert done.returncode == 1 and "Traceback" not in done.stderr
+    assert "needs Linux, macOS or WSL" in done.stderr
+
+
+def test_on_windows_the_command_works():
+    for words in (["--help"], ["build", "--help"], ["ports"]):
+        assert "Traceback" not in passo(*words, without=cli.UNIX_ONLY).stderr, words
+
+
 def test_without_the_extras_the_command_works():
     everything = [name for names in cli.EXTRAS.values() for name in names]
     done = passo("--help", without=everything)
