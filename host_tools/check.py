@@ -111,8 +111,7 @@ def _shown(file, lines):
 
 
 def table_mm(board):
-    """What X and Y can reach in machine coordinates: left, bottom, right, top in mm; below zero where an axis homes at its
-    high end."""
+    """The reach of X and Y in machine coordinates: left, bottom, right, top in mm; negative if an axis homes at its high end."""
     ranges = []
     high_end = (board["homing"] or {}).get("high_end", "")
     for axis in board["axes"][:2]:

@@ -107,7 +107,7 @@ class TorchClient:
         return fields
 
     def log(self):
-        """[(ms, number, who)] of the board's event log, oldest first; None where the board has no word for it."""
+        """[(ms, number, who)] of the board's event log, oldest first; None if the board has no frame for it."""
         entries = []
         while True:
             fields = self._ask(torch.passo(torch.LOG_OF, len(entries)), "LOG", self.timeout_s if entries else _PASSO_S)

@@ -114,7 +114,7 @@ class VirtualMachine(Machine):
             self.turn()
 
     def run_ms(self, milliseconds):
-        """Turn for so many virtual milliseconds, or a quantum more."""
+        """Run for `milliseconds` of virtual time, or a quantum more."""
         end = self.now_ms() + milliseconds
         self.run_until(lambda: self.now_ms() >= end, milliseconds + 1)
 

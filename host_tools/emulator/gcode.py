@@ -1,4 +1,4 @@
-"""G-code for the emulated Pico as fast as it can take it: lines from the board's own memory in place of a wire.
+"""Gives G-code to the emulated Pico as fast as it takes it: lines from the board's own memory instead of a serial line.
 
     machine = fast_router()                                     # booted, and waiting for its lines
     run = on_a_copy(lambda: run_lines(machine, 0.2, 100, 600))
@@ -8,10 +8,9 @@
     talk_to(machine)                                            # or it is as flashed, on USB
     first_steps(machine), holds(machine)
 
-The firmware is that of the board file, as it is flashed, but for two lines in main.py: they put the memory in the place
-of its first link. The sender counts characters, at most 127 bytes are under way. The lines are chords of a circle in
-space, absolute, to the micrometre, CHORDS of them over and over; or dots of a picture, each with another power, in rows
-of ROW, forth and back by turns.
+The firmware is that of the board file as it is flashed, with two more lines in main.py: they replace its first link by the
+memory. The sender counts characters, with at most 127 bytes under way. The lines are chords of a circle in space, absolute, to
+the micrometre, CHORDS of them again and again; or dots of a picture, each with another power, in rows of ROW, back and forth.
 """
 
 import tempfile
@@ -143,8 +142,8 @@ def padded(*lines, width=LINE_BYTES):
 
 
 def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False, clock_mhz=125):
-    """A booted EmulatedMachine of the board file with axes of 250 mm/s and 20 000 mm/s², so that the processor is the limit, that waits for run_lines(); with a
-    `laser` in its spindle's place for run_raster()."""
+    """A booted EmulatedMachine of the board file that waits for run_lines(); with a `laser` instead of a spindle for
+    run_raster(). Its axes do 250 mm/s and 20 000 mm/s², so that the processor is the limit."""
     board = {**boards.load(name), "clock_mhz": clock_mhz}
     for axis in board["axes"]:
         axis.update(max_mm_min=15_000, accel_mm_s2=20_000)

@@ -1,5 +1,4 @@
-"""Stopping an emulated machine at speed: how soon after the input's edge the steps end, and whether the firmware knows
-exactly where it is.
+"""Stops an emulated machine at speed: how soon after the input's edge do the steps end, and is the firmware's position exact?
 
     rig = Rig(router(3, inputs=INPUTS))
     set_out(rig, (4000, 3000, -2000), steps_s=100_000, after_us=2000)

@@ -2,8 +2,8 @@
 
     apply(chip, leave_out=("uart",))
 
-Each takes the emulated chip. The larger ones have a module of their own, which also says what is wrong: `uart`, `pio`, `system_clock`;
-the pads and the USB port belong to `pico.EmulatedPico`, with switches of the same kind.
+Each takes the emulated chip. The larger ones have a module of their own, which also says what is wrong: `uart`, `pio`,
+`system_clock`; the pads and the USB port belong to `pico.EmulatedPico`, with switches of the same kind.
 
 The flash cache and the faults of accesses that are not aligned are in `flash_cache`. Not modelled, here or there: the time
 of exception entry and exit, bus contention, the second core, the two-cycle synchroniser of inputs, and the time that

@@ -1,4 +1,4 @@
-"""Asking where the machine is while it steps: on the chip itself, and over a link.
+"""Asks for the position while the machine steps: on the chip itself, and over a link.
 
     for took_us, walked in positions(rig, (10000, 7000, -5000), 100_000): …     # raises AssertionError if one is wrong
 
