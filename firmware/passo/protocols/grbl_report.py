@@ -186,6 +186,8 @@ class Status:
         return self._said
 
     def _tell(self, label, count):
+        """Append `label` and the first `count` numbers of `_figures`, NUMBER_… of records.py each. A whole number: [0] the value,
+        [2] zero."""
         self._at = tell(self._out, self._at, label, self._figures, count)
 
     def _tell_place(self, report):
