@@ -207,13 +207,13 @@ def fields_of(report):
 
 def explain(answer):
     """An `error:N` with its meaning."""
-    from passo import errors
+    from passo import error_texts
 
     number = re.sub(r"\D", "", answer)
-    return f"error {number}, {errors.text(int(number))}" if number else answer
+    return f"error {number}, {error_texts.text(int(number))}" if number else answer
 
 
 def alarm_text(number):
-    from passo import errors
+    from passo import error_texts
 
-    return errors.text(200 + number)
+    return error_texts.text(200 + number)

@@ -84,11 +84,11 @@ def _pulses(port, baud):
 
 def _plotter(port, baud):
     from host_tools.plotter_client import PlotterClient
-    from passo import errors
+    from passo import error_texts
 
     with PlotterClient(port, baud) as client:
         number = client.status()["error"]
-    return [f"the last: {number:>3}  {errors.text(number)}" if number else "nothing since it was last asked"]
+    return [f"the last: {number:>3}  {error_texts.text(number)}" if number else "nothing since it was last asked"]
 
 
 def _told(entries):
@@ -96,9 +96,9 @@ def _told(entries):
 
 
 def entry_text(ms, number, who):
-    from passo import errors
+    from passo import error_texts
 
-    return f"{ms / 1000:12.3f} s  {who:<10} {number:>3}  {errors.text(number)}"
+    return f"{ms / 1000:12.3f} s  {who:<10} {number:>3}  {error_texts.text(number)}"
 
 
 def shown(line):

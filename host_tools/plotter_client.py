@@ -17,7 +17,7 @@ import math
 import time
 
 from host_tools.wire import LinkError, Wire, packet_name
-from passo import errors
+from passo import error_texts, errors
 from passo.protocols import plotter_host as plotter
 
 ATTEMPTS = 8  # of one packet
@@ -35,7 +35,7 @@ class Refused(LinkError):
 
     def __init__(self, what, number, alarm):
         self.number = number
-        super().__init__(f"{what} was refused: {'alarm' if alarm else 'error'} {number}, {errors.text(number)}")
+        super().__init__(f"{what} was refused: {'alarm' if alarm else 'error'} {number}, {error_texts.text(number)}")
 
 
 class Cancelled(Exception):

@@ -17,7 +17,7 @@ def load(path):
 
 def items(data, axes, config, name="the file"):
     """The items of a file (see passo.commands). Raises Failure with line and column of what is wrong."""
-    from passo import errors
+    from passo import error_texts
     from passo.commands import TRACK_ABORT, TRACK_ITEMS
     from passo.protocols.pulses import Pulses, frame
 
@@ -27,7 +27,7 @@ def items(data, axes, config, name="the file"):
     for command in protocol.feed(data, 0) + protocol.feed(frame("end"), 0):
         if command.value == TRACK_ABORT:
             line, column = command.target
-            raise Failure(f"{name}:{line}:{column}: error {command.error}: {errors.text(command.error)}")
+            raise Failure(f"{name}:{line}:{column}: error {command.error}: {error_texts.text(command.error)}")
         if command.value == TRACK_ITEMS:
             found += command.target
     return found
@@ -123,14 +123,14 @@ class Converter:
         spindle.
         """
         from host_tools.pulse_shapes import lines as folded
-        from passo import errors
+        from passo import error_texts
 
         if not any(b"S" in line.upper() for _, line in lines):
             self._gcode.rpm = self._gcode.max_rpm
         for number, line in lines:
             error = self._gcode.interpret(line)
             if error:
-                raise Failure(f"line {number}: {line.decode()}: error {error}: {errors.text(error)}")
+                raise Failure(f"line {number}: {line.decode()}: error {error}: {error_texts.text(error)}")
             for command in self._gcode.commands:
                 self._take(number, line, command)
             if self._gcode.ended:

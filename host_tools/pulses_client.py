@@ -10,7 +10,7 @@ import time
 
 from host_tools.failure import Failure
 from host_tools.wire import LinkError, open_port
-from passo import errors
+from passo import error_texts
 from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame
 from passo.protocols.pulses_report import status_from
 
@@ -145,5 +145,5 @@ def check(line, what):
     kind, _, rest = line.partition(":")
     if kind in ("error", "alarm") and rest:
         number, _, where = rest.partition(" ")
-        text = errors.text(int(number)) if number.isdigit() else rest
+        text = error_texts.text(int(number)) if number.isdigit() else rest
         raise Failure(f"{what}{': ' + where if where else ''}: {kind} {number}: {text}")

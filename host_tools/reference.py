@@ -193,7 +193,7 @@ def settings():
 
 def errors():
     """A row a number."""
-    from passo import errors as table
+    from passo import error_texts as table
 
     return ["| number | meaning |", "| ---: | --- |", *[f"| {number} | {table.text(number)} |" for number in table.numbers()]]
 

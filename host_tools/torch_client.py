@@ -13,7 +13,7 @@ import time
 
 from host_tools.failure import Failure
 from host_tools.wire import LinkError, open_port
-from passo import errors
+from passo import error_texts
 from passo.protocols import torch
 
 POLL_S = 0.1
@@ -128,7 +128,7 @@ class TorchClient:
         self.send(data)
         after = self.status()
         if before and after["dropped"] != before["dropped"]:
-            raise Refused(f"the board did not do it: error {after['error']}, {errors.text(after['error'])}")
+            raise Refused(f"the board did not do it: error {after['error']}, {error_texts.text(after['error'])}")
         return after
 
     def jog(self, direction, times=1):
@@ -154,7 +154,7 @@ class TorchClient:
             if show:
                 show(status)
             if status["state"] == "alarm":
-                raise Refused(f"alarm {status['error']}, {errors.text(status['error'])}")
+                raise Refused(f"alarm {status['error']}, {error_texts.text(status['error'])}")
             if status["state"] not in ("run", "jog"):
                 return status
             time.sleep(POLL_S)

@@ -221,7 +221,7 @@ class VirtualJob:
         return data.decode().split("\r\n")
 
     def _answer(self, said, under_way):
-        from passo import errors
+        from passo import error_texts
 
         if said.startswith("ALARM:"):
             self._note_alarm(int(said[6:]), under_way)
@@ -231,18 +231,18 @@ class VirtualJob:
             number, line = under_way.pop(0)
             if said != "ok":
                 code = int(said[6:])
-                self.errors.append((number, line.decode(), f"error {code}, {errors.text(code)}"))
+                self.errors.append((number, line.decode(), f"error {code}, {error_texts.text(code)}"))
 
     def _note_alarm(self, number, under_way):
-        from passo import errors
+        from passo import error_texts, errors
 
         line, text = under_way[0] if under_way else (0, b"")
         if number + 200 in errors.NEED_RESET:
-            raise Failure(f"line {line}, {text.decode()}: alarm {number}, {errors.text(200 + number)}")
+            raise Failure(f"line {line}, {text.decode()}: alarm {number}, {error_texts.text(200 + number)}")
         if number + 200 in (errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED):
             self.probes.append((line, text.decode()))
         else:
-            self.errors.append((line, text.decode(), f"alarm {number}, {errors.text(200 + number)}"))
+            self.errors.append((line, text.decode(), f"alarm {number}, {error_texts.text(200 + number)}"))
         under_way.append((line, b"$X"))
         self._line.incoming += b"$X\n"
 

@@ -3,7 +3,7 @@
 from math import cos, pi, sin
 
 from draws import Random
-from passo import commands, errors
+from passo import commands, error_texts, errors
 from passo.control import arcs
 from passo.motion.integers import isqrt
 from passo.protocols import gcode_words
@@ -65,7 +65,7 @@ class Shop:
         """Interpret and carry out; the commands of the last line."""
         for line in lines:
             error = self.gcode.interpret(line)
-            assert error == 0, (line, error, errors.text(error))
+            assert error == 0, (line, error, error_texts.text(error))
             for command in self.gcode.commands:
                 if command.kind in (commands.LINE, commands.ARC, commands.PROBE, commands.JOG_TO):
                     self.machine.target = command.target[:]
@@ -482,7 +482,7 @@ def obey(shop, line):
     error = shop.gcode.interpret(line)
     if error:
         assert shop.gcode.commands == [] and shop.state() == state
-        assert errors.text(error) != "error %d" % error
+        assert error_texts.text(error) != "error %d" % error
     for command in shop.gcode.commands:
         if command.target:
             shop.machine.target = command.target[:]

@@ -1,6 +1,6 @@
 """Noise on the grbl link."""
 
-from passo import errors
+from passo import error_texts
 from check_gcode import ALPHABET, GOOD
 from draws import Random
 from router import Machine, answers
@@ -75,7 +75,7 @@ def check_mutated_programmes(seed):
         if answers(said)[0] != "ok" and "error:15" not in said:
             assert machine.controller.queue.target == before, line
         number = answers(said)[0][6:]
-        assert not number or errors.text(int(number)) != "error " + number
+        assert not number or error_texts.text(int(number)) != "error " + number
         if random.between(0, 3) == 0 or machine.controller.machine.alarm:
             recover(machine)
     recover(machine)

@@ -1,6 +1,6 @@
 """The plotter's language: every packet of the documents, and every single fault on the wire."""
 
-from passo import errors
+from passo import error_texts, errors
 from passo.commands import (
     ACCEPTED, BAD, DRAW, FINISHED, HAND_OVER, HELLO, HOME, JOG, POINT, REFUSED, SPEED, STATUS, STOP, Command, Event,
 )
@@ -201,6 +201,6 @@ def check_status(state, error, x, y, drawn, free):
 
 
 def check_error_table():
-    for number in errors.numbers():
-        assert 0 <= number <= 255 and len(errors.text(number)) > 5
-    assert errors.text(250) == "error 250"
+    for number in error_texts.numbers():
+        assert 0 <= number <= 255 and len(error_texts.text(number)) > 5
+    assert error_texts.text(250) == "error 250"

@@ -3,10 +3,10 @@
 from boards.plotter_2014 import BOARD as PLOTTER
 from boards.router_3axis import BOARD
 from passo import errors
-from passo.control import settings as table
+from passo.control import setting_numbers as table
 from passo.control.boardfile import check
 from passo.control.journal import Journal, MemorySlots
-from passo.control.settings import Settings
+from passo.control.settings import MASKS, Settings
 from passo.steps.wiring import inverted_pins
 from passo.steps.word import Layout
 from draws import Random
@@ -218,8 +218,8 @@ def check_masks_mean_what_they_mean_in_grbl():
         board = any_board(random)
         settings = Settings(board, Journal(MemorySlots()))
         for _ in range(3):
-            assert tuple([settings.value(number) for number in table.MASKS]) == wired(board, settings)
-            for number in table.MASKS:
+            assert tuple([settings.value(number) for number in MASKS]) == wired(board, settings)
+            for number in MASKS:
                 assert settings.change(number, random.between(0, 7) & settings._table[number][4]) == 0
     settings = Settings(check(BOARD), Journal(MemorySlots()))
     assert settings.masks() == [(2, 0), (3, 7), (4, 0), (5, 1), (6, 0), (23, 3)]
@@ -234,11 +234,11 @@ def check_old_masks_are_converted(seed):
     board = any_board(Random(state))
     bare = Settings(any_board(Random(state)), Journal(MemorySlots()))
     before = wired(any_board(Random(state)), bare)
-    old = [(number, random.between(0, 7) & bare._table[number][4]) for number in table.MASKS if random.between(0, 1)]
+    old = [(number, random.between(0, 7) & bare._table[number][4]) for number in MASKS if random.between(0, 1)]
     slots = MemorySlots()
     Journal(slots).write("\n".join(["%d=%d" % item for item in old] + ["110=1234", "G54=1,2,3"]))
     changes = dict(old)
-    wanted = tuple([before[at] ^ changes.get(table.MASKS[at], 0) for at in range(len(table.MASKS))])
+    wanted = tuple([before[at] ^ changes.get(MASKS[at], 0) for at in range(len(MASKS))])
     for _ in range(3):  # as it is read, as it has been written since, and with a change
         settings = Settings(board, Journal(slots))
         assert wired(board, settings) == wanted and settings.value(110) == 1234 and settings.get("G54") == "1,2,3"

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from passo import errors
+from passo import error_texts
 
 pytestmark = pytest.mark.quick
 
@@ -14,5 +14,5 @@ DOCUMENT = Path(__file__).resolve().parent.parent / "docs" / "errors.md"
 
 def test_the_document_is_the_table():
     rows = re.findall(r"^\| (\d+) \| (.*) \|$", DOCUMENT.read_text(), re.MULTILINE)
-    wanted = [(str(number), errors.text(number)) for number in errors.numbers()]
+    wanted = [(str(number), error_texts.text(number)) for number in error_texts.numbers()]
     assert rows == wanted, "docs/errors.md should hold:\n" + "\n".join(f"| {n} | {text} |" for n, text in wanted)

@@ -23,7 +23,7 @@ MAY_IMPORT = {
     "passo": (),
     "records": (),
     "commands": (),
-    "errors": ("passo.error_texts",),
+    "errors": (),
     "error_texts": ("passo.errors",),
     "drives": (),
     "motion": VOCABULARY,

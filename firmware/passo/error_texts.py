@@ -1,4 +1,8 @@
-"""What the numbers of `errors` mean, a line each. Ask errors.text(): a board loads this only when it is wanted."""
+"""What the numbers of `errors` mean, a line each. A board loads this only if somebody asks, at the REPL.
+
+    from passo.error_texts import text
+    text(33)
+"""
 
 from passo import errors
 
@@ -80,3 +84,13 @@ TEXTS = {
     errors.ALARM_SENSOR_DEAD: "homing: a sensor was not found within the travel",
     errors.ALARM_TWO_MOTORS: "homing: the second motor's switch was not found",
 }
+
+
+def text(number):
+    """What error or alarm `number` means, in one line."""
+    return TEXTS.get(number) or "error %d" % number
+
+
+def numbers():
+    """All numbers of the table, in order."""
+    return sorted(TEXTS)

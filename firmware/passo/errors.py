@@ -101,19 +101,3 @@ NOTICE_JERK = const(10)
 NOTICE_PAUSE = const(11)
 NOTICE_TOOL = const(12)  # with the number of the tool
 NOTICE_SPINDLE = const(13)
-
-
-def _texts():
-    from passo.error_texts import TEXTS
-
-    return TEXTS
-
-
-def text(number):
-    """What error or alarm `number` means, in one line."""
-    return _texts().get(number) or "error %d" % number
-
-
-def numbers():
-    """All numbers of the table, in order."""
-    return sorted(_texts())

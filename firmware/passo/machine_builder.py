@@ -6,7 +6,7 @@ A board forgets this module when that is done: it has better uses for the memory
 import sys
 
 from passo.control.board_error import BoardError
-from passo.control.settings import SPEED, STEPS
+from passo.control.setting_numbers import SPEED, STEPS
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")

@@ -21,7 +21,7 @@ HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
 
-# Numbers of settings that languages ask for, too.
+# Numbers of settings that languages ask for too; the others stand in control/setting_numbers.py.
 SETTING_REPORT = const(10)
 SETTING_INCHES = const(13)
 SETTING_MAX_RPM = const(30)

@@ -24,7 +24,7 @@ from host_tools.emulator.load import Load
 from host_tools.emulator.machine import EmulatedMachine, written
 from host_tools.emulator.profile import Profile
 from passo.control.journal import Journal, MemorySlots
-from passo.control.settings import JERK
+from passo.control.setting_numbers import JERK
 
 CHORDS = 64
 LINE_BYTES = 24

@@ -9,7 +9,7 @@ import micropython
 from micropython import const
 
 from passo import commands, errors
-from passo.control import settings as table
+from passo.control import setting_numbers as table
 from passo.control.extent import farthest
 from passo.control.tools import thousandths
 from passo.errors import LATER

@@ -18,37 +18,15 @@ where it said what differs from the board file: it is converted. That firmware i
 from micropython import const
 
 from passo import errors
-from passo.records import (
-    SETTING_INCHES as INCHES, SETTING_LASER as LASER, SETTING_MAX_RPM as MAX_RPM, SETTING_REPORT as REPORT,
+from passo.control.setting_numbers import (
+    DIRECTION_INVERT, ENABLE_INVERT, HOMING, HOMING_DEBOUNCE, HOMING_DIRECTION, HOMING_LOCATE, HOMING_PULL_OFF,
+    HOMING_SEEK, IDLE_DELAY, JERK, LASER, LIMIT_INVERT, PROBE_INVERT, PULSE_US, SOFT_LIMITS, SPEED, STEPS,
+    STEP_INVERT, TRAVEL,
 )  # fmt: skip
 
 _LONGEST_TEXT = const(80)
 _LEAST_JERK = const(10_000)  # 10 mm/s³; 0: no limit
 
-PULSE_US = const(0)
-IDLE_DELAY = const(1)
-STEP_INVERT = const(2)
-DIRECTION_INVERT = const(3)
-ENABLE_INVERT = const(4)
-LIMIT_INVERT = const(5)
-PROBE_INVERT = const(6)
-JUNCTION = const(11)
-ARC = const(12)
-SOFT_LIMITS = const(20)
-HARD_LIMITS = const(21)
-HOMING = const(22)
-HOMING_DIRECTION = const(23)
-HOMING_LOCATE = const(24)
-HOMING_SEEK = const(25)
-HOMING_DEBOUNCE = const(26)
-HOMING_PULL_OFF = const(27)
-MIN_RPM = const(31)
-STEPS = const(100)
-SPEED = const(110)
-ACCELERATION = const(120)
-TRAVEL = const(130)
-START = const(140)  # Passo's own, and the next
-JERK = const(141)
 MASKS = (STEP_INVERT, DIRECTION_INVERT, ENABLE_INVERT, LIMIT_INVERT, PROBE_INVERT, HOMING_DIRECTION)
 _VERSION = "2:"
 

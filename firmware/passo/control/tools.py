@@ -3,7 +3,7 @@
 from micropython import const
 
 from passo import commands, errors
-from passo.control import settings as table
+from passo.control import setting_numbers as table
 from passo.errors import LATER
 
 OFF = const(5)  # spindle

@@ -12,7 +12,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import FINISHED, Event
-from passo.control import settings as table
+from passo.control import setting_numbers as table
 from passo.control.track_intake import ASK, DRIVES_ON, TrackIntake, lengths_of
 from passo.motion.step_program import StepProgram, run
 from passo.motion.step_program_walker import StepProgramWalker

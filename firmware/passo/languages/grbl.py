@@ -1,7 +1,7 @@
 """G-code as grbl takes it on a link; its links share their work offsets."""
 
 from passo.control.board_error import BoardError
-from passo.control.settings import HOMING
+from passo.control.setting_numbers import HOMING
 from passo.protocols.gcode_offsets import Offsets
 from passo.protocols.grbl import Grbl
 
