@@ -387,6 +387,29 @@ def check_drives():
     assert machine.world.place == [2, 0, 0]  # the port's pulses are those of the file
 
 
+def check_no_words_before_the_motors_are_ready():
+    """An interrupt that feeds comes at any moment: here as soon as a walk is queued, before the app has looked at the motors."""
+    machine = Lpt()
+    app = machine.app
+    queue = machine.track._queue
+    track = queue.track
+    early = []
+
+    def interrupted(walker):
+        track(walker)
+        made = app.ring.head
+        if app.feeder.open:
+            app.feeder.fill(app.player.played(), 150_000)
+        if app.ring.head != made and not app.controller.may_feed():
+            early.append(app.ring.head - made)
+
+    queue.track = interrupted
+    machine.load("[A*40]*40A[*40A]")
+    machine.tell("run")
+    machine.until("end")
+    assert machine.world.place == [3, 0, 0] and not early
+
+
 def enabled_while(machine, *words):
     """The levels of the output enable, active low, that are seen up to the stand."""
     seen = set()

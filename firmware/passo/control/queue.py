@@ -148,6 +148,11 @@ class Queue:
     def begin(self):
         """Nothing more is coming for now: see StreamQueue."""
 
+    def close(self):
+        """No words are made until the app finds the motors ready: at a stand, before motion that may have to wake them. An
+        interrupt that feeds may come before the app looks."""
+        self._feeder.open = False
+
     def track(self, walker):
         """Walk a track, as its walker has begun to; settle() is to follow when it has been played."""
         self._planner.track(walker)

@@ -318,6 +318,7 @@ class TrackPlayer(TrackIntake):
             self._without = self._queue.position()
             self._machine.motors.unpower((1 << self.track.axes) - 1)
         walker.begin(backward, most, self._queue.lit())
+        self._queue.close()  # the walk before it may have had no current
         self._queue.track(walker)
 
     def poll(self, now_ms):
