@@ -199,6 +199,36 @@ def test_no_circle_of_imports():
     report([" and ".join(circle) + " import each other" for circle in circles(imports(TREES))])
 
 
+# --- (e) one home for a name in a module, one room for the feeder's state
+
+
+def imported_twice(tree):
+    """Names that a module binds by more than one import at its top: a build would leave such a constant unfolded."""
+    seen, twice = set(), set()
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom):
+            names = {alias.asname or alias.name for alias in node.names}
+            twice |= names & seen
+            seen |= names
+    return twice
+
+
+def test_no_name_is_imported_twice():
+    report([f"{name}: imports {each} twice" for name, tree in TREES.items() for each in imported_twice(tree)])
+
+
+def test_only_steps_knows_the_feeders_state():
+    """Geometries and the ramp answer "next segment"; the feeder alone writes its state, its marks and the ring."""
+    own = ("FEED_", "MARK_")
+    faults = []
+    for name in FIRMWARE:
+        if not name.startswith("passo/steps/") and name != "passo/records.py":
+            for node in ast.walk(TREES[name]):
+                if isinstance(node, ast.ImportFrom) and node.module == "passo.records":
+                    faults += [f"{name}: names {alias.name}" for alias in node.names if alias.name.startswith(own)]
+    report(faults)
+
+
 # --- the rules find what they are for
 
 BARE = """
@@ -233,6 +263,11 @@ def test_constants_of_their_own_pass(one, other):
 def test_a_long_function_is_found(lines, found):
     assert long_functions(ast.parse("def f():\n" + "    x = 1\n" * lines)) == found
     assert not long_functions(ast.parse("@micropython.viper\ndef f():\n" + "    x = 1\n" * lines))
+
+
+def test_a_name_imported_twice_is_found():
+    assert imported_twice(ast.parse("from a import b\nfrom c import d as b, e")) == {"b"}
+    assert not imported_twice(ast.parse("from a import b\nfrom c import b as d\ndef f():\n    from e import b"))
 
 
 def test_a_circle_is_found():
