@@ -105,8 +105,7 @@ class Converter:
         axes = board["axes"][:3]
         self.steps_per_m = [axis["steps_per_m"] for axis in axes]
         self.target = [0] * len(axes)
-        self.arcs = arcs  # the face that the G-code reader wants: also steps_per_m, and a queue with a target
-        self.queue = self
+        self.arcs = arcs  # the face that the G-code reader wants: also steps_per_m and target
         self._gcode = GCode("xyz"[: len(axes)], Offsets(len(axes), Settings(board, Journal(MemorySlots()))), self)
         self._line = Line(len(axes))
         self._circle = Circle(len(axes))

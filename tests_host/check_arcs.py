@@ -13,7 +13,7 @@ from check_gcode import Memory
 from draws import Random
 from passo import commands
 from passo.control import arcs
-from passo.control.program import Program
+from passo.control.program import Feature as Program
 from passo.control.stream_queue import StreamQueue
 from passo.motion.line import MAX_RUN
 from passo.motion.profile import Limits
@@ -67,6 +67,10 @@ class Bench:
         self.place = [0, 0, 0]
         self.path = []
 
+    @property
+    def target(self):
+        return self.queue.target
+
     def do(self, text):
         """The places after every word of one line, and before the first."""
         path = self.attempt(text)
@@ -82,7 +86,7 @@ class Bench:
             if command.kind in (commands.LINE, commands.ARC):
                 assert self.program._queue_motion(command) == 0, text
                 self.play()
-                assert self.place == command.target == self.queue.target, text
+                assert self.place == command.target == list(self.queue.target), text
         return self.path
 
     def play(self):

@@ -50,7 +50,6 @@ class Machine:
         self.target = [0, 0, 0]
         self.steps_per_m = [250_000, 250_000, 400_000]
         self.arcs = arcs
-        self.queue = self
 
 
 class Shop:
@@ -59,7 +58,7 @@ class Shop:
     def __init__(self, machine=None):
         self.machine = machine or Machine()
         self.memory = Memory()
-        self.gcode = GCode("xyz", Offsets(3, self.memory), self.machine, self.machine)
+        self.gcode = GCode("xyz", Offsets(3, self.memory), self.machine)
 
     def do(self, *lines):
         """Interpret and carry out; the commands of the last line."""

@@ -5,7 +5,8 @@ from array import array
 from check_gcode import ALPHABET, Machine, Shop
 from draws import Random
 from passo import commands
-from passo.control.tools import thousandths
+from passo.batch import Lines as Batch
+from passo.batch import thousandths
 from passo.protocols.grbl_lines import Lines
 from passo.records import (
     BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_ROWS, BATCH_STEPS, BATCH_TAG,
@@ -54,46 +55,57 @@ def draw_line(random):
 
 
 class Straight(Machine):
-    """A machine that plain lines go straight to: program, queue and planner in one."""
+    """A machine that takes batches: controller, program and planner in one."""
 
     def __init__(self):
         Machine.__init__(self)
-        self.planner = self
         self.blocks = 96
         self.travel = None
         self.tool = False  # the queue's, and the planner's
         self.power = 0
         self.dynamic = False
-        self.slow = False
-        self.batch = array("i", [0] * (BATCH_FIELDS * BATCH_ROWS))
+        self.batch = Batch(0, array("i", [0] * (BATCH_FIELDS * BATCH_ROWS)), BATCH_ROWS, False)
         self.took = []  # as facts()
 
-    def reach(self):
-        return self.travel
+    def open(self):
+        batch = self.batch
+        batch.target = array("i", self.target)
+        batch.reach = self.travel
+        batch.tool, batch.power, batch.dynamic = self.tool, self.power, self.dynamic
+        batch.room = self.blocks - 1
 
-    def slow_tool(self):
-        return self.slow
-
-    def takes(self, tool, power, dynamic, beam):
-        return beam or (tool, thousandths(power), dynamic) == (self.tool, self.power, self.dynamic)
-
-    def room(self):
-        return self.blocks
-
-    def followed(self, places, first, axes):
-        self.target = list(places[first : first + axes])
-
-    def lines(self, count):
+    def accept(self):
         """What Planner.lines() would queue."""
-        for row in range(count):
-            fields = self.batch[row * BATCH_FIELDS : (row + 1) * BATCH_FIELDS]
+        rows = self.batch.rows
+        for row in range(self.batch.count):
+            fields = rows[row * BATCH_FIELDS : (row + 1) * BATCH_FIELDS]
             before = self.took[-1][0] if self.took else self.target
             target = [before[axis] + fields[BATCH_STEPS + axis] for axis in range(3)]
             flags, nm_s = fields[BATCH_FLAGS], fields[BATCH_FEED]
             assert fields[BATCH_KIND] == fields[BATCH_FIRST] == 0 and bool(flags & 2) == (not nm_s)
-            light = bool(flags & 1), fields[BATCH_POWER], bool(flags & 4)
-            self.took.append((target, nm_s, 0, fields[BATCH_TAG]) + light)
+            self.tool, self.power, self.dynamic = bool(flags & 1), fields[BATCH_POWER], bool(flags & 4)
+            self.took.append((target, nm_s, 0, fields[BATCH_TAG]) + self.light())
             self.blocks -= 1
+        self.batch.room = self.blocks - 1
+
+    def follow(self, gcode, lines, most):
+        """Have `gcode` fill batches of `lines`, `most` lines at most, and take them: how many it were."""
+        batch = self.batch
+        self.open()
+        if not gcode.opens(batch):
+            gcode.waits = False
+            return 0
+        batch.most = min(most, BATCH_ROWS)
+        count = gcode.fill(lines, batch)
+        while batch.count:
+            self.accept()
+            batch.most = min(most - count, BATCH_ROWS)
+            if not batch.more or not batch.most:
+                break
+            count += gcode.fill(lines, batch)
+        if count:
+            self.target = list(self.took[-1][0])
+        return count
 
     def obey(self, made, laser):
         """What the whole of G-code has made of a line."""
@@ -109,13 +121,11 @@ class Straight(Machine):
         return self.tool, self.power, self.dynamic
 
     def take_of(self, gcode, lines, most):
-        """Have gcode.follow() take of `lines`: facts of what came of them."""
+        """follow(): facts of what came of `lines`."""
         self.took = []
         self.blocks = 96
-        count = gcode.follow(lines, most)
+        count = self.follow(gcode, lines, most)
         assert count == len(self.took)
-        if count:
-            assert self.target == self.took[-1][0] and self.tool == self.took[-1][4]
         return self.took
 
 
@@ -131,7 +141,7 @@ def shops(count, laser, max_rpm=1_000_000, slow=False):
     for shop in made:
         shop.gcode.laser = laser
         shop.gcode.max_rpm = max_rpm
-        shop.machine.slow = slow
+        shop.machine.batch.slow_tool = slow
     return made
 
 
@@ -170,7 +180,7 @@ def check_same_as_in_full(seed):
             if error:
                 shop.gcode._settle()  # as the next line will do
         if random.between(0, 3) == 0:
-            short.gcode.leave_plain()
+            short.gcode.leave_batch()
             assert short.state() == full.state(), line
         moved = [command for command in full.gcode.commands if command.target]
         refused = moved and short.machine.target == before and random.between(0, 5) == 0
@@ -183,7 +193,7 @@ def check_same_as_in_full(seed):
         if random.between(0, 15) == 0:
             for shop in (short, full):
                 shop.machine.target = [at + 7 for at in full.machine.target]
-    short.gcode.leave_plain()
+    short.gcode.leave_batch()
     assert dealt or short.state() == full.state()
 
 
@@ -212,7 +222,7 @@ def check_several_at_once(seed):
     lines.take(b"X1\n")
     all.machine.took = []
     all.machine.blocks = 1  # a block is kept for the tool
-    assert all.gcode.follow(lines, 4) == 0 and all.gcode.waits and lines.waiting()
+    assert all.machine.follow(all.gcode, lines, 4) == 0 and all.gcode.waits and lines.waiting()
 
 
 def check_machine_code(seed):
@@ -247,11 +257,11 @@ def check_the_frequent_line_is_dealt_with():
     for line in (b"G1 X1.5 F600", b"X2Y3.25", b"N100 G0 Z-5", b"G01X-1.000Y.5Z-0.2", b"g1 x 10 f 1200.5"):
         lines = Lines()
         lines.take(line + b"\n")
-        assert shop.gcode.follow(lines, 9) == 1 and not lines.waiting(), line
+        assert shop.machine.follow(shop.gcode, lines, 9) == 1 and not lines.waiting(), line
     for line in (b"G2 X1 I1", b"", b"X1 (note)", b"X1 ; note", b"M3", b"X1 S-3", b"X1 X2", b"X", b"G1", b"X600", b"X1 F.001"):
         lines = Lines()
         lines.take(line + b"\n")
-        assert shop.gcode.follow(lines, 9) == 0 and lines.waiting() and not shop.gcode.waits, line
+        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting() and not shop.gcode.waits, line
 
 
 def check_a_laser_raster_is_dealt_with():
@@ -268,7 +278,7 @@ def check_a_laser_raster_is_dealt_with():
         lights = [dark, (True, 450), dark, (True, 1000), (True, 1000), dark, (True, 1), (True, 1000), dark, (True, 300)]
         assert [fact[4:] for fact in facts] == [light + (mode == b"M4",) for light in lights]
         lines.take(b"X1S5\n")  # no step to change it with
-        assert shop.gcode.follow(lines, 9) == 0 and not shop.gcode.waits
+        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and not shop.gcode.waits
 
 
 def check_a_spindle_changes_its_speed_at_a_stand():
@@ -277,4 +287,4 @@ def check_a_spindle_changes_its_speed_at_a_stand():
     for line, short in ((b"G1 X1 S500", 1), (b"X2 S501", 0), (b"X3", 1)):
         lines = Lines()
         lines.take(line + b"\n")
-        assert shop.gcode.follow(lines, 9) == short, line
+        assert shop.machine.follow(shop.gcode, lines, 9) == short, line

@@ -56,7 +56,8 @@ def check_both_ends_of_lines():
 def check_a_few_lines_a_turn():
     """Where lines take time, a burst of them is shared out over turns, and what is asked meanwhile is answered first."""
     machine = Machine().ready()
-    machine.app.links[0].protocol._most = 3
+    machine.app.links[0].batch.most = 3
+    machine.app.links[0].protocol._most = 1
     machine.put("G91 G0\n" + "".join(["X%d\n" % (i + 1) for i in range(10)]))
     assert machine.turns() == ["ok"]  # it goes the long way
     assert machine.turns() == ["ok"] * 3

@@ -44,7 +44,7 @@ def check_two_axes(kind, x, x_rate, y, y_rate):
     assert result == 0
     machine.settle()
     assert machine.made() == [x, y] == machine.part.made() == machine.controller.position()
-    assert machine.controller.queue.target == [x, y]
+    assert list(machine.controller.queue.target) == [x, y]
     intervals_hold(machine, 0, (12_500_000, x_rate))
     intervals_hold(machine, 1, (700 * 12_500, y_rate))
     assert machine.world.shortest_setup is None or machine.world.shortest_setup >= 62
@@ -88,7 +88,7 @@ def check_live(kind, asks):
     intervals_hold(machine, other, (12_500_000, rate))
     assert machine.accept(Command(REST, value=3)) == 0
     machine.settle()
-    assert machine.controller.position() == machine.made() == machine.controller.queue.target
+    assert machine.controller.position() == machine.made() == list(machine.controller.queue.target)
     assert machine.controller.state == "idle"
 
 

@@ -1,12 +1,12 @@
-"""A laser on the whole firmware: lines that go the short way give the words and the power that the long way gives."""
+"""A laser on the whole firmware: lines that go in batches give the words and the power that they give as commands."""
 
 from digest import Sink, board_named, checked
 from draws import Random
 from passo.app import App
 from router import LASER, Machine
 
-CASES = {"check_short_is_long": (("seed", "seed"),)}
-RUNS = {"check_short_is_long": 12}
+CASES = {"check_batches_are_commands": (("seed", "seed"),)}
+RUNS = {"check_batches_are_commands": 12}
 LONG = (
     b"M3", b"M4", b"M5", b"M3 S200", b"M4 S700", b"S0", b"S300", b"G4 P.01", b"G91", b"G90", b"G0", b"G1", b"G28 X1 S50",
     b"G2 X4 Y4 R30 S40 F900", b"G53 G0 X1 S9", b"$31=100", b"$30=255", b"$30=1000", b"\x9a", b"\x9b\x9b",
@@ -34,22 +34,22 @@ def draw_programme(random):
     return lines
 
 
-def play(lines, short):
-    """What comes of `lines`, one after the other, and how many of them went the short way."""
+def play(lines, batches):
+    """What comes of `lines`, one after the other, and how many of them went in batches."""
     port = Sink()
     app = App(checked(board_named("laser_xy")), port)
     protocol = app.links[0].protocol
-    go_on = protocol.gcode.go_on
+    fill = protocol.gcode.fill
     taken = []
 
     def counted(*arguments):
-        count = go_on(*arguments)
+        count = fill(*arguments)
         taken.append(count)
         return count
 
-    protocol.gcode.go_on = counted
-    if not short:
-        app.links[0].short = None
+    protocol.gcode.fill = counted
+    if not batches:
+        app.links[0].batch = None
     said = b""
     for line in lines:
         port.incoming += line + b"\n"
@@ -68,7 +68,7 @@ def play(lines, short):
     return (port.hexdigest(), port.words, port.marks, said + port.outgoing), sum(taken)
 
 
-def check_short_is_long(seed):
+def check_batches_are_commands(seed):
     lines = draw_programme(Random(seed))
     made, taken = play(lines, True)
     whole, none = play(lines, False)

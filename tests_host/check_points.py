@@ -1,6 +1,7 @@
-"""The short way of points, from the line into the store: it does what the way of all commands does."""
+"""Points in batches, from the line into the point buffer: what comes of them is what comes of commands."""
 
 from draws import Random
+from passo.batch import Points
 from passo.commands import POINT
 from passo.control.point_buffer import PointBuffer
 from passo.protocols.plotter_host import COMMANDS, Plotter, packet
@@ -50,40 +51,47 @@ def meaning(command):
     return command.kind, command.target, command.tool, command.value, command.error
 
 
-class Objects:
-    """Room for some points, or for none, as chance has it."""
+class Room:
+    """Room for some points, or for none, as chance has it; `points` are the meanings of those that have come."""
 
     def __init__(self, random):
         self._random = random
-        self._data = bytearray(300)
-        self.most = [random.between(60_000, 65_535) for _ in range(2)]
-        self.points = []  # meanings of what has been added
+        self.batch = Points(0)
+        self.batch.data = bytearray(300)
+        self.batch.most_x, self.batch.most_y = [random.between(60_000, 65_535) for _ in range(2)]
+        self.points = []
 
-    def reserve(self, link):
-        self._at = self._random.between(0, 40)
-        room = self._random.between(-8, 50)
-        return None if room <= 0 else (self._data, self._at, room, self.most[0], self.most[1])
+    def open(self):
+        self.batch.offset = self._random.between(0, 40)
+        self.batch.room = max(0, self._random.between(-8, 50))
 
-    def add(self, count):
-        for at in range(self._at, self._at + 5 * count, 5):
-            tool, x_high, x_low, y_high, y_low = self._data[at : at + 5]
+    def accept(self):
+        batch = self.batch
+        for at in range(batch.offset, batch.offset + 5 * batch.count, 5):
+            tool, x_high, x_low, y_high, y_low = batch.data[at : at + 5]
             self.points.append((POINT, (x_high << 8 | x_low, y_high << 8 | y_low), tool == 1, 0, 0))
+        self.open()
+        return batch.count
 
 
 def check_the_language(seed, chunk):
-    """Points added and commands are what feed() alone makes of the same bytes, however many there is room for."""
+    """Points in batches and commands are what feed() alone makes of the same bytes, however many there is room for."""
     random = Random(seed)
-    objects = Objects(random)
-    plain, short = Plotter(GAP_MS), Plotter(GAP_MS, drawing=objects)
+    room = Room(random)
+    plain, batched = Plotter(GAP_MS), Plotter(GAP_MS, batch=room.batch)
     now_ms = 7
     for data, wait_ms in parts(random, stream(random, 65535), chunk):
         wanted = [meaning(command) for command in plain.feed(data, now_ms)]
-        objects.points = []
-        answers = short.short(data, now_ms, None)
-        assert answers == b"n" * len(objects.points)
-        for _, place, _, _, _ in objects.points:
-            assert place[0] <= objects.most[0] and place[1] <= objects.most[1]
-        assert objects.points + [meaning(command) for command in short.feed(b"", now_ms)] == wanted
+        room.points = []
+        answers = b""
+        if batched.collect(data, now_ms):
+            room.open()
+            while batched.fill(b""):
+                answers += batched.accepted(room.accept())
+        assert answers == b"n" * len(room.points)
+        for _, place, _, _, _ in room.points:
+            assert place[0] <= room.batch.most_x and place[1] <= room.batch.most_y
+        assert room.points + [meaning(command) for command in batched.feed(b"", now_ms)] == wanted
         now_ms += wait_ms
 
 
@@ -113,7 +121,7 @@ def check_the_machine(seed, chunk):
     machines = [Machine(store_points=room), Machine(store_points=room)]
     for machine in machines:
         machine.app.controller.machine.homed = bool(seed % 5)
-    machines[1].app.links[0].short = None
+    machines[1].app.links[0].batch = None
     for data, wait_ms in parts(random, stream(random, 1300), chunk):
         said = []
         for machine in machines:

@@ -25,7 +25,7 @@ MODULES = {
     "passo/languages/plotter.py": "from passo.protocols.plotter import sum\n",
     "passo/control/homing.py": "",
     "passo/languages/torch.py": "NEEDS = ('track',)\n",
-    "passo/machine_builder.py": "FEATURES = (('homing', 'Homing', bool), ('track', 'Track', None))\n",
+    "passo/machine_builder.py": "FEATURES = (('homing', bool), ('track', None))\n",
     "passo/motion/line.py": "def line():\n    return 1\n",
     "passo/ports/virtual.py": "",
     "passo/ports/pins.py": "",

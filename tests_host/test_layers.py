@@ -16,13 +16,14 @@ FIRMWARE = ROOT / "firmware"
 FILES = sorted(path.relative_to(FIRMWARE) for path in FIRMWARE.rglob("*.py"))
 
 # The vocabulary: everybody may name it, and it names nobody.
-VOCABULARY = ("passo.records", "passo.commands", "passo.errors")
+VOCABULARY = ("passo.records", "passo.commands", "passo.batch", "passo.errors")
 
 # What of passo a room may import besides itself.
 MAY_IMPORT = {
     "passo": (),
     "records": (),
     "commands": (),
+    "batch": (),
     "errors": (),
     "error_texts": ("passo.errors",),
     "drives": (),

@@ -10,6 +10,7 @@ knows every room.
 
 import gc
 
+import micropython
 from micropython import const
 
 from passo import errors
@@ -44,14 +45,14 @@ _WHOLE = const(2)  # and commands
 class Link:
     """One serial line: its protocol, and the commands that wait for their turn."""
 
-    def __init__(self, number, config, serial, protocol):
+    def __init__(self, number, config, serial, protocol, controller):
         self.number = number  # in the board file, from 0
         self.name = config["name"]
         self.serial = serial
         self.protocol = protocol
-        self.end_short = getattr(protocol, "end_short", None)
-        self.short = getattr(protocol, "short", None)  # of what comes most often, where the language has one
-        self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: `short` may be asked while commands wait
+        self.batch = getattr(protocol, "batch", None)  # of what comes most often, if the language has one
+        self.accept = self.batch and controller.acceptor(self.batch)
+        self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: it may fill batches while commands wait
         self.waiting = []
 
 
@@ -92,7 +93,7 @@ class App:
         for config, language, serial in zip(board["links"], languages, serials):
             number = len(self.links)
             protocol = language.create(config, number, board, self.controller, shared, most)
-            self.links.append(Link(number, config, serial, protocol))
+            self.links.append(Link(number, config, serial, protocol, self.controller))
         self.controller.start()
         self._answer()
 
@@ -207,8 +208,8 @@ class App:
         data = link.serial.read()
         if data:
             self._heard |= _PART
-        if link.short and (link.keeps or not link.waiting):
-            data = self._in_short(link, data)
+        if link.batch and (link.keeps or not link.waiting):
+            data = self._in_batches(link, data)
         return link.protocol.feed(data, self._now_ms)
 
     def _carry_out(self, commands, link):
@@ -233,13 +234,14 @@ class App:
             self.controller.refuse(command, errors.TOO_MANY_WAITING)
         self._answer()
 
-    def _in_short(self, link, data):
-        """Have the protocol deal in short with `data`, and with what comes while it does: as long as it has answers, and
-        the machine may wait. Returns what is left for feed()."""
+    @micropython.native
+    def _in_batches(self, link, data):
+        """Carry out in batches what comes most often in `data`, and in what comes while that is done: as long as there are
+        answers, and the machine may wait. Returns what is left for feed()."""
         again = False
         more = _MORE
         while True:
-            answers = link.short(data, self._now_ms, self.controller, again)
+            answers = self._batch(link, data, again)
             if answers:
                 again = True
                 link.serial.write(answers)
@@ -252,11 +254,37 @@ class App:
                 more -= 1  # the wire brings more than the machine takes: what is left there would be lost
             data = link.serial.read()
         if again:
-            if link.end_short:
-                link.end_short()
+            self.controller.close_batch(link.batch)
             if self.controller.queue.waiting:
                 self._heard |= _WHOLE
         return data if answers is None else b""
+
+    @micropython.native
+    def _batch(self, link, data, again):
+        """What can be done at once of `data`, and of what the language keeps: the answers; None: `data` is for feed()."""
+        protocol = link.protocol
+        batch = link.batch
+        if not again:
+            found = protocol.collect(data, self._now_ms)
+            if not found:
+                return None if found is None else b""
+            if not self.controller.open_batch(batch) or not protocol.begin():
+                return b""
+            data = b""
+        count = protocol.fill(data)
+        if not count:
+            return None if count is None else b""
+        count = link.accept(batch)
+        if batch.more:
+            return protocol.accepted(count) + self._rest_of(link)
+        return protocol.accepted(count)
+
+    def _rest_of(self, link):
+        """The same of what did not find room in the first batch."""
+        answers = b""
+        while link.batch.more and link.protocol.fill(b""):
+            answers += link.protocol.accepted(link.accept(link.batch))
+        return answers
 
     def _answer(self):
         events = self.controller.take_events()

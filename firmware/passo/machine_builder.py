@@ -13,42 +13,22 @@ PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
 _PAUSING = ("hold", "resume", "door")
 
 
-def _always(board):
-    return True
-
-
-def _has_inputs(board):
-    return bool(board["inputs"])
-
-
-def _homes(board):
-    return bool(board["homing"])
-
-
-def _pauses(board):
-    return bool([item for item in board["inputs"] if item["name"] in _PAUSING])
-
-
-def _changes_over(board):
-    return bool([item for item in board["outputs"] if item["role"] != "none"])
-
-
-# Every feature, in the order in which they are polled: the module of control, its class, and the rule by which a board file
-# asks for it. A feature is also made if a language of the board's links names it in its NEEDS; what nobody asks for is
-# neither loaded nor, but for those with a rule, in the build.
+# Every feature, in the order in which they are polled: the module of control whose class Feature it is, and the rule by which
+# a board file asks for it. A feature is also made if a language of the board's links names it in its NEEDS; what nobody asks
+# for is neither loaded nor, but for those with a rule, in the build.
 FEATURES = (
-    ("switches", "Switches", _has_inputs),
-    ("homing", "Homing", _homes),
-    ("drawing", "Drawing", None),
-    ("changeover", "Changeover", _changes_over),
-    ("independent", "Independent", None),
-    ("track", "TrackPlayer", None),
-    ("program", "Program", None),
-    ("pauses", "Pauses", _pauses),
-    ("tools", "Tools", None),
-    ("pins", "Pins", None),
-    ("links", "Links", _always),
-    ("resets", "Resets", _always),
+    ("switches", lambda board: board["inputs"]),
+    ("homing", lambda board: board["homing"]),
+    ("drawing", None),
+    ("changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
+    ("independent", None),
+    ("track", None),
+    ("program", None),
+    ("pauses", lambda board: [item for item in board["inputs"] if item["name"] in _PAUSING]),
+    ("tools", None),
+    ("pins", None),
+    ("links", lambda board: True),
+    ("resets", lambda board: True),
 )
 
 
@@ -76,29 +56,22 @@ def wanted(board, languages):
     needed = []
     for language in languages:
         needed += language.NEEDS
-    return [name for name, _, rule in FEATURES if name in needed or rule and rule(board)]
+    return [name for name, rule in FEATURES if name in needed or rule and rule(board)]
 
 
 def load(names):
     """[(name, class)] of features."""
-    kinds = []
-    for name, kind, _ in FEATURES:
-        if name in names:
-            kinds.append((name, getattr(__import__("passo.control." + name, None, None, (kind,)), kind)))
-    return kinds
+    return [(name, __import__("passo.control." + name, None, None, ("Feature",)).Feature) for name in names]
 
 
 def guarded(board, languages, settings):
     """Mask of the links that move nothing from the start on, before the machine is homed or unlocked."""
     mask = 0
     for number in range(len(languages)):
-        if getattr(languages[number], "guarded", _never)(settings):
+        language = languages[number]
+        if hasattr(language, "guarded") and language.guarded(settings):
             mask |= 1 << number
     return mask
-
-
-def _never(settings):
-    return False
 
 
 def make_drive(board):

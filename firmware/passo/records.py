@@ -253,6 +253,15 @@ POWER_MOST = const(1000)
 POWER_UNKNOWN = const(2000)
 POWER_SIZE = const(128)  # marks, a power of two: at most one a segment
 
+FARTHEST = const(0x1FFFFFFF)  # position in steps, and one of a line of G-code in nm
+BIAS = const(0x20000000)  # makes it positive
+
+# Program._trace: where the lines of a batch may lead. Positions have 2²⁹ added, so that none is negative; four numbers each.
+TRACE_LOW = const(0)
+TRACE_HIGH = const(4)
+TRACE_AXES = const(8)
+TRACE_FIELDS = const(9)
+
 # GCode._place: what plain lines are understood by; three numbers each if they are the axes'. Places from PLAIN_LOW on have
 # 2²⁹ added, so that none is negative.
 PLAIN_AXES = const(0)

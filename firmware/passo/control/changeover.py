@@ -11,7 +11,7 @@ from passo import commands, errors
 from passo.records import COUNT_MASK
 
 
-class Changeover:
+class Feature:
     def __init__(self, board, machine, queue):
         self._port = machine.port
         self._machine = machine

@@ -41,6 +41,9 @@ class Controller:
         self._lives = hooks(features, "live")
         self._readies = hooks(features, "ready")
         self._busies = hooks(features, "busy")
+        self._batches = {}  # (open, accept, close) by their kind
+        for batches in hooks(features, "batches"):
+            self._batches.update(batches())
         self._taken = []  # this and the machine's events change places: none has to be made
         self._report = {}  # one for all: it is used up before the next
         self._late = 0
@@ -96,6 +99,22 @@ class Controller:
         if link is None or link.number == self.machine.commander or kind in HARMLESS or kind == commands.HAND_OVER:
             return 0
         return errors.COMMANDED_ELSEWHERE
+
+    # --- batches: by the same rules as commands
+
+    def open_batch(self, batch):
+        """True if the machine takes rows of `batch` now, as many as there is `batch.room` for; else they have to come as
+        commands, to wait or to be refused. close_batch() is to follow before anything else is done."""
+        return self.machine.commander == batch.link and self._batches[batch.kind][0](batch)
+
+    def acceptor(self, batch):
+        """The function accept(batch) that carries out the rows of such a batch while it is open. It returns how many: all of
+        them, but if one leads out of the travel, which is an alarm."""
+        return self._batches[batch.kind][1]
+
+    def close_batch(self, batch):
+        """No more rows come for now."""
+        self._batches[batch.kind][2](batch)
 
     def refuse(self, command, number, *more):
         """Log error `number` and tell the command's link; also of `more` commands of that link, in one line of the log."""

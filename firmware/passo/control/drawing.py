@@ -3,6 +3,7 @@
 from micropython import const
 
 from passo import commands, errors
+from passo.batch import POINTS
 from passo.control.point_buffer import PointBuffer
 from passo.errors import LATER
 from passo.motion.integers import length_nm
@@ -11,7 +12,7 @@ from passo.records import NM_PER_M, TICKS_PER_MS, TICKS_PER_S
 _BLOCKS_A_POINT = const(2)  # a change of the tool, and the line
 
 
-class Drawing:
+class Feature:
     def __init__(self, board, machine, queue):
         self._board = board
         self._queue = queue
@@ -76,20 +77,33 @@ class Drawing:
         if not self.points.count and not self._machine.drawing:
             self._taken = self.drawn = 0
 
-    def reserve(self, link):
-        """Where points of `link` may be put, as PointBuffer.reserve(), and the largest x and y; add() is to follow. None if
-        they have to come as commands."""
-        machine = self._machine
-        if machine.unready() or machine.commander != link or machine.command is not None or machine.active:
-            return None
-        places = self.points.reserve()
-        reach = self._queue.reach
-        return places and places + (reach(0)[1], reach(1)[1])
+    # --- batches
 
-    def add(self, count):
-        """So many points have been put there."""
+    def batches(self):
+        return {POINTS: (self._open, self._accept, self._close)}
+
+    def _open(self, batch):
+        machine = self._machine
+        if machine.unready() or machine.command is not None or machine.active:
+            return False
+        places = self.points.reserve()
+        if places is None:
+            return False
+        batch.data, batch.offset, batch.room = places
+        reach = self._queue.reach
+        batch.most_x = reach(0)[1]
+        batch.most_y = reach(1)[1]
+        return True
+
+    def _accept(self, batch):
         self._begin()
-        self.points.count += count
+        self.points.count += batch.count
+        if not self._open(batch):
+            batch.room = 0
+        return batch.count
+
+    def _close(self, batch):
+        """Nothing moves by a point."""
 
     def _draw(self, command):
         machine = self._machine

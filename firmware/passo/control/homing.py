@@ -19,7 +19,7 @@ from passo.errors import LATER
 _RUNNING = const(-1)
 
 
-class Homing:
+class Feature:
     def __init__(self, board, machine, queue):
         self._config = board["homing"]
         self._axes = board["axes"]

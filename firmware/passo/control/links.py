@@ -15,7 +15,7 @@ HARMLESS = (
 _AT_REST = ("idle", "alarm", "sleep")
 
 
-class Links:
+class Feature:
     def __init__(self, board, machine, queue):
         self._machine = machine
         self._queue = queue

@@ -9,9 +9,10 @@ import micropython
 from micropython import const
 
 from passo import commands, errors
+from passo.batch import thousandths
 from passo.control import setting_numbers as table
 from passo.control.extent import farthest
-from passo.control.tools import thousandths
+from passo.control.line_batches import LineBatches
 from passo.errors import LATER
 from passo.motion.block import WAIT
 from passo.motion.line import MAX_STEPS
@@ -29,7 +30,7 @@ def minute_ticks(command):
     return 60_000 * TICKS_PER_S // command.per_min
 
 
-class Program:
+class Feature(LineBatches):
     def __init__(self, board, machine, queue):
         self._axes = board["axes"]
         self._queue = queue
@@ -40,6 +41,7 @@ class Program:
         self._asked = 0  # nm/s
         self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
+        LineBatches.__init__(self, len(self._axes))
         self._jerk = 0  # as it was set
         self.curves_want = 0  # set by the app: bytes that have to be free before S-curves are loaded
 
@@ -52,15 +54,6 @@ class Program:
             commands.DWELL: self._dwell,
             commands.SYNC: self._sync,
         }
-
-    def followed(self, places, first, axes):
-        """Lines have gone straight to the planner; they lead to places[first : first + axes]."""
-        target = self._queue.target
-        for axis in range(axes):
-            target[axis] = places[first + axis]
-        self._queue.waiting = True
-        machine = self._machine
-        machine.active = machine.fresh = True
 
     def clear(self):
         """All motion has been dropped."""
@@ -88,23 +81,8 @@ class Program:
 
     def _checked(self, command):
         """What is only checked leads somewhere all the same."""
-        self._queue.target = command.target[:]
+        self._queue.lead(command.target)
         return self._machine.accepted(command)
-
-    def takes(self, tool, power, dynamic, beam):
-        """True where lines with this tool may go straight to the queue, within reach(): nothing is unusual now. `beam`:
-        each line brings its own tool and power."""
-        machine = self._machine
-        queue = self._queue
-        planner = self._planner
-        return not (
-            machine.command is not None or machine.alarm or machine.sleeping or machine.checking or machine.detached
-            or machine.jogging or machine.occupied() or machine.drawing or machine.dropping or not planner.accelerates
-            or not beam and (
-                tool != queue.tool or dynamic != planner.dynamic
-                or (power or planner.power) and thousandths(power) != planner.power
-            )
-        )  # fmt: skip
 
     def _refusal(self, command):
         """0, or why one of the lines that follow `command` cannot be: then none of them begins."""

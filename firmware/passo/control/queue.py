@@ -3,6 +3,8 @@
 Places are steps of each axis from machine position zero.
 """
 
+from array import array
+
 import micropython
 
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
@@ -18,7 +20,7 @@ class Queue:
         self.analogue = feeder.ring.power
         self._port = port if board["spindle"]["pwm"] else None  # where power() goes
         self._origin = [0] * len(self._axes)
-        self.target = [0] * len(self._axes)  # where the queue will end
+        self.target = array("i", [0] * len(self._axes))  # where the queue will end: one array, which kernels write too
         self._deltas = [0] * len(self._axes)  # of the line being added
         self._rested = None  # the tool bit that rest() has shown, and the words played then
         self._rested_at = 0
@@ -42,7 +44,7 @@ class Queue:
     def set_origin(self):
         """Machine zero is here. Only at a stand, with nothing queued."""
         self._origin = self._feeder.position(self._player.played())
-        self.target = [0] * len(self._axes)
+        self.lead([0] * len(self._axes))
 
     @micropython.native
     def room(self):
@@ -123,10 +125,14 @@ class Queue:
         return deltas
 
     def _arrive(self, target):
+        self.lead(target)
+        self.waiting = True
+
+    def lead(self, target):
+        """The queue ends at `target` (the first axes)."""
         here = self.target
         for axis in range(len(target)):
             here[axis] = target[axis]
-        self.waiting = True
 
     def _change_tool(self, tool, tag):
         """A tool that takes no time changes as the motion begins."""
@@ -179,7 +185,7 @@ class Queue:
 
     def settle(self):
         """The queue ends where the machine stands. Only at a stand."""
-        self.target = self.position()
+        self.lead(self.position())
 
     # --- stopping
 
@@ -203,7 +209,7 @@ class Queue:
         self.power(0)
         self.tool = self.waiting = False
         self._feeder.hold = False
-        self.target = [position[axis] - self._origin[axis] for axis in range(len(position))]
+        self.lead([position[axis] - self._origin[axis] for axis in range(len(position))])
 
     def dynamic(self):
         """The power of what is under way, or was last, follows the speed."""

@@ -7,6 +7,7 @@ A feature of the machine is a class Feature(board, machine, queue) with a few of
 this record and the queue, and no other feature: what it wants of another one it asks for with a command.
 
     handlers()              {kind of command: handler}; a handler returns as Controller.accept()
+    batches()               {kind of batch: (open, accept, close)}: see Controller.open_batch()
     poll(now_ms)            once a pass of the main loop
     poll_command(now_ms)    the same, while a long command is under way
     poll_end(still)         behind them; `still`: nothing is queued or plays
@@ -137,6 +138,16 @@ class MachineState:
 
         self.queue.planner.load_arcs()
         return arcs
+
+    @property
+    def target(self):
+        """Where the queue ends, steps of each axis: an array that is the machine's own."""
+        return self.queue.target
+
+    @property
+    def blocks(self):
+        """How many blocks can be queued now."""
+        return self.queue.room()
 
     @property
     def steps_per_m(self):

@@ -90,7 +90,7 @@ class StreamQueue(Queue):
         return Chords(ellipse, nm_s, tool, tag, steps_per_m, accelerations, self._planner.slowest())
 
     def _reach(self, deltas):
-        self.target = [at + by for at, by in zip(self.target, deltas)]
+        self.lead([at + by for at, by in zip(self.target, deltas)])
         self.waiting = True
 
     def deltas(self, target):

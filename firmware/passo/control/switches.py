@@ -7,7 +7,7 @@ from passo.control.sensor import Sensor
 _BUTTONS = (("reset", commands.RESET), ("hold", commands.HOLD), ("resume", commands.RESUME))
 
 
-class Switches:
+class Feature:
     def __init__(self, board, machine, queue):
         self._machine = machine
         self._settings = settings = machine.settings

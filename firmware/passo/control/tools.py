@@ -3,6 +3,7 @@
 from micropython import const
 
 from passo import commands, errors
+from passo.batch import thousandths
 from passo.control import setting_numbers as table
 from passo.errors import LATER
 
@@ -11,12 +12,7 @@ _BLOCKS = const(2)  # room for a change of the tool
 _LOWEST, _HIGHEST = 10, 200  # of feed and spindle override, per cent
 
 
-def thousandths(power):
-    """Of a power in millionths, at least 1 where it is not off."""
-    return max((power + 500) // 1000, 1) if power else 0
-
-
-class Tools:
+class Feature:
     def __init__(self, board, machine, queue):
         self._queue = queue
         self._machine = machine

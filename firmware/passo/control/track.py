@@ -28,7 +28,7 @@ _RUN = const(1)
 _HAND = const(2)  # manual moves
 _RETURN = const(3)  # the way back of the manual moves
 
-class TrackPlayer(TrackIntake):
+class Feature(TrackIntake):
     def __init__(self, board, machine, queue):
         config = board["track"]
         axes = board["axes"]
@@ -226,7 +226,7 @@ class TrackPlayer(TrackIntake):
             steps = command.target[axis]
             if steps and not self._manual.append(run(1 << axis, (steps < 0) << axis, abs(steps))):
                 return errors.TRACK_FULL
-        queue.target = place
+        queue.lead(place)
         if self._mode == _IDLE:
             self._at_stand(self._move)
         return machine.accepted(command)

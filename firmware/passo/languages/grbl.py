@@ -1,9 +1,11 @@
 """G-code as grbl takes it on a link; its links share their work offsets."""
 
+from passo.batch import Lines
 from passo.control.board_error import BoardError
 from passo.control.setting_numbers import HOMING
 from passo.protocols.gcode_offsets import Offsets
 from passo.protocols.grbl import Grbl
+from passo.records import BATCH_ROWS
 
 NEEDS = ("program", "pauses", "tools", "pins")
 
@@ -24,4 +26,6 @@ def create(link, number, board, controller, shared, most):
     axes = "".join([axis["name"] for axis in board["axes"]])[:3]
     if "offsets" not in shared:
         shared["offsets"] = Offsets(len(axes), machine.settings)
-    return Grbl(axes, shared["offsets"], machine, controller.features["program"], number, most)
+    program = controller.features["program"]
+    batch = Lines(number, program.rows, min(most, BATCH_ROWS), program.slow_tool())
+    return Grbl(axes, shared["offsets"], machine, batch, (most + 3) >> 2)  # one that goes as a command costs as much as four

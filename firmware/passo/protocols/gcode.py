@@ -3,13 +3,13 @@
     gcode = GCode("xyz", offsets, machine)
     error = gcode.interpret(b"G1 X10 F600")     # 0: everything was right, and gcode.commands says what to do
     gcode.commands                              # a list that the next line overwrites, its commands too
-    count = gcode.follow(lines, 4)              # much faster, for lines that are nothing but a G0 or G1
+    gcode.opens(batch), gcode.fill(lines, batch)    # much faster, for lines that are nothing but a G0 or G1
 
 A line is parsed whole and checked whole before anything of it counts; one that is refused changes nothing. Order of
 execution is that of RS274/NGC (NIST IR 6556, table 8). Lengths are nanometres, speeds nanometres a second, both exact
-for what a line can say in millimetres, or in inches to five decimals. `machine` has `queue.target`, where the queue will
-end in steps, and `steps_per_m` of each axis: whatever moved the machine meanwhile, the next line starts from there. Its
-`arcs` knows the geometry of arcs (control.arcs); plain lines go straight to its `program` and `queue`.
+for what a line can say in millimetres, or in inches to five decimals. `machine` has `target`, where the queue will end in
+steps, and `steps_per_m` of each axis: whatever moved the machine meanwhile, the next line starts from there. Its `arcs`
+knows the geometry of arcs (control.arcs).
 
 Extensions: G81, and an arc's sweep angle in degrees, H, in place of its end: `G3 I-5 J0 H90`, with the third axis a helix;
 more than 360 are more than one turn. The end comes from the machine's CORDIC.
@@ -22,6 +22,7 @@ import micropython
 from micropython import const
 
 from passo import commands, errors
+from passo.batch import thousandths
 from passo.commands import Command
 from passo.protocols.gcode_codes import (
     AXIS_COMMANDS, COOLING, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PLANE, RETURN, STOPPING, SYSTEM,
@@ -31,8 +32,8 @@ from passo.protocols.gcode_motion import Motions, new_moves
 from passo.protocols.gcode_reader import NONE, Refused
 from passo.protocols.gcode_words import F, M_CODES, S, rounded
 from passo.records import (
-    BATCH_ROWS, PLAIN_AFTER, PLAIN_AXES, PLAIN_DYNAMIC, PLAIN_FEED, PLAIN_FIELDS, PLAIN_FULL, PLAIN_HIGH, PLAIN_INCHES,
-    PLAIN_LEAST, PLAIN_LIT, PLAIN_LOW, PLAIN_MODAL, PLAIN_NUMBER, PLAIN_OFFSET, PLAIN_POSITION, PLAIN_POWER,
+    BATCH_ROWS, BIAS, FARTHEST, PLAIN_AFTER, PLAIN_AXES, PLAIN_DYNAMIC, PLAIN_FEED, PLAIN_FIELDS, PLAIN_FULL, PLAIN_HIGH,
+    PLAIN_INCHES, PLAIN_LEAST, PLAIN_LIT, PLAIN_LOW, PLAIN_MODAL, PLAIN_NUMBER, PLAIN_OFFSET, PLAIN_POSITION, PLAIN_POWER,
     PLAIN_RELATIVE, PLAIN_RESOLUTION, PLAIN_RPM, PLAIN_TARGET,
 )  # fmt: skip
 
@@ -43,8 +44,6 @@ _ANY = const(0)
 _SAME = const(1)
 _OTHER = const(2000)  # no power
 _MOST_RPM = const(100_000_000)
-_FARTHEST = const(0x1FFFFFFF)
-_BIAS = const(0x20000000)
 
 gc.collect()
 try:
@@ -54,26 +53,25 @@ except MemoryError:  # a board that has too little, or not in one piece: interpr
 
 
 class GCode(Motions):
-    def __init__(self, axes, offsets, machine, program=None):
-        """`axes`: the names of the machine's axes in their order, the first three of "xyz" at most; `program`: takes plain
-        lines."""
+    def __init__(self, axes, offsets, machine):
+        """`axes`: the names of the machine's axes in their order, the first three of "xyz" at most."""
         Motions.__init__(self, len(axes), offsets, machine)
-        self._program = program
         self.ended = False  # the line was the programme's last
-        self.waits = False  # see follow()
+        self.waits = False  # see fill()
         self.laser = False
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
         self._place = array("i", [0] * PLAIN_FIELDS)  # for plain lines
         self._place[PLAIN_AXES] = len(axes)
+        self._ends = memoryview(self._place)[PLAIN_TARGET : PLAIN_TARGET + len(axes)]
         self._offsets_known = 0
-        self._queue = None  # the machine's, fetched late: it is made behind this
+        self._level = 0  # power of the modal state, thousandths
         self._reach = None  # the travel that `place` knows
         self._unknown = True  # `place` does not say where it is
         self.reset()
 
     def reset(self):
         """The modal state after power-up. Work offsets are the offsets' own affair."""
-        self.leave_plain()
+        self.leave_batch()
         self.motion = 0
         self.plane = 17
         self.inches = False
@@ -92,10 +90,10 @@ class GCode(Motions):
 
     def forget_place(self):
         """Take the machine's word for where it stands: after a change of steps/mm, too."""
-        self.leave_plain()
+        self.leave_batch()
         self._steps = [None] * self.axes
 
-    def leave_plain(self):
+    def leave_batch(self):
         """What the last plain lines have changed is known here, too; the next one finds out anew where it is."""
         if not self._unknown:
             self._unknown = True
@@ -104,6 +102,8 @@ class GCode(Motions):
             self.rpm = place[PLAIN_RPM]
             self.number = place[PLAIN_NUMBER]
             self.ended = False
+            self.motion = place[PLAIN_MODAL] * 100
+            self._steps = list(self._ends)
             self.position = list(place[PLAIN_POSITION : PLAIN_POSITION + self.axes])
 
     def end_programme(self):
@@ -118,7 +118,7 @@ class GCode(Motions):
     def interpret(self, line, jog=False):
         """Understand `line` (bytes). 0, or the number of the error that refuses it; `commands` is empty then.
         `jog`: the line follows `$J=`."""
-        self.leave_plain()
+        self.leave_batch()
         self.commands = []
         self.ended = False
         error = self.words.scan(line)
@@ -136,94 +136,53 @@ class GCode(Motions):
             return refusal.args[0]
         return 0
 
-    # --- plain lines
+    # --- batches of plain lines
 
-    def follow(self, lines, most):
-        """Queue the plain lines of `lines` (grbl_lines.Lines), from the oldest on: as many as there is room for, and `most`
-        at most. How many it was; `waits`: the next one is not for interpret(), but has to wait for its turn here."""
-        self.waits = False
-        if not self.begin_plain():
-            return 0
-        count = self.go_on(lines, most)
-        if count:
-            self.end_plain()
-        return count
-
-    def begin_plain(self):
-        """True if plain lines may go straight to the queue now: until something else is done, go_on() may be called."""
-        machine = self.machine
-        queue = self._queue = machine.queue
+    def opens(self, batch):
+        """True if plain lines may be put into `batch`, which the controller has just opened."""
         if (
-            self._unknown or self.offsets.version != self._offsets_known or self._steps != queue.target
-            or self._reach is not self._program.reach()
-        ) and not self._know():  # fmt: skip
+            self._unknown or self.offsets.version != self._offsets_known or self._ends != batch.target
+            or self._reach is not batch.reach
+        ) and not self._know(batch):  # fmt: skip
             return False
         place = self._place
-        planner = queue.planner
-        beam = place[PLAIN_FULL] > _SAME
-        tool = self._lit
-        if not self._program.takes(tool, self._power, self._dynamic, beam):
+        dynamic = self._dynamic
+        if place[PLAIN_FULL] > _SAME:  # each line brings its own tool and power
+            place[PLAIN_LIT] = 1 if batch.tool else 0
+            place[PLAIN_POWER] = batch.power if batch.dynamic == dynamic else _OTHER
+        elif self._lit != batch.tool or dynamic != batch.dynamic or self._level != batch.power:
             return False
-        if beam:
-            place[PLAIN_LIT] = 1 if queue.tool else 0
-            place[PLAIN_POWER] = planner.power if planner.dynamic == self._dynamic else _OTHER
-            place[PLAIN_DYNAMIC] = 1 if self._dynamic else 0
         else:
-            place[PLAIN_LIT] = 1 if tool else 0
-            place[PLAIN_POWER] = planner.power
-            place[PLAIN_DYNAMIC] = 1 if planner.dynamic else 0
+            place[PLAIN_LIT] = 1 if self._lit else 0
+            place[PLAIN_POWER] = batch.power
+        place[PLAIN_DYNAMIC] = 1 if dynamic else 0
         return True
 
     @micropython.native
-    def go_on(self, lines, most):
-        """As follow(), behind begin_plain()."""
-        queue = self._queue
-        planner = queue.planner
-        room = queue.room() - 1
-        if room < most:
-            most = room
-        text = lines.text
-        whole = lines.whole
+    def fill(self, lines, batch):
+        """Understand plain lines of `lines` (grbl_lines.Lines), from the oldest on: as many as there is room for, and
+        `batch.most` at most. Returns how many; `waits`: the next one is not for interpret(), but has to wait for room."""
+        rows = batch.most
+        if batch.room < rows:
+            rows = batch.room
         at = lines.at
-        place = self._place
-        batch = planner.batch
         count = 0
-        while count < most and at < whole:
-            rows = BATCH_ROWS if most - count > BATCH_ROWS else most - count
-            understood = parse(text, at, whole, place, batch, rows)
-            if understood:
-                planner.lines(understood)
-                count += understood
-                at = place[PLAIN_AFTER]
-            if understood < rows and at < whole:
-                self.waits = False
-                lines.at = at
-                return count
-        self.waits = True
-        lines.at = at
+        if rows > 0:
+            count = parse(lines.text, at, lines.whole, self._place, batch.rows, rows)
+        if count:
+            lines.at = at = self._place[PLAIN_AFTER]
+        batch.count = count
+        self.waits = count == rows or at == lines.whole or rows <= 0
+        batch.more = count == rows and rows == BATCH_ROWS
         return count
 
-    def end_plain(self):
-        """The machine is told where the lines lead, and the beam."""
-        machine = self.machine
-        queue = machine.queue
-        place = self._place
-        planner = queue.planner
-        if place[PLAIN_FULL] > _SAME:
-            planner.power = place[PLAIN_POWER]
-            planner.dynamic = self._dynamic
-        queue.tool = place[PLAIN_LIT] > 0
-        self.motion = place[PLAIN_MODAL] * 100
-        self._program.followed(place, PLAIN_TARGET, self.axes)
-        self._steps = queue.target[:]
-
-    def _know(self):
-        """Fill in `place` from the modal state. False where that is not for plain lines."""
-        self.leave_plain()
+    def _know(self, batch):
+        """Fill in `place` from the modal state. False if that is not for plain lines."""
+        self.leave_batch()
         if (
             parse is None or self.motion not in (0, 100) or not self.per_minute
-            or self.feed > _FARTHEST or self.rpm > _FARTHEST
-            or self.laser and (not _SAME < self.max_rpm <= _MOST_RPM or self.machine.queue.slow_tool())
+            or self.feed > FARTHEST or self.rpm > FARTHEST
+            or self.laser and (not _SAME < self.max_rpm <= _MOST_RPM or batch.slow_tool)
         ):  # fmt: skip
             return False
         self._settle()
@@ -234,24 +193,24 @@ class GCode(Motions):
         place[PLAIN_FEED] = self.feed
         place[PLAIN_NUMBER] = self.number
         place[PLAIN_LEAST] = 1
-        self._reach = self._program.reach()
+        self._reach = batch.reach
         for axis in range(self.axes):
             offset = self.offsets.of(self.system, axis)
             resolution = self.machine.steps_per_m[axis]
-            if max(abs(self.position[axis]), abs(offset), resolution) > _FARTHEST:
+            if max(abs(self.position[axis]), abs(offset), resolution) > FARTHEST:
                 return False
             place[PLAIN_POSITION + axis] = self.position[axis]
             place[PLAIN_OFFSET + axis] = offset
             place[PLAIN_RESOLUTION + axis] = resolution
             place[PLAIN_TARGET + axis] = self._steps[axis]
             place[PLAIN_LEAST] += 25_000_000 // resolution
-            low, high = (-_FARTHEST, _FARTHEST) if self._reach is None else (self._reach[0][axis], self._reach[1][axis])
-            place[PLAIN_LOW + axis] = max(low, -_FARTHEST) + _BIAS
-            place[PLAIN_HIGH + axis] = min(high, _FARTHEST) + _BIAS
-        self._steps = self._steps[:]
+            low, high = (-FARTHEST, FARTHEST) if self._reach is None else (self._reach[0][axis], self._reach[1][axis])
+            place[PLAIN_LOW + axis] = max(low, -FARTHEST) + BIAS
+            place[PLAIN_HIGH + axis] = min(high, FARTHEST) + BIAS
         place[PLAIN_RPM] = self.rpm
         place[PLAIN_FULL] = self._full()
         self._prepare(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
+        self._level = thousandths(self._power)
         self._offsets_known = self.offsets.version
         self._unknown = False
         return True

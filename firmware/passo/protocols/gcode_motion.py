@@ -31,7 +31,7 @@ class Motions(Reader):
     # --- where the machine is
 
     def _settle(self):
-        target = self.machine.queue.target
+        target = self.machine.target
         steps = self._steps
         for axis in range(self.axes):
             if steps[axis] != target[axis]:

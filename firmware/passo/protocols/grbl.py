@@ -1,6 +1,6 @@
 """The language of grbl 1.1 on one link: lines in, one `ok` or `error:N` a line out, in order.
 
-    grbl = Grbl("xyz", offsets, machine, program, number, most)
+    grbl = Grbl("xyz", offsets, machine, batch, most)
     for command in grbl.feed(serial.read(), now_ms):    # a generator: it goes on where reply() has left it
         ... event ...
         serial.write(grbl.reply(event))                 # before the next command is asked for
@@ -12,13 +12,14 @@ next line is not looked at before the one before it is answered, so each is unde
     bytes ─► _peel ─► Lines ─► GCode or System ─► commands ─► controller ─► events ─► reply
                 └────► real-time commands ───────────────────────▲
 
-A line that is nothing but a G0 or G1 goes a short way, from its bytes to the planner's queue, while nothing is unusual:
-short(), before feed() has the rest. It is answered when it is queued.
+Lines that are nothing but a G0 or G1 go several at a time, in a batch, while nothing is unusual: collect() and fill(), before
+feed() has the rest. They are answered when they are queued.
 
 A sender may have 128 bytes under way. Lines beyond that are kept too while there is room; a line that found none is
 answered by error:11 and nothing of it is done.
 """
 
+import micropython
 from micropython import const
 
 from passo import commands, errors
@@ -76,15 +77,16 @@ def real_time(byte):
 class Grbl:
     keeps = True  # see app.py
 
-    def __init__(self, axes, offsets, machine, program, number, most):
-        """`axes`: names; `machine`: the record of the machine's state; `program`: takes plain lines; `number`: of the link;
-        `most`: lines that one short() takes; one that goes the long way costs as much as four."""
-        self.gcode = GCode(axes, offsets, machine, program)
+    def __init__(self, axes, offsets, machine, batch, most):
+        """`axes`: names; `machine`: the record of the machine's state; `batch`: a batch.Lines of the link; `most`: lines that
+        feed() takes."""
+        self.gcode = GCode(axes, offsets, machine)
+        self.batch = batch
         self._settings = settings = machine.settings
         self._machine = machine
-        self._number = number
+        self._number = batch.link
         self._most = most
-        self._system = System(self.gcode, settings, machine, number)
+        self._system = System(self.gcode, settings, machine, batch.link)
         self._status = Status(self.gcode, settings, machine)
         self._lines = Lines()
         self._asked = None  # made when first asked
@@ -99,7 +101,7 @@ class Grbl:
         self._under_way = None  # the command that an answer is awaited for
         self._rest = []  # of its line's commands
         self._start_line = None  # the line under way is a start-up line
-        self._full = False  # the oldest line waits for its turn to go the short way
+        self._full = False  # the oldest line waits for room, to go in a batch
 
     def _configure(self):
         settings = self._settings
@@ -108,33 +110,44 @@ class Grbl:
         self.gcode.max_rpm = settings.value(SETTING_MAX_RPM)
         self.gcode.forget_place()
 
-    # --- bytes to motion
+    # --- bytes to batches
 
-    def short(self, data, now_ms, machine, again=False):
-        """The short way of plain lines, before feed() has the rest: the answers to those that are queued now. None where
-        `data` has real-time bytes other than `?`: all of it is for feed() then. `again`: nothing else has been done since it
-        last had answers. Behind these end_short() is called."""
+    def collect(self, data, now_ms):
+        """Keep `data`. True if fill() may find lines in what is kept; None if there are real-time bytes other than `?`: all of
+        `data` is for feed()."""
         lines = self._lines
         self._full = False
-        if data:
-            if not lines.take(data):
-                return None
-        gcode = self.gcode
-        if lines.at == lines.whole or lines.asked:
-            return b""
-        if not again and (
-            self._under_way is not None or self._rest or self._start_lines
-            or self._stale or self._version != self._settings.version or self._machine.commander != self._number
-            or not gcode.begin_plain()
-        ):  # fmt: skip
-            return b""
-        count = gcode.go_on(lines, self._most)
-        self._full = gcode.waits
-        return _OKS[count] if count < 5 else _OKS[1] * count
+        if data and not lines.take(data):
+            return None
+        return lines.at < lines.whole and not (
+            lines.asked or self._under_way is not None or self._rest or self._start_lines
+            or self._stale or self._version != self._settings.version
+        )  # fmt: skip
 
-    def end_short(self):
-        """No more is dealt with in short for now."""
-        self.gcode.end_plain()
+    def begin(self):
+        """True if lines may be put into `batch`, which has just been opened."""
+        return self.gcode.opens(self.batch)
+
+    @micropython.native
+    def fill(self, data):
+        """Keep `data`, and put plain lines into `batch`. Returns how many, which the controller is to accept at once; None as
+        collect()."""
+        lines = self._lines
+        self._full = False
+        if data and not lines.take(data):
+            return None
+        if lines.at == lines.whole or lines.asked:
+            return 0
+        gcode = self.gcode
+        count = gcode.fill(lines, self.batch)
+        self._full = gcode.waits
+        return count
+
+    def accepted(self, count):
+        """The answers to so many lines; the rest of those that fill() has put there have been refused."""
+        refused = self.batch.count - count
+        text = _OKS[count] if count < 5 else _OKS[1] * count
+        return text + b"error:%d\r\n" % errors.JOG_TRAVEL * refused if refused else text
 
     # --- bytes to commands
 
@@ -166,10 +179,10 @@ class Grbl:
         if not self._lines.take(data):
             for command in self._peel(data):
                 yield command
-            return  # the lines come with the next turn, the short way or not
+            return  # the lines come with the next turn, in a batch or not
         if self._lines.asked:
             yield self._ask()[0]
-        most = (self._most + 3) >> 2
+        most = self._most
         while self._under_way is None and most:
             most -= 1
             if not self._rest:
@@ -214,7 +227,7 @@ class Grbl:
             self._stale -= 1
             if line is None or bare(line):
                 return [Command(commands.BAD, error=self._why)]
-        self.gcode.leave_plain()
+        self.gcode.leave_batch()
         if not self._machine.checking:
             self.gcode.coolant = self._machine.coolant  # real-time bytes change it too
         self._start_line = None

@@ -114,11 +114,10 @@ def sift(data: ptr8, count: int, before: int, quiet: int, out: ptr8, at: int, ro
 
 
 class Plotter:
-    def __init__(self, gap_ms=5, jog_up=(0, 1), drawing=None, number=0):
+    def __init__(self, gap_ms=5, jog_up=(0, 1), batch=None):
         """`gap_ms`: silence that ends a burst; `jog_up`: the direction, in axes, of UP (RIGHT is a quarter turn on);
-        `drawing`: takes points for short(); `number`: of the link."""
-        self._drawing = drawing
-        self._number = number
+        `batch`: a batch.Points of the link."""
+        self.batch = batch
         self.gap_ms = gap_ms
         up_x, up_y = jog_up
         self._jogs = {
@@ -134,23 +133,34 @@ class Plotter:
         self._since = 0  # when the oldest pending byte came
         self._latest = 0  # when the newest one came
 
-    def short(self, data, now_ms, machine, again=False):
-        """The short way of points, before feed() has the rest: those at the start of what has come go into the store, as
-        far as the drawing has room for them now. Returns the answers to them."""
+    def collect(self, data, now_ms):
+        """Keep `data`. True if fill() may find points in what is kept."""
         if not data:
-            return b""
-        drawing = self._drawing
+            return False
         self._hear(data, now_ms)
-        taken = 0
-        while len(self._bytes) >= PACKET and not self._broken:
-            places = drawing.reserve(self._number)
-            count = sift(self._bytes, len(self._bytes), self._before, 0, *places) >> 2 if places else 0
-            if not count:
-                break
-            drawing.add(count)
-            self._cut(count, now_ms)
-            taken += count
-        return b"n" * taken
+        return not self._broken and len(self._bytes) >= PACKET
+
+    def begin(self):
+        return True
+
+    def fill(self, data):
+        """Keep `data`, and put the points at the start of what has come into `batch`. Returns how many."""
+        if data:
+            self._hear(data, self._latest)
+        batch = self.batch
+        if self._broken:
+            return 0
+        count = sift(
+            self._bytes, len(self._bytes), self._before, 0, batch.data, batch.offset, batch.room, batch.most_x, batch.most_y
+        ) >> 2  # fmt: skip
+        if count:
+            self._cut(count, self._latest)
+        batch.count = count
+        batch.more = len(self._bytes) >= PACKET
+        return count
+
+    def accepted(self, count):
+        return b"n" * count
 
     def feed(self, data, now_ms):
         """Commands in `data`, which may be empty: time alone ends bursts and drops torn packets."""

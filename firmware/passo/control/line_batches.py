@@ -1,0 +1,91 @@
+"""The half of a program's motion that takes lines in batches (batch.Lines)."""
+
+from array import array
+
+import micropython
+
+from passo import errors
+from passo.batch import LINES
+from passo.control.batch_viper import trace
+from passo.records import (
+    BATCH_FIELDS, BATCH_FLAGS, BATCH_POWER, BIAS, FARTHEST, TRACE_AXES, TRACE_FIELDS, TRACE_HIGH, TRACE_LOW,
+)  # fmt: skip
+
+
+class LineBatches:
+    def __init__(self, axes):
+        self._trace = array("i", [0] * TRACE_FIELDS)
+        self._trace[TRACE_AXES] = axes
+        self._reached = self  # the travel that `_trace` is of: not yet any
+
+    def batches(self):
+        return {LINES: (self._open, self._accept, self._close)}
+
+    @property
+    def rows(self):
+        """The array of batches: one for all, each is taken before the next is filled."""
+        return self._planner.batch
+
+    def slow_tool(self):
+        return self._queue.slow_tool()
+
+    @micropython.native
+    def _open(self, batch):
+        machine = self._machine
+        if (
+            machine.command is not None or machine.alarm or machine.sleeping or machine.checking or machine.detached
+            or machine.jogging or machine.drawing or machine.dropping or machine.occupied()
+            or not self._planner.accelerates
+        ):  # fmt: skip
+            return False
+        queue = self._queue
+        planner = self._planner
+        reach = self.reach()
+        if self._reached is not reach:
+            self._bound(reach)
+        batch.target = queue.target
+        batch.reach = reach
+        batch.tool = queue.tool
+        batch.power = planner.power
+        batch.dynamic = planner.dynamic
+        batch.room = queue.room() - 1
+        return True
+
+    def _bound(self, reach):
+        """The positions that a batch may lead to."""
+        self._reached = reach
+        at = self._trace
+        for axis in range(at[TRACE_AXES]):
+            low, high = (-FARTHEST, FARTHEST) if reach is None else (reach[0][axis], reach[1][axis])
+            at[TRACE_LOW + axis] = max(low, -FARTHEST) + BIAS
+            at[TRACE_HIGH + axis] = min(high, FARTHEST) + BIAS
+
+    @micropython.native
+    def _accept(self, batch):
+        """Queue the rows, as far as they stay within the travel."""
+        count = trace(batch.rows, batch.count, batch.target, self._trace)
+        if count:
+            self._planner.lines(count)
+            batch.taken = count
+            batch.room -= count  # what is played meanwhile counts from the next open_batch() on
+        if count < batch.count:
+            self._close(batch)
+            self._machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
+        return count
+
+    @micropython.native
+    def _close(self, batch):
+        """The queue's end is as the last row taken says."""
+        if batch.taken:
+            rows = batch.rows
+            row = (batch.taken - 1) * BATCH_FIELDS
+            batch.taken = 0
+            queue = self._queue
+            planner = self._planner
+            machine = self._machine
+            flags = rows[row + BATCH_FLAGS]
+            queue.tool = flags & 1 > 0
+            planner.power = rows[row + BATCH_POWER]
+            planner.dynamic = flags & 4 > 0
+            queue.waiting = True
+            machine.active = machine.fresh = True
