@@ -196,6 +196,9 @@ BROKEN = [
     (import_faults, "passo/errors.py", "from passo import commands"),
     (import_faults, "passo/control/homing.py", "from passo import ports"),
     (import_faults, "passo/protocols/plotter.py", "from passo.control import controller"),
+    (import_faults, "passo/protocols/grbl.py", "from passo.motion.planner import Planner"),
+    (import_faults, "passo/protocols/grbl.py", "from passo.control.queue import Queue"),
+    (import_faults, "passo/batch.py", "from passo.protocols import grbl"),
     (import_faults, "passo/control/point_buffer.py", "__import__('passo.ports.virtual')"),
     (import_faults, "passo/ports/virtual.py", "from passo.control.log import Log"),
     (float_faults, "passo/motion/line.py", "half = 0.5"),
@@ -233,3 +236,116 @@ def test_what_is_allowed_passes(rule, path, source):
 )
 def test_names_of_built_ins_are_refused(path, faulty):
     assert len(name_faults(Path(path))) == faulty
+
+
+# --- nobody assigns attributes of another room's objects
+
+# Names under which rooms know objects of another one.
+OWNERS = {"planner": "motion", "feeder": "steps", "ring": "steps", "player": "ports", "port": "ports"}
+
+# {attribute: why others than its room may assign it}
+ASSIGNED = {
+    "open": "the feeder's flag, which an interrupt reads; of a step program: all of it has come",
+    "brake": "the feeder's flag, which an interrupt reads",
+    "hold": "the feeder's flag, which an interrupt reads",
+    "power": "the planner's, of the blocks added from now on",
+    "dynamic": "the planner's, of the blocks added from now on",
+    "gap": "of one walker of a step program, handed to the other",
+    "running": "of axes that run independently, before they are queued",
+    "late": "the feeder's count of interrupts that came too late",
+    "board": "the port's pins follow the settings: App hands it the board dict that these keep",
+    "max_steps_s": "known only when the player is made, whose ring the settings' speeds decide",
+    "curves_want": "bytes that S-curves want",
+    "arcs_want": "bytes that arcs want",
+    "walk": "steps/kernels.py puts machine code in the place of its plain twin",
+    "pace": "steps/kernels.py puts machine code in the place of its plain twin",
+}
+
+
+def assigned(tree):
+    """Attributes that a module assigns: (node, True if it is one of self)."""
+    for node in ast.walk(tree):
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        for target in targets if isinstance(node, (ast.Assign, ast.AugAssign, ast.AnnAssign)) else ():
+            for each in target.elts if isinstance(target, (ast.Tuple, ast.List)) else [target]:
+                if isinstance(each, ast.Attribute):
+                    yield each, isinstance(each.value, ast.Name) and each.value.id == "self"
+
+
+def attributes(tree):
+    """Names of the attributes that the classes of a module have."""
+    found = {node.attr for node, own in assigned(tree) if own}
+    for owner in [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]:
+        for node in [node for node in owner.body if isinstance(node, ast.Assign)]:
+            found |= {target.id for target in node.targets if isinstance(target, ast.Name)}
+    return found
+
+
+def attributes_of_rooms():
+    rooms = {}
+    for path in FILES:
+        rooms.setdefault(room_of(path), set()).update(attributes(tree((FIRMWARE / path).read_text(encoding="utf-8"))))
+    return rooms
+
+
+def assignment_faults(source, path, rooms):
+    """Assignments to attributes that no class of this room, or of the vocabulary, has; or of an object that is another's."""
+    own = rooms[room_of(path)] | rooms["commands"] | rooms["batch"]
+    faults = []
+    for node, of_self in assigned(tree(source)):
+        name = getattr(node.value, "attr", getattr(node.value, "id", "")).lstrip("_")
+        others = OWNERS.get(name, room_of(path)) != room_of(path)
+        if not of_self and (others or node.attr not in own) and node.attr not in ASSIGNED:
+            faults.append(f"{path}:{node.lineno}: assigns {ast.unparse(node)}")
+    return faults
+
+
+def test_nobody_assigns_another_rooms_attributes():
+    rooms = attributes_of_rooms()
+    report([fault for path in FILES for fault in faults_of(path, lambda source, path: assignment_faults(source, path, rooms))])
+
+
+@pytest.mark.parametrize(
+    "path, source, faulty",
+    [
+        ("passo/app.py", "self.controller.machine.alarm = 0", 1),
+        ("passo/control/queue.py", "self._planner.ramp = None", 1),
+        ("passo/protocols/grbl.py", "self._machine.homed, x = True, 1", 1),
+        ("passo/protocols/gcode.py", "command.tool = True", 0),
+        ("passo/control/pauses.py", "machine.hold = 'door'", 0),
+    ],
+)
+def test_a_foreign_assignment_is_found(path, source, faulty):
+    assert len(assignment_faults(source, Path(path), attributes_of_rooms())) == faulty
+
+
+# --- no feature knows another one
+
+
+def features():
+    """Names of the features, by the machine builder's table."""
+    source = (FIRMWARE / "passo/machine_builder.py").read_text(encoding="utf-8")
+    for node in tree(source).body:
+        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "FEATURES":
+            return [row.elts[0].value for row in node.value.elts]
+    raise AssertionError("the machine builder has no FEATURES")
+
+
+def feature_faults(source, path, names):
+    faults = []
+    for line, name in imports(source, path.parent.parts):
+        parts = name.split(".")
+        if parts[:2] == ["passo", "control"] and parts[2] in names and parts[2] != path.stem:
+            faults.append(f"{path}:{line}: a feature imports {name}")
+    return faults
+
+
+def test_no_feature_imports_a_feature():
+    names = features()
+    assert len(names) > 10
+    report([
+        fault for name in names
+        for fault in faults_of(Path(f"passo/control/{name}.py"), lambda source, path: feature_faults(source, path, names))
+    ])  # fmt: skip
+    assert feature_faults("from passo.control.tools import OFF", Path("passo/control/program.py"), names)
+    assert not feature_faults("from passo.control.queue import Queue", Path("passo/control/program.py"), names)

@@ -30,7 +30,6 @@ LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any mom
 _TURNS_S = const(200)  # half a ring of words has to last as long as such a turn of the feeder
 _WAITING = const(64)  # commands of one link that may wait for their turn
 _READS = const(64)  # that empty a serial line: some give 64 bytes at a time
-_BY_RESET = (errors.ALARM_RESET, errors.ALARM_HOMING_RESET)
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
 _MOST = const(3)  # lines a turn on a chip, where they take time
 _ALL = const(0x1FFFFFFF)
@@ -319,7 +318,7 @@ class App:
         """Refuse what waits, what has come and was not read, unless it is harmless, and what the languages hold back. Only
         of the link that brought this about, what stands behind its word for it was sent after it, and counts."""
         alarm = event.kind == ALARM
-        if alarm and event.error in _BY_RESET:
+        if alarm and event.error in (errors.ALARM_RESET, errors.ALARM_HOMING_RESET):
             return  # RESTARTED follows
         number = errors.LOCKED if alarm else event.error if event.kind == DROPPED else errors.STOPPED
         cause = None if alarm or event.value is None else event.value.link

@@ -40,16 +40,17 @@ _CURVES = b"        import passo.motion.s_curve\n"
 _ATTACH = b"        import memory_line\n        memory_line.attach(app, port)\n"
 _LINE = """
 import gc, micropython, sys
+from micropython import const
 from time import ticks_us, ticks_diff
 
-WINDOW = 127
-CHUNK = 48
+_WINDOW = const(127)
+_CHUNK = const(48)
 
-class Memory:
+class Memory:  # its attributes have names that the firmware has anyway: a new one takes room in the table of names
     def __init__(self, app, chunks, again, lines, warm, width):
-        self.chunks, self.again, self.at = chunks, again, 0
-        self.left, self.due, self.width = lines * width, 0, width
-        self.until, self.warm, self.answers, self.begun = lines, warm, 0, 0
+        self.rows, self.target, self.at = chunks, again, 0
+        self.left, self.taken, self.size = lines * width, 0, width
+        self.most, self.limit, self.accepted, self.open = lines, warm, 0, 0
         self.planner, self.feeder = app.planner, app.feeder
         self.least = 999
 
@@ -58,42 +59,42 @@ class Memory:
 
     @micropython.native
     def any(self):
-        return self.left and self.due + CHUNK <= WINDOW
+        return self.left and self.taken + _CHUNK <= _WINDOW
 
     @micropython.native
     def read(self):
         if not self.any():
             return b""
-        if self.answers > self.warm:
+        if self.accepted > self.limit:
             ahead = self.planner.ahead()
             if ahead < self.least:
                 self.least = ahead
-        data = self.chunks[self.at]
+        data = self.rows[self.at]
         self.at += 1
-        if self.at == len(self.chunks):
-            self.at = self.again
-        self.left -= CHUNK
-        self.due += CHUNK
+        if self.at == len(self.rows):
+            self.at = self.target
+        self.left -= _CHUNK
+        self.taken += _CHUNK
         return data
 
     @micropython.native
     def write(self, data):
         count = data.count(b"ok")
-        self.answers += count
-        self.due -= count * self.width
-        if not self.begun and self.answers >= self.warm:
-            self.begun, self.first = ticks_us(), self.answers
+        self.accepted += count
+        self.taken -= count * self.size
+        if not self.open and self.accepted >= self.limit:
+            self.open, self.start = ticks_us(), self.accepted
             print("warm")
-        if self.answers == self.until:
-            print("done", self.answers - self.first, ticks_diff(ticks_us(), self.begun), self.least, self.feeder.late)
+        if self.accepted == self.most:
+            print("done", self.accepted - self.start, ticks_diff(ticks_us(), self.open), self.least, self.feeder.late)
 
 def attach(app, port):
     def go(path, head, lines, warm, width, order):
-        again = len(head) // CHUNK
-        chunks = [head[at : at + CHUNK] for at in range(0, len(head), CHUNK)]
+        again = len(head) // _CHUNK
+        chunks = [head[at : at + _CHUNK] for at in range(0, len(head), _CHUNK)]
         if order:
             with open(path, "rb") as file:
-                read = [file.read(CHUNK) for _ in range(max(order) + 1)]
+                read = [file.read(_CHUNK) for _ in range(max(order) + 1)]
             chunks += [read[place] for place in order]
         app.controller.machine.arcs_want = 0  # it is this memory that arcs lack, not the board's
         app.controller.features["program"].curves_want = 0

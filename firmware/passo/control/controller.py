@@ -29,7 +29,7 @@ class Controller:
             self.features[name] = kind(board, machine, queue)
             features.append(self.features[name])
         machine.handlers.update({
-            commands.BAD: self._bad,
+            commands.BAD: self._refuse,
             commands.HELLO: machine.accepted,
             commands.HOME: self._home,  # but for a machine with the feature
             commands.STOP: self._stop,
@@ -182,7 +182,7 @@ class Controller:
 
     # --- commands
 
-    def _bad(self, command):
+    def _refuse(self, command):
         return command.error
 
     def _home(self, command):

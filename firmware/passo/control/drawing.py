@@ -80,9 +80,9 @@ class Feature:
     # --- batches
 
     def batches(self):
-        return {POINTS: (self._open, self._accept, self._close)}
+        return {POINTS: (self.open, self.accept, self.close)}
 
-    def _open(self, batch):
+    def open(self, batch):
         machine = self._machine
         if machine.unready() or machine.command is not None or machine.active:
             return False
@@ -95,14 +95,14 @@ class Feature:
         batch.most_y = reach(1)[1]
         return True
 
-    def _accept(self, batch):
+    def accept(self, batch):
         self._begin()
         self.points.count += batch.count
-        if not self._open(batch):
+        if not self.open(batch):
             batch.room = 0
         return batch.count
 
-    def _close(self, batch):
+    def close(self, batch):
         """Nothing moves by a point."""
 
     def _draw(self, command):

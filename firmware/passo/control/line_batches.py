@@ -1,4 +1,5 @@
 """The half of a program's motion that takes lines in batches (batch.Lines)."""
+# ruff: noqa: F821
 
 from array import array
 
@@ -6,10 +7,39 @@ import micropython
 
 from passo import errors
 from passo.batch import LINES
-from passo.control.batch_viper import trace
 from passo.records import (
-    BATCH_FIELDS, BATCH_FLAGS, BATCH_POWER, BIAS, FARTHEST, TRACE_AXES, TRACE_FIELDS, TRACE_HIGH, TRACE_LOW,
+    BATCH_FIELDS, BATCH_FLAGS, BATCH_POWER, BATCH_STEPS, BIAS, FARTHEST, TRACE_AXES, TRACE_FIELDS, TRACE_HIGH,
+    TRACE_LOW,
 )  # fmt: skip
+
+
+try:
+    ptr32
+except NameError:
+    ptr32 = None  # a name that only viper's compiler knows
+
+
+@micropython.viper
+def trace(rows: ptr32, count: int, at: ptr32, travel: ptr32) -> int:
+    """Go along `count` rows from the position `at`, within `travel` (TRACE_…). Returns how many of them stay within it: `at`
+    is the end of the last of these."""
+    axes = travel[TRACE_AXES]
+    line = 0
+    row = BATCH_STEPS
+    while line < count:
+        axis = 0
+        while axis < axes:
+            place = (at[axis] + rows[row + axis] + 0x20000000) & 0x3FFFFFFF
+            if place < travel[TRACE_LOW + axis] or place > travel[TRACE_HIGH + axis]:
+                return line
+            axis += 1
+        axis = 0
+        while axis < axes:
+            at[axis] = at[axis] + rows[row + axis]
+            axis += 1
+        row += BATCH_FIELDS
+        line += 1
+    return line
 
 
 class LineBatches:
@@ -19,7 +49,7 @@ class LineBatches:
         self._reached = self  # the travel that `_trace` is of: not yet any
 
     def batches(self):
-        return {LINES: (self._open, self._accept, self._close)}
+        return {LINES: (self.open, self.accept, self.close)}
 
     @property
     def rows(self):
@@ -30,7 +60,7 @@ class LineBatches:
         return self._queue.slow_tool()
 
     @micropython.native
-    def _open(self, batch):
+    def open(self, batch):
         machine = self._machine
         if (
             machine.command is not None or machine.alarm or machine.sleeping or machine.checking or machine.detached
@@ -42,7 +72,7 @@ class LineBatches:
         planner = self._planner
         reach = self.reach()
         if self._reached is not reach:
-            self._bound(reach)
+            self._take_over(reach)
         batch.target = queue.target
         batch.reach = reach
         batch.tool = queue.tool
@@ -51,7 +81,7 @@ class LineBatches:
         batch.room = queue.room() - 1
         return True
 
-    def _bound(self, reach):
+    def _take_over(self, reach):
         """The positions that a batch may lead to."""
         self._reached = reach
         at = self._trace
@@ -61,7 +91,7 @@ class LineBatches:
             at[TRACE_HIGH + axis] = min(high, FARTHEST) + BIAS
 
     @micropython.native
-    def _accept(self, batch):
+    def accept(self, batch):
         """Queue the rows, as far as they stay within the travel."""
         count = trace(batch.rows, batch.count, batch.target, self._trace)
         if count:
@@ -69,12 +99,12 @@ class LineBatches:
             batch.taken = count
             batch.room -= count  # what is played meanwhile counts from the next open_batch() on
         if count < batch.count:
-            self._close(batch)
+            self.close(batch)
             self._machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
         return count
 
     @micropython.native
-    def _close(self, batch):
+    def close(self, batch):
         """The queue's end is as the last row taken says."""
         if batch.taken:
             rows = batch.rows

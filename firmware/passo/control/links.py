@@ -12,7 +12,6 @@ HARMLESS = (
     commands.BAD, commands.HELLO, commands.STATUS, commands.SYNC,
     commands.STOP, commands.HOLD, commands.DOOR, commands.JOG_CANCEL, commands.REST, commands.RESET,
 )  # fmt: skip
-_AT_REST = ("idle", "alarm", "sleep")
 
 
 class Feature:
@@ -29,7 +28,7 @@ class Feature:
         if not 0 <= number < len(machine.links):
             return errors.NO_SUCH_LINK
         if number != machine.commander:
-            if machine.state not in _AT_REST or not self._queue.still():
+            if machine.state not in ("idle", "alarm", "sleep") or not self._queue.still():
                 return errors.BUSY
             machine.commander = number
             machine.forget()

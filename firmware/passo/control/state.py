@@ -40,8 +40,6 @@ from passo.control.inputs import Inputs
 from passo.control.log import Log
 from passo.errors import LATER
 
-# The machine came to its stand as it should: where it is remains known.
-_ORDERLY = (errors.ALARM_SOFT_LIMIT, errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED)
 
 
 def hooks(features, name):
@@ -285,7 +283,8 @@ class MachineState:
     def raise_alarm(self, number, who=None):
         """Stop, tool off. Only homing, or the user's word for it, leads out of it. `who`: for the log."""
         command = self.command
-        if number in _ORDERLY:
+        if number in (errors.ALARM_SOFT_LIMIT, errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED):
+            # It comes to its stand as it should: where it is remains known.
             self.drop_at_stand()
             self.forget()
         elif number == errors.ALARM_HARD_LIMIT or number == errors.ALARM_RESET:

@@ -9,7 +9,8 @@ from passo.errors import LATER
 
 OFF = const(5)  # spindle
 _BLOCKS = const(2)  # room for a change of the tool
-_LOWEST, _HIGHEST = 10, 200  # of feed and spindle override, per cent
+_LOWEST = const(10)  # of feed and spindle override, per cent
+_HIGHEST = const(200)
 
 
 class Feature:

@@ -37,8 +37,6 @@ from passo.records import (
     PLAIN_RELATIVE, PLAIN_RESOLUTION, PLAIN_RPM, PLAIN_TARGET,
 )  # fmt: skip
 
-_JOG_GROUPS = (NON_MODAL, DISTANCE, UNITS)
-_CUTTING = (100, 200, 300)
 # `place`, what plain lines are understood by; three numbers each where they are the axes'.
 _ANY = const(0)
 _SAME = const(1)
@@ -260,7 +258,7 @@ class GCode(Motions):
         # before them.
         before = []
         turned = spindle != self.spindle or rpm != self.rpm and spindle != 5
-        if self.laser and spindle == 3 and not self.commands and (self.motion in _CUTTING) != self._cutting:
+        if self.laser and spindle == 3 and not self.commands and (self.motion in (100, 200, 300)) != self._cutting:
             turned = True  # M3 burns at a stand too, while G1, G2 or G3 holds
         line = self._cutting or moves and motion == 0
         if turned and not (self.laser and line and self.commands and spindle == self.spindle):
@@ -292,7 +290,7 @@ class GCode(Motions):
     def _jog(self):
         found = self._found
         for group in range(GROUPS):
-            if found[group] != NONE and group not in _JOG_GROUPS:
+            if found[group] != NONE and group not in (NON_MODAL, DISTANCE, UNITS):
                 raise Refused(errors.JOG_WORDS)
         if found[NON_MODAL] not in (NONE, 5300):
             raise Refused(errors.JOG_WORDS)
@@ -320,7 +318,7 @@ class GCode(Motions):
         command = Command(commands.SPINDLE, value=spindle)
         lit = spindle != 5 and rpm > 0
         command.power = min(rpm * 1_000_000 // self.max_rpm, 1_000_000) if lit else 0
-        command.tool = lit and not (self.laser and (spindle == 4 or motion not in _CUTTING))
+        command.tool = lit and not (self.laser and (spindle == 4 or motion not in (100, 200, 300)))
         return command
 
     def _stop_programme(self, code):

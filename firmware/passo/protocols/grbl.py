@@ -38,7 +38,6 @@ _ALARMS = const(200)  # errors.py has alarms that much higher
 _VALUE = const(6)
 _CHANGE = const(9)
 _AMOUNT = const(10)
-_SHOWN = (commands.SPINDLE, commands.COOLANT, commands.OVERRIDE)  # by a status report at once
 _OKS = (b"", b"ok\r\n", b"ok\r\nok\r\n", b"ok\r\nok\r\nok\r\n", b"ok\r\nok\r\nok\r\nok\r\n")
 _REAL_TIME = {
     0x18: commands.RESET,
@@ -54,11 +53,17 @@ _REAL_TIME = {
     0x96: commands.OVERRIDE | commands.RAPID << _VALUE | 50 << _AMOUNT,
     0x97: commands.OVERRIDE | commands.RAPID << _VALUE | 25 << _AMOUNT,
 }
-for _first, _which in ((0x90, commands.FEED), (0x99, commands.POWER)):
-    _override = commands.OVERRIDE | _which << _VALUE
-    _REAL_TIME[_first] = _override | 100 << _AMOUNT
-    for _byte, _by in ((1, 10), (2, -10), (3, 1), (4, -1)):
-        _REAL_TIME[_first + _byte] = _override | 1 << _CHANGE | _by << _AMOUNT
+
+
+def _add(first, override):
+    """The five bytes of an override: 100 %, and its changes."""
+    _REAL_TIME[first] = override | 100 << _AMOUNT
+    for byte, change in ((1, 10), (2, -10), (3, 1), (4, -1)):
+        _REAL_TIME[first + byte] = override | 1 << _CHANGE | change << _AMOUNT
+
+
+_add(0x90, commands.OVERRIDE | commands.FEED << _VALUE)
+_add(0x99, commands.OVERRIDE | commands.POWER << _VALUE)
 
 
 def real_time(byte):
@@ -257,8 +262,8 @@ class Grbl:
         command = event.command
         if command.kind == commands.STATUS:
             return self._status.text(event.value, self._lines.room())
-        if command is not self._under_way or command.kind in _SHOWN:
-            self._status.overrides = 0
+        if command is not self._under_way or command.kind in (commands.SPINDLE, commands.COOLANT, commands.OVERRIDE):
+            self._status.overrides = 0  # a report shows it at once
         if command is not self._under_way:
             return b""
         self._under_way = None

@@ -14,8 +14,6 @@ from passo.protocols.gcode_words import X, Words
 from passo.protocols.grbl_lines import RX_BYTES
 from passo.records import SETTING_INCHES
 
-_QUIET = ("idle", "alarm")
-_QUERIES = ("$#", "$I", "$N")
 _A_FEW = const(6)
 _START_LINES = ("N0", "N1")
 INFO = "I"
@@ -56,7 +54,7 @@ class System:
             return answer(grbl_report.masks(self._settings))
         if line[:5] == "$LINK":
             return self._link(line[5:])
-        if line not in _QUERIES and self._machine.commander != self._number:
+        if line not in ("$#", "$I", "$N") and self._machine.commander != self._number:
             return errors.COMMANDED_ELSEWHERE
         if line == "$C":
             return [Command(commands.CHECK, value=0 if state == "check" else 1)]
@@ -66,7 +64,7 @@ class System:
             return [Command(commands.CONNECT, value=int(line[8]))]
         if line[1:2] == "J":
             return self._jog(line, state)
-        if state not in _QUIET:
+        if state not in ("idle", "alarm"):
             return errors.BUSY
         if line == "$#":
             return answer(grbl_report.parameters(self._gcode, self.probed, self.touched, self.inches()))
