@@ -1,7 +1,11 @@
 """Switches over the grbl link: homing, limits, the probe, the door, buttons, and every alarm that comes of them."""
 
+from array import array
+
 from boards.router_3axis import BOARD
+from passo import errors
 from passo.control.journal import MemorySlots
+from passo.records import BATCH_FIELDS, BATCH_STEPS
 from router import BANNER, LASER, PULL_OFF, UNHOMED, Machine, World, home
 
 CASES = {}
@@ -151,6 +155,42 @@ def check_soft_limits():
     machine.do("$20=0", "G0 X-0.5")
     machine.settle()
     assert machine.controller.position() == [-160, 0, 0]
+
+
+def check_a_batch_that_leads_out_of_the_travel():
+    """Whatever a language puts into a batch, nothing of it leads out of the travel: it is an alarm, and what waits is
+    dropped. While the machine is not as it should be it takes no batch at all."""
+    machine = home(Machine())
+    controller = machine.controller
+    batch = machine.app.links[0].batch
+    accept = controller.acceptor(batch)
+    for line, out in ((2, (-1, 0, 0)), (0, (0, 64_001, 0)), (3, (0, 0, 1))):
+        for row in range(4):
+            at = row * BATCH_FIELDS
+            batch.rows[at : at + BATCH_FIELDS] = array("i", [0, 2, 0, 0, 0, 0, 3, 2, -1, 0])
+            if row == line:
+                for axis in range(3):
+                    batch.rows[at + BATCH_STEPS + axis] = out[axis] - batch.rows[BATCH_STEPS + axis] * row
+        assert controller.open_batch(batch) and batch.room >= 4
+        batch.count = 4
+        assert accept(batch) == line
+        controller.close_batch(batch)
+        assert controller.machine.alarm == errors.ALARM_SOFT_LIMIT and not controller.open_batch(batch)
+        machine.turns(60)
+        assert controller.position() == list(controller.queue.target) == [0, 0, 0] and controller.machine.homed
+        machine.put(b"\x18")
+        machine.turns(3)
+        machine.do("$X", "G0 X0 Y0 Z0")
+        machine.settle()
+    for line, undo in (("$C", "$C"), ("$SLP", "\x18"), ("M0", "~")):
+        machine.put(line + "\n")
+        machine.turns(3)
+        assert not controller.open_batch(batch), line
+        machine.put(undo + "\n")
+        machine.turns(5)
+        machine.do("$X")
+    controller.machine.commander = 1
+    assert not controller.open_batch(batch)
 
 
 def check_soft_limit_while_moving():
