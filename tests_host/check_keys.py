@@ -243,12 +243,12 @@ def check_every_byte():
     language = Keys(lambda axis: True, 3)
     for key, kind, mask in ((b"C", RUN, 1), (b"D", RUN, 2), (b"I", RUN, 3), (b"G", RUN, 1), (b"H", RUN, 2)):
         command = list(language.feed(key, 0))[0]
-        assert command.kind == kind and command.limp == 4
+        assert command.kind == kind and command.unpowered == 4
         assert [1 if step else 0 for step in command.steps] == [mask & 1, mask >> 1, 0]
     assert list(language.feed(b"C", 0))[0].steps[0] == -FOREVER  # G has turned it
     for key, mask in ((b"E", 1), (b"F", 2), (b"J", 3)):
         command = list(language.feed(key, 0))[0]
-        assert command.kind == REST and command.value == mask and command.limp == 4 | mask
+        assert command.kind == REST and command.value == mask and command.unpowered == 4 | mask
     for key, motor in ((b"A", 0), (b"B", 1)):
         for n in (1, 73, 127):
             assert list(language.feed(key, 0)) == []

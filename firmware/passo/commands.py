@@ -38,7 +38,7 @@ SLEEP = const(26)  # everything off until RESET
 SYNC = const(27)  # nothing but an answer, once everything before it has ended
 HAND_OVER = const(28)  # `value`: the link that may command from now on, the board file's first is 1; 0: this one
 RUN = const(29)  # axes run on their own from now on: see Run
-REST = const(30)  # the axes of the mask `value` come to a stand, the others run on; see Run.limp
+REST = const(30)  # the axes of the mask `value` come to a stand, the others run on; see Run.unpowered
 ZERO = const(31)  # machine zero is here; only at a stand, and where homing has not found it
 CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
 STILL = const(33)  # nothing but an answer: accepted at a stand, else refused as BUSY
@@ -97,7 +97,7 @@ DROPPED = const(6)  # pushed to every link, `command` None: what it sent before 
 
 class Command:
     accepted = None  # the Event that says so, of one that is used again and again
-    limp = 0  # RUN, REST: mask of axes that have no current once they stand, until the next such command
+    unpowered = 0  # RUN, REST: mask of axes that have no current once they stand, until the next such command
 
     def __init__(self, kind, target=None, value=0, tool=False, error=0):
         self.kind = kind

@@ -35,7 +35,7 @@ class Feature:
         self._jog = None  # directions of the jog under way
         self._moving = False
         self._all = (1 << len(self._axes)) - 1
-        self._off = self._limp = 0  # masks of the axes that shall have no current, and of those that have none
+        self._off = self._unpowered = 0  # masks of the axes that shall have no current, and of those that have none
         self._fastest = [0] * len(self._axes)  # steps/s of each axis
         self._from = self._queue.position()
 
@@ -81,13 +81,13 @@ class Feature:
 
     def _switch_off(self):
         """Take the current from the axes that shall have none and stand, and give it back to the others."""
-        limp = 0
+        unpowered = 0
         for axis in range(len(self._axes)):
             if self._off >> axis & 1 and self.walker.stands(axis):
-                limp |= 1 << axis
-        if limp != self._limp:
-            self._limp = limp
-            self._machine.motors.limp(limp)
+                unpowered |= 1 << axis
+        if unpowered != self._unpowered:
+            self._unpowered = unpowered
+            self._machine.motors.unpowered(unpowered)
 
     def turning(self, axis):
         """True while steps of an axis are to come."""
@@ -187,8 +187,8 @@ class Feature:
         if command.when == commands.AS_JOG:
             self._jog = self._directions(command)
             machine.jogging = True
-        if self._off or command.limp:
-            self._off = command.limp
+        if self._off or command.unpowered:
+            self._off = command.unpowered
             self._switch_off()
         for axis in range(len(intervals)):
             each = intervals[axis]
@@ -231,7 +231,7 @@ class Feature:
         for axis in range(len(self._axes)):
             if command.value >> axis & 1 and not self.walker.stands(axis):
                 self.walker.stop(axis)
-        self._off = command.limp
+        self._off = command.unpowered
         if not self._moving and self._off == self._all and self._queue.still():
             self._machine.motors.drives(False)
         return self._machine.accepted(command)

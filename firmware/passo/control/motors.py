@@ -55,17 +55,17 @@ class Motors:
             return self._drive is None
         return self.state == RUNNING and (now_ms - self._ready_ms) & COUNT_MASK < COUNT_HALF
 
-    def limp(self, mask):
+    def unpowered(self, mask):
         """The axes of `mask` are without current while the others run; 0: none. Drivers with STEP and DIR share one
         output: theirs stays on."""
         if self._drive is not None:
-            self._drive.limp(mask)
+            self._drive.unpowered(mask)
 
     def unpower(self, axes):
         """Motion goes out, and no motor has current, if `axes`, a mask, is not 0; 0: as usual again. Only at a stand."""
         self._without = axes != 0
         if self._drive is not None:
-            self._drive.limp(axes)
+            self._drive.unpowered(axes)
         if axes and self.state != RELEASED:
             self._set(RELEASED)
 

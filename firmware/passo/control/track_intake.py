@@ -37,7 +37,7 @@ def lengths_of(axes):
 
 
 class TrackIntake:
-    """The half of TrackPlayer that takes the track in."""
+    """The half of the feature `track` that takes a step program in."""
 
     def _clamp(self, mm_min):
         return min(mm_min or self._default, self.fastest)

@@ -27,7 +27,7 @@ class CoilDrive:
         self._live = b"".join(self._table)
         self._off = off
         self._phase = bytearray(axes)
-        self.limp(0)
+        self.unpowered(0)
 
     @staticmethod
     def _order(table, backwards):
@@ -42,14 +42,14 @@ class CoilDrive:
         """Turn words[at : at + count] from the step form into this drive's pin levels; the tool bit and time stay."""
         apply(words, at, count, self.axes, self.width, self._last, self._tables, self._phase)
 
-    def limp(self, mask):
+    def unpowered(self, mask):
         """The axes of `mask` are without current in all that is made from now on; the others have theirs."""
-        self._limp = mask
+        self._unpowered = mask
         self._tables = b"".join(self._shown(self._table))
 
     def _shown(self, tables):
         off = bytes([self._off] * (self._last + 1))
-        return [off if self._limp >> axis & 1 else tables[axis] for axis in range(self.axes)]
+        return [off if self._unpowered >> axis & 1 else tables[axis] for axis in range(self.axes)]
 
     def levels(self):
         """The levels that hold all motors where they are, at running current."""

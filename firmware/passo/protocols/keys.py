@@ -65,7 +65,7 @@ class Keys:
             return self._run(self._turning() | ON[byte], ON[byte])
         if byte in OFF:
             command = Command(REST, value=OFF[byte])
-            command.limp = self._others(self._turning() & ~OFF[byte])
+            command.unpowered = self._others(self._turning() & ~OFF[byte])
             return command
         if byte in REVERSE:
             motor = REVERSE[byte]
@@ -99,7 +99,7 @@ class Keys:
                 steps[motor] = -FOREVER if self._negative[motor] else FOREVER
                 rates[motor] = (1, STEP_MS * self._speed[motor])
         command = Run(steps, rates, LIVE)
-        command.limp = self._others(on)
+        command.unpowered = self._others(on)
         return command
 
     def _ignore(self, error):
