@@ -1,12 +1,6 @@
 """Runs the machine of /board.py. Ways to the REPL: BOOTSEL or the input "repl" held at the start, Ctrl-C."""
 
-import gc
 import sys
-
-# At the lower end of memory: given back when all is loaded, so that what comes and goes from then on is found a place at
-# once. Behind all that stays, finding one takes more than half a millisecond.
-room = bytearray(7_000)
-gc.threshold(48_000)  # collect while importing: what stays lies close together; oftener costs a tenth of a second
 
 from passo.control.board_error import BoardError
 from passo.ports.start import forget
@@ -24,7 +18,6 @@ def checked(board):
 
 
 def main():
-    global room
     try:
         from board import BOARD
     except Exception as error:
@@ -35,27 +28,27 @@ def main():
     if BOARD is None or not start.wanted():
         return
     app = port = error = None
-    if start.loading():
-        room = None
+    start.loading()
     try:
         board = checked(BOARD)
         BOARD = None
         forget("board")
         forget("passo.control.boardfile")
         forget("passo.control.chip_pins")
+        from passo.machine_builder import load_all
+
+        load_all(board, start.whole)
+        start.load(board)
         from passo.app import App
         from passo.control.journal import FileSlots
 
-        port = start.port(board)
-        app = App(board, port, None, FileSlots("settings"))
-        forget("passo.machine_builder")
-        room = None
         said = start.loaded()
+        port = start.port(board)
+        app = App(board, port, None, FileSlots("settings"), start.whole)
+        forget("passo.machine_builder")
         if said:
             print(said)
             app.tell(said)
-        gc.collect()
-        gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms
         start.run(app, port)
     except BoardError as wrong:
         print("board.py is wrong:", wrong)

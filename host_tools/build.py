@@ -45,10 +45,27 @@ MARCH = {
 # The first mpy-cross whose viper code can be trusted: 1.26 and 1.27 overwrite the register of the index in `words[i] = …`
 # on Thumb and RV32 (MicroPython #18800, mended by #18821), and what is stored then goes anywhere.
 OLDEST_COMPILER = 1, 28
-# The chip whose code runs from its files in flash (passo/ports/rp2/flash_code.py); of the native code only what is called
-# seldom: from flash it runs at half the speed.
+# The chip whose code runs from its files in flash (passo/ports/rp2/flash_code.py); of the native code only what a stream of
+# lines seldom calls: from flash it runs at half the speed.
 IN_PLACE = "rp2040"
-COLD = ()
+COLD = (
+    "passo/motion/block.py",
+    "passo/motion/circle.py",
+    "passo/motion/circle_viper.py",
+    "passo/motion/line.py",
+    "passo/motion/ramp.py",
+    "passo/motion/s_curve.py",
+    "passo/motion/s_curve_block.py",
+    "passo/motion/s_curve_end.py",
+    "passo/motion/s_curve_ticks.py",
+    "passo/motion/s_curve_way.py",
+    "passo/motion/steady.py",
+    "passo/ports/rp2/flash_code.py",
+    "passo/ports/rp2/pio_player.py",
+    "passo/protocols/grbl_text_viper.py",
+    "passo/steps/feeder.py",
+    "passo/steps/position_viper.py",
+)
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
 

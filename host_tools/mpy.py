@@ -135,13 +135,14 @@ def padding(function, offset, native):
 
 
 def in_place(data, native=False):
-    """The .mpy with its functions moved and the table appended. `native`: viper code runs in place, too. Raises ValueError if
-    the table cannot hold a function."""
+    """The .mpy with its functions moved and the table appended. `native`: viper and native code run in place, too. Raises
+    ValueError if the table cannot hold a function."""
     found, end = functions(data)
     out, copied, table = bytearray(), 0, bytearray()
     small = max(0, INLINE_BYTES + 1 - len(data)) if sum(function.length for function in found[1:]) >= _WORTH else 0
     for function in found:
-        stays = function.kind != BYTECODE and not (native and function.kind == VIPER)
+        movable = function.kind == VIPER or function.kind == NATIVE and not function.children
+        stays = function.kind != BYTECODE and not (native and movable)
         out += data[copied : function.begin]
         head = function.offset - function.begin
         if not stays:

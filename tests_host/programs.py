@@ -15,7 +15,7 @@ from passo.motion.arc import TooSteep
 from passo.motion.block import ARC, COARSE, LINE
 from passo.motion.profile import Limits
 from passo.records import (
-    ARC_PATH, ARC_PATH_FINE, ARC_TAIL_A, ARC_TAIL_B, CIRCLE_FALL, CIRCLE_PATH, CIRCLE_RISE, CIRCLE_U_AXIS,
+    ARC_FIELDS, ARC_PATH, ARC_PATH_FINE, ARC_TAIL_A, ARC_TAIL_B, CIRCLE_FALL, CIRCLE_PATH, CIRCLE_RISE, CIRCLE_U_AXIS,
     CIRCLE_WORDS, FEED_KIND, LINE_FALL, LINE_RISE, QUEUE_FETCHED, RAMP_STEPS, RAMP_TICKS, TICKS_PER_S,
 )  # fmt: skip
 from rig import Rig
@@ -123,7 +123,8 @@ class Machine:
             if planner.rows[place * planner._stride] == LINE:  # an arc too short for a step along the circle, too
                 move = (LINE, move[1], move[2])
             else:
-                plan = planner._walkers[place]
+                first = planner._walkers[place]
+                plan = planner._plans[first : first + ARC_FIELDS]
                 steps = plan[ARC_PATH] + plan[ARC_PATH_FINE] / (1 << 20)
                 move += (abs(plan[ARC_TAIL_A]), abs(plan[ARC_TAIL_B]))
             self.facts.append(self._facts(move, steps))

@@ -90,13 +90,13 @@ def answers(said):
 
 
 class Machine:
-    def __init__(self, world=None, slots=None, **changes):
+    def __init__(self, world=None, slots=None, whole=True, **changes):
         board = check(BOARD)
         board.update(changes)
         self.world = world or World()
         self.port = VirtualPort(board, self.world)
         self.slots = slots or MemorySlots()
-        self.app = App(check(board), self.port, None, self.slots)
+        self.app = App(check(board), self.port, None, self.slots, whole)
         self.controller = self.app.controller
         self.line = self.port.lines["pc"]
 

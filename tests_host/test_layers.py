@@ -37,7 +37,7 @@ MAY_IMPORT = {
     "app": ("passo",),
     "machine_builder": ("passo",),
     "main": (
-        "passo.app", "passo.control.boardfile", "passo.control.board_error", "passo.control.journal", "passo.ports", "board",
+        "passo.app", "passo.machine_builder", "passo.control.boardfile", "passo.control.board_error", "passo.control.journal", "passo.ports", "board",
     ),
 }
 

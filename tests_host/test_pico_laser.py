@@ -197,20 +197,20 @@ def test_a_beam_that_stands_changes_at_once(laser):
     laser.settle()
     assert laser.lit() and laser.value() == 500
     laser.say("S200")
-    laser.machine.run_ms(5)
+    laser.machine.run_ms(8)
     assert laser.lit() and laser.value() == 200
     laser.machine.send(b"\x9a")
     laser.machine.run_ms(15)
     assert laser.lit() and laser.value() == 220
     laser.say("G1X0S0")
-    laser.machine.run_ms(5)
+    laser.machine.run_ms(8)
     assert laser.dark()
     laser.say("G1X0S700")
     laser.machine.run_until(laser.lit, 5)
-    laser.machine.run_ms(5)
+    laser.machine.run_ms(8)
     assert laser.lit() and laser.value() == 770
     laser.say("M5")
-    laser.machine.run_ms(5)
+    laser.machine.run_ms(8)
     assert laser.dark()
 
 

@@ -8,8 +8,6 @@ Bytes from each link become commands, commands become motion, events become the 
 knows every room.
 """
 
-import gc
-
 import micropython
 from micropython import const
 
@@ -33,8 +31,6 @@ _READS = const(64)  # that empty a serial line: some give 64 bytes at a time
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
 _MOST = const(3)  # lines a turn on a chip, where they take time
 _ALL = const(0x1FFFFFFF)
-_ARCS = const(16_000)  # bytes free: arcs take 8 500, and work is to go on beside them
-_CURVES = const(31_000)  # S-curves take 8 500, and arcs are to fit beside them
 _FULL = const(128)  # bytes of a read that left some in the line's buffer
 _MORE = const(8)  # such reads a turn: the whole buffer
 _PART = const(1)  # heard: bytes
@@ -56,30 +52,32 @@ class Link:
 
 
 class App:
-    def __init__(self, board, port, protocols=None, slots=None):
+    def __init__(self, board, port, protocols=None, slots=None, whole=True):
         """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the
-        settings are kept, None: nowhere. Raises BoardError."""
+        settings are kept, None: nowhere; `whole`: False leaves out arcs and S-curves, for want of memory. Raises
+        BoardError."""
         from passo import machine_builder  # main.py forgets it again
 
         self.board = board
         for link in board["links"]:
             link["protocol"] = (protocols or {}).get(link["name"], link["protocol"])
         self.port = port
+        self.layout, self._drive, off_levels = machine_builder.make_drive(board)
+        languages = machine_builder.languages(board)
+        names = machine_builder.wanted(board, languages)
+        self.planner = Planner(self.layout.axes)  # first: it wants memory in the largest pieces
+        if "program" in names:
+            self.planner.load(whole)
         settings = Settings(board, Journal(slots or MemorySlots()))
         machine_builder.forget("setting_table")
         port.board = board  # pins follow the settings
-        self.layout, self._drive, off_levels = machine_builder.make_drive(board)
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)))
         self.player = port.player(self.ring, self.layout)
         inverted = bool(settings.turned(ENABLE_INVERT))
         self._motors = Motors(port, self.player, self.layout, self._drive, off_levels, board, inverted)
-        gc.collect()  # so that what is small fills the gaps and leaves room in one piece for what is large
-        languages = machine_builder.languages(board)
-        names = machine_builder.wanted(board, languages)
         queue = self._make_queue(machine_builder, settings, "program" in names)
         serials = [port.serial(link) for link in board["links"]]
         kinds = machine_builder.load(names)
-        gc.collect()
         self._make_controller(settings, queue, machine_builder.guarded(board, languages, settings), kinds)
         self._looked_ms = port.machine_ms()
         self._heard = 0  # by this turn: _PART, _WHOLE
@@ -97,11 +95,9 @@ class App:
         self._answer()
 
     def _make_queue(self, builder, settings, streamed):
-        """Planner, feeder and queue; `streamed`: of a machine that moves as it is told."""
+        """Feeder and queue; `streamed`: of a machine that moves as it is told."""
         board = self.board
-        self.planner = Planner(self.layout.axes)
         if streamed:
-            self.planner.load()
             from passo.control.stream_queue import StreamQueue as Queue
         else:
             from passo.control.queue import Queue
@@ -122,9 +118,6 @@ class App:
 
         machine = MachineState(self.board, settings, queue, self._motors, self.port, guarded)
         self.controller = Controller(self.board, machine, queue, self.feeder, kinds)
-        if self.interrupt and "program" in self.controller.features:
-            self.controller.features["program"].curves_want = _CURVES
-            machine.arcs_want = _ARCS
 
     def poll(self):
         """Links, then machine, then answers, then words for the player. False where the machine has to wait, because

@@ -12,6 +12,10 @@ from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
 _PAUSING = ("hold", "resume", "door")
 
+_OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue")
+_OF_PROGRAM = ("motion.measure_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue")
+_OF_WHOLE = ("motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")
+
 
 # Every feature, in the order in which they are polled: the module of control whose class Feature it is, and the rule by which
 # a board file asks for it. A feature is also made if a language of the board's links names it in its NEEDS; what nobody asks
@@ -30,6 +34,19 @@ FEATURES = (
     ("links", lambda board: True),
     ("resets", lambda board: True),
 )
+
+
+def load_all(board, whole):
+    """Import what App will ask for, so that all code is there before there is anything else. `whole`: as App's."""
+    names = wanted(board, languages(board))
+    modules = _OF_ALL
+    if "program" in names:
+        modules += _OF_PROGRAM
+        if whole:
+            modules += _OF_WHOLE
+    for module in modules:
+        __import__("passo." + module)
+    load(names)
 
 
 def languages(board):

@@ -36,7 +36,6 @@ ROW = 4 * DOTS + 3
 LASER_PIN = 22
 CYCLES_PER_MS = 1000 * CYCLES_PER_US
 _RUN = b"        start.run(app, port)\n"
-_CURVES = b"        import passo.motion.s_curve\n"
 _ATTACH = b"        import memory_line\n        memory_line.attach(app, port)\n"
 _LINE = """
 import gc, micropython, sys
@@ -96,8 +95,6 @@ def attach(app, port):
             with open(path, "rb") as file:
                 read = [file.read(_CHUNK) for _ in range(max(order) + 1)]
             chunks += [read[place] for place in order]
-        app.controller.machine.arcs_want = 0  # it is this memory that arcs lack, not the board's
-        app.controller.features["program"].curves_want = 0
         gc.collect()
         print("free", gc.mem_free())
         app.links[0].serial = port._lines[0] = Memory(app, chunks, again, lines, warm, width)
@@ -156,11 +153,11 @@ def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False, clock_
 
 def router(board=None, texts=(), jerk=0):
     """The same of a board, a dict, router_3axis unless given; `texts`: files for run_lines(), late_words() wants none.
-    With a `jerk`, mm/s³, S-curves are loaded before the rig takes what memory they need."""
+    `jerk`: mm/s³, kept in its settings."""
     board = board or boards.load("router_3axis")
     files = written(board)
     assert files["main.py"].count(_RUN) == 1
-    files["main.py"] = files["main.py"].replace(_RUN, (_CURVES if jerk else b"") + _ATTACH + _RUN)
+    files["main.py"] = files["main.py"].replace(_RUN, _ATTACH + _RUN)
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "memory_line.py", Path(folder) / "memory_line.mpy"
         source.write_text(_LINE)

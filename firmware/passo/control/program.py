@@ -3,8 +3,6 @@
 Everything is in steps and nanometres a second; no language's units or modes are known here.
 """
 
-import gc
-
 import micropython
 from micropython import const
 
@@ -43,7 +41,6 @@ class Feature(LineBatches):
         self._touch = None  # where the probe changed
         LineBatches.__init__(self, len(self._axes))
         self._jerk = 0  # as it was set
-        self.curves_want = 0  # set by the app: bytes that have to be free before S-curves are loaded
 
     def handlers(self):
         return {
@@ -213,7 +210,7 @@ class Feature(LineBatches):
         self._limits_of = settings.version
         self._part = None
         jerk = settings.value(table.JERK)
-        curves = jerk and self._has_room_for_curves()
+        curves = jerk and self._planner.whole
         axes = range(len(self._axes))
         self._limits = Limits(
             [settings.value(table.STEPS + axis) for axis in axes],
@@ -228,18 +225,6 @@ class Feature(LineBatches):
             self._jerk = jerk
             if jerk and not curves:
                 self._machine.notice(errors.NOTICE_JERK)
-
-    def _has_room_for_curves(self):
-        if self.curves_want:
-            gc.collect()
-            if gc.mem_free() < self.curves_want:
-                return False
-            try:
-                import passo.motion.s_curve  # noqa: F401
-            except MemoryError:  # there was enough, but not in one piece
-                return False
-            self.curves_want = 0
-        return True
 
     # --- probing
 

@@ -27,6 +27,7 @@ class Queue:
         self.tool = False  # the tool bit at the queue's end
         self.waiting = False  # something is queued that has not been released to the feeder yet
         self._walker = None  # of axes that run on their own
+        self.arcs = None  # what a language asks about arcs; None if this board has no memory for them
         self._chords = None  # of an arc that is handed to the planner piece by piece
 
     def position(self):

@@ -31,9 +31,6 @@ What concerns all of the machine (a stop, an alarm, a new beginning) is a method
 features that have one.
 """
 
-import gc
-
-
 from passo import commands, errors
 from passo.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
 from passo.control.inputs import Inputs
@@ -76,7 +73,7 @@ class MachineState:
         self.commander = self.links.index(board["commands"] or self.links[0])  # the link that may command
         self.guarded = guarded
         self.events = []
-        self.arcs_want = 0  # set by the app: bytes that have to be free before the first arc
+        self.arcs = queue.arcs
         self.handlers = {}  # of all features, by the kind of command
         self._features = ()
         self._active = self._held = self._reports = ()
@@ -120,22 +117,6 @@ class MachineState:
             if held():
                 return "hold"
         return "run" if command or self.drawing or self.active or self.occupied() else "idle"
-
-    @property
-    def arcs(self):
-        """What a language asks about arcs; None where there is no memory for what they take."""
-        if self.arcs_want:
-            gc.collect()
-            if gc.mem_free() < self.arcs_want:
-                return None
-            self.arcs_want = 0
-        # first: loaded inside each other they take stack that interrupts want
-        from passo.motion.cordic import end_point  # noqa: F401
-
-        from passo.control import arcs
-
-        self.queue.planner.load_arcs()
-        return arcs
 
     @property
     def target(self):

@@ -13,6 +13,13 @@ class StreamQueue(Queue):
     def __init__(self, board, planner, feeder, player, port):
         Queue.__init__(self, board, planner, feeder, player, port)
         self.planner = planner  # for plain lines: see Program.followed()
+        if planner.whole:
+            from passo.control import arcs
+            from passo.control.chords import Chords
+            from passo.motion.ellipse import Ellipse
+
+            self.arcs = arcs
+            self._make_chords, self._make_ellipse = Chords, Ellipse
 
     def begin(self):
         """What waits sets out, unless the machine moves and fetches on its own; it may still be followed by more, without a
@@ -80,14 +87,11 @@ class StreamQueue(Queue):
         self._reach(deltas)
 
     def _cut(self, deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, accelerations):
-        from passo.control.chords import Chords
-        from passo.motion.ellipse import Ellipse
-
         steps_per_m = [axis["steps_per_m"] for axis in self._axes]
-        ellipse = Ellipse(deltas, plane, centre, steps_per_m, clockwise, turns, over_half)
+        ellipse = self._make_ellipse(deltas, plane, centre, steps_per_m, clockwise, turns, over_half)
         if ticks:
             nm_s = ellipse.length_nm * TICKS_PER_S // ticks
-        return Chords(ellipse, nm_s, tool, tag, steps_per_m, accelerations, self._planner.slowest())
+        return self._make_chords(ellipse, nm_s, tool, tag, steps_per_m, accelerations, self._planner.slowest())
 
     def _reach(self, deltas):
         self.lead([at + by for at, by in zip(self.target, deltas)])

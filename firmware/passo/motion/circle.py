@@ -55,19 +55,21 @@ class Circle:
         self.made = self._line[LINE_RISE + 2 * axes :]
         self._tail = array("i", [0] * axes)
         self._ending = False  # the tail is being walked
-        self._plan = None
+        self._plans = None
+        self._first = 0
 
     @micropython.native
-    def load(self, plan):  # ISR: no allocation
-        """Stand at the beginning of the arc `plan`."""
-        self._plan = plan
+    def load(self, plans, first=0):  # ISR: no allocation
+        """Stand at the beginning of the arc whose plan is plans[first : first + ARC_FIELDS]."""
+        self._plans = plans
+        self._first = first
         self._ending = False
-        load(plan, self.state)
+        load(plans, first, self.state)
         self._run()
 
     def seek(self, index):
         """Stand before word `index`, as if that many had been walked. Walks them: main loop only."""
-        self.load(self._plan)
+        self.load(self._plans, self._first)
         self._skip(index)
         for axis in range(self.axes):
             self.made[axis] = 0
@@ -75,7 +77,7 @@ class Circle:
     def offset(self, axis, index):
         """Signed steps of `axis` after `index` words. Walks them, on a walker of its own: main loop only."""
         other = Circle(self.axes)
-        other.load(self._plan)
+        other.load(self._plans, self._first)
         other._skip(index)
         return other.made[axis]
 

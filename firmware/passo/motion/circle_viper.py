@@ -1,6 +1,6 @@
 """The kernels of an arc: the length of a run, its time, and the masks of its words.
 
-    load(plan, state)                   # stand before the arc
+    load(plans, first, state)           # stand before the arc whose plan begins at plans[first]
     words = run(state)                  # set up the next run; 0: the circle has come to its end
     walk(out, at, count, state)         # the masks of `count` words of it
 
@@ -32,18 +32,18 @@ _LONGEST = const(255)  # most words of a run, so that no product here reaches 2Â
 
 
 @micropython.viper
-def load(plan: ptr32, state: ptr32):  # ISR: no allocation
+def load(plans: ptr32, first: int, state: ptr32):  # ISR: no allocation
     i = 0
     while i < ARC_FIELDS:
-        state[i] = plan[i]
+        state[i] = plans[first + i]
         i += 1
-    rise = ((plan[ARC_Z_STEPS] + INT_HALF) & INT_MOST) - INT_HALF
+    rise = ((plans[first + ARC_Z_STEPS] + INT_HALF) & INT_MOST) - INT_HALF
     state[CIRCLE_Z_LEFT] = rise if rise > 0 else 0 - rise
     state[CIRCLE_Z_SUM] = _Z_ONE >> 1
     state[CIRCLE_Z_OVER] = state[CIRCLE_REST] = state[CIRCLE_ERROR] = state[CIRCLE_USED] = 0
     state[CIRCLE_NEXT] = -1  # not known yet
-    state[ARC_PATH] = plan[ARC_PATH] + 1
-    state[ARC_PATH_FINE] = 0x100000 - plan[ARC_PATH_FINE]
+    state[ARC_PATH] = plans[first + ARC_PATH] + 1
+    state[ARC_PATH_FINE] = 0x100000 - plans[first + ARC_PATH_FINE]
 
 
 @micropython.viper

@@ -1,8 +1,13 @@
 """Integer mathematics that MicroPython's `math` lacks. Big integers are welcome, but in divide(): once a block."""
 
+from array import array
+
 import micropython
+from micropython import const
 
 from passo.records import NM_PER_M
+
+_PART = const(128)
 
 
 def isqrt(value):
@@ -42,3 +47,13 @@ def divide(value: int, by: int, bits: int) -> int:  # ISR: no allocation
         rest %= by
         bits -= some
     return quotient
+
+
+def zeros(count):
+    """An array('i') of `count` zeros. Grown by parts, it takes its memory once: from a list or bytes it would take it twice."""
+    made = array("i")
+    part = array("i", bytearray(4 * _PART))
+    while len(made) + _PART <= count:
+        made.extend(part)
+    made.extend(part[: count - len(made)])
+    return made

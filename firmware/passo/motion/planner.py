@@ -38,6 +38,7 @@ from micropython import const
 
 from passo.motion import profile
 from passo.motion.block import ARC, INDEPENDENT, LINE, STEP_PROGRAM, WAIT, Block, q_of
+from passo.motion.integers import zeros
 from passo.motion.line import MAX_STEPS, Line
 from passo.motion.row_viper import close, take
 from passo.motion.steady import Steady
@@ -51,7 +52,7 @@ from passo.records import (
 LOOK_AHEAD = const(64)
 IN_FLIGHT = const(32)
 _SIZE = const(96)  # both
-ARCS = const(16)  # most arcs among them: a plan takes as much memory again as a block
+ARCS = const(64)  # most arcs among them: a plan takes as much memory again as a block
 _COUNT = const(0x1FFFFFFF)
 LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 FEED_PERCENT = (10, 200)
@@ -64,9 +65,12 @@ class Planner:
         self.power = 0  # of the blocks added from now on: see Block
         self.dynamic = False
         self._stride = ROW_STEPS + axes
-        self.rows = array("i", bytearray(4 * _SIZE * self._stride))  # of Block, one after the other
-        self._walkers = [None] * _SIZE  # of ARC the circle's plan; of INDEPENDENT and STEP_PROGRAM what is walked
-        self._plans = ()  # of arcs, each used again in its turn
+        self.rows = zeros(_SIZE * self._stride)  # of Block, one after the other
+        self._walkers = [None] * _SIZE  # of ARC where its plan begins in `_plans`; of INDEPENDENT and STEP_PROGRAM what is walked
+        self.whole = False  # arcs and S-curves are loaded
+        self._arc = self._arc_speed = self._s_curve = None
+        self._plans = None  # of arcs, one after the other, each used again in its turn; made by load()
+        self._plan_of = None  # the one that is being worked out
         self._users = array("i", [])  # the number of the block that it was last used for
         self._turn = 0
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
@@ -95,18 +99,16 @@ class Planner:
         if limits is not None:
             ramp = self.ramp
             if limits.jerk or ramp.s_curve:
-                from passo.motion.s_curve import limit
-
-                limit(ramp, limits, self._stride, len(self.rows))
+                self._s_curve.limit(ramp, limits, self._stride, len(self.rows))
         self._limits = limits
         self._terms = limits.terms if limits else None
         self.work[WORK_START] = limits.start if limits else 0
         self.accelerates = limits is not None
         self.work[WORK_FEED] = self.work[WORK_GIVEN] = self.work[WORK_ASKED] = 0
 
-    def load(self):
-        """Make ready for limits() and arcs, before there is a feeder, and while memory is still in one piece: they take a
-        good part of a board's."""
+    def load(self, whole=True):
+        """Make ready for limits(), and for arcs and S-curves if `whole`, before there is a feeder. They take a good part of a
+        board's memory."""
         from passo.motion.measure_viper import look_back, measure, plan
 
         self._measure, self._plan, self._raise = measure, plan, look_back
@@ -116,6 +118,14 @@ class Planner:
         from passo.motion.circle import Circle
 
         self._circle = Circle(self.axes)
+        self.whole = whole
+        if whole:
+            from passo.motion import arc, arc_speed, s_curve
+
+            self._arc, self._arc_speed, self._s_curve = arc, arc_speed, s_curve
+            self._users = array("i", [-1] * ARCS)
+            self._plan_of = array("i", bytearray(4 * ARC_FIELDS))
+            self._plans = zeros(ARC_FIELDS * ARCS)
 
     def clear(self):
         """Forget every block. Only while the feeder is stopped."""
@@ -273,16 +283,13 @@ class Planner:
         steep a helix. `queued`: False only looks whether it would raise; there has to be room for it.
         """
         limits = self._limits
-        if limits is None:
-            raise ValueError("an arc needs limits(), for its length")
+        if limits is None or self._plans is None:
+            raise ValueError("an arc needs load() and limits(), for its length")
         if limits.steps_per_m[plane[0]] != limits.steps_per_m[plane[1]]:
             raise ValueError("the plane's axes differ in steps/mm")
-        self.load_arcs()
-        from passo.motion import arc, arc_speed
-
         turn = self._turn
-        plan = self._plans[turn]
-        path, swept = arc.plan(plan, plane, center, deltas, clockwise, turns, over_half)
+        plan = self._plan_of
+        path, swept = self._arc.plan(plan, plane, center, deltas, clockwise, turns, over_half)
         if not plan[ARC_STEPS]:
             if queued:
                 self.line(deltas, ticks, tool, tag, False, speed_nm_s)
@@ -292,25 +299,18 @@ class Planner:
         at = self._free()
         self.work[WORK_ASKED] = -1
         work = self.work if queued else self.work[:]
-        if not arc_speed.set_speed(
+        if not self._arc_speed.set_speed(
             self.rows, at, work, limits, plan, path, swept, plane, center, deltas, clockwise, speed_nm_s, ticks
         ):
             self._refuse(-1)
         if queued:
             number = self._users[turn] = self.counts[QUEUE_ADDED]
-            self._walkers[number % _SIZE] = plan
+            first = self._walkers[number % _SIZE] = turn * ARC_FIELDS
+            self._plans[first : first + ARC_FIELDS] = plan
             self._turn = (turn + 1) % ARCS
             self._add(at, ARC, tool, tag)
             if not self.room():
                 self.start()  # no more can come before it moves
-
-    def load_arcs(self):
-        """Have what arcs take, as long as that has not been done: first the code, which wants larger pieces of memory."""
-        if not self._plans:
-            from passo.motion import arc, arc_speed  # noqa: F401
-
-            self._users = array("i", [-1] * ARCS)
-            self._plans = [array("i", bytearray(4 * ARC_FIELDS)) for _ in range(ARCS)]
 
     def wait(self, ticks, tool, tag=0):
         """Queue `ticks` (1 … LONGEST_TICKS) without a step, the tool bit as given from their start."""
@@ -386,7 +386,7 @@ class Planner:
             walker.load(rows, at + ROW_STEPS)
         elif kind == ARC:
             walker = self._circle
-            walker.load(self._walkers[place])
+            walker.load(self._plans, self._walkers[place])
         if walker is not None and rows[at + ROW_GAIN]:  # the ramp and the feeder read the row itself
             block.kind = kind
             block.rows = rows

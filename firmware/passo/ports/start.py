@@ -8,6 +8,7 @@
 A chip's own Start knows its button and its port.
 """
 
+import gc
 import os
 import sys
 from io import StringIO
@@ -40,6 +41,8 @@ def _entries(board, key):
 
 
 class Start:
+    whole = True  # False: arcs and S-curves do not fit
+
     def __init__(self, board):
         alloc_emergency_exception_buf(100)
         board = board if isinstance(board, dict) else {}
@@ -77,8 +80,10 @@ class Start:
         return None
 
     def loading(self):
-        """Called before the app is imported. True if its code will lie in flash."""
-        return False
+        """Called before the app is imported."""
+
+    def load(self, board):
+        """Import what port() will ask for."""
 
     def loaded(self):
         """Called when all is loaded, or the start has failed. Returns a line for people: where the code lies."""
@@ -97,6 +102,7 @@ class Start:
 
     def run(self, app, port):
         """Turn for ever; after the grace period the watchdog minds it."""
+        gc.collect()
         guarded = False
         while True:
             if app.poll():  # app.turn() would cost stack, of which interrupts want theirs

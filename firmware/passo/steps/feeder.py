@@ -20,6 +20,7 @@ from array import array
 import micropython
 
 from passo.motion.block import INDEPENDENT, LINE, STEP_PROGRAM, WAIT
+from passo.motion.integers import zeros
 from passo.motion.line import MAX_RUN
 from passo.records import (
     COUNT_MASK, FEED_AXES, FEED_BEGINS, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_FAST, FEED_HEAD, FEED_HOLD,
@@ -50,7 +51,7 @@ class Feeder(Position):
         self._found = array("i", [0] * axes)  # for who asks where the machine is
         self._stepping = 0
         self._stride = MARK_FIELDS + axes
-        self._marks = array("i", [0] * (MARKS * self._stride))
+        self._marks = zeros(MARKS * self._stride)
         state = self.state = array("i", [0] * (FEED_PLACE + axes))
         state[FEED_BITS] = layout.bits
         state[FEED_AXES] = axes

@@ -1,6 +1,7 @@
 """The system clock that a board file asks for, and the core voltage that it wants.
 
-    clock.set_mhz(200)      # before players, PWM and serial lines are made; RuntimeError where the chip does not follow
+    clock.hurry()           # while the firmware is loaded
+    clock.set_mhz(200)      # before players, PWM and serial lines are made; RuntimeError if the chip does not follow
 
 Above 133 MHz an RP2040 wants a core voltage of 1.15 V: first the voltage, then the clock. MicroPython's machine.freq() also
 divides the flash's clock so that it stays within 62.5 MHz, and leaves UARTs and USB on the 48 MHz of the other PLL; timers
@@ -16,6 +17,7 @@ from micropython import const
 
 from passo.ports.rp2 import chip
 
+_FASTEST_MHZ = const(200)  # of an RP2040, by its data sheet
 _PLAIN_MHZ = const(133)  # to here the voltage after a reset, 1.10 V, is enough
 _RAISED = const(0b1100)  # VSEL: 1.15 V
 _VSEL = const(0xF0)
@@ -28,6 +30,16 @@ _CLK_SYS = const(9)
 _INTERVAL = const(10)  # a millisecond's count, within 2 kHz
 _DONE = const(1 << 4)
 _OFF_KHZ = const(50)
+
+
+def hurry():
+    """Run an RP2040 at 200 MHz until the board file's clock is set: loading takes 1.4 s less. If it does not follow, it stays
+    at what it was."""
+    if not chip.RP2350:
+        try:
+            set_mhz(_FASTEST_MHZ)
+        except RuntimeError as error:
+            print(error)
 
 
 def set_mhz(mhz):

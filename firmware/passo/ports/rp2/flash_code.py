@@ -25,6 +25,7 @@ import gc
 import sys
 from array import array
 
+import micropython
 import rp2
 import uctypes
 import vfs
@@ -32,7 +33,7 @@ from machine import mem32
 from micropython import const, kbd_intr
 
 from passo.ports.rp2.flash_scan import (
-    BLOCKS, BUSY, FIELDS, FILE_COUNT, FILE_ROW, FILES, FUNCTION_CHILDREN, FUNCTION_CODE, FUNCTION_MODULE, FUNCTION_ROW,
+    BLOCKS, BUSY, FIELDS, FILE_COUNT, FILE_ROW, FILES, FREE, FUNCTION_CHILDREN, FUNCTION_CODE, FUNCTION_MODULE, FUNCTION_ROW,
     IN_USE, KIND_SHIFT, MOVED, MOVED_BYTES, POOL, RAW_CODE, STACK, TYPES, WORK, WORK_ROW, WORK_ROWS,
 )  # fmt: skip
 
@@ -48,15 +49,33 @@ _SMALL = const(512)  # littlefs keeps files up to this size beside their names
 _PAGE = const(256)  # as the interpreter mounts it
 _FLASH = const(0x10000000)
 _FLASH_END = const(0x11000000)
-_FIRST_ROUND = const(40_000)  # bytes of files after which their functions are redirected: there is room at first
-_ROUND = const(18_000)  # each takes 50 ms
-_LITTLE = const(4_000)  # the same while less than _TIGHT bytes are free
+_FIRST_ROUND = const(75_000)  # bytes of files after which their functions are redirected: there is room at first
+_ROUND = const(24_000)  # each takes 50 ms
+_LITTLE = const(5_000)  # the same while less than _TIGHT bytes are free
 _TIGHT = const(56_000)
-_ROOM = const(17_000)  # at the lower end of memory, given back at the end: so that there is a piece as large as this
-_SHORT = const(17_000)  # bytes free after a round: then it is given back at once
+_STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
+_PIECE = const(2_200)  # bytes: if no free piece is as large, a room that was kept is given back
 _WORK_ROWS = const(96)
 _FOLDER = const(0x4000)
 _FILE = const(0x8000)
+
+
+# For the trial.
+
+
+@micropython.native
+def _times(number):
+    return number * 7
+
+
+@micropython.native
+def _plus(number):
+    return number + 7
+
+
+@micropython.native
+def _minus(number):
+    return number - 7
 
 
 class Unknown(Exception):
@@ -167,15 +186,17 @@ class Files:
 
 
 class FlashCode:
-    def __init__(self):
+    def __init__(self, rooms=()):
+        """`rooms`: a list of what keeps memory free in large pieces; the first is given back first if memory is short."""
         self.why = "not tried"  # all stays in RAM; "" if not
+        self._rooms = rooms
         self.functions = self.bytes = self.known = 0
         self._real = self._blocks = self._words = None
-        self._room = None
         self._records = []
         self._left = []
-        self._read = 0
+        self._read = 0  # bytes of files since the last round
         self._limit = _FIRST_ROUND
+        self._look_at_read = _STEP
 
     def begin(self):
         """Try whether code can be redirected here; if so, take the file system over."""
@@ -189,14 +210,12 @@ class FlashCode:
             self._give_up(error)
             self._real = None
             return
-        self._room = bytearray(_ROOM)
         _mount(Files(self._real, self))
 
     def finish(self):
         """The last round. Then the file system is littlefs again, on a flash whose blocks with code are kept."""
         if self._real is None:
             return
-        self._room = None
         self._round(True)
         _mount(self._real)
         self._real = None
@@ -209,7 +228,11 @@ class FlashCode:
 
     def open(self, path):
         """An .mpy for the import: its functions are noted, those of earlier ones perhaps redirected."""
-        if self._read > self._limit or self._read > _LITTLE and self._free() < _TIGHT:
+        if self._rooms and self._largest() < _PIECE:
+            self._round()
+            if self._largest() < _PIECE:
+                self._rooms.pop(0)
+        if self._read > self._limit or self._read > self._look_at_read and self._is_tight():
             self._round()
         file = self._real.open(path, "rb")
         table = self._table(file)
@@ -259,7 +282,7 @@ class FlashCode:
         words[IN_USE] = uctypes.addressof(self._in_use)
         words[WORK] = uctypes.addressof(self._work)
         words[WORK_ROWS] = _WORK_ROWS
-        for number, function in enumerate((trial, counted, mark)):
+        for number, function in enumerate((trial, counted, mark, _times)):
             words[TYPES + number] = id(type(function))
         self._real = vfs.VfsLfs2(self._blocks, progsize=_PAGE)
 
@@ -322,6 +345,7 @@ class FlashCode:
         """Redirect what has been imported since the last one; in the last, also what was running then."""
         self._read = 0
         self._limit = _ROUND
+        self._look_at_read = _STEP
         if not self._words:
             return
         from passo.ports.rp2.flash_scan import left
@@ -338,15 +362,24 @@ class FlashCode:
             self._give_up(error)
             return
         gc.collect()
-        if self._free() < _SHORT:
-            self._room = None
+
+    def _is_tight(self):
+        free = self._free()
+        self._look_at_read = self._read + _STEP
+        return free < _TIGHT and self._read > _LITTLE
+
+    def _largest(self):
+        if not self._words:
+            return _PIECE
+        from passo.ports.rp2.flash_scan import largest
+
+        return largest(self._words)
 
     def _free(self):
         if not self._words:
             return _TIGHT
-        from passo.ports.rp2.flash_scan import room_left
-
-        return room_left(self._words)
+        self._largest()
+        return self._words[FREE]
 
     def _redirect(self, records, modules):
         from passo.ports.rp2.flash_scan import mark, redirect, stack_pointer
@@ -410,9 +443,33 @@ class FlashCode:
             raise Unknown("the trial ended otherwise")
         if trial(6) != 43 or trial(0)(2) != 15 or list(suspended) != [4]:
             raise Unknown("code does not run from flash")
+        self._trial_of_native()
         self._records.clear()
         self._words[MOVED] = self._words[MOVED_BYTES] = self._words[BUSY] = 0
         self.why = ""
+
+    def _trial_of_native(self):
+        """The same of functions in native code, which have another pointer into themselves, to their prelude. One of them may
+        be left alone, because a stale word on the stack points into it."""
+        module = sys.modules[__name__]
+        record = self._look_at(module.__file__)
+        before = []
+        for function in (_times, _plus, _minus):
+            code = mem32[id(function) + 4 * FUNCTION_CODE]
+            prelude = mem32[id(function) + 4 * FUNCTION_CHILDREN] - code
+            entry = self._function_of(record, code) if record else 0
+            if not entry or not 0 < prelude < record.functions[entry * FUNCTION_ROW - 2] & 0xFFFF:
+                raise Unknown("unknown layout of native code")
+            before.append((function, code, prelude, record.functions[(entry - 1) * FUNCTION_ROW]))
+        self._redirect([record], [id(module)])
+        moved = 0
+        for function, code, prelude, target in before:
+            now = mem32[id(function) + 4 * FUNCTION_CODE]
+            moved += now == target
+            if now not in (code, target) or mem32[id(function) + 4 * FUNCTION_CHILDREN] != now + prelude:
+                raise Unknown("the trial of native code ended otherwise")
+        if not moved or (_times(6), _plus(6), _minus(6)) != (42, 13, -1):
+            raise Unknown("native code does not run from flash")
 
     def _in_heap(self, address):
         words = self._words

@@ -31,15 +31,16 @@ BLOCKS = const(1)
 TABLE = const(2)  # address of the collector's table
 IN_USE = const(3)  # address of a bit for each block: something points into it
 STACK = const(4)  # the stack's lowest address in use
-TYPES = const(5)  # of bytecode functions, generator functions, viper functions
-FILES = const(8)  # address of rows: module, functions, number of functions
-FILE_COUNT = const(9)
-WORK = const(10)  # address of rows: address of the pointer, functions, first, behind the last, children
-WORK_ROWS = const(11)
-MOVED = const(12)  # functions redirected
-MOVED_BYTES = const(13)
-BUSY = const(14)  # left because something points into them
-FIELDS = const(15)
+TYPES = const(5)  # of functions in bytecode, generator functions, those in viper, in native code
+FILES = const(9)  # address of rows: module, functions, number of functions
+FILE_COUNT = const(10)
+WORK = const(11)  # address of rows: address of the pointer, functions, first, behind the last, children
+WORK_ROWS = const(12)
+MOVED = const(13)  # functions redirected
+MOVED_BYTES = const(14)
+BUSY = const(15)  # left because something points into them
+FREE = const(16)  # bytes
+FIELDS = const(17)
 
 FILE_ROW = const(3)
 WORK_ROW = const(5)
@@ -54,6 +55,7 @@ RAW_CODE = const(1)
 RAW_CHILDREN = const(2)
 KIND_SHIFT = const(16)
 GENERATOR = const(0x1000000)
+_NATIVE = const(3)  # a kind of function
 
 
 @micropython.asm_thumb
@@ -197,7 +199,7 @@ def redirect(words: ptr32):
             kinds >>= 2
         else:
             kinds = table[block >> 2]
-            if kinds == 0:
+            if kinds & 0x55 == 0:  # no head among these four
                 block += 4
                 continue
         here = pool + (block << 4)
@@ -206,7 +208,10 @@ def redirect(words: ptr32):
             continue
         row = ptr32(here)
         kind = row[0]
-        if kind != words[TYPES] and kind != words[TYPES + 1] and kind != words[TYPES + 2]:
+        i = 0
+        while i < 4 and kind != words[TYPES + i]:
+            i += 1
+        if i == 4:
             continue
         file = 0
         while file < count * FILE_ROW and files[file] != row[FUNCTION_MODULE]:
@@ -264,13 +269,21 @@ def redirect(words: ptr32):
             entry = found * FUNCTION_ROW
             if code != functions[entry]:
                 busy = 0
+                prelude = -1  # of native code, which never runs while this does: its function's other pointer into it
+                if functions[entry + 2] & 0xFF == _NATIVE:
+                    prelude = children - code
+                    if prelude < 0 or prelude >= functions[entry + 1] & 0xFFFF:
+                        busy = 1
                 i = first
                 while i < first + room:
-                    busy |= in_use[i >> 3] >> (i & 7) & 1
+                    if prelude < 0 or i != (children - pool) >> 4:
+                        busy |= in_use[i >> 3] >> (i & 7) & 1
                     i += 1
                 if busy:
                     words[BUSY] = words[BUSY] + 1
                 else:
+                    if prelude >= 0:
+                        ptr32(int(slot) - 4)[0] = functions[entry] + prelude
                     slot[0] = functions[entry]
                     if functions[entry + 1] < 0x10000:  # counted once
                         functions[entry + 1] = functions[entry + 1] | 0x10000
@@ -288,7 +301,8 @@ def redirect(words: ptr32):
                 tree = functions[child * FUNCTION_ROW + 2] >> 16 & 0xFFFF
                 if raw & 15 == 0 and raw >= pool and raw < pool + size and depth < most:
                     made = ptr32(raw)
-                    if made[0] & ~GENERATOR == (functions[child * FUNCTION_ROW + 2] & 0xFF) << KIND_SHIFT:
+                    kind = functions[child * FUNCTION_ROW + 2] & 0xFF
+                    if kind != _NATIVE and made[0] & ~GENERATOR == kind << KIND_SHIFT:
                         at = depth * WORK_ROW
                         work[at] = raw + RAW_CODE * 4
                         work[at + 1] = int(functions)
@@ -332,17 +346,26 @@ def locate(raw: ptr8, count: int, blocks: ptr32, functions: ptr32):
 
 
 @micropython.viper
-def room_left(words: ptr32) -> int:
-    """Bytes free in pieces of 64, as the collector's table has them, garbage not counted: 0.5 ms, gc.mem_free() takes 8."""
+def largest(words: ptr32) -> int:
+    """Bytes of the largest free piece; FREE gets the sum of all. In pieces of 64 as the collector's table has them, garbage
+    not counted: 1 ms."""
     table = ptr8(words[TABLE])
     count = words[BLOCKS] >> 2
+    most = 0
+    run = 0
     free = 0
     i = 0
     while i < count:
-        if table[i] == 0:
+        if table[i]:
+            run = 0
+        else:
+            run += 64
             free += 64
+            if run > most:
+                most = run
         i += 1
-    return free
+    words[FREE] = free
+    return most
 
 
 @micropython.viper

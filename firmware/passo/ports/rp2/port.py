@@ -5,7 +5,7 @@
     while True:
         app.turn()              # ends in port.wait()
 
-Words are made in a timer interrupt every 2 ms, 12 ms ahead, or 6 where a change has to show soon: neither the main
+Words are made in a timer interrupt every 3 ms, 13 ms ahead, or 8 if a change has to show soon: neither the main
 loop nor its garbage collections delay a step. Halting inputs and serial lines come before it.
 """
 # ruff: noqa: F821
@@ -21,10 +21,27 @@ from passo.ports.rp2.registers import BLOCK_CTRL
 from passo.steps import kernels
 from passo.steps.wiring import inverted_pins, word_pins, word_times
 
-_FEED_MS = const(2)
-_LEAD_TICKS = const(12 * 12_500)  # more than the longest word, so that one is always waiting behind it
-_LIVE_TICKS = const(6 * 12_500)
+_FEED_MS = const(3)  # every 2 ms, its calls alone would cost a stream of lines a fifth of its speed
+_LEAD_TICKS = const(13 * 12_500 + 4000)  # more than the longest word and _FEED_MS: one is always waiting behind it
+_LIVE_TICKS = const(8 * 12_500)
 _LASER_RING = const(1024)  # words: beside a larger ring there is no memory for LaserPlayer
+
+
+def load(board):
+    """Import what a Port of this board will ask for; returns it."""
+    if board["player"] == "timer":
+        from passo.ports.rp2.timer_player import TimerPlayer as player
+    elif board["spindle"]["pwm"]:
+        from passo.ports.rp2.laser_player import LaserPlayer as player
+    else:
+        from passo.ports.rp2.pio_player import PioPlayer as player
+    lines = []
+    for link in board["links"]:
+        if link["port"] == "usb":
+            from passo.ports.usb_line import UsbLine
+
+            lines.append(UsbLine)
+    return player, lines
 
 
 class Guard:

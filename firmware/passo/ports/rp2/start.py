@@ -1,27 +1,54 @@
 """The start on a Raspberry Pi Pico and its like."""
 
 import gc
+import sys
 
 import rp2
+from micropython import const
 
 from passo.ports import start
+
+# Bytes kept free in one piece while code comes and goes: for the planner's blocks, and for what comes and goes from then on.
+_FOR_BLOCKS = const(27_500)
+_BLOCKS = const(25_000)
+_FOR_WORK = const(16_500)
+_COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
 
 
 class Start(start.Start):
     _code = None
+    _rooms = ()
     _said = ""
 
     def loading(self):
+        from passo.ports.rp2 import clock
+
+        clock.hurry()
+        gc.threshold(_COLLECT)
         from passo.ports.rp2.flash_code import FlashCode
 
-        self._code = code = FlashCode()
+        self._rooms = []
+        self._code = code = FlashCode(self._rooms)
         code.begin()
         if code.why:
             self._said = code.text()
+            self.whole = "RP2040" not in sys.implementation._machine
             self._code = code = None
             start.forget("passo.ports.rp2.flash_code")
             gc.collect()
-        return bool(code)
+        else:
+            self._rooms.append(bytearray(_FOR_WORK))
+            self._rooms.append(bytearray(_FOR_BLOCKS))
+
+    def run(self, app, port):
+        self._rooms = ()
+        gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms
+        start.Start.run(self, app, port)
+
+    def load(self, board):
+        from passo.ports.rp2 import port
+
+        port.load(board)
 
     def loaded(self):
         code, self._code = self._code, None
@@ -41,4 +68,13 @@ class Start(start.Start):
         start.forget("passo.ports.rp2.clock")
         from passo.ports.rp2.port import Port
 
-        return Port(board)
+        made = Port(board)
+        if self._rooms:
+            self._rooms.pop()
+            gc.collect()
+            try:
+                bytearray(_BLOCKS)
+            except MemoryError:  # there was too little while code was loaded: that which is kept for later is wanted now
+                self._rooms = ()
+        gc.collect()
+        return made
