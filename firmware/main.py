@@ -54,6 +54,9 @@ def main():
         print("board.py is wrong:", wrong)
     except KeyboardInterrupt:
         print("stopped")
+    except MemoryError as full:
+        print("board.py asks for more memory than there is: leave out a link, a language or store_points")
+        error = full
     except Exception as crash:
         error = crash
     start.end(app, port, error)

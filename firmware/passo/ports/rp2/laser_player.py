@@ -8,7 +8,7 @@ FIFO as the marked word left it for the pins, so that the power changes within a
 takes it up at its next wrap.
 
 Where so few words have been made that these eight are not there yet, below 750 steps/s or so, the interrupt that feeds
-sees to the mark within 2 ms of its word.
+sees to the mark within 3 ms of its word.
 """
 # ruff: noqa: F821
 
