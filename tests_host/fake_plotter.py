@@ -58,6 +58,7 @@ class FakePlotter:
     def unplug(self):
         """The cable is out: both ends of the line are gone."""
         self._running = False
+        self._thread.join()  # what it is at comes to its end
         for end in (self._master, self._slave):
             if end is not None:
                 os.close(end)

@@ -6,14 +6,16 @@ from pathlib import Path
 import pytest
 from emulated import uf2  # noqa: F401
 
-from host_tools import boards, objects
-from host_tools.build import compile_module, selected
+from host_tools import boards, mpy, objects
+from host_tools.build import COLD, compile_module, selected
 from host_tools.constants import folded
 from host_tools.emulator.pico import EmulatedPico
 from programmes import programmes
 from test_digest import GOLDEN, HEX_JOBS, ROOT, TESTS, golden_of_gcode, golden_of_hex, hex_job, job_of
 
 LIMIT_US = 30_000_000
+# A router has no memory for its code.
+IN_FLASH = "from passo.ports.rp2.flash_code import FlashCode\ncode = FlashCode()\ncode.begin()\n"
 
 
 def compiled(sources):
@@ -24,7 +26,7 @@ def compiled(sources):
             source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
             source.write_text(text)
             compile_module(source, target, "armv6m", Path(path).with_suffix(".mpy"))
-            files[str(Path(path).with_suffix(".mpy"))] = target.read_bytes()
+            files[str(Path(path).with_suffix(".mpy"))] = mpy.in_place(target.read_bytes(), path in COLD)
     return files
 
 
@@ -59,7 +61,7 @@ def test_the_pico_makes_the_words_of_gcode(uf2, show):
     files = with_digest(name, "job.gcode", "".join(f"{line}\n" for line in lines).encode())
     pico = EmulatedPico(files=files, uf2=uf2).boot()
     before = pico.cycle
-    code = "import gc\ngc.threshold(16000)\nimport digest\n"
+    code = "import gc\ngc.threshold(16000)\n" + IN_FLASH + "import digest\n"
     said = pico.exec(code + f"digest.show_lines('job.gcode', {board!r}, counts=False)", limit_us=LIMIT_US).split()
     show("digest of G-code on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
     golden = golden_of_gcode()["pico"]

@@ -27,7 +27,7 @@ def test_stopped_at_any_moment_it_knows_where_it_is(rig, pin, most_us, show):
 
 def test_a_word_pulled_but_not_played_does_not_count(rig):
     set_out(rig, (8000, 6220, -5000), 400_000, 2000)
-    found = in_hand(rig, INTERRUPT_PIN, [turn * 3 / 125 for turn in range(1000)])
+    found = in_hand(rig, INTERRUPT_PIN, [turn * 3 / 125 for turn in range(1500)])
     assert found, "no freeze fell between pull and out"
     assert found[1] == found[2] and found[3]
 

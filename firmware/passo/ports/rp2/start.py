@@ -17,7 +17,7 @@ _COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is co
 
 class Start(start.Start):
     _code = None
-    _rooms = ()
+    _rooms = [bytearray(0)]
     _said = ""
 
     def loading(self):
@@ -27,8 +27,8 @@ class Start(start.Start):
         gc.threshold(_COLLECT)
         from passo.ports.rp2.flash_code import FlashCode
 
-        self._rooms = []
-        self._code = code = FlashCode(self._rooms)
+        rooms = []
+        self._code = code = FlashCode(rooms)
         code.begin()
         if code.why:
             self._said = code.text()
@@ -37,11 +37,12 @@ class Start(start.Start):
             start.forget("passo.ports.rp2.flash_code")
             gc.collect()
         else:
-            self._rooms.append(bytearray(_FOR_WORK))
-            self._rooms.append(bytearray(_FOR_BLOCKS))
+            rooms.append(bytearray(_FOR_WORK))
+            rooms.append(bytearray(_FOR_BLOCKS))
+            self._rooms = rooms
 
     def run(self, app, port):
-        self._rooms = ()
+        self._rooms = []
         gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms
         start.Start.run(self, app, port)
 
@@ -75,6 +76,6 @@ class Start(start.Start):
             try:
                 bytearray(_BLOCKS)
             except MemoryError:  # there was too little while code was loaded: that which is kept for later is wanted now
-                self._rooms = ()
+                self._rooms = []
         gc.collect()
         return made
