@@ -14,10 +14,10 @@ def viper(function):
 
 
 def asm_thumb(function):
-    """Machine code has no twin here: calling it is an error, importing it is not."""
+    """A PC cannot run it: calling it is an error, importing it is not."""
 
     def unavailable(*_):
-        raise NotImplementedError(function.__name__ + " is machine code of the board; call its plain twin")
+        raise NotImplementedError(function.__name__ + " is machine code of the board: a PC cannot run it")
 
     return unavailable
 

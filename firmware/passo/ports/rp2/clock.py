@@ -39,7 +39,7 @@ def hurry():
         try:
             set_mhz(_FASTEST_MHZ)
         except RuntimeError:
-            pass  # if the board file's clock needs what failed, set_mhz() says it
+            pass  # loading is slower; set_mhz() raises again if the board file's clock needs it
 
 
 def set_mhz(mhz):
@@ -50,7 +50,7 @@ def set_mhz(mhz):
         try:
             machine.freq(mhz * 1_000_000)
         except ValueError:
-            pass  # the next line says what it is instead
+            pass  # the check below raises with the clock that there is
     said = machine.freq()
     found = counted_khz()
     if said != mhz * 1_000_000 or abs(found - mhz * 1000) > _OFF_KHZ:
@@ -71,7 +71,7 @@ def _raise_voltage():
 
 
 def counted_khz():
-    """The system clock by the chip's frequency counter, against the crystal. -1 where it does not answer."""
+    """The system clock by the chip's frequency counter, against the crystal. -1 if it does not answer."""
     at = chip.COUNTER
     for offset, value in ((0, _CRYSTAL_KHZ), (4, 0), (8, 0x1FFFFFF), (16, _INTERVAL), (20, _CLK_SYS)):
         mem32[at + offset] = value  # the last one sets it going

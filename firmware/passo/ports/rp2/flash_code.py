@@ -17,8 +17,8 @@ suspended generators); a trial at the start finds out whether the interpreter ke
 or if anything fails, all stays in RAM. Blocks that hold code in use are not erased until the next reset, even if their
 file is replaced: littlefs takes them for bad ones and goes on to the next.
 
-Files of 512 bytes and less have no block of their own: their code stays in RAM. So do native code (slower from flash,
-host_tools/build.py says which is not). A module without a table has not been copied to its end, and is refused. RP2040 only.
+Files of 512 bytes and less have no block of their own: their code stays in RAM. So does native code, which runs at half the
+speed from flash, but for the modules in COLD of host_tools/build.py. A module without a table has not been copied to its end, and is refused. RP2040 only.
 """
 
 import gc
@@ -50,7 +50,7 @@ _PAGE = const(256)  # as the interpreter mounts it
 _FLASH = const(0x10000000)
 _FLASH_END = const(0x11000000)
 _FIRST_ROUND = const(75_000)  # bytes of files after which their functions are redirected: there is room at first
-_ROUND = const(24_000)  # each takes 50 ms
+_ROUND = const(24_000)  # each takes 20 to 40 ms
 _LITTLE = const(5_000)  # the same while less than _TIGHT bytes are free
 _TIGHT = const(56_000)
 _STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
@@ -190,7 +190,7 @@ class FlashCode:
         """`rooms`: a list of what keeps memory free in large pieces; the first is given back first if memory is short."""
         self.why = "not tried"  # all stays in RAM; "" if not
         self._rooms = rooms
-        self.functions = self.bytes = self.known = 0
+        self.functions = self.bytes = 0
         self._real = self._blocks = self._words = None
         self._records = []
         self._left = []

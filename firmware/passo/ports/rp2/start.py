@@ -8,16 +8,16 @@ from micropython import const
 
 from passo.ports import start
 
-# Bytes kept free in one piece while code comes and goes: for the planner's blocks, and for what comes and goes from then on.
-_FOR_BLOCKS = const(27_500)
-_BLOCKS = const(25_000)
-_FOR_WORK = const(16_500)
+# Bytes, each kept free in one piece while code is loaded and moved to flash.
+_FOR_BLOCKS = const(27_500)  # for the arrays of planner, ring and feeder
+_BLOCKS = const(25_000)  # what these take: if no piece is as large, _FOR_WORK is given back, too
+_FOR_WORK = const(16_500)  # for what the main loop takes and gives back
 _COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
 
 
 class Start(start.Start):
     _code = None
-    _rooms = [bytearray(0)]
+    _rooms = [bytearray(0)]  # what keeps memory free; nothing, until code has been found to run from flash
     _said = ""
 
     def loading(self):
@@ -62,7 +62,7 @@ class Start(start.Start):
         return "BOOTSEL" if rp2.bootsel_button() else None
 
     def port(self, board):
-        """Raises RuntimeError where the chip does not take the board file's clock."""
+        """Raises RuntimeError if the chip does not take the board file's clock."""
         from passo.ports.rp2 import clock
 
         clock.set_mhz(board["clock_mhz"])
@@ -75,7 +75,7 @@ class Start(start.Start):
             gc.collect()
             try:
                 bytearray(_BLOCKS)
-            except MemoryError:  # there was too little while code was loaded: that which is kept for later is wanted now
+            except MemoryError:  # memory is too short to keep _FOR_WORK free
                 self._rooms = []
         gc.collect()
         return made
