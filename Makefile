@@ -48,7 +48,7 @@ $(STAMP): pyproject.toml
 	@touch $(TOOLS) $(DRAW) $(EMULATE)
 
 run: $(DRAW)  ## draw on the virtual board; pictures and traces in out/
-	$(BIN)/python -m host_tools.run
+	$(BIN)/python -m host_tools.cli.run
 
 # A sender that some tests drive, without the 60 MB of camera software it would bring along; they skip where it is missing.
 CLIENTS = $(VENV)/.clients

@@ -15,8 +15,8 @@ import pytest
 
 from host_tools.emulator import sender
 from host_tools.emulator.binary import Unavailable, find_uf2, load_emulator
-from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.halting import INPUTS
+from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.emulator.rig import Rig, router
 

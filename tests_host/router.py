@@ -6,7 +6,7 @@
     machine.settle()
     machine.world.place
 
-Small enough for MicroPython; host_tools.plant is the full model.
+Small enough for MicroPython; host_tools.sim.plant is the full model.
 """
 
 from boards.router_3axis import BOARD

@@ -10,7 +10,7 @@ import threading
 import time
 
 from boards.router_3axis import BOARD
-from host_tools.serial_line import PtyLine, wait
+from host_tools.sim.serial_line import PtyLine, wait
 from passo.app import App
 from passo.control.boardfile import check
 from passo.ports.virtual import MemoryLine, VirtualPort

@@ -1,5 +1,5 @@
 """A table with two barriers, for the virtual port: it decodes pins by the drive's own tables, which the drives' checks
-hold against the documents. Small enough for MicroPython; host_tools.plant is the full model.
+hold against the documents. Small enough for MicroPython; host_tools.sim.plant is the full model.
 
     table = Table(start=(100, 80))
     machine = Machine(table)

@@ -24,7 +24,7 @@ def test_gcode_of_the_corpus(corpus, steps_per_m, capsys):
 def fitted(file):
     """A file's lines, those of its cuts in the plane made arcs that go through the next point, too, as CAM programs write
     them: the centre to four digits. Points close to each other give the tiniest of arcs."""
-    from host_tools import gcode_file
+    from host_tools.programs import gcode_file
 
     lines = []
     points = []  # the cut so far: (x, y)

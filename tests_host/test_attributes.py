@@ -4,8 +4,8 @@ import ast
 
 import pytest
 
-from host_tools.attributes import shortened
-from host_tools.build import FIRMWARE, module_files
+from host_tools.build.attributes import shortened
+from host_tools.build.tree import FIRMWARE, module_files
 
 pytestmark = pytest.mark.quick
 

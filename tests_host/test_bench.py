@@ -2,7 +2,7 @@
 
 import pytest
 
-from host_tools import bench
+from host_tools.bench import main as bench
 from host_tools.failure import Failure
 
 HEADER = ("what", "a", "b", "c", "d", "late")

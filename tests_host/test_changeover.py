@@ -4,7 +4,7 @@ closed, and reports steps that come while they are not."""
 import pytest
 
 from host_tools import boards
-from host_tools.virtual_machine import VirtualMachine
+from host_tools.sim.machine import VirtualMachine
 from passo import errors
 from passo.protocols import torch
 from passo.protocols.plotter_host import COMMANDS, packet

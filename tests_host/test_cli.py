@@ -7,9 +7,9 @@ import pytest
 from test_board_command import environment
 from test_package import project
 
-from host_tools import cli
+from host_tools.cli import main as cli
 
-BLOCKED = "import sys; sys.modules.update(dict.fromkeys({names!r})); sys.argv = {words!r}; from host_tools.cli import main; main()"
+BLOCKED = "import sys; sys.modules.update(dict.fromkeys({names!r})); sys.argv = {words!r}; from host_tools.cli.main import main; main()"
 
 
 def passo(*words, without=()):

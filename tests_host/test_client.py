@@ -7,11 +7,11 @@ import time
 import pytest
 from fake_plotter import FakePlotter, without_repeats
 
+from host_tools.clients.plotter import Cancelled, PlotterClient, Refused
+from host_tools.clients.wire import LinkError
 from host_tools.failure import Failure
-from host_tools.job import Broken, Job, remaining
-from host_tools.journal import Journal
-from host_tools.plotter_client import Cancelled, PlotterClient, Refused
-from host_tools.wire import LinkError
+from host_tools.programs.job import Broken, Job, remaining
+from host_tools.programs.journal import Journal
 
 SQUARE = [(False, 644, 314), (True, 644, 454), (True, 884, 454), (True, 884, 314), (True, 644, 314)]
 

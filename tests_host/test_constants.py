@@ -4,8 +4,8 @@ import ast
 
 import pytest
 
-from host_tools.build import FIRMWARE, module_files
-from host_tools.constants import folded, numbered_only
+from host_tools.build.constants import folded, numbered_only
+from host_tools.build.tree import FIRMWARE, module_files
 from host_tools.failure import Failure
 
 pytestmark = pytest.mark.quick

@@ -14,10 +14,10 @@ from pathlib import Path
 
 import pytest
 
-from host_tools import run
-from host_tools.build import FIRMWARE, module_files
-from host_tools.constants import folded
-from host_tools.objects import objects
+from host_tools.build.constants import folded
+from host_tools.build.tree import FIRMWARE, module_files
+from host_tools.cli import run
+from host_tools.drawings.objects import objects
 from passo.protocols import torch
 from passo.protocols.plotter_host import COMMANDS, packet
 from programmes import programmes

@@ -7,8 +7,9 @@ import pytest
 import typer
 from typer.main import get_command
 
-from host_tools import boards, reference
-from host_tools.cli import app
+from host_tools import boards
+from host_tools.build import reference
+from host_tools.cli.main import app
 from host_tools.resources import ROOT
 from passo.control import boardfile
 from passo.protocols import plotter_host as plotter
@@ -142,11 +143,11 @@ def test_boards_exist(page):
 @pytest.mark.parametrize("name", reference.PAGES)
 def test_made_pages_are_current(name):
     wanted = reference.text(name)
-    assert (reference.DOCS / name).read_text(encoding="utf-8") == wanted, "write it anew: python -m host_tools.reference"
+    assert (reference.DOCS / name).read_text(encoding="utf-8") == wanted, "write it anew: python -m host_tools.build.reference"
 
 
 def test_every_key_has_a_meaning():
-    from host_tools.board_keys import MEANINGS
+    from host_tools.build.board_keys import MEANINGS
 
     assert set(reference.keys(boardfile._BOARD)) == set(MEANINGS)
 

@@ -18,8 +18,9 @@ from hypothesis import strategies as st
 from shapely import STRtree
 from shapely import points as shapely_points
 
-from host_tools import boards, contours, drawing
-from host_tools.drawing import Options
+from host_tools import boards
+from host_tools.drawings import contours, drawing
+from host_tools.drawings.drawing import Options
 from host_tools.failure import Failure
 
 ROOT = Path(__file__).resolve().parent.parent
@@ -324,7 +325,7 @@ def port_of(process):
 
 def ink(trace):
     """Every place that the pen touched, in order, from the rows of a trace."""
-    from host_tools.measure import read_trace
+    from host_tools.sim.measure import read_trace
 
     return [(row.x, row.y) for row in read_trace(trace) if row.tool]
 
@@ -421,7 +422,7 @@ def test_a_board_that_is_no_plotter_is_refused(tmp_path, start, board, spoken):
 def test_a_preview_has_table_page_and_time(tmp_path, monkeypatch, capsys):
     from test_plot import drawn_by
 
-    from host_tools import cli
+    from host_tools.cli import main as cli
 
     path = page_of(tmp_path, 100, 50, '<path d="M10 10 h80"/><image width="9" height="9"/>')
     monkeypatch.setattr(sys, "argv", ["passo", "draw", str(path), "--dry-run", "--preview", str(tmp_path / "a.png")])

@@ -14,7 +14,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from host_tools import flash
+from host_tools.cli import flash
 from host_tools.failure import Failure
 
 TESTS = Path(__file__).resolve().parent

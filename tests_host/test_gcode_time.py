@@ -6,9 +6,10 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host_tools import boards, gcode_file
-from host_tools.gcode_time import Limits, Remaining, estimate
-from host_tools.virtual_job import VirtualJob
+from host_tools import boards
+from host_tools.programs import gcode_file
+from host_tools.programs.gcode_time import Limits, Remaining, estimate
+from host_tools.sim.job import VirtualJob
 
 SETTINGS = ["$110=5000.000", "$111=5000.000", "$112=1500.000", "$120=250.000", "$121=250.000", "$122=150.000"]
 ROUTER = Limits.of_settings(SETTINGS)

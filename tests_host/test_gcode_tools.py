@@ -5,10 +5,11 @@ import threading
 
 import pytest
 
-from host_tools import check, cli, gcode_file, settings, stream
+from host_tools.cli import check, main as cli, settings, stream
+from host_tools.clients.grbl import RESET, GrblClient, LinkError, Refused, fields_of, tagged
 from host_tools.failure import Failure
-from host_tools.grbl_client import RESET, GrblClient, LinkError, Refused, fields_of, tagged
-from host_tools.virtual_job import VirtualJob
+from host_tools.programs import gcode_file
+from host_tools.sim.job import VirtualJob
 from running_router import Running
 
 SQUARE = b"""%

@@ -4,7 +4,7 @@ import ast
 
 import pytest
 
-from host_tools.build import FIRMWARE, module_files
+from host_tools.build.tree import FIRMWARE, module_files
 
 pytestmark = pytest.mark.quick
 

@@ -8,8 +8,8 @@ import time
 
 import pytest
 
+from host_tools.cli.keys import Kit, parse
 from host_tools.failure import Failure
-from host_tools.keys import Kit, parse
 from test_board_command import Board, environment, passo, rows
 
 COMMAND = [sys.executable, "-m", "host_tools.cli", "keys"]

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host_tools.line_order import joined, sorted_from, travel
+from host_tools.drawings.line_order import joined, sorted_from, travel
 
 TOLERANCE = 0.05
 coordinates = st.one_of(st.integers(-20, 20).map(lambda value: value / 4), st.floats(-300, 300))

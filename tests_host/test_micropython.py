@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 import tiers
 
-from host_tools.build import unix_tree
+from host_tools.build.tree import unix_tree
 
 TESTS = Path(__file__).resolve().parent
 ROOT = TESTS.parent

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from host_tools import build, mpy
+from host_tools.build import mpy, tree
 
 MICROPYTHON = Path(sys.executable).parent / "micropython"
 
@@ -18,10 +18,10 @@ def modules(tmp_path_factory):
     """{path: bytes} of two boards' modules as mpy-cross compiles them."""
     found = {}
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(build, "IN_PLACE", "")
+        patch.setattr(tree, "IN_PLACE", "")
         for board in ("router_3axis", "torch_manipulator"):
             out = tmp_path_factory.mktemp(board)
-            build.build_tree(board, out)
+            tree.build_tree(board, out)
             found |= {path.relative_to(out).as_posix(): path.read_bytes() for path in out.rglob("*.mpy")}
     return found
 
@@ -117,7 +117,7 @@ def test_the_interpreter_reads_what_was_moved(tmp_path):
     for size in (1, 60, 250):  # more functions than fit into a block
         more = "".join(f"def f{i}(a, b=2):\n    return a * {i} + b, (a, '{i}'), [x for x in (a, b)]\n" for i in range(size))
         source.write_text(more + PROGRAM)
-        build.compile_module(source, tmp_path / "thing.mpy", "x64", "thing.py")
+        tree.compile_module(source, tmp_path / "thing.mpy", "x64", "thing.py")
         said = [subprocess.run([MICROPYTHON, "-c", "import thing"], cwd=tmp_path, capture_output=True, text=True)]
         data = (tmp_path / "thing.mpy").read_bytes()
         placed = mpy.in_place(data)
@@ -135,6 +135,6 @@ def test_what_is_no_module_is_refused(data):
 
 def test_only_the_rp2040_gets_them(tmp_path):
     for board, with_table in (("plotter_2014", True), ("plotter_esp32", False)):
-        build.build_tree(board, tmp_path / board)
+        tree.build_tree(board, tmp_path / board)
         data = (tmp_path / board / "passo" / "app.mpy").read_bytes()
         assert (int.from_bytes(data[-2:], "little") == mpy.MARK) == with_table

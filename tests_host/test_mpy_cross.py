@@ -4,7 +4,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import pytest
 
-from host_tools.build import FIRMWARE, compile_module, unix_tree
+from host_tools.build.tree import FIRMWARE, compile_module, unix_tree
 
 pytestmark = pytest.mark.quick
 

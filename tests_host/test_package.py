@@ -9,7 +9,7 @@ from importlib.metadata import packages_distributions
 
 import pytest
 
-from host_tools import package_list
+from host_tools.build import package_list
 from host_tools.resources import ROOT
 
 pytestmark = pytest.mark.quick
@@ -19,7 +19,7 @@ OWN = {"passo", "host_tools", "boards", "micropython"}
 
 def test_package_list():
     listed = json.loads(package_list.PACKAGE.read_text(encoding="utf-8"))
-    assert listed == package_list.package(), "write it anew: python -m host_tools.package_list"
+    assert listed == package_list.package(), "write it anew: python -m host_tools.build.package_list"
 
 
 def test_the_file_is_as_written():

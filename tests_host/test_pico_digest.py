@@ -6,9 +6,11 @@ from pathlib import Path
 import pytest
 from emulated import uf2  # noqa: F401
 
-from host_tools import boards, mpy, objects
-from host_tools.build import COLD, compile_module, selected
-from host_tools.constants import folded
+from host_tools import boards
+from host_tools.build import mpy
+from host_tools.build.constants import folded
+from host_tools.build.tree import COLD, compile_module, selected
+from host_tools.drawings import objects
 from host_tools.emulator.pico import EmulatedPico
 from programmes import programmes
 from test_digest import GOLDEN, HEX_JOBS, ROOT, TESTS, golden_of_gcode, golden_of_hex, hex_job, job_of

@@ -10,12 +10,12 @@ import pytest
 from emulated import make_machine, uf2  # noqa: F401
 
 from host_tools import boards
-from host_tools.build import FIRMWARE, compile_module, selected
-from host_tools.constants import folded
+from host_tools.build.constants import folded
+from host_tools.build.mpy import in_place
+from host_tools.build.tree import FIRMWARE, compile_module, selected
 from host_tools.emulator.machine import firmware_files
 from host_tools.emulator.pico import EmulatedPico
-from host_tools.mpy import in_place
-from host_tools.virtual_machine import VirtualMachine
+from host_tools.sim.machine import VirtualMachine
 from passo.protocols.plotter_host import COMMANDS, packet, status_from
 from test_virtual_machine import LOG_2014
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from emulated import uf2  # noqa: F401
 
-from host_tools import build, mpy
+from host_tools.build import mpy, tree
 from host_tools.emulator import binary
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.machine import EmulatedMachine, firmware_files
@@ -81,13 +81,13 @@ def rebuilt(board, module, old, new):
     """The firmware's files from sources of which one was changed."""
     with tempfile.TemporaryDirectory() as folder:
         firmware = Path(folder) / "firmware"
-        shutil.copytree(build.FIRMWARE, firmware)
+        shutil.copytree(tree.FIRMWARE, firmware)
         source = firmware / module
         text = source.read_text(encoding="utf-8")
         assert text.count(old) == 1
         source.write_text(text.replace(old, new), encoding="utf-8")
         out = Path(folder) / "out"
-        build.build_tree(board, out, firmware=firmware)
+        tree.build_tree(board, out, firmware=firmware)
         return {path.relative_to(out).as_posix(): path.read_bytes() for path in out.rglob("*") if path.is_file()}
 
 
@@ -164,7 +164,7 @@ def test_suspended_generators_stay_right(pico):
         path, target = Path(folder) / "counting.py", Path(folder) / "counting.mpy"
         more = "\ndef by{0}(x):\n    return [x * i for i in range({0})]\n"
         path.write_text(source + "".join(more.format(i) for i in range(12)))
-        build.compile_module(path, target, "armv6m", "counting.py")
+        tree.compile_module(path, target, "armv6m", "counting.py")
         data = mpy.in_place(target.read_bytes())
     pico.exec(f"with open('passo/counting.mpy', 'wb') as file:\n    _ = file.write({data!r})")
     pico.exec(BEGIN + WHERE)

@@ -5,7 +5,7 @@ import struct
 import pytest
 from emulated import uf2  # noqa: F401
 
-from host_tools import bench_where
+from host_tools.bench import where
 from host_tools.emulator import native
 from host_tools.emulator.binary import Unavailable
 from host_tools.emulator.load import Load
@@ -80,7 +80,7 @@ def work():
 @pytest.mark.skipif(native.library() is None, reason="NOT TESTED: a profile needs a C compiler")
 def test_kernels_are_named_and_their_calls_counted(uf2):
     try:
-        names = bench_where.symbols()
+        names = where.symbols()
     except Unavailable as reason:
         pytest.skip(f"NOT TESTED: {reason}")
     pico = EmulatedPico(files={}, uf2=uf2).boot()

@@ -7,7 +7,7 @@ import pytest
 from emulated import make_machine, uf2  # noqa: F401
 
 from host_tools import boards
-from host_tools.build import selected
+from host_tools.build.tree import selected
 from host_tools.emulator.pico import EmulatedPico
 from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame
 from test_digest import PICO_PULSES, ROOT, TESTS, golden_of_gcode, hex_of

@@ -5,7 +5,7 @@ from statistics import median
 import pytest
 from emulated import uf2  # noqa: F401
 
-from host_tools import bench_moving
+from host_tools.bench import moving
 
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("status")]
 ANSWERS = 24
@@ -14,13 +14,13 @@ SETTLE_MS = 400
 
 @pytest.fixture
 def asked(uf2):
-    return bench_moving.router("pc")
+    return moving.router("pc")
 
 
 @pytest.mark.slow
 def test_answers_come_in_time_while_three_axes_step(asked, show):
     """All but one: asking leaves next to no garbage, but what is there already may be collected now."""
-    took_ms = sorted(bench_moving.answers("pc", bench_moving.long_lines(), ANSWERS))
+    took_ms = sorted(moving.answers("pc", moving.long_lines(), ANSWERS))
     show("`?` on the Pico at 3 x 100 kHz", f"median {median(took_ms):.1f} ms, all but one within {took_ms[-2]:.1f} ms")
     assert median(took_ms) <= 4.5 and took_ms[-2] <= 5
 

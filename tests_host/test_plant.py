@@ -5,10 +5,10 @@ import random
 import pytest
 
 from host_tools import boards
-from host_tools.decoders import Pbl3770a, StepDir, Unipolar
-from host_tools.parts import Barrier, Solenoid
-from host_tools.plant import Plant
-from host_tools.virtual_machine import VirtualMachine
+from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
+from host_tools.sim.machine import VirtualMachine
+from host_tools.sim.parts import Barrier, Solenoid
+from host_tools.sim.plant import Plant
 
 MS = 12_500
 

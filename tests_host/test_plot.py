@@ -2,9 +2,10 @@
 
 import pytest
 
-from host_tools import objects, plot
+from host_tools.cli import plot as command
+from host_tools.drawings import objects, plot
 from host_tools.failure import Failure
-from host_tools.measure import Row, measure, read_trace
+from host_tools.sim.measure import Row, measure, read_trace
 
 HEADER = "t_us,x,y,z,a,tool\n"
 
@@ -88,7 +89,7 @@ def test_the_picture_has_dark_lines_where_the_pen_was_down(tmp_path):
 
     trace = tmp_path / "job.csv"
     trace.write_text(HEADER + "0.000,0,0,0,0,0\n1.000,100,0,0,0,0\n2.000,100,0,0,0,1000\n3.000,100,900,0,0,1000\n")
-    plot.plot(trace, out=None, board="plotter_2014", steps_per_mm="10")
+    command.plot(trace, out=None, board="plotter_2014", steps_per_mm="10")
     picture = image.imread(tmp_path / "job.png")[:, :, :3]
     assert picture.shape[0] > 500
     assert (picture.max(axis=2) < 0.3).sum() > 500
@@ -114,11 +115,11 @@ def drawn_by(monkeypatch, action):
 def test_a_picture_shows_table_page_and_time(tmp_path, monkeypatch):
     trace = tmp_path / "job.csv"
     trace.write_text(HEADER + "0.000,0,0,0,0,0\n1000000.000,100,0,0,0,0\n63500000.000,100,900,0,0,1000\n")
-    seen = drawn_by(monkeypatch, lambda: plot.plot(trace, None, "plotter_2014", None))
+    seen = drawn_by(monkeypatch, lambda: command.plot(trace, None, "plotter_2014", None))
     assert seen["title"] == "job, 1:02 (62.5 s)"
     assert "table 400 × 300 mm" in seen["labels"]
     assert seen["x"][0] <= 0 and seen["x"][1] >= 400 and seen["y"][1] >= 300
-    seen = drawn_by(monkeypatch, lambda: plot.plot(trace, None, "plotter_2014", "10"))
+    seen = drawn_by(monkeypatch, lambda: command.plot(trace, None, "plotter_2014", "10"))
     assert not any("table" in label for label in seen["labels"])
     seen = drawn_by(monkeypatch, lambda: plot.save("a.png", [(True, [(1, 1), (2, 2)])], "t", (0, 0, 9, 8), (0, 1, 7, 6.5)))
     assert {"table 9 × 8 mm", "page 7 × 5.5 mm"} <= set(seen["labels"])
@@ -127,7 +128,7 @@ def test_a_picture_shows_table_page_and_time(tmp_path, monkeypatch):
 def test_steps_per_mm_that_are_none_are_refused(tmp_path):
     for text in ("ten", "1,2,3", "0", ""):
         with pytest.raises(Failure, match="--steps-per-mm"):
-            plot.plot(tmp_path / "job.csv", out=None, board="plotter_2014", steps_per_mm=text)
+            command.plot(tmp_path / "job.csv", out=None, board="plotter_2014", steps_per_mm=text)
 
 
 def test_lines_in_the_colours_of_their_order(tmp_path):

@@ -3,7 +3,7 @@
 import pytest
 
 import check_pulses
-from host_tools import pulse_shapes
+from host_tools.programs import pulse_shapes
 from lpt import Lpt
 from properties import make_tests
 

@@ -12,7 +12,7 @@ from pathlib import Path
 
 import pytest
 
-from host_tools.build import FIRMWARE
+from host_tools.build.tree import FIRMWARE
 
 pytestmark = pytest.mark.quick
 

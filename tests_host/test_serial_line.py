@@ -10,7 +10,7 @@ import serial
 from patience import patience
 
 from host_tools.failure import Failure
-from host_tools.serial_line import PtyLine, TcpLine, wait
+from host_tools.sim.serial_line import PtyLine, TcpLine, wait
 from running_router import Running
 
 ALL_BYTES = bytes(range(256))
@@ -180,7 +180,7 @@ def test_a_link_that_a_killed_board_has_left_is_replaced(tmp_path):
 
 def test_a_client_that_does_not_read_is_told_of(line, capfd, monkeypatch):
     """What the wire cannot take is kept up to a limit; beyond it the newest stays, and it is said once."""
-    monkeypatch.setattr("host_tools.serial_line.UNSENT_BYTES", 10_000)
+    monkeypatch.setattr("host_tools.sim.serial_line.UNSENT_BYTES", 10_000)
     with connect(line) as client:
         for _ in range(5_000):
             line.write(bytes(10_000))

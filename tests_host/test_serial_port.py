@@ -6,17 +6,17 @@ import sys
 
 import pytest
 
-from host_tools import serial_line
-from host_tools.grbl_client import GrblClient
-from host_tools.keys import Kit
-from host_tools.plotter_client import PlotterClient
-from host_tools.pulses_client import PulsesClient
-from host_tools.serial_port import LinkError, open_exclusively
-from host_tools.torch_client import TorchClient
-from host_tools.wire import open_port
+from host_tools.cli.keys import Kit
+from host_tools.clients.grbl import GrblClient
+from host_tools.clients.plotter import PlotterClient
+from host_tools.clients.pulses import PulsesClient
+from host_tools.clients.serial_port import LinkError, open_exclusively
+from host_tools.clients.torch import TorchClient
+from host_tools.clients.wire import open_port
+from host_tools.sim import serial_line
 
 CLIENTS = [PlotterClient, GrblClient, PulsesClient, TorchClient, lambda port: Kit(open_port(port, 9600))]
-HOLDER = "import sys; from host_tools.serial_port import *; p = open_exclusively(sys.argv[1], 9600, 1); print(1, flush=True); input()"
+HOLDER = "import sys; from host_tools.clients.serial_port import *; p = open_exclusively(sys.argv[1], 9600, 1); print(1, flush=True); input()"
 
 
 @pytest.fixture(params=["pty", "link", "tcp"])

@@ -2,7 +2,8 @@
 
 import pytest
 
-from host_tools import boards, setting_names
+from host_tools import boards
+from host_tools.clients import setting_names
 from passo.control.boardfile import check
 from passo.control.setting_table import make
 

@@ -8,9 +8,10 @@ import svgelements
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from host_tools import boards, drawing, svg_area, svg_geometry
+from host_tools import boards
+from host_tools.drawings import drawing, svg_area, svg_geometry
+from host_tools.drawings.svg_file import SvgFile
 from host_tools.failure import Failure
-from host_tools.svg_file import SvgFile
 
 HEAD = '<svg xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink" width="200" height="100" '
 

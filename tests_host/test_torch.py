@@ -6,7 +6,7 @@ import pytest
 
 import check_torch
 from host_tools import boards
-from host_tools.virtual_machine import VirtualMachine
+from host_tools.sim.machine import VirtualMachine
 from passo.protocols import torch
 from properties import make_tests
 

@@ -5,10 +5,10 @@ import csv
 import pytest
 from typer.testing import CliRunner
 
-from host_tools import torch_client
-from host_tools.cli import app
+from host_tools.cli.main import app
+from host_tools.clients import torch as torch_client
+from host_tools.clients.torch import TorchClient
 from host_tools.failure import Failure
-from host_tools.torch_client import TorchClient
 from passo.protocols import torch
 from passo.protocols.frames import Cutter
 from test_board_command import Board

@@ -5,11 +5,12 @@ import time
 import pytest
 from vcd.reader import TokenKind, tokenize
 
-from host_tools import boards, run
-from host_tools.plant import Plant
-from host_tools.plotter_client import PlotterClient
-from host_tools.trace import BATCH_ROWS, HEADER, Trace
-from host_tools.virtual_machine import VirtualMachine
+from host_tools import boards
+from host_tools.cli import run
+from host_tools.clients.plotter import PlotterClient
+from host_tools.sim.machine import VirtualMachine
+from host_tools.sim.plant import Plant
+from host_tools.sim.trace import BATCH_ROWS, HEADER, Trace
 
 MS = 12_500
 

@@ -2,7 +2,7 @@
 
 import pytest
 
-from host_tools.virtual_machine import VirtualMachine
+from host_tools.sim.machine import VirtualMachine
 
 LOG_2014 = [
     ("72 00 00 00 00 72", b"k"),

@@ -7,7 +7,7 @@ import types
 
 import pytest
 
-from host_tools.build import FIRMWARE
+from host_tools.build.tree import FIRMWARE
 from passo.ports.rp2.fields import (
     PIO_A, PIO_ABORT, PIO_ADDRESSES, PIO_B, PIO_BITS, PIO_BLOCK, PIO_BUSY, PIO_C, PIO_CHANNELS, PIO_COUNTS, PIO_D,
     PIO_FIRST, PIO_MACHINE, PIO_MASK, PIO_PLAYING, PIO_STUCK, PIO_WORDS,

@@ -7,7 +7,7 @@ import random
 import pytest
 
 from host_tools import boards
-from host_tools.virtual_machine import VirtualMachine
+from host_tools.sim.machine import VirtualMachine
 from passo.protocols.plotter_host import COMMANDS, RESYNC_MS, packet, status_from
 
 GAP_MS = boards.load("plotter_2014")["links"][0]["idle_gap_ms"]

@@ -185,7 +185,7 @@ def compare(lines, steps_per_m):
 
 
 def compare_file(file, steps_per_m):
-    from host_tools import gcode_file
+    from host_tools.programs import gcode_file
 
     return compare([(number, line.decode()) for number, line in gcode_file.read(file)], [steps_per_m] * 3)
 

@@ -18,7 +18,7 @@ from math import cos, pi, sin
 from pathlib import Path
 
 from host_tools import boards
-from host_tools.build import compile_module
+from host_tools.build.tree import compile_module
 from host_tools.emulator.cycles import CYCLES_PER_TICK, CYCLES_PER_US
 from host_tools.emulator.load import Load
 from host_tools.emulator.machine import EmulatedMachine, written

@@ -5,7 +5,7 @@
     machine.ask(packet)                     # over UART0 at the board file's baud rate
     machine.plant.position, machine.trace.rows(), machine.plant.errors
 
-It has the methods of `host_tools.virtual_machine.VirtualMachine`, in emulated time. `board` is a name, the path of a
+It has the methods of `host_tools.sim.machine.VirtualMachine`, in emulated time. `board` is a name, the path of a
 board file, or a dict. `files` replaces the firmware ({} is a blank Pico, None the compiled firmware of the board).
 """
 
@@ -14,15 +14,15 @@ from functools import lru_cache
 from pathlib import Path
 
 from host_tools import boards
-from host_tools.build import build_tree
+from host_tools.build.tree import build_tree
 from host_tools.emulator.cycles import CYCLES_PER_TICK
 from host_tools.emulator.filesystem import folder_files
 from host_tools.emulator.homing import HomingWatch
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.emulator.wiring import Wiring
 from host_tools.failure import Failure
-from host_tools.plant import Plant
-from host_tools.trace import Trace
+from host_tools.sim.plant import Plant
+from host_tools.sim.trace import Trace
 from passo.control.boardfile import check
 
 STAND_STILL_MS = 600_000
@@ -63,7 +63,7 @@ class EmulatedMachine:
             self._files.append(self.trace)
         world = self.plant
         if vcd is not None:
-            from host_tools.vcd import VcdTap
+            from host_tools.sim.vcd import VcdTap
 
             world = VcdTap(vcd, self.board, self.plant)
             self._files.append(world)

@@ -1,6 +1,6 @@
 """The virtual port: virtual time, virtual pins, and a player that plays the ring in them.
 
-    port = VirtualPort(board, world)          # world: whatever is wired to the pins, for example host_tools.plant.Plant
+    port = VirtualPort(board, world)          # world: whatever is wired to the pins, for example host_tools.sim.plant.Plant
     app = App(board, port)
     while True:
         app.poll()

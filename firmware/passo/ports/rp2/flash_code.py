@@ -9,7 +9,7 @@
 An interpreter loads an .mpy into RAM: 75 kB of bytecode for a router. It lies in the file as it is loaded, and
 littlefs never moves the blocks of a file that nobody writes. So each function's pointer is turned to the equal bytes of
 its own file. Where the blocks are, littlefs itself tells: while the app starts, files are opened here, through a block
-device that notes which block is read. `host_tools/mpy.py` appends a table of functions to each .mpy and sees to it that
+device that notes which block is read. `host_tools/build/mpy.py` appends a table of functions to each .mpy and sees to it that
 they do not cross a block.
 
 Safe by these rules: every byte is compared first; nothing is redirected into which anything points (running functions,
@@ -18,7 +18,7 @@ or if anything fails, all stays in RAM. Blocks that hold code in use are not era
 file is replaced: littlefs takes them for bad ones and goes on to the next.
 
 Files of 512 bytes and less have no block of their own: their code stays in RAM. So does native code, which runs at half the
-speed from flash, but for the modules in COLD of host_tools/build.py. A module without a table has not been copied to its end, and is refused. RP2040 only.
+speed from flash, but for the modules in COLD of host_tools/build/tree.py. A module without a table has not been copied to its end, and is refused. RP2040 only.
 """
 
 import gc

@@ -315,7 +315,7 @@ def redirect(words: ptr32):
 
 @micropython.viper
 def locate(raw: ptr8, count: int, blocks: ptr32, functions: ptr32):
-    """Where in flash the `count` functions of a file lie. `raw`: its table (host_tools/mpy.py); `blocks`: the addresses
+    """Where in flash the `count` functions of a file lie. `raw`: its table (host_tools/build/mpy.py); `blocks`: the addresses
     of its blocks, then 0. Code that crosses a block has none, nor have native code that is not aligned and what stays."""
     i = 0
     while i < count:

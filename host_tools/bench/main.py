@@ -1,0 +1,290 @@
+"""`python -m host_tools.bench`: the measurements, printed as tables and written to docs/benchmarks.md.
+
+Each part of the document stands between two markers and is replaced when its bench has run. The text around it, with method
+and meaning, is written by hand. `make bench ARGS=lines` runs one part; `motion` and `arcs` take many minutes and run only if
+they are named.
+
+The parts of the emulated Pico are in `pico`, `moving` and `where`; `make bench ARGS=pico` runs all of them.
+Each is measured twice: without a flash cache, and with one whose misses cost FLASH_MISS cycles (or PASSO_FLASH_MISS); the
+figures that differ stand side by side. Without a MicroPython UF2 these parts stay as they were, with a message. `where` needs
+the ELF file of the UF2: `make bench ARGS="where --elf FILE"`, or PASSO_ELF.
+"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+import time
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+from statistics import fmean
+
+from host_tools.build.tree import unix_tree
+from host_tools.emulator import binary
+from host_tools.emulator.binary import Unavailable
+from host_tools.failure import Failure
+from host_tools.resources import ROOT
+
+DOCUMENT = ROOT / "docs" / "benchmarks.md"
+MICROPYTHON = Path(sys.executable).parent / "micropython"
+_TIMEOUT_S = 600
+
+
+def _environment():
+    """Where the firmware and the tests are, for a script under any interpreter."""
+    folders = [str(ROOT / "tests_host"), str(ROOT)]
+    return {
+        **os.environ,
+        "MICROPYPATH": ":".join([str(unix_tree()), *folders]),
+        "PYTHONPATH": ":".join([str(ROOT / "firmware"), *folders, str(ROOT / "host_tools" / "shims")]),
+    }
+
+
+def _command(program, script, *arguments):
+    """A script of tests_host and its arguments, under CPython or MicroPython."""
+    heap = ["-X", "heapsize=64m"] if program == MICROPYTHON else []
+    return [program, *heap, ROOT / "tests_host" / script, *map(str, arguments)]
+
+
+def _interpreters():
+    return {"CPython": sys.executable, **({"MicroPython": MICROPYTHON} if MICROPYTHON.exists() else {})}
+
+
+def lines():
+    """Integer lines against floating-point lines, on the objects of 2014, under two interpreters."""
+    from host_tools.drawings.objects import objects
+
+    corners = "".join(
+        f"{name} {' '.join(f'{x} {y}' for _, x, y in points)}\n" for name, points in objects().items()
+    )
+    results = {name: _run_lines(program, corners) for name, program in _interpreters().items()}
+    header = ["object", "points", "steps"]
+    for name in results:
+        header += [f"{name} float µs", "integer µs", "better", "as driven µs"]
+    rows = []
+    for name in next(iter(results.values())):
+        points, steps = next(iter(results.values()))[name][:2]
+        row = [name, points, steps]
+        for result in results.values():
+            driven_us, integer_us, float_us = result[name][2:]
+            row += [float_us, integer_us, _better(float_us, integer_us), driven_us]
+        rows.append(row)
+    means = ["mean", "", ""]
+    for result in results.values():
+        driven_us, integer_us, float_us = (round(fmean(row[place] for row in result.values())) for place in (2, 3, 4))
+        means += [float_us, integer_us, _better(float_us, integer_us), driven_us]
+    return header, [*rows, means]
+
+
+def _better(float_us, integer_us):
+    return f"{100 * (float_us / integer_us - 1):.1f} %"
+
+
+def _run_lines(program, corners):
+    """{object: [points, steps, as driven µs, integer µs, float µs]} as tests_host/bench_lines.py measures them."""
+    script = ROOT / "tests_host" / "bench_lines.py"
+    done = subprocess.run([program, script], input=corners, env=_environment(), capture_output=True, text=True,
+                          timeout=_TIMEOUT_S)
+    if done.returncode:
+        raise Failure(f"{script.name} under {program}: {done.stderr.strip().splitlines()[-1]}")
+    return {name: [int(number) for number in numbers] for name, *numbers in map(str.split, done.stdout.splitlines())}
+
+
+def fuzz():
+    """A million lines and byte streams on the grbl link; PASSO_FUZZ_LINES is another number."""
+    count = int(os.environ.get("PASSO_FUZZ_LINES", 1_000_000))
+    shares = [("CPython", sys.executable, count * 2 // 5, seed) for seed in (1, 2)]
+    if MICROPYTHON.exists():
+        shares.append(("MicroPython", MICROPYTHON, count - 2 * shares[0][2], 3))
+    with ThreadPoolExecutor(2) as pool:
+        done = list(pool.map(lambda share: _run_fuzz(*share[1:]), shares))
+    rows = [[name, seed, *numbers] for (name, _, _, seed), numbers in zip(shares, done)]
+    rows.append(["all", "", *map(sum, zip(*done))])
+    return ["interpreter", "seed", "lines", "refused", "resets"], rows
+
+
+def _run_fuzz(program, count, seed):
+    """[lines, refused, resets] of tests_host/fuzz_grbl.py."""
+    command = _command(program, "fuzz_grbl.py", count, seed)
+    done = subprocess.run(command, env=_environment(), capture_output=True, text=True)
+    if done.returncode:
+        raise Failure(f"fuzz, seed {seed}: {(done.stderr or done.stdout).strip().splitlines()[-1]}")
+    return [int(number) for number in done.stdout.split()]
+
+
+def motion():
+    """The limits over random programmes, half of them under each interpreter; PASSO_SOAK_PROGRAMMES is how many."""
+    count = int(os.environ.get("PASSO_SOAK_PROGRAMMES", 10_000))
+    rows = []
+    programs = list(_interpreters().items())
+    for place, (name, program) in enumerate(programs):
+        bounds = range(count * place // len(programs), count * (place + 1) // len(programs), 250)
+        chunks = [(program, "soak_motion.py", first, min(first + 250, bounds.stop)) for first in bounds]
+        rows.append([name, *_soak(chunks, 3)])
+    return ["interpreter", "programmes", "blocks", "segments", "change of speed", "steps over", "time", "failed"], rows
+
+
+def arcs():
+    """Every radius to 2000, and random ones to 2²⁰, under two interpreters."""
+    rows = []
+    for name, program in _interpreters().items():
+        chunks = [(program, "soak_circle.py", first, first + 99) for first in range(1, 2001, 100)]
+        rows.append([name, *_soak(chunks, 2)])
+    return ["interpreter", "arcs", "words", "off the circle", "third axis", "CORDIC", "failed"], rows
+
+
+def _soak(chunks, sums):
+    """Run each (program, script, first, last) and combine their last lines: add up the first `sums` figures and the last one,
+    take the worst of the others."""
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        rows = [line.split() for line in pool.map(_run_soak, chunks)]
+    totals = []
+    for place in range(len(rows[0])):
+        column = [row[place] for row in rows]
+        added = place < sums or place == len(rows[0]) - 1
+        totals.append(sum(map(int, column)) if added else max(column, key=float))
+    return totals
+
+
+def _run_soak(chunk):
+    done = subprocess.run(_command(*chunk), env=_environment(), capture_output=True, text=True)
+    if done.stderr or not done.stdout:
+        raise Failure(f"{chunk[1]} under {chunk[0]}: {(done.stderr or 'no answer').strip().splitlines()[-1]}")
+    *failures, totals = done.stdout.splitlines()
+    for failure in failures:
+        print(failure, flush=True)
+    return totals
+
+
+def _on_the_pico(part):
+    """Measure the part without and with the flash cache, in two processes at the same time."""
+
+    def measure():
+        binary.load_emulator()
+        os.environ.setdefault("PASSO_UF2", str(binary.find_uf2()))
+        miss = int(os.environ.get("PASSO_FLASH_MISS") or FLASH_MISS)
+        if part in ONLY_CHARGED:
+            return _apart(part, miss)
+        with ThreadPoolExecutor(2) as pool:
+            found = list(pool.map(lambda cycles: _apart(part, cycles), (0, miss)))
+        return beside(*found)
+
+    return measure
+
+
+def _apart(part, miss):
+    """(header, rows) of a part of the Pico if a miss of the flash cache costs `miss` cycles."""
+    command = [sys.executable, "-m", "host_tools.bench", "--raw", part]
+    done = subprocess.run(command, env=dict(os.environ, PASSO_FLASH_MISS=str(miss)), stdout=subprocess.PIPE, text=True)
+    if done.returncode == UNAVAILABLE:
+        raise Unavailable("see above")
+    if done.returncode:
+        raise Failure(f"{part} ended with {done.returncode}")
+    return json.loads(done.stdout.splitlines()[-1])
+
+
+def _raw(part):
+    from host_tools.bench import moving, pico, where
+
+    header, rows = (pico.PARTS | moving.PARTS | where.PARTS)[part]()
+    print(json.dumps((header, [[str(cell) for cell in row] for row in rows])))
+
+
+def beside(free, charged):
+    """Join two tables: few different columns stand side by side; if there are many, the rows follow each other."""
+    (header, rows), (_, others) = free, charged
+    header = list(header)
+    assert len(rows) == len(others)
+    differ = [place for place in range(len(header)) if any(a[place] != b[place] for a, b in zip(rows, others))]
+    if not differ:
+        return header, rows
+    if len(differ) <= COLUMNS_BESIDE:
+
+        def both(row, other):
+            return [cell for place, pair in enumerate(zip(row, other)) for cell in pair[: 1 + (place in differ)]]
+
+        return both(header, [f"{name}, flash cache" for name in header]), [both(*pair) for pair in zip(rows, others)]
+    first = differ[0]
+    table = []
+    for pair in zip(rows, others):
+        named = [("yes or no", pair[0])] if pair[0] == pair[1] else zip(("no", "yes"), pair)
+        table += [[*row[:first], name, *row[first:]] for name, row in named]
+    return [*header[:first], "flash cache", *header[first:]], table
+
+
+UNAVAILABLE = 3  # exit status
+FLASH_MISS = 50  # cycles, where PASSO_FLASH_MISS does not say it
+COLUMNS_BESIDE = 3
+ONLY_CHARGED = ("where",)  # it tells the waits for flash apart
+PICO_PARTS = ("pulses", "timer", "queries", "status", "stops", "links", "gcode", "where", "boot")
+PARTS = {"lines": lines, "fuzz": fuzz, "motion": motion, "arcs": arcs, **{part: _on_the_pico(part) for part in PICO_PARTS}}
+LONG = ("motion", "arcs")
+
+
+def markdown(header, rows):
+    """A table for the document: text to the left, figures to the right."""
+    text = [f"| {' | '.join(str(cell) for cell in row)} |" for row in [header, ["---", *["---:"] * (len(header) - 1)],
+                                                                        *rows]]
+    return "\n".join(text)
+
+
+def replace(document, part, table):
+    """`document` with the part between `<!-- bench:PART -->` and `<!-- /bench:PART -->` replaced."""
+    pattern = re.compile(rf"(<!-- bench:{part} -->\n).*?(<!-- /bench:{part} -->)", re.DOTALL)
+    if not pattern.search(document):
+        raise Failure(f"{DOCUMENT.name} has no place for the bench {part!r}")
+    return pattern.sub(lambda found: f"{found[1]}{table}\n{found[2]}", document)
+
+
+def show(title, header, rows):
+    from rich.console import Console
+    from rich.table import Column, Table
+
+    table = Table(*[Column(head, justify="right" if place else "left") for place, head in enumerate(header)],
+                  title=title)
+    for row in rows:
+        table.add_row(*(str(cell) for cell in row))
+    Console().print(table)
+
+
+def main(wanted):
+    wanted = list(wanted)
+    if "--elf" in wanted:
+        at = wanted.index("--elf")
+        os.environ["PASSO_ELF"] = "".join(wanted[at + 1 : at + 2])
+        del wanted[at : at + 2]
+    if wanted[:1] == ["--raw"]:
+        return _raw(wanted[1])
+    if "pico" in wanted:
+        wanted[wanted.index("pico") : wanted.index("pico") + 1] = PICO_PARTS
+    unknown = set(wanted) - set(PARTS)
+    if unknown:
+        raise Failure(f"no bench {', '.join(sorted(unknown))}; there are {', '.join(PARTS)}")
+    failed = []
+    for part in wanted or [part for part in PARTS if part not in LONG]:
+        begun = time.monotonic()
+        try:
+            header, rows = PARTS[part]()
+        except Unavailable as reason:
+            print(f"NOT MEASURED: {part}: {reason}", file=sys.stderr)
+            continue
+        except Failure as reason:  # the others are measured all the same
+            print(f"FAILED: {part}: {reason}", file=sys.stderr)
+            failed.append(part)
+            continue
+        show(f"{part} ({time.monotonic() - begun:.0f} s)", header, rows)
+        DOCUMENT.write_text(replace(DOCUMENT.read_text(), part, markdown(header, rows)))
+    print(f"written to {DOCUMENT.relative_to(ROOT)}")
+    if failed:
+        raise Failure(f"failed: {', '.join(failed)}")
+    return None
+
+
+def run():
+    """The command: failures become one line on stderr and an exit status."""
+    try:
+        main(sys.argv[1:])
+    except Failure as failure:
+        print(f"bench: {failure}", file=sys.stderr)
+        sys.exit(UNAVAILABLE if isinstance(failure, Unavailable) else 1)

@@ -1,0 +1,149 @@
+"""Measurements of the emulated Pico while it moves: halts, queries, answers. For `bench`, as those of `pico`."""
+
+import copy
+from functools import lru_cache
+from random import Random
+from statistics import median
+
+from host_tools import boards
+from host_tools.bench.pico import BAUD, COLLECT, rig
+from host_tools.emulator import halting, traffic
+from host_tools.emulator.copies import on_a_copy
+from host_tools.emulator.machine import EmulatedMachine
+from host_tools.emulator.queries import Asking, positions
+
+STOPS, STOP_STEPS, STOP_HZ = 100, (4000, 3110, -2500), 100_000
+IN_HAND, IN_HAND_STEPS, IN_HAND_HZ = 10, (16000, 12440, -10000), 400_000
+RESUMED = 20
+ACCEL_MM_S2 = 20_000
+QUERIES_S = 0.15
+ANSWERS = 100
+SHORT_UM = 866  # on each of three axes: 1.5 mm
+
+
+def _p99(values):
+    return sorted(values)[-(-len(values) * 99 // 100) - 1]
+
+
+# --- halts
+
+
+def stops():
+    """Halting inputs at random moments, and lines taken up again."""
+    rig()
+    rows = [
+        ("first pin", *_row(on_a_copy(lambda: _stops(halting.PLAYER_PIN)))),
+        ("other pins", *_row(on_a_copy(lambda: _stops(halting.INTERRUPT_PIN)))),
+        ("other pins, a word pulled but not yet out", *_row(on_a_copy(_in_hand))),
+    ]
+    resumed = _resumed()
+    rows.append(("taken up again", len(resumed), "", "", "", sum(resumed)))
+    return ("halt by", "trials", "word in hand", "last step after, µs: median", "worst", "exact"), rows
+
+
+def _stops(pin):
+    random = Random(pin)
+    rig().wire().feed(traffic.points(60), BAUD)
+    halting.set_out(rig(), STOP_STEPS, STOP_HZ, 2000, COLLECT)
+    return halting.trials(rig(), pin, [random.uniform(0, 35_000) for _ in range(STOPS)])
+
+
+def _row(found):
+    reactions = [reaction_us for reaction_us, *_ in found]
+    exact = sum(reported == counted and any(counted) for _, reported, counted, _ in found)
+    held = sum(in_hand for *_, in_hand in found)
+    return len(found), held, f"{median(reactions):.1f}", f"{max(reactions):.1f}", exact
+
+
+def _in_hand():
+    """Halt in that moment. It lasts one cycle: search for it, each time from another position on the line."""
+    halting.set_out(rig(), IN_HAND_STEPS, IN_HAND_HZ, 2000)
+    found = []
+    for _ in range(IN_HAND):
+        found.append(halting.in_hand(rig(), halting.INTERRUPT_PIN, [turn * 3 / 125 for turn in range(1000)]))
+        rig().pico.run(1234.5)
+    return [one for one in found if one]
+
+
+def _resumed():
+    random = Random(RESUMED)
+
+    def right(wait_us):
+        *_, position, _ = halting.resume(rig(), halting.INTERRUPT_PIN, STOP_STEPS, STOP_HZ, ACCEL_MM_S2, wait_us)
+        return position == rig().counted() == list(STOP_STEPS)
+
+    waits_us = [random.uniform(0, 35_000) for _ in range(RESUMED)]
+    return [on_a_copy(lambda: right(wait_us)) for wait_us in waits_us]
+
+
+# --- where is it?
+
+
+def queries():
+    """Time that the main loop spends on asking for the position while axes step."""
+    rig()
+    rows = []
+    for axes, hz in ((3, 100_000), (1, 400_000), (3, 400_000)):
+        deltas = tuple(int(hz * QUERIES_S) * (axis < axes) for axis in range(3))
+        found = on_a_copy(lambda: positions(rig(), deltas, hz))
+        took_us = [us for us, _ in found]
+        walked = max(words for _, words in found)
+        rows.append((axes, hz // 1000, len(found), walked, round(median(took_us)), _p99(took_us), max(took_us)))
+    return ("axes", "kHz", "queries", "words walked, at most", "µs, median", "p99", "worst"), rows
+
+
+def status():
+    """From `?` on a link to the first byte of the answer, while three axes step at 100 kHz."""
+    rows = []
+    for link, name in (("pc", "USB"), ("serial", "UART, 115 200 baud")):
+        router(link)
+        for what, lines in (("long lines", long_lines()), ("a stream of lines of 1.5 mm", _short_lines())):
+            took_ms = on_a_copy(lambda: answers(link, lines))
+            times = [f"{ms:.2f}" for ms in (median(took_ms), _p99(took_ms), max(took_ms))]
+            rows.append((name, what, len(took_ms), *times))
+    return ("link", "stepping", "answers", "ms, median", "p99", "worst"), rows
+
+
+@lru_cache
+def router(link):
+    """The router with faster drivers, started; lines come from `link`. No homing, so it is not locked."""
+    board = copy.deepcopy(boards.load("router_3axis"))
+    board["commands"] = link
+    board["drive"]["pulse_us"] = 2
+    del board["homing"]
+    for axis in board["axes"]:
+        axis.update(steps_per_m=400_000, travel_steps=120_000, max_mm_min=15_000, accel_mm_s2=5000)
+    machine = EmulatedMachine(board, trace=None, start=(0, 0, 0)).boot()
+    machine.pico.console.expect(b"Grbl")
+    machine.run_ms(100)
+    asking = Asking(machine, link)
+    asking.stream([b"G1F25981\n"])  # √3 · 15 000: each axis at 100 kHz
+    machine.run_until(lambda: not asking.unanswered, 1000)
+    asking.status()  # as every sender does first; it makes the buffers
+    return machine, asking
+
+
+def long_lines():
+    return [b"X290Y290Z290\n", b"X0Y0Z0\n"] * 10
+
+
+def _short_lines():
+    """Lines that follow each other in a straight path, there and back."""
+    stations = [*range(SHORT_UM, 290_000, SHORT_UM)]
+    return [("X%.3fY%.3fZ%.3f\n" % ((um / 1000,) * 3)).encode() for um in (stations + stations[-2::-1]) * 4]
+
+
+def answers(link, lines, count=ANSWERS):
+    """Milliseconds from `?` to its answer, asked at random moments while `lines` are stepped."""
+    machine, asking = router(link)
+    random = Random(ANSWERS)
+    asking.stream(lines)
+    machine.run_ms(200)
+    took_ms = []
+    while len(took_ms) < count:
+        machine.run_ms(random.uniform(2, 12))
+        took_ms.append(asking.status())
+    return took_ms
+
+
+PARTS = {"queries": queries, "status": status, "stops": stops}

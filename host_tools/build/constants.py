@@ -1,0 +1,229 @@
+"""Writes constants as numbers: after `X = const(5)` or `X = 5` in one module, all modules of a build have 5 instead of X.
+
+    texts = folded({"passo/a.py": "X = const(5)\n", "passo/b.py": "from passo.a import X\nprint(X)\n"})
+    texts["passo/b.py"]          # "pass\nprint(5)\n"
+
+A board keeps every public name it has loaded: its text, an entry in the module's dict, and a share of the table of names,
+which doubles when it is full. MicroPython itself folds a constant only inside its module and if its name begins with an
+underscore. Its machine code can index an array by numbers only, so MicroPython on a PC runs such texts too (`numbered_only`).
+Lines keep their numbers, so a traceback shows the line of the source.
+
+A name is kept if it is more than a constant: bound twice, or in a module that is passed around as an object.
+"""
+
+import ast
+
+from host_tools.build.arguments import numbered
+from host_tools.build.attributes import shortened
+from host_tools.failure import Failure
+
+SMALL = 1 << 30  # a larger number is an object on a board: keep one for all modules
+_ARITHMETIC = (ast.Constant, ast.Name, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Load)
+
+class _Module:
+    def __init__(self, path, text):
+        self.path = path
+        self.name = path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
+        self.text = text
+        try:
+            self.tree = ast.parse(text)
+        except SyntaxError as error:
+            raise Failure(f"{path}:{error.lineno}: {error.msg}") from None
+        self.nodes = list(ast.walk(self.tree))
+        self.bound = {}  # name: how many times
+        methods = {id(node) for owner in self.nodes if isinstance(owner, ast.ClassDef) for node in owner.body}
+        for node in self.nodes:
+            for name in () if id(node) in methods and isinstance(node, ast.FunctionDef) else _bound(node):
+                self.bound[name] = self.bound.get(name, 0) + 1
+        self.constants = {}  # {name: (statement, expression)} of what may be a public constant
+        for node in self.tree.body:
+            for name, expression in _assigned(node):
+                if name.isupper() and not name.startswith("_") and self.bound[name] == 1:
+                    self.constants[name] = node, expression
+        self.numbers = {}  # {name: number}: the constants found, own and imported
+        self.imports = [node for node in self.nodes if isinstance(node, ast.ImportFrom) and not node.level]
+        self.edits = []  # (first line, column, last line, column, new text)
+        self.kept = set()  # names that others read from here at run time
+
+    def aliases(self):
+        """(local name, module, name in it) of all that is imported by name."""
+        return [(alias.asname or alias.name, node.module, alias.name) for node in self.imports for alias in node.names]
+
+
+def _bound(node):
+    """Names that a node binds."""
+    if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load):
+        return [node.id]
+    if isinstance(node, ast.arg):
+        return [node.arg]
+    if isinstance(node, (ast.Import, ast.ImportFrom)):
+        return [(alias.asname or alias.name).split(".")[0] for alias in node.names]
+    if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+        return [node.name]
+    if isinstance(node, (ast.Global, ast.Nonlocal)):
+        return node.names * 2
+    if isinstance(node, ast.ExceptHandler) and node.name:
+        return [node.name]
+    return []
+
+
+def _assigned(node):
+    """(name, expression) of an assignment of constants: `A = const(1)`, `A = 1`, `A, B = 1, 2`."""
+    if not isinstance(node, ast.Assign) or len(node.targets) > 1:
+        return []
+    pairs = [(node.targets[0], node.value)]
+    if isinstance(node.targets[0], ast.Tuple) and isinstance(node.value, ast.Tuple):
+        pairs = list(zip(node.targets[0].elts, node.value.elts))
+    found = []
+    for target, value in pairs:
+        if isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and value.func.id == "const":
+            value = value.args[0]
+        if isinstance(target, ast.Name):
+            found.append((target.id, value))
+    return found
+
+
+def _evaluate(modules):
+    """Fill in `numbers`. A constant may be computed from others, and imported by way of other modules."""
+    found = True
+    while found:
+        found = False
+        for module in modules.values():
+            for name, source, original in module.aliases():
+                number = modules[source].numbers.get(original) if source in modules else None
+                if number is not None and module.bound[name] == 1 and name not in module.numbers:
+                    module.numbers[name] = number
+                    found = True
+            for name in module.constants.keys() - module.numbers.keys():
+                number = _number(module.constants[name][1], module.numbers)
+                if number is not None and abs(number) < SMALL:
+                    module.numbers[name] = number
+                    found = True
+
+
+def _number(expression, numbers):
+    """The value of an expression of integers; None if it is none, or has unknown names."""
+    parts = list(ast.walk(expression))
+    if not all(isinstance(part, _ARITHMETIC) for part in parts):
+        return None
+    if not all(type(part.value) is int for part in parts if isinstance(part, ast.Constant)):
+        return None
+    if not all(part.id in numbers for part in parts if isinstance(part, ast.Name)):
+        return None
+    return eval(compile(ast.Expression(expression), "constant", "eval"), {"__builtins__": {}}, dict(numbers))
+
+
+def _fold(module, modules, keep_imports=False):
+    """Replace names by numbers; note which names are still read from other modules."""
+    known = {}  # local name: the module of the build that it stands for
+    for name, source, original in module.aliases():
+        full = f"{source}.{original}"
+        if full in modules:
+            known.setdefault(name, []).append(modules[full])
+    for node in module.nodes:
+        if isinstance(node, ast.Import):
+            for alias in node.names:
+                if alias.name in modules:
+                    modules[alias.name].kept.add("*")
+    read = {}  # local name: how often it is still read
+    bases = set()
+    for node in module.nodes:
+        if not isinstance(node, ast.Attribute) or not isinstance(node.value, ast.Name) or node.value.id not in known:
+            continue
+        bases.add(node.value)
+        sources = known[node.value.id]
+        number = sources[0].numbers.get(node.attr)
+        if module.bound[node.value.id] == 1 and number is not None and isinstance(node.ctx, ast.Load):
+            _write(module, node, str(number) if number >= 0 else f"({number})")
+            continue
+        read[node.value.id] = read.get(node.value.id, 0) + 1
+        for source in sources:
+            source.kept.add(node.attr)
+    for node in module.nodes:
+        if not isinstance(node, ast.Name) or not isinstance(node.ctx, ast.Load) or node in bases:
+            continue
+        number = module.numbers.get(node.id)
+        if number is not None:
+            _write(module, node, str(number) if number >= 0 else f"({number})")
+            continue
+        read[node.id] = read.get(node.id, 0) + 1
+        for source in known.get(node.id, ()):
+            source.kept.add("*")
+    for node in () if keep_imports else module.imports:
+        if node.module in modules or any(f"{node.module}.{alias.name}" in modules for alias in node.names):
+            _import(module, node, modules, read)
+
+
+def _import(module, node, modules, read):
+    """Import only what is still used: no constants, no modules that gave constants only."""
+    wanted = []
+    for alias in node.names:
+        name = alias.asname or alias.name
+        if name in module.numbers and module.bound[name] == 1:
+            continue
+        if f"{node.module}.{alias.name}" in modules and not read.get(name):
+            continue
+        wanted.append(alias)
+        if node.module in modules:
+            modules[node.module].kept.add(alias.name)
+    if len(wanted) == len(node.names):
+        return
+    names = [alias.name + (f" as {alias.asname}" if alias.asname else "") for alias in wanted]
+    text = f"from {node.module} import {', '.join(names)}" if names else "pass"
+    _write(module, node, text + "\n" * (node.end_lineno - node.lineno))
+
+
+def _write(module, node, text):
+    module.edits.append((node.lineno, node.col_offset, node.end_lineno, node.end_col_offset, text))
+
+
+def _drop(module):
+    """Remove definitions that nobody reads by name."""
+    if "*" in module.kept:
+        return
+    unread = {}  # statement: how many of its names
+    for name, (node, _) in module.constants.items():
+        if name in module.numbers and name not in module.kept:
+            unread[node] = unread.get(node, 0) + 1
+    for node, count in unread.items():
+        if count < max(len(_assigned(node)), 1):
+            continue
+        inside = range(node.lineno, node.end_lineno + 1)
+        module.edits = [edit for edit in module.edits if edit[0] not in inside]
+        _write(module, node, "pass" + "\n" * (node.end_lineno - node.lineno))
+
+
+def _edited(module):
+    lines = [line.encode() for line in module.text.splitlines(keepends=True)]  # columns of `ast` are bytes
+    for first, start, last, end, text in sorted(module.edits, reverse=True):
+        tail = lines[last - 1][end:]
+        lines[first - 1 : last] = [lines[first - 1][:start] + text.encode() + tail] + [b""] * (last - first)
+    return b"".join(lines).decode()
+
+
+def _modules(texts):
+    """The modules of a build by name, with `numbers` filled in. Raises Failure for what is not Python."""
+    modules = {module.name: module for module in (_Module(path, text) for path, text in texts.items())}
+    _evaluate(modules)
+    return modules
+
+
+def numbered_only(texts):
+    """{path: text} with numbers instead of constants; definitions and imports stay, because tests read them."""
+    modules = _modules(texts)
+    for module in modules.values():
+        _fold(module, modules, keep_imports=True)
+    return {module.path: _edited(module) for module in modules.values()}
+
+
+def folded(texts):
+    """{path: text} of the modules of a build, with numbers for constants, and private attributes and arguments under
+    short names.
+
+    Raises Failure for what is not Python."""
+    modules = _modules(texts)
+    for module in modules.values():
+        _fold(module, modules)
+    for module in modules.values():
+        _drop(module)
+    return numbered(shortened({module.path: _edited(module) for module in modules.values()}))

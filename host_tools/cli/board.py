@@ -1,0 +1,162 @@
+"""`passo board`: the firmware on the virtual port, on serial lines that any program can open."""
+
+import signal
+import time
+from pathlib import Path
+from typing import Annotated, List, Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+FLUSH_S = 0.5  # longest time before buffered rows are written
+
+
+def board(
+    board: Annotated[
+        str, typer.Option(help="Board file: a name of boards/, or the path of a .py file.")
+    ] = "plotter_2014",
+    protocol: Annotated[
+        Optional[List[str]], typer.Option(metavar="[LINK=]NAME", help="Another protocol for a link (the first).")
+    ] = None,
+    link: Annotated[
+        Optional[List[str]], typer.Option(metavar="[LINK=]PATH", help="A symlink to the pty of a link (the first).")
+    ] = None,
+    tcp: Annotated[
+        Optional[int], typer.Option(min=0, max=65535, help="Serve a TCP socket, not a pty. 0: any free port.")
+    ] = None,
+    time_: Annotated[str, typer.Option("--time", metavar="real|fast", help="Fast jumps through motion.")] = "real",
+    trace: Annotated[
+        Optional[Path], typer.Option(metavar="FILE.csv", help="Write where the machine is, step by step.")
+    ] = None,
+    idle: Annotated[
+        bool, typer.Option("--idle/--no-idle", help="Keep or leave out the time in which nothing moves.")
+    ] = True,
+    vcd: Annotated[
+        Optional[Path], typer.Option(metavar="FILE.vcd", help="Write the pins, for GTKWave or PulseView.")
+    ] = None,
+    start: Annotated[
+        Optional[str], typer.Option(metavar="X,Y", help="Where the head stands, in steps from the origin (random).")
+    ] = None,
+    bounce_ms: Annotated[int, typer.Option(min=0, max=1000, help="Barriers chatter this long after a change.")] = 0,
+    fault: Annotated[
+        Optional[List[str]], typer.Option(metavar="INPUT=dead|stuck[@MS]", help="A barrier that fails, from MS on.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of all that is random: start and chatter.")] = 0,
+):
+    """Run the firmware on a virtual board, and a machine with it.
+
+    Prints the port to open: `port: PATH` for the first link, `port NAME: PATH` for the others. Ctrl-C or SIGTERM ends it:
+    motors and pen safe, all files written.
+
+    With --no-idle the trace leaves out the time in which nothing moves, so two traces of the same job are equal byte for byte.
+
+    Examples:
+
+        passo board --time fast --trace job.csv
+
+        passo board --link /tmp/plotter --bounce-ms 4 --fault barrier_x=dead
+
+        passo board --board boards/mine.py --tcp 5000 --vcd pins.vcd
+    """
+    from host_tools import boards
+    from passo.control.boardfile import BoardError, check
+
+    if time_ not in ("real", "fast"):
+        raise Failure(f"--time is real or fast, not {time_!r}")
+    config = boards.load(board)
+    try:
+        check(config)
+    except BoardError as error:
+        raise Failure(f"board {board}: {error}") from error
+    options = {
+        "start": _positions(start),
+        "bounce_ms": bounce_ms,
+        "faults": _pairs("--fault", fault, None),
+        "seed": seed,
+        "idle": idle,
+    }
+    names = [entry["name"] for entry in config["links"]]
+    serve(config, time_, _pairs("--protocol", protocol, names), _pairs("--link", link, names), tcp, trace, vcd, options)
+
+
+def serve(config, mode, protocols, links, tcp, trace, vcd, options):
+    """Run the board until SIGTERM or SIGINT; see `board` for the arguments."""
+    from host_tools.sim.machine import Machine
+    from host_tools.sim.serial_line import PtyLine, TcpLine, wait
+    from passo.control.boardfile import BoardError
+
+    stopped = []
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stopped.append(True))
+    lines = {}
+    try:
+        for index, name in enumerate([entry["name"] for entry in config["links"]]):
+            lines[name] = PtyLine(links.get(name)) if tcp is None else TcpLine(tcp and tcp + index)
+        try:
+            machine = Machine(
+                config,
+                lines,
+                mode,
+                lambda milliseconds: wait(lines.values(), milliseconds),
+                protocols,
+                trace,
+                vcd,
+                **options,
+            )
+        except (BoardError, ValueError) as error:
+            raise Failure(str(error)) from error
+        except OSError as error:
+            raise Failure(f"cannot write {error.filename}: {error.strerror}") from error
+        try:
+            for index, line in enumerate(lines.values()):
+                print(f"port: {line.name}" if index == 0 else f"port {list(lines)[index]}: {line.name}", flush=True)
+            _loop(machine, stopped)
+        finally:
+            machine.close()
+        _summary(machine.plant)
+    finally:
+        for line in lines.values():
+            line.close()
+
+
+def _loop(machine, stopped):
+    flush_at = 0
+    while not stopped:
+        machine.turn()
+        now = time.monotonic()
+        if now >= flush_at:
+            machine.flush()
+            flush_at = now + FLUSH_S
+
+
+def _summary(plant):
+    """What the machine could not follow, on stderr."""
+    if plant.error_count:
+        tick, text = plant.errors[0]
+        typer.echo(f"the machine: {plant.error_count} errors; the first at {tick / 12_500:.3f} ms: {text}", err=True)
+
+
+def _pairs(option, texts, names):
+    """{name: value} of `NAME=VALUE` texts. Where `names` are given a text without a name is for the first of them."""
+    pairs = {}
+    for text in texts or ():
+        name, equals, value = text.partition("=")
+        if names is None:
+            if not equals:
+                raise Failure(f"{option} {text}: NAME=VALUE is wanted")
+        elif not equals or name not in names:
+            if equals and "/" not in name:
+                raise Failure(f"{option} {text}: there is no link {name!r}; known are {', '.join(names)}")
+            name, value = names[0], text
+        pairs[name] = value
+    return pairs
+
+
+def _positions(text):
+    if text is None:
+        return None
+    try:
+        return [int(part) for part in text.split(",")]
+    except ValueError:
+        raise Failure(f"--start {text}: whole steps are wanted, one number an axis, for example 300,200") from None

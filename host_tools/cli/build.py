@@ -1,0 +1,40 @@
+"""`passo build`: the firmware of one board, compiled, with its sizes."""
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.build.tree import build_tree, default_out, write_package
+
+
+def print_sizes(title, rows):
+    """A table of (name, bytes, bytes…) rows, with a sum."""
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table("file", title=title)
+    for heading in ("source", "on the board"):
+        table.add_column(heading, justify="right")
+    for row in rows:
+        table.add_row(row[0], *[f"{size:,}" for size in row[1:]])
+    table.add_section()
+    table.add_row("bytes in all", *[f"{sum(column):,}" for column in list(zip(*rows))[1:]])
+    Console().print(table)
+
+
+def build(
+    board: Annotated[str, typer.Option("--board", help="Name of a file of boards/, or the path of a board file.")],
+    out: Annotated[Optional[Path], typer.Option("--out", help="Folder to build in; build/NAME unless given.")] = None,
+    march: Annotated[Optional[str], typer.Option("--march", help="Instruction set, instead of the chip's own.")] = None,
+):
+    """Compile the firmware of one board and show its sizes.
+
+    Example: passo build --board plotter_2014
+
+    Example: passo build --board mine/router.py --out /tmp/router --march armv7emsp
+    """
+    out = out or default_out(board)
+    rows = build_tree(board, out, march)
+    write_package(out)
+    print_sizes(f"{board} in {out}", rows)

@@ -1,0 +1,256 @@
+"""`passo draw`: an SVG file, drawn by the plotter."""
+
+import contextlib
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+EXAMPLES = """Draw an SVG file on the plotter.
+
+Examples:
+
+    passo draw map.svg --port /dev/ttyACM0
+
+    passo draw map.svg --port /dev/ttyACM0 --fit --margin 20
+
+    passo draw map.svg --scale 0.5 --origin 30,40 --dry-run --preview map.png
+
+    passo draw map.svg --port /dev/ttyACM0 --layer 2
+
+    passo draw map.svg --port /dev/ttyACM0 --continue
+
+The page lies with its lower left corner at 0;0, in its real size. It is reduced if it is larger than the table and has
+lines beyond it. To change pens, draw one layer after the other: they fall on each other if the options of size and position
+are the same.
+
+Ctrl-C stops the machine, pen up. --continue with the same options goes on from there, also after the board was unplugged or
+the PC went to sleep.
+"""
+
+
+def draw(
+    file: Path = typer.Argument(..., help="The SVG file."),
+    port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
+    board: str = typer.Option("plotter_2014", help="Board by name, or the path of a board file."),
+    baud: int = typer.Option(57600, help="Bits per second of a serial port."),
+    fit: bool = typer.Option(False, "--fit", help="Enlarge or reduce to fill the table within the margin."),
+    center: bool = typer.Option(False, "--center", help="In the middle of the table."),
+    scale: Optional[float] = typer.Option(None, help="Factor of the real size, e.g. 0.5."),
+    origin: Optional[str] = typer.Option(None, metavar="X,Y", help="Position of the lower left corner, in mm; default 0,0."),
+    place: str = typer.Option("page", help="Position and fit the page, or the outlines: the box around all lines."),
+    margin: float = typer.Option(10.0, help="Margin that --fit keeps free on the table, in mm."),
+    tolerance: float = typer.Option(0.1, min=0.01, max=1.0, help="How finely curves are followed, in mm."),
+    layer: Optional[list[int]] = typer.Option(
+        None, help="Draw this layer only, at its position among all; may be given more than once."
+    ),
+    crop: bool = typer.Option(True, "--crop/--no-crop", help="Leave out what lies outside the SVG's page."),
+    speed: Optional[int] = typer.Option(None, min=1, max=65535, help="Drawing speed, in the board file's unit."),
+    points: int = typer.Option(1000, min=2, max=60000, help="Most points of an object sent before it is drawn."),
+    home: bool = typer.Option(True, "--home/--no-home", help="Seek the origin before drawing."),
+    resume: bool = typer.Option(False, "--continue", help="Continue a drawing that was interrupted."),
+    journal: Optional[Path] = typer.Option(None, help="Where progress is kept; default FILE.svg.journal."),
+    dry_run: bool = typer.Option(False, "--dry-run", help="Say what would be drawn; needs no port."),
+    preview: Optional[Path] = typer.Option(None, metavar="PNG", help="Write a picture of what would be drawn."),
+    log: Optional[Path] = typer.Option(None, help="Save the conversation on the wire to this file."),
+    timeout: float = typer.Option(3.0, min=0.5, help="Seconds an answer may take."),
+):
+    from rich.console import Console
+
+    from host_tools.drawings import drawing
+    from host_tools.programs.journal import Journal
+
+    machine = _plotter(board)
+    options = drawing.Options(
+        margin=margin, fit=fit, center=center, scale=scale, origin=_corner(origin), place=place, tolerance=tolerance,
+        crop=crop, layers=tuple(layer or ()),
+    )  # fmt: skip
+    console = Console()
+    with console.status(f"reading {file}") as status:
+        plan = drawing.load(file, machine, options, lambda text, share: status.update(f"{text} {file}: {share:.0%}"))
+    seconds = _describe(console, plan, options, machine, speed)
+    if preview:
+        _picture(preview, plan, machine, seconds, file)
+    if dry_run:
+        return
+    record = Journal(journal or Journal.beside(file), plan.digest(points), points)
+    if resume:
+        record.resume()
+    else:
+        record.probe()
+        if record.begun():
+            console.print("  [yellow]begun before and not finished: it is drawn anew; --continue would go on[/yellow]")
+    _draw(console, plan, machine, record, port, baud, speed, home, log, timeout)
+
+
+draw.__doc__ = EXAMPLES
+
+
+def _corner(text):
+    if text is None:
+        return None
+    try:
+        x, y = (float(part) for part in text.split(","))
+    except ValueError:
+        raise Failure(f"--origin wants two lengths in mm, as in 30,40, not {text!r}") from None
+    return x, y
+
+
+def _plotter(name):
+    """The checked board file. Raises Failure if none of its links speaks the plotter's language."""
+    from host_tools import boards
+    from passo.control.boardfile import BoardError, check
+
+    try:
+        board = check(boards.load(name))
+    except BoardError as error:
+        raise Failure(f"board {name}: {error}") from error
+    spoken = sorted({link["protocol"] for link in board["links"]})
+    if "plotter" not in spoken:
+        way = "; docs/gcode.md says how a drawing becomes G-code for passo stream" if "grbl" in spoken else ""
+        raise Failure(f"board {name} speaks {', '.join(spoken)}: passo draw speaks to plotters only{way}")
+    return board
+
+
+def _describe(console, plan, options, machine, speed):
+    """Say what would be drawn; returns the seconds that it would take."""
+    from rich.markup import escape
+
+    from host_tools.drawings import drawing
+    from host_tools.programs import estimate
+
+    down, up = plan.lengths_mm()
+    times = estimate.Estimate(machine, speed)
+    total = sum(times.object_s(plan.objects(sys.maxsize)[0]))
+    console.print(f"[bold]{escape(plan.name)}[/bold] at {drawing.percent(plan.scale)} % of its real size")
+    for name, (left, bottom, right, top) in (("page ", plan.page_mm), ("drawn", plan.box_mm)):
+        console.print(f"  {name} {right - left:.1f} × {top - bottom:.1f} mm, corner at {left:.1f}, {bottom:.1f}")
+    if len(plan.layers) > 1:
+        named = ", ".join(f"{number} {name or ''}".rstrip() for number, name in plan.layers.items())
+        chosen = f", drawn: {', '.join(map(str, options.layers))}" if options.layers else ""
+        console.print(f"  layers {escape(named)}{chosen}")
+    console.print(f"  {len(plan.lines)} lines, {plan.points()} points")
+    console.print(f"  pen down {down / 1000:.2f} m, pen up {up / 1000:.2f} m, about {estimate.clock(total)}")
+    for note in plan.notes:
+        console.print(f"  [yellow]{escape(note)}[/yellow]")
+    return total
+
+
+def _picture(path, plan, machine, seconds, file):
+    from host_tools.drawings import drawing, placement, plot
+    from host_tools.programs import estimate
+
+    title = f"{file.name} at {drawing.percent(plan.scale)} %, about {estimate.clock(seconds)}"
+    table = (0.0, 0.0, *placement.table_mm(machine))
+    plot.save(path, plot.strokes_of_lines(plan.lines, plan.steps_per_mm), title, table, plan.page_mm)
+
+
+def _draw(console, plan, machine, record, port, baud, speed, home, log, timeout):
+    from host_tools.cli import ports
+    from host_tools.clients.plotter import Cancelled, PlotterClient
+    from host_tools.clients.wire import LinkError
+    from host_tools.programs.job import Broken, Job
+
+    begun = time.monotonic()
+    with PlotterClient(port or ports.only(), baud, timeout, log) as client:
+        with _cancelled_by_signals(client):
+            job = Job(client, plan.objects(record.most), record, lambda text: console.print(f"[yellow]{text}[/yellow]"))
+            try:
+                with console.status("homing" if home else "preparing"):
+                    _prepare(client, speed, home)
+                with _Progress(console, job, machine, speed) as progress:
+                    job.run(progress)
+            except Broken as broken:
+                raise Failure(f"{broken}, pen up; go on with the same command and --continue ({record.path})") from None
+            except Cancelled:
+                client.stop()
+                raise Failure("stopped before drawing began") from None
+            except LinkError as error:
+                if not job.begun:
+                    raise
+                raise Failure(
+                    f"{error}\n{job.reached()} drawn for certain; when the machine is there again, go on with the same "
+                    f"command and --continue ({record.path})"
+                ) from error
+        record.finish()
+        console.print(
+            f"drawn in {time.monotonic() - begun:.0f} s: {client.packets} packets, {client.resends} sent again"
+        )
+
+
+@contextlib.contextmanager
+def _cancelled_by_signals(client):
+    """Ctrl-C, a closed terminal and the end of the session stop the machine."""
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = [(number, signal.signal(number, lambda *_: client.cancel())) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in before:
+            signal.signal(number, handler)
+
+
+def _prepare(client, speed, home):
+    status = client.request()
+    if status["state"] not in ("idle", "alarm"):
+        raise Failure("the machine is moving; stop it first: passo send STOP")
+    client.stop()  # drops points that a program before left unfinished
+    if home:
+        client.origin()
+    if speed is not None:
+        client.speed(speed)
+
+
+class _Progress:
+    """A bar that fills with the estimated time, and the time left by the pace kept so far."""
+
+    def __init__(self, console, job, machine, speed):
+        from rich.progress import BarColumn, Progress, TextColumn
+
+        from host_tools.programs import estimate
+
+        self._clock = estimate.clock
+        times = estimate.Estimate(machine, speed)
+        self._spans = [times.object_s(points) for points in job.objects]
+        self._totals = [sum(span) for span in self._spans]
+        self._client = job.client
+        self._begun = time.monotonic()
+        self._points = sum(len(points) for points in job.objects)
+        self._counts = [len(points) for points in job.objects]
+        start = (job.journal.object, job.journal.drawn) if job.journal else (0, 0)
+        self._first = self._done(*start)
+        self._bar = Progress(
+            TextColumn("drawing"),
+            BarColumn(),
+            TextColumn("{task.percentage:3.0f} %"),
+            TextColumn("{task.description}"),
+            console=console,
+        )
+        self._task = self._bar.add_task("", total=max(sum(self._totals), 1e-9))
+        self(*start)
+
+    def __enter__(self):
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_):
+        self._bar.stop()
+
+    def __call__(self, number, drawn):
+        done = self._done(number, drawn)
+        left = sum(self._totals) - done
+        gained = done - self._first
+        if gained > 5:
+            left *= (time.monotonic() - self._begun) / gained
+        points = sum(self._counts[:number]) + drawn
+        text = f"{points}/{self._points} points, {self._client.resends} sent again, {self._clock(left)} left"
+        self._bar.update(self._task, completed=done, description=text)
+
+    def _done(self, number, drawn):
+        done = sum(self._totals[:number])
+        return done + sum(self._spans[number][:drawn]) if number < len(self._spans) else done

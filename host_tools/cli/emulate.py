@@ -1,0 +1,173 @@
+"""`passo emulate`: the firmware as it is flashed, on an emulated Pico, with a machine wired to its pins."""
+
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import Annotated, List, Optional
+
+import typer
+
+from host_tools.cli.board import _pairs, _positions, _summary
+from host_tools.failure import Failure
+
+SLICE_US = 2000  # how long the emulated Pico runs before its lines are served again
+LAG_S = 0.1  # if it lags behind the wall clock by more, it does not catch up
+IDLE_MS = 20
+FLUSH_S = 0.5
+UP_LIMIT_MS = 10_000  # emulated; the largest firmware is up after 4 s
+
+
+def emulate(
+    board: Annotated[
+        str, typer.Option(help="Board file of a Pico: a name of boards/, or the path of a .py file.")
+    ] = "plotter_2014",
+    uart0: Annotated[Optional[Path], typer.Option(metavar="PATH", help="A symlink to the pty of UART0.")] = None,
+    uart1: Annotated[Optional[Path], typer.Option(metavar="PATH", help="A symlink to the pty of UART1.")] = None,
+    tcp: Annotated[
+        Optional[int], typer.Option(min=0, max=65535, help="Serve the USB serial port on TCP. 0: any free port.")
+    ] = None,
+    blank: Annotated[bool, typer.Option("--blank", help="A Pico without files, to be flashed over --tcp.")] = False,
+    trace: Annotated[
+        Optional[Path], typer.Option(metavar="FILE.csv", help="Write where the machine is, step by step.")
+    ] = None,
+    vcd: Annotated[
+        Optional[Path], typer.Option(metavar="FILE.vcd", help="Write the pins, for GTKWave or PulseView.")
+    ] = None,
+    start: Annotated[
+        Optional[str], typer.Option(metavar="X,Y", help="Where the head stands, in steps from the origin (random).")
+    ] = None,
+    bounce_ms: Annotated[int, typer.Option(min=0, max=1000, help="Barriers chatter this long after a change.")] = 0,
+    fault: Annotated[
+        Optional[List[str]], typer.Option(metavar="INPUT=dead|stuck[@MS]", help="A barrier that fails, from MS on.")
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Of all that is random: start and chatter.")] = 0,
+):
+    """Run the firmware on an emulated Pico, and a machine with it.
+
+    Prints the ports to open: `usb: URL` for the USB serial port, once it is there, and `port: PATH` for UART0 (the first
+    link), once the firmware listens. With a C compiler (cc) it is about as fast as a Pico; without one a busy Pico is emulated
+    about 25 times slower, and a start takes up to a minute. SIGUSR1 presses the reset button. Ends on SIGTERM or Ctrl-C.
+
+    It runs MicroPython's own UF2 for the Pico: the file that PASSO_UF2 names, the newest in ~/.cache/passo/, or the
+    release that it fetches from micropython.org.
+
+    Examples:
+
+        passo emulate --uart0 /tmp/plotter --trace job.csv
+
+        passo emulate --blank --tcp 5001, then: make flash BOARD=plotter_2014 PORT=socket://localhost:5001
+    """
+    from host_tools import boards
+    from host_tools.emulator.binary import find_uf2, load_emulator
+    from passo.control.boardfile import BoardError
+
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: sys.exit(0))  # nothing runs yet that has to be ended
+    load_emulator()
+    from host_tools.emulator.machine import EmulatedMachine
+
+    uf2 = find_uf2()
+    boards.load(board)
+    options = {
+        "start": _positions(start),
+        "bounce_ms": bounce_ms,
+        "faults": _pairs("--fault", fault, None),
+        "seed": seed,
+    }
+    if not blank:
+        tell(f"building the firmware of {board}")
+    try:
+        machine = EmulatedMachine(board, {} if blank else None, trace, vcd, uf2, **options)
+    except (BoardError, ValueError) as error:
+        raise Failure(f"board {board}: {error}") from error
+    except OSError as error:
+        raise Failure(f"cannot write {error.filename}: {error.strerror}") from error
+    try:
+        serve(machine, {0: uart0, 1: uart1}, tcp, blank)
+    finally:
+        machine.close()
+    _summary(machine.plant)
+
+
+def tell(text):
+    """Tell the user, who waits for a port, what is going on."""
+    print(text, file=sys.stderr, flush=True)
+
+
+def serve(machine, symlinks, tcp, blank=False):
+    """Run until SIGTERM or SIGINT, with a pty for each UART that a link uses and a socket for USB."""
+    from host_tools.sim.serial_line import PtyLine, TcpLine
+
+    stopped = []
+    for number in (signal.SIGTERM, signal.SIGINT):
+        signal.signal(number, lambda *_: stopped.append(True))
+    pressed = []
+    signal.signal(signal.SIGUSR1, lambda *_: pressed.append(True))
+    ptys, usb = {}, None
+    try:
+        for name in machine.uart_links():
+            ptys[name] = PtyLine(symlinks[machine.uart_number(name)])
+        if tcp is not None:
+            usb = TcpLine(tcp)
+        if not ptys and usb is None:
+            raise Failure("all links of this board are on USB: give --tcp to open it")
+        if not blank:
+            tell("the Pico starts: it loads the firmware for some two seconds of its own time, up to a minute of yours")
+        machine.boot(lambda: stopped)
+        if usb is not None and not stopped:
+            print(f"usb: {usb.name}", flush=True)
+        _loop(machine, ptys, usb, stopped, pressed, blank)
+    except TimeoutError as error:
+        raise Failure(f"the Pico does not start: {error}") from error
+    finally:
+        for line in [*ptys.values(), *([usb] if usb else [])]:
+            line.close()
+
+
+def _announce(machine, ptys, blank):
+    """Print the ports of the UARTs once the firmware listens, or has failed to start. True when that is done."""
+    if not blank and not machine.listening():
+        if machine.now_ms() < UP_LIMIT_MS:
+            return False
+        said = machine.pico.console.text.decode("utf-8", "replace").strip()
+        tell(f"the firmware has not come up{': its console says' if said else ''}\n{said}".strip())
+    for index, (name, line) in enumerate(ptys.items()):
+        print(f"port: {line.name}" if index == 0 else f"port {name}: {line.name}", flush=True)
+    return True
+
+
+def _loop(machine, ptys, usb, stopped, pressed, blank):
+    from host_tools.sim.serial_line import wait
+
+    lines = [*ptys.values(), *([usb] if usb else [])]
+    zero = time.monotonic() - machine.now_ms() / 1000  # wall time at emulated time 0
+    flush_at = 0
+    announced = False
+    while not stopped:
+        announced = announced or _announce(machine, ptys, blank)
+        if pressed:
+            pressed.clear()
+            machine.pico.press_reset()
+        for name, line in ptys.items():
+            data = line.read()
+            if data:
+                machine.send(data, name)
+        if usb is not None and machine.pico.usb.up:  # before, a real Pico has no port either
+            machine.pico.usb.write(usb.read())
+        machine.pico.run(SLICE_US)
+        for name, line in ptys.items():
+            if machine.received(name):
+                line.write(machine.take(name))
+        said = machine.pico.console.take() if announced or usb is not None else b""  # before, `_announce` needs it
+        if usb is not None and said:
+            usb.write(said)
+        now = time.monotonic()
+        if now >= flush_at:
+            machine.flush()
+            flush_at = now + FLUSH_S
+        ahead = zero + machine.now_ms() / 1000 - now
+        if ahead > 0:
+            wait(lines, min(IDLE_MS, ahead * 1000))
+        elif ahead < -LAG_S:
+            zero = now - machine.now_ms() / 1000

@@ -1,0 +1,101 @@
+"""`passo flash`: build the firmware of a board and copy it there with mpremote.
+
+Unchanged files are not copied again. The package, main.py and board.py are replaced, modules of an older version in
+/passo are removed; saved settings and other files on the board stay. The board compiles nothing of it (see build/tree.py).
+"""
+
+import os
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.build.tree import build_tree, default_out
+from host_tools.failure import Failure
+from host_tools.resources import HOST_TOOLS
+
+TIDY = HOST_TOOLS / "build" / "tidy_board.py"
+# mpremote gives up on a board that does not answer after some ten seconds, and a whole copy takes about a minute.
+PROBE_TIMEOUT_S = 30
+COPY_TIMEOUT_S = 600
+
+
+def commands(port, out):
+    """The mpremote commands, as argument lists: ask if a board answers; then copy, remove stale modules and reset."""
+    mpremote = [sys.executable, "-m", "mpremote", "connect", port]
+    copy = ["cp", "-r", str(out / "passo"), ":", "+", "cp", str(out / "main.py"), str(out / "board.py"), ":"]
+    return [mpremote + ["exec", "pass"], mpremote + copy + ["+", "run", str(TIDY), "+", "reset"]]
+
+
+def no_answer(port):
+    return Failure(
+        f"no MicroPython board answers on {port}: is it the right port (passo ports), and does no other program use it? "
+        "A running Passo lets go for two seconds after a reset"
+    )
+
+
+def reason_of(output):
+    """The last line of what mpremote printed, without its name."""
+    lines = [line.strip() for line in output.splitlines() if line.strip()]
+    return lines[-1].removeprefix("mpremote: ") if lines else ""
+
+
+def check_port(port):
+    """Raises Failure if there is no such port, before anything is built for it."""
+    if "://" not in port and os.sep in port and not Path(port).exists():
+        raise Failure(f"there is no port {port}: is the board plugged in? (passo ports)")
+
+
+def probe(command, port):
+    """Raises Failure unless a MicroPython board answers."""
+    check_port(port)
+    try:
+        result = subprocess.run(command, capture_output=True, text=True, timeout=PROBE_TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        raise no_answer(port) from None
+    if result.returncode:
+        reason = reason_of(result.stderr or result.stdout)
+        if "failed to access" in reason or "no device" in reason:
+            raise Failure(f"{reason} (passo ports)")
+        raise no_answer(port)
+
+
+def copy(command, port):
+    """Runs the copy with mpremote's own progress; raises Failure if it ended early."""
+    try:
+        result = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=COPY_TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        raise Failure(f"the board on {port} stopped answering while its files were copied: flash it again") from None
+    if result.returncode:
+        raise Failure(f"copying to {port} ended early: {reason_of(result.stderr)}; flash it again")
+
+
+def flash(
+    board: Annotated[str, typer.Option("--board", help="Name of a file of boards/, or the path of a board file.")],
+    port: Annotated[Optional[str], typer.Option("--port", help="Serial port of the board (passo ports).")] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Build, then only print the commands.")] = False,
+):
+    """Build the firmware of one board, copy it there and reset.
+
+    Example: passo flash --board plotter_2014 --port /dev/ttyACM0
+
+    Example: passo flash --board plotter_2014 --dry-run
+    """
+    if port is None and not dry_run:
+        raise Failure("which port? Give --port; passo ports lists those that look like a board")
+    if port is not None and not dry_run:
+        check_port(port)
+    out = default_out(board)
+    rows = build_tree(board, out)
+    print(f"{board}: {len(rows)} files, {sum(row[2] for row in rows):,} bytes in {out} (passo build lists them)")
+    asking, copying = commands(port or "PORT", out)
+    if dry_run:
+        print(shlex.join(asking))
+        print(shlex.join(copying))
+        return
+    probe(asking, port)
+    copy(copying, port)
+    print(f"{board} runs on {port}")

@@ -1,0 +1,188 @@
+"""`passo keys`: the two-motor kit from the terminal, key by key."""
+
+import re
+import sys
+import time
+from contextlib import contextmanager
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+_TOKEN = re.compile(r"([ABab])\s*(\d+)|([C-Jc-j])|(\d+(?:\.\d+)?)\s*(ms|s)\b|(\S+)")
+_LEAVE = ("q", "\x03", "\x04", "\x1b")
+
+
+def keys(
+    send: Annotated[
+        Optional[str], typer.Option(metavar="KEYS", help="Send these keys and end: \"A5 C 2s J\".")
+    ] = None,
+    port: Annotated[
+        Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")
+    ] = None,
+    baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 9600,
+):
+    """Drive the two-motor kit: send keys as they are pressed, and show the state of the motors.
+
+    A n and B n set the speed of motor 1 and 2 (n = 1 … 127, a step every n × 4 ms, then Enter), C and D switch motor 1 and
+    2 on, E and F off, G and H reverse them, I switches both on and J both off. q or Ctrl-C switches both off and leaves.
+    The kit never answers: the state shown is computed from the keys sent.
+
+    With --send, or from a pipe, keys are words, and 2s or 500ms wait; at the end the motors stay as they are.
+
+    Examples:
+
+        passo keys --port /dev/ttyUSB0
+
+        passo keys --send "A1 C"
+
+        passo keys --send "A5 B10 I 2s G 500ms J" --port /tmp/kit
+
+        echo "I 10s J" | passo keys
+    """
+    from host_tools.cli import ports
+    from host_tools.clients.wire import open_port
+
+    items = parse(send) if send is not None else None
+    kit = Kit(open_port(port or ports.only(), baud))
+    try:
+        if items is not None:
+            kit.play(items)
+            print(kit)
+        elif sys.stdin.isatty():
+            _live(kit)
+        else:
+            for line in sys.stdin:
+                kit.play(parse(line.split("#")[0]))
+                print(kit)
+    finally:
+        kit.close()
+
+
+def parse(text):
+    """Convert words to a list of bytes to send and seconds to wait. Raises Failure at the first that is neither."""
+    from passo.protocols.keys import SLOWEST
+
+    items = []
+    for speed, number, key, amount, unit, other in _TOKEN.findall(text):
+        if other:
+            raise Failure(f"{other!r} is no key: A n, B n with n = 1 … {SLOWEST}, C … J, or a wait such as 2s or 500ms")
+        if amount:
+            items.append(float(amount) / (1000 if unit == "ms" else 1))
+        elif key:
+            items.append(key.upper().encode())
+        elif not 1 <= int(number) <= SLOWEST:
+            raise Failure(f"{speed.upper()} {number}: the speed is 1 (fastest) … {SLOWEST}")
+        else:
+            items.append(bytes([ord(speed.upper()), int(number)]))
+    return items
+
+
+class Kit:
+    """A serial port with the kit at its other end, and the state that follows from the keys sent."""
+
+    def __init__(self, serial):
+        self._serial = serial
+        self.on = [False, False]
+        self.speed = [1, 1]
+        self.reverse = [False, False]
+
+    def close(self):
+        self._serial.close()
+
+    def play(self, items):
+        for item in items:
+            if isinstance(item, float):
+                time.sleep(item)
+            else:
+                self.press(item)
+
+    def press(self, data):
+        """Send one task: a byte, or two for a speed."""
+        from host_tools.clients.wire import LinkError
+
+        try:
+            self._serial.write(data)
+            self._serial.flush()
+        except (OSError, ValueError) as error:
+            raise LinkError(f"port {self._serial.port} went away: {error}") from error
+        self._note(data)
+
+    def _note(self, data):
+        from passo.protocols.keys import OFF, ON, REVERSE, SPEED
+
+        key = data[0]
+        if key in SPEED:
+            self.speed[SPEED[key]] = data[1]
+        if key in REVERSE:
+            self.reverse[REVERSE[key]] = not self.reverse[REVERSE[key]]
+        for motor in range(2):
+            if ON.get(key, 0) >> motor & 1:
+                self.on[motor] = True
+            if OFF.get(key, 0) >> motor & 1:
+                self.on[motor] = False
+
+    def __str__(self):
+        from passo.protocols.keys import STEP_MS
+
+        motors = []
+        for motor in range(2):
+            state = "off"
+            if self.on[motor]:
+                way = "anticlockwise" if self.reverse[motor] else "clockwise"
+                state = f"{way}, {1000 / (STEP_MS * self.speed[motor]):.1f} steps/s (speed {self.speed[motor]})"
+            motors.append(f"motor {motor + 1}: {state}")
+        return "   ".join(motors)
+
+
+def _live(kit):
+    print("A n, B n: speed    C D I: on    E F J: off    G H: reverse    q: both off, and leave")
+    with _raw_terminal():
+        while True:
+            print(f"\r\x1b[K{kit}", end="", flush=True)
+            character = sys.stdin.read(1)
+            if not character or character in _LEAVE:
+                kit.press(b"J")
+                print(f"\r\x1b[K{kit}\r")
+                return
+            key = character.upper()
+            if key in "AB":
+                _speed(kit, key)
+            elif key in "CDEFGHIJ":
+                kit.press(key.encode())
+
+
+def _speed(kit, key):
+    """Read the speed's digits up to Enter."""
+    digits = ""
+    while True:
+        print(f"\r\x1b[Kspeed of motor {1 + (key == 'B')}: {digits}", end="", flush=True)
+        character = sys.stdin.read(1)
+        if character.isdigit():
+            digits += character
+        elif character in "\x7f\b":
+            digits = digits[:-1]
+        else:
+            break
+    if character in "\r\n " and digits:
+        try:
+            kit.play(parse(f"{key}{digits}"))
+        except Failure as failure:
+            print(f"\r\x1b[K{failure}\r")
+
+
+@contextmanager
+def _raw_terminal():
+    """The terminal gives each character as it is pressed, Ctrl-C too."""
+    try:
+        import termios
+        import tty
+    except ImportError:
+        raise Failure("keys cannot be read one by one on this system: use --send, or a pipe") from None
+    before = termios.tcgetattr(sys.stdin)
+    tty.setraw(sys.stdin)
+    try:
+        yield
+    finally:
+        termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)

@@ -1,0 +1,95 @@
+"""`passo link`: shows which link of a board commands, and hands the command over."""
+
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+BAUD = {"plotter": 57600, "grbl": 115200, "torch": 115200, "pulses": 115200}
+_ANSWER_S = 3.0
+
+
+def link(
+    number: Annotated[
+        Optional[int], typer.Argument(min=0, max=4, help="The link that may command from now on; 0: the one of --port.")
+    ] = None,
+    protocol: Annotated[str, typer.Option(help="What the link of --port speaks: plotter, grbl, torch or pulses.")] = ...,
+    port: Annotated[
+        Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")
+    ] = None,
+    baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
+):
+    """Hand the command over the machine to another link of the board, or take it.
+
+    Links are numbered from 1 in the order of the board file. Any link may ask, for itself or for another, also for one whose
+    language has no word for it. The machine must stand still. Without a number, a grbl link says who commands.
+
+    Examples:
+
+        passo link 0 --protocol grbl --port /dev/ttyACM0        # this one commands
+
+        passo link 2 --protocol plotter --port /dev/ttyUSB0     # the second link of the board file commands
+
+        passo link --protocol grbl
+    """
+    from host_tools.cli import ports
+
+    if protocol not in BAUD:
+        raise Failure(f"--protocol {protocol}: it has no word for that; ask on a link that speaks {', '.join(BAUD)}")
+    port = port or ports.only()
+    baud = baud or BAUD[protocol]
+    if protocol == "grbl":
+        print(_grbl(port, baud, number))
+    elif number is None:
+        raise Failure(f"{protocol} has no word for who commands; give the number of a link")
+    else:
+        {"plotter": _plotter, "torch": _torch, "pulses": _pulses}[protocol](port, baud, number)
+        print(f"link {number} commands" if number else "this link commands")
+
+
+def _grbl(port, baud, number):
+    from host_tools.clients.grbl import GrblClient
+
+    with GrblClient(port, baud) as client:
+        if number is not None:
+            client.command(f"$LINK={number}")
+        told = [line for line in client.command("$LINK") if line.startswith("[LINK:")]
+    if not told:
+        raise Failure(f"{port} does not say who commands")
+    commander, name = told[0][6:-1].split(",", 1)
+    return f"link {commander}, {name}, commands"
+
+
+def _plotter(port, baud, number):
+    from host_tools.clients.plotter import PlotterClient
+
+    with PlotterClient(port, baud) as client:
+        client.hand_over(number)
+
+
+def _torch(port, baud, number):
+    from host_tools.clients.torch import TorchClient
+    from passo.protocols import torch
+
+    with TorchClient(port, baud) as client:
+        client.order(torch.passo(torch.LINK_OF, number))
+
+
+def _pulses(port, baud, number):
+    from host_tools.clients.wire import LinkError, open_port
+    from passo import error_texts
+    from passo.protocols import pulses
+
+    line = open_port(port, baud)
+    try:
+        line.timeout = _ANSWER_S
+        line.write(pulses.frame("link", number))
+        answer = line.readline().decode("ascii", "replace").strip()
+    finally:
+        line.close()
+    if answer.startswith("error:"):
+        number = int(answer[6:].split()[0])
+        raise Failure(f"refused: error {number}, {error_texts.text(number)}")
+    if answer != "ok":
+        raise LinkError(f"{port}: no answer, or not one of pulses: {answer!r}")

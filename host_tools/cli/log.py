@@ -1,0 +1,113 @@
+"""`passo log`: the errors and alarms of a board since its start, of all links."""
+
+from typing import Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+_ANSWER_S = 0.5
+_QUIET_S = 0.02  # silence that separates the next bytes from the question
+BAUD = {"grbl": 115_200, "torch": 115_200, "pulses": 115_200, "plotter": 57_600}
+
+
+def log(
+    port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
+    baud: Optional[int] = typer.Option(None, help="Bits per second of a serial port."),
+    protocol: Optional[str] = typer.Option(
+        None, help="Language of the link of --port: grbl, torch, pulses or plotter. Default: found by asking."
+    ),
+):
+    """Show the last errors and alarms of all links; grbl also says how many of each there were since the start.
+
+    There is one log for all links: a grbl, torch or pulses link also shows what a link without a word for "no" was refused. A
+    plotter link tells the last error only.
+
+    Example: passo log --port /dev/ttyACM0
+
+    Example: passo log --port /dev/ttyUSB0 --protocol pulses
+    """
+    from host_tools.cli import ports
+
+    if protocol not in (None, *BAUD):
+        raise Failure(f"--protocol {protocol}: it has no word for the log; ask on a link that speaks {', '.join(BAUD)}")
+    port = port or ports.only()
+    baud = baud or BAUD[protocol or "grbl"]
+    protocol = protocol or _spoken(port, baud)
+    for line in {"grbl": _grbl, "torch": _torch, "pulses": _pulses, "plotter": _plotter}[protocol](port, baud):
+        print(line)
+
+
+def _spoken(port, baud):
+    """Find the language of a link by its answer to `?`, which moves nothing in any: grbl answers with its status, pulses with an
+    error; torch does not answer, and logs it."""
+    import time
+
+    from host_tools.clients.wire import open_port
+
+    line = open_port(port, baud)
+    try:
+        line.timeout = _ANSWER_S
+        line.write(b"?")
+        said = line.read(9)
+    finally:
+        line.close()
+    time.sleep(_QUIET_S)
+    if said[:1] == b"<":
+        return "grbl"
+    return "pulses" if b"error:" in said else "torch"
+
+
+def _grbl(port, baud):
+    from host_tools.clients.grbl import GrblClient
+
+    with GrblClient(port, baud) as client:
+        return [text for text in map(shown, client.command("$LOG")) if text]
+
+
+def _torch(port, baud):
+    from host_tools.clients.torch import TorchClient
+
+    with TorchClient(port, baud) as client:
+        entries = client.log()
+    if entries is None:
+        raise Failure(f"{port}: no answer, or a board that keeps no log; is it one of --protocol {', '.join(BAUD)}?")
+    return _told(entries)
+
+
+def _pulses(port, baud):
+    from host_tools.clients.pulses import PulsesClient
+
+    with PulsesClient(port, baud) as client:
+        return _told(client.log())
+
+
+def _plotter(port, baud):
+    from host_tools.clients.plotter import PlotterClient
+    from passo import error_texts
+
+    with PlotterClient(port, baud) as client:
+        number = client.status()["error"]
+    return [f"the last: {number:>3}  {error_texts.text(number)}" if number else "nothing since it was last asked"]
+
+
+def _told(entries):
+    return [entry_text(*entry) for entry in entries] or ["nothing since the start"]
+
+
+def entry_text(ms, number, who):
+    from passo import error_texts
+
+    return f"{ms / 1000:12.3f} s  {who:<10} {number:>3}  {error_texts.text(number)}"
+
+
+def shown(line):
+    """A line of $LOG as people read it; None for any other."""
+    name, _, fields = line.strip("[]").partition(":")
+    if name == "LOG":
+        ms, number, who = fields.split(",", 2)
+        return entry_text(int(ms), int(number), who)
+    if name == "LOGGED":
+        counts = [part.split("x") for part in fields.split(",") if part]
+        return "since the start: " + (", ".join(f"{count} times {number}" for count, number in counts) or "nothing")
+    return None

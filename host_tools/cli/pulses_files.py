@@ -1,0 +1,137 @@
+"""The commands of `passo pulses` that need no board: check, convert, image, example."""
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+BoardName = Annotated[str, typer.Option("--board", help="Board file: a name of boards/, or the path of a .py file.")]
+PulseFile = Annotated[Path, typer.Argument(help="The pulse file.")]
+Out = Annotated[Optional[Path], typer.Option("-o", "--out", help="The file to write.")]
+BOARD = "lpt_router"
+
+
+def _board(name):
+    from host_tools import boards
+    from passo.control.boardfile import BoardError, check
+
+    try:
+        board = check(boards.load(name))
+    except BoardError as error:
+        raise Failure(f"board {name}: {error}") from error
+    if not board["track"]:
+        raise Failure(f"board {name} has no section track")
+    return board, "".join(axis["name"] for axis in board["axes"])[:3]
+
+
+def check(file: PulseFile, board: BoardName = BOARD):
+    """Check a file: errors by line and column, number of commands, box, time. Sends nothing.
+
+    Examples:
+
+        passo pulses check square.txt
+    """
+    from host_tools.programs import pulse_file
+    from host_tools.programs.gcode_file import clock
+
+    config, axes = _board(board)
+    course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["track"], file), config)
+    print(f"commands {course.commands}, {course.steps} of them steps; {clock(course.seconds)} ({course.seconds:.1f} s)")
+    for number, axis in enumerate(config["axes"]):
+        per_mm = axis["steps_per_m"] / 1000
+        low, high, end = (place[number] / per_mm for place in (course.low, course.high, course.place))
+        print(f"{axis['name'].upper()} {low:9.3f} … {high:9.3f} mm, ends at {end:.3f}")
+
+
+def convert(
+    file: Annotated[Path, typer.Argument(help="A pulse file, or G-code (.gcode, .nc, .ngc, .tap).")],
+    out: Out = None,
+    board: BoardName = BOARD,
+):
+    """Convert a pulse file to a picture, or G-code to a pulse file.
+
+    The picture is a .png, .svg or .pdf, dark where the tool is on. Lines and arcs of G-code become the steps that the firmware
+    makes. M3 and M5 switch the tool, G4 waits, M0 asks the operator for the speed, M2 and M30 end it. If the program has no S
+    at all, M3 needs none; otherwise S0 is off.
+
+    Examples:
+
+        passo pulses convert hexagon.txt -o hexagon.png
+
+        passo pulses convert part.gcode -o part.txt
+    """
+    from host_tools.drawings import plot
+    from host_tools.programs import gcode_file, pulse_file
+
+    config, axes = _board(board)
+    if file.suffix.lower() in (".gcode", ".nc", ".ngc", ".tap", ".g"):
+        text = pulse_file.Converter(config).convert(gcode_file.read(file))
+        target = out or file.with_suffix(".txt")
+        try:
+            target.write_text(text, encoding="ascii")
+        except OSError as error:
+            raise Failure(f"cannot write {target}: {error.strerror}") from error
+    else:
+        course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["track"], file), config)
+        target = out or file.with_suffix(".png")
+        plot.save(target, course.strokes, file.stem)
+    print(target)
+
+
+def image(file: PulseFile, board: BoardName = BOARD):
+    """Show the bytes of the parallel port, command by command, in hex.
+
+    Examples:
+
+        passo pulses image square.txt --board boards/mine.py
+    """
+    from host_tools.programs import pulse_file
+    from passo.commands import TRACK_DRIVES, TRACK_TOOL
+    from passo.protocols.pulses_report import port_byte
+
+    config, axes = _board(board)
+    drives = tool = False
+    for item in pulse_file.items(pulse_file.load(file), axes, config["track"], file):
+        kind = 0 if item & 15 else item >> 4 & 15
+        if kind == TRACK_DRIVES:
+            drives = bool(item >> 8)
+        elif kind == TRACK_TOOL:
+            tool = bool(item >> 8) and not config["track"]["dry_run"]
+        elif kind:
+            continue
+        byte = port_byte(item & 255 if item & 15 else 0, tool, drives, config["track"])
+        for _ in range(item >> 8 if item & 15 else 1):
+            print(f"{byte:02X}")
+
+
+def example(
+    shape: Annotated[str, typer.Argument(help="square, triangle, hexagon or octagon.")],
+    out: Out = None,
+    speed: Annotated[int, typer.Option(min=1, help="mm/min.")] = 1000,
+    down: Annotated[float, typer.Option(min=0, help="Lower the tool by so many mm before it cuts.")] = 0.0,
+    board: BoardName = BOARD,
+):
+    """Write an example file: one of the four shapes of LPTControl's document, 10 to 15 cm wide.
+
+    Examples:
+
+        passo pulses example hexagon -o hexagon.txt --speed 800
+    """
+    from host_tools.programs import pulse_shapes
+
+    if shape not in pulse_shapes.SHAPES:
+        raise Failure(f"{shape!r} is no example; known are {', '.join(sorted(pulse_shapes.SHAPES))}")
+    config, _ = _board(board)
+    scale = {axis["steps_per_m"] for axis in config["axes"][:2]}
+    if len(scale) != 1:
+        raise Failure(f"board {board}: X and Y differ in steps/mm, and a diagonal would not be one")
+    per_mm = scale.pop() / 1000
+    z_per_mm = config["axes"][-1]["steps_per_m"] / 1000
+    target = out or Path(f"{shape}.txt")
+    try:
+        target.write_text(pulse_shapes.text(shape, per_mm, speed, round(down * z_per_mm)), encoding="ascii")
+    except OSError as error:
+        raise Failure(f"cannot write {target}: {error.strerror}") from error
+    print(target)

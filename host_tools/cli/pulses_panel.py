@@ -1,0 +1,121 @@
+"""The status line and the keys while a file of pulse codes is played.
+
+    with Panel(client) as panel:
+        client.send_file(data, stream=True, idle=panel.turn)
+        status = panel.follow(playing=True)
+
+This program has the port until the end, so pause, speed and stop come from its own keys.
+"""
+
+import contextlib
+import os
+import select
+import sys
+import time
+
+from host_tools.failure import Failure
+
+_COMMANDS = {"p": "pause", "r": "run", "b": "back"}
+_SHOW_S = 0.25
+
+
+def status_text(status):
+    """A status in one line for people."""
+    parts = [f"{status['state']:<5} command {status['at']} of {status['of']}"]
+    if status["pass"] != "1/1":
+        parts.append(f"pass {status['pass']}")
+    parts.append(f"{'backward' if status['going'] == '-' else 'forward'} at {status['speed']} mm/min")
+    if status["wait"] != "0":
+        parts.append(f"waits {int(status['wait']) / 1000:.1f} s")
+    if status["ask"] == "1":
+        parts.append("WAITS FOR A SPEED")
+    if status["manual"] != "0":
+        parts.append(f"{status['manual']} steps by hand")
+    parts.append(f"place {status['place']}")
+    parts.append(f"tool {'on' if status['tool'] == '1' else 'off'}")
+    return ", ".join(parts) + f", port {status['port']}"
+
+
+class Panel:
+    """Keys are read if standard input is a terminal."""
+
+    def __init__(self, client):
+        self._client = client
+        self._terminal = sys.stdin.isatty()
+        self._stack = contextlib.ExitStack()
+        self._typed = ""  # digits of a speed
+        self._said = ""  # why the last key was refused
+        self._shown = 0.0
+
+    def __enter__(self):
+        if self._terminal:
+            import termios
+            import tty
+
+            before = termios.tcgetattr(sys.stdin)
+            self._stack.callback(termios.tcsetattr, sys.stdin, termios.TCSADRAIN, before)
+            tty.setcbreak(sys.stdin)
+        return self
+
+    def __exit__(self, *_):
+        self._stack.close()
+        if sys.stderr.isatty():
+            print("\r\x1b[K", end="", file=sys.stderr)
+
+    def turn(self):
+        """Handle a key, if one was pressed; redraw the screen now and then. Raises Failure after s, LinkError if the port is
+        lost."""
+        if self._terminal and select.select([sys.stdin], [], [], 0)[0]:
+            self._key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))
+        if sys.stderr.isatty() and time.monotonic() - self._shown > _SHOW_S:
+            self._show(self._client.status())
+
+    def follow(self, playing):
+        """Wait until the machine stands; returns the last status. If it is `playing`, a pause is no end as long as there are keys
+        to end it."""
+        from host_tools.clients.pulses import POLL_S
+
+        while True:
+            status = self._client.status()
+            self._show(status)
+            paused = status["state"] == "hold" and playing and self._terminal
+            if status["state"] != "run" and not paused:
+                return status
+            self.turn()
+            time.sleep(POLL_S)
+
+    def _key(self, key):
+        from host_tools.clients.wire import LinkError
+
+        self._said = ""
+        try:
+            if key in _COMMANDS:
+                self._client.command(_COMMANDS[key])
+            elif key == "s":
+                self._client.command("stop")
+                raise Stopped(f"stopped at {status_text(self._client.status())}")
+            elif key.isdigit():
+                self._typed += key
+            elif key in "\r\n" and self._typed:
+                self._client.command("speed", self._typed)
+                self._typed = ""
+            elif key in "\x7f\b":
+                self._typed = self._typed[:-1]
+        except (LinkError, Stopped):
+            raise
+        except Failure as refused:
+            self._typed, self._said = "", str(refused)
+
+    def _show(self, status):
+        if not sys.stderr.isatty():
+            return
+        self._shown = time.monotonic()
+        text = status_text(status)
+        if self._terminal:
+            keys = "r go on" if status["state"] == "hold" else "p pause"
+            text += f"  ({keys}, b back, s stop, a number and Enter: mm/min) {self._typed}{self._said}"
+        print("\r\x1b[K" + text, end="", file=sys.stderr, flush=True)
+
+
+class Stopped(Failure):
+    """The operator stopped the run."""

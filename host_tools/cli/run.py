@@ -1,0 +1,112 @@
+"""`python -m host_tools.cli.run`: the main job on the virtual board, by packets through a pty, into `out/`.
+
+For each of the five objects of 2014 and the contour map it starts a virtual board, homes it and draws, measures the trace
+against the commanded points, and plots it. Exit status 0 only if every path is exact. Traces leave out the time in which
+nothing is under way, so those of two runs are equal: diff shows it.
+"""
+
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from host_tools import boards
+from host_tools.clients.plotter import PlotterClient
+from host_tools.drawings import contours, drawing, objects, plot
+from host_tools.failure import Failure
+from host_tools.programs.job import Job
+from host_tools.sim.measure import measure, read_trace
+
+BOARD = "plotter_2014"
+POINTS_PER_OBJECT = 1000
+LARGEST_DEVIATION = 0.5  # steps on the minor axis: Bresenham's bound
+_START_S = 20
+
+
+def jobs(out):
+    """{name: list of objects} that are drawn; writes the contour map's SVG to `out`."""
+    found = {name: [points] for name, points in objects.objects().items()}
+    svg = out / "contours.svg"
+    contours.save(svg)
+    found["contours"] = drawing.load(svg, boards.load(BOARD), drawing.Options(center=True)).objects(POINTS_PER_OBJECT)
+    return found
+
+
+def draw(name, job, trace):
+    """Draw one job on a virtual board that writes `trace`. Returns the client, closed, for its counts."""
+    command = [sys.executable, "-m", "host_tools.cli", "board", "--board", BOARD, "--time", "fast"]
+    process = subprocess.Popen([*command, "--trace", str(trace), "--no-idle"], stdout=subprocess.PIPE, text=True)
+    try:
+        with PlotterClient(_port(process)) as client:
+            client.request()
+            client.origin()
+            client.speed(1000)
+            Job(client, job).run()
+    finally:
+        process.send_signal(signal.SIGTERM)
+        try:
+            process.wait(10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            raise Failure(f"{name}: the virtual board did not stop") from None
+        process.stdout.close()
+    if process.returncode:
+        raise Failure(f"{name}: the virtual board ended with status {process.returncode}")
+    return client
+
+
+def _port(process):
+    """The pty that the board prints; Failure if it ends without printing one."""
+    for line in process.stdout:
+        if line.startswith("port: "):
+            return line.split(": ", 1)[1].strip()
+    raise Failure(f"the virtual board did not start (status {process.wait(_START_S)})")
+
+
+def main():
+    from rich.console import Console
+    from rich.table import Table
+
+    out = Path("out")
+    out.mkdir(exist_ok=True)
+    begun = time.monotonic()
+    console = Console()
+    table = Table("drawing", *(_right(head) for head in ("points", "packets", "resends", "steps", "time s", "off line",
+                                                         "path")), title=f"Passo on {BOARD}")
+    scale = boards.steps_per_mm(boards.load(BOARD))
+    faults = []
+    for name, job in jobs(out).items():
+        trace = out / f"{name}.csv"
+        with console.status(f"drawing {name}"):
+            client = draw(name, job, trace)
+            rows = read_trace(trace)
+            points = [point for points in job for point in points]
+            result = measure(rows, points)
+            plot.save(out / f"{name}.png", plot.strokes_of_trace(rows[result.first :], scale), name)
+        if result.deviation > LARGEST_DEVIATION:
+            result.faults.append(f"strays {result.deviation:.3f} steps from its line")
+        faults += [f"{name}: {fault}" for fault in result.faults]
+        table.add_row(
+            name, str(len(points)), str(client.packets), str(client.resends), str(result.steps),
+            f"{result.time_s:.3f}", f"{result.deviation:.3f}", "wrong" if result.faults else "exact",
+        )
+    console.print(table)
+    console.print("off line: largest distance from the ideal line, in steps on the minor axis; at most ½ is exact")
+    console.print(f"pictures and traces in {out}/, {time.monotonic() - begun:.0f} s")
+    if faults:
+        raise Failure(f"{len(faults)} faults; the first: {faults[0]}")
+
+
+def _right(head):
+    from rich.table import Column
+
+    return Column(head, justify="right")
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except Failure as failure:
+        print(f"run: {failure}", file=sys.stderr)
+        sys.exit(1)

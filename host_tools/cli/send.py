@@ -1,0 +1,176 @@
+"""`passo send`: sends packets from a terminal and shows their answers, in the format of the log of 2014."""
+
+import re
+import signal
+import sys
+import time
+from pathlib import Path
+from typing import Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+ARGUMENTS = {"LINE": 2, "MOVE": 2, "SPEED": 1, "LINK": 1}
+_HEX = re.compile(r"[0-9a-fA-F]{2}$")
+
+
+def send(
+    words: Optional[list[str]] = typer.Argument(None, help="Packets by name with their numbers, or bytes in hex."),
+    port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
+    baud: int = typer.Option(57600, help="Bits per second of a serial port."),
+    log: Optional[Path] = typer.Option(None, help="Save the conversation on the wire to this file."),
+    timeout: float = typer.Option(3.0, min=0.1, help="Seconds an answer may take."),
+):
+    """Send packets to the plotter and show what it answers.
+
+    Examples:
+
+        passo send --port /dev/ttyACM0 REQUEST ORIGIN "SPEED 1000"
+
+        passo send "MOVE 644 314" "LINE 644 454" "LINE 884 454" END STATUS
+
+        passo send 6d 02 84 01 3a 2e
+
+        passo send
+
+    Names: REQUEST, LINE x y, MOVE x y, END, ORIGIN, SPEED n, UP, LEFT, DOWN, RIGHT, STOP, STATUS, LINK n. Bytes in
+    hex are sent as they are. Without words, packets are read line by line.
+    """
+    from host_tools.cli import ports
+    from host_tools.clients.plotter import PlotterClient
+
+    items = parse(words or [])
+    with PlotterClient(port or ports.only(), baud, timeout, log) as client:
+        before = signal.signal(signal.SIGINT, lambda *_: client.cancel())
+        try:
+            if words:
+                for item in items:
+                    _send(client, item)
+            else:
+                signal.signal(signal.SIGINT, before)
+                _converse(client)
+        finally:
+            signal.signal(signal.SIGINT, before)
+
+
+def parse(words):
+    """Convert words to [(name, numbers) | bytes]. Raises Failure at the first that is neither."""
+    from passo.protocols import plotter_host as plotter
+
+    tokens = [token for word in words for token in word.split()]
+    items = []
+    while tokens:
+        if _HEX.match(tokens[0]):
+            run = []
+            while tokens and _HEX.match(tokens[0]):
+                run.append(int(tokens.pop(0), 16))
+            items.append(bytes(run))
+            continue
+        name = tokens.pop(0).upper()
+        if name not in plotter.COMMANDS:
+            raise Failure(f"{name!r} is no packet; known are {', '.join(sorted(plotter.COMMANDS))}, or bytes in hex")
+        count = ARGUMENTS.get(name, 0)
+        numbers, tokens = tokens[:count], tokens[count:]
+        if len(numbers) < count or not all(number.isdigit() and int(number) < 65536 for number in numbers):
+            raise Failure(f"{name} wants {count} number{'s' if count > 1 else ''} from 0 to 65535, "
+                          f"not {' '.join(numbers) or 'nothing'}")
+        items.append((name, tuple(int(number) for number in numbers)))
+    return items
+
+
+def _converse(client):
+    """Send packets from the keyboard (or a pipe) until its end; show errors and go on."""
+    tty = sys.stdin.isatty()
+    failed = None
+    while True:
+        try:
+            line = input("> " if tty else "")
+        except (EOFError, KeyboardInterrupt):
+            break
+        try:
+            for item in parse([line.split("#")[0]]):
+                _send(client, item)
+        except Failure as failure:
+            failed = failure
+            print(failure, file=sys.stderr)
+    if failed and not tty:
+        raise Failure("not every packet was carried out")
+
+
+def _send(client, item):
+    """Send one item and print it with its answer."""
+    from host_tools.clients.plotter import Cancelled
+    from host_tools.clients.wire import packet_text
+    from passo.protocols import plotter_host as plotter
+
+    if isinstance(item, bytes):
+        _send_raw(client, item)
+        return
+    name, numbers = item
+    data = plotter.packet(plotter.COMMANDS[name], *numbers)
+    print(f"Sending: {packet_text(data)}", end="", flush=True)
+    resends, begun = client.resends, time.monotonic()
+    try:
+        answer = _ACTIONS[name](client, *numbers)
+    except Cancelled:
+        client.stop()
+        print("    stopped")
+        raise Failure("stopped by Ctrl-C: pen up, object dropped") from None
+    except Failure:
+        print("    Received: nothing")
+        raise
+    took = time.monotonic() - begun
+    again = f"    (sent {client.resends - resends} times more)" if client.resends > resends else ""
+    print(f"    Received: {answer}{again}")
+    if name in ("END", "ORIGIN"):
+        print(f"Time: {took:.3f} s")
+
+
+def _send_raw(client, data):
+    from host_tools.clients.wire import LinkError, answer_text, packet_text
+
+    print(f"Sending: {packet_text(data)}", end="", flush=True)
+    events = client.raw(data)
+    shown = []
+    for kind, value in events:
+        if kind == "answer":
+            shown.append(answer_text(bytes([value])))
+        else:
+            shown.append(_status_text(value) if kind == "status" else f"torn {value.hex(' ')}")
+    print(f"    Received: {', '.join(shown) or 'nothing'}")
+    if not shown:
+        raise LinkError("no answer")
+
+
+def _status_text(status):
+    from passo import error_texts
+
+    error = f", error {status['error']}: {error_texts.text(status['error'])}" if status["error"] else ""
+    return (f"STATUS {status['state']} at {status['x']}, {status['y']}, {status['drawn']} points drawn, "
+            f"room for {status['free']}{error}")
+
+
+def _done(action, answer):
+    def perform(client, *numbers):
+        from host_tools.clients.wire import answer_text
+
+        action(client, *numbers)
+        return answer_text(answer)
+
+    return perform
+
+
+_ACTIONS = {
+    "REQUEST": _done(lambda client: client.hello(), b"k"),
+    "ORIGIN": _done(lambda client: client.origin(), b"o"),
+    "SPEED": _done(lambda client, value: client.speed(value), b"s"),
+    "LINK": _done(lambda client, number: client.hand_over(number), b"t"),
+    "MOVE": _done(lambda client, x, y: client.point(False, x, y), b"n"),
+    "LINE": _done(lambda client, x, y: client.point(True, x, y), b"n"),
+    "END": _done(lambda client: client.end(), b"d"),
+    "STOP": _done(lambda client: client.stop(), b"d"),
+    "STATUS": lambda client: _status_text(client.status()),
+}
+for _name in ("UP", "LEFT", "DOWN", "RIGHT"):
+    _ACTIONS[_name] = _done(lambda client, name=_name: client.jog(name), b"n")

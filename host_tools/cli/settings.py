@@ -1,0 +1,173 @@
+"""`passo settings`: shows a controller's settings, saves them to a file and restores them.
+
+The first line of a back-up is its version. A back-up without one that has Passo's own settings comes from the first firmware;
+its masks ($2 to $6 and $23) said what differs from the board file. A back-up with neither comes from grbl, whose masks mean
+the same as Passo's since version 2.
+"""
+
+import re
+from pathlib import Path
+from typing import Optional
+
+import typer
+
+from host_tools.clients.grbl import Refused
+from host_tools.failure import Failure
+
+VERSION = 2
+_HEADER = "; passo settings, version "
+_OWN = ("$140=", "$141=")  # Passo's, not grbl's
+_KEPT_OFFSETS = ("G54", "G55", "G56", "G57", "G58", "G59")
+
+
+def settings(
+    action: str = typer.Argument("show", help="show, backup or restore."),
+    file: Optional[Path] = typer.Argument(None, help="The file of backup and restore."),
+    port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
+    baud: int = typer.Option(115200, help="Bits per second of a serial port."),
+):
+    """Show a controller's settings with names, units and bounds, save them to a file, or restore them.
+
+    A back-up holds the $ settings, the work offsets and the start-up lines, as they are sent. The output of grbl's $$ can be
+    restored as well; back-ups of older firmware are converted.
+
+    Examples:
+
+        passo settings
+
+        passo settings backup router.txt --port /dev/ttyACM0
+
+        passo settings restore router.txt
+    """
+    from host_tools.cli import ports
+    from host_tools.clients.grbl import GrblClient
+    from host_tools.clients.setting_names import table
+
+    if action not in ("show", "backup", "restore"):
+        raise Failure(f"show, backup or restore, not {action!r}")
+    if action != "show" and file is None:
+        raise Failure(f"passo settings {action} FILE: the file is missing")
+    wanted, version = read(file) if action == "restore" else ([], VERSION)
+    with GrblClient(port or ports.only(), baud) as client:
+        if action == "restore":
+            changed = restore(client, meant(client, wanted, version))
+            print(f"{len(changed)} of {len(wanted)} lines were different and are restored")
+            return
+        lines = backup(client)
+        if action == "backup" and masks(client) is not None:
+            lines.insert(0, f"{_HEADER}{VERSION}")
+    if action == "show":
+        print("\n".join(table(lines)))
+        return
+    try:
+        file.write_text("\n".join(lines) + "\n", encoding="ascii")
+    except OSError as error:
+        raise Failure(f"cannot write {file}: {error.strerror}") from error
+    print(f"{file}: {len(lines)} lines")
+
+
+def backup(client):
+    """All that a controller keeps, as the lines that restore it."""
+    lines = [line for line in client.command("$$") if line.startswith("$")]
+    lines += [line for line in client.command("$N") if line.startswith("$N")]
+    for line in client.command("$#"):
+        name, _, places = line.strip("[]").partition(":")
+        if name in _KEPT_OFFSETS:
+            words = "".join(axis + value for axis, value in zip("XYZA", places.split(",")))
+            lines.append(f"G10L2P{_KEPT_OFFSETS.index(name) + 1}{words}")
+    return lines
+
+
+def masks(client):
+    """{number: board file's value} of the settings that are masks; None if the firmware cannot tell."""
+    try:
+        said = client.command("$MASKS")
+    except Refused:
+        return None
+    for line in said:
+        if line.startswith("[MASKS:"):
+            pairs = [item.split("=") for item in line[7:].rstrip("]").split(",")]
+            return {int(number): int(value) for number, value in pairs}
+    return None
+
+
+def meant(client, wanted, version):
+    """The lines of a back-up, converted for this controller. Raises Failure if it would misread a mask."""
+    board = masks(client)
+    if board is None:
+        if version >= VERSION and any(_mask(line) for line in wanted) and _is_passo(client.command("$$")):
+            raise Failure("the board's firmware is older than this back-up, and reads its masks otherwise: flash it anew first")
+        return wanted
+    if version >= VERSION:
+        return wanted
+    lines = [line for line in wanted if line != "$1=255"]  # the first firmware did not release drivers by it
+    for index, line in enumerate(lines):
+        number, value = _mask(line) or (None, None)
+        if number in board:
+            lines[index] = f"${number}={value ^ board[number]}"
+    return lines
+
+
+def _mask(line):
+    """(number, value) of a line that sets a mask, else None."""
+    match = re.fullmatch(r"\$(2|3|4|5|6|23)=(\d+)", line)
+    return (int(match[1]), int(match[2])) if match else None
+
+
+def _is_passo(lines):
+    return any(line.startswith(_OWN) for line in lines)
+
+
+def read(file):
+    """(lines, version) of a back-up. Raises Failure if the file is none."""
+    try:
+        lines = file.read_text(encoding="ascii").splitlines()
+    except (OSError, UnicodeError) as error:
+        raise Failure(f"cannot read {file}: {error}") from error
+    version = None
+    for number, line in enumerate(lines, 1):
+        if line.startswith(_HEADER) and line[len(_HEADER) :].isdigit():
+            version = int(line[len(_HEADER) :])
+            if version > VERSION:
+                raise Failure(f"{file} is of a later passo: version {version}; this one knows {VERSION}")
+            lines[number - 1] = ""
+        elif line and not line.startswith(("$", "G10L2P")):
+            raise Failure(f"{file}, line {number}: {line!r} is no setting")
+    lines = [line for line in lines if line]
+    if not lines:
+        raise Failure(f"{file} has no settings")
+    return lines, version or (1 if _is_passo(lines) else VERSION)
+
+
+def restore(client, wanted):
+    """Send the lines that differ from the controller's; returns them. Offsets are read in the units of $13. Refused lines are
+    sent again after the others, as long as that helps: a setting may depend on another."""
+    have = set(backup(client))
+    changed = sorted([line for line in wanted if line not in have], key=_order)
+    if any(line.startswith(("G10", "$N")) for line in changed):
+        client.command("$X")
+        inches = "$13=1" in have
+        client.command("G20" if inches else "G21")
+    left = changed
+    while left:
+        refusals = _send(client, left)
+        if len(refusals) == len(left):
+            raise refusals[left[0]]
+        left = list(refusals)
+    return changed
+
+
+def _send(client, lines):
+    """Send lines; returns {line: Refused} of the refused ones."""
+    refusals = {}
+    for line in lines:
+        try:
+            client.command(line)
+        except Refused as refusal:
+            refusals[line] = refusal
+    return refusals
+
+
+def _order(line):
+    """Offsets before the units of the report, which change how they read."""
+    return line.startswith("$13="), line

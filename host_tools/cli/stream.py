@@ -1,0 +1,189 @@
+"""`passo stream`: sends a G-code file to a controller that speaks grbl."""
+
+import bisect
+import contextlib
+import os
+import select
+import sys
+import time
+from pathlib import Path
+from typing import Optional
+
+import typer
+
+from host_tools.clients.grbl import LinkError
+from host_tools.failure import Failure
+from host_tools.programs.gcode_time import Remaining
+
+_STATUS_S = 0.25
+
+
+def stream(
+    file: Path = typer.Argument(..., help="The G-code."),
+    port: Optional[str] = typer.Option(None, help="Serial port, pty or pyserial URL (socket://host:port)."),
+    baud: int = typer.Option(115200, help="Bits per second of a serial port."),
+    flow: str = typer.Option("count", help="count: keep the receive buffer full; ok: one line at a time."),
+    home: bool = typer.Option(False, help="Home the machine first."),
+    unlock: bool = typer.Option(False, help="Leave an alarm without homing first."),
+    log: Optional[Path] = typer.Option(None, help="Save the conversation on the wire to this file."),
+    timeout: float = typer.Option(5.0, min=0.1, help="Seconds an answer may take."),
+):
+    """Send a G-code file and show progress. Stops at the first error and names its line.
+
+    It shows the line that moves the machine: lines get their numbers in the file as N words, unless the file has N words of
+    its own.
+
+    Keys: p pause, r resume (also after M0, M1 and M6), a abort (also Ctrl-C). An abort first comes to a stand on the path.
+
+    Examples:
+
+        passo stream part.gcode --home
+
+        passo stream part.gcode --port /dev/ttyACM0 --flow ok --log wire.log
+    """
+    from host_tools.cli import ports
+    from host_tools.clients.grbl import GrblClient
+    from host_tools.programs import gcode_file, gcode_time
+
+    if flow not in ("count", "ok"):
+        raise Failure(f"--flow is count or ok, not {flow!r}")
+    lines = gcode_file.read(file)
+    with GrblClient(port or ports.only(), baud, timeout, log) as client:
+        client.connect()
+        if home:
+            _home(client)
+        elif unlock:
+            client.command("$X")
+        if client.ask_status()["state"] == "Alarm":
+            raise Failure("the machine is in alarm; give --home or --unlock")
+        limits = gcode_time.Limits.of_settings(client.command("$$"))
+        with Panel(client, lines, gcode_time.estimate(lines, limits)) as panel:
+            for number in client.stream(lines, flow == "count", panel.turn, panel.numbered):
+                panel.done(number)
+            client.wait_idle(panel.turn)
+        print(f"{file}: {len(lines)} lines in {gcode_file.clock(panel.seconds())}")
+
+
+def _home(client):
+    try:
+        client.command("$H", 600)
+    except KeyboardInterrupt:
+        client.reset()
+        raise Aborted("aborted while homing") from None
+
+
+class Aborted(Failure):
+    """The operator ended the job."""
+
+
+class Panel:
+    """The progress bar and the keys. `seconds`: estimated time of each line."""
+
+    def __init__(self, client, lines, seconds=None):
+        self._client = client
+        self._remaining = Remaining(seconds or [1.0] * len(lines))
+        self._bar = None
+        self._numbers = [number for number, _ in lines]
+        self.numbered = not any(b"N" in line.upper() for _, line in lines)  # the machine says where it is
+        self._done = 0
+        self._line = 0
+        self._begun = time.monotonic()
+        self._paused_s = 0.0
+        self._paused_at = None
+        self._asked = 0.0
+        self._keys = contextlib.ExitStack()
+
+    def __enter__(self):
+        if sys.stdin.isatty():
+            import termios
+            import tty
+
+            before = termios.tcgetattr(sys.stdin)
+            self._keys.callback(termios.tcsetattr, sys.stdin, termios.TCSADRAIN, before)
+            tty.setcbreak(sys.stdin)
+        if sys.stderr.isatty():
+            self._bar = self._keys.enter_context(progress_bar())
+        return self
+
+    def __exit__(self, kind, *_):
+        if self._bar:
+            self._show()
+        self._keys.close()
+        if kind is KeyboardInterrupt:
+            self._client.halt()
+            raise Aborted(f"aborted at line {self._line}") from None
+
+    def seconds(self):
+        """How long the job has been moving."""
+        now = time.monotonic() if self._paused_at is None else self._paused_at
+        return now - self._begun - self._paused_s
+
+    def done(self, number):
+        """Line `number` of the file has been answered."""
+        self._done += 1
+        if not self.numbered:
+            self._line = number
+
+    def turn(self):
+        """Keys, and the screen now and then."""
+        if sys.stdin.isatty() and select.select([sys.stdin], [], [], 0)[0]:
+            self.key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))
+        if self.numbered:
+            self._line = max(self._line, int(self._client.status.get("Ln", 0)))
+        now = time.monotonic()
+        self._pause(self._client.status.get("state", "").startswith(("Hold", "Door")), now)
+        if self._asked and self._client.silent():
+            raise LinkError(f"port {self._client.port}: no answer any more, at line {self._line}")
+        if now - self._asked >= _STATUS_S:
+            self._asked = now
+            self._client.real_time(b"?")
+            if self._bar:
+                self._show()
+
+    def _pause(self, paused, now):
+        """Do not count time in a hold, whether by a key, the door, or M0 in the program."""
+        if paused and self._paused_at is None:
+            self._paused_at = now
+        elif not paused and self._paused_at is not None:
+            self._paused_s += now - self._paused_at
+            self._paused_at = None
+
+    def key(self, key):
+        if key == "p":
+            self._client.real_time(b"!")
+        elif key == "r":
+            self._client.real_time(b"~")
+        elif key == "a":
+            self._client.halt()
+            raise Aborted(f"aborted at line {self._line}")
+
+    def _show(self):
+        text = self.text()
+        self._bar.update(self._bar.task_ids[0], completed=self._remaining.share, description=text, refresh=True)
+
+    def text(self):
+        from host_tools.programs.gcode_file import clock
+
+        status = self._client.status
+        done = bisect.bisect_left(self._numbers, self._line) if self.numbered else self._done
+        gone = self.seconds()
+        left = clock(self._remaining.at(done, gone))
+        place = status.get("MPos") or status.get("WPos") or ""
+        keys = "PAUSED: r resumes, a aborts" if self._paused_at is not None else "p pause, a abort"
+        return (
+            f"{self._remaining.share:4.0%} line {self._line}  {status.get('state', '')} {place}  "
+            f"{clock(gone)} gone, {left} left  ({keys})"
+        )
+
+
+def progress_bar(transient=False):
+    """A bar on stderr, with a text beside it; it has one task, from 0 to 1."""
+    from rich.console import Console
+    from rich.progress import BarColumn, Progress, TextColumn
+
+    bar = Progress(
+        BarColumn(bar_width=24), TextColumn("{task.description}", markup=False), console=Console(stderr=True),
+        auto_refresh=False, transient=transient,
+    )  # fmt: skip
+    bar.add_task("", total=1)
+    return bar

@@ -1,0 +1,315 @@
+"""`passo torch`: the welding-torch manipulator from a terminal, in millimetres."""
+
+import sys
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+app = typer.Typer(
+    help="""Drive the torch manipulator: each axis at its own speed to its own target.
+
+    Lengths are millimetres and speeds mm/min, by the steps/mm of the board file; with --steps they are steps and steps/s.
+
+    Examples:
+
+        passo torch connect --port /dev/ttyACM0
+
+        passo torch move 10 -5 --speed 600
+    """,
+    no_args_is_help=True,
+)
+_NUMBERS = {"ignore_unknown_options": True}  # so that -5 is a number
+JOGS = ("x+", "x-", "y+", "y-")
+
+Port = Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")]
+Baud = Annotated[int, typer.Option(help="Bits per second of a serial port.")]
+BoardName = Annotated[str, typer.Option("--board", help="Board file with the steps/mm: a name, or the path of a .py file.")]
+Steps = Annotated[bool, typer.Option("--steps", help="Numbers are steps and steps/s.")]
+Log = Annotated[Optional[Path], typer.Option(help="Save the bytes on the wire to this file.")]
+Wait = Annotated[bool, typer.Option("--wait/--no-wait", help="Show the position until the machine stands.")]
+Speed = Annotated[float, typer.Option(min=0.001, help="Of both axes.")]
+AxisSpeed = Annotated[Optional[float], typer.Option(min=0.001, help="Of this axis alone.")]
+DEFAULT_SPEED = 600.0  # mm/min: the 60 cm/min of the document's measurements
+
+
+class Units:
+    """Converts numbers of the command line to steps."""
+
+    def __init__(self, board, steps):
+        from host_tools import boards
+
+        self.steps = steps
+        self.per_mm = (1.0, 1.0) if steps else boards.steps_per_mm(boards.load(board))
+
+    def count(self, axis, length):
+        return round(length * self.per_mm[axis])
+
+    def speed(self, axis, speed, default):
+        """Whole steps/s, at least 1."""
+        value = default if speed is None else speed
+        return max(round(value if self.steps else value * self.per_mm[axis] / 60), 1)
+
+    def text(self, x, y):
+        if self.steps:
+            return f"X {x} Y {y} steps"
+        return f"X {x / self.per_mm[0]:.3f} Y {y / self.per_mm[1]:.3f} mm"
+
+
+def _client(port, baud, log):
+    from host_tools.cli import ports
+    from host_tools.clients.torch import TorchClient
+
+    return TorchClient(port or ports.only(), baud, log=log)
+
+
+def status_text(units, status):
+    motors = {True: ", motors here", False: ", motors with the other controller", None: ""}[status["ours"]]
+    return f"{status['state']:<5} {units.text(status['x'], status['y'])}{motors}"
+
+
+def _finish(client, units, wait):
+    """Show where it is until it stands; Ctrl-C stops it."""
+    if not wait:
+        return
+    live = sys.stderr.isatty()
+
+    def show(status):
+        if live:
+            print("\r\x1b[K" + status_text(units, status), end="", file=sys.stderr, flush=True)
+
+    try:
+        status = client.wait(show)
+    except KeyboardInterrupt:
+        x, y = client.counts("STOP")
+        raise Failure(f"stopped by Ctrl-C after {units.text(x, y)}") from None
+    finally:
+        if live:
+            print("\r\x1b[K", end="", file=sys.stderr)
+    print(status_text(units, status))
+
+
+def _move(client, units, lengths, speeds, wait):
+    from passo.protocols import torch
+
+    fields = []
+    for axis in range(2):
+        count = units.count(axis, lengths[axis])
+        fields += [abs(count), speeds[axis] if count >= 0 else -speeds[axis]]
+    if max(fields) >= 1 << 29:
+        raise Failure("too far: at most 2²⁹ − 2 steps a move")
+    client.order(torch.move(*fields))
+    _finish(client, units, wait)
+
+
+@app.command(context_settings=_NUMBERS)
+def move(
+    x: Annotated[float, typer.Argument(help="How far, from where the last move ended.")],
+    y: Annotated[float, typer.Argument()],
+    speed: Speed = DEFAULT_SPEED, x_speed: AxisSpeed = None, y_speed: AxisSpeed = None, steps: Steps = False,
+    board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, wait: Wait = True, log: Log = None,
+):  # fmt: skip
+    """Move both axes, each at its own speed to its own target.
+
+    Examples:
+
+        passo torch move 10 0
+
+        passo torch move 20 -7.5 --speed 300 --y-speed 120
+
+        passo torch move 480 830 --steps --x-speed 480 --y-speed 830
+    """
+    units = Units(board, steps)
+    speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
+    with _client(port, baud, log) as client:
+        _move(client, units, (x, y), speeds, wait)
+
+
+@app.command(context_settings=_NUMBERS)
+def goto(
+    x: Annotated[float, typer.Argument(help="Target, from the origin.")],
+    y: Annotated[float, typer.Argument()],
+    speed: Speed = DEFAULT_SPEED, x_speed: AxisSpeed = None, y_speed: AxisSpeed = None, steps: Steps = False,
+    board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, wait: Wait = True, log: Log = None,
+):  # fmt: skip
+    """Go to a position, counted from the origin.
+
+    Examples:
+
+        passo torch goto 0 0
+    """
+    units = Units(board, steps)
+    speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
+    with _client(port, baud, log) as client:
+        status = client.status()
+        if status is None:
+            raise Failure("this board does not say where it is; use move")
+        at = status["x"], status["y"]
+        lengths = [target - place / per_mm for target, place, per_mm in zip((x, y), at, units.per_mm)]
+        _move(client, units, lengths, speeds, wait)
+
+
+@app.command()
+def jog(
+    direction: Annotated[str, typer.Argument(help="x+, x-, y+ or y-.")],
+    times: Annotated[int, typer.Option(min=1, max=1000, help="Number of jogs, as one motion.")] = 1,
+    steps: Steps = False,
+    board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, wait: Wait = True, log: Log = None,
+):  # fmt: skip
+    """Move one axis by the configured jog; several jogs run without a gap.
+
+    Examples:
+
+        passo torch jog x+
+
+        passo torch jog y- --times 10
+    """
+    from passo.protocols import torch
+
+    if direction.lower() not in JOGS:
+        raise Failure(f"jog {', '.join(JOGS[:3])} or {JOGS[3]}, not {direction!r}")
+    units = Units(board, steps)
+    with _client(port, baud, log) as client:
+        client.jog(direction.upper(), times)
+        _finish(client, units, wait)
+
+
+@app.command()
+def info(
+    watch: Annotated[bool, typer.Option("--watch", help="Go on until Ctrl-C.")] = False, steps: Steps = False,
+    board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, log: Log = None,
+):  # fmt: skip
+    """Show position, state, and the way since the last move or jog.
+
+    Examples:
+
+        passo torch info
+
+        passo torch info --watch --steps
+    """
+    import time
+
+    from passo import error_texts
+
+    units = Units(board, steps)
+    with _client(port, baud, log) as client:
+        try:
+            while True:
+                made = client.counts()
+                status = client.status()
+                text = f"made {units.text(*made)}"
+                if status:
+                    text = f"{status_text(units, status)}; {text}; {status['dropped']} dropped"
+                    if status["error"]:
+                        text += f"; error {status['error']}, {error_texts.text(status['error'])}"
+                print(text, flush=True)
+                if not watch:
+                    return
+                time.sleep(0.2)
+        except KeyboardInterrupt:
+            return
+
+
+@app.command()
+def halt(
+    steps: Steps = False, board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, log: Log = None,
+):
+    """Stop at once; show how far the last move or jog came.
+
+    Examples:
+
+        passo torch halt
+    """
+    units = Units(board, steps)
+    with _client(port, baud, log) as client:
+        print(f"stopped after {units.text(*client.counts('STOP'))}")
+
+
+@app.command()
+def origin(port: Port = None, baud: Baud = 115200, log: Log = None):
+    """Set the origin to the present position.
+
+    Examples:
+
+        passo torch origin
+    """
+    _plain("ORIGIN", port, baud, log)
+    print("the origin is here")
+
+
+@app.command()
+def config(
+    x_jog: Annotated[float, typer.Argument(min=0, help="Length of a jog of X.")],
+    y_jog: Annotated[float, typer.Argument(min=0, help="Length of a jog of Y.")],
+    speed: Speed = DEFAULT_SPEED, x_speed: AxisSpeed = None, y_speed: AxisSpeed = None, steps: Steps = False,
+    board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, log: Log = None,
+):  # fmt: skip
+    """Set length and speed of a jog, until the board is switched off.
+
+    Examples:
+
+        passo torch config 1 1 --speed 600
+
+        passo torch config 48 83 --steps --x-speed 480 --y-speed 830
+    """
+    from passo.protocols import torch
+
+    units = Units(board, steps)
+    jogs = units.count(0, x_jog), units.count(1, y_jog)
+    speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
+    with _client(port, baud, log) as client:
+        client.order(torch.configure(*jogs, *speeds))
+    print(f"jogs of {jogs[0]} and {jogs[1]} steps at {speeds[0]} and {speeds[1]} steps/s")
+
+
+@app.command()
+def connect(port: Port = None, baud: Baud = 115200, log: Log = None):
+    """Take the motors from the original controller.
+
+    Examples:
+
+        passo torch connect
+    """
+    _plain("CONNECT", port, baud, log)
+    print("the motors are this board's")
+
+
+@app.command()
+def disconnect(port: Port = None, baud: Baud = 115200, log: Log = None):
+    """Give the motors back to the original controller.
+
+    Examples:
+
+        passo torch disconnect
+    """
+    _plain("DISCONNECT", port, baud, log)
+    print("the motors are the original controller's")
+
+
+@app.command()
+def unlock(port: Port = None, baud: Baud = 115200, log: Log = None):
+    """Leave an alarm. Remove its cause first; the position may be wrong afterwards.
+
+    Examples:
+
+        passo torch unlock
+    """
+    from passo.protocols import torch
+
+    with _client(port, baud, log) as client:
+        if client.status() is None:
+            raise Failure("this board has no such word")
+        for value in (1, 0):
+            status = client.order(torch.passo(torch.UNLOCK_OF, value))
+        if status["state"] == "alarm":
+            raise Failure("the alarm is still there")
+    print("unlocked")
+
+
+def _plain(name, port, baud, log):
+    from passo.protocols import torch
+
+    with _client(port, baud, log) as client:
+        client.order(torch.frame(name))

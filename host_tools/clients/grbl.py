@@ -1,0 +1,219 @@
+"""A client of the grbl language: lines with either flow control, real-time bytes, status.
+
+    with GrblClient("/dev/ttyACM0") as client:
+        client.command("$X")                        # lines said before its ok; raises Refused
+        client.real_time(b"!")
+        for number in client.stream(lines, count=True): …    # the line of the file that was answered last
+"""
+
+import re
+import time
+
+from host_tools.clients.serial_port import LinkError, open_exclusively
+from host_tools.failure import Failure
+
+RX_BYTES = 128
+_LONGEST_TAGGED = 72  # characters, of 80 with the number
+_HIGHEST = 9_999_999
+_SLICE_S = 0.02
+RESET = b"\x18"
+
+
+class Refused(Failure):
+    """The controller refused a line, or raised an alarm; `number` is the file's line, or None."""
+
+    def __init__(self, text, number=None):
+        super().__init__(text)
+        self.number = number
+
+
+class GrblClient:
+    def __init__(self, port, baud=115200, timeout_s=5.0, log=None):
+        self.port = port
+        self.timeout_s = timeout_s
+        self.status = {}  # fields of the last report; "state" is its first
+        self.alarm = None
+        self.banners = 0
+        self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
+        self._serial = open_exclusively(port, baud, _SLICE_S)
+        self._buffer = b""
+        self._heard = time.monotonic()  # time of the last byte received
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._serial.close()
+        if self._log:
+            self._log.close()
+
+    # --- bytes
+
+    def real_time(self, data):
+        """Send real-time bytes at once."""
+        self._write(data)
+
+    def _write(self, data):
+        self._note(">", data)
+        try:
+            self._serial.write(data)
+        except (OSError, ValueError) as error:
+            raise LinkError(f"port {self.port} went away: {error}") from error
+
+    def lines(self):
+        """Whole lines received; notes status, alarms and banners."""
+        try:
+            self._buffer += self._serial.read(max(1, self._serial.in_waiting))
+        except (OSError, TypeError, ValueError) as error:
+            raise LinkError(f"port {self.port} went away: {error}") from error
+        *whole, self._buffer = self._buffer.split(b"\n")
+        if whole:
+            self._heard = time.monotonic()
+        said = [line.strip().decode("ascii", "replace") for line in whole]
+        for line in said:
+            self._note("<", line.encode())
+            self._notice(line)
+        return [line for line in said if line]
+
+    def silent(self):
+        """True if nothing has come for longer than an answer may take."""
+        return time.monotonic() - self._heard > self.timeout_s
+
+    def _notice(self, line):
+        if line.startswith("<") and line.endswith(">"):
+            self.status = fields_of(line)
+        elif line.startswith("ALARM:"):
+            self.alarm = int(line[6:])
+        elif line.startswith("Grbl "):
+            self.banners += 1
+
+    def _note(self, arrow, data):
+        if self._log:
+            now = time.time()
+            clock = time.strftime("%H:%M:%S", time.localtime(now)) + f".{int(now * 1000) % 1000:03d}"
+            self._log.write(f"{clock} {arrow} {data!r}\n")
+
+    # --- lines
+
+    def connect(self):
+        """Reset the controller and wait for its banner. Raises LinkError if nothing, or something else, answers."""
+        self.reset()
+        return self
+
+    def reset(self):
+        before = self.banners
+        self._write(RESET)
+        deadline = time.monotonic() + self.timeout_s
+        said = []
+        while self.banners == before:
+            said += self.lines()
+            if time.monotonic() > deadline:
+                raise LinkError(f"{self.port}: no grbl answers there" + (f", but {said[0]!r}" if said else ""))
+        deadline = time.monotonic() + 0.2
+        while time.monotonic() < deadline:
+            self.lines()
+        self.alarm = None
+
+    def command(self, line, timeout_s=None):
+        """Send one line; returns the lines before its ok. Raises Refused, also if an alarm comes before the ok, or LinkError
+        after `timeout_s`."""
+        self.alarm = None
+        self._write(line.encode() + b"\n")
+        deadline = time.monotonic() + (timeout_s or self.timeout_s)
+        said = []
+        while time.monotonic() < deadline:
+            for answer in self.lines():
+                if answer == "ok" and self.alarm is None:
+                    return said
+                if answer == "ok" or answer.startswith("error:"):
+                    why = explain(answer) if self.alarm is None else f"alarm {self.alarm}: {alarm_text(self.alarm)}"
+                    raise Refused(f"{line}: {why}")
+                said.append(answer)
+        raise LinkError(f"{self.port}: no answer to {line!r}")
+
+    def ask_status(self):
+        """The fields of a fresh report."""
+        self.status = {}
+        self._write(b"?")
+        deadline = time.monotonic() + self.timeout_s
+        while not self.status:
+            self.lines()
+            if time.monotonic() > deadline:
+                raise LinkError(f"{self.port}: no status report")
+        return self.status
+
+    def stream(self, lines, count=True, idle=None, numbered=False):
+        """Send [(number, bytes)]; yields each number as its line is answered.
+
+        `count`: keep up to 128 bytes under way; otherwise each line waits for the answer to the previous one. Calls `idle()`
+        while waiting. `numbered`: add N words, so that `Ln` of a status report names the line being executed. At the first
+        error holds the machine, drops what is under way and raises Refused.
+        """
+        waiting = [(number, line, tagged(number, line) if numbered else line) for number, line in reversed(lines)]
+        under_way = []
+        self.alarm = None
+        while waiting or under_way:
+            while waiting and self._room(under_way, waiting[-1][-1], count):
+                under_way.append(waiting.pop())
+                self._write(under_way[-1][-1] + b"\n")
+            for answer in self.lines():
+                number, line, _ = under_way[0] if under_way else (None, b"", b"")
+                where = f"line {number}, {line.decode('ascii', 'replace')}" if under_way else "after the last line"
+                if answer.startswith("ALARM:"):
+                    raise Refused(f"{where}: alarm {self.alarm}: {alarm_text(self.alarm)}", number)
+                if answer.startswith("error:") and under_way:
+                    self.halt()
+                    raise Refused(f"{where}: {explain(answer)}", number)
+                if answer.startswith("Grbl "):
+                    raise LinkError(f"{where}: the controller was reset")
+                if answer == "ok" and under_way:
+                    yield under_way.pop(0)[0]
+            if idle:
+                idle()
+
+    def _room(self, under_way, line, count):
+        if not count:
+            return not under_way
+        return sum(len(sent) + 1 for _, _, sent in under_way) + len(line) + 1 <= RX_BYTES
+
+    def halt(self):
+        """Stop on the path and drop everything that is queued; the position is kept."""
+        self._write(b"!")
+        deadline = time.monotonic() + self.timeout_s
+        while time.monotonic() < deadline and self.ask_status()["state"] not in ("Hold:0", "Idle", "Alarm", "Check"):
+            time.sleep(0.05)
+        self.reset()
+
+    def wait_idle(self, idle=None):
+        """Wait until nothing moves."""
+        while self.ask_status()["state"] not in ("Idle", "Check", "Sleep"):
+            if self.alarm is not None or self.status["state"] == "Alarm":
+                raise Refused(f"alarm {self.alarm}: {alarm_text(self.alarm or 0)}")
+            if idle:
+                idle()
+            time.sleep(0.1)
+
+
+def tagged(number, line):
+    """`line` with its number, if there is room and it is no $ line."""
+    return line if line.startswith(b"$") or len(line) > _LONGEST_TAGGED or number > _HIGHEST else b"N%d%s" % (number, line)
+
+
+def fields_of(report):
+    """{"state": …, "MPos": …} of a `<…>` line."""
+    state, *rest = report[1:-1].split("|")
+    return {"state": state, **dict(field.partition(":")[::2] for field in rest)}
+
+
+def explain(answer):
+    """An `error:N` with its meaning."""
+    from passo import error_texts
+
+    number = re.sub(r"\D", "", answer)
+    return f"error {number}, {error_texts.text(int(number))}" if number else answer
+
+
+def alarm_text(number):
+    from passo import error_texts
+
+    return error_texts.text(200 + number)

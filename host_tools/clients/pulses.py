@@ -1,0 +1,149 @@
+"""A client of LPTControl's language: files with flow control, control commands, and unasked messages of the board.
+
+    with PulsesClient("/dev/ttyACM0") as client:
+        client.send_file(data, stream=False)        # commands in it; Failure with line and column
+        client.command("run", 5)
+        client.wait(("end",), show)                 # show(status) as it goes
+"""
+
+import time
+
+from host_tools.clients.wire import LinkError, open_port
+from host_tools.failure import Failure
+from passo import error_texts
+from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame
+from passo.protocols.pulses_report import status_from
+
+POLL_S = 0.1
+TIMEOUT_S = 5.0
+
+
+class PulsesClient:
+    def __init__(self, port, baud=115200, log=None):
+        self.port = port
+        self._serial = open_port(port, baud)
+        self._serial.timeout = 0.01
+        self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
+        self._part = b""
+        self.acks = 0
+        self.said = []  # what came unasked
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._serial.close()
+        if self._log:
+            self._log.close()
+
+    # --- the wire
+
+    def send(self, data):
+        if self._log:
+            self._log.write(f"{time.time():.3f} > {data!r}\n")
+        try:
+            self._serial.write(data)
+        except (OSError, ValueError) as error:
+            raise LinkError(f"port {self.port} went away: {error}") from error
+
+    def lines(self):
+        """The lines received since the last call; waits a little for one."""
+        try:
+            data = self._serial.read(max(1, self._serial.in_waiting))
+        except (OSError, TypeError, ValueError) as error:
+            raise LinkError(f"port {self.port} went away: {error}") from error
+        if data and self._log:
+            self._log.write(f"{time.time():.3f} < {data!r}\n")
+        self.acks += data.count(ACK)
+        *whole, self._part = (self._part + data.replace(ACK, b"")).split(b"\n")
+        return [line.decode("ascii", "replace").strip() for line in whole]
+
+    def _answer(self, wanted, what, timeout_s=TIMEOUT_S, idle=None):
+        """The next line for which `wanted(line)`; raises Failure at an error. Keeps other lines, and errors with a line and column
+        of the file being sent. Calls `idle()` while waiting, which may send commands itself."""
+        deadline = time.monotonic() + timeout_s
+        while time.monotonic() < deadline:
+            if idle:
+                idle()
+            found = None
+            kept, self.said = (self.said, []) if idle else ([], self.said)
+            for line in kept + self.lines():
+                failed = line.startswith(("error:", "alarm:")) and (idle or " line " not in line)
+                if found is None and (failed or wanted(line)):
+                    found = line
+                else:
+                    self.said.append(line)
+            if found is not None:
+                check(found, what)
+                return found
+        raise LinkError(f"no answer on port {self.port} to {what}")
+
+    # --- commands
+
+    def command(self, *words):
+        """Send a control command; raises Failure if it is refused."""
+        self.send(frame(*words))
+        return self._answer(lambda line: line == "ok", " ".join(map(str, words)))
+
+    def status(self):
+        """The fields of the status line, as texts."""
+        self.send(frame("?"))
+        return status_from(self._answer(lambda line: line.startswith("<"), "?"))
+
+    def log(self):
+        """[(ms, number, who)] of the board's event log, oldest first."""
+        self.command("log")
+        lines = [line[4:].split(",", 2) for line in self.said if line.startswith("log:")]
+        self.said = [line for line in self.said if not line.startswith("log:")]
+        return [(int(ms), int(number), who) for ms, number, who in lines]
+
+    def send_file(self, data, stream=False, show=None, idle=None):
+        """Send a file to be stored, or to be played as it comes; returns its number of commands. Calls `show(part)`, 0…1, and
+        `idle()` while waiting, which may send commands."""
+        self.command("stream" if stream else "load", len(data))
+        self.send(b"\n")
+        self.acks = 0
+        sent = 0
+        latest = time.monotonic()
+        while sent < len(data):
+            room = WINDOW + self.acks * CREDIT - sent
+            if room > 0:
+                self.send(data[sent : sent + room])
+                sent += len(data[sent : sent + room])
+                latest = time.monotonic()
+                if show:
+                    show(sent / len(data))
+            if idle:
+                idle()
+            kept, self.said = self.said, []
+            for line in kept + self.lines():
+                check(line, "the file")
+                self.said.append(line)
+            if not stream and time.monotonic() - latest > TIMEOUT_S:
+                raise LinkError(f"port {self.port} takes no more of the file")
+        self.send(frame("end"))  # behind all that is still to be played of a stream
+        limit_s = float("inf") if stream else TIMEOUT_S
+        return int(self._answer(lambda line: line.startswith("ok "), "end", limit_s, idle or (lambda: None)).split()[1])
+
+    def wait(self, words, show=None):
+        """Wait until the board says one of `words`; returns it. Calls `show(status)` every 0.1 s."""
+        asked = 0.0
+        while True:
+            for line in self.said + self.lines():
+                if line in words:
+                    self.said = []
+                    return line
+                check(line, "the run")
+            self.said = []
+            if show and time.monotonic() - asked > POLL_S:
+                show(self.status())
+                asked = time.monotonic()
+
+
+def check(line, what):
+    """Raise Failure if `line` is an error or an alarm."""
+    kind, _, rest = line.partition(":")
+    if kind in ("error", "alarm") and rest:
+        number, _, where = rest.partition(" ")
+        text = error_texts.text(int(number)) if number.isdigit() else rest
+        raise Failure(f"{what}{': ' + where if where else ''}: {kind} {number}: {text}")

@@ -1,0 +1,166 @@
+"""A client of the torch manipulator's frames, and of Passo's own frames if the board knows them.
+
+    with TorchClient("/dev/ttyACM0") as client:
+        client.order(torch.move(480, 480, 830, -830))       # raises Refused with the board's reason
+        client.wait(show)                                   # until it stands; show(status) as it goes
+        client.counts("STOP")                               # (x, y): steps made since the last move or jog
+
+The original language cannot refuse. A Passo board counts what it dropped and tells the reason if asked; any other board tells
+only the steps made.
+"""
+
+import time
+
+from host_tools.clients.wire import LinkError, open_port
+from host_tools.failure import Failure
+from passo import error_texts
+from passo.protocols import torch
+
+POLL_S = 0.1
+_PASSO_S = 0.5  # a board that does not answer a status question by then is not Passo
+_IDLE_GAP_S = 0.02  # silence before a frame, so that it is never taken for the rest of a torn one
+
+
+class Refused(Failure):
+    """The board dropped a frame."""
+
+
+class TorchClient:
+    def __init__(self, port, baud=115200, timeout_s=3.0, log=None):
+        self.port = port
+        self.timeout_s = timeout_s
+        self._serial = open_port(port, baud)
+        self._serial.timeout = 0.01
+        self._cutter = torch.answer_cutter()
+        self._said = []
+        self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
+        self.ours = None  # does the board know the words of Passo? None: not asked yet
+        time.sleep(_IDLE_GAP_S)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._serial.close()
+        if self._log:
+            self._log.close()
+
+    # --- frames
+
+    def send(self, data):
+        self._note(">", data)
+        try:
+            self._serial.write(data)
+        except (OSError, ValueError) as error:
+            raise LinkError(f"port {self.port} went away: {error}") from error
+
+    def _note(self, arrow, data):
+        if self._log:
+            self._log.write(f"{time.time():.3f} {arrow} {data.hex(' ')}\n")
+
+    def _listen(self, name, seconds):
+        """The fields of the next answer of that name, or None."""
+        deadline = time.monotonic() + seconds
+        while True:
+            for at, (told, fields) in enumerate(self._said):
+                if told == name:
+                    del self._said[: at + 1]
+                    return fields
+            try:
+                data = self._serial.read(max(1, self._serial.in_waiting))
+            except (OSError, TypeError, ValueError) as error:
+                raise LinkError(f"port {self.port} went away: {error}") from error
+            if data:
+                self._note("<", data)
+            self._cutter.put(data, int(time.monotonic() * 1000) & 0x1FFFFFFF)
+            while True:
+                found = self._cutter.next()
+                if found is None:
+                    break
+                if found:
+                    self._said.append(torch.answer_from(found))
+            if not self._said and time.monotonic() > deadline:
+                return None
+
+    def _ask(self, data, name, seconds):
+        self._said.clear()
+        self.send(data)
+        return self._listen(name, seconds)
+
+    def counts(self, name="INFO"):
+        """(x, y) in steps since the last move or jog, as INFO or STOP is answered."""
+        fields = self._ask(torch.frame(name), name, self.timeout_s)
+        if fields is None:
+            raise LinkError(f"{self.port}: no answer to {name}; is it the torch's board, and its speed?")
+        return fields["x"], fields["y"]
+
+    def status(self):
+        """{state, error, ours, x, y, dropped} of a Passo board; None of any other."""
+        if self.ours is False:
+            return None
+        fields = self._ask(torch.passo(torch.STATUS_OF), "PASSO", self.timeout_s if self.ours else _PASSO_S)
+        if fields is None and self.ours:
+            raise LinkError(f"{self.port}: no status any more")
+        if fields is None:
+            self.counts()
+        self.ours = fields is not None
+        return fields
+
+    def log(self):
+        """[(ms, number, who)] of the board's event log, oldest first; None if the board has no frame for it."""
+        entries = []
+        while True:
+            fields = self._ask(torch.passo(torch.LOG_OF, len(entries)), "LOG", self.timeout_s if entries else _PASSO_S)
+            if fields is None and entries:
+                raise LinkError(f"{self.port}: the log breaks off")
+            if fields is None:
+                return None
+            if fields["number"]:
+                entries.insert(0, (fields["ms"], fields["number"], fields["who"]))
+            if not fields["older"]:
+                return entries
+
+    # --- commands
+
+    def order(self, data):
+        """Send a frame that has no answer. Raises Refused if a Passo board dropped it."""
+        before = self.status()
+        self.send(data)
+        after = self.status()
+        if before and after["dropped"] != before["dropped"]:
+            raise Refused(f"the board did not do it: error {after['error']}, {error_texts.text(after['error'])}")
+        return after
+
+    def jog(self, direction, times=1):
+        """Make `times` jogs in `direction`, X+ … Y-, as one motion. A Passo board has a frame for that, because it takes only
+        a few repeated jogs in advance (a held button); any other board gets them one by one."""
+        code = torch.CODES["JOG_" + direction]
+        if self.status() is None:
+            self.send(torch.frame("JOG_" + direction) * times)
+            return
+        while times:
+            now = min(times, 255)
+            self.order(torch.passo(code, now))
+            times -= now
+            if times:
+                self.wait()
+
+    def wait(self, show=None):
+        """Wait until the machine stands. Calls `show(status)` each time. Raises Refused in an alarm."""
+        last = None
+        while True:
+            status = self.status() or self._guess(last)
+            last = status
+            if show:
+                show(status)
+            if status["state"] == "alarm":
+                raise Refused(f"alarm {status['error']}, {error_texts.text(status['error'])}")
+            if status["state"] not in ("run", "jog"):
+                return status
+            time.sleep(POLL_S)
+
+    def _guess(self, last):
+        """Wait for a board without a status: it stands when two answers are the same."""
+        x, y = self.counts()
+        still = last is not None and (x, y) == (last["x"], last["y"])
+        return {"state": "idle" if still else "run", "error": 0, "ours": None, "x": x, "y": y, "dropped": 0}

@@ -1,0 +1,118 @@
+"""The PC's end of the plotter's line: cuts bytes into answers, and logs packets and answers.
+
+    wire = Wire("/dev/ttyACM0", 57600, log="wire.log")
+    wire.send(plotter.packet(plotter.COMMANDS["REQUEST"]))
+    kind, value = wire.event(3.0)           # ("answer", 0x6b), ("status", {...}) or (None, None) after 3 s
+
+A STATUS answer is twelve bytes and every other answer one, so a `?` makes the reader wait for eleven more.
+"""
+
+import time
+
+from host_tools.clients.serial_port import LinkError, open_exclusively
+from passo.protocols import plotter_host as plotter
+
+_SLICE_S = 0.05  # how long one read waits: the finest grain of every time-out
+_STATUS_GAP_S = 0.5  # a STATUS answer that stalls this long is torn
+
+NAMES = {code: name for name, code in plotter.COMMANDS.items()}
+
+
+def signed(data):
+    """Bytes as the log of 2014 shows them: [109, 2, -124, 1, 58, 46]."""
+    return "[" + ", ".join(str(byte - 256 if byte > 127 else byte) for byte in data) + "]"
+
+
+def packet_name(data):
+    """The name of a valid packet's command, else None."""
+    if len(data) != plotter.PACKET or sum(data[:-1]) & 255 != data[-1]:
+        return None
+    return NAMES.get(data[0])
+
+
+def packet_text(data):
+    """A packet in one line: name, signed bytes, hex."""
+    text = f"{packet_name(data) or 'BYTES'} {signed(data)}"
+    return f"{text:<35} {data.hex(' ')}"
+
+
+def answer_text(data):
+    """An answer's name and bytes as the log of 2014 shows them."""
+    name = "STATUS" if len(data) > 1 else plotter.ANSWERS.get(data[0], "UNKNOWN")
+    return f"{name} {signed(data)}"
+
+
+def open_port(port, baud):
+    """Open a pyserial port for this program only and discard old input. Raises LinkError."""
+    opened = open_exclusively(port, baud, _SLICE_S)
+    try:
+        opened.reset_input_buffer()
+    except OSError as error:
+        opened.close()
+        raise LinkError(f"port {port} went away: {error}") from error
+    return opened
+
+
+class Wire:
+    """`log` is the path of a file that gets one line a packet or answer, or None."""
+
+    def __init__(self, port, baud=57600, log=None):
+        self.port = port
+        self._serial = open_port(port, baud)
+        self._buffer = bytearray()
+        self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
+
+    def close(self):
+        self._serial.close()
+        if self._log:
+            self._log.close()
+            self._log = None
+
+    def send(self, data):
+        """Write `data` as it is."""
+        self._note(">", data, packet_text(data))
+        try:
+            self._serial.write(data)
+        except (OSError, ValueError) as error:
+            raise self._gone(error) from error
+
+    def event(self, timeout_s):
+        """The next answer: ("answer", byte), ("status", fields), ("torn", bytes) or (None, None) after `timeout_s`."""
+        deadline = time.monotonic() + timeout_s
+        while not self._buffer:
+            self._read()
+            if not self._buffer and time.monotonic() >= deadline:
+                return None, None
+        if self._buffer[0] != plotter.COMMANDS["STATUS"]:
+            return "answer", self._take(1)[0]
+        stalled = time.monotonic() + _STATUS_GAP_S
+        while len(self._buffer) < plotter.STATUS_LENGTH:
+            self._read()
+            if time.monotonic() >= stalled:
+                return "torn", self._take(len(self._buffer))
+        data = self._take(plotter.STATUS_LENGTH)
+        try:
+            return "status", plotter.status_from(data)
+        except (ValueError, IndexError):
+            return "torn", data
+
+    def _take(self, count):
+        data = bytes(self._buffer[:count])
+        del self._buffer[:count]
+        self._note("<", data, f"{answer_text(data):<35} {data.hex(' ')}")
+        return data
+
+    def _read(self):
+        try:
+            self._buffer += self._serial.read(max(1, self._serial.in_waiting))
+        except (OSError, TypeError) as error:
+            raise self._gone(error) from error
+
+    def _gone(self, error):
+        return LinkError(f"port {self.port} went away: {error}")
+
+    def _note(self, arrow, data, text):
+        if self._log:
+            now = time.time()
+            clock = time.strftime("%H:%M:%S", time.localtime(now)) + f".{int(now * 1000) % 1000:03d}"
+            self._log.write(f"{clock} {arrow} {text}\n")

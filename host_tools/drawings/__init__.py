@@ -1,0 +1,1 @@
+"""From SVG files to polylines in steps, and pictures of paths."""

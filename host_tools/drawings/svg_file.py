@@ -1,0 +1,384 @@
+"""Reads the outlines of an SVG file, layer by layer, in px of 1/96 inch, and counts what cannot be drawn.
+
+    file = SvgFile("map.svg")
+    page = file.outlines(deviation_px=0.1)
+    page.layers             # {1: [complex array, ...], ...}: x + iy, y down
+    page.left_out           # {"picture": 2, ...}
+
+It reads shapes, paths, <use> and <symbol>, text as the outlines of its letters, and dashes, cut by clip paths. Fills are not
+hatched. Each top-level group is a layer; its number is the first one in its label or id, or else its index among the groups;
+elements in no group are layer 1. vpype numbers layers in the same way.
+"""
+
+import math
+import re
+from collections import Counter
+from dataclasses import dataclass, field, replace
+from xml.etree import ElementTree
+
+import numpy
+
+from host_tools.drawings import svg_area, svg_geometry, svg_style, svg_text
+from host_tools.drawings.svg_style import local_name
+from host_tools.failure import Failure
+
+_DEFAULT_PX = 1000.0  # of a file that says neither its size nor its viewBox
+_CLIP_PX = 0.02  # a line along the edge of its clip path is inside: 5 µm
+_SHAPES = frozenset("path rect circle ellipse line polyline polygon".split())
+_LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
+_HREF = "{http://www.w3.org/1999/xlink}href"
+_URL = re.compile(r"url\(\s*['\"]?#([^'\")]+)['\"]?\s*\)")
+_DEEPEST = 40  # of <use> in <use>
+
+
+@dataclass
+class Page:
+    size_px: tuple[float, float]
+    layers: dict = field(default_factory=dict)  # number: lines
+    names: dict = field(default_factory=dict)  # number: what its groups are called
+    left_out: Counter = field(default_factory=Counter)
+    unpainted: int = 0  # shapes with neither stroke nor fill
+    lost_mm: float = 0.0  # of lines outside the page
+
+
+@dataclass(frozen=True)
+class _Context:
+    """What an element inherits: style, matrix, clip paths."""
+
+    matrix: tuple
+    style: dict
+    viewport: tuple[float, float]
+    used: tuple = ()  # what <use> has led to
+
+
+class SvgFile:
+    def __init__(self, path):
+        """Raises Failure if the file is not there, or is no SVG."""
+        try:
+            self._root = ElementTree.parse(path).getroot()
+        except FileNotFoundError as error:
+            raise Failure(f"no file {path}") from error
+        except (OSError, ElementTree.ParseError, ValueError, LookupError) as error:
+            raise Failure(f"{path} is not an SVG file that can be read: {error}") from error
+        if local_name(self._root.tag) != "svg":
+            raise Failure(f"{path} is not an SVG file: it begins with <{self._root.tag}>")
+        self._by_id = {}
+        texts = []
+        self._count = 0
+        for element in self._root.iter():
+            self._by_id.setdefault(element.get("id"), element)
+            tag = local_name(element.tag)
+            self._count += tag in _SHAPES or tag == "text"
+            if tag == "style":
+                texts.append("".join(element.itertext()))
+        self._sheet = svg_style.Sheet(texts)
+        self._segments = {}
+        self.size_px = self._size()
+
+    def _size(self):
+        """Width and height of the page; from the viewBox if they are missing or in %."""
+        box = self._view_box(self._root)
+        width = svg_geometry.length(self._root.get("width"), default=None)
+        height = svg_geometry.length(self._root.get("height"), default=None)
+        shape = (box[2], box[3]) if box else (_DEFAULT_PX, _DEFAULT_PX)
+        if width is None and height is None:
+            return shape
+        if width is None:
+            return (height * shape[0] / shape[1] if box else _DEFAULT_PX), height
+        if height is None:
+            return width, (width * shape[1] / shape[0] if box else _DEFAULT_PX)
+        return width, height
+
+    def outlines(self, deviation_px, progress=None):
+        """The page; chords are at most `deviation_px` from their curves. `progress(share)` is called now and then, 0…1."""
+        self._deviation = deviation_px
+        self._progress = progress
+        self._done = 0
+        self._page = Page(self.size_px)
+        if self._sheet.unknown:
+            self._page.left_out["style rule that cannot be read"] += len(self._sheet.unknown)
+        width, height = self.size_px
+        if width <= 0 or height <= 0:
+            return self._page
+        style = self._style(self._root, {"font-size": 16.0})
+        if style.get("display") != "none":
+            context = _Context(self._matrix(self._root, svg_geometry.IDENTITY), style, self.size_px)
+            self._layers(self._in_view_box(self._root, context, 0.0, 0.0, width, height))
+        return self._page
+
+    def _layers(self, context):
+        """Sort the top-level elements into layers."""
+        groups = 0
+        pending = [(child, context) for child in reversed(self._root)]
+        while pending:
+            child, around = pending.pop()
+            tag = local_name(child.tag)
+            if tag in ("switch", "a") and not child.get("clip-path"):
+                inner = self._inside(child, around)
+                pending += [(each, inner) for each in reversed(self._chosen(child))] if inner else []
+                continue
+            number, name = 1, None
+            if tag in ("g", "svg"):
+                if self._style(child, around.style).get("display") == "none":
+                    continue
+                groups += 1
+                number, name = _layer_of(child, groups)
+            lines = self._lines(child, around)
+            if lines:
+                self._page.layers.setdefault(number, []).extend(lines)
+                if name:
+                    self._page.names.setdefault(number, name)
+
+    # --- elements; each returns polylines in px of the page
+
+    def _lines(self, element, context):
+        tag = local_name(element.tag)
+        inner = self._inside(element, context)
+        if inner is None:
+            return []
+        if tag in _SHAPES:
+            lines = self._shape(tag, element, inner)
+        elif tag == "text":
+            lines = self._text(element, inner)
+        elif tag in ("g", "a", "switch"):
+            lines = self._children(self._chosen(element), inner)
+        elif tag == "svg":
+            lines = self._viewport(element, element, inner)
+        elif tag == "use":
+            lines = self._use(element, inner)
+        else:
+            self._note_left_out(tag, inner.style)
+            return []
+        if lines and inner.style.get("mask", "none") != "none":
+            self._page.left_out["mask"] += 1
+        return self._clipped(lines, element, inner) if lines else lines
+
+    def _inside(self, element, context):
+        """The context of an element's own coordinates and style; None if nothing of it is shown."""
+        style = self._style(element, context.style)
+        if style.get("display") == "none":
+            return None
+        return replace(context, matrix=self._matrix(element, context.matrix), style=style)
+
+    def _children(self, children, context):
+        return [line for child in children for line in self._lines(child, context)]
+
+    def _chosen(self, element):
+        """The children that are shown; of a <switch> the first without conditions."""
+        if local_name(element.tag) != "switch":
+            return list(element)
+        plain = (
+            child for child in element
+            if local_name(child.tag) not in ("", "foreignObject") and not child.get("requiredExtensions")
+        )  # fmt: skip
+        return [child for child in [next(plain, None)] if child is not None]
+
+    def _note_left_out(self, tag, style):
+        kinds = {"image": "picture", "foreignObject": "text or other content that is not SVG",
+                 "flowRoot": "text in a frame (convert it to text or to paths)"}  # fmt: skip
+        if tag in kinds and style.get("visibility", "visible") == "visible":
+            self._page.left_out[kinds[tag]] += 1
+
+    def _shape(self, tag, element, context):
+        self._done += 1
+        if self._progress and self._done % 64 == 0:
+            self._progress(min(1.0, self._done / self._count))
+        style = context.style
+        if style.get("visibility", "visible") != "visible":
+            return []
+        stretch = svg_geometry.stretch(context.matrix)
+        if not stretch:
+            return []
+        segments = self._parsed(tag, element, context)
+        lines = svg_geometry.flattened(segments, self._deviation / stretch)
+        stroked = style.get("stroke", "none") != "none"
+        if style.get("fill") == "none" and not stroked:
+            self._page.unpainted += 1
+        for name in ("marker-start", "marker-mid", "marker-end"):
+            if style.get(name, "none") != "none":
+                self._page.left_out["marker (arrow head)"] += 1
+        if stroked and style.get("stroke-linecap", "butt") == "butt":
+            lines = [line for line in lines if len(line) > 2 or line[0] != line[-1]]
+        if stroked:
+            lines = self._dashed(lines, context)
+        return svg_geometry.placed(lines, context.matrix)
+
+    def _parsed(self, tag, element, context):
+        """The segments of a shape, read once."""
+        key = id(element), context.viewport
+        if key not in self._segments:
+            data = element.get("d") if tag == "path" else self._basic(tag, element, context)
+            self._segments[key] = svg_geometry.path_segments(data) if data else ([], True)
+        segments, whole = self._segments[key]
+        if not whole:
+            self._page.left_out["rest of a path behind a mistake in it"] += 1
+        return segments
+
+    def _basic(self, tag, element, context):
+        def lengths(name, axis, default=0.0):
+            return self._length(element.get(name), axis, context, default)
+
+        return svg_geometry.shape_path(tag, lengths, element.get("points"))
+
+    def _dashed(self, lines, context):
+        style = context.style
+        text = style.get("stroke-dasharray", "none")
+        if text == "none":
+            return lines
+        pattern = [self._length(part, None, context) for part in text.replace(",", " ").split()]
+        return svg_geometry.dashed(lines, pattern, self._length(style.get("stroke-dashoffset"), None, context))
+
+    def _text(self, element, context):
+        self._done += 1
+        if context.style.get("writing-mode", "").startswith(("v", "tb")):
+            self._page.left_out["vertical text"] += 1
+            return []
+        letters = svg_text.collect(element, context.style, self._style, context.viewport, self._page.left_out)
+        stretch = svg_geometry.stretch(context.matrix)
+        if not letters or not stretch:
+            return []
+        lines = svg_text.outlines(letters, self._deviation / stretch, self._page.left_out)
+        return svg_geometry.placed(lines, context.matrix)
+
+    def _use(self, element, context):
+        target = self._by_id.get((element.get("href") or element.get(_HREF) or "").removeprefix("#"))
+        if target is None:
+            self._page.left_out["<use> of something that is not in the file"] += 1
+            return []
+        if target in context.used or len(context.used) > _DEEPEST:
+            return []
+        moved = (1.0, 0.0, 0.0, 1.0, self._length(element.get("x"), "x", context),
+                 self._length(element.get("y"), "y", context))  # fmt: skip
+        inner = replace(context, matrix=svg_geometry.compose(context.matrix, moved), used=(*context.used, target))
+        if local_name(target.tag) not in ("symbol", "svg"):
+            return self._lines(target, inner)
+        inner = self._inside(target, inner)
+        if inner is None:
+            return []
+        return self._clipped(self._viewport(target, element, inner), target, inner)
+
+    def _viewport(self, element, sized, context):
+        """A <symbol>, or an <svg> inside the file: its viewBox fitted to its size, or to that of the <use>."""
+        x = y = 0.0
+        if local_name(element.tag) == "svg":
+            x, y = self._length(element.get("x"), "x", context), self._length(element.get("y"), "y", context)
+        width = self._length(sized.get("width") or element.get("width") or "100%", "x", context)
+        height = self._length(sized.get("height") or element.get("height") or "100%", "y", context)
+        if width <= 0 or height <= 0:
+            return []
+        lines = self._children(list(element), self._in_view_box(element, context, x, y, width, height))
+        if context.style.get("overflow", "hidden") in ("visible", "auto"):
+            return lines
+        edge = numpy.array([x + 1j * y, x + width + 1j * y, x + width + 1j * (y + height), x + 1j * (y + height)])
+        area = svg_area.filled(svg_geometry.placed([edge], context.matrix), "nonzero")
+        return svg_area.clipped(lines, svg_area.grown(area, _CLIP_PX))
+
+    def _in_view_box(self, element, context, x, y, width, height):
+        """The context inside a viewport."""
+        box = self._view_box(element)
+        if box is None:
+            matrix = svg_geometry.compose(context.matrix, (1.0, 0.0, 0.0, 1.0, x, y))
+            return replace(context, matrix=matrix, viewport=(width, height))
+        fitted = svg_geometry.fitted(box, element.get("preserveAspectRatio"), x, y, width, height)
+        return replace(context, matrix=svg_geometry.compose(context.matrix, fitted), viewport=(box[2], box[3]))
+
+    @staticmethod
+    def _view_box(element):
+        box = svg_geometry.numbers(element.get("viewBox"))
+        return box if len(box) == 4 and box[2] > 0 and box[3] > 0 else None
+
+    # --- clip paths
+
+    def _clipped(self, lines, element, context):
+        match = _URL.match(context.style.get("clip-path", "none"))
+        if not match or not lines:
+            return lines
+        clip = self._by_id.get(match[1])
+        if clip is None or local_name(clip.tag) != "clipPath":
+            self._page.left_out["clip path that is not in the file"] += 1
+            return lines
+        area = self._area(clip, lines, context, 0)
+        return svg_area.clipped(lines, svg_area.grown(area, _CLIP_PX))
+
+    def _area(self, clip, lines, context, depth):
+        """The area that a <clipPath> leaves of an element whose outlines are `lines`."""
+        matrix = context.matrix
+        if clip.get("clipPathUnits") == "objectBoundingBox":
+            matrix = svg_geometry.compose(matrix, _box_matrix(lines, matrix))
+        style = self._style(clip, {"font-size": 16.0})
+        around = replace(context, matrix=self._matrix(clip, matrix), style=style, used=())
+        area = svg_area.filled([], "nonzero")
+        for child in clip:
+            part = self._area_of(child, around)
+            area = area if part is None else area.union(part)
+        match = _URL.match(style.get("clip-path", "none"))
+        if match and depth < _DEEPEST and self._by_id.get(match[1]) is not None:
+            area = area.intersection(self._area(self._by_id[match[1]], lines, context, depth + 1))
+        return area
+
+    def _area_of(self, child, context):
+        """The inside of one shape of a <clipPath>, or None."""
+        inner = self._inside(child, context)
+        tag = local_name(child.tag)
+        if inner is None or inner.style.get("visibility", "visible") != "visible":
+            return None
+        if tag == "use":
+            target = self._by_id.get((child.get("href") or child.get(_HREF) or "").removeprefix("#"))
+            if target is None or local_name(target.tag) == "use":
+                return None
+            moved = (1.0, 0.0, 0.0, 1.0, self._length(child.get("x"), "x", inner), self._length(child.get("y"), "y", inner))
+            return self._area_of(target, replace(inner, matrix=svg_geometry.compose(inner.matrix, moved)))
+        stretch = svg_geometry.stretch(inner.matrix)
+        if tag == "text":
+            rings = self._text(child, inner)
+        elif tag in _SHAPES and stretch:
+            rings = svg_geometry.flattened(self._parsed(tag, child, inner), self._deviation / stretch)
+            rings = svg_geometry.placed(rings, inner.matrix)
+        else:
+            return None
+        area = svg_area.filled(rings, inner.style.get("clip-rule", "nonzero"))
+        match = _URL.match(inner.style.get("clip-path", "none"))
+        if match and self._by_id.get(match[1]) is not None:
+            area = area.intersection(self._area(self._by_id[match[1]], rings, inner, 1))
+        return area
+
+    # --- attributes
+
+    def _style(self, element, inherited):
+        style = self._sheet.style(element, inherited)
+        size = inherited.get("font-size", 16.0)
+        own = style.get("font-size", size)
+        style["font-size"] = svg_geometry.length(own, size, size, size) if isinstance(own, str) else own
+        return style
+
+    def _matrix(self, element, outer):
+        try:
+            return svg_geometry.compose(outer, svg_geometry.matrix(element.get("transform")))
+        except ValueError:
+            self._page.left_out["transform that cannot be read"] += 1
+            return outer
+
+    def _length(self, text, axis, context, default=0.0):
+        width, height = context.viewport
+        whole = {"x": width, "y": height}.get(axis, math.hypot(width, height) / math.sqrt(2))
+        return svg_geometry.length(text, whole, context.style["font-size"], default)
+
+
+def _layer_of(group, order):
+    """Number and name of a group at the top."""
+    label, name = group.get(_LABEL), group.get("id")
+    for text in (label, name):
+        digits = re.search(r"\d+", text or "")
+        if digits:
+            return max(1, int(digits[0])), label or name
+    return order, label or name
+
+
+def _box_matrix(lines, matrix):
+    """From 0…1 to the box of `lines`, in the coordinates of `matrix`."""
+    back = svg_geometry.inverse(matrix)
+    if back is None:
+        return svg_geometry.IDENTITY
+    places = numpy.concatenate(svg_geometry.placed(lines, back))
+    left, top = places.real.min(), places.imag.min()
+    return (places.real.max() - left, 0.0, 0.0, places.imag.max() - top, left, top)

@@ -1,0 +1,115 @@
+"""Draws a list of objects through a client, with progress and a journal; may be interrupted and continued.
+
+    job = Job(client, objects, journal)
+    job.run(lambda number, drawn: ...)      # Broken if the client was cancelled
+"""
+
+import time
+
+from host_tools.clients.plotter import POLL_S, Cancelled
+from host_tools.clients.wire import LinkError
+from host_tools.failure import Failure
+
+
+class Broken(Exception):
+    """The drawing was interrupted and the machine stopped, pen up; the journal says where."""
+
+
+class Job:
+    """`objects` are lists of (pen_down, x, y) in steps, each begins with a MOVE; `journal` may be None. Calls `warn(text)` once if
+    the journal can no longer be written; the drawing goes on, because half a drawing is lost too."""
+
+    def __init__(self, client, objects, journal=None, warn=None):
+        self.client = client
+        self.objects = objects
+        self.journal = journal
+        self.begun = False
+        self._warn = warn
+        self._warned = False
+        self._at = (0, 0)  # objects drawn, and points of the next one
+
+    def run(self, progress=None):
+        """Draw what is not drawn yet by the journal. Calls `progress(number, drawn)`: points drawn of object `number`.
+
+        Writes the journal about once a second. Raises Broken after client.cancel(), LinkError if the link or the machine
+        fails; in both cases it stops the machine, if it can be reached, and writes the journal.
+        """
+        first, drawn = (self.journal.object, self.journal.drawn) if self.journal else (0, 0)
+        self.begun = True
+        for number in range(first, len(self.objects)):
+            self._save(number, drawn)
+            self._draw(number, drawn, progress)
+            drawn = 0
+        self._save(len(self.objects), 0)
+
+    def _draw(self, number, skip, progress):
+        """Draw object `number` from its point `skip` on."""
+        points, lead = remaining(self.objects[number], skip)
+        if not points:
+            return
+        client = self.client
+        stored = 0
+
+        def counted(status):
+            """Points of this object drawn for certain. Until its first point is stored, the controller still counts the
+            previous object."""
+            sure = min(status["drawn"] - client.repeated_points, stored) - lead
+            return skip + max(sure, 0)
+
+        def report(status):
+            drawn = counted(status)
+            if (number, drawn) > self._at:
+                self._save(number, drawn)
+            if progress:
+                progress(number, drawn)
+
+        client.repeated_points = 0
+        asked = time.monotonic()
+        try:
+            for point in points:
+                client.point(*point)
+                stored += 1
+                if time.monotonic() - asked > POLL_S:  # an object larger than the board's memory is drawn while it is sent
+                    report(client.status())
+                    asked = time.monotonic()
+            client.end(len(points), report)
+        except (Cancelled, LinkError) as reason:
+            try:
+                self._save(number, counted(client.stop()))
+            except LinkError:
+                pass  # out of reach: the journal has what was drawn at the last status
+            if isinstance(reason, Cancelled):
+                raise Broken(f"stopped at object {number + 1} of {len(self.objects)}") from reason
+            raise
+        if progress:
+            progress(number + 1, 0)
+
+    def reached(self):
+        """Progress as text."""
+        number, drawn = self._at
+        points = sum(len(points) for points in self.objects[:number]) + drawn
+        return f"{points} of {sum(map(len, self.objects))} points"
+
+    def _save(self, number, drawn):
+        self._at = (number, drawn)
+        if self.journal is None:
+            return
+        try:
+            self.journal.save(number, drawn)
+        except Failure as failure:
+            if self._warn is None:
+                raise
+            if not self._warned:
+                self._warn(f"{failure}. The drawing goes on; if interrupted, it cannot be continued from here")
+            self._warned = True
+
+
+def remaining(points, drawn):
+    """The rest of an object whose first `drawn` points are drawn, and how many points were put before it.
+
+    A line that was interrupted is drawn again from its start: a MOVE leads to the last point drawn.
+    """
+    rest = points[drawn:]
+    if drawn and rest and rest[0][0]:
+        return [(False, *points[drawn - 1][1:]), *rest], 1
+    return rest, 0

@@ -1,0 +1,216 @@
+"""Pulse files on the PC: reads them with the firmware's own protocol, draws them, and makes them from G-code with its walkers."""
+
+from pathlib import Path
+
+from host_tools.failure import Failure
+
+_LETTERS = {}
+
+
+def load(path):
+    """The bytes of a pulse file. Raises Failure."""
+    try:
+        return Path(path).read_bytes()
+    except OSError as error:
+        raise Failure(f"cannot read {path}: {error.strerror}") from error
+
+
+def items(data, axes, config, name="the file"):
+    """The items of a file (see passo.commands). Raises Failure with line and column of what is wrong."""
+    from passo import error_texts
+    from passo.commands import TRACK_ABORT, TRACK_ITEMS
+    from passo.protocols.pulses import Pulses, frame
+
+    protocol = Pulses(axes, config)
+    found = []
+    protocol.feed(frame("load", len(data)) + b"\n", 0)
+    for command in protocol.feed(data, 0) + protocol.feed(frame("end"), 0):
+        if command.value == TRACK_ABORT:
+            line, column = command.target
+            raise Failure(f"{name}:{line}:{column}: error {command.error}: {error_texts.text(command.error)}")
+        if command.value == TRACK_ITEMS:
+            found += command.target
+    return found
+
+
+class Course:
+    """What a file draws: strokes, box, steps, time."""
+
+    def __init__(self, found, board):
+        from passo.commands import TRACK_DEFAULT, TRACK_FASTEST, TRACK_SPEED, TRACK_TOOL, TRACK_WAIT
+        from passo.control.track_intake import lengths_of
+
+        axes = board["axes"]
+        track = board["track"]
+        lengths = lengths_of(axes)
+        fastest = min(lengths[1 << axis] for axis in range(len(axes))) // track["interval_us"]
+        speed = min(track["default_mm_min"], fastest)
+        scale = [axis["steps_per_m"] / 1000 for axis in axes]
+        self.place = [0] * len(axes)
+        self.low, self.high = self.place[:], self.place[:]
+        self.steps = self.commands = 0
+        self.seconds = 0.0
+        tool = False
+        self.strokes = [(False, [(0.0, 0.0)])]
+        for item in found:
+            mask, count = item & 15, item >> 8
+            self.commands += count if mask else 1
+            if not mask:
+                kind = item >> 4 & 15
+                if kind == TRACK_TOOL:
+                    tool = bool(count)
+                    self.strokes.append((tool, [self.strokes[-1][1][-1]]))
+                elif kind == TRACK_WAIT:
+                    self.seconds += count / 1000
+                elif kind in (TRACK_SPEED, TRACK_FASTEST, TRACK_DEFAULT):
+                    speed = {TRACK_SPEED: count, TRACK_FASTEST: fastest, TRACK_DEFAULT: track["default_mm_min"]}[kind]
+                    speed = min(speed, fastest)
+                continue
+            self.steps += count
+            self.seconds += count * ((lengths[mask] + speed // 2) // speed) / 1e6
+            for axis in range(len(axes)):
+                if mask >> axis & 1:
+                    self.place[axis] += -count if item >> 4 + axis & 1 else count
+                    self.low[axis] = min(self.low[axis], self.place[axis])
+                    self.high[axis] = max(self.high[axis], self.place[axis])
+            if mask & 3:
+                self.strokes[-1][1].append((self.place[0] / scale[0], self.place[1] / scale[1] if len(axes) > 1 else 0.0))
+        self.strokes = [stroke for stroke in self.strokes if len(stroke[1]) > 1]
+
+
+def letter_of(mask, negative):
+    """The code of one step."""
+    from passo.protocols.pulses import CODES
+
+    if not _LETTERS:
+        _LETTERS.update({code: chr(65 + number) for number, code in enumerate(CODES)})
+    return _LETTERS[negative << 4 | mask]
+
+
+class Converter:
+    """Lines of G-code to the text of a pulse file: the G-code reader and the lines and circles are the firmware's."""
+
+    def __init__(self, board):
+        from array import array
+
+        from passo.control import arcs
+        from passo.control.journal import Journal, MemorySlots
+        from passo.control.settings import Settings
+        from passo.motion.circle import Circle
+        from passo.motion.line import MAX_RUN, Line
+        from passo.protocols.gcode import GCode
+        from passo.protocols.gcode_offsets import Offsets
+        from passo.records import ARC_FIELDS
+
+        axes = board["axes"][:3]
+        self.steps_per_m = [axis["steps_per_m"] for axis in axes]
+        self.target = [0] * len(axes)
+        self.arcs = arcs  # the face that the G-code reader wants: also steps_per_m and target
+        self._gcode = GCode("xyz"[: len(axes)], Offsets(len(axes), Settings(board, Journal(MemorySlots()))), self)
+        self._line = Line(len(axes))
+        self._circle = Circle(len(axes))
+        self._plan = array("i", [0] * ARC_FIELDS)
+        self._out = array("I", [0] * MAX_RUN)
+        self._parts = ["["]
+        self._speed = None
+        self._tool = False
+
+    def convert(self, lines):
+        """The text of [(number, bytes)], up to M2 or M30. Raises Failure at the first line that cannot be converted.
+
+        If the program has no S at all, M3 and M4 switch the tool on. If it has, S0 keeps the tool off, as on a machine with a
+        spindle.
+        """
+        from host_tools.programs.pulse_shapes import lines as folded
+        from passo import error_texts
+
+        if not any(b"S" in line.upper() for _, line in lines):
+            self._gcode.rpm = self._gcode.max_rpm
+        for number, line in lines:
+            error = self._gcode.interpret(line)
+            if error:
+                raise Failure(f"line {number}: {line.decode()}: error {error}: {error_texts.text(error)}")
+            for command in self._gcode.commands:
+                self._take(number, line, command)
+            if self._gcode.ended:
+                break
+        self._set_tool(False)
+        self._parts.append("]")
+        text = []
+        for part in self._parts:
+            text.append(folded(part) if part[0].isalpha() else part + "\n")
+        return "".join(text)
+
+    def _take(self, number, line, command):
+        from passo import commands
+
+        kind = command.kind
+        if kind in (commands.LINE, commands.ARC):
+            self._set_tool(bool(command.tool))
+            self._set_speed(number, line, command)
+            self._walk(number, line, command, kind == commands.ARC)
+            self.target = list(command.target)
+        elif kind == commands.DWELL:
+            if command.value >= 1000:
+                self._parts.append(f"*{min(command.value // 1000, 3_600_000)}")
+        elif kind == commands.PAUSE:
+            self._parts.append("+0")
+            self._speed = None
+        elif kind == commands.SPINDLE:
+            self._set_tool(bool(command.tool))
+        elif kind not in (commands.COOLANT, commands.SYNC, commands.OVERRIDE):  # the last: M2 ends every override
+            raise Failure(f"line {number}: {line.decode()}: a pulse file has no word for that")
+
+    def _set_tool(self, on):
+        if on != self._tool:
+            self._tool = on
+            self._parts.append("(" if on else ")")
+
+    def _set_speed(self, number, line, command):
+        if command.per_min:
+            raise Failure(f"line {number}: {line.decode()}: inverse time (G93) has no place in a pulse file")
+        speed = max(round(command.feed * 60 / 1_000_000), 1) if command.feed else 0
+        if speed != self._speed:
+            self._speed = speed
+            self._parts.append(f"+{min(speed, 900_000)}" if speed else "$")
+
+    def _walk(self, number, line, command, arc):
+        deltas = [to - at for at, to in zip(self.target, command.target)]
+        letters = []
+        try:
+            for walker in self._walkers_of(command, deltas) if arc else self._lines([deltas]):
+                while walker.left:
+                    count = min(walker.left, len(self._out))
+                    negative = walker.negative
+                    walker.walk(self._out, 0, count)
+                    letters += [letter_of(mask, negative & mask) for mask in self._out[:count]]
+        except ValueError as error:
+            raise Failure(f"line {number}: {line.decode()}: {error}") from error
+        if letters:
+            self._parts.append("".join(letters))
+
+    def _lines(self, all_deltas):
+        """The walker of one line after the other."""
+        for deltas in all_deltas:
+            if any(deltas):
+                self._line.begin(deltas)
+                yield self._line
+
+    def _walkers_of(self, command, deltas):
+        """The walkers of an arc: a circle's, or as in control.stream_queue those of its chords."""
+        from passo.motion import arc
+        from passo.motion.ellipse import Ellipse
+
+        first, second = command.first, command.second
+        plane = (first, second, 3 - first - second if len(deltas) > 2 else -1)
+        given = plane, command.centre
+        turns = command.clockwise, command.turns - 1, command.over_half
+        if self.steps_per_m[first] == self.steps_per_m[second]:
+            try:
+                arc.plan(self._plan, *given, deltas, *turns)
+                self._circle.load(self._plan)
+                return [self._circle]
+            except ValueError:  # too large, or too steep a helix
+                pass
+        ellipse = Ellipse(deltas, *given, self.steps_per_m, *turns)
+        return self._lines(ellipse.chord() for _ in range(ellipse.left))

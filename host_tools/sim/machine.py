@@ -1,0 +1,131 @@
+"""A whole machine in memory: the firmware on the virtual port, wired to a plant, with serial lines of bytes.
+
+    machine = VirtualMachine("plotter_2014", start=(300, 200), bounce_ms=3)
+    machine.send(packet(COMMANDS["ORIGIN"]))
+    machine.run_until(lambda: machine.received() == b"o", 60_000)
+    machine.plant.position, machine.trace.rows(), machine.plant.errors
+
+Time is virtual throughout, link time-outs included, so that a run is the same every time and waits for nothing.
+"""
+
+from host_tools import boards
+from host_tools.sim.plant import Plant
+from host_tools.sim.trace import Trace
+from passo.app import App
+from passo.control.boardfile import check
+from passo.ports.virtual import MemoryLine, VirtualPort
+
+STAND_STILL_MS = 600_000
+LAST_TICKS = 12_500_000  # the machine is watched for another second after the board has stopped
+
+
+class Machine:
+    """The firmware on a virtual port. `board` is a board's name or dict, `lines` maps link names to serial lines,
+    `trace` and `vcd` are files' paths (None: none; True: the trace is kept in memory), `plant_options` go to Plant.
+    `idle`: False leaves the time in which nothing is under way out of the trace: how long the PC thinks is never twice the
+    same, all else is."""
+
+    def __init__(self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, **plant_options):
+        loaded = boards.load(board) if isinstance(board, str) else board
+        self.board = check(loaded)
+        self.plant = Plant(self.board, **plant_options)
+        self._files = []
+        self.trace = None
+        if trace is not None:
+            self.trace = Trace(None if trace is True else trace, self.plant)
+            self._files.append(self.trace)
+        world = self.plant
+        if vcd is not None:
+            from host_tools.sim.vcd import VcdTap
+
+            world = VcdTap(vcd, self.board, self.plant)
+            self._files.append(world)
+        self.port = VirtualPort(self.board, world, mode, lines, sleep)
+        self.app = App(check(loaded), self.port, protocols)
+        self._homing = False
+        self._idle = idle
+
+    def turn(self):
+        """One turn of the firmware's main loop."""
+        app = self.app
+        app.poll()
+        homing = app.controller.state == "home"
+        if self._homing and not homing and app.controller.machine.homed and self.trace:
+            self.trace.rezero(self.plant.position)
+        self._homing = homing
+        self._wait(app.controller.busy(), homing)
+
+    def _wait(self, busy, homing):
+        port = self.port
+        if self._idle or not self.trace or port.pending(busy):
+            port.wait(busy, homing)
+            return
+        before = port.now
+        port.wait(busy, homing)
+        self.trace.skip(port.now - before)
+
+    def flush(self):
+        for file in self._files:
+            file.flush()
+
+    def close(self):
+        """Halt, outputs safe, let the pen come up, and close the files."""
+        try:
+            self.app.stop()
+            self.port.advance(LAST_TICKS)
+        finally:
+            for file in self._files:
+                file.close()
+
+
+class VirtualMachine(Machine):
+    """A Machine for tests: stepped time and lines in memory."""
+
+    def __init__(self, board="plotter_2014", protocols=None, trace=True, vcd=None, **plant_options):
+        loaded = boards.load(board) if isinstance(board, str) else board
+        self.lines = {link["name"]: MemoryLine() for link in loaded["links"]}
+        self._first = loaded["links"][0]["name"]
+        super().__init__(loaded, self.lines, "stepped", None, protocols, trace, vcd, **plant_options)
+
+    def send(self, data, link=None):
+        """Put bytes on a link, the first one unless named."""
+        self.lines[link or self._first].incoming += bytes(data)
+
+    def received(self, link=None):
+        """All that the board has said on a link so far; stays there until `take`."""
+        return self.lines[link or self._first].outgoing
+
+    def take(self, link=None):
+        """What the board has said since the last `take`."""
+        line = self.lines[link or self._first]
+        data, line.outgoing = line.outgoing, b""
+        return data
+
+    def now_ms(self):
+        """Virtual milliseconds since the start, a float."""
+        return self.port.now / 12_500
+
+    def run_until(self, condition, limit_ms=60_000):
+        """Turn until condition() holds. Raises TimeoutError after `limit_ms` of virtual time."""
+        end = self.now_ms() + limit_ms
+        while not condition():
+            if self.now_ms() >= end:
+                raise TimeoutError(f"not within {limit_ms} virtual ms; state {self.app.controller.state}")
+            self.turn()
+
+    def run_ms(self, milliseconds):
+        """Run for `milliseconds` of virtual time, or a quantum more."""
+        end = self.now_ms() + milliseconds
+        self.run_until(lambda: self.now_ms() >= end, milliseconds + 1)
+
+    def settle(self, limit_ms=STAND_STILL_MS):
+        """Turn until nothing moves and nothing is pending."""
+        self.turn()
+        self.run_until(lambda: not self.port.pending(self.app.controller.busy()), limit_ms)
+
+    def ask(self, data, answers=1, limit_ms=STAND_STILL_MS, link=None):
+        """Send bytes and return the answer, once it has `answers` bytes."""
+        self.take(link)
+        self.send(data, link)
+        self.run_until(lambda: len(self.received(link)) >= answers, limit_ms)
+        return self.take(link)

@@ -1,0 +1,252 @@
+"""The plant: a model of the machine. It sees only the firmware's pins, by name and time.
+
+    plant = Plant(board, start=(0, 0), bounce_ms=4, faults={"barrier_x": "dead"}, seed=1)
+    port = VirtualPort(board, plant)
+
+Motor decoders turn pins back into steps, carriages travel between hard ends, slotted barriers watch them, and the
+pen's solenoid has its delay. Times are ticks of 80 ns. Positions are steps from the *nominal* origin: the position after
+homing on a barrier that switches exactly at its edge. An axis that homes at its high end has its barrier there. `errors`
+records whatever a real machine could not have followed.
+
+The board file gives axes, drive, polarity, travel and pen delays; what it cannot know comes as options:
+
+    start        steps from the nominal origin, one number an axis; None: random within reach, by `seed`, or in the middle
+                 if nothing homes
+    bounce_ms    barriers chatter for up to this long after each change
+    faults       {input: "dead" or "stuck"}: the barrier never, or always, reads active; "dead@2000" from that
+                 millisecond on
+    seed         of all that is random
+"""
+
+import random
+
+from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
+from host_tools.sim.parts import NEVER, Barrier, Carriage, Solenoid
+
+TICKS_PER_MS = 12_500
+MARGIN_MM = 10  # from the end of the travel, and from the barrier's edge, to the hard end
+MAX_ERRORS = 1000  # kept by `errors`; `error_count` goes on
+
+
+class Plant:
+    def __init__(self, board, start=None, bounce_ms=0, faults=None, seed=0):
+        self._random = random.Random(seed)
+        self.errors = []  # (tick, text)
+        self.error_count = 0
+        self.position = [0] * len(board["axes"])  # of each carriage, in steps; the list itself is kept
+        self.tool = 0  # 0 … 1000, once it has arrived
+        self.trace = None  # told row(tick, position, tool) at each step and each arrival of the tool
+        self.pins = None  # told changed(tick, name, level) at each change of an input
+        self._board = board
+        self._power = 0 if (board.get("spindle") or {}).get("pwm") else 1000
+        self._levels = {item["name"]: 1 - item.get("active", 1) for item in board.get("inputs", ())}
+        self._enable = None
+        for item in board.get("outputs", ()):
+            if item["name"] == "enable":
+                self._enable = item.get("active", 1)
+        self.enabled = self._enable is None
+        # Relays that bring this board's signals to the drivers: by name, the level that closes them; and those still open.
+        outputs = board.get("outputs", ())
+        self._relays = {item["name"]: item.get("active", 1) for item in outputs if item.get("role") == "ours"}
+        self._open_relays = set(self._relays)
+        self._due = NEVER
+        self._build_carriages(start)
+        self._build_barriers(bounce_ms, dict(faults or {}))
+        self._solenoid = Solenoid(
+            board["tool"].get("on_ms", 0) * TICKS_PER_MS, board["tool"].get("off_ms", 0) * TICKS_PER_MS
+        )
+        self._parts = [*self.barriers.values(), self._solenoid]
+        self._decoders = []
+        self._tool_mask = 0
+
+    def _build_carriages(self, start):
+        axes = self._board["axes"]
+        if start is not None and len(start) != len(axes):
+            raise ValueError(f"start: {len(axes)} positions are wanted, one an axis, not {len(start)}")
+        homing = self._board.get("homing") or {}
+        pull_off, high_end = homing.get("pull_off_steps", 0), homing.get("high_end", "")
+        self.carriages = []
+        for i, axis in enumerate(axes):
+            margin = axis["steps_per_m"] * MARGIN_MM // 1000
+            low, high = -pull_off - margin, axis["travel_steps"] + margin
+            if axis["name"] in high_end:
+                low, high = -high, -low
+            at = self._random.randint(low, high)
+            if start is not None:
+                at = start[i]
+            elif not homing:
+                at = (low + high) // 2  # it cannot home: give it room on both sides
+            if not low <= at <= high:
+                raise ValueError(f"start: {axis['name']} {at} is not between the hard ends {low} and {high}")
+            self.carriages.append(Carriage(axis["name"], at, low, high, self.report))
+            self.position[i] = at
+
+    def _build_barriers(self, bounce_ms, faults):
+        homing = self._board.get("homing") or {}
+        names = [axis["name"] for axis in self._board["axes"]]
+        self.barriers = {}
+        self._watching = [None] * len(names)  # the barrier of each axis
+        for axis, sensor in homing.get("sensors", {}).items():
+            high = axis in homing.get("high_end", "")
+            barrier = Barrier(
+                sensor,
+                homing["pull_off_steps"] if high else -homing["pull_off_steps"],
+                self.position[names.index(axis)],
+                bounce_ms * TICKS_PER_MS,
+                faults.pop(sensor, None),
+                random.Random(self._random.random()),
+                high,
+            )
+            self.barriers[sensor] = barrier
+            self._watching[names.index(axis)] = barrier
+            self._levels[sensor] = self._level(barrier, 0)
+        if faults:
+            known = ", ".join(self.barriers) or "none"
+            raise ValueError(f"faults: there is no barrier {', '.join(faults)}; the machine has {known}")
+
+    # --- wired to the pins: see passo.ports.virtual for these methods' meaning
+
+    def attach(self, tick, names, levels):
+        """Wire the drives to the player's pins by their names. Nothing moves before the first edge."""
+        drive = self._board["drive"]
+        kind = drive["kind"]
+        mode = drive.get("mode", "half")
+        bit = {name: number for number, name in enumerate(names)}
+        inverted = 0 if drive.get("step_active", 1) else sum(1 << bit[name] for name in names if name.endswith("_step"))
+        self._decoders = []
+        for axis in self._board["axes"]:
+            name = axis["name"]
+            if kind == "step_dir":
+                step, direction = bit[name + "_step"], bit[name + "_dir"]
+                polarity = inverted | (1 << direction if axis.get("reversed") else 0)
+                times = drive.get("pulse_us", 2), drive.get("setup_us", 5)
+                decoder = StepDir(step, direction, polarity, *times, self.report)
+            elif kind == "unipolar":
+                decoder = Unipolar(mode, bit[name + "_s1"], 0, self.report)
+            else:
+                decoder = Pbl3770a(mode, bit[name + "_ph_a"], 0, self.report)
+            self._decoders.append(decoder)
+        # A coil motor mounted the other way round turns backward by the same sequence.
+        mirrored = [kind != "step_dir" and axis.get("reversed", False) for axis in self._board["axes"]]
+        self._signs = [-1 if turned else 1 for turned in mirrored]
+        self._tool_mask = 1 << bit["tool"]
+        self._tool_off = 0 if self._board["tool"].get("active", 1) else self._tool_mask
+        self._axes = list(
+            zip(
+                range(len(self.position)),
+                [decoder.mask for decoder in self._decoders],
+                [decoder.decode for decoder in self._decoders],
+                self._signs,
+                self.carriages,
+                self._watching,
+            )
+        )
+
+    def edges(self, tick, levels, changed):
+        if tick >= self._due:
+            self.run(tick)
+        moved = False
+        for i, mask, decode, sign, carriage, barrier in self._axes:
+            if changed & mask:
+                steps = decode(tick, levels, changed)
+                if steps and self._move(tick, carriage, steps * sign):
+                    moved = True
+                    self.position[i] = at = carriage.position
+                    if barrier is not None and (at <= barrier.last) != barrier.below:
+                        barrier.cross(tick)
+                        self._show(tick, barrier)
+        if moved and self.trace is not None:
+            self.trace.row(tick, self.position, self.tool)
+        if changed & self._tool_mask:
+            self._solenoid.drive(tick, levels & self._tool_mask != self._tool_off)
+            self._plan()
+
+    def power(self, tick, level):
+        """The tool's analogue power, which counts while the tool is on."""
+        self._power = level
+        if self._solenoid.value:
+            self._arrive(tick)
+
+    def output(self, tick, name, level):
+        if name == "enable":
+            self.enabled = level == self._enable
+        if name in self._relays:
+            (self._open_relays.discard if level == self._relays[name] else self._open_relays.add)(name)
+
+    def input(self, tick, name):
+        """The electrical level of an input; one that watches no axis rests inactive."""
+        if tick >= self._due:
+            self.run(tick)
+        if name in self.barriers:
+            return self._level(self.barriers[name], tick)
+        return self._levels[name]
+
+    def run(self, tick):
+        """Let the barriers' chatter and the solenoid's arrival happen, in their order, up to `tick`."""
+        while self._due <= tick:
+            due = self._due
+            for part in self._parts:
+                if part.due == due:
+                    part.run()
+                    if part is self._solenoid:
+                        self._arrive(due)
+                    else:
+                        self._show(due, part)
+            self._plan()
+
+    def next_event(self):
+        return None if self._due is NEVER else self._due
+
+    # --- the machine
+
+    def set_input(self, tick, name, active):
+        """Hold an input that is no barrier (a button, a limit switch) active or not."""
+        level = self._active(name) if active else 1 - self._active(name)
+        self._levels[name] = level
+        if self.pins is not None:
+            self.pins.changed(tick, name, level)
+
+    def report(self, tick, text):
+        """Record something that a real machine could not have followed."""
+        self.error_count += 1
+        if len(self.errors) < MAX_ERRORS:
+            self.errors.append((tick, text))
+
+    def coil(self, axis):
+        """The decoder of an axis, for its electrical position, current and release."""
+        return self._decoders[axis]
+
+    def _move(self, tick, carriage, steps):
+        if not self.enabled:
+            self.report(tick, f"{carriage.name} stepped while the drivers are disabled")
+            return False
+        if self._open_relays:
+            self.report(tick, f"{carriage.name} stepped while its driver listens to another controller")
+            return False
+        return carriage.move(tick, steps)
+
+    def _arrive(self, tick):
+        self.tool = self._solenoid.value * self._power // 1000
+        if self.trace is not None:
+            self.trace.row(tick, self.position, self.tool)
+
+    def _active(self, name):
+        for item in self._board["inputs"]:
+            if item["name"] == name:
+                return item.get("active", 1)
+        raise ValueError(f"there is no input {name}")
+
+    def _level(self, barrier, tick):
+        active = self._active(barrier.name)
+        return active if barrier.active(tick) else 1 - active
+
+    def _show(self, tick, barrier):
+        level = self._level(barrier, tick)
+        if level != self._levels[barrier.name]:
+            self._levels[barrier.name] = level
+            if self.pins is not None:
+                self.pins.changed(tick, barrier.name, level)
+        self._plan()
+
+    def _plan(self):
+        self._due = min([part.due for part in self._parts])
