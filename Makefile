@@ -70,7 +70,7 @@ check: $(STAMP)  ## the quick tests, in 90 s: rules, digests, a few examples of 
 	$(PYTEST) --tier check $(ARGS)
 
 # What ARGS chooses is run whole, slow tests included, and without coverage: of a part of the tests it says nothing.
-test: $(STAMP) $(CLIENTS) $(STUBS)  ## what guards a commit, with coverage, in 15 minutes; ARGS=tests_host/test_x.py
+test: $(STAMP) $(CLIENTS) $(STUBS)  ## what guards a commit, with coverage, in 15 minutes; ARGS=tests_host/tools/test_x.py
 ifdef ARGS
 	$(PYTEST) $(ARGS)
 else

@@ -1,4 +1,4 @@
-"""Paths, hypothesis profiles and the corpus of real files."""
+"""Paths, hypothesis profiles, the collection of check_*.py, tiers, and the corpus of real files."""
 
 import gc
 import os
@@ -11,16 +11,16 @@ from hypothesis import settings
 TESTS = Path(__file__).resolve().parent
 ROOT = TESTS.parent
 
-for folder in (ROOT, ROOT / "firmware", ROOT / "host_tools" / "shims", TESTS):
+# Modules that several folders use are imported by their bare names, as under MicroPython.
+FOLDERS = [TESTS / name for name in ("properties", "sims", "tools", "pico", "rules")]
+
+for folder in (ROOT, ROOT / "firmware", ROOT / "host_tools" / "shims", TESTS, *FOLDERS):
     if str(folder) not in sys.path:
         sys.path.append(str(folder))
 
 import tiers  # noqa: E402  it lies in TESTS
 
 from host_tools.emulator import cycles  # noqa: E402
-
-# Check modules are not test files by name; their assertions deserve the same explanations.
-pytest.register_assert_rewrite(*sorted(path.stem for path in TESTS.glob("check_*.py")))
 
 settings.register_profile("local", deadline=None, print_blob=True)
 settings.register_profile("ci", deadline=None, derandomize=True, database=None)
@@ -47,6 +47,20 @@ def pytest_configure(config):
     tiers.current = config.getoption("--tier")  # before the test modules are imported
 
 
+class CheckModule(pytest.Module):
+    """A file of properties: each `check_*` function is a test, with hypothesis if it has parameters."""
+
+    def collect(self):
+        from checks import make_tests
+
+        for name, test in make_tests(self.obj).items():
+            yield pytest.Function.from_parent(self, name=name, callobj=test)
+
+
+def pytest_pycollect_makemodule(module_path, parent):
+    return CheckModule.from_parent(parent, path=module_path) if module_path.name.startswith("check_") else None
+
+
 def pytest_collection_modifyitems(config, items):
     """Only what belongs to the tier runs, and of that first what takes a worker longest: the groups of one machine."""
     left_out = [item for item in items if not tiers.runs(_marked(item, "slow"), _marked(item, "quick"))]
@@ -54,7 +68,7 @@ def pytest_collection_modifyitems(config, items):
         config.hook.pytest_deselected(items=left_out)
         items[:] = [item for item in items if item not in set(left_out)]
     for item in items:
-        if item.path.name.startswith("test_pico_"):
+        if item.path.parent.name == "pico":
             item.add_marker("unmeasured")  # it runs none of the firmware here
     items.sort(key=lambda item: not _marked(item, "xdist_group"))
 

@@ -26,6 +26,7 @@ from host_tools.emulator.binary import Unavailable
 from host_tools.failure import Failure
 from host_tools.resources import ROOT
 
+TESTS = ROOT / "tests_host"
 DOCUMENT = ROOT / "docs" / "benchmarks.md"
 MICROPYTHON = Path(sys.executable).parent / "micropython"
 _TIMEOUT_S = 600
@@ -33,7 +34,7 @@ _TIMEOUT_S = 600
 
 def _environment():
     """Where the firmware and the tests are, for a script under any interpreter."""
-    folders = [str(ROOT / "tests_host"), str(ROOT)]
+    folders = [str(TESTS / "properties"), str(TESTS / "sims"), str(ROOT)]
     return {
         **os.environ,
         "MICROPYPATH": ":".join([str(unix_tree()), *folders]),
@@ -42,9 +43,9 @@ def _environment():
 
 
 def _command(program, script, *arguments):
-    """A script of tests_host and its arguments, under CPython or MicroPython."""
+    """A script of tests_host/properties and its arguments, under CPython or MicroPython."""
     heap = ["-X", "heapsize=64m"] if program == MICROPYTHON else []
-    return [program, *heap, ROOT / "tests_host" / script, *map(str, arguments)]
+    return [program, *heap, TESTS / "properties" / script, *map(str, arguments)]
 
 
 def _interpreters():
@@ -82,8 +83,8 @@ def _better(float_us, integer_us):
 
 
 def _run_lines(program, corners):
-    """{object: [points, steps, as driven µs, integer µs, float µs]} as tests_host/bench_lines.py measures them."""
-    script = ROOT / "tests_host" / "bench_lines.py"
+    """{object: [points, steps, as driven µs, integer µs, float µs]} as tests_host/properties/bench_lines.py measures them."""
+    script = TESTS / "properties" / "bench_lines.py"
     done = subprocess.run([program, script], input=corners, env=_environment(), capture_output=True, text=True,
                           timeout=_TIMEOUT_S)
     if done.returncode:
@@ -105,7 +106,7 @@ def fuzz():
 
 
 def _run_fuzz(program, count, seed):
-    """[lines, refused, resets] of tests_host/fuzz_grbl.py."""
+    """[lines, refused, resets] of tests_host/properties/fuzz_grbl.py."""
     command = _command(program, "fuzz_grbl.py", count, seed)
     done = subprocess.run(command, env=_environment(), capture_output=True, text=True)
     if done.returncode:

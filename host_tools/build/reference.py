@@ -2,7 +2,7 @@
 
     python -m host_tools.build.reference          # writes board-file.md, wiring.md, settings.md and errors.md of docs/ anew
 
-Of each page only what stands between its two marks is made; the rest is written by hand. tests_host/test_docs.py fails
+Of each page only what stands between its two marks is made; the rest is written by hand. tests_host/rules/test_docs.py fails
 while a page is not current.
 """
 

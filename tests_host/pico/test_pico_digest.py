@@ -1,0 +1,81 @@
+"""The step words of a job made on the emulated Pico: the same digest as under CPython, with the heap to spare."""
+
+import tempfile
+from pathlib import Path
+
+import pytest
+from emulated import uf2  # noqa: F401
+
+from host_tools import boards
+from host_tools.build import mpy
+from host_tools.build.constants import folded
+from host_tools.build.tree import COLD, compile_module, selected
+from host_tools.drawings import objects
+from host_tools.emulator.pico import EmulatedPico
+from programmes import programmes
+from test_digest import CHECKS, GOLDEN, HEX_JOBS, ROOT, golden_of_gcode, golden_of_hex, hex_job, job_of
+
+LIMIT_US = 30_000_000
+# A router has no memory for its code.
+IN_FLASH = "from passo.ports.rp2.flash_code import FlashCode\ncode = FlashCode()\ncode.begin()\n"
+
+
+def compiled(sources):
+    """{path.mpy: bytes} of {path: source file}, compiled for the RP2040."""
+    files = {}
+    with tempfile.TemporaryDirectory() as folder:
+        for path, text in folded({path: source.read_text() for path, source in sources.items()}).items():
+            source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
+            source.write_text(text)
+            compile_module(source, target, "armv6m", Path(path).with_suffix(".mpy"))
+            files[str(Path(path).with_suffix(".mpy"))] = mpy.in_place(target.read_bytes(), path in COLD)
+    return files
+
+
+def with_digest(board, job, data):
+    """The files of digest.py, of the firmware that `board` needs, and of one job."""
+    sources = {path.as_posix(): ROOT / "firmware" / path for path in selected(boards.load(board))}
+    files = compiled({**sources, "digest.py": CHECKS / "digest.py"})
+    files["boards/__init__.py"] = b""
+    files[f"boards/{board}.py"] = boards.path(board).read_bytes()
+    files[job] = data
+    return files
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["triangle"])
+def test_the_pico_makes_the_words_of_the_golden_file(uf2, name, show):
+    files = with_digest("plotter_2014", "job.bin", job_of([objects.objects()[name]]))
+    pico = EmulatedPico(files=files, uf2=uf2).boot()
+    before = pico.cycle
+    # Collecting often while the modules load keeps the heap in one piece: the store wants 50 000 bytes of it.
+    code = "import gc\ngc.threshold(16000)\nimport digest\ndigest.main(['job.bin'])"
+    said = pico.exec(code, limit_us=LIMIT_US).split()
+    golden = dict(line.split(" ", 1) for line in GOLDEN.read_text().splitlines())
+    assert " ".join(said) == golden[name]
+    show(f"digest of {name} on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
+
+
+def test_the_pico_makes_the_words_of_gcode(uf2, show):
+    """The beginnings of a relief, an engraving, a helix and a laser's raster: generated, not played."""
+    board, lines = programmes()["pico"]
+    name = board.partition("+")[0]
+    files = with_digest(name, "job.gcode", "".join(f"{line}\n" for line in lines).encode())
+    pico = EmulatedPico(files=files, uf2=uf2).boot()
+    before = pico.cycle
+    code = "import gc\ngc.threshold(16000)\n" + IN_FLASH + "import digest\n"
+    said = pico.exec(code + f"digest.show_lines('job.gcode', {board!r}, counts=False)", limit_us=LIMIT_US).split()
+    show("digest of G-code on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
+    golden = golden_of_gcode()["pico"]
+    assert [*said[:2], *said[3:]] == [*golden[:2], *golden[3:]]
+
+
+@pytest.mark.parametrize("name", ["keys"])
+def test_the_pico_makes_the_words_of_other_languages(uf2, name, show):
+    _, board = HEX_JOBS[name]
+    pico = EmulatedPico(files=with_digest(board, "job.hex", hex_job(name).encode()), uf2=uf2).boot()
+    before = pico.cycle
+    code = "import gc\ngc.threshold(16000)\nimport digest\n"
+    said = pico.exec(code + f"digest.main(['job.hex', {board!r}])", limit_us=LIMIT_US).split()
+    show(f"digest of {name} on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
+    assert said == golden_of_hex()[name]

@@ -1,0 +1,39 @@
+"""The limits over thousands of random programs.
+
+    python tests_host/properties/soak_motion.py 0 1000        # programs 0 … 999, the kinds in turn
+
+Prints every program that fails, and last, for all: programs, blocks, segments, the worst change of speed as a part of
+what is allowed, the most steps an axis made in 20 ms beyond its speed × 1.01, less its share of the dominant axis's, the
+worst time as a part of that of the planner in floats, and how many failed.
+"""
+
+import sys
+
+from check_motion import CASES, hold_limits
+
+KINDS = CASES["check_limits"][1][2:]
+
+
+def soak(first, last):
+    blocks = segments = failed = 0
+    change = over = slower = 0.0
+    for seed in range(first, last):
+        kind = KINDS[seed % len(KINDS)]
+        try:
+            figures = hold_limits(seed, kind)
+        except AssertionError as error:
+            print("FAILED check_limits(%d, %r): %s" % (seed, kind, error))
+            failed += 1
+            continue
+        blocks += figures[0]
+        segments += figures[1]
+        change = max(change, figures[2])
+        over = max(over, figures[3])
+        if figures[5]:
+            slower = max(slower, (figures[4] - 0.0005) / figures[5])
+    print(last - first, blocks, segments, "%.3f %.2f %.4f" % (change, over, slower), failed)
+    return failed
+
+
+if __name__ == "__main__":
+    sys.exit(1 if soak(int(sys.argv[1]), int(sys.argv[2])) else 0)

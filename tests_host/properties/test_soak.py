@@ -1,0 +1,28 @@
+"""The soaks of soak_*.py and fuzz_grbl.py, shorter than `make bench` runs them, under MicroPython."""
+
+import os
+import subprocess
+
+import pytest
+from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, needs_micropython
+
+pytestmark = [pytest.mark.slow, pytest.mark.unmeasured, needs_micropython]
+TIMEOUT_S = 800
+
+
+@pytest.mark.parametrize(
+    "script, arguments",
+    [
+        *[("soak_motion.py", (first, first + 200)) for first in range(0, 800, 200)],
+        *[("soak_circle.py", (first, first + 249)) for first in range(1, 1001, 250)],
+        *[("fuzz_grbl.py", (5000, seed)) for seed in range(1, 5)],
+    ],
+)
+def test_soak(script, arguments, show):
+    path = ":".join(str(folder) for folder in MODULE_PATH)
+    done = subprocess.run(
+        [MICROPYTHON, "-X", "heapsize=64m", CHECKS / script, *map(str, arguments)],
+        env={**os.environ, "MICROPYPATH": path}, capture_output=True, text=True, timeout=TIMEOUT_S,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stdout + done.stderr
+    show(f"{script} {' '.join(map(str, arguments))}", done.stdout.strip())

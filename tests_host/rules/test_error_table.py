@@ -1,0 +1,18 @@
+"""docs/errors.md lists exactly the numbers and texts of the firmware's table."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from passo import error_texts
+
+pytestmark = pytest.mark.quick
+
+DOCUMENT = Path(__file__).resolve().parents[2] / "docs" / "errors.md"
+
+
+def test_the_document_is_the_table():
+    rows = re.findall(r"^\| (\d+) \| (.*) \|$", DOCUMENT.read_text(), re.MULTILINE)
+    wanted = [(str(number), error_texts.text(number)) for number in error_texts.numbers()]
+    assert rows == wanted, "docs/errors.md should hold:\n" + "\n".join(f"| {n} | {text} |" for n, text in wanted)

@@ -1,0 +1,293 @@
+"""Rules of the whole house, read from the source: fields of arrays have names, a constant stands in one place, files and functions
+stay short, and no module imports one that imports it.
+
+Each table of exceptions says why, or is a list to be emptied: what is in it and need not be is a fault too.
+"""
+
+import ast
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.quick
+
+ROOT = Path(__file__).resolve().parents[2]
+FIRMWARE = {path.relative_to(ROOT / "firmware").as_posix(): path for path in (ROOT / "firmware").rglob("*.py")}
+HOST_TOOLS = {path.relative_to(ROOT).as_posix(): path for path in (ROOT / "host_tools").rglob("*.py")}
+SOURCES = {name: path.read_text(encoding="utf-8") for name, path in {**FIRMWARE, **HOST_TOOLS}.items()}
+TREES = {name: ast.parse(source) for name, source in SOURCES.items()}
+
+MOST_LINES = 400
+MOST_LINES_OF_A_FUNCTION = 60
+
+# Arrays without fields: {(file, name): why a number is an index there}. "" is what an expression gives.
+SEQUENCES = {
+    ("passo/protocols/frames.py", "data"): "bytes of a frame",
+    ("passo/protocols/plotter.py", "data"): "bytes of a packet",
+    ("passo/protocols/torch.py", "data"): "bytes of a line",
+    ("passo/protocols/pulses.py", "items"): "steps of a line, the last one",
+    ("passo/ports/usb_line.py", "byte"): "room for one byte",
+    ("passo/ports/usb_line.py", "self._said"): "the first bytes said",
+    ("passo/ports/esp32/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",
+    ("passo/ports/rp2/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",
+    # Pointers to one register, or to a table.
+    ("passo/ports/rp2/laser_player.py", "compare"): "a PWM slice's CC",
+    ("passo/ports/rp2/pio_player.py", "abort"): "CHAN_ABORT",
+    ("passo/ports/rp2/pio_player.py", ""): "the first run of a table",
+    ("passo/ports/rp2/port.py", ""): "GPIO_IN",
+    ("passo/ports/rp2/port.py", "inputs"): "GPIO_IN",
+    ("passo/ports/rp2/timer_player.py", "pins"): "GPIO_OUT",
+    ("passo/ports/rp2/timer_player.py", "toggle"): "GPIO_OUT_XOR",
+}
+BARE_FILES = {"passo/ports/rp2/flash_scan.py"}  # to be emptied: the interpreter's objects in memory
+
+# To be emptied: files and functions that are too long.
+LONG_FILES = {
+    "passo/control/track.py", "passo/motion/measure_viper.py", "passo/motion/planner.py", "passo/ports/rp2/flash_code.py", "passo/protocols/pulses.py",
+}  # fmt: skip
+LONG_FUNCTIONS = {
+    "host_tools/cli/emulate.py:emulate", "host_tools/cli/board.py:board", "passo/protocols/gcode.py:_line",
+    "passo/motion/step_program_words.py:_steps",  # stays: native code; runs may be short, so all is kept in locals
+}  # fmt: skip
+
+
+def report(faults):
+    assert not faults, "\n" + "\n".join(sorted(faults))
+
+
+def decorators(function):
+    return {getattr(each, "attr", "") for each in function.decorator_list}
+
+
+# --- (a) no bare index in machine code
+
+
+def _is_bare(index):
+    """A number, or a place with a number added: 3, at + 3, at - 1. Not what masks or scales: n & 7, 2 * n."""
+    if isinstance(index, ast.Slice):
+        return any(_is_bare(part) for part in (index.lower, index.upper) if part is not None)
+    if isinstance(index, ast.UnaryOp):
+        return _is_bare(index.operand)
+    if isinstance(index, ast.BinOp) and isinstance(index.op, (ast.Add, ast.Sub)):
+        return _is_bare(index.left) or _is_bare(index.right)
+    return isinstance(index, ast.Constant) and isinstance(index.value, int)
+
+
+def bare_indices(tree):
+    """(line, array, index) of each subscript by number in a function of machine code; "" is an array without a name."""
+    found = []
+    for function in ast.walk(tree):
+        if isinstance(function, ast.FunctionDef) and decorators(function) & {"viper", "native"}:
+            for node in ast.walk(function):
+                if isinstance(node, ast.Subscript) and _is_bare(node.slice):
+                    named = isinstance(node.value, (ast.Name, ast.Attribute))
+                    found.append((node.lineno, ast.unparse(node.value) if named else "", ast.unparse(node.slice)))
+    return found
+
+
+def test_no_bare_index_in_a_kernel():
+    faults, met = [], set()
+    for name in FIRMWARE:
+        for line, array, index in bare_indices(TREES[name]):
+            met |= {(name, array), name}
+            if name not in BARE_FILES and (name, array) not in SEQUENCES:
+                faults.append(f"{name}:{line}: {array or 'an expression'}[{index}]: name the field in records.py")
+    faults += [f"{each}: no such index is left" for each in (*SEQUENCES, *BARE_FILES) if each not in met]
+    report(faults)
+
+
+# --- (b) a constant stands in one place
+
+
+def constants(tree):
+    """(name without its underscore, value) of all that a module assigns in capitals and that is a number or a text."""
+    found = []
+    for node in tree.body:
+        if not isinstance(node, ast.Assign) or len(node.targets) > 1:
+            continue
+        target, value = node.targets[0], node.value
+        together = isinstance(target, ast.Tuple) and isinstance(value, ast.Tuple)
+        for name, each in zip(target.elts, value.elts) if together else [(target, value)]:
+            if isinstance(each, ast.Call) and getattr(each.func, "id", "") == "const":
+                each = each.args[0]
+            if isinstance(name, ast.Name) and name.id.isupper():
+                known = not any(isinstance(part, (ast.Name, ast.Call, ast.Attribute)) for part in ast.walk(each))
+                value_of = eval(compile(ast.Expression(each), "constant", "eval"), {}) if known else None
+                if isinstance(value_of, (int, str, bytes)) and not isinstance(value_of, bool):
+                    found.append((name.id.lstrip("_"), value_of))
+    return found
+
+
+def declared_twice(trees):
+    """{(name, value): [modules]} of constants that more than one module assigns. Every room sees records.py, errors.py and
+    commands.py, so one place for all can always be found."""
+    places = {}
+    for path, tree in trees.items():
+        for constant in constants(tree):
+            places.setdefault(constant, []).append(path)
+    return {constant: paths for constant, paths in places.items() if len(paths) > 1}
+
+
+def test_no_constant_stands_twice():
+    twice = declared_twice({name: TREES[name] for name in FIRMWARE})
+    report([f"{name} = {value} stands in {', '.join(paths)}: import it" for (name, value), paths in twice.items()])
+
+
+# --- (c) short files and functions
+
+
+def test_no_file_is_long():
+    long = {name for name, source in SOURCES.items() if source.count("\n") > MOST_LINES}
+    report([f"{name}: more than {MOST_LINES} lines" for name in long - LONG_FILES])
+    report([f"{name}: is short enough by now" for name in LONG_FILES - long])
+
+
+def long_functions(tree):
+    """Names of functions of more than MOST_LINES_OF_A_FUNCTION lines that are no kernels: machine code is called at a price."""
+    return {
+        node.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef)
+        and node.end_lineno - node.lineno >= MOST_LINES_OF_A_FUNCTION
+        and not decorators(node) & {"viper", "asm_thumb"}
+    }
+
+
+def test_no_function_is_long():
+    long = {f"{name}:{function}" for name, tree in TREES.items() for function in long_functions(tree)}
+    report([f"{each}: more than {MOST_LINES_OF_A_FUNCTION} lines" for each in long - LONG_FUNCTIONS])
+    report([f"{each}: is short enough by now" for each in LONG_FUNCTIONS - long])
+
+
+# --- (d) no circle of imports
+
+
+def module_of(name):
+    return name.removesuffix(".py").removesuffix("/__init__").replace("/", ".")
+
+
+def imports(trees):
+    """{module: modules of `trees` that it imports, anywhere in it}"""
+    modules = {module_of(name) for name in trees}
+    found = {}
+    for name, tree in trees.items():
+        wanted = set()
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Import):
+                wanted |= {alias.name for alias in node.names}
+            elif isinstance(node, ast.ImportFrom) and not node.level:
+                full = {f"{node.module}.{alias.name}" for alias in node.names}
+                wanted |= full & modules or {node.module}
+        found[module_of(name)] = wanted & modules - {module_of(name)}
+    return found
+
+
+def circles(imported):
+    """Groups of modules each of which can be reached from the others."""
+    reach = {}
+    for start in imported:
+        seen, ahead = set(), [start]
+        while ahead:
+            for each in imported[ahead.pop()] - seen:
+                seen.add(each)
+                ahead.append(each)
+        reach[start] = seen
+    return {tuple(sorted({a} | {b for b in reach[a] if a in reach[b]})) for a in imported if a in reach[a]}
+
+
+def test_no_circle_of_imports():
+    report([" and ".join(circle) + " import each other" for circle in circles(imports(TREES))])
+
+
+# --- (e) one home for a name in a module, one room for the feeder's state
+
+
+def imported_twice(tree):
+    """Names that a module binds by more than one import at its top: a build would leave such a constant unfolded."""
+    seen, twice = set(), set()
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom):
+            names = {alias.asname or alias.name for alias in node.names}
+            twice |= names & seen
+            seen |= names
+    return twice
+
+
+def test_no_name_is_imported_twice():
+    report([f"{name}: imports {each} twice" for name, tree in TREES.items() for each in imported_twice(tree)])
+
+
+def test_only_steps_knows_the_feeders_state():
+    """Geometries and the ramp answer "next segment"; the feeder alone writes its state, its marks and the ring."""
+    own = ("FEED_", "MARK_")
+    faults = []
+    for name in FIRMWARE:
+        if not name.startswith("passo/steps/") and name != "passo/records.py":
+            for node in ast.walk(TREES[name]):
+                if isinstance(node, ast.ImportFrom) and node.module == "passo.records":
+                    faults += [f"{name}: names {alias.name}" for alias in node.names if alias.name.startswith(own)]
+    report(faults)
+
+
+# --- (f) where tests lie
+
+
+def misplaced(paths):
+    """Faults of the files of tests_host, given from there: modules are imported by bare names, so each name occurs once; both
+    interpreters look for check_*.py in properties/ only."""
+    names = [path.name for path in paths if path.name != "__init__.py"]
+    faults = [f"{path}: another file has this name" for path in paths if names.count(path.name) > 1]
+    return faults + [f"{path}: belongs into properties/" for path in paths
+                     if path.name.startswith("check_") and path.parent.as_posix() != "properties"]  # fmt: skip
+
+
+def test_tests_lie_where_they_are_found():
+    tests = ROOT / "tests_host"
+    report(misplaced([path.relative_to(tests) for path in tests.rglob("*.py")]))
+    assert len(misplaced([Path("pico/a.py"), Path("sims/a.py"), Path("sims/check_b.py"), Path("properties/check_c.py")])) == 3
+
+
+# --- the rules find what they are for
+
+BARE = """
+import micropython
+@micropython.viper
+def f(rows: ptr32, at: int):
+    rows[{}] = 1
+"""
+
+
+@pytest.mark.parametrize("index", ["3", "at + 3", "3 + at", "at - 1", "-1", "at + (FIELD + 1)", "1:2", "0"])
+def test_a_bare_index_is_found(index):
+    assert [found[:2] for found in bare_indices(ast.parse(BARE.format(index)))] == [(5, "rows")]
+
+
+@pytest.mark.parametrize("index", ["FIELD", "at + FIELD", "at & 7", "2 * at", "at + FIELD + 2 * axes", "at:FIELD"])
+def test_a_named_field_passes(index):
+    assert bare_indices(ast.parse(BARE.format(index))) == []
+
+
+@pytest.mark.parametrize("one, other", [("A = const(5)", "_A = 5"), ("A, B = 1, 2", "B = const(1 + 1)"), ("A = 'x'", "A = 'x'")])
+def test_a_constant_that_stands_twice_is_found(one, other):
+    assert declared_twice({"one": ast.parse(one), "other": ast.parse(other)})
+
+
+@pytest.mark.parametrize("one, other", [("A = 5", "A = 6"), ("A = 5", "B = 5"), ("A = 5", "def f():\n    A = 5"), ("A = 5", "A = B")])
+def test_constants_of_their_own_pass(one, other):
+    assert not declared_twice({"one": ast.parse(one), "other": ast.parse(other)})
+
+
+@pytest.mark.parametrize("lines, found", [(59, set()), (60, {"f"})])
+def test_a_long_function_is_found(lines, found):
+    assert long_functions(ast.parse("def f():\n" + "    x = 1\n" * lines)) == found
+    assert not long_functions(ast.parse("@micropython.viper\ndef f():\n" + "    x = 1\n" * lines))
+
+
+def test_a_name_imported_twice_is_found():
+    assert imported_twice(ast.parse("from a import b\nfrom c import d as b, e")) == {"b"}
+    assert not imported_twice(ast.parse("from a import b\nfrom c import b as d\ndef f():\n    from e import b"))
+
+
+def test_a_circle_is_found():
+    trees = {"a/b.py": "from a.c import x", "a/c.py": "from a import d", "a/d.py": "def f():\n    import a.b", "a/e.py": "import a.b"}
+    assert circles(imports({name: ast.parse(text) for name, text in trees.items()})) == {("a.b", "a.c", "a.d")}

@@ -1,0 +1,351 @@
+"""The rooms of the firmware and what each may import (docs/architecture.md), read from the source.
+
+One table for the rooms, one for MicroPython's built-ins. A rule that stands in the way is changed there, for all.
+"""
+
+import ast
+import re
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.quick
+
+ROOT = Path(__file__).resolve().parents[2]
+FIRMWARE = ROOT / "firmware"
+FILES = sorted(path.relative_to(FIRMWARE) for path in FIRMWARE.rglob("*.py"))
+
+# The vocabulary: everybody may name it, and it names nobody.
+VOCABULARY = ("passo.records", "passo.commands", "passo.batch", "passo.errors")
+
+# What of passo a room may import besides itself.
+MAY_IMPORT = {
+    "passo": (),
+    "records": (),
+    "commands": (),
+    "batch": (),
+    "errors": (),
+    "error_texts": ("passo.errors",),
+    "drives": (),
+    "motion": VOCABULARY,
+    "steps": VOCABULARY + ("passo.motion",),
+    "protocols": VOCABULARY,
+    "control": VOCABULARY + ("passo.motion", "passo.steps"),
+    "ports": VOCABULARY + ("passo.steps", "passo.drives"),
+    "web": ("passo.control",),
+    "languages": VOCABULARY + ("passo.control", "passo.protocols"),
+    "app": ("passo",),
+    "machine_builder": ("passo",),
+    "main": (
+        "passo.app", "passo.machine_builder", "passo.control.boardfile", "passo.control.board_error", "passo.control.journal", "passo.ports", "board",
+    ),
+}
+
+INTEGER_ROOMS = ("motion", "steps")
+BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", "json", "hashlib", "select", "binascii"}
+MORE_BUILT_INS = {
+    "ports": {"math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs"},
+    "control": {"math"},
+    "web": {"socket", "network"},
+}
+
+# A file of these names would hide MicroPython's own module on the board; ports has its rp2 and esp32.
+RESERVED = BUILT_INS | set().union(*MORE_BUILT_INS.values()) | {
+    "asyncio", "bluetooth", "btree", "builtins", "cmath", "collections", "cryptolib", "deflate", "framebuf", "heapq",
+    "mip", "neopixel", "ntptime", "onewire", "platform", "random", "re", "ssl", "string", "tls", "types", "uasyncio",
+    "vfs", "_thread",
+}  # fmt: skip
+PORT_NAMES = {"rp2", "esp32"}
+
+# Rooms that serve every language know none. "pulses" and "keys" are ordinary words: only as a module or a mode's name.
+LANGUAGE_FREE = ("motion", "steps", "drives")
+LANGUAGE_WORDS = re.compile(r"(?<![a-z])(plotter|torch|grbl|g-?code)(?![a-z])", re.IGNORECASE)
+LANGUAGE_NAMES = {"plotter", "torch", "pulses", "keys", "grbl"}
+
+# On the host, only the virtual machine brings a port to the firmware.
+HOST_WITH_PORTS = ("host_tools/sim",)
+
+
+def room_of(path):
+    """The name of a firmware file's room: its folder under passo, or the file itself (app, main)."""
+    parts = path.with_suffix("").parts
+    if parts == ("passo", "__init__"):
+        return "passo"
+    return parts[1] if parts[0] == "passo" else parts[0]
+
+
+def tree(source):
+    return ast.parse(source)
+
+
+def imports(source, package):
+    """(line, full name) of all that is imported; `from a import b` is a.b, relative imports are resolved by `package`."""
+    found = []
+    for node in ast.walk(tree(source)):
+        if isinstance(node, ast.Import):
+            found += [(node.lineno, alias.name) for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            above = package[: len(package) - node.level + 1] if node.level else ()
+            base = ".".join(above + ((node.module,) if node.module else ()))
+            found += [(node.lineno, f"{base}.{alias.name}") for alias in node.names]
+    return found
+
+
+def within(name, prefixes):
+    return any(name == prefix or name.startswith(prefix + ".") for prefix in prefixes)
+
+
+def import_faults(source, path):
+    """Imports of a firmware file that its room may not make."""
+    room = room_of(path)
+    allowed = MAY_IMPORT.get(room, ()) + (f"passo.{room}",)
+    built_ins = BUILT_INS | MORE_BUILT_INS.get(room, set())
+    faults = []
+    for line, name in imports(source, path.parent.parts):
+        top = name.split(".")[0]
+        if not (within(name, allowed) or top in built_ins and top != "passo"):
+            faults.append(f"{path}:{line}: {room} may not import {name}")
+    if room not in ("machine_builder", "main"):
+        for node in ast.walk(tree(source)):
+            if isinstance(node, ast.Name) and node.id == "__import__":
+                faults.append(f"{path}:{node.lineno}: only the machine builder loads modules by name")
+    return faults
+
+
+def float_faults(source, path):
+    """Places where a float could come into being."""
+    faults = []
+    for node in ast.walk(tree(source)):
+        if isinstance(node, ast.Constant) and isinstance(node.value, (float, complex)):
+            faults.append(f"{path}:{node.lineno}: float {node.value}")
+        elif isinstance(node, (ast.BinOp, ast.AugAssign)) and isinstance(node.op, ast.Div):
+            faults.append(f"{path}:{node.lineno}: true division")
+        elif isinstance(node, ast.Name) and node.id in ("float", "complex", "round"):
+            faults.append(f"{path}:{node.lineno}: {node.id}")
+    return faults
+
+
+def language_faults(source, path):
+    """Places that name a language: in any text, or as a module or the name of a mode."""
+    faults = []
+    for number, line in enumerate(source.splitlines(), 1):
+        faults += [f"{path}:{number}: names {word}" for word in LANGUAGE_WORDS.findall(line)]
+    for line, name in imports(source, path.parent.parts):
+        if LANGUAGE_NAMES & set(name.split(".")):
+            faults.append(f"{path}:{line}: imports {name}")
+    for node in ast.walk(tree(source)):
+        if isinstance(node, ast.Constant) and node.value in ("pulses", "keys"):
+            faults.append(f"{path}:{node.lineno}: names the language {node.value}")
+    return faults
+
+
+def name_faults(path):
+    """A module or a folder named like one of MicroPython's own."""
+    names = set(path.with_suffix("").parts) & RESERVED
+    if room_of(path) == "ports":
+        names -= PORT_NAMES
+    return [f"{path}: hides MicroPython's {name}" for name in sorted(names)]
+
+
+def faults_of(path, *rules):
+    source = (FIRMWARE / path).read_text(encoding="utf-8")
+    return [fault for rule in rules for fault in rule(source, path)]
+
+
+def report(faults):
+    assert not faults, "\n" + "\n".join(faults)
+
+
+@pytest.mark.parametrize("path", FILES, ids=str)
+def test_firmware_file(path):
+    room = room_of(path)
+    assert room in MAY_IMPORT, f"{path}: no room of this name"
+    rules = [import_faults]
+    rules += [float_faults] * (room in INTEGER_ROOMS) + [language_faults] * (room in LANGUAGE_FREE)
+    report(faults_of(path, *rules) + name_faults(path))
+
+
+@pytest.mark.parametrize("path", sorted((ROOT / "boards").glob("[!_]*.py")), ids=lambda path: path.name)
+def test_boards_are_data(path):
+    """A docstring and BOARD = a literal, nothing else."""
+    body = tree(path.read_text(encoding="utf-8")).body
+    assert ast.get_docstring(ast.Module(body, [])), f"{path.name}: no docstring says which machine this is"
+    assert len(body) == 2 and isinstance(body[1], ast.Assign), f"{path.name}: more than a docstring and BOARD"
+    assert [target.id for target in body[1].targets] == ["BOARD"]
+    assert isinstance(ast.literal_eval(body[1].value), dict)
+
+
+def test_on_the_host_only_the_virtual_machine_imports_ports():
+    faults = []
+    for path in sorted((ROOT / "host_tools").rglob("*.py")):
+        if path.relative_to(ROOT).parent.as_posix() not in HOST_WITH_PORTS:
+            found = imports(path.read_text(encoding="utf-8"), path.relative_to(ROOT).parent.parts)
+            faults += [f"{path.name}:{line}: imports {name}" for line, name in found if within(name, ["passo.ports"])]
+    report(faults)
+
+
+BROKEN = [
+    (import_faults, "passo/motion/line.py", "from passo.steps import word"),
+    (import_faults, "passo/motion/line.py", "from ..steps import word"),
+    (import_faults, "passo/motion/line.py", "import math"),
+    (import_faults, "passo/steps/feeder.py", "import passo.drives.coils"),
+    (import_faults, "passo/steps/ring.py", "from typing import Any"),
+    (import_faults, "passo/control/homing.py", "def home():\n    import machine"),
+    (import_faults, "passo/control/homing.py", "from passo.protocols import plotter"),
+    (import_faults, "passo/commands.py", "from passo.control import queue"),
+    (import_faults, "passo/errors.py", "from passo import commands"),
+    (import_faults, "passo/control/homing.py", "from passo import ports"),
+    (import_faults, "passo/protocols/plotter.py", "from passo.control import controller"),
+    (import_faults, "passo/protocols/grbl.py", "from passo.motion.planner import Planner"),
+    (import_faults, "passo/protocols/grbl.py", "from passo.control.queue import Queue"),
+    (import_faults, "passo/batch.py", "from passo.protocols import grbl"),
+    (import_faults, "passo/control/point_buffer.py", "__import__('passo.ports.virtual')"),
+    (import_faults, "passo/ports/virtual.py", "from passo.control.log import Log"),
+    (float_faults, "passo/motion/line.py", "half = 0.5"),
+    (float_faults, "passo/motion/line.py", "x = a / b"),
+    (float_faults, "passo/motion/line.py", "x = 8\nx /= 2"),
+    (language_faults, "passo/steps/feeder.py", "x = 1  # as the Plotter does"),
+    (language_faults, "passo/steps/feeder.py", "grbl_mode = 1"),
+    (language_faults, "passo/steps/feeder.py", "if mode == 'pulses': pass"),
+    (language_faults, "passo/drives/coils.py", "from passo.protocols import keys"),
+]
+SOUND = [
+    (import_faults, "passo/steps/feeder.py", "from passo.motion.line import Line\nfrom passo.steps import word"),
+    (import_faults, "passo/control/homing.py", "from passo import errors\nimport passo.commands"),
+    (import_faults, "passo/motion/arc.py", "from . import line\nfrom array import array"),
+    (import_faults, "passo/ports/rp2.py", "import machine, rp2\nfrom passo.steps.word import ahead"),
+    (import_faults, "passo/machine_builder.py", "from passo.ports import rp2\n__import__('passo.protocols.keys')"),
+    (float_faults, "passo/motion/line.py", "half = total // 2"),
+    (language_faults, "passo/steps/feeder.py", "pulses = len(table.keys())  # pulses of the STEP pins"),
+]
+
+
+@pytest.mark.parametrize("rule, path, source", BROKEN)
+def test_a_breach_is_found(rule, path, source):
+    assert rule(source, Path(path))
+
+
+@pytest.mark.parametrize("rule, path, source", SOUND)
+def test_what_is_allowed_passes(rule, path, source):
+    assert rule(source, Path(path)) == []
+
+
+@pytest.mark.parametrize(
+    "path, faulty",
+    [("passo/control/machine.py", 1), ("passo/time/x.py", 1), ("passo/ports/rp2/pio.py", 0)],
+)
+def test_names_of_built_ins_are_refused(path, faulty):
+    assert len(name_faults(Path(path))) == faulty
+
+
+# --- nobody assigns attributes of another room's objects
+
+# Names under which rooms know objects of another one.
+OWNERS = {"planner": "motion", "feeder": "steps", "ring": "steps", "player": "ports", "port": "ports"}
+
+# {attribute: why others than its room may assign it}
+ASSIGNED = {
+    "open": "the feeder's flag, which an interrupt reads; of a step program: all of it has come",
+    "brake": "the feeder's flag, which an interrupt reads",
+    "hold": "the feeder's flag, which an interrupt reads",
+    "power": "the planner's, of the blocks added from now on",
+    "dynamic": "the planner's, of the blocks added from now on",
+    "gap": "of one walker of a step program, handed to the other",
+    "running": "of axes that run independently, before they are queued",
+    "late": "the feeder's count of interrupts that came too late",
+    "board": "the port's pins follow the settings: App hands it the board dict that these keep",
+    "max_steps_s": "known only when the player is made, whose ring the settings' speeds decide",
+    "curves_want": "bytes that S-curves want",
+    "arcs_want": "bytes that arcs want",
+    "walk": "steps/kernels.py puts machine code in the place of its plain twin",
+    "pace": "steps/kernels.py puts machine code in the place of its plain twin",
+}
+
+
+def assigned(tree):
+    """Attributes that a module assigns: (node, True if it is one of self)."""
+    for node in ast.walk(tree):
+        targets = node.targets if isinstance(node, ast.Assign) else [getattr(node, "target", None)]
+        for target in targets if isinstance(node, (ast.Assign, ast.AugAssign, ast.AnnAssign)) else ():
+            for each in target.elts if isinstance(target, (ast.Tuple, ast.List)) else [target]:
+                if isinstance(each, ast.Attribute):
+                    yield each, isinstance(each.value, ast.Name) and each.value.id == "self"
+
+
+def attributes(tree):
+    """Names of the attributes that the classes of a module have."""
+    found = {node.attr for node, own in assigned(tree) if own}
+    for owner in [node for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]:
+        for node in [node for node in owner.body if isinstance(node, ast.Assign)]:
+            found |= {target.id for target in node.targets if isinstance(target, ast.Name)}
+    return found
+
+
+def attributes_of_rooms():
+    rooms = {}
+    for path in FILES:
+        rooms.setdefault(room_of(path), set()).update(attributes(tree((FIRMWARE / path).read_text(encoding="utf-8"))))
+    return rooms
+
+
+def assignment_faults(source, path, rooms):
+    """Assignments to attributes that no class of this room, or of the vocabulary, has; or of an object that is another's."""
+    own = rooms[room_of(path)] | rooms["commands"] | rooms["batch"]
+    faults = []
+    for node, of_self in assigned(tree(source)):
+        name = getattr(node.value, "attr", getattr(node.value, "id", "")).lstrip("_")
+        others = OWNERS.get(name, room_of(path)) != room_of(path)
+        if not of_self and (others or node.attr not in own) and node.attr not in ASSIGNED:
+            faults.append(f"{path}:{node.lineno}: assigns {ast.unparse(node)}")
+    return faults
+
+
+def test_nobody_assigns_another_rooms_attributes():
+    rooms = attributes_of_rooms()
+    report([fault for path in FILES for fault in faults_of(path, lambda source, path: assignment_faults(source, path, rooms))])
+
+
+@pytest.mark.parametrize(
+    "path, source, faulty",
+    [
+        ("passo/app.py", "self.controller.machine.alarm = 0", 1),
+        ("passo/control/queue.py", "self._planner.ramp = None", 1),
+        ("passo/protocols/grbl.py", "self._machine.homed, x = True, 1", 1),
+        ("passo/protocols/gcode.py", "command.tool = True", 0),
+        ("passo/control/pauses.py", "machine.hold = 'door'", 0),
+    ],
+)
+def test_a_foreign_assignment_is_found(path, source, faulty):
+    assert len(assignment_faults(source, Path(path), attributes_of_rooms())) == faulty
+
+
+# --- no feature knows another one
+
+
+def features():
+    """Names of the features, by the machine builder's table."""
+    source = (FIRMWARE / "passo/machine_builder.py").read_text(encoding="utf-8")
+    for node in tree(source).body:
+        if isinstance(node, ast.Assign) and getattr(node.targets[0], "id", "") == "FEATURES":
+            return [row.elts[0].value for row in node.value.elts]
+    raise AssertionError("the machine builder has no FEATURES")
+
+
+def feature_faults(source, path, names):
+    faults = []
+    for line, name in imports(source, path.parent.parts):
+        parts = name.split(".")
+        if parts[:2] == ["passo", "control"] and parts[2] in names and parts[2] != path.stem:
+            faults.append(f"{path}:{line}: a feature imports {name}")
+    return faults
+
+
+def test_no_feature_imports_a_feature():
+    names = features()
+    assert len(names) > 10
+    report([
+        fault for name in names
+        for fault in faults_of(Path(f"passo/control/{name}.py"), lambda source, path: feature_faults(source, path, names))
+    ])  # fmt: skip
+    assert feature_faults("from passo.control.tools import OFF", Path("passo/control/program.py"), names)
+    assert not feature_faults("from passo.control.queue import Queue", Path("passo/control/program.py"), names)

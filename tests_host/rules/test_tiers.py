@@ -1,0 +1,123 @@
+"""What a tier runs, tried on a test file of its own."""
+
+import os
+import re
+import subprocess
+import sys
+
+import pytest
+import tiers
+from test_board_command import ROOT
+
+pytestmark = pytest.mark.quick
+
+CHECKS = """
+tried = []
+CASES = {"check_all": (("value", 0, 100000),), "check_long": (("value", 0, 100000),)}
+RUNS = {"check_all": 60}
+SLOW = ("check_long",)
+
+
+def check_all(value):
+    tried.append(value)
+
+
+def check_long(value):
+    pass
+"""
+FILE = """
+import sys
+
+import pytest
+
+
+@pytest.mark.slow
+def test_slow():
+    pass
+
+
+@pytest.mark.quick
+def test_quick():
+    pass
+
+
+@pytest.mark.quick
+@pytest.mark.slow
+def test_one_of_a_quick_file_that_is_slow():
+    pass
+
+
+def test_plain():
+    assert "plain" not in sys.argv
+
+
+@pytest.mark.quick
+def test_the_examples():
+    import check_sample
+
+    print("examples:", len(check_sample.tried))
+
+
+@pytest.mark.unmeasured
+def test_unmeasured():
+    assert sys.gettrace() is None
+"""
+WANTED = {
+    "check": {"test_quick", "check_all", "test_the_examples"},
+    "test": {"test_quick", "check_all", "test_the_examples", "test_plain", "test_unmeasured"},
+    "all": {"test_quick", "check_all", "test_the_examples", "test_plain", "test_unmeasured", "test_slow", "check_long",
+            "test_one_of_a_quick_file_that_is_slow"},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("tier", tiers.TIERS)
+def test_what_runs(tmp_path, tier):
+    (tmp_path / "check_sample.py").write_text(CHECKS)
+    (tmp_path / "test_file.py").write_text(FILE)
+    environ = {**os.environ, "PYTHONPATH": str(ROOT / "tests_host"), "CI": "1"}
+    options = ["-p", "conftest", "-p", "no:cacheprovider", "-n", "0", "-s", "-v", "-c", ROOT / "pyproject.toml", "--rootdir", "."]
+    command = [sys.executable, "-m", "pytest", *options, "--tier", tier, "check_sample.py", "test_file.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environ)
+    assert done.returncode == 0, done.stdout + done.stderr
+    ran = set(re.findall(r"::(\w+) (?:PASSED|examples)", done.stdout))
+    assert ran == WANTED[tier]
+    assert int(re.search(r"examples: (\d+)", done.stdout)[1]) == (tiers.FEW if tier == "check" else 60)
+
+
+MEASURED = """
+import time
+
+import pytest
+import sample
+import tiers
+
+
+def test_long():
+    assert sample.first()
+    end = time.process_time() + 2 * tiers.MEASURED_S
+    while time.process_time() < end:
+        pass
+    sample.late()
+
+
+@pytest.mark.unmeasured
+def test_unmeasured():
+    sample.unseen()
+
+
+def test_the_next():
+    assert sample.after()
+"""
+
+
+def test_coverage_sees_the_beginning_of_each_test(tmp_path):
+    names = ("first", "late", "unseen", "after")
+    (tmp_path / "sample.py").write_text("".join(f"def {name}():\n    return 1\n\n\n" for name in names))
+    (tmp_path / "test_file.py").write_text(MEASURED)
+    environ = {**os.environ, "PYTHONPATH": f"{ROOT / 'tests_host'}{os.pathsep}{tmp_path}", "CI": "1"}
+    options = ["-p", "conftest", "-p", "no:cacheprovider", "-n", "0", "-c", os.devnull, "--rootdir", "."]
+    measure = ["--cov=sample", "--cov-config=/dev/null", "--cov-report=term-missing"]
+    command = [sys.executable, "-m", "pytest", *options, *measure, "test_file.py"]
+    done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, env=environ)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert re.search(r"^sample.py +8 +2 +75% +6, 10$", done.stdout, re.MULTILINE), done.stdout

@@ -1,6 +1,0 @@
-"""check_gcode under CPython, by hypothesis."""
-
-import check_gcode
-from properties import make_tests
-
-globals().update(make_tests(check_gcode))

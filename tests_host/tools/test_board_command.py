@@ -1,0 +1,291 @@
+"""`passo board` as a program: its ports, its time, its files, and how it ends."""
+
+import csv
+import os
+import re
+import select
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+import serial
+
+from passo.protocols import torch
+from patience import patience
+from test_virtual_machine import LOG_2014
+
+ROOT = Path(__file__).resolve().parents[2]
+COMMAND = [sys.executable, "-m", "host_tools.cli", "board"]
+HELLO = bytes.fromhex(LOG_2014[0][0])
+SAFE_S = 2.0
+LIMIT_S = 60  # after which something hangs
+
+
+def environment():
+    """The project's own folders first, installed or not."""
+    paths = [str(ROOT), str(ROOT / "firmware"), os.environ.get("PYTHONPATH", "")]
+    return dict(os.environ, PYTHONPATH=os.pathsep.join(path for path in paths if path))
+
+
+class Board:
+    """A running `passo board`; `ports` are the texts after `port:`."""
+
+    def __init__(self, *options, links=1):
+        self.process = subprocess.Popen(
+            [*COMMAND, *map(str, options)],
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=environment(),
+        )
+        ready, _, _ = select.select([self.process.stdout], [], [], LIMIT_S)
+        assert ready, f"no port within {LIMIT_S} s"
+        self.lines = [self.process.stdout.readline().strip() for _ in range(links)]
+        assert self.lines[0].startswith("port: "), (self.lines, self.process.stderr.read())
+        self.port = self.lines[0][6:]
+
+    def open(self):
+        return serial.serial_for_url(self.port, 57600, timeout=LIMIT_S)
+
+    def end(self, number=signal.SIGTERM):
+        """(exit status, seconds it took, stderr)"""
+        started = time.monotonic()
+        self.process.send_signal(number)
+        _, errors = self.process.communicate(timeout=LIMIT_S)
+        return self.process.returncode, time.monotonic() - started, errors
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        if self.process.poll() is None:
+            self.process.kill()
+        self.process.communicate()
+
+
+def converse(client):
+    for packet, answer in LOG_2014:
+        client.write(bytes.fromhex(packet))
+        assert client.read(1) == answer, packet
+
+
+def rows(path):
+    with open(path, newline="") as file:
+        return [[float(field) for field in row] for row in list(csv.reader(file))[1:]]
+
+
+def failure(*options):
+    command = [*COMMAND, *map(str, options)]
+    done = subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, env=environment())
+    assert done.returncode != 0 and done.stdout == ""
+    return done.stderr
+
+
+def test_the_log_of_2014_over_a_pty(tmp_path):
+    link = tmp_path / "plotter"
+    trace, vcd = tmp_path / "t.csv", tmp_path / "t.vcd"
+    options = "--time", "fast", "--link", link, "--trace", trace, "--vcd", vcd, "--bounce-ms", 3, "--seed", 4
+    with Board(*options) as board:
+        assert board.lines == [f"port: {link}"]
+        with board.open() as client:
+            converse(client)
+        with board.open() as client:
+            client.write(HELLO)
+            assert client.read(1) == b"k"
+        status, seconds, errors = board.end()
+    assert (status, errors) == (0, "") and seconds < patience(SAFE_S)
+    assert not link.is_symlink()
+    table = rows(trace)
+    assert table[-1][1:] == [644, 314, 0, 0, 0]
+    assert vcd.read_text().startswith("$timescale 1 ns $end")
+
+
+def test_tcp():
+    with Board("--time", "fast", "--tcp", 0) as board:
+        assert re.fullmatch(r"socket://127\.0\.0\.1:\d+", board.port)
+        with board.open() as client:
+            converse(client)
+        assert board.end(signal.SIGINT)[0] == 0
+
+
+def until_drawn(trace, count):
+    """Until a trace, which is written while it is made, has so many rows."""
+    deadline = time.monotonic() + LIMIT_S
+    while not trace.exists() or len(trace.read_text().splitlines()) < count:
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+
+
+@pytest.mark.parametrize("mode", ("real", "fast"))
+def test_sigterm_in_the_middle_of_a_drawing(tmp_path, mode):
+    trace, vcd = tmp_path / "t.csv", tmp_path / "t.vcd"
+    options = "--time", mode, "--start", "0,0", "--trace", trace, "--vcd", vcd
+    with Board(*options) as board:
+        with board.open() as client:
+            for i in range(300):
+                x, y = (3900, 2900) if i % 2 else (0, 0)
+                body = bytes([ord("l"), x >> 8, x & 255, y >> 8, y & 255])
+                client.write(body + bytes([sum(body) & 255]))
+                assert client.read(1) == b"n"
+            client.write(bytes.fromhex(LOG_2014[-1][0]))
+            until_drawn(trace, 100)
+            status, seconds, errors = board.end()
+    assert (status, errors) == (0, "") and seconds < patience(SAFE_S)
+    table = rows(trace)
+    assert len(table) > 50 and table[-2][5] == 1000, "it was drawing"
+    assert table[-1][5] == 0, "the pen comes up"
+    text = vcd.read_text()
+    wires = dict(re.findall(r"\$var wire 1 (\S+) (\w+) \$end", text))
+    last = {wires[code]: level for level, code in re.findall(r"^([01])(\S+)$", text, re.M)}
+    assert text.endswith("\n") and not any(int(last[name]) for name in last if not name.startswith("barrier"))
+
+
+def test_real_time_is_real():
+    with Board("--start", "0,0") as board, board.open() as client:
+        for packet in ("6d 00 00 00 00 6d", "6c 00 64 00 00 d0"):
+            client.write(bytes.fromhex(packet))
+            assert client.read(1) == b"n"
+        started = time.monotonic()
+        client.write(bytes.fromhex("65 00 00 00 00 65"))
+        assert client.read(1) == b"d"
+        # 100 steps of 2.225 ms, pen down and up of 60 ms each, 20 ms for the motors to wake.
+        assert 0.33 < time.monotonic() - started < patience(0.8)
+
+
+def cpu_seconds(pid):
+    with open(f"/proc/{pid}/stat") as file:
+        fields = file.read().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
+@pytest.mark.skipif(not os.path.exists("/proc/self/stat"), reason="reads /proc")
+@pytest.mark.parametrize("connected", (True, False))
+def test_idle_board_sleeps(connected):
+    with Board("--time", "fast") as board:
+        client = board.open()
+        client.write(HELLO)
+        assert client.read(1) == b"k"
+        if not connected:
+            client.close()
+        time.sleep(0.2)
+        before = cpu_seconds(board.process.pid)
+        time.sleep(1.0)
+        assert cpu_seconds(board.process.pid) - before < 0.15
+        client.close()
+
+
+def two_links(tmp_path):
+    path = tmp_path / "two.py"
+    path.write_text(
+        "from runpy import run_path\n"
+        f"BOARD = run_path({str(ROOT / 'boards' / 'plotter_2014.py')!r})['BOARD']\n"
+        "BOARD['links'].append({'name': 'usb', 'port': 'usb', 'protocol': 'plotter'})\n"
+    )
+    return path
+
+
+def test_two_links(tmp_path):
+    path, link = two_links(tmp_path), tmp_path / "second"
+    with Board("--board", path, "--link", f"usb={link}", "--protocol", "usb=plotter", links=2) as board:
+        assert board.lines[1] == f"port usb: {link}"
+        with serial.Serial(str(link), timeout=LIMIT_S) as client:
+            client.write(HELLO)
+            assert client.read(1) == b"k"
+        assert board.end()[0] == 0
+
+
+def passo(*arguments):
+    command = [sys.executable, "-m", "host_tools.cli", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=LIMIT_S, env=environment())
+
+
+def test_the_command_is_handed_over_from_both_links(tmp_path):
+    path, usb = two_links(tmp_path), tmp_path / "usb"
+    options = "--board", path, "--link", f"usb={usb}", "--protocol", "usb=grbl"
+    with Board(*options, links=2) as board:
+        grbl = "link", "--protocol", "grbl", "--port", usb
+        plotter = "link", "--protocol", "plotter", "--port", board.port
+        assert passo(*grbl).stdout == "link 1, pc, commands\n"
+        assert passo(*grbl, 0).stdout == "link 2, usb, commands\n"
+        with serial.Serial(str(usb), timeout=LIMIT_S) as client:
+            client.write(b"$X\n")
+            assert client.read_until(b"ok\r\n").endswith(b"ok\r\n")
+        refused = passo("send", "--port", board.port, "SPEED 900")
+        assert refused.returncode == 1 and "error 112, another link commands the machine" in refused.stderr
+        assert passo(*plotter, 1).stdout == "link 1 commands\n"
+        assert passo("send", "--port", board.port, "SPEED 900", "LINK 2").returncode == 0
+        assert passo(*grbl).stdout == "link 2, usb, commands\n"
+        assert "no link of this number" in passo(*grbl, 3).stderr
+        logged = passo("log", "--port", usb).stdout.splitlines()
+        assert logged[0].split()[1:4] == ["s", "pc", "112"] and logged[0].endswith("hand the command over first")
+        assert logged[-1] == "since the start: 1 times 112, 1 times 113"
+        assert "it has no word for that" in passo("link", "--protocol", "keys", "--port", usb).stderr
+        assert "plotter has no word for who commands" in passo(*plotter).stderr
+        assert board.end()[0] == 0
+
+
+@pytest.mark.parametrize("board, protocol, refused", [
+    ("torch_manipulator", "torch", torch.move(5, 480, 5, 480)), ("lpt_router", "pulses", b"{jump}"),
+])  # fmt: skip
+def test_the_log_of_other_languages(board, protocol, refused):
+    """With and without being told what the link speaks; asking for the log moves nothing."""
+    with Board("--board", board) as board:
+        with serial.Serial(board.port, timeout=0.2) as client:
+            client.write(refused)
+            client.read(100)
+        number = 117 if protocol == "torch" else 124
+        for words in ((), ("--protocol", protocol)):
+            told = passo("log", "--port", board.port, *words)
+            assert told.returncode == 0, told.stderr
+            assert told.stdout.splitlines()[0].split()[1:4] == ["s", "pc", str(number)]
+        with serial.Serial(board.port, timeout=0.2) as client:
+            client.write(torch.frame("INFO") if protocol == "torch" else b"{?}")
+            said = client.read(1000)
+            assert said == torch.answer("INFO", 0, 0) if protocol == "torch" else b"idle" in said.lower(), said
+        assert "it has no word for the log" in passo("log", "--port", board.port, "--protocol", "keys").stderr
+        assert board.end()[0] == 0
+
+
+def test_faults_of_the_machine_are_told_at_the_end():
+    with Board("--time", "fast", "--start", "50,50", "--fault", "barrier_x=dead") as board:
+        with board.open() as client:
+            client.write(bytes.fromhex(LOG_2014[1][0]))
+            client.timeout = 1
+            assert client.read(1) == b"", "an alarm withholds ORIGIN_OK"
+        status, _, errors = board.end()
+    assert status == 0
+    assert re.fullmatch(
+        r"the machine: \d+ errors; the first at \d+\.\d{3} ms: x ran into its hard end at -140\n", errors
+    )
+
+
+def test_a_wrong_board_file_is_one_clear_line(tmp_path):
+    path = tmp_path / "wrong.py"
+    path.write_text("BOARD = {'name': 'wrong'}\n")
+    assert failure("--board", path) == f"passo: board {path}: drive: missing\n"
+
+
+@pytest.mark.parametrize(
+    "options, text",
+    [
+        (("--board", "nosuch"), "unknown board 'nosuch'"),
+        (("--time", "slow"), "--time is real or fast, not 'slow'"),
+        (("--protocol", "klingon"), "unknown protocol 'klingon'"),
+        (("--protocol", "usb=plotter"), "there is no link 'usb'; known are pc"),
+        (("--link", "/nosuch/link"), "cannot make the link /nosuch/link"),
+        (("--trace", "/nosuch/t.csv"), "cannot write /nosuch/t.csv"),
+        (("--vcd", "/nosuch/t.vcd"), "cannot write /nosuch/t.vcd"),
+        (("--start", "1"), "2 positions are wanted"),
+        (("--start", "a,b"), "whole steps are wanted"),
+        (("--start", "9999,0"), "not between the hard ends"),
+        (("--fault", "barrier_x"), "NAME=VALUE is wanted"),
+        (("--fault", "lid=dead"), "no barrier lid"),
+        (("--fault", "barrier_x=tired"), "none of dead, stuck"),
+    ],
+)
+def test_one_clear_line(options, text):
+    errors = failure(*options)
+    assert text in errors and errors.count("\n") == 1, errors

@@ -1,0 +1,153 @@
+"""`passo flash`: what it would run, and a whole flash of a board that stands behind a pty."""
+
+import os
+import pty
+import shlex
+import subprocess
+import sys
+import time
+import tty
+from functools import partial
+from pathlib import Path
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from host_tools.cli import flash
+from host_tools.failure import Failure
+
+FAKE_BOARD = Path(__file__).resolve().parents[1] / "sims" / "fake_board.py"
+MICROPYTHON = Path(sys.executable).parent / "micropython"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """A working folder, so that build/ does not land in the project."""
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def run_flash(*arguments):
+    app = typer.Typer()
+    app.command()(flash.flash)
+    return CliRunner().invoke(app, ["--board", "plotter_2014", *arguments])
+
+
+def test_dry_run_transcript(folder):
+    result = run_flash("--port", "/dev/ttyACM0", "--dry-run")
+    assert result.exit_code == 0, result.output
+    mpremote = shlex.join([sys.executable, "-m", "mpremote", "connect", "/dev/ttyACM0"])
+    assert result.output.splitlines()[-2:] == [
+        f"{mpremote} exec pass",
+        f"{mpremote} cp -r build/plotter_2014/passo : + cp build/plotter_2014/main.py build/plotter_2014/board.py :"
+        f" + run {shlex.quote(str(flash.TIDY))} + reset",
+    ]
+    assert (folder / "build/plotter_2014/passo/app.mpy").is_file()
+
+
+@pytest.mark.parametrize("port", ["/dev/no-such-port", "/dev/no/such/port"])
+def test_a_wrong_port_is_one_line(folder, port):
+    """Nothing is built for it, and no table goes before the reason."""
+    result = run_flash("--port", port)
+    assert isinstance(result.exception, Failure) and f"there is no port {port}" in str(result.exception)
+    assert result.output == "" and not (folder / "build").exists()
+
+
+def test_a_port_that_does_not_answer_is_two_lines(folder, small_firmware, monkeypatch):
+    monkeypatch.setattr(flash, "probe", lambda command, port: (_ for _ in ()).throw(flash.no_answer(port)))
+    result = run_flash("--port", "socket://localhost:1")
+    assert isinstance(result.exception, Failure) and "no MicroPython board answers" in str(result.exception)
+    assert len(result.output.splitlines()) == 1 and "passo build lists them" in result.output
+
+
+def test_a_port_must_be_named(folder):
+    result = run_flash()
+    assert isinstance(result.exception, Failure)
+    assert "--port" in str(result.exception)
+
+
+def test_a_port_that_is_not_there():
+    asking, _ = flash.commands("/dev/no-such-port", Path("build/x"))
+    with pytest.raises(Failure, match="there is no port /dev/no-such-port"):
+        flash.probe(asking, "/dev/no-such-port")
+
+
+def test_a_port_without_a_board(monkeypatch):
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    port = os.ttyname(slave)
+    monkeypatch.setattr(flash, "PROBE_TIMEOUT_S", 3)
+    asking, _ = flash.commands(port, Path("build/x"))
+    try:
+        with pytest.raises(Failure, match=f"no MicroPython board answers on {port}"):
+            flash.probe(asking, port)
+    finally:
+        os.close(master)
+        os.close(slave)
+
+
+@pytest.fixture
+def board(tmp_path):
+    """(port, folder of its files) of a board that answers as MicroPython does."""
+    if not MICROPYTHON.exists():
+        pytest.skip(f"there is no {MICROPYTHON}")
+    files = tmp_path / "board"
+    files.mkdir()
+    master, slave = pty.openpty()
+    tty.setraw(slave)
+    process = subprocess.Popen([MICROPYTHON, FAKE_BOARD, files], stdin=master, stdout=master)
+    yield os.ttyname(slave), files
+    process.kill()
+    process.wait()
+    os.close(master)
+    os.close(slave)
+
+
+def put(files, name, text="old"):
+    (files / name).parent.mkdir(parents=True, exist_ok=True)
+    (files / name).write_text(text)
+
+
+@pytest.fixture
+def small_firmware(tmp_path, monkeypatch):
+    """A few modules instead of all: a copy takes its time."""
+    firmware = tmp_path / "firmware"
+    for name in ("main.py", "passo/__init__.py", "passo/app.py", "passo/motion/line.py", "passo/protocols/plotter.py"):
+        put(firmware, name, "x = 1\n")
+    monkeypatch.setattr(flash, "build_tree", partial(flash.build_tree, firmware=firmware))
+
+
+def wait_for(path):
+    for _ in range(600):
+        if path.exists():
+            return True
+        time.sleep(0.1)
+    return False
+
+
+def test_a_whole_flash(folder, board, small_firmware):
+    port, files = board
+    kept = ("settings.0", "settings.1", "lib/mine.py")  # the settings above all
+    for name in kept + ("passo/app.py", "passo/old_room/gone.mpy", "main.py"):
+        put(files, name)
+    result = run_flash("--port", port)
+    assert result.exit_code == 0, (result.output, result.exception)
+    built = folder / "build" / "plotter_2014"
+    for path in built.rglob("*"):
+        if path.is_file():
+            assert (files / path.relative_to(built)).read_bytes() == path.read_bytes(), path
+    assert not (files / "passo/app.py").exists(), "a module of an older version would hide the new one"
+    assert not (files / "passo/old_room").exists()
+    for name in kept:
+        assert (files / name).read_text() == "old"
+    assert wait_for(files / ".reset")
+
+
+def test_a_copy_that_ends_early(folder, board, small_firmware):
+    port, files = board
+    put(files, "passo", "a file where the package's folder belongs")
+    result = run_flash("--port", port)
+    assert isinstance(result.exception, Failure)
+    assert str(result.exception).startswith(f"copying to {port} ended early: ")
+    assert "\n" not in str(result.exception)
