@@ -80,7 +80,7 @@ class Course:
 
 def letter_of(mask, negative):
     """The code of one step."""
-    from passo.protocols.pulses import CODES
+    from passo.protocols.pulses_codes import CODES
 
     if not _LETTERS:
         _LETTERS.update({code: chr(65 + number) for number, code in enumerate(CODES)})

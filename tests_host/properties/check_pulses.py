@@ -5,7 +5,8 @@ from lpt import Lpt
 from passo import commands
 from passo.commands import TRACK_ABORT, TRACK_ADD, TRACK_CLOSE, TRACK_ITEMS
 from passo.motion.integers import isqrt
-from passo.protocols.pulses import CODES, Pulses, frame
+from passo.protocols.pulses import Pulses, frame
+from passo.protocols.pulses_codes import CODES
 from passo.protocols.pulses_report import port_byte
 
 CASES = {

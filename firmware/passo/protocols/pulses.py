@@ -1,11 +1,4 @@
-"""The language of LPTControl (2009): files of one-letter pulse codes, and the control commands around them.
-
-A file is text; blanks and line ends between codes are ignored, anything not named here is an error:
-
-    A … Z     one step of each of a code's axes, see CODES
-    [ ]       drives on, off              ( )   tool on, off
-    *5000     wait 5000 ms                +2000 speed 2000 mm/min (+0: the operator sets one)
-    $ @       the fastest speed, the board file's
+"""The language of LPTControl (2009): files of one-letter pulse codes (pulses_codes.py), and the control commands around them.
 
 Control commands stand in braces, which are no codes, and may come at any moment, between the bytes of a file too:
 
@@ -17,9 +10,9 @@ Control commands stand in braces, which are no codes, and may come at any moment
     {repeat 5} {speed 1200} {jog x 100 y -50} {tool on} {drives off} {home} {unlock} {link} {?} {log}
     {motors on}            where relays choose between this board and another controller
 
-With the drives off the steps of a file go out all the same, as from a parallel port, and no motor has current: it is a
-dry run, and the machine has to be homed again. Backward a file that has a [ has them on. A move by hand switches the drives on, unless the operator has switched
-them off.
+With the drives off the steps of a file go out all the same, as from a parallel port, and no motor has current: a dry run,
+after which the machine has to be homed again. Backward, a file that has a [ runs with the drives on. A move by hand switches
+them on, unless the operator has switched them off.
 
 Codes outside a file are streamed, too, until the line is quiet. Answers are lines:
 
@@ -45,8 +38,9 @@ from micropython import const
 from passo import errors
 from passo.commands import (
     ACCEPTED, ALARM, BAD, DROPPED, FINISHED, RESTARTED, STATUS, STOP, TRACK, TRACK_ABORT, TRACK_ADD, TRACK_ASK, TRACK_CLOSE,
-    TRACK_DEFAULT, TRACK_DRIVES, TRACK_FASTEST, TRACK_ITEMS, TRACK_OPEN, TRACK_SPEED, TRACK_TOOL, TRACK_WAIT, Command,
+    TRACK_ITEMS, TRACK_OPEN, TRACK_SPEED, TRACK_WAIT, Command,
 )  # fmt: skip
+from passo.protocols.pulses_codes import CODES, MARKS, SPEED_MM_MIN, WAIT_MS
 from passo.protocols.pulses_control import number, understand
 from passo.protocols.pulses_report import status
 from passo.records import COUNT_MASK
@@ -54,29 +48,10 @@ from passo.records import COUNT_MASK
 WINDOW = const(512)
 CREDIT = const(64)
 ACK = b"\x06"
-WAIT_MS = (0, 3_600_000)
-SPEED_MM_MIN = (0, 900_000)
 QUIET_MS = const(1000)  # ends what was typed without {stream}
 CUT_MS = const(5000)  # a file that stops coming is cut off
 _LONGEST_COMMAND = const(80)  # of a control command
 
-# What each letter steps, from A on: bits 0 to 2 the axes x, y, z, bits 4 to 6 those of them that go backward.
-CODES = bytes((
-    0x01, 0x11, 0x02, 0x22, 0x04, 0x44,  # A X+, B X−, C Y+, D Y−, E Z+, F Z−
-    0x03, 0x23, 0x13, 0x33,  # G X+Y+, H X+Y−, I X−Y+, J X−Y−
-    0x05, 0x45, 0x15, 0x55,  # K X+Z+, L X+Z−, M X−Z+, N X−Z−
-    0x06, 0x46, 0x26, 0x66,  # O Y+Z+, P Y+Z−, Q Y−Z+, R Y−Z−
-    0x07, 0x47, 0x27, 0x67,  # S X+Y+Z+, T X+Y+Z−, U X+Y−Z+, V X+Y−Z−
-    0x17, 0x57, 0x37, 0x77,  # W X−Y+Z+, X X−Y+Z−, Y X−Y−Z+, Z X−Y−Z−
-))  # fmt: skip
-_MARKS = {
-    0x5B: 1 << 8 | TRACK_DRIVES << 4,  # [
-    0x5D: TRACK_DRIVES << 4,  # ]
-    0x28: 1 << 8 | TRACK_TOOL << 4,  # (
-    0x29: TRACK_TOOL << 4,  # )
-    0x24: TRACK_FASTEST << 4,  # $
-    0x40: TRACK_DEFAULT << 4,  # @
-}
 _BLANKS = b" \t\r\n"
 
 # What becomes of the bytes of files.
@@ -231,8 +206,8 @@ class Pulses:
             self._sign = byte
             self._number = -1
             self._sign_at = (self._line, self._column)
-        elif byte in _MARKS:
-            self._items.append(_MARKS[byte])
+        elif byte in MARKS:
+            self._items.append(MARKS[byte])
         elif byte == 10:
             self._line += 1
             self._column = 0

@@ -30,21 +30,19 @@ import rp2
 import uctypes
 import vfs
 from machine import mem32
-from micropython import const, kbd_intr
+from micropython import const
 
+from passo.ports.rp2.flash_files import BLOCK, Blocks, Files, Unknown, mount
 from passo.ports.rp2.flash_scan import (
     BLOCKS, BUSY, FIELDS, FILE_COUNT, FILE_ROW, FILES, FREE, FUNCTION_CHILDREN, FUNCTION_CODE, FUNCTION_MODULE, FUNCTION_ROW,
     IN_USE, KIND_SHIFT, MOVED, MOVED_BYTES, POOL, RAW_CODE, STACK, TYPES, WORK, WORK_ROW, WORK_ROWS,
 )  # fmt: skip
 
 _SCAN = "passo.ports.rp2.flash_scan"  # loaded, then given back
-_BLOCK = const(4096)
-_MARK = const(0x5043)
 _IOCTL_COUNT = const(4)
-_IOCTL_ERASE = const(6)
-_CORRUPT = const(-84)  # littlefs looks for another block
-_CTRL_C = const(3)
-_NOT_FOUND = const(2)
+
+
+
 _SMALL = const(512)  # littlefs keeps files up to this size beside their names
 _PAGE = const(256)  # as the interpreter mounts it
 _FLASH = const(0x10000000)
@@ -56,8 +54,8 @@ _TIGHT = const(56_000)
 _STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
 _PIECE = const(2_200)  # bytes: if no free piece is as large, a room that was kept is given back
 _WORK_ROWS = const(96)
-_FOLDER = const(0x4000)
-_FILE = const(0x8000)
+
+
 
 
 # For the trial.
@@ -78,111 +76,12 @@ def _minus(number):
     return number - 7
 
 
-class Unknown(Exception):
-    """Something is not as expected: all stays in RAM."""
-
-
-class Blocks:
-    """The flash as littlefs sees it. Keeps the blocks that code runs from."""
-
-    def __init__(self, flash, count):
-        self._flash = flash
-        self._kept = bytearray((count + 7) // 8)
-        self.count = count
-        self.last = -1  # read
-
-    def readblocks(self, block, data, offset=0):
-        self.last = block
-        self._flash.readblocks(block, data, offset)
-
-    def writeblocks(self, block, data, offset=0):
-        self._flash.writeblocks(block, data, offset)
-
-    def ioctl(self, request, argument):
-        if request == _IOCTL_ERASE and self._kept[argument >> 3] >> (argument & 7) & 1:
-            return _CORRUPT
-        return self._flash.ioctl(request, argument)
-
-    def keep(self, block):
-        self._kept[block >> 3] |= 1 << (block & 7)
-
-
-def _mount(files):
-    """Let `files` be the root; Ctrl-C cannot come when there is none."""
-    kbd_intr(-1)
-    try:
-        vfs.umount("/")
-        vfs.mount(files, "/")
-    finally:
-        kbd_intr(_CTRL_C)
-
-
 class Record:
     """Where the functions of a module lie."""
 
     def __init__(self, path, functions):
         self.path = path
         self.functions = functions
-
-
-class Files:
-    """The file system while the app is imported: opens modules through `code`, and knows what there is in /passo without
-    asking littlefs three times for each import (2 ms each). All else it passes on."""
-
-    def __init__(self, real, code):
-        self._real = real
-        self._code = code
-        self._stopped = False
-        self._folders = {}  # b"passo/motion": b"/arc.mpy/line.mpy/"
-        self._list(b"passo")
-
-    def _list(self, folder):  # as bytes: for each new str the interpreter looks through all names, 0.1 ms
-        names = b"/"
-        for entry in self._real.ilistdir(folder):
-            if entry[1] == _FOLDER:
-                self._list(folder + b"/" + entry[0])
-            else:
-                names += entry[0] + b"/"
-        self._folders[folder] = names
-
-    def _has(self, path):
-        folder, _, name = path.rpartition(b"/")
-        return folder in self._folders and b"/" + name + b"/" in self._folders[folder]
-
-    def mount(self, readonly, make):
-        pass
-
-    def umount(self):
-        pass
-
-    def __getattr__(self, name):
-        return getattr(self._real, name)
-
-    def open(self, path, mode):
-        if self._stopped:
-            self._stopped = False
-            raise KeyboardInterrupt
-        if mode == "rb" and self._has(path.encode()):
-            return self._code.open(path)
-        return self._real.open(path, mode)
-
-    def stat(self, path):
-        """The import takes whatever is raised here for "there is none": Ctrl-C has to wait for open()."""
-        try:
-            return self._stat(path)
-        except KeyboardInterrupt:
-            self._stopped = True
-            return self._stat(path)
-
-    def _stat(self, path):
-        name = path.encode()
-        if self._has(name):
-            return (_FILE,) + (0,) * 9
-        if name in self._folders:
-            return (_FOLDER,) + (0,) * 9
-        if name.startswith(b"passo/"):
-            raise OSError(_NOT_FOUND)
-        return self._real.stat(path)
 
 
 class FlashCode:
@@ -210,14 +109,14 @@ class FlashCode:
             self._give_up(error)
             self._real = None
             return
-        _mount(Files(self._real, self))
+        mount(Files(self._real, self))
 
     def finish(self):
         """The last round. Then the file system is littlefs again, on a flash whose blocks with code are kept."""
         if self._real is None:
             return
         self._round(True)
-        _mount(self._real)
+        mount(self._real)
         self._real = None
         self._drop()
 
@@ -235,7 +134,7 @@ class FlashCode:
         if self._read > self._limit or self._read > self._look_at_read and self._is_tight():
             self._round()
         file = self._real.open(path, "rb")
-        table = self._table(file)
+        table = self._blocks.table(file)
         if table is None:  # the interpreter would read on for ever
             raise ValueError(path + " is not whole: flash it anew")
         if self._words:
@@ -267,13 +166,13 @@ class FlashCode:
             raise Unknown("no RP2040")
         flash = rp2.Flash()
         mapped = memoryview(flash)
-        self._base = uctypes.addressof(flash)
+        base = uctypes.addressof(flash)
         count = flash.ioctl(_IOCTL_COUNT, 0)
-        if len(mapped) != count * _BLOCK or not _FLASH <= self._base < self._base + len(mapped) <= _FLASH_END:
+        if len(mapped) != count * BLOCK or not _FLASH <= base < base + len(mapped) <= _FLASH_END:
             raise Unknown("the file system is not mapped")
         from passo.ports.rp2.flash_scan import counted, find_heap, mark, trial
 
-        self._blocks = Blocks(flash, count)
+        self._blocks = Blocks(flash, count, base)
         self._words = words = array("I", [0] * FIELDS)
         if find_heap(words) != 1:
             raise Unknown("unknown heap")
@@ -290,23 +189,10 @@ class FlashCode:
         """The record of a module that is loaded already, or None."""
         known = len(self._records)
         with self._real.open(path, "rb") as file:
-            table = self._table(file)
+            table = self._blocks.table(file)
             if table:
                 self._note(path, file, *table)
         return self._records[-1] if len(self._records) > known else None
-
-    def _table(self, file):
-        """(bytes of the file, its functions, its last block) if a table of functions ends it, otherwise None."""
-        self._blocks.last = -1
-        size = file.seek(0, 2)
-        if size < 4:
-            return None
-        file.seek(size - 4)
-        end = file.read(4)
-        count = end[0] | end[1] << 8
-        if end[2] | end[3] << 8 != _MARK or size < 4 + 8 * count:
-            return None
-        return size, count, self._blocks.last
 
     def _note(self, path, file, size, count, head):
         """Note where the functions of an .mpy lie. `head`: the last block, which begins littlefs's list of them."""
@@ -318,28 +204,8 @@ class FlashCode:
         file.seek(size - 4 - 8 * count)
         table = file.read(8 * count)
         functions = array("I", [0] * (count * FUNCTION_ROW))
-        locate(table, count, self._chain(size, head), functions)
+        locate(table, count, self._blocks.chain(size, head), functions)
         self._records.append(Record(path, functions))
-
-    def _chain(self, size, head):
-        """The addresses of a file's blocks, then 0."""
-        last = 0  # number of the last one
-        room = _BLOCK
-        while size > room:
-            last += 1
-            room += _BLOCK - 4
-            number = last
-            while not number & 1:
-                room -= 4
-                number >>= 1
-        addresses = array("I", [0] * (last + 2))
-        for number in range(last, -1, -1):
-            if not 0 <= head < self._blocks.count:
-                raise Unknown("a file's list of blocks")
-            self._blocks.keep(head)
-            addresses[number] = self._base + head * _BLOCK
-            head = mem32[addresses[number]]
-        return addresses
 
     def _round(self, last=False):
         """Redirect what has been imported since the last one; in the last, also what was running then."""
