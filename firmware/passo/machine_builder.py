@@ -13,7 +13,7 @@ PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
 _PAUSING = ("hold", "resume", "door")
 
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue")
-_OF_PROGRAM = ("motion.measure_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue")
+_OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue")
 _OF_WHOLE = ("motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")
 
 

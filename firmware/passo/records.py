@@ -120,6 +120,7 @@ LIMIT_WHOLE = const(10)  # the fastest speed, nm/s; 0 if it is 2³⁰ or more
 LIMIT_STEP = const(16)  # one number an axis, as are the next four: length of a step
 LIMIT_FASTEST = const(20)  # highest speed
 LIMIT_FASTEST_SHIFT = const(24)
+LIMIT_SHIFTS = const(4)  # from a value to its exponent
 LIMIT_STRONGEST = const(28)  # highest acceleration
 LIMIT_STRONGEST_SHIFT = const(32)
 LIMIT_FIELDS = const(36)

@@ -2,7 +2,7 @@
 
 
 from passo import errors
-from passo.motion.planner import ARCS
+from passo.motion.arc import ARCS
 from router import BANNER, UNHOMED, Machine, answers, home
 
 CASES = {}

@@ -1,11 +1,11 @@
-"""The arithmetic of a block: what measure() finds in 32-bit integers is what the formulas of motion say, as exact
+"""The arithmetic of a block: what plan_block() finds in 32-bit integers is what the formulas of motion say, as exact
 numbers have it; and as machine code it finds the same as as Python."""
 
 from array import array
 from math import sqrt
 
 from draws import Random
-from passo.motion import measure_viper, row_viper
+from passo.motion import block_viper, look_ahead_viper, row_viper
 from passo.motion.profile import MOST, TICKS_PER_S, Limits
 from passo.records import (
     LIMIT_WHOLE, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, ROW_CORNER, ROW_FASTEST, ROW_GAIN, ROW_LIMIT, ROW_REACH, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS,
@@ -31,12 +31,15 @@ def draw_line(random, axes):
     return [random.between(-size, size) for _ in range(axes)]
 
 
-def queue(limits, deltas, feed, rows, work, number, measure):
+def queue(limits, deltas, feed, rows, work, number):
     at = number * (ROW_STEPS + len(deltas))
     for axis in range(len(deltas)):
         rows[at + ROW_STEPS + axis] = deltas[axis]
     work[WORK_FEED] = min(limits.part(feed), MOST) if feed else 0
-    return measure(rows, at, work, limits.terms)
+    done = block_viper.plan_block(rows, at, work, limits.terms)
+    if done == 1:
+        look_ahead_viper.corner(rows, at, work, limits.terms)
+    return done
 
 
 def new(axes, count):
@@ -81,7 +84,7 @@ def check_numbers(seed):
     for number in range(2):
         deltas = draw_line(random, axes)
         feed = random.choice((0, random.between(1, 500) * 1_000_000, random.between(100_000, 3_000_000)))
-        done = queue(limits, deltas, feed, rows, work, number, measure_viper.measure)
+        done = queue(limits, deltas, feed, rows, work, number)
         total = max([abs(delta) for delta in deltas])
         if not total:
             assert done == 0
@@ -146,9 +149,10 @@ def check_machine_code(seed):
     axes = len(limits.speeds)
     queues = []
     program = [(draw_line(random, axes), random.between(0, 400) * 1_000_000, random.between(0, 7)) for _ in range(20)]
-    texts = [plain_text("motion/measure_viper.py"), plain_text("motion/row_viper.py")]
-    texts[0]["close"] = texts[1]["close"]
-    for plan, take in ((texts[0]["plan"], texts[1]["take"]), (measure_viper.plan, row_viper.take)):
+    plain = plain_text("motion/look_ahead_viper.py")
+    plain.update(plain_text("motion/block_viper.py"))
+    plain.update(plain_text("motion/row_viper.py"))
+    for plan, take in ((plain["plan_lines"], plain["take"]), (look_ahead_viper.plan_lines, row_viper.take)):
         rows, work = new(axes, 7)
         counts = array("i", [0] * QUEUE_FIELDS)
         results = []

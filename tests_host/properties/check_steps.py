@@ -323,7 +323,7 @@ def check_independent(x, x_each, x_rest, y, y_each, y_rest):
     axes = IndependentAxes(2, LEAST_TICKS)
     axes.set(0, x, x_each, x_rest, 7)
     axes.set(1, y, y_each, y_rest, 7, negative=True)
-    rig.planner.free(axes, False)
+    rig.planner.walk(axes, False)
     words = rig.run()
     seen = [[], []]
     for tick, moves in rig.steps_of(words):
@@ -345,7 +345,7 @@ def check_independent_for_ever_and_live():
     axes = IndependentAxes(2, LEAST_TICKS)
     axes.set(0, ENDLESS, 50_000)
     axes.set(1, ENDLESS, 6_350_000)
-    rig.planner.free(axes, False)
+    rig.planner.walk(axes, False)
     rig.planner.flush()
     ticks = 0
     while ticks < 3 * 6_350_000:

@@ -97,7 +97,7 @@ class Ride:
         """Walk on; after `fills` fills it is held, and taken off at its stand."""
         rig = self.rig
         self.walker.begin(backward, most, bool(rig.feeder.state[FEED_LEVELS] & rig.layout.tool_mask))
-        rig.planner.track(self.walker)
+        rig.planner.walk(self.walker, self.walker.tool)
         rig.planner.flush()
         while not rig.planner.empty() and fills:
             self.play(rig.take(lead))
@@ -188,7 +188,7 @@ def check_halted_anywhere(seed):
         ride = Ride(track, walker)
         rig = ride.rig
         walker.begin(backward)
-        rig.planner.track(walker)
+        rig.planner.walk(walker, walker.tool)
         rig.planner.flush()
         for _ in range(random.between(0, 6)):
             ride.play(rig.take())
@@ -227,7 +227,7 @@ def check_window(seed):
     ride = Ride(track, walker)
     rig = ride.rig
     walker.begin()
-    rig.planner.track(walker)
+    rig.planner.walk(walker, walker.tool)
     rig.planner.flush()
     queue = items[:]
     while queue:
@@ -254,7 +254,7 @@ def check_dry_is_not_late():
     walker.rewind()
     ride = Ride(track, walker)
     walker.begin()
-    ride.rig.planner.track(walker)
+    ride.rig.planner.walk(walker, walker.tool)
     ride.rig.planner.flush()
     for _ in range(5):
         ride.play(ride.rig.take())
@@ -288,7 +288,7 @@ def check_live_speed():
     walker.rewind()
     ride = Ride(track, walker)
     walker.begin()
-    ride.rig.planner.track(walker)
+    ride.rig.planner.walk(walker, walker.tool)
     ride.rig.planner.flush()
     ride.play(ride.rig.take(200_000))
     walker.set_speed(1000)

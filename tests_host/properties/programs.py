@@ -124,7 +124,7 @@ class Machine:
                 move = (LINE, move[1], move[2])
             else:
                 first = planner._walkers[place]
-                plan = planner._plans[first : first + ARC_FIELDS]
+                plan = planner._arcs.plans[first : first + ARC_FIELDS]
                 steps = plan[ARC_PATH] + plan[ARC_PATH_FINE] / (1 << 20)
                 move += (abs(plan[ARC_TAIL_A]), abs(plan[ARC_TAIL_B]))
             self.facts.append(self._facts(move, steps))

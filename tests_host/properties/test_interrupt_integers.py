@@ -124,7 +124,7 @@ def test_axes_that_turn_for_ever():
     axes = independent.IndependentAxes(2, LEAST_TICKS)
     axes.set(0, ENDLESS, 0x1FFFFFFE, 2, 3)
     axes.set(1, ENDLESS, 2 * LEAST_TICKS, 5, 7, negative=True)
-    rig.planner.free(axes, False)
+    rig.planner.walk(axes, False)
     rig.planner.flush()
     assert sum(play(rig, 10) for _ in range(60)) > 1000
 
@@ -157,7 +157,7 @@ def test_no_step_program_reaches_a_wide_integer(items, backward):
         walker.gap = Small(0)
         walker.begin(backward)
         rig.planner.clear()
-        rig.planner.track(walker)
+        rig.planner.walk(walker, walker.tool)
         rig.planner.flush()
         for _ in range(5):
             play(rig, 10)

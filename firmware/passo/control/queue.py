@@ -162,7 +162,7 @@ class Queue:
 
     def track(self, walker):
         """Walk a track, as its walker has begun to; settle() is to follow when it has been played."""
-        self._planner.track(walker)
+        self._planner.walk(walker, walker.tool)
         self.flush()
 
     def place(self):
@@ -181,7 +181,7 @@ class Queue:
     def run(self, walker):
         """Play `walker` from now on; the target is the caller's affair."""
         walker.running = True
-        self._planner.free(walker, self.tool)
+        self._planner.walk(walker, self.tool)
         self.flush()
 
     def settle(self):

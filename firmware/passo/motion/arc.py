@@ -5,9 +5,12 @@
 Vectors are in steps, the plane's axes have equal steps/mm. `into` is an array of ARC_FIELDS integers (records.py).
 """
 
+from array import array
+from micropython import const
+
 from passo.motion.arc_plan import FINE, LEADS, MAX_RADIUS, MAX_SLOPE, turns_off
 from passo.motion.cordic import QUARTER, arc_length, vector
-from passo.motion.integers import isqrt
+from passo.motion.integers import isqrt, zeros
 from passo.records import (
     ARC_ACROSS, ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_DIAGONAL, ARC_FIELDS, ARC_INSIDE, ARC_MIRROR, ARC_PATH,
     ARC_PATH_FINE, ARC_RADIUS, ARC_REGION, ARC_SHIFT, ARC_STEPS, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, ARC_U, ARC_W,
@@ -15,10 +18,37 @@ from passo.records import (
 )  # fmt: skip
 
 MOST_STEPS = 1 << 28  # of path in one arc
+ARCS = const(64)  # most in the queue: a plan takes as much memory again as a block
 
 
 class TooSteep(ValueError):
     """The third axis would take more than MAX_SLOPE steps along one step of the circle."""
+
+
+class Plans:
+    """The plans of the arcs in the queue, each place used again in its turn."""
+
+    def __init__(self):
+        self.plan = array("i", bytearray(4 * ARC_FIELDS))  # the one that is being worked out
+        self._users = array("i", [-1] * ARCS)  # the number of the block that each place was last used for
+        self.oldest = -1  # that of the next place: there is no room until it has been played
+        self._next = 0
+        self.plans = zeros(ARC_FIELDS * ARCS)
+
+    def clear(self):
+        for place in range(ARCS):
+            self._users[place] = -1
+        self.oldest = -1
+
+    def keep(self, number):
+        """Keep `plan` for the block of this number; where it begins in `plans`."""
+        place = self._next
+        self._users[place] = number
+        first = place * ARC_FIELDS
+        self.plans[first : first + ARC_FIELDS] = self.plan
+        self._next = (place + 1) % ARCS
+        self.oldest = self._users[self._next]
+        return first
 
 
 def region_of(x, y, leaving):

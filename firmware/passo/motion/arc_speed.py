@@ -1,4 +1,4 @@
-"""The highest speed and acceleration of an arc. measure() does this for lines; here with big integers, once an arc.
+"""The highest speed and acceleration of an arc. plan_block() does this for lines; here with big integers, once an arc.
 
 On a circle an axis has its share of the speed and of the ramp's acceleration, cos φ if its own direction is φ away, and
 sin φ of v²/R, which points to the centre. The limits of an arc are the highest that hold from its first step to its last:
@@ -9,7 +9,8 @@ as it sets out. With an override above 100 % likewise.
 
 from passo.motion.cordic import TURN
 from passo.motion.integers import isqrt
-from passo.motion.measure_viper import measure
+from passo.motion.look_ahead_viper import corner
+from passo.motion.block_viper import plan_block
 from passo.motion.profile import BIAS, MOST, ONE, TOP, floated
 from passo.records import (
     ARC_TAIL_A, ARC_TAIL_B, NM_PER_M, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, TICKS_PER_S, WORK_ALONG, WORK_BEFORE,
@@ -49,7 +50,8 @@ def set_speed(rows, at, work, limits, plan, path, swept, plane, center, deltas, 
     work[WORK_ALONG] = max(limits.part(fastest), limits.part(speed_nm_s))
     work[WORK_STRENGTH] = (acceleration << 28) // limits.strongest
     _set_direction(work, WORK_HEADING, limits, plane, start, clockwise, flat, rise, length)
-    measure(rows, at, work, limits.terms)
+    plan_block(rows, at, work, limits.terms)
+    corner(rows, at, work, limits.terms)
     rows[at + ROW_TICKS] = max((ticks << 10) // path, 1)
     rows[at + ROW_TICKS_REST] = ((ticks << 10) % path << 7) // path
     rows[at + ROW_SPAN] = (2 * ticks * top << 10) // path

@@ -5,7 +5,7 @@
     walk(out, at, count, state)         # the masks of `count` words of it
 
 The method stands in circle.py, the fields of `plan` and `state` in records.py. One text for all interpreters: a board
-compiles it to machine code, elsewhere it is ordinary Python; measure_viper.py says what that asks of integers. None reaches
+compiles it to machine code, elsewhere it is ordinary Python; block_viper.py says what that asks of integers. None reaches
 2³⁰. A number that may be negative, within ±2²⁹, is read out of an array as ((number + INT_HALF) & INT_MOST) − INT_HALF.
 """
 # ruff: noqa: F821

@@ -6,7 +6,7 @@ nominal ones, so what sharing moves never accumulates: the mean rate is exact.
     axes = IndependentAxes(2, least=50, setup=63)
     axes.set(0, 100, 12_500, 0, 1)            # 100 steps of x, 1 ms apart
     axes.set(1, ENDLESS, 4_166, 2, 3)         # y for ever, 4166 ⅔ ticks apart
-    planner.free(axes, tool=False)
+    planner.walk(axes, tool=False)
     axes.set(0, 50, 12_500, add=True)         # x goes 50 further, without a gap
     axes.stop(1)
 
@@ -26,6 +26,7 @@ from array import array
 
 import micropython
 
+from passo.motion.block import INDEPENDENT
 from passo.motion.independent_viper import FAR, MOST_STEPS, walk
 from passo.motion.profile import TOP  # of speed units, so that q, and the sum of two, stay below 2³⁰
 from passo.records import (
@@ -38,6 +39,8 @@ from passo.records import (
 
 class IndependentAxes:
     """A geometry that makes whole words, of `axes` axes, no two words nearer than `least` ticks; `setup` as the feeder's."""
+
+    kind = INDEPENDENT
 
     def __init__(self, axes, least, setup=0):
         self.axes = axes

@@ -4,7 +4,7 @@
 
 How, stands in independent.py, the fields of `state` in records.py. Requests and ramps, which are rare beside plain steps, are
 left to functions of native code. One text for all interpreters: a board compiles it to machine code, elsewhere it is
-ordinary Python; see measure_viper.py for what that asks of integers. No integer reaches 2³⁰.
+ordinary Python; see block_viper.py for what that asks of integers. No integer reaches 2³⁰.
 """
 # ruff: noqa: F821
 

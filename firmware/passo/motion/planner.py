@@ -10,22 +10,11 @@ played, because a hold may come back to it.
 
 Without limits() every block keeps its programmed speed from first to last. With them each block also has an exit speed: at
 most that of the corner (junction deviation), and what the blocks behind it can slow down from, the last of which ends at
-rest.
-
-    speed ^          _________
-          |   /\\    /         \\        A … D: blocks. B's exit is the speed of its corner; C's is what D, which is short and
-          |  /  \\__/           \\       ends at rest, can slow down from. The way up needs no pass over the queue: the ramp
-          | /                   \\      speeds up as it can.
-          +-----|--|----------|--|--> path
-             A   B      C       D
-
-Adding a block runs back over the look-ahead, only as far as something changes, and never over blocks that may have been
+rest (look_ahead_viper.py has the picture). Adding a block runs back over the look-ahead, only as far as something changes, and never over blocks that may have been
 released: what a block does depends on the LOOK_AHEAD − 1 that follow it, however many have come.
 
     planner.limits(Limits(steps_per_m, speeds, accelerations, junction_deviation))
     planner.line((400, 30, 0), 0, tool=True, speed_nm_s=20_000_000)
-    planner.arc((0, 200, 10), (0, 1, 2), (0, 100), speed_nm_s=20_000_000, tool=True)
-    planner.override(120)
     planner.flush()
 
 The main loop adds and flushes; the feeder, in an interrupt, fetches and retires.
@@ -37,13 +26,13 @@ import micropython
 from micropython import const
 
 from passo.motion import profile
-from passo.motion.block import ARC, INDEPENDENT, LINE, STEP_PROGRAM, WAIT, Block, q_of
+from passo.motion.block import ARC, LINE, WAIT, Block, q_of
 from passo.motion.integers import zeros
 from passo.motion.line import MAX_STEPS, Line
 from passo.motion.row_viper import close, take
 from passo.motion.steady import Steady
 from passo.records import (
-    ARC_FIELDS, ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS,
+    ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS,
     QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS,
     ROW_TICKS_REST, TICKS_PER_S, WORK_ALL, WORK_ASKED, WORK_FACTOR, WORK_FEED, WORK_FIELDS, WORK_GIVEN,
     WORK_GIVEN_SHIFT, WORK_IS_ARC, WORK_PERCENT, WORK_SIZE, WORK_START, WORK_STRIDE, WORK_THROUGH,
@@ -52,7 +41,6 @@ from passo.records import (
 LOOK_AHEAD = const(64)
 IN_FLIGHT = const(32)
 _SIZE = const(96)  # both
-ARCS = const(64)  # most arcs among them: a plan takes as much memory again as a block
 _COUNT = const(0x1FFFFFFF)
 LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 FEED_PERCENT = (10, 200)
@@ -66,13 +54,10 @@ class Planner:
         self.dynamic = False
         self._stride = ROW_STEPS + axes
         self.rows = zeros(_SIZE * self._stride)  # of Block, one after the other
-        self._walkers = [None] * _SIZE  # of ARC where its plan begins in `_plans`; of INDEPENDENT and STEP_PROGRAM what is walked
+        self._walkers = [None] * _SIZE  # of ARC where its plan begins in Plans.plans; of INDEPENDENT and STEP_PROGRAM what is walked
         self.whole = False  # arcs and S-curves are loaded
         self._arc = self._arc_speed = self._s_curve = None
-        self._plans = None  # of arcs, one after the other, each used again in its turn; made by load()
-        self._plan_of = None  # the one that is being worked out
-        self._users = array("i", [])  # the number of the block that it was last used for
-        self._turn = 0
+        self._arcs = None  # their plans; made by load()
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
         self.line_state = self._line.state
         self._circle = None  # made by load()
@@ -89,7 +74,7 @@ class Planner:
         self.accelerates = False  # it has limits
         self._limits = None
         self._terms = None  # the limits'
-        self._measure = self._plan = self._raise = None  # what works with them
+        self._plan_block = self._corner = self._plan_lines = self._look_back = None  # what works with them
         self.batch = array("i", bytearray(4 * BATCH_FIELDS * BATCH_ROWS))  # of lines to be queued
         self.clear()
 
@@ -109,30 +94,27 @@ class Planner:
     def load(self, whole=True):
         """Make ready for limits(), and for arcs and S-curves if `whole`, before there is a feeder. They take a good part of a
         board's memory."""
-        from passo.motion.measure_viper import look_back, measure, plan
-
-        self._measure, self._plan, self._raise = measure, plan, look_back
+        from passo.motion.block_viper import plan_block
+        from passo.motion.circle import Circle
+        from passo.motion.look_ahead_viper import corner, look_back, plan_lines
         from passo.motion.ramp import Ramp
 
+        self._plan_block, self._corner, self._plan_lines, self._look_back = plan_block, corner, plan_lines, look_back
         self.ramp = Ramp()
-        from passo.motion.circle import Circle
-
         self._circle = Circle(self.axes)
         self.whole = whole
         if whole:
             from passo.motion import arc, arc_speed, s_curve
 
             self._arc, self._arc_speed, self._s_curve = arc, arc_speed, s_curve
-            self._users = array("i", [-1] * ARCS)
-            self._plan_of = array("i", bytearray(4 * ARC_FIELDS))
-            self._plans = zeros(ARC_FIELDS * ARCS)
+            self._arcs = arc.Plans()
 
     def clear(self):
         """Forget every block. Only while the feeder is stopped."""
         for which in range(len(self.counts)):
             self.counts[which] = 0
-        for which in range(len(self._users)):
-            self._users[which] = -1
+        if self._arcs:
+            self._arcs.clear()
         self.work[WORK_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
 
     @micropython.native
@@ -141,7 +123,7 @@ class Planner:
         counts = self.counts
         added = counts[QUEUE_ADDED]
         queued = (added - counts[QUEUE_RETIRED]) & _COUNT
-        if self._plans and ((added - self._users[self._turn] - 1) & _COUNT) < queued:
+        if self._arcs and (added - self._arcs.oldest - 1) & _COUNT < queued:
             return 0
         return _SIZE - queued
 
@@ -173,7 +155,7 @@ class Planner:
         the axes may be. `rapid`: the override of rapid motion counts for it. An axis's limit makes it slower. Raises
         ValueError where it has too many steps, or steps further apart than LONGEST_TICKS.
         """
-        at = self._free()
+        at = self._next_row()
         rows = self.rows
         for axis in range(self.axes):
             rows[at + ROW_STEPS + axis] = deltas[axis]
@@ -185,18 +167,19 @@ class Planner:
             work[WORK_IS_ARC] = 0
             if speed_nm_s != work[WORK_ASKED] or ticks:
                 self._ask(deltas, ticks, speed_nm_s)
-            result = self._measure(rows, at, work, self._terms)
+            result = self._plan_block(rows, at, work, self._terms)
             if result <= 0:
                 if result:
                     self._refuse(result)
                 return
+            self._corner(rows, at, work, self._terms)
         self._add(at, LINE, tool, tag, rapid)
 
     @micropython.native
     def lines(self, count):
         """Queue the first `count` lines of `batch`, for which there is room, and none of which line() would refuse."""
         batch = self.batch
-        done = self._plan(batch, count, self.rows, self.work, self.counts, self._terms)
+        done = self._plan_lines(batch, count, self.rows, self.work, self.counts, self._terms)
         if done < count:
             self._rest_of(done, count)
 
@@ -207,14 +190,13 @@ class Planner:
             first = done * BATCH_FIELDS
             self._ask(None, 0, batch[first + BATCH_FEED])
             rest = batch[first:]
-            done += self._plan(rest, count - done, self.rows, self.work, self.counts, self._terms)
+            done += self._plan_lines(rest, count - done, self.rows, self.work, self.counts, self._terms)
 
-    def _free(self):
-        """Where the row of the next block begins."""
+    def _next_row(self):
         return self.counts[QUEUE_ADDED] % _SIZE * self._stride
 
     def _ask(self, deltas, ticks, speed_nm_s):
-        """Tell measure() the speed asked for, or the ticks."""
+        """Tell plan_block() the speed asked for, or the ticks."""
         work = self.work
         limits = self._limits
         if ticks:
@@ -238,7 +220,7 @@ class Planner:
             row[ROW_STEPS + axis] = deltas[axis]
         work = self.work[:]
         work[WORK_IS_ARC] = 0
-        result = self._measure(row, 0, work, self._terms)
+        result = self._plan_block(row, 0, work, self._terms)
         if result < 0:
             self._refuse(result)
 
@@ -283,12 +265,11 @@ class Planner:
         steep a helix. `queued`: False only looks whether it would raise; there has to be room for it.
         """
         limits = self._limits
-        if limits is None or self._plans is None:
+        if limits is None or self._arcs is None:
             raise ValueError("an arc needs load() and limits(), for its length")
         if limits.steps_per_m[plane[0]] != limits.steps_per_m[plane[1]]:
             raise ValueError("the plane's axes differ in steps/mm")
-        turn = self._turn
-        plan = self._plan_of
+        plan = self._arcs.plan
         path, swept = self._arc.plan(plan, plane, center, deltas, clockwise, turns, over_half)
         if not plan[ARC_STEPS]:
             if queued:
@@ -296,7 +277,7 @@ class Planner:
             else:
                 self.fits(deltas, ticks, speed_nm_s)
             return
-        at = self._free()
+        at = self._next_row()
         self.work[WORK_ASKED] = -1
         work = self.work if queued else self.work[:]
         if not self._arc_speed.set_speed(
@@ -304,33 +285,24 @@ class Planner:
         ):
             self._refuse(-1)
         if queued:
-            number = self._users[turn] = self.counts[QUEUE_ADDED]
-            first = self._walkers[number % _SIZE] = turn * ARC_FIELDS
-            self._plans[first : first + ARC_FIELDS] = plan
-            self._turn = (turn + 1) % ARCS
+            number = self.counts[QUEUE_ADDED]
+            self._walkers[number % _SIZE] = self._arcs.keep(number)
             self._add(at, ARC, tool, tag)
             if not self.room():
                 self.start()  # no more can come before it moves
 
     def wait(self, ticks, tool, tag=0):
         """Queue `ticks` (1 … LONGEST_TICKS) without a step, the tool bit as given from their start."""
-        at = self._free()
+        at = self._next_row()
         self._stand(at, ticks)
         self._add(at, WAIT, tool, tag)
 
-    def free(self, walker, tool, tag=0):
-        """Queue axes that run independently: `walker` is an IndependentAxes with its axes set."""
-        at = self._free()
+    def walk(self, walker, tool, tag=0):
+        """Queue what paces itself: an IndependentAxes with its axes set, or a StepProgramWalker that has begun."""
+        at = self._next_row()
         self._stand(at, 0)
         self._walkers[self.counts[QUEUE_ADDED] % _SIZE] = walker
-        self._add(at, INDEPENDENT, tool, tag)
-
-    def track(self, walker, tag=0):
-        """Queue a walk over a step program: `walker` is a StepProgramWalker that has begun. It has the tool too."""
-        at = self._free()
-        self._stand(at, 0)
-        self._walkers[self.counts[QUEUE_ADDED] % _SIZE] = walker
-        self._add(at, STEP_PROGRAM, walker.tool, tag, False, walker.place)
+        self._add(at, walker.kind, tool, tag, False, walker.place)
 
     @micropython.native
     def _add(self, at, kind, tool, tag, rapid=False, first=0):
@@ -343,7 +315,7 @@ class Planner:
         counts = self.counts
         work = self.work
         if close(rows, at, work, counts, kind, flags, tag, self.power, first):
-            self._raise(rows, work, counts)
+            self._look_back(rows, work, counts)
 
     def flush(self):
         """Nothing more is coming for now: release all that is queued. The last block ends at rest."""
@@ -364,7 +336,7 @@ class Planner:
             self.work[WORK_FACTOR + which] = self.percent[which] * self.percent[which] * 4096 // 10_000
         if self.accelerates:  # no exit is lowered, what is under way may count on it: the ramp itself slows down
             self.work[WORK_ALL] = 1
-            self._raise(self.rows, self.work, self.counts)
+            self._look_back(self.rows, self.work, self.counts)
             self.work[WORK_ALL] = 0
 
     # --- fetching: may run in an interrupt
@@ -386,7 +358,7 @@ class Planner:
             walker.load(rows, at + ROW_STEPS)
         elif kind == ARC:
             walker = self._circle
-            walker.load(self._plans, self._walkers[place])
+            walker.load(self._arcs.plans, self._walkers[place])
         if walker is not None and rows[at + ROW_GAIN]:  # the ramp and the feeder read the row itself
             block.kind = kind
             block.rows = rows

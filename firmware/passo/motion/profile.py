@@ -1,4 +1,4 @@
-"""The limits of a machine's axes (resolution, speed, acceleration, jerk) in the units that measure_viper.py computes with, and
+"""The limits of a machine's axes (resolution, speed, acceleration, jerk) in the units that block_viper.py computes with, and
 how fast a corner may be passed.
 
     planner.limits(Limits(steps_per_m, speeds, accelerations, junction_deviation))
@@ -65,7 +65,7 @@ class Limits:
         return part * self.fastest >> 28
 
     def _terms(self):
-        """LIMIT_… of records.py, for measure(): numbers, or floats as two of them."""
+        """LIMIT_… of records.py, for plan_block(): numbers, or floats as two of them."""
         terms = array("i", bytearray(4 * LIMIT_FIELDS))
         axes = len(self.steps_per_m)
         finest = 0

@@ -4,7 +4,7 @@
     cut(rows, at, state, walker, left, percent, hold)   # its next segment: RAMP_STEPS, RAMP_TICKS and RAMP_PACE of `state`
 
 What it computes, and why, stands in ramp.py, the fields of the arrays in records.py; `walker` is Line.state or Circle.state.
-One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; measure_viper.py says
+One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; block_viper.py says
 what that asks of integers. None reaches 2³⁰.
 """
 # ruff: noqa: F821

@@ -3,7 +3,7 @@
     through = close(rows, at, work, counts, kind, flags, tag, power, first)     # the row at rows[at] is done, and is counted
     row = take(rows, work, counts, moving, lines)                               # the next one released, for the feeder
 
-One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see measure_viper.py.
+One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see block_viper.py.
 Fields: records.py.
 """
 # ruff: noqa: F821

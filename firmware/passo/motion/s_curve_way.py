@@ -2,7 +2,7 @@
 s_curve.py, the fields of `state` in records.py.
 
 All may run in an interrupt: no allocation, no integer of 2³⁰. Three functions that come many times a segment are machine code
-on a board; see measure_viper.py for what that asks.
+on a board; see block_viper.py for what that asks.
 """
 
 import micropython

@@ -3,7 +3,7 @@
     walker = StepProgramWalker(program, lengths, tool_ticks=(0, 0))
     walker.rewind()
     walker.begin()                      # or begin(backward=True); begin(most=1) goes one unit
-    planner.track(walker)
+    planner.walk(walker, walker.tool)
 
 A step is followed by its own period: its length along the path over the speed, in whole microseconds. 12½ ticks are a
 microsecond; half a tick left over goes to the next step, so that the mean is exact. `set_speed` may be called at any
@@ -14,6 +14,7 @@ At the end of an open program it goes on as soon as there is more. Its place is 
 plays them knows how many have played.
 """
 
+from passo.motion.block import STEP_PROGRAM
 from passo.motion.step_program import STATION
 from passo.motion.step_program_words import StepProgramWords
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
@@ -21,6 +22,8 @@ from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
 
 class StepProgramWalker(StepProgramWords):
     """What the main loop does with it."""
+
+    kind = STEP_PROGRAM
 
     # --- while no interrupt walks it
 

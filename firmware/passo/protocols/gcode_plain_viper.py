@@ -10,7 +10,7 @@ has not changed what counts. What is unusual (any other word or character, more 
 decimals, a place beyond the travel or half a metre, a very slow feed, another speed of a spindle, a beam that changes
 without a step, a mistake) is left to gcode.py, which alone knows the rules; what is understood here gives what it
 gives, to the nanometre. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary
-Python; see motion/measure_viper.py for what that asks of integers.
+Python; see motion/block_viper.py for what that asks of integers.
 """
 # ruff: noqa: F821
 

@@ -7,7 +7,7 @@
     at = tell(out, 0, b"MPos:\\0", fields, axes)    # MPos:0.000,-1.250,…
 
 The fields are REPORT_… and NUMBER_… of records.py. Positions are told to 100 km, offsets too.
-One text for all interpreters, as motion/measure_viper.py, whose rules for integers are kept: a board compiles it to machine
+One text for all interpreters, as motion/block_viper.py, whose rules for integers are kept: a board compiles it to machine
 code.
 """
 # ruff: noqa: F821

@@ -16,7 +16,7 @@ A segment is made if fewer than FEED_LEAD ticks, FEED_LIMIT words and MARKS segm
 
 A call of machine code by name costs some 15 µs, so all that a segment needs stands here between the calls: a segment of a
 line costs three of them, a line three more. In all a line of 0.2 mm takes an RP2040's feeding interrupt 0.36 ms (`make bench`).
-One text for all interpreters; see motion/measure_viper.py. Fields: records.py.
+One text for all interpreters; see motion/block_viper.py. Fields: records.py.
 
 `geometry` is None for a wait. An arc has `left`, `moving`, `negative`, `made` and walk(), as Circle has them; independent axes
 and step programs make whole words, as IndependentAxes does. `settle` is Feeder.settle(), called only if something is owed or

@@ -1,13 +1,11 @@
-"""What acceleration makes of a block, and the pass over the look-ahead: the arithmetic that every block costs.
+"""What acceleration makes of a block: the arithmetic that every block costs.
 
-    done = plan(batch, count, rows, work, counts, terms)    # lines: measured and queued, and the look-ahead raised
-    done = measure(rows, at, work, terms)       # the block whose row begins at rows[at]; its steps are in the row
-    raised = look_back(rows, work, counts)
+    planned = plan_block(rows, at, work, terms)  # the row that begins at rows[at]; a line's steps are in it
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python. So it keeps to 32-bit
 integers, none of which reaches 2³¹, and gives the same bits everywhere. `rows` are block.py's, `terms` profile.Limits',
-`work` and `counts` the planner's; their places are named there and stand here as numbers, which is what viper takes. Where viper
-is 64 bits wide it reads a negative number as a positive one: bit 30 tells. Exponents are kept 1000 too large instead.
+`work` the planner's; records.py names their fields. Where viper is 64 bits wide it reads a negative number as a positive one:
+bit 30 tells. Exponents are kept 1000 too large instead.
 
 Numbers come in three kinds:
 
@@ -18,24 +16,20 @@ Numbers come in three kinds:
 - short floats, m · 2ᵉ with m of 15 bits: everything that only decides how fast a speed may change. Where a value must
   not be exceeded it is rounded so at every step, which costs 10⁻³ at most.
 
-The loops that bring numbers to their length are written out where they are needed, and so this module is long: as a
+The loops that bring numbers to their length are written out where they are needed, and so the function is long: as a
 function each would cost every block 26 µs a call, and there are some thirty of them.
 """
 # ruff: noqa: F821
 
 import micropython
 
-from passo.motion.row_viper import close
 from passo.records import (
-    BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_POWER, BATCH_STEPS, BATCH_TAG, LIMIT_AXES, LIMIT_CORNER,
-    LIMIT_CORNER_SHIFT, LIMIT_FASTEST, LIMIT_FASTEST_SHIFT, LIMIT_FINEST, LIMIT_GAIN, LIMIT_GAIN_SHIFT, LIMIT_SPEED,
-    LIMIT_SPEED_SHIFT, LIMIT_STEP, LIMIT_STRONGEST, LIMIT_STRONGEST_SHIFT, LIMIT_TIME, LIMIT_TIME_SHIFT, LIMIT_WHOLE,
-    QUEUE_ADDED, QUEUE_FROZEN, ROW_CORNER, ROW_EXIT, ROW_FASTEST, ROW_GAIN, ROW_LIMIT, ROW_RAPID, ROW_RATIO,
-    ROW_RATIO_SHIFT, ROW_REACH, ROW_SPAN, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST, ROW_TIME,
-    ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, WORK_ALL, WORK_ALONG, WORK_ASKED, WORK_BEFORE, WORK_CHANGE,
-    WORK_FACTOR, WORK_FEED, WORK_FULL, WORK_FULL_SHIFT, WORK_GIVEN, WORK_GIVEN_SHIFT, WORK_HEADING, WORK_IS_ARC,
-    WORK_LENGTH, WORK_LENGTH_SHIFT, WORK_LIMITED, WORK_SIZE, WORK_SPEED, WORK_STEPS, WORK_STEPS_SHIFT, WORK_STRENGTH,
-    WORK_STRIDE, WORK_THROUGH, WORK_TOP, WORK_TOP_SHIFT,
+    LIMIT_AXES, LIMIT_FASTEST, LIMIT_FIELDS, LIMIT_FINEST, LIMIT_GAIN, LIMIT_GAIN_SHIFT, LIMIT_SHIFTS, LIMIT_SPEED,
+    LIMIT_SPEED_SHIFT, LIMIT_STEP, LIMIT_STRONGEST, LIMIT_TIME, LIMIT_TIME_SHIFT, ROW_CORNER, ROW_EXIT, ROW_FASTEST, ROW_GAIN,
+    ROW_LIMIT, ROW_RATIO, ROW_RATIO_SHIFT, ROW_REACH, ROW_SPAN, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST,
+    ROW_TIME, ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, WORK_ALONG, WORK_FEED, WORK_FULL, WORK_FULL_SHIFT,
+    WORK_GIVEN, WORK_GIVEN_SHIFT, WORK_HEADING, WORK_IS_ARC, WORK_LENGTH, WORK_LENGTH_SHIFT, WORK_LIMITED, WORK_SPEED,
+    WORK_STEPS, WORK_STEPS_SHIFT, WORK_STRENGTH, WORK_THROUGH, WORK_TOP, WORK_TOP_SHIFT,
 )  # fmt: skip
 
 try:
@@ -45,8 +39,9 @@ except NameError:
 
 
 @micropython.viper
-def measure(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
-    """Fill in the row of a line or arc. 1; or 0, there are no steps; -1, they are too far apart; -2, there are too many."""
+def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
+    """Fill in the row of a line or arc, all but the corner. Returns 1; 0 if it has no steps, -1 if they are more than 43 s apart,
+    -2 if there are too many."""
     axes = terms[LIMIT_AXES]
     if work[WORK_IS_ARC] == 0:
         # --- a line's dominant steps, length and direction, and what the axes allow along it
@@ -138,26 +133,22 @@ def measure(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
                     bit <<= 1
                     more += 1
                 bit = (bit >> 13) + 1
-                rest = terms[LIMIT_FASTEST + i] // bit
-                shift = terms[LIMIT_FASTEST_SHIFT + i] - 1000 + more
-                if shift < 0:
-                    rest >>= 0 - shift
-                elif rest < 0x20000000 >> shift:
-                    rest <<= shift
-                else:
-                    rest = 0x20000000
-                if rest < fastest:
-                    fastest = rest
-                rest = terms[LIMIT_STRONGEST + i] // bit
-                shift = terms[LIMIT_STRONGEST_SHIFT + i] - 1000 + more
-                if shift < 0:
-                    rest >>= 0 - shift
-                elif rest < 0x20000000 >> shift:
-                    rest <<= shift
-                else:
-                    rest = 0x20000000
-                if rest < strength:
-                    strength = rest
+                limit = LIMIT_FASTEST + i
+                while limit < LIMIT_FIELDS:
+                    rest = terms[limit] // bit
+                    shift = terms[limit + LIMIT_SHIFTS] - 1000 + more
+                    if shift < 0:
+                        rest >>= 0 - shift
+                    elif rest < 0x20000000 >> shift:
+                        rest <<= shift
+                    else:
+                        rest = 0x20000000
+                    if limit >= LIMIT_STRONGEST:
+                        if rest < strength:
+                            strength = rest
+                    elif rest < fastest:
+                        fastest = rest
+                    limit += LIMIT_STRONGEST - LIMIT_FASTEST
                 if rows[at + ROW_STEPS + i] >> 30 & 1:
                     along = 0 - along
             work[WORK_HEADING + i] = along
@@ -381,204 +372,4 @@ def measure(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     work[WORK_FULL_SHIFT] = full_shift + 1000
     work[WORK_TOP] = topped
     work[WORK_TOP_SHIFT] = top_shift + 1000
-    # --- the corner between the block before, if motion goes through from that, and this one
-    if work[WORK_THROUGH]:
-        shift = 0
-        # The sum of the two directions and their difference, in 2⁻²⁸: their lengths are twice the sine of half the angle
-        # between the lines, `sine`, and of half the angle turned through, `root`; both with exponents.
-        sine = 0
-        sine_shift = 0
-        root = 0
-        square = 0
-        sign = 0
-        while sign < 2:
-            most = 0
-            i = 0
-            while i < axes:
-                along = work[WORK_HEADING + i] - work[WORK_BEFORE + i] if sign else work[WORK_HEADING + i] + work[WORK_BEFORE + i]
-                if along >> 30 & 1:
-                    along = 0 - along
-                along &= 0x3FFFFFFF
-                work[WORK_CHANGE + i] = along
-                if along > most:
-                    most = along
-                i += 1
-            sine = root
-            sine_shift = shift
-            root = 0
-            shift = 0
-            if most:
-                while most < 0x2000:
-                    most <<= 1
-                    shift -= 1
-                while most >= 0x4000:
-                    most >>= 1
-                    shift += 1
-                square = 0
-                i = 0
-                while i < axes:
-                    along = work[WORK_CHANGE + i]
-                    if shift < 0:
-                        along <<= 0 - shift
-                    else:
-                        along >>= shift
-                    work[WORK_CHANGE + i] = along
-                    square += along * along
-                    i += 1
-                bit = 0x4000
-                while bit:
-                    if (root + bit) * (root + bit) <= square:
-                        root += bit
-                    bit >>= 1
-            sign += 1
-        high = 0x3FFFFFFF
-        if shift > 5 or shift > 3 and root << shift >= 379600:
-            # More than 1.4 mrad: a corner. What the axes can do along the change of direction:
-            strong = 0x20000000
-            i = 0
-            while i < axes:
-                along = work[WORK_CHANGE + i]
-                if along:
-                    bit = (along << 15) // root + 1
-                    rest = terms[LIMIT_STRONGEST + i] // bit
-                    high = terms[LIMIT_STRONGEST_SHIFT + i] - 1000
-                    if high < 0:
-                        rest >>= 0 - high
-                    elif rest < 0x20000000 >> high:
-                        rest <<= high
-                    else:
-                        rest = 0x20000000
-                    if rest < strong:
-                        strong = rest
-                i += 1
-            if strong < 1:
-                strong = 1
-            strong_shift = 0
-            while strong < 0x4000:
-                strong <<= 1
-                strong_shift -= 1
-            while strong >= 0x8000:
-                strong >>= 1
-                strong_shift += 1
-            # v² = a · δ · s · (1 + s) / t²
-            high = strong * sine >> 15
-            low = 0x4000
-            if sine_shift > 0:
-                low += sine << sine_shift >> 15
-            high = high * low >> 15
-            high = high * terms[LIMIT_CORNER] >> 15
-            high = (high << 15) // ((root * root >> 13) + 1)
-            shift = strong_shift + terms[LIMIT_CORNER_SHIFT] - 968 + sine_shift - 2 * shift
-            while shift < 0 and high:
-                high >>= 1
-                shift += 1
-            while shift > 0 and high < 0x10000000:
-                high <<= 1
-                shift -= 1
-            if shift > 0 or high > 0x1FFFFFFF:
-                high = 0x1FFFFFFF
-        rows[at + ROW_CORNER] = high
-    work[WORK_THROUGH] = 1
-    i = 0
-    while i < axes:
-        work[WORK_BEFORE + i] = work[WORK_HEADING + i]
-        i += 1
     return 1
-
-
-@micropython.viper
-def look_back(rows: ptr32, work: ptr32, counts: ptr32) -> int:
-    """Raise the exits of blocks, from the newest back, as far as one changes; how many blocks back that was."""
-    count = (counts[QUEUE_ADDED] - counts[QUEUE_FROZEN]) & 0x1FFFFFFF
-    if count > 64:
-        count = 64
-    deepest = count + 2
-    stride = work[WORK_STRIDE]
-    behind = (counts[QUEUE_ADDED] - 1) % work[WORK_SIZE] * stride
-    ends = work[WORK_SIZE] * stride
-    depth = 0
-    while count > 1:
-        at = behind - stride
-        if at < 0:
-            at = ends - stride
-        square = 0
-        if rows[behind + ROW_GAIN] and rows[at + ROW_GAIN]:
-            factor = work[WORK_FACTOR + rows[behind + ROW_RAPID]]
-            square = rows[behind + ROW_SQUARE]
-            square = ((square >> 14) * factor << 2) + ((square & 0x3FFF) * factor >> 12)
-            if rows[behind + ROW_FASTEST] < square:
-                square = rows[behind + ROW_FASTEST]
-            factor = work[WORK_FACTOR + rows[at + ROW_RAPID]]
-            most = rows[at + ROW_SQUARE]
-            most = ((most >> 14) * factor << 2) + ((most & 0x3FFF) * factor >> 12)
-            if rows[at + ROW_FASTEST] < most:
-                most = rows[at + ROW_FASTEST]
-            if most < square:
-                square = most
-            most = rows[behind + ROW_EXIT] + rows[behind + ROW_REACH]
-            if most < square:
-                square = most
-            if rows[behind + ROW_CORNER] < square:
-                square = rows[behind + ROW_CORNER]
-        if square > rows[at + ROW_EXIT]:
-            rows[at + ROW_EXIT] = square
-            depth = deepest - count
-        elif work[WORK_ALL] == 0:
-            return depth
-        behind = at
-        count -= 1
-    return depth
-
-
-@micropython.viper
-def plan(batch: ptr32, count: int, rows: ptr32, work: ptr32, counts: ptr32, terms: ptr32) -> int:
-    """Queue the lines in the first `count` rows of `batch`, for which there is room; one of no steps is no block. Returns how
-    many were taken: fewer if the next one's feed is for Planner._ask() to work out; -1 or -2 if measure() refuses the next."""
-    axes = work[WORK_STRIDE] - ROW_STEPS
-    done = 0
-    line = 0
-    while done < count:
-        at = counts[QUEUE_ADDED] % work[WORK_SIZE] * work[WORK_STRIDE]
-        feed = batch[line + BATCH_FEED]
-        if feed != work[WORK_ASKED]:
-            fastest = terms[LIMIT_WHOLE]
-            if feed and fastest == 0:
-                return done
-            work[WORK_ASKED] = feed
-            work[WORK_GIVEN] = 0
-            work[WORK_GIVEN_SHIFT] = 0
-            speed = 0
-            if feed:  # feed · 2²⁸ / fastest
-                speed = feed // fastest
-                rest = feed - speed * fastest
-                bit = 0
-                while bit < 28 and speed < 0x10000000:
-                    rest <<= 1
-                    speed <<= 1
-                    if rest >= fastest:
-                        rest -= fastest
-                        speed += 1
-                    bit += 1
-                if bit < 28:
-                    speed = 0x1FFFFFFF
-                if speed == 0:
-                    speed = 1
-            work[WORK_FEED] = speed
-        work[WORK_IS_ARC] = 0
-        axis = 0
-        while axis < axes:
-            rows[at + ROW_STEPS + axis] = batch[line + BATCH_STEPS + axis]
-            axis += 1
-        through = int(measure(rows, at, work, terms))
-        if through >> 30 & 1:
-            return through
-        if through and int(
-            close(
-                rows, at, work, counts, 0, batch[line + BATCH_FLAGS], batch[line + BATCH_TAG], batch[line + BATCH_POWER],
-                batch[line + BATCH_FIRST],
-            )
-        ):
-            look_back(rows, work, counts)
-        line += BATCH_FIELDS
-        done += 1
-    return done
