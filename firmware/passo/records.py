@@ -199,7 +199,7 @@ LINE_RISE = const(5)  # three numbers an axis, `axes` times the first, then the 
 #   decision, with the fall added so that it is never negative: a step is due above the fall
 #   made: its signed steps since the feeder last cleared them
 
-# Feeder.state. First the terms of the segment under way, for steps/pace.py:
+# Feeder.state. First the terms of the segment under way, for steps/pace_viper.py:
 PACE_SHORT = const(0)  # a word of the shorter interval, without its mask
 PACE_TICK = const(1)  # one tick in a word
 PACE_REST = const(2)  # PACE_REST / PACE_OVER: the share of the intervals that are a tick longer

@@ -5,7 +5,8 @@ from math import atan2, cos, pi, sin, sqrt
 
 from draws import Random
 from passo.motion.arc import TooSteep, plan
-from passo.motion.arc_plan import LEADS, MAX_RADIUS
+from passo.motion.arc import MAX_RADIUS
+from passo.motion.circle_viper import LEADS
 from passo.motion.block import COARSE
 from passo.motion.circle import Circle
 from passo.motion.line import MAX_RUN

@@ -10,7 +10,7 @@ from passo.motion.line import Line
 from passo.motion.planner import LOOK_AHEAD
 from passo.records import COUNT_MASK, ENDLESS, FEED_DEBT, HOLD_TICKS, TICKS_PER_MS, TICKS_PER_S
 from passo.steps import position as asked
-from passo.steps.pace import pace, repay
+from passo.steps.pace_viper import pace, repay
 from passo.steps.ring import Ring
 from passo.steps.word import us_to_ticks
 from rig import DRIVES, LEAST_TICKS, SETUP_TICKS, Rig, total_ticks

@@ -8,7 +8,7 @@ def test_no_integer_outgrows_a_board():
     from check_circle import about
     from draws import Random
     from passo.motion.arc import plan
-    from passo.motion.arc_plan import MAX_RADIUS
+    from passo.motion.arc import MAX_RADIUS
     from passo.motion.circle import Circle
     from passo.records import ARC_FIELDS
     from small_int import Small, SmallRows

@@ -257,8 +257,6 @@ ASSIGNED = {
     "max_steps_s": "known only when the player is made, whose ring the settings' speeds decide",
     "curves_want": "bytes that S-curves want",
     "arcs_want": "bytes that arcs want",
-    "walk": "steps/kernels.py puts machine code in the place of its plain twin",
-    "pace": "steps/kernels.py puts machine code in the place of its plain twin",
 }
 
 

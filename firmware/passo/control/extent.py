@@ -1,6 +1,6 @@
 """How far an arc reaches beyond its ends."""
 
-from passo.motion.arc_plan import turns_off
+from passo.motion.circle import turns_off
 from passo.motion.integers import isqrt
 
 _DIRECTIONS = ((1, 0), (0, 1), (-1, 0), (0, -1))

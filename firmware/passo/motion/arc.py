@@ -8,7 +8,8 @@ Vectors are in steps, the plane's axes have equal steps/mm. `into` is an array o
 from array import array
 from micropython import const
 
-from passo.motion.arc_plan import FINE, LEADS, MAX_RADIUS, MAX_SLOPE, turns_off
+from passo.motion.circle import turns_off
+from passo.motion.circle_viper import LEADS
 from passo.motion.cordic import QUARTER, arc_length, vector
 from passo.motion.integers import isqrt, zeros
 from passo.records import (
@@ -17,7 +18,10 @@ from passo.records import (
     ARC_Z_HIGH, ARC_Z_LOW, ARC_Z_STEPS,
 )  # fmt: skip
 
-MOST_STEPS = 1 << 28  # of path in one arc
+MAX_RADIUS = const(0x100000)  # 2²⁰ steps
+MAX_SLOPE = const(128)  # most steps of the third axis along one step of the circle
+MOST_STEPS = const(1 << 28)  # of path in one arc
+_FRACTION = const(20)  # bits of a length along the circle
 ARCS = const(64)  # most in the queue: a plan takes as much memory again as a block
 
 
@@ -167,11 +171,11 @@ def _measure(into, square, place, quarters, z):
     if steps and abs(z) << shift > MAX_SLOPE * turned:
         raise TooSteep("a helix of more than %d steps along one of its circle's" % MAX_SLOPE)
     into[ARC_RADIUS], into[ARC_SHIFT] = radius, shift
-    into[ARC_DIAGONAL] = arc_length(isqrt(square << 2 * FINE), corner) if steps else 0
+    into[ARC_DIAGONAL] = arc_length(isqrt(square << 2 * _FRACTION), corner) if steps else 0
     into[ARC_Z_STEPS], into[ARC_Z_HIGH], into[ARC_Z_LOW] = z, ratio >> 15, ratio & 0x7FFF
     into[ARC_TAIL_Z] = tail_z
     into[ARC_PATH] = whole
-    into[ARC_PATH_FINE] = ((path << FINE) >> shift) & ((1 << FINE) - 1)
+    into[ARC_PATH_FINE] = ((path << _FRACTION) >> shift) & ((1 << _FRACTION) - 1)
     return whole << 10 | into[ARC_PATH_FINE] >> 10, swept
 
 

@@ -13,7 +13,6 @@ compiles it to machine code, elsewhere it is ordinary Python; block_viper.py say
 import micropython
 from micropython import const
 
-from passo.motion.arc_plan import LEADS
 from passo.records import (
     ARC_ACROSS, ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_DIAGONAL, ARC_FIELDS, ARC_INSIDE, ARC_MIRROR, ARC_PATH,
     ARC_PATH_FINE, ARC_RADIUS, ARC_REGION, ARC_SHIFT, ARC_STEPS, ARC_U, ARC_W, ARC_Z_HIGH, ARC_Z_LOW, ARC_Z_STEPS,
@@ -21,6 +20,8 @@ from passo.records import (
     CIRCLE_REST, CIRCLE_RISE, CIRCLE_USED, CIRCLE_U_AXIS, CIRCLE_WORDS, CIRCLE_W_AXIS, CIRCLE_Z_BETWEEN,
     CIRCLE_Z_LEFT, CIRCLE_Z_OVER, CIRCLE_Z_RISE, CIRCLE_Z_SUM, INT_HALF, INT_MOST, LINE_AXES, LINE_RISE,
 )  # fmt: skip
+
+LEADS = const(22_938)  # ARC_Z_HIGH from which the third axis dominates somewhere: 0.7 steps a step
 
 try:
     ptr32

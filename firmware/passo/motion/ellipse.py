@@ -9,7 +9,7 @@ steps: the sagitta of a chord of the angle φ is R·(1 − cos φ/2) < R·φ² /
 Big integers, once a chord.
 """
 
-from passo.motion.arc_plan import turns_off
+from passo.motion.circle import turns_off
 from passo.motion.arc_speed import shares
 from passo.motion.cordic import TURN, arc_length, rotate, vector
 from passo.motion.integers import isqrt, length_nm

@@ -16,7 +16,7 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion.line_viper import begin, walk  # steps/kernels.py may put a port's own walk() in the place of this one
+from passo.motion.line_viper import begin, walk
 from passo.records import LINE_MOVING, LINE_NEGATIVE, LINE_RISE
 
 MAX_STEPS = const(2_097_151)  # 2²¹ − 1
@@ -71,3 +71,9 @@ class Line:
         """Write the masks of the next `count` (≤ left, ≤ MAX_RUN) dominant steps to out[at:]; add them to `made`."""
         walk(out, at, count, self.state)
         self.left -= count
+
+
+def use(own):
+    """Let walk() be a port's own machine code, which must give the same bits."""
+    global walk
+    walk = own

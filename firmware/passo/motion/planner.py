@@ -56,15 +56,14 @@ class Planner:
         self.rows = zeros(_SIZE * self._stride)  # of Block, one after the other
         self._walkers = [None] * _SIZE  # of ARC where its plan begins in Plans.plans; of INDEPENDENT and STEP_PROGRAM what is walked
         self.whole = False  # arcs and S-curves are loaded
-        self._arc = self._arc_speed = self._s_curve = None
+        self._plan_arc = self._set_arc_speed = self._limit_jerk = None
         self._arcs = None  # their plans; made by load()
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
         self.line_state = self._line.state
         self._circle = None  # made by load()
         self.ramp = Steady()  # the feeder's; a Ramp after load()
         self.counts = array("i", [0] * QUEUE_FIELDS)
-        self._under_way = Block()  # the one fetched last
-        self._playing = Block()
+        self._under_way, self._playing = Block(), Block()  # the one fetched last; see playing()
         self.work = array("i", bytearray(4 * WORK_FIELDS))
         self.percent = memoryview(self.work)[WORK_PERCENT : WORK_PERCENT + 2]  # overrides: of the feed, of rapid motion
         self.percent[0] = self.percent[1] = 100
@@ -84,7 +83,7 @@ class Planner:
         if limits is not None:
             ramp = self.ramp
             if limits.jerk or ramp.s_curve:
-                self._s_curve.limit(ramp, limits, self._stride, len(self.rows))
+                self._limit_jerk(ramp, limits, self._stride, len(self.rows))
         self._limits = limits
         self._terms = limits.terms if limits else None
         self.work[WORK_START] = limits.start if limits else 0
@@ -104,10 +103,12 @@ class Planner:
         self._circle = Circle(self.axes)
         self.whole = whole
         if whole:
-            from passo.motion import arc, arc_speed, s_curve
+            from passo.motion.arc import Plans, plan
+            from passo.motion.arc_speed import set_speed
+            from passo.motion.s_curve import limit
 
-            self._arc, self._arc_speed, self._s_curve = arc, arc_speed, s_curve
-            self._arcs = arc.Plans()
+            self._plan_arc, self._set_arc_speed, self._limit_jerk = plan, set_speed, limit
+            self._arcs = Plans()
 
     def clear(self):
         """Forget every block. Only while the feeder is stopped."""
@@ -270,7 +271,7 @@ class Planner:
         if limits.steps_per_m[plane[0]] != limits.steps_per_m[plane[1]]:
             raise ValueError("the plane's axes differ in steps/mm")
         plan = self._arcs.plan
-        path, swept = self._arc.plan(plan, plane, center, deltas, clockwise, turns, over_half)
+        path, swept = self._plan_arc(plan, plane, center, deltas, clockwise, turns, over_half)
         if not plan[ARC_STEPS]:
             if queued:
                 self.line(deltas, ticks, tool, tag, False, speed_nm_s)
@@ -280,7 +281,7 @@ class Planner:
         at = self._next_row()
         self.work[WORK_ASKED] = -1
         work = self.work if queued else self.work[:]
-        if not self._arc_speed.set_speed(
+        if not self._set_arc_speed(
             self.rows, at, work, limits, plan, path, swept, plane, center, deltas, clockwise, speed_nm_s, ticks
         ):
             self._refuse(-1)

@@ -29,7 +29,7 @@ from passo.records import (
     MARK_ENDS, MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS, MARK_WORD, POWER_HEAD, POWER_TAIL, POWER_UNKNOWN,
     ROW_GAIN, ROW_TICKS,
 )  # fmt: skip
-from passo.steps.pace import repay
+from passo.steps.pace_viper import repay
 from passo.steps.position import Position
 from passo.steps.segments_viper import ENDED, LATER, make
 

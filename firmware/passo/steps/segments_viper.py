@@ -5,7 +5,7 @@ and goes on with the lines behind it.
                 settle, geometry)
 
 For each segment: room, how many steps and how long (`cut`, the ramp's), directions, which axes step (line.walk, or the
-geometry's), when (pace.pace), a checkpoint; and behind an accelerated line's last one the next line, if it is accelerated and
+geometry's), when (pace_viper.pace), a checkpoint; and behind an accelerated line's last one the next line, if it is accelerated and
 released.
 
     words   . . a a a a b b b c c c c c d d d . . .     a … d: segments; c is being played
@@ -46,7 +46,7 @@ from passo.records import (
     RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, ROW_DYNAMIC, ROW_FIRST, ROW_POWER, ROW_RAPID, ROW_STEPS,
     ROW_TOOL, ROW_TOP, WORK_PERCENT, WORK_START,
 )  # fmt: skip
-from passo.steps import pace
+from passo.steps import pace_viper
 
 try:
     ptr32
@@ -72,7 +72,7 @@ def make(
     ramp = ptr32(cuts)
     path = ptr32(line_state)
     walk = line.walk
-    write = pace.pace
+    write = pace_viper.pace
     axes = state[FEED_AXES]
     bits = state[FEED_BITS]
     hold = state[FEED_HOLD]

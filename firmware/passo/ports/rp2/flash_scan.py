@@ -55,7 +55,10 @@ RAW_CODE = const(1)
 RAW_CHILDREN = const(2)
 KIND_SHIFT = const(16)
 GENERATOR = const(0x1000000)
-_NATIVE = const(3)  # a kind of function
+# Kinds of functions. Machine code (viper is 4) never runs while this does: nothing but its function points into it, in native
+# code twice. Instructions that look like pointers into it keep it from nothing.
+_BYTECODE = const(2)
+_NATIVE = const(3)
 
 
 @micropython.asm_thumb
@@ -269,16 +272,16 @@ def redirect(words: ptr32):
             entry = found * FUNCTION_ROW
             if code != functions[entry]:
                 busy = 0
-                prelude = -1  # of native code, which never runs while this does: its function's other pointer into it
-                if functions[entry + 2] & 0xFF == _NATIVE:
+                prelude = -1
+                if functions[entry + 2] & 0xFF == _BYTECODE:
+                    i = first
+                    while i < first + room:
+                        busy |= in_use[i >> 3] >> (i & 7) & 1
+                        i += 1
+                elif functions[entry + 2] & 0xFF == _NATIVE:
                     prelude = children - code
                     if prelude < 0 or prelude >= functions[entry + 1] & 0xFFFF:
                         busy = 1
-                i = first
-                while i < first + room:
-                    if prelude < 0 or i != (children - pool) >> 4:
-                        busy |= in_use[i >> 3] >> (i & 7) & 1
-                    i += 1
                 if busy:
                     words[BUSY] = words[BUSY] + 1
                 else:

@@ -16,9 +16,9 @@ from micropython import const
 
 from passo.ports.chip_port import ChipPort
 from passo.ports.rp2 import chip
-from passo.ports.rp2 import kernels as thumb
+from passo.ports.rp2 import kernels
 from passo.ports.rp2.registers import BLOCK_CTRL
-from passo.steps import kernels
+from passo.steps import pace_viper
 from passo.steps.wiring import inverted_pins, word_pins, word_times
 
 _FEED_MS = const(3)  # every 2 ms, its calls alone would cost a stream of lines a fifth of its speed
@@ -115,7 +115,7 @@ class Port(ChipPort):
 
     def feed_from_interrupt(self, feeder, player):
         self._feeder = feeder
-        kernels.use(thumb.walk, thumb.pace)
+        pace_viper.use(kernels.walk, kernels.pace)
         chip.yield_timers()
         self._timer = Timer(mode=Timer.PERIODIC, period=_FEED_MS, callback=self._feed, hard=True)
         return True
