@@ -26,7 +26,7 @@ BOARD = {
         {"name": "enable", "pin": 9, "active": 0},
     ],
     "speed": {"unit": "steps_per_s", "default": 1600, "min": 1, "max": 3200},
-    "track": {
+    "step_program": {
         "interval_us": 312,  # the drivers' pulse duration interval: it makes the fastest speed
         "default_mm_min": 1200,
         "cells": 4096,

@@ -43,11 +43,11 @@ ZERO = const(31)  # machine zero is here; only at a stand, and where homing has 
 CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
 STILL = const(33)  # nothing but an answer: accepted at a stand, else refused as BUSY
 
-TRACK_ADD = const(40)  # a track comes: `value` is one of TRACK_OPEN … TRACK_ABORT
-TRACK = const(41)  # `value`: what to do with it, one of TRACK_GO … TRACK_HAND_DRIVES
+STEP_PROGRAM_ADD = const(40)  # a step program comes: `value` is one of STEPS_OPEN … STEPS_ABORT
+STEP_PROGRAM = const(41)  # `value`: what to do with it, one of STEPS_GO … STEPS_HAND_DRIVES
 
 # These never wait for others.
-IMMEDIATE = (BAD, HELLO, STATUS, STOP, HOLD, RESUME, DOOR, JOG_CANCEL, RESET, OVERRIDE, TOGGLE, HAND_OVER, TRACK)
+IMMEDIATE = (BAD, HELLO, STATUS, STOP, HOLD, RESUME, DOOR, JOG_CANCEL, RESET, OVERRIDE, TOGGLE, HAND_OVER, STEP_PROGRAM)
 
 FEED = const(0)
 RAPID = const(1)
@@ -59,31 +59,31 @@ AT_REST = const(0)  # Run.when: refused while anything moves
 AS_JOG = const(1)  # or extends a jog of the same axes in the same directions
 LIVE = const(2)  # or changes what the axes named do, while others run on
 FOREVER = const(0x1FFFFFFF)  # steps of a Run without an end
-# TRACK_ADD
-TRACK_OPEN = const(0)  # `tool`: it is played as it comes, else stored whole
-TRACK_ITEMS = const(1)  # `target`: list of items, see below
-TRACK_CLOSE = const(2)  # it is complete
-TRACK_ABORT = const(3)  # it cannot be understood: `error` says why; what is under way of it stops
+# STEP_PROGRAM_ADD
+STEPS_OPEN = const(0)  # `tool`: it is played as it comes, else stored whole
+STEPS_ITEMS = const(1)  # `target`: list of items, see below
+STEPS_CLOSE = const(2)  # it is complete
+STEPS_ABORT = const(3)  # it cannot be understood: `error` says why; what is under way of it stops
 
 # An item: single steps are `count << 8 | negative << 4 | mask of axes`; without axes it is `value << 8 | one of these << 4`.
-TRACK_WAIT = const(1)  # ms
-TRACK_TOOL = const(2)  # 1 on, 0 off
-TRACK_SPEED = const(3)  # mm/min along the path; above the fastest it is that
-TRACK_FASTEST = const(4)
-TRACK_DEFAULT = const(5)  # the speed of the board file
-TRACK_DRIVES = const(6)  # 1 on, 0 off
-TRACK_ASK = const(7)  # the operator sets the speed
+STEPS_WAIT = const(1)  # ms
+STEPS_TOOL = const(2)  # 1 on, 0 off
+STEPS_SPEED = const(3)  # mm/min along the path; above the fastest it is that
+STEPS_FASTEST = const(4)
+STEPS_DEFAULT = const(5)  # the speed of the board file
+STEPS_DRIVES = const(6)  # 1 on, 0 off
+STEPS_ASK = const(7)  # the operator sets the speed
 
-# TRACK
-TRACK_GO = const(0)  # `tool`: backward; `power`: how many times, 0: as set
-TRACK_STEP = const(1)  # one unit; `tool`: backward
-TRACK_RETURN = const(2)  # the way back of the manual moves, then on; `tool`: backward
-TRACK_CONTINUE = const(3)  # from here, forget the manual moves; `tool`: backward
-TRACK_PASSES = const(4)  # `power`: how many times, 1 … 100
-TRACK_PACE = const(5)  # `feed`: mm/min from now on to the next speed of the track
-TRACK_JOG = const(6)  # `target`: steps of each axis, one axis after the other
-TRACK_HAND_TOOL = const(7)  # `tool`
-TRACK_HAND_DRIVES = const(8)  # `tool`: on
+# STEP_PROGRAM: what to do with it
+STEPS_GO = const(0)  # `tool`: backward; `power`: how many times, 0: as set
+STEPS_STEP = const(1)  # one unit; `tool`: backward
+STEPS_RETURN = const(2)  # the way back of the manual moves, then on; `tool`: backward
+STEPS_CONTINUE = const(3)  # from here, forget the manual moves; `tool`: backward
+STEPS_PASSES = const(4)  # `power`: how many times, 1 … 100
+STEPS_PACE = const(5)  # `feed`: mm/min from now on to the next speed of the program
+STEPS_JOG = const(6)  # `target`: steps of each axis, one axis after the other
+STEPS_HAND_TOOL = const(7)  # `tool`
+STEPS_HAND_DRIVES = const(8)  # `tool`: on
 
 ACCEPTED = const(0)
 REFUSED = const(1)  # `error` says why; nothing moved

@@ -26,7 +26,7 @@ FEATURES = (
     ("drawing", None),
     ("changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
     ("independent", None),
-    ("track", None),
+    ("step_program", None),
     ("program", None),
     ("pauses", lambda board: [item for item in board["inputs"] if item["name"] in _PAUSING]),
     ("tools", None),

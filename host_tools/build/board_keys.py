@@ -19,7 +19,7 @@ SECTIONS = {
     "planning": ("planning", "How paths are joined."),
     "spindle": ("spindle", "Range and analogue power of the tool, for G-code's S."),
     "jog": ("jog", "Jogs of the plotter's and the torch's languages."),
-    "track": ("track", "Needed by the language `pulses`: paths written down step by step."),
+    "step_program": ("step_program", "Needed by the language `pulses`: paths written down step by step."),
     "links": ("links", "A list of the board's serial lines, one entry a line. See [README](../README.md#languages)."),
 }
 
@@ -95,13 +95,13 @@ MEANINGS = {
     "jog.up": "Which way UP goes; DOWN is the opposite, LEFT and RIGHT the other axis.",
     "jog.ahead_ms": "A jog that is repeated asks for so much motion in advance, ms: the longest time that the axis runs on after "
     "the button is released.",
-    "track.interval_us": "Least time between two pulses, µs: makes the fastest speed, `$`.",
-    "track.default_mm_min": "Speed until the file sets one, mm/min, and of moves by hand.",
-    "track.cells": "Memory for the file, four bytes each: one for a run of equal steps.",
-    "track.dry_run": "The tool stays off.",
-    "track.port_bits": "Status report only: at which bit of the image of the parallel port drives, Z pulse, Z dir, Y pulse, Y dir, "
+    "step_program.interval_us": "Least time between two pulses, µs: makes the fastest speed, `$`.",
+    "step_program.default_mm_min": "Speed until the file sets one, mm/min, and of moves by hand.",
+    "step_program.cells": "Memory for the file, four bytes each: one for a run of equal steps.",
+    "step_program.dry_run": "The tool stays off.",
+    "step_program.port_bits": "Status report only: at which bit of the image of the parallel port drives, Z pulse, Z dir, Y pulse, Y dir, "
     "X pulse, X dir and tool appear; `-`: nowhere.",
-    "track.port_invert": "Status report only: mask of the bits that appear inverted.",
+    "step_program.port_invert": "Status report only: mask of the bits that appear inverted.",
     "links.name": "Its name: `passo board --link NAME=PATH`, the log.",
     "links.port": "`usb`, or `uart0` … See the pins a UART may use in [wiring](wiring.md#serial-lines).",
     "links.tx": "UART: the pin that sends.",

@@ -21,8 +21,8 @@ def _board(name):
         board = check(boards.load(name))
     except BoardError as error:
         raise Failure(f"board {name}: {error}") from error
-    if not board["track"]:
-        raise Failure(f"board {name} has no section track")
+    if not board["step_program"]:
+        raise Failure(f"board {name} has no section step_program")
     return board, "".join(axis["name"] for axis in board["axes"])[:3]
 
 
@@ -37,7 +37,7 @@ def check(file: PulseFile, board: BoardName = BOARD):
     from host_tools.programs.gcode_file import clock
 
     config, axes = _board(board)
-    course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["track"], file), config)
+    course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["step_program"], file), config)
     print(f"commands {course.commands}, {course.steps} of them steps; {clock(course.seconds)} ({course.seconds:.1f} s)")
     for number, axis in enumerate(config["axes"]):
         per_mm = axis["steps_per_m"] / 1000
@@ -74,7 +74,7 @@ def convert(
         except OSError as error:
             raise Failure(f"cannot write {target}: {error.strerror}") from error
     else:
-        course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["track"], file), config)
+        course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["step_program"], file), config)
         target = out or file.with_suffix(".png")
         plot.save(target, course.strokes, file.stem)
     print(target)
@@ -88,20 +88,20 @@ def image(file: PulseFile, board: BoardName = BOARD):
         passo pulses image square.txt --board boards/mine.py
     """
     from host_tools.programs import pulse_file
-    from passo.commands import TRACK_DRIVES, TRACK_TOOL
+    from passo.commands import STEPS_DRIVES, STEPS_TOOL
     from passo.protocols.pulses_report import port_byte
 
     config, axes = _board(board)
     drives = tool = False
-    for item in pulse_file.items(pulse_file.load(file), axes, config["track"], file):
+    for item in pulse_file.items(pulse_file.load(file), axes, config["step_program"], file):
         kind = 0 if item & 15 else item >> 4 & 15
-        if kind == TRACK_DRIVES:
+        if kind == STEPS_DRIVES:
             drives = bool(item >> 8)
-        elif kind == TRACK_TOOL:
-            tool = bool(item >> 8) and not config["track"]["dry_run"]
+        elif kind == STEPS_TOOL:
+            tool = bool(item >> 8) and not config["step_program"]["dry_run"]
         elif kind:
             continue
-        byte = port_byte(item & 255 if item & 15 else 0, tool, drives, config["track"])
+        byte = port_byte(item & 255 if item & 15 else 0, tool, drives, config["step_program"])
         for _ in range(item >> 8 if item & 15 else 1):
             print(f"{byte:02X}")
 

@@ -18,17 +18,17 @@ def load(path):
 def items(data, axes, config, name="the file"):
     """The items of a file (see passo.commands). Raises Failure with line and column of what is wrong."""
     from passo import error_texts
-    from passo.commands import TRACK_ABORT, TRACK_ITEMS
+    from passo.commands import STEPS_ABORT, STEPS_ITEMS
     from passo.protocols.pulses import Pulses, frame
 
     protocol = Pulses(axes, config)
     found = []
     protocol.feed(frame("load", len(data)) + b"\n", 0)
     for command in protocol.feed(data, 0) + protocol.feed(frame("end"), 0):
-        if command.value == TRACK_ABORT:
+        if command.value == STEPS_ABORT:
             line, column = command.target
             raise Failure(f"{name}:{line}:{column}: error {command.error}: {error_texts.text(command.error)}")
-        if command.value == TRACK_ITEMS:
+        if command.value == STEPS_ITEMS:
             found += command.target
     return found
 
@@ -37,14 +37,14 @@ class Course:
     """What a file draws: strokes, box, steps, time."""
 
     def __init__(self, found, board):
-        from passo.commands import TRACK_DEFAULT, TRACK_FASTEST, TRACK_SPEED, TRACK_TOOL, TRACK_WAIT
-        from passo.control.track_intake import lengths_of
+        from passo.commands import STEPS_DEFAULT, STEPS_FASTEST, STEPS_SPEED, STEPS_TOOL, STEPS_WAIT
+        from passo.control.step_program_intake import lengths_of
 
         axes = board["axes"]
-        track = board["track"]
+        config = board["step_program"]
         lengths = lengths_of(axes)
-        fastest = min(lengths[1 << axis] for axis in range(len(axes))) // track["interval_us"]
-        speed = min(track["default_mm_min"], fastest)
+        fastest = min(lengths[1 << axis] for axis in range(len(axes))) // config["interval_us"]
+        speed = min(config["default_mm_min"], fastest)
         scale = [axis["steps_per_m"] / 1000 for axis in axes]
         self.place = [0] * len(axes)
         self.low, self.high = self.place[:], self.place[:]
@@ -57,13 +57,13 @@ class Course:
             self.commands += count if mask else 1
             if not mask:
                 kind = item >> 4 & 15
-                if kind == TRACK_TOOL:
+                if kind == STEPS_TOOL:
                     tool = bool(count)
                     self.strokes.append((tool, [self.strokes[-1][1][-1]]))
-                elif kind == TRACK_WAIT:
+                elif kind == STEPS_WAIT:
                     self.seconds += count / 1000
-                elif kind in (TRACK_SPEED, TRACK_FASTEST, TRACK_DEFAULT):
-                    speed = {TRACK_SPEED: count, TRACK_FASTEST: fastest, TRACK_DEFAULT: track["default_mm_min"]}[kind]
+                elif kind in (STEPS_SPEED, STEPS_FASTEST, STEPS_DEFAULT):
+                    speed = {STEPS_SPEED: count, STEPS_FASTEST: fastest, STEPS_DEFAULT: config["default_mm_min"]}[kind]
                     speed = min(speed, fastest)
                 continue
             self.steps += count

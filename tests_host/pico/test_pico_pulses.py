@@ -24,7 +24,7 @@ TEXT = "[+3750" + "AAGAGAAG" * 50 + "CCGCGCCG" * 50
 def machine(make_machine):
     """A router whose drivers are faster than those of 2009."""
     board = boards.load("lpt_router")
-    board["track"]["interval_us"] = 100
+    board["step_program"]["interval_us"] = 100
     board["drive"]["pulse_us"] = 3
     board["links"][0]["baud"] = 230400
     return make_machine(board)
@@ -116,4 +116,4 @@ def test_the_pico_makes_the_words_of_the_golden_file(uf2, show):
     code = "import gc\ngc.threshold(16000)\nimport digest\ndigest.main(['job.hex', 'lpt_router'])"
     said = pico.exec(code, limit_us=LIMIT_US).split()
     assert said == golden_of_gcode()["pico_pulses"]
-    show("digest of a track on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
+    show("digest of a step program on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")

@@ -216,7 +216,7 @@ def check_torch_beside_grbl():
 
 def check_pulses_beside_torch():
     """Codes and controls are refused by number on one link while the other commands; stopping and asking are not."""
-    two = Two(dict(TORCH, name="pc"), PULSES, track={})
+    two = Two(dict(TORCH, name="pc"), PULSES, step_program={})
     pulses, torch_line = two.machine.port.lines["lpt"], two.machine.line
 
     def say(data, turns=80):

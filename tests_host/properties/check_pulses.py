@@ -3,7 +3,7 @@
 from draws import Random
 from lpt import Lpt
 from passo import commands
-from passo.commands import TRACK_ABORT, TRACK_ADD, TRACK_CLOSE, TRACK_ITEMS
+from passo.commands import STEPS_ABORT, STEP_PROGRAM_ADD, STEPS_CLOSE, STEPS_ITEMS
 from passo.motion.integers import isqrt
 from passo.protocols.pulses import Pulses, frame
 from passo.protocols.pulses_codes import CODES
@@ -110,7 +110,7 @@ def check_port_byte_live():
     expected = {0x86: 1, 0xDC: 1, 0xF0: 1, 0xD5: 1}
     machine.tell("run")
     seen = []
-    while machine.track.live():
+    while machine.steps.live():
         seen.append(int(machine.status()["port"], 16))
     for byte in expected:
         assert byte in seen or byte | 0x80 in seen, (byte, seen)
@@ -178,9 +178,9 @@ def check_interrupted_and_returned(seed):
     interruptions = 0
     while interruptions < 200:
         machine.tell("run")
-        while machine.track.live() and interruptions < 200:
+        while machine.steps.live() and interruptions < 200:
             machine.run_ms(random.between(0, 12))
-            if not machine.track.live():
+            if not machine.steps.live():
                 break
             machine.tell("pause")
             machine.settle()
@@ -392,19 +392,19 @@ def check_no_words_before_the_motors_are_ready():
     """An interrupt that feeds comes at any moment: here as soon as a walk is queued, before the app has looked at the motors."""
     machine = Lpt()
     app = machine.app
-    queue = machine.track._queue
-    track = queue.track
+    queue = machine.steps._queue
+    walk = queue.walk
     early = []
 
     def interrupted(walker):
-        track(walker)
+        walk(walker)
         made = app.ring.head
         if app.feeder.open:
             app.feeder.fill(app.player.played(), 150_000)
         if app.ring.head != made and not app.controller.may_feed():
             early.append(app.ring.head - made)
 
-    queue.track = interrupted
+    queue.walk = interrupted
     machine.load("[A*40]*40A[*40A]")
     machine.tell("run")
     machine.until("end")
@@ -418,7 +418,7 @@ def enabled_while(machine, *words):
     for _ in range(100_000):
         seen.add(machine.world.outputs["enable"])
         machine.turn()
-        if not machine.track.live():
+        if not machine.steps.live():
             machine.settle()
             machine.take()
             return seen
@@ -457,7 +457,7 @@ def check_drives_on_the_way_back():
     assert machine.world.outputs["enable"] == 1
     places = []
     machine.tell("back")
-    while machine.track.live():
+    while machine.steps.live():
         machine.turn()
         places.append((machine.world.place[0], machine.world.outputs["enable"]))
     assert (4, 0) in places and (1, 0) in places and (3, 1) not in places and (1, 1) not in places
@@ -646,7 +646,7 @@ def check_moved_by_hand_behind_a_forgotten_start():
     machine.settle()
     machine.tell("run")
     machine.until("end")
-    assert machine.world.place == [2040, 2000, 0] and machine.track._origin == [40, 0, 0]
+    assert machine.world.place == [2040, 2000, 0] and machine.steps._origin == [40, 0, 0]
     machine.tell("back")
     machine.until("oldest")
     assert machine.world.place[0] == at + 40
@@ -859,15 +859,15 @@ def check_any_pieces(seed):
         ended = False
         for piece in pieces:
             for command in protocol.feed(piece, 0):
-                if command.kind == TRACK_ADD:
-                    assert command.value != TRACK_ABORT and not ended
-                    if command.value == TRACK_ITEMS:
+                if command.kind == STEP_PROGRAM_ADD:
+                    assert command.value != STEPS_ABORT and not ended
+                    if command.value == STEPS_ITEMS:
                         for item in command.target:
                             if found and item & 15 and found[-1] & 255 == item & 255:
                                 found[-1] += item >> 8 << 8
                             else:
                                 found.append(item)
-                    ended = command.value == TRACK_CLOSE
+                    ended = command.value == STEPS_CLOSE
         assert ended
         return found
 
@@ -890,5 +890,5 @@ def check_noise(data):
     protocol.feed(b"", 10_000)
     protocol.feed(b"", 20_000)
     commands = protocol.feed(frame("load", 2) + b"\nAA" + frame("end"), 20_001)
-    values = [command.value for command in commands if command.kind == TRACK_ADD]
-    assert values[-2:] == [TRACK_ITEMS, TRACK_CLOSE]
+    values = [command.value for command in commands if command.kind == STEP_PROGRAM_ADD]
+    assert values[-2:] == [STEPS_ITEMS, STEPS_CLOSE]

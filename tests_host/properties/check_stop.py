@@ -72,7 +72,7 @@ class Two:
             {"name": "a", "port": "uart0", "tx": 0, "rx": 1, "protocol": first},
             {"name": "pc", "port": "usb", "protocol": second},
         ]
-        self.machine = Machine(links=links, jog={"steps": 10, "up": "y+"}, track={}, store_points=20, **changes)
+        self.machine = Machine(links=links, jog={"steps": 10, "up": "y+"}, step_program={}, store_points=20, **changes)
         self.controller = self.machine.controller
         self.world = self.machine.world
         self.languages = first, second

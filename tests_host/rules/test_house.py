@@ -42,7 +42,7 @@ SEQUENCES = {
 BARE_FILES = {"passo/ports/rp2/flash_scan.py"}  # to be emptied: the interpreter's objects in memory
 
 # To be emptied: files and functions that are too long.
-LONG_FILES = {"passo/control/track.py"}
+LONG_FILES = set()
 LONG_FUNCTIONS = {
     "host_tools/cli/emulate.py:emulate", "host_tools/cli/board.py:board", "passo/protocols/gcode.py:_line",
     "passo/motion/step_program_words.py:_steps",  # stays: native code; runs may be short, so all is kept in locals

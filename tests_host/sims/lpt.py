@@ -17,16 +17,16 @@ from router import World
 
 
 class Lpt:
-    def __init__(self, **track):
+    def __init__(self, **config):
         board = check(BOARD)
-        board["track"].update(track)
+        board["step_program"].update(config)
         self.board = board
         self.world = World((0, 0, 0))
         self.world.switches["stop"] = 0
         self.world.path = []
         self.port = VirtualPort(board, self.world)
         self.app = App(board, self.port)
-        self.track = self.app.controller.features["track"]
+        self.steps = self.app.controller.features["step_program"]
         self.line = self.port.lines["pc"]
         self.heard = ""
         self.acks = 0
@@ -130,7 +130,7 @@ class Lpt:
     def settle(self):
         """Until nothing moves."""
         self.turn()
-        while self.track.live():
+        while self.steps.live():
             self.turn()
 
     def picture(self):

@@ -19,7 +19,7 @@ MOTION = {
 
 
 def machine_of(language, **changes):
-    board = {**boards.load("torch_manipulator"), "track": {}, **changes}
+    board = {**boards.load("torch_manipulator"), "step_program": {}, **changes}
     link = {"port": "usb", "baud": 115_200}
     links = [{"name": "other", "protocol": "torch", **link}, {"name": "pc", "protocol": language, "port": "uart0"}]
     machine = VirtualMachine({**board, "links": links, "commands": "pc"})

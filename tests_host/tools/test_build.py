@@ -24,11 +24,11 @@ MODULES = {
     "main.py": "import passo.app\n",
     "passo/__init__.py": "",
     "passo/app.py": "from passo.motion.line import line\nfrom passo import errors, machine_builder\n",
-    "passo/control/track.py": "",
+    "passo/control/step_program.py": "",
     "passo/languages/plotter.py": "from passo.protocols.plotter import sum\n",
     "passo/control/homing.py": "",
-    "passo/languages/torch.py": "NEEDS = ('track',)\n",
-    "passo/machine_builder.py": "FEATURES = (('homing', bool), ('track', None))\n",
+    "passo/languages/torch.py": "NEEDS = ('step_program',)\n",
+    "passo/machine_builder.py": "FEATURES = (('homing', bool), ('step_program', None))\n",
     "passo/motion/line.py": "def line():\n    return 1\n",
     "passo/ports/virtual.py": "",
     "passo/ports/pins.py": "",
@@ -67,7 +67,7 @@ ROOMS = [
     "passo/control/homing.mpy", "passo/errors.mpy", "passo/machine_builder.mpy", "passo/ports/pins.mpy",
     "passo/protocols/__init__.mpy",
 ]  # fmt: skip
-TORCH = ["passo/control/track.mpy", "passo/languages/torch.mpy", "passo/protocols/torch.mpy"]
+TORCH = ["passo/control/step_program.mpy", "passo/languages/torch.mpy", "passo/protocols/torch.mpy"]
 PLOTTER = ["passo/languages/plotter.mpy", "passo/protocols/packets.mpy", "passo/protocols/plotter.mpy"]
 
 

@@ -82,9 +82,9 @@ _JOG = {
     "up": ("y+", "y-", "x+", "x-"),
     "ahead_ms": (int, 100, 10, 10_000),  # of motion that repeated jogs may ask for in advance: how long it goes on after them
 }
-_TRACK = {
+_STEP_PROGRAM = {
     "interval_us": (int, 100, 1, 250_000),  # the least time between one pulse and the next: it makes the fastest speed
-    "default_mm_min": (int, 600, 1, 900_000),  # until the track says otherwise, and for moves by hand
+    "default_mm_min": (int, 600, 1, 900_000),  # until the program says otherwise, and for moves by hand
     "cells": (int, 4096, 512, 65_536),  # of memory, four bytes each: a run of equal steps takes one
     "dry_run": (bool, False, 0, 1),  # the tool stays off
     # The image of a parallel port in status reports, for its bits 7 to 0 (drives on, z pulse, z dir, y pulse, y dir,
@@ -119,14 +119,14 @@ _BOARD = {
     "jog": _JOG,
     "changeover_by": ("command", "motion"),  # what takes the motors from the other controller
     "changeover_ms": (int, 20, 0, 10_000),  # between releasing the relays of one controller and closing the other's
-    "track": _TRACK,  # paths of single steps
+    "step_program": _STEP_PROGRAM,  # paths of single steps
     "idle_release_ms": (int, 5000, 0, 3_600_000),  # 0: never
     "store_points": (int, 3000, 10, 100_000),
     "links": [_LINK, 1, 4],
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
-_OPTIONAL = ("homing", "jog", "planning", "spindle", "track")
-_ABSENT = ("homing", "track")  # None where the board file has none
+_OPTIONAL = ("homing", "jog", "planning", "spindle", "step_program")
+_ABSENT = ("homing", "step_program")  # None where the board file has none
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
@@ -140,7 +140,7 @@ def check(board):
     _check_order(board)
     _check_homing(board)
     _check_links(board)
-    _check_track(board)
+    _check_step_program(board)
     if board["drive"]["kind"] == "pbl3770a" and board["drive"]["mode"] == "wave":
         raise BoardError("drive.mode: a pbl3770a has no wave drive; 'half' or 'full'")
     speed = board["speed"]
@@ -270,16 +270,16 @@ def _check_links(board):
         raise BoardError("commands: there is no link %r; known are %s" % (board["commands"], ", ".join(names)))
 
 
-def _check_track(board):
-    track = board["track"]
-    if track is None:
+def _check_step_program(board):
+    config = board["step_program"]
+    if config is None:
         return
     for axis in board["axes"]:
         if axis["steps_per_m"] < 100:
-            raise BoardError("axis %s: a track wants 100 steps/m or more" % axis["name"])
-    bits = track["port_bits"].replace("-", "")
+            raise BoardError("axis %s: a step program wants 100 steps/m or more" % axis["name"])
+    bits = config["port_bits"].replace("-", "")
     if len(set(bits)) != len(bits) or set(bits) - set("01234567"):
-        raise BoardError("track.port_bits: each of 0 … 7 once at most, and - for none, not %r" % track["port_bits"])
+        raise BoardError("step_program.port_bits: each of 0 … 7 once at most, and - for none, not %r" % config["port_bits"])
 
 
 def _check_homing(board):

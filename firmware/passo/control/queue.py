@@ -160,13 +160,13 @@ class Queue:
         interrupt that feeds may come before the app looks."""
         self._feeder.open = False
 
-    def track(self, walker):
-        """Walk a track, as its walker has begun to; settle() is to follow when it has been played."""
+    def walk(self, walker):
+        """Walk a program, as its walker has begun to; settle() is to follow when it has been played."""
         self._planner.walk(walker, walker.tool)
         self.flush()
 
     def place(self):
-        """The place on the track under way, exact at this moment; None where there is none."""
+        """The place on the program under way, exact at this moment; None where there is none."""
         return self._feeder.place(self._player.played())
 
     def independent(self):

@@ -27,7 +27,7 @@ Codes outside a file are streamed, too, until the line is quiet. Answers are lin
 Flow control: a host has at most WINDOW bytes of a file under way. For every CREDIT of them that the board has taken in
 it sends one byte ACK, which is in no line. Bytes of control commands count for nothing.
 
-    pulses = Pulses("xyz", board["track"])
+    pulses = Pulses("xyz", board["step_program"])
     for command in pulses.feed(serial.read(), now_ms): …
     frame("speed", 1200)        # b"{speed 1200}"
 """
@@ -37,8 +37,8 @@ from micropython import const
 
 from passo import errors
 from passo.commands import (
-    ACCEPTED, ALARM, BAD, DROPPED, FINISHED, RESTARTED, STATUS, STOP, TRACK, TRACK_ABORT, TRACK_ADD, TRACK_ASK, TRACK_CLOSE,
-    TRACK_ITEMS, TRACK_OPEN, TRACK_SPEED, TRACK_WAIT, Command,
+    ACCEPTED, ALARM, BAD, DROPPED, FINISHED, RESTARTED, STATUS, STOP, STEP_PROGRAM, STEPS_ABORT, STEP_PROGRAM_ADD, STEPS_ASK, STEPS_CLOSE,
+    STEPS_ITEMS, STEPS_OPEN, STEPS_SPEED, STEPS_WAIT, Command,
 )  # fmt: skip
 from passo.protocols.pulses_codes import CODES, MARKS, SPEED_MM_MIN, WAIT_MS
 from passo.protocols.pulses_control import number, understand
@@ -68,14 +68,14 @@ def frame(*words):
 
 class Pulses:
     def __init__(self, axes, config):
-        """`axes`: their names, at most three count; `config`: the section `track` of the board file."""
+        """`axes`: their names, at most three count; `config`: the section `step_program` of the board file."""
         self._axes = axes[:3]
         self._config = config
         self._known = (1 << len(self._axes)) - 1
         self._mode = _TYPED
         self._frame = None  # the bytes of a control command so far
         self._latest = 0
-        self._open = False  # TRACK_OPEN has been said, TRACK_CLOSE not yet
+        self._open = False  # STEPS_OPEN has been said, STEPS_CLOSE not yet
         self._begin(0)
 
     def _begin(self, size, fresh=False):
@@ -85,7 +85,7 @@ class Pulses:
         self._count = 0  # bytes of it so far
         self._line = self._column = 1
         self._items = []
-        self._taken = 0  # bytes since the last TRACK_ITEMS
+        self._taken = 0  # bytes since the last STEPS_ITEMS
         self._under_way = 0  # bytes handed on and not answered
         self._credit = 0
         self._sign = 0  # the * or + whose number is coming
@@ -233,7 +233,7 @@ class Pulses:
             self._line, self._column = self._sign_at
             self._fail(errors.NUMBER_MISSING, found)
             return False
-        kind = TRACK_WAIT if self._sign == 0x2A else TRACK_SPEED if self._number else TRACK_ASK
+        kind = STEPS_WAIT if self._sign == 0x2A else STEPS_SPEED if self._number else STEPS_ASK
         self._items.append(self._number << 8 | kind << 4)
         self._sign = 0
         return True
@@ -243,7 +243,7 @@ class Pulses:
         if not self._items and self._taken < CREDIT or self._mode == _DROP:
             return
         self._open_typed(found)
-        command = Command(TRACK_ADD, self._items, TRACK_ITEMS)
+        command = Command(STEP_PROGRAM_ADD, self._items, STEPS_ITEMS)
         command.power = self._taken
         self._under_way += self._taken
         self._items = []
@@ -253,7 +253,7 @@ class Pulses:
     def _open_typed(self, found):
         if not self._open:
             self._open = True
-            found.append(Command(TRACK_ADD, None, TRACK_OPEN, True))
+            found.append(Command(STEP_PROGRAM_ADD, None, STEPS_OPEN, True))
 
     def _fail(self, error, found):
         """The file makes no sense from here on."""
@@ -262,7 +262,7 @@ class Pulses:
         self._open = False
         self._items = []
         self._sign = 0
-        found.append(Command(TRACK_ADD, (self._line, self._column), TRACK_ABORT, error=error))
+        found.append(Command(STEP_PROGRAM_ADD, (self._line, self._column), STEPS_ABORT, error=error))
 
     def _close(self, found):
         if not self._end_number(found):
@@ -272,7 +272,7 @@ class Pulses:
             return
         self._hand_on(found)
         self._open = False
-        command = Command(TRACK_ADD, None, TRACK_CLOSE)
+        command = Command(STEP_PROGRAM_ADD, None, STEPS_CLOSE)
         command.tool = self._mode == _TYPED  # nobody asked: there is no answer
         self._mode = _TYPED
         self._begin(0)
@@ -306,7 +306,7 @@ class Pulses:
                 return self._open_file(verb == "stream", size, found)
         elif verb == "end" and len(words) == 1:
             if self._mode not in (_LOAD, _STREAM):
-                return Command(BAD, error=errors.NO_TRACK)
+                return Command(BAD, error=errors.NO_STEP_PROGRAM)
             self._close(found)
             return None
         command = understand(words, self._axes)
@@ -320,21 +320,21 @@ class Pulses:
         if self._open:
             self._mode = _DROP
             self._open = False
-            found.append(Command(TRACK_ADD, (self._line, self._column), TRACK_ABORT, error=errors.CUT_OFF))
+            found.append(Command(STEP_PROGRAM_ADD, (self._line, self._column), STEPS_ABORT, error=errors.CUT_OFF))
         self._begin(size, True)
         self._mode = _STREAM if stream else _LOAD
         self._open = True
-        return Command(TRACK_ADD, None, TRACK_OPEN, stream)
+        return Command(STEP_PROGRAM_ADD, None, STEPS_OPEN, stream)
 
     # --- events to bytes
 
     def reply(self, event):
         command = event.command
         if event.kind == FINISHED:
-            if command.kind == TRACK or command.kind == TRACK_ADD:
+            if command.kind == STEP_PROGRAM or command.kind == STEP_PROGRAM_ADD:
                 return (event.value + "\n").encode()
             return b"ok\n"
-        if command.kind == TRACK_ADD:
+        if command.kind == STEP_PROGRAM_ADD:
             return self._reply_to_file(event, command)
         if event.kind != ACCEPTED:
             return b"error:%d\n" % event.error
@@ -347,14 +347,14 @@ class Pulses:
 
     def _reply_to_file(self, event, command):
         if event.kind == ACCEPTED:
-            if command.value == TRACK_ITEMS:
+            if command.value == STEPS_ITEMS:
                 return self._acknowledge(command.power)
-            if command.value == TRACK_CLOSE:
+            if command.value == STEPS_CLOSE:
                 return b"" if command.tool else b"ok %d\n" % event.value
             return b"" if self._mode == _TYPED else b"ok\n"
-        if command.value == TRACK_ABORT:
+        if command.value == STEPS_ABORT:
             return b"error:%d line %d column %d\n" % (event.error, command.target[0], command.target[1])
-        silent = self._mode == _DROP and command.value != TRACK_OPEN
+        silent = self._mode == _DROP and command.value != STEPS_OPEN
         self._mode = _DROP
         self._open = False
         return b"" if silent else b"error:%d\n" % event.error

@@ -6,7 +6,7 @@
     $ @       the fastest speed, the board file's
 """
 
-from passo.commands import TRACK_DEFAULT, TRACK_DRIVES, TRACK_FASTEST, TRACK_TOOL
+from passo.commands import STEPS_DEFAULT, STEPS_DRIVES, STEPS_FASTEST, STEPS_TOOL
 
 WAIT_MS = (0, 3_600_000)
 SPEED_MM_MIN = (0, 900_000)
@@ -21,10 +21,10 @@ CODES = bytes((
     0x17, 0x57, 0x37, 0x77,  # W X−Y+Z+, X X−Y+Z−, Y X−Y−Z+, Z X−Y−Z−
 ))  # fmt: skip
 MARKS = {
-    0x5B: 1 << 8 | TRACK_DRIVES << 4,  # [
-    0x5D: TRACK_DRIVES << 4,  # ]
-    0x28: 1 << 8 | TRACK_TOOL << 4,  # (
-    0x29: TRACK_TOOL << 4,  # )
-    0x24: TRACK_FASTEST << 4,  # $
-    0x40: TRACK_DEFAULT << 4,  # @
+    0x5B: 1 << 8 | STEPS_DRIVES << 4,  # [
+    0x5D: STEPS_DRIVES << 4,  # ]
+    0x28: 1 << 8 | STEPS_TOOL << 4,  # (
+    0x29: STEPS_TOOL << 4,  # )
+    0x24: STEPS_FASTEST << 4,  # $
+    0x40: STEPS_DEFAULT << 4,  # @
 }

@@ -5,12 +5,12 @@
 
 from passo import errors
 from passo.commands import (
-    BAD, CONNECT, HAND_OVER, HOLD, HOME, STATUS, STOP, TRACK, TRACK_CONTINUE, TRACK_GO, TRACK_HAND_DRIVES, TRACK_HAND_TOOL,
-    TRACK_JOG, TRACK_PACE, TRACK_PASSES, TRACK_RETURN, TRACK_STEP, UNLOCK, Command,
+    BAD, CONNECT, HAND_OVER, HOLD, HOME, STATUS, STOP, STEP_PROGRAM, STEPS_CONTINUE, STEPS_GO, STEPS_HAND_DRIVES, STEPS_HAND_TOOL,
+    STEPS_JOG, STEPS_PACE, STEPS_PASSES, STEPS_RETURN, STEPS_STEP, UNLOCK, Command,
 )  # fmt: skip
 
 _PLAIN = {"pause": HOLD, "stop": STOP, "?": STATUS, "home": HOME, "unlock": UNLOCK, "log": STATUS}
-_VERBS = {"run": TRACK_GO, "step": TRACK_STEP, "return": TRACK_RETURN, "continue": TRACK_CONTINUE, "repeat": TRACK_PASSES}
+_VERBS = {"run": STEPS_GO, "step": STEPS_STEP, "return": STEPS_RETURN, "continue": STEPS_CONTINUE, "repeat": STEPS_PASSES}
 
 
 def number(text):
@@ -29,12 +29,12 @@ def understand(words, axes):
     if verb in _VERBS:
         command = _verb(verb, said, value, len(words) == 1)
     elif verb == "back" and len(words) == 1:
-        command = Command(TRACK, None, TRACK_GO, True)
+        command = Command(STEP_PROGRAM, None, STEPS_GO, True)
     elif verb == "speed" and value >= 0:
-        command = Command(TRACK, None, TRACK_PACE)
+        command = Command(STEP_PROGRAM, None, STEPS_PACE)
         command.feed = value
     elif verb in ("tool", "drives") and said in ("on", "off"):
-        command = Command(TRACK, None, TRACK_HAND_TOOL if verb == "tool" else TRACK_HAND_DRIVES, said == "on")
+        command = Command(STEP_PROGRAM, None, STEPS_HAND_TOOL if verb == "tool" else STEPS_HAND_DRIVES, said == "on")
     elif verb == "motors" and said in ("on", "off"):
         command = Command(CONNECT, None, 1 if said == "on" else 0)
     elif verb == "link" and (len(words) == 1 or value > 0):
@@ -45,7 +45,7 @@ def understand(words, axes):
 
 
 def _verb(verb, said, value, alone):
-    command = Command(TRACK, None, _VERBS[verb])
+    command = Command(STEP_PROGRAM, None, _VERBS[verb])
     if said == "back" and verb in ("step", "return", "continue"):
         command.tool = True
     elif value >= 0 and verb in ("run", "repeat"):
@@ -68,4 +68,4 @@ def _jog(words, axes):
         if axis < 0 or len(words[place]) != 1 or not digits.isdigit() or len(digits) > 6:
             return None
         target[axis] += int(steps)
-    return Command(TRACK, target, TRACK_JOG)
+    return Command(STEP_PROGRAM, target, STEPS_JOG)

@@ -1,12 +1,12 @@
 """The status line of the language of pulse codes, and the image of the parallel port in it.
 
-    status(report, board["track"])      # "<state:run at:34 of:100 …>"
+    status(report, board["step_program"])      # "<state:run at:34 of:100 …>"
     status_from(line)["at"]             # "34": the host's end of it
 """
 
 
 def port_byte(step, tool, drives, config):
-    """The image of the parallel port while `step` (a byte of CODES, 0: none) is made; `config`: the section `track`."""
+    """The image of the parallel port while `step` (a byte of CODES, 0: none) is made; `config`: the section `program`."""
     image = (0x80 if drives else 0) | (1 if tool else 0)
     for axis in range(3):
         if step >> axis & 1:
@@ -28,23 +28,23 @@ def status(report, config):
     period make it; wait: ms to go; place: steps; manual: units of manual moves; port: the port's image in hex, its
     directions those of the step being made; ask: 1 where the operator's speed is wanted.
     """
-    track = report["track"]
-    speed = track["speed"]
+    program = report["step_program"]
+    speed = program["speed"]
     fields = (
         ("state", report["state"]),
-        ("at", track["place"]),
-        ("of", track["total"]),
-        ("pass", "%d/%d" % (track["pass"], track["passes"])),
-        ("going", "-" if track["backward"] else "+"),
+        ("at", program["place"]),
+        ("of", program["total"]),
+        ("pass", "%d/%d" % (program["pass"], program["passes"])),
+        ("going", "-" if program["backward"] else "+"),
         ("speed", "%d.%d" % (speed // 10, speed % 10)),
-        ("wait", track["wait_ms"]),
-        ("ask", 1 if track["asked"] else 0),
+        ("wait", program["wait_ms"]),
+        ("ask", 1 if program["asked"] else 0),
         ("place", ",".join([str(place) for place in report["position"]])),
-        ("manual", track["manual"]),
-        ("tool", 1 if track["tool"] else 0),
-        ("drives", 1 if track["drives"] else 0),
-        ("port", "%02X" % port_byte(track["moving"] | track["negative"] << 4, track["tool"], track["drives"], config)),
-        ("room", track["room"]),
+        ("manual", program["manual"]),
+        ("tool", 1 if program["tool"] else 0),
+        ("drives", 1 if program["drives"] else 0),
+        ("port", "%02X" % port_byte(program["moving"] | program["negative"] << 4, program["tool"], program["drives"], config)),
+        ("room", program["room"]),
         ("error", report["error"]),
     )
     return "<" + " ".join(["%s:%s" % field for field in fields]) + ">\n"

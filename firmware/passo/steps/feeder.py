@@ -205,7 +205,7 @@ class Feeder(Position):
         """After the player has halted, and with `open` cleared: drop all words not played, take their place as truth.
 
         Returns (position, block, index): the block that was under way, if any, and how many of its dominant steps
-        have been made (of a track: the place), so that it can be taken up again. The planner keeps its blocks.
+        have been made (of a step program: the place), so that it can be taken up again. The planner keeps its blocks.
         """
         self.retire(played)
         at = self._walk(played)

@@ -58,7 +58,7 @@ class Position:
         return (start + stepping) & COUNT_MASK
 
     def place(self, played):
-        """The place on the track under way when `played` words have appeared on the pins; None where there is none."""
+        """The place in the step program under way when `played` words have appeared on the pins; None if there is none."""
         block = self.planner.playing()
         if block is None or block.kind != STEP_PROGRAM:
             return None

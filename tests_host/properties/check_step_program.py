@@ -1,4 +1,4 @@
-"""Tracks: every unit once and in its order, both ways and from any place; periods exact; the place known at any word."""
+"""Programs: every unit once and in its order, both ways and from any place; periods exact; the place known at any word."""
 
 from draws import Random
 from passo.motion.step_program import DWELL, MOST, SPEED, STATION, TOOL, StepProgram, mark, run, units
@@ -20,10 +20,10 @@ LENGTHS = [0] + [(12500, 17678, 21651)[(bin(mask).count("1")) - 1] * 60 for mask
 TOOL_TICKS = (2_000, 300_000)
 
 
-def new_track(cells=1024, tool_ticks=TOOL_TICKS):
-    track = StepProgram(3, cells)
-    track.clear(3000)
-    return track, StepProgramWalker(track, LENGTHS, tool_ticks)
+def new_program(cells=1024, tool_ticks=TOOL_TICKS):
+    program = StepProgram(3, cells)
+    program.clear(3000)
+    return program, StepProgramWalker(program, LENGTHS, tool_ticks)
 
 
 def random_items(random, count, speeds=(1200, 3000, 6000)):
@@ -70,11 +70,11 @@ def opposite(steps):
 
 
 class Ride:
-    """A track on the bench, and what its words did."""
+    """A program on the bench, and what its words did."""
 
-    def __init__(self, track, walker):
+    def __init__(self, program, walker):
         self.rig = Rig("step_dir", 3)
-        self.track = track
+        self.program = program
         self.walker = walker
         self.tick = 0
         self.steps = []  # (tick, moves, tool)
@@ -119,24 +119,24 @@ class Ride:
         assert [(moves, tool) for _, moves, tool in made] == [(moves, tool) for _, moves, tool, _ in steps]
 
 
-def fill(track, items):
+def fill(program, items):
     for item in items:
-        assert track.append(item)
-    track.open = False
-    assert track.total == sum([units(item) for item in items])
+        assert program.append(item)
+    program.open = False
+    assert program.total == sum([units(item) for item in items])
 
 
 def check_there_and_back(seed):
     random = Random(seed)
     items = random_items(random, 60)
     steps = moves_of(items)
-    track, walker = new_track()
-    fill(track, items)
+    program, walker = new_program()
+    fill(program, items)
     walker.rewind()
-    ride = Ride(track, walker)
+    ride = Ride(program, walker)
     ride.go()
     ride.check(steps)
-    assert walker.place == track.total and walker.at_end()
+    assert walker.place == program.total and walker.at_end()
     for before, after, step in zip(ride.steps, ride.steps[1:], steps):
         mask = sum([1 << axis for axis in range(3) if step[1][axis]])
         period = (LENGTHS[mask] + step[3] // 2) // step[3]
@@ -152,10 +152,10 @@ def check_turned_round_anywhere(seed):
     random = Random(seed)
     items = random_items(random, 40)
     steps = moves_of(items)
-    track, walker = new_track()
-    fill(track, items)
+    program, walker = new_program()
+    fill(program, items)
     walker.rewind()
-    ride = Ride(track, walker)
+    ride = Ride(program, walker)
     for _ in range(30):
         before = walker.place
         gone = len(ride.steps)
@@ -179,13 +179,13 @@ def check_halted_anywhere(seed):
     random = Random(seed)
     items = random_items(random, 30)
     steps = moves_of(items)
-    track, walker = new_track()
-    fill(track, items)
+    program, walker = new_program()
+    fill(program, items)
     for backward in (False, True):
         walker.rewind()
         if backward:
-            walker.seek(track.total)
-        ride = Ride(track, walker)
+            walker.seek(program.total)
+        ride = Ride(program, walker)
         rig = ride.rig
         walker.begin(backward)
         rig.planner.walk(walker, walker.tool)
@@ -218,24 +218,24 @@ def check_halted_anywhere(seed):
 
 
 def check_window(seed):
-    """An open track is walked as it comes, goes on where it was dry, and forgets only what lies far behind."""
+    """An open program is walked as it comes, goes on where it was dry, and forgets only what lies far behind."""
     random = Random(seed)
     items = random_items(random, 150)
-    track, walker = new_track(64)
-    track.clear(3000, ring=True)
+    program, walker = new_program(64)
+    program.clear(3000, ring=True)
     walker.rewind()
-    ride = Ride(track, walker)
+    ride = Ride(program, walker)
     rig = ride.rig
     walker.begin()
     rig.planner.walk(walker, walker.tool)
     rig.planner.flush()
     queue = items[:]
     while queue:
-        while queue and (track.end - walker.cell) & COUNT_MASK < track.size // 2 and random.between(0, 9):
-            assert track.append(queue.pop(0))
+        while queue and (program.end - walker.cell) & COUNT_MASK < program.size // 2 and random.between(0, 9):
+            assert program.append(queue.pop(0))
         ride.play(rig.take(random.choice((10_000, 100_000))))
         rig.feeder.retire(rig.played)
-    track.open = False
+    program.open = False
     while not rig.planner.empty():
         ride.play(rig.take())
         rig.feeder.retire(rig.played)
@@ -243,16 +243,16 @@ def check_window(seed):
     ride.check(steps)
     gone = len(ride.steps)
     ride.go(backward=True)
-    assert walker.place == track.start and walker.at_start()
+    assert walker.place == program.start and walker.at_start()
     ride.check(opposite([step for step in steps if step[0] >= walker.place]), gone)
 
 
 def check_dry_is_not_late():
-    track, walker = new_track()
-    track.clear(3000, ring=True)
-    track.append(run(1, 0, 3))
+    program, walker = new_program()
+    program.clear(3000, ring=True)
+    program.append(run(1, 0, 3))
     walker.rewind()
-    ride = Ride(track, walker)
+    ride = Ride(program, walker)
     walker.begin()
     ride.rig.planner.walk(walker, walker.tool)
     ride.rig.planner.flush()
@@ -262,17 +262,17 @@ def check_dry_is_not_late():
     for _ in range(5):
         ride.play(ride.rig.take())
     assert ride.rig.feeder.late == late and len(ride.steps) == 3
-    track.append(run(1, 0, 2))
+    program.append(run(1, 0, 2))
     ride.play(ride.rig.take())
     assert len(ride.steps) == 5 and not ride.rig.planner.empty()
 
 
 def check_periods(mm_min, mask):
     """Whole microseconds, each within a tick, and exact in the mean: 12½ ticks are a microsecond."""
-    track, walker = new_track()
-    fill(track, [mark(SPEED, mm_min), run(mask, 0, 41)])
+    program, walker = new_program()
+    fill(program, [mark(SPEED, mm_min), run(mask, 0, 41)])
     walker.rewind()
-    ride = Ride(track, walker)
+    ride = Ride(program, walker)
     ride.go()
     period_us = (LENGTHS[mask] + mm_min // 2) // mm_min
     assert walker.step_us(mask) == period_us
@@ -283,10 +283,10 @@ def check_periods(mm_min, mask):
 
 def check_live_speed():
     """A new speed is felt by the next segment, and cuts a long interval short."""
-    track, walker = new_track()
-    fill(track, [mark(SPEED, 1), run(1, 0, 4)])  # 0.75 s a step
+    program, walker = new_program()
+    fill(program, [mark(SPEED, 1), run(1, 0, 4)])  # 0.75 s a step
     walker.rewind()
-    ride = Ride(track, walker)
+    ride = Ride(program, walker)
     walker.begin()
     ride.rig.planner.walk(walker, walker.tool)
     ride.rig.planner.flush()
@@ -300,10 +300,10 @@ def check_live_speed():
 
 
 def check_stations():
-    track, walker = new_track()
-    fill(track, [run(1, 0, 5), mark(STATION, 7), run(1, 0, 3)])
+    program, walker = new_program()
+    fill(program, [run(1, 0, 5), mark(STATION, 7), run(1, 0, 3)])
     walker.rewind()
-    ride = Ride(track, walker)
+    ride = Ride(program, walker)
     ride.go()
     assert len(ride.steps) == 5 and not walker.at_end()
     ride.go()
@@ -316,24 +316,24 @@ def check_stations():
 
 
 def check_full():
-    track, walker = new_track(5)
-    assert track.size == 4
-    assert track.append(run(1, 0, MOST)) and track.append(run(1, 0, 1)) and track.append(run(2, 0))
-    assert not track.append(mark(SPEED, 100)) and track.used() == 3
-    assert track.append(mark(DWELL, 100)) and not track.append(run(1, 0))
-    assert track.append(run(2, 0)) is False and track.total == MOST + 3
-    assert track.at == [MOST + 1, 1, 0]
+    program, walker = new_program(5)
+    assert program.size == 4
+    assert program.append(run(1, 0, MOST)) and program.append(run(1, 0, 1)) and program.append(run(2, 0))
+    assert not program.append(mark(SPEED, 100)) and program.used() == 3
+    assert program.append(mark(DWELL, 100)) and not program.append(run(1, 0))
+    assert program.append(run(2, 0)) is False and program.total == MOST + 3
+    assert program.at == [MOST + 1, 1, 0]
 
 
 def check_speed_found_late():
     """What the operator chose at a station is in force there when the walk comes back."""
-    track, walker = new_track()
-    fill(track, [run(1, 0, 2), mark(STATION, 0), run(1, 0, 2), mark(SPEED, 600), run(1, 0, 2)])
+    program, walker = new_program()
+    fill(program, [run(1, 0, 2), mark(STATION, 0), run(1, 0, 2), mark(SPEED, 600), run(1, 0, 2)])
     walker.rewind()
-    ride = Ride(track, walker)
+    ride = Ride(program, walker)
     ride.go()
     walker.pass_station()
-    track.correct_speed(walker.cell, 1500)
+    program.correct_speed(walker.cell, 1500)
     walker.set_speed(1500)
     ride.go()
     assert walker.speed == 600

@@ -1,4 +1,4 @@
-"""How a track comes to the machine: stored whole, or played as it comes; its items are those of passo/commands.py."""
+"""How a step program comes to the machine: stored whole, or played as it comes; its items are those of passo/commands.py."""
 
 from array import array
 from micropython import const
@@ -18,9 +18,9 @@ DRIVES_ON = const(1)
 ASK = const(2)  # the operator sets the speed
 
 _KINDS = {
-    commands.TRACK_WAIT: marks.DWELL,
-    commands.TRACK_TOOL: marks.TOOL,
-    commands.TRACK_SPEED: marks.SPEED,
+    commands.STEPS_WAIT: marks.DWELL,
+    commands.STEPS_TOOL: marks.TOOL,
+    commands.STEPS_SPEED: marks.SPEED,
 }
 
 
@@ -36,19 +36,19 @@ def lengths_of(axes):
     return lengths
 
 
-class TrackIntake:
-    """The half of the feature `track` that takes a step program in."""
+class StepProgramIntake:
+    """The half of the feature that takes a step program in."""
 
     def _clamp(self, mm_min):
         return min(mm_min or self._default, self.fastest)
 
     def _add(self, command):
-        """TRACK_ADD."""
+        """STEP_PROGRAM_ADD."""
         return (self._open, self._items, self._close, self._abort)[command.value](command)
 
     def _open(self, command):
         machine = self._machine
-        if self._streaming and self.active() and not self.track.open:
+        if self._streaming and self.active() and not self.program.open:
             return LATER
         refusal = machine.unready()
         if refusal:
@@ -58,26 +58,26 @@ class TrackIntake:
         self._reset()
         self._streaming = command.tool
         self._loading = not command.tool
-        self.track.clear(self._clamp(self._default), command.tool)
-        self.track.open = True
+        self.program.clear(self._clamp(self._default), command.tool)
+        self.program.open = True
         self._walker.rewind()
         self._origin = self._queue.target[:]
         self._command = command
         return machine.accepted(command)
 
     def _items(self, command):
-        track = self.track
-        if not track.open:
-            return errors.NO_TRACK
+        program = self.program
+        if not program.open:
+            return errors.NO_STEP_PROGRAM
         if self._streaming and self._room() < 2 * len(command.target) + 2:
             return LATER
         items = command.target
-        at = track.extend(items, 0)
+        at = program.extend(items, 0)
         while at < len(items):
             if not self._append(items[at]):
                 self._reset()
-                return errors.TRACK_FULL
-            at = track.extend(items, at + 1)
+                return errors.STEP_PROGRAM_FULL
+            at = program.extend(items, at + 1)
         if self._streaming:
             if not self._reachable():
                 self._fail()
@@ -87,51 +87,51 @@ class TrackIntake:
         return self._machine.accepted(command)
 
     def _append(self, item):
-        """Add an item of the shared vocabulary (commands.TRACK_…) to the track; of runs only where there is no room."""
+        """Add an item of the shared vocabulary (commands.STEPS_…) to the program; of runs only where there is no room."""
         if item & 15:
             return False
         kind = item >> 4 & 15
         value = item >> 8
         if kind in _KINDS:
-            if kind == commands.TRACK_TOOL and self._dry_run:
+            if kind == commands.STEPS_TOOL and self._dry_run:
                 value = 0
-            if kind == commands.TRACK_SPEED:
+            if kind == commands.STEPS_SPEED:
                 value = min(value, self.fastest)
-            return self.track.append(marks.mark(_KINDS[kind], value))
-        if kind == commands.TRACK_FASTEST:
-            return self.track.append(marks.mark(marks.SPEED, self.fastest))
-        if kind == commands.TRACK_DEFAULT:
-            return self.track.append(marks.mark(marks.SPEED, self._clamp(self._default)))
-        station = ASK if kind == commands.TRACK_ASK else value
+            return self.program.append(marks.mark(_KINDS[kind], value))
+        if kind == commands.STEPS_FASTEST:
+            return self.program.append(marks.mark(marks.SPEED, self.fastest))
+        if kind == commands.STEPS_DEFAULT:
+            return self.program.append(marks.mark(marks.SPEED, self._clamp(self._default)))
+        station = ASK if kind == commands.STEPS_ASK else value
         self._powers = self._powers or station == DRIVES_ON
-        return self.track.append(marks.mark(marks.STATION, station))
+        return self.program.append(marks.mark(marks.STATION, station))
 
     def _room(self):
         """Cells that may be filled: the other half of the window is kept for the way back."""
-        ahead = (self.track.end - self._walker.cell) & COUNT_MASK
-        return self.track.size // 2 - ahead
+        ahead = (self.program.end - self._walker.cell) & COUNT_MASK
+        return self.program.size // 2 - ahead
 
     def _reachable(self):
         machine = self._machine
         if not machine.homed or not machine.settings.value(table.SOFT_LIMITS):
             return True
-        track = self.track
+        program = self.program
         again = self._passes - 1
-        for reach in (track.low, track.high):
+        for reach in (program.low, program.high):
             for times in (0, again):
-                place = [self._origin[axis] + times * track.at[axis] + reach[axis] for axis in range(track.axes)]
+                place = [self._origin[axis] + times * program.at[axis] + reach[axis] for axis in range(program.axes)]
                 if not self._queue.inside(place):
                     return False
         return True
 
     def _close(self, command):
-        if not self.track.open:
-            return errors.NO_TRACK
-        self.track.open = self._loading = False
+        if not self.program.open:
+            return errors.NO_STEP_PROGRAM
+        self.program.open = self._loading = False
         if self._streaming and not self.active():
             self._streaming = False
             self._tell("end")
-        return self._machine.accepted(command, self.track.total)
+        return self._machine.accepted(command, self.program.total)
 
     def _abort(self, command):
         """The rest makes no sense: what was stored is forgotten, what was played as it came stops."""

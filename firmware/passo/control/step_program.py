@@ -1,0 +1,299 @@
+"""Playing a step program: forward, backward, step by step, again and again, with manual moves in between and the way back.
+
+What a step program is: motion/step_program.py. How it comes: step_program_intake.py. What may be asked of it:
+step_program_orders.py. The machine stops only at a step, and every start goes on from there: a pause takes the walk off the
+queue, so that a turn-round, a manual move or a single step may follow.
+
+Manual moves at a pause are a step program of their own, which the automatic return walks backward.
+"""
+
+from array import array
+from micropython import const
+
+from passo import commands
+from passo.commands import FINISHED, Event
+from passo.control.step_program_intake import ASK, DRIVES_ON, lengths_of
+from passo.control.step_program_orders import HAND, IDLE, RETURN, RUN, StepProgramOrders
+from passo.motion.step_program import StepProgram
+from passo.motion.step_program_walker import StepProgramWalker
+from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
+from passo.steps.word import us_to_ticks
+
+_MANUAL_CELLS = const(256)
+_GATHER = const(512)  # units that a stream sets out with, so that the board's pauses for breath do not show
+
+
+class Feature(StepProgramOrders):
+    def __init__(self, board, machine, queue):
+        config = board["step_program"]
+        axes = board["axes"]
+        self._queue = queue
+        self._machine = machine
+        self._dry_run = config["dry_run"]
+        self._default = config["default_mm_min"]
+        lengths = lengths_of(axes)
+        self._lengths = lengths
+        self.fastest = min([lengths[1 << axis] for axis in range(len(axes))]) // config["interval_us"] or 1
+        self._least_ticks = us_to_ticks(config["interval_us"])
+        self.program = StepProgram(len(axes), config["cells"])
+        tool_ticks = array("i", [queue.tool_ticks(False), queue.tool_ticks(True)])
+        self._walker = StepProgramWalker(self.program, lengths, tool_ticks)
+        self._manual = StepProgram(len(axes), _MANUAL_CELLS)
+        self._hand = StepProgramWalker(self._manual, lengths, tool_ticks)
+        self._loading = False
+        self._streaming = False
+        self._drives = False  # as the program or the operator left them
+        self._powers = False  # the program switches them on somewhere
+        self._barred = False  # the operator wants no current: no move by hand switches them on
+        self._without = None  # where a walk began that no motor has current for
+        self._origin = [0] * len(axes)  # where the program begins
+        self._command = None  # to be told when the program's end, or its start, is reached
+        self._mode = IDLE
+        self._reset()
+
+    def _reset(self):
+        self.program.clear(self._clamp(self._default))
+        self._walker.rewind()
+        self._stand()
+        self._loading = self._streaming = self._powers = False
+
+    def _stand(self):
+        """Nothing is under way, and there are no manual moves to go back."""
+        self._mode = IDLE
+        self._start_ms = None  # when what is streamed is to set out at the latest
+        self._midway = False  # has set out, and has not come to an end
+        self._asked = False  # waits for the operator's speed
+        self._held = IDLE  # the mode that the machine's hold has interrupted
+        self._left_at = self._origin  # where it left the program, for moves by hand
+        self._next = None  # what to do at the stand: a function without arguments
+        self._backward = False
+        self._most = ENDLESS
+        self._from = 0  # where the walk under way began
+        self._pass = self._passes = 1
+        self._hand_tool = False
+        self._forget_moves()
+
+    def _forget_moves(self):
+        self._manual.clear(self._clamp(self._default))
+        self._hand.rewind()
+
+    def handlers(self):
+        return {commands.STEP_PROGRAM: self._do, commands.STEP_PROGRAM_ADD: self._add}
+
+    def active(self):
+        return self._mode != IDLE or self._midway or self._start_ms is not None
+
+    def live(self):
+        return self._mode != IDLE
+
+    def held(self):
+        return self._midway and self._mode == IDLE
+
+    def clear(self):
+        """All motion has been dropped: back to the program's start; what was streamed is forgotten."""
+        self._power_back()
+        if self._streaming or self._loading:
+            self._reset()
+        self._walker.rewind()
+        self._walker.gap = self._least_ticks
+        self._stand()
+
+    def _fail(self):
+        """What was stored is forgotten; what was played as it came stops, the tool off."""
+        if not self._streaming:
+            self._reset()
+            return
+        self.program.open = False
+        self._at_stand(self._give_up)
+
+    def _give_up(self):
+        self._reset()
+        self._queue.rest(False)
+
+    # --- walking
+
+    def _set_drives(self, on):
+        self._drives = on
+        self._barred = self._barred and not on
+        self._machine.motors.drives(on)
+
+    def _power_back(self):
+        """The end of a walk, or of a part of it; the next one has current if the drives are on."""
+        if self._without is not None:
+            if self._queue.position() != self._without:
+                self._machine.homed = False  # the motors are not where the steps lead to
+            self._without = None
+            self._machine.motors.unpower(0)
+
+    def _at_stand(self, action):
+        """Do `action` as soon as the machine stands, now if it does."""
+        if self._mode == IDLE:
+            self._release_hold()
+            action()
+        else:
+            self._next = action
+            self._queue.hold(True)
+
+    def _release_hold(self):
+        self._machine.end_hold()
+        self._queue.hold(False)
+        self._held = IDLE
+
+    def _start(self, backward=False, most=ENDLESS):
+        self._backward = backward
+        self._most = most
+        self._from = self._walker.place
+        if backward and self._powers and not self._drives and not self._barred:
+            self._set_drives(True)  # as they were on the way forward, but for what lies before the program's first [
+        self._walk(self._walker, RUN, backward, most)
+
+    def _walk(self, walker, mode, backward, most=ENDLESS):
+        self._mode = mode
+        self._start_ms = None
+        self._midway = self._midway or mode == RUN
+        for other in (self._walker, self._hand):
+            if other is not walker:  # its last interval may still run
+                walker.gap = max(walker.gap, other.gap)
+                other.gap = 0
+        if not self._drives:
+            self._without = self._queue.position()
+            self._machine.motors.unpower((1 << self.program.axes) - 1)
+        walker.begin(backward, most, self._queue.lit())
+        self._queue.close()  # the walk before it may have had no current
+        self._queue.walk(walker)
+
+    def poll(self, now_ms):
+        machine = self._machine
+        if self._held and not machine.hold:  # resumed by a button
+            if self._held == RETURN:
+                self._go_back(self._backward)
+            elif self._held == RUN:
+                self._start(self._backward)
+            self._held = IDLE
+            return
+        if self._mode == IDLE:
+            if self._start_ms is not None and not machine.hold and self._gathered():
+                self._start()
+            return
+        if self._next is not None or machine.hold:
+            if self._queue.standing():
+                self._take()
+        elif self._queue.still():
+            self._queue.settle()
+            self._arrive()
+
+    def _gathered(self):
+        """True when enough of a stream has come to set out, or has been waited for."""
+        waited = (self._machine.port.machine_ms() - self._start_ms) & COUNT_MASK < COUNT_HALF
+        return waited or not self.program.open or self.program.total >= _GATHER
+
+    def _take(self):
+        """At the stand of a hold: take the walk off the queue."""
+        mode = self._mode
+        lit = self._queue.lit()
+        self._queue.drop()
+        self._queue.tool = lit
+        self._mode = IDLE
+        self._power_back()
+        if mode == RUN:
+            self._left_at = self._queue.target[:]
+        else:
+            self._hand.cut()
+        action = self._next
+        self._next = None
+        if action is not None:
+            self._release_hold()
+            action()
+        else:
+            self._held = mode
+            self._queue.hold(True)
+
+    def _arrive(self):
+        """A walk has been played to its end."""
+        mode = self._mode
+        self._mode = IDLE
+        self._power_back()
+        if mode == HAND:
+            if not self._hand.at_end():
+                self._move()
+        elif mode == RETURN:
+            self._forget_moves()
+            if not self._asked:
+                self._start(self._backward)
+        else:
+            self._queue.tool = self._walker.tool
+            self._left_at = self._queue.target[:]
+            self._arrive_in_program()
+
+    def _arrive_in_program(self):
+        walker = self._walker
+        done = self._most != ENDLESS and walker.place != self._from
+        station = None if self._backward or done else walker.pass_station()
+        if station == ASK:
+            self._asked = True
+            self._tell("speed")
+            return
+        if station is not None:
+            self._set_drives(station == DRIVES_ON)
+        if walker.at_start() if self._backward else walker.at_end():
+            self._end()
+        else:
+            self._go_along()
+
+    def _go_along(self):
+        """On, unless it was a single step."""
+        if self._most == ENDLESS:
+            self._start(self._backward)
+
+    def _end(self):
+        program = self.program
+        if self._backward:
+            forgotten = program.start != 0  # what was streamed first
+            self._midway = forgotten and program.open
+            if self._powers and not forgotten:
+                self._set_drives(False)
+            self._tell("oldest" if forgotten else "start")
+        elif program.open:
+            self._go_along()
+        elif self._pass < self._passes:
+            self._pass += 1
+            self._walker.rewind()
+            self._go_along()
+        else:
+            self._midway = self._streaming = False
+            self._tell("end")
+
+    def _tell(self, what):
+        self._machine.tell(Event(FINISHED, self._command, 0, what))
+
+    # --- for the status report
+
+    def report(self, report):
+        """Add what is known of the program: `program`, a dict."""
+        walker = self._walker
+        place = walker.place
+        if self._mode == RUN:
+            place = self._queue.place()
+            if place is None:
+                place = walker.place
+        period_us = walker.step_us(1)
+        seen = self._hand if self._mode in (HAND, RETURN) else walker
+        stepping = self._mode != IDLE and seen.left and not seen.wait_ms
+        report["step_program"] = {
+            "place": place,
+            "total": self.program.total,
+            "pass": self._pass,
+            "passes": self._passes,
+            "backward": self._backward,
+            "paused": self._midway and self._mode != RUN,
+            "asked": self._asked,
+            "manual": self._hand.place,
+            "wait_ms": walker.wait_ms,
+            # Tenths of a mm/min: what the whole microseconds of the first axis's period amount to.
+            "speed": self._lengths[1] * 10 // period_us,
+            "moving": seen.moving if stepping else 0,
+            "negative": seen.negative if stepping else 0,
+            "tool": self._queue.lit(),
+            "drives": self._drives,
+            "room": self.program.size - self.program.used(),
+        }
