@@ -28,7 +28,7 @@ SETTING_MAX_RPM = const(30)
 SETTING_LASER = const(32)
 
 # A block as a row of Planner.rows, which begins at `row`. "Of 2²⁸" is a fraction of the machine's fastest speed, or of its
-# square (motion/profile.py). q is the square of a speed in the block's own unit, which is the programmed speed / ROW_TOP.
+# square (motion/limits.py). q is the square of a speed in the block's own unit, which is the programmed speed / ROW_TOP.
 ROW_KIND = const(0)  # LINE, WAIT, INDEPENDENT, ARC or STEP_PROGRAM, of motion/block.py
 ROW_TOOL = const(1)  # the tool bit from this block's first word on
 ROW_TICKS = const(2)  # WAIT: its length; others: whole ticks a dominant step, of an arc: a step of path
@@ -59,7 +59,7 @@ ROW_STEPS = const(25)  # then a line's signed steps, one number an axis
 # A batch: rows of BATCH_FIELDS on their way to the planner, one a block.
 BATCH_KIND = const(0)  # as ROW_KIND; of other than a LINE the planner's row is filled in already
 BATCH_FLAGS = const(1)  # 1: the tool is on; 2: rapid motion; 4: power in proportion to the speed
-BATCH_FEED = const(2)  # nm/s along the path; 0: as fast as may be; -1: WORK_FEED and WORK_GIVEN say
+BATCH_FEED = const(2)  # nm/s along the path; 0: as fast as may be; -1: SCRATCH_FEED and SCRATCH_GIVEN say
 BATCH_POWER = const(3)  # 0 … 1000, at the speed asked for
 BATCH_TAG = const(4)
 BATCH_FIRST = const(5)  # as ROW_FIRST
@@ -76,36 +76,36 @@ QUEUE_FROZEN = const(4)  # their exits stay as they are
 QUEUE_FIELDS = const(5)
 
 # Planner.work: the planner's scratch, and what passes from one block to the next.
-WORK_FEED = const(0)  # the speed asked for, of 2²⁸; 0: as fast as may be. An arc's, too
-WORK_GIVEN = const(1)  # ticks that a line is to last, as a float; 0: its length over its speed. An arc: its top
-WORK_GIVEN_SHIFT = const(2)
-WORK_STEPS_SHIFT = const(3)
-WORK_IS_ARC = const(8)
-WORK_LENGTH = const(9)  # of the path, nm as WORK_LENGTH / 2 ** WORK_LENGTH_SHIFT, of 27 or 28 bits
-WORK_LENGTH_SHIFT = const(10)
-WORK_CHANGE = const(9)  # the length is done with then: the change of direction at a corner, one number an axis
-WORK_ALONG = const(11)  # the highest speed that the axes allow along the path, of 2²⁸
-WORK_STRENGTH = const(12)  # and the highest acceleration
-WORK_STEPS = const(13)  # dominant steps; of an arc: its path, steps · 2 ** WORK_STEPS_SHIFT
-WORK_SPEED = const(14)  # the speed programmed
-WORK_LIMITED = const(15)  # 1: the axes cannot go as fast as asked for
-WORK_HEADING = const(16)  # direction at the block's beginning, of 2²⁸, one number an axis
-WORK_BEFORE = const(20)  # direction at the end of the block before, one number an axis
-WORK_THROUGH = const(24)  # 1: motion may go through from the last block queued to the next without a stand
-WORK_FULL = const(25)  # speed and top of the block before, as short floats
-WORK_FULL_SHIFT = const(26)
-WORK_TOP = const(27)
-WORK_TOP_SHIFT = const(28)
-WORK_PERCENT = const(29)  # overrides: of the feed, of rapid motion
-WORK_STRIDE = const(31)  # integers a row
-WORK_SIZE = const(32)  # rows
-WORK_ALL = const(33)  # 1: look_back() goes on even if nothing has changed
-WORK_FACTOR = const(34)  # squares of the overrides of feed and of rapid motion, of 4096
-WORK_START = const(36)  # square of the speed that takes no ramp, of 2²⁸
-WORK_ASKED = const(37)  # nm/s that WORK_FEED is of; -1: of none
-WORK_FIELDS = const(38)
+SCRATCH_FEED = const(0)  # the speed asked for, of 2²⁸; 0: as fast as may be. An arc's, too
+SCRATCH_GIVEN = const(1)  # ticks that a line is to last, as a float; 0: its length over its speed. An arc: its top
+SCRATCH_GIVEN_SHIFT = const(2)
+SCRATCH_STEPS_SHIFT = const(3)
+SCRATCH_IS_ARC = const(8)
+SCRATCH_LENGTH = const(9)  # of the path, nm as SCRATCH_LENGTH / 2 ** SCRATCH_LENGTH_SHIFT, of 27 or 28 bits
+SCRATCH_LENGTH_SHIFT = const(10)
+SCRATCH_CHANGE = const(9)  # the length is done with then: the change of direction at a corner, one number an axis
+SCRATCH_ALONG = const(11)  # the highest speed that the axes allow along the path, of 2²⁸
+SCRATCH_STRENGTH = const(12)  # and the highest acceleration
+SCRATCH_STEPS = const(13)  # dominant steps; of an arc: its path, steps · 2 ** SCRATCH_STEPS_SHIFT
+SCRATCH_SPEED = const(14)  # the speed programmed
+SCRATCH_LIMITED = const(15)  # 1: the axes cannot go as fast as asked for
+SCRATCH_HEADING = const(16)  # direction at the block's beginning, of 2²⁸, one number an axis
+SCRATCH_BEFORE = const(20)  # direction at the end of the block before, one number an axis
+SCRATCH_THROUGH = const(24)  # 1: motion may go through from the last block queued to the next without a stand
+SCRATCH_FULL = const(25)  # speed and top of the block before, as short floats
+SCRATCH_FULL_SHIFT = const(26)
+SCRATCH_TOP = const(27)
+SCRATCH_TOP_SHIFT = const(28)
+SCRATCH_PERCENT = const(29)  # overrides: of the feed, of rapid motion
+SCRATCH_STRIDE = const(31)  # integers a row
+SCRATCH_SIZE = const(32)  # rows
+SCRATCH_ALL = const(33)  # 1: look_back() goes on even if nothing has changed
+SCRATCH_FACTOR = const(34)  # squares of the overrides of feed and of rapid motion, of 4096
+SCRATCH_START = const(36)  # square of the speed that takes no ramp, of 2²⁸
+SCRATCH_ASKED = const(37)  # nm/s that SCRATCH_FEED is of; -1: of none
+SCRATCH_FIELDS = const(38)
 
-# Limits.terms: what the axes can do, a number or a float as two (motion/profile.py).
+# Limits.fields: what the axes can do, a number or a float as two (motion/limits.py).
 LIMIT_AXES = const(0)
 LIMIT_FINEST = const(1)  # exponent of the lengths of a step
 LIMIT_SPEED = const(2)
@@ -199,7 +199,7 @@ LINE_RISE = const(5)  # three numbers an axis, `axes` times the first, then the 
 #   decision, with the fall added so that it is never negative: a step is due above the fall
 #   made: its signed steps since the feeder last cleared them
 
-# Feeder.state. First the terms of the segment under way, for steps/pace_viper.py:
+# Feeder.state. First the interval of the segment under way, for steps/pace_viper.py:
 PACE_SHORT = const(0)  # a word of the shorter interval, without its mask
 PACE_TICK = const(1)  # one tick in a word
 PACE_REST = const(2)  # PACE_REST / PACE_OVER: the share of the intervals that are a tick longer

@@ -25,7 +25,7 @@ while not controller.machine.alarm:
 print(feeder.position(player.played()))
 """
 _RESUME = """
-from passo.motion.profile import Limits
+from passo.motion.limits import Limits
 planner.load()
 feeder.ramp = planner.ramp
 planner.limits(Limits([400000] * {axes}, [400_000_000] * {axes}, [{acceleration}] * {axes}, 10_000))

@@ -51,7 +51,7 @@ def test_a_halt_amid_the_start_lets_nothing_begin(rig):
 
 
 HANG = """
-from passo.motion.profile import Limits
+from passo.motion.limits import Limits
 planner.load()
 feeder.ramp = planner.ramp
 planner.limits(Limits([400000] * 3, [400_000_000] * 3, [20_000_000_000] * 3, 10_000))
@@ -84,7 +84,7 @@ def test_when_the_main_loop_hangs_the_machine_slows_down_to_a_stand(rig, show):
 
 
 STUCK = """
-from passo.motion.profile import Limits
+from passo.motion.limits import Limits
 planner.load()
 feeder.ramp = planner.ramp
 planner.limits(Limits([400000] * 3, [400_000_000] * 3, [20_000_000_000] * 3, 10_000))

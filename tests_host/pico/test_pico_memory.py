@@ -8,7 +8,7 @@ FREE_BYTES = 80_000
 
 LOCKED = """
 import micropython
-from passo.motion.profile import Limits
+from passo.motion.limits import Limits
 port._timer.deinit()
 planner.load()
 feeder.ramp = planner.ramp

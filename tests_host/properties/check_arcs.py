@@ -16,7 +16,7 @@ from passo.control import arcs
 from passo.control.program import Feature as Program
 from passo.control.stream_queue import StreamQueue
 from passo.motion.line import MAX_RUN
-from passo.motion.profile import Limits
+from passo.motion.limits import Limits
 from passo.protocols.gcode import GCode
 from passo.protocols.gcode_offsets import Offsets
 from passo.records import QUEUE_RETIRED
@@ -100,7 +100,7 @@ class Bench:
                 self.queue.flush()
                 block = planner.next()
             self._walk(block.walker)
-            planner.counts[QUEUE_RETIRED] += 1
+            planner.indices[QUEUE_RETIRED] += 1
 
     def _walk(self, walker):
         place = self.place

@@ -7,7 +7,7 @@ words, to a tick, and with the set-up times of DIR changes, which delay a few st
 from math import atan2, pi, sqrt
 
 from check_circle import Walk, draw_arc, foot
-from passo.motion.profile import Limits
+from passo.motion.limits import Limits
 from passo.records import FEED_SETUP
 from passo.steps.word import TICKS_PER_S
 from rig import Rig

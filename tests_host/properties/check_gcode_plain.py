@@ -227,7 +227,7 @@ def check_several_at_once(seed):
 
 def check_machine_code(seed):
     """The same arrays from the same bytes, as machine code and as bytecode."""
-    from check_measure import plain_text
+    from check_block import plain_text
     from passo.protocols import gcode_plain_viper as module
 
     parse = plain_text("protocols/gcode_plain_viper.py")["parse"]

@@ -116,7 +116,7 @@ def check_more_arcs_than_are_queued_at_once():
     full = 0
     for number in range(3 * ARCS):
         machine.do("G3X-.5Y-.5I-.5" if number & 1 else "G3X.5Y.5J.5")
-        assert planner.counts[0] - planner.counts[3] <= ARCS
+        assert planner.indices[0] - planner.indices[3] <= ARCS
         full += not planner.room()
     assert full > ARCS
     machine.settle()

@@ -9,7 +9,7 @@ from math import sqrt
 from check_hold import LEAD_TICKS, hold_at_random, override_at_random
 from draws import Random
 from passo.motion.block import ARC, LINE
-from passo.motion.profile import Limits
+from passo.motion.limits import Limits
 from passo.motion.s_curve_block import cube_root, quotient, scaled
 from passo.motion.s_curve_way import ratio
 from passo.steps.word import TICKS_PER_S

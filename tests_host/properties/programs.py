@@ -13,7 +13,7 @@ from check_circle import about
 from draws import Random
 from passo.motion.arc import TooSteep
 from passo.motion.block import ARC, COARSE, LINE
-from passo.motion.profile import Limits
+from passo.motion.limits import Limits
 from passo.records import (
     ARC_FIELDS, ARC_PATH, ARC_PATH_FINE, ARC_TAIL_A, ARC_TAIL_B, CIRCLE_FALL, CIRCLE_PATH, CIRCLE_RISE, CIRCLE_U_AXIS,
     CIRCLE_WORDS, FEED_KIND, LINE_FALL, LINE_RISE, QUEUE_FETCHED, RAMP_STEPS, RAMP_TICKS, TICKS_PER_S,
@@ -92,7 +92,7 @@ class Machine:
 
     def number(self):
         """Of the block under way."""
-        return int(self.rig.planner.counts[QUEUE_FETCHED]) - 1
+        return int(self.rig.planner.indices[QUEUE_FETCHED]) - 1
 
     def _note(self, ramp):
         planner = self.rig.planner
@@ -108,7 +108,7 @@ class Machine:
     def add(self, move):
         """Queue one move; its facts go to `facts`: (length mm, path steps, speed, acceleration, corner)."""
         planner = self.rig.planner
-        before = planner.counts[0]
+        before = planner.indices[0]
         if move[0] == LINE:
             planner.line(move[1], 0, False, speed_nm_s=move[2])
         else:
@@ -117,7 +117,7 @@ class Machine:
             except TooSteep:
                 return
         self.place = [self.place[axis] + move[1][axis] for axis in range(3)]
-        if planner.counts[0] != before:
+        if planner.indices[0] != before:
             steps = max([abs(delta) for delta in move[1]])
             place = before % len(planner._walkers)
             if planner.rows[place * planner._stride] == LINE:  # an arc too short for a step along the circle, too

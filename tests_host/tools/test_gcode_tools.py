@@ -265,7 +265,7 @@ def test_what_is_below_the_program_s_zero_is_drawn_as_cut_wherever_it_lies(zero)
     assert len(cut) == 1 and min(cut[0]) == pytest.approx(0, abs=0.01) and max(cut[0]) == pytest.approx(5, abs=0.01)
 
 
-def test_check_measures_time():
+def test_check_blocks_time():
     job = VirtualJob("router_3axis")
     job.run([(1, b"G1X10F600"), (2, b"G4P2"), (3, b"X20M0"), (4, b"X0")])
     assert 1 + 2 + 1 + 2 < job.seconds < 6.5 and not job.errors

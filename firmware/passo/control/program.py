@@ -14,7 +14,7 @@ from passo.control.line_batches import LineBatches
 from passo.errors import LATER
 from passo.motion.block import WAIT
 from passo.motion.line import MAX_STEPS
-from passo.motion.profile import Limits
+from passo.motion.limits import Limits
 from passo.records import ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP
 from passo.steps.word import TICKS_PER_S
 

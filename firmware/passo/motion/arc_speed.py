@@ -11,15 +11,15 @@ from passo.motion.cordic import TURN
 from passo.motion.integers import isqrt
 from passo.motion.look_ahead_viper import corner
 from passo.motion.block_viper import plan_block
-from passo.motion.profile import BIAS, MOST, ONE, TOP, floated
+from passo.motion.limits import BIAS, MOST, ONE, TOP, floated
 from passo.records import (
-    ARC_TAIL_A, ARC_TAIL_B, NM_PER_M, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, TICKS_PER_S, WORK_ALONG, WORK_BEFORE,
-    WORK_FEED, WORK_GIVEN, WORK_HEADING, WORK_IS_ARC, WORK_LENGTH, WORK_LENGTH_SHIFT, WORK_STEPS, WORK_STEPS_SHIFT,
-    WORK_STRENGTH,
+    ARC_TAIL_A, ARC_TAIL_B, NM_PER_M, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, TICKS_PER_S, SCRATCH_ALONG, SCRATCH_BEFORE,
+    SCRATCH_FEED, SCRATCH_GIVEN, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_LENGTH, SCRATCH_LENGTH_SHIFT, SCRATCH_STEPS, SCRATCH_STEPS_SHIFT,
+    SCRATCH_STRENGTH,
 )  # fmt: skip
 
 
-def set_speed(rows, at, work, limits, plan, path, swept, plane, center, deltas, clockwise, speed_nm_s, ticks):
+def set_speed(rows, at, scratch, limits, plan, path, swept, plane, center, deltas, clockwise, speed_nm_s, ticks):
     """Fill in the row rows[at:] of an arc `path` (2⁻¹⁰ steps) long that sweeps `swept` (2⁻³² turn), at `speed_nm_s` or in
     `ticks`; False if its steps would be too far apart. Other arguments: Planner.arc()."""
     steps_per_m = limits.steps_per_m
@@ -41,21 +41,21 @@ def set_speed(rows, at, work, limits, plan, path, swept, plane, center, deltas, 
     if (ticks << 10) // path > MOST:
         return False
     top = min(TOP, MOST * path // (ticks << 10))
-    work[WORK_IS_ARC] = 1
-    work[WORK_FEED] = min(limits.part(asked), MOST) if asked else 0
-    work[WORK_GIVEN] = top
-    work[WORK_LENGTH], shift = floated(length, 1, 28)
-    work[WORK_LENGTH_SHIFT] = 2 * BIAS - shift
-    work[WORK_STEPS], work[WORK_STEPS_SHIFT] = floated(path, 1 << 10, 15)
-    work[WORK_ALONG] = max(limits.part(fastest), limits.part(speed_nm_s))
-    work[WORK_STRENGTH] = (acceleration << 28) // limits.strongest
-    _set_direction(work, WORK_HEADING, limits, plane, start, clockwise, flat, rise, length)
-    plan_block(rows, at, work, limits.terms)
-    corner(rows, at, work, limits.terms)
+    scratch[SCRATCH_IS_ARC] = 1
+    scratch[SCRATCH_FEED] = min(limits.part(asked), MOST) if asked else 0
+    scratch[SCRATCH_GIVEN] = top
+    scratch[SCRATCH_LENGTH], shift = floated(length, 1, 28)
+    scratch[SCRATCH_LENGTH_SHIFT] = 2 * BIAS - shift
+    scratch[SCRATCH_STEPS], scratch[SCRATCH_STEPS_SHIFT] = floated(path, 1 << 10, 15)
+    scratch[SCRATCH_ALONG] = max(limits.part(fastest), limits.part(speed_nm_s))
+    scratch[SCRATCH_STRENGTH] = (acceleration << 28) // limits.strongest
+    _set_direction(scratch, SCRATCH_HEADING, limits, plane, start, clockwise, flat, rise, length)
+    plan_block(rows, at, scratch, limits.fields)
+    corner(rows, at, scratch, limits.fields)
     rows[at + ROW_TICKS] = max((ticks << 10) // path, 1)
     rows[at + ROW_TICKS_REST] = ((ticks << 10) % path << 7) // path
     rows[at + ROW_SPAN] = (2 * ticks * top << 10) // path
-    _set_direction(work, WORK_BEFORE, limits, plane, place, clockwise, flat, rise, length)
+    _set_direction(scratch, SCRATCH_BEFORE, limits, plane, place, clockwise, flat, rise, length)
     return True
 
 
@@ -128,14 +128,14 @@ def _beside(limits, plane, reach, other, most, along):
     return most
 
 
-def _set_direction(work, at, limits, plane, place, clockwise, flat, rise, length):
+def _set_direction(scratch, at, limits, plane, place, clockwise, flat, rise, length):
     """The arc's direction, of 2²⁸, at `place` seen from its centre."""
     x, y = place
     radius = isqrt((x * x + y * y) << 40) or 1  # so fine that the direction's length is 1 to 10⁻⁶, on any radius
     sign = -1 if clockwise else 1
     for axis in range(len(limits.steps_per_m)):
-        work[at + axis] = 0
-    work[at + plane[0]] = -sign * (y << 48) // radius * flat // length
-    work[at + plane[1]] = sign * (x << 48) // radius * flat // length
+        scratch[at + axis] = 0
+    scratch[at + plane[0]] = -sign * (y << 48) // radius * flat // length
+    scratch[at + plane[1]] = sign * (x << 48) // radius * flat // length
     if plane[2] >= 0:
-        work[at + plane[2]] = (rise << 28) // length
+        scratch[at + plane[2]] = (rise << 28) // length

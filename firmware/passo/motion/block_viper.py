@@ -1,10 +1,10 @@
 """What acceleration makes of a block: the arithmetic that every block costs.
 
-    planned = plan_block(rows, at, work, terms)  # the row that begins at rows[at]; a line's steps are in it
+    planned = plan_block(rows, at, scratch, limits)  # the row that begins at rows[at]; a line's steps are in it
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python. So it keeps to 32-bit
-integers, none of which reaches 2³¹, and gives the same bits everywhere. `rows` are block.py's, `terms` profile.Limits',
-`work` the planner's; records.py names their fields. Where viper is 64 bits wide it reads a negative number as a positive one:
+integers, none of which reaches 2³¹, and gives the same bits everywhere. `rows` are block.py's, `limits` limits.Limits',
+`scratch` the planner's; records.py names their fields. Where viper is 64 bits wide it reads a negative number as a positive one:
 bit 30 tells. Exponents are kept 1000 too large instead.
 
 Numbers come in three kinds:
@@ -27,9 +27,9 @@ from passo.records import (
     LIMIT_AXES, LIMIT_FASTEST, LIMIT_FIELDS, LIMIT_FINEST, LIMIT_GAIN, LIMIT_GAIN_SHIFT, LIMIT_SHIFTS, LIMIT_SPEED,
     LIMIT_SPEED_SHIFT, LIMIT_STEP, LIMIT_STRONGEST, LIMIT_TIME, LIMIT_TIME_SHIFT, ROW_CORNER, ROW_EXIT, ROW_FASTEST, ROW_GAIN,
     ROW_LIMIT, ROW_RATIO, ROW_RATIO_SHIFT, ROW_REACH, ROW_SPAN, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST,
-    ROW_TIME, ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, WORK_ALONG, WORK_FEED, WORK_FULL, WORK_FULL_SHIFT,
-    WORK_GIVEN, WORK_GIVEN_SHIFT, WORK_HEADING, WORK_IS_ARC, WORK_LENGTH, WORK_LENGTH_SHIFT, WORK_LIMITED, WORK_SPEED,
-    WORK_STEPS, WORK_STEPS_SHIFT, WORK_STRENGTH, WORK_THROUGH, WORK_TOP, WORK_TOP_SHIFT,
+    ROW_TIME, ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, SCRATCH_ALONG, SCRATCH_FEED, SCRATCH_FULL, SCRATCH_FULL_SHIFT,
+    SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_LENGTH, SCRATCH_LENGTH_SHIFT, SCRATCH_LIMITED, SCRATCH_SPEED,
+    SCRATCH_STEPS, SCRATCH_STEPS_SHIFT, SCRATCH_STRENGTH, SCRATCH_THROUGH, SCRATCH_TOP, SCRATCH_TOP_SHIFT,
 )  # fmt: skip
 
 try:
@@ -39,11 +39,11 @@ except NameError:
 
 
 @micropython.viper
-def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
+def plan_block(rows: ptr32, at: int, scratch: ptr32, limits: ptr32) -> int:
     """Fill in the row of a line or arc, all but the corner. Returns 1; 0 if it has no steps, -1 if they are more than 43 s apart,
     -2 if there are too many."""
-    axes = terms[LIMIT_AXES]
-    if work[WORK_IS_ARC] == 0:
+    axes = limits[LIMIT_AXES]
+    if scratch[SCRATCH_IS_ARC] == 0:
         # --- a line's dominant steps, length and direction, and what the axes allow along it
         total = 0
         i = 0
@@ -74,15 +74,15 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
             if steps >> 30 & 1:
                 steps = 0 - steps
             steps &= 0x3FFFFFFF
-            high = terms[LIMIT_STEP + i] >> 14
+            high = limits[LIMIT_STEP + i] >> 14
             if shift >= 0:
                 steps <<= shift
-                along = steps * high + (steps * (terms[LIMIT_STEP + i] & 0x3FFF) >> 14)
+                along = steps * high + (steps * (limits[LIMIT_STEP + i] & 0x3FFF) >> 14)
             else:
                 along = (steps & ((1 << (0 - shift)) - 1)) * high >> (0 - shift)
                 steps >>= 0 - shift
-                along += steps * high + (steps * (terms[LIMIT_STEP + i] & 0x3FFF) >> 14)
-            work[WORK_HEADING + i] = along
+                along += steps * high + (steps * (limits[LIMIT_STEP + i] & 0x3FFF) >> 14)
+            scratch[SCRATCH_HEADING + i] = along
             if along > most:
                 most = along
             i += 1
@@ -91,7 +91,7 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
             shift += 1
             i = 0
             while i < axes:
-                work[WORK_HEADING + i] = work[WORK_HEADING + i] << 1
+                scratch[SCRATCH_HEADING + i] = scratch[SCRATCH_HEADING + i] << 1
                 i += 1
         # The root of the squares' sum, in digits of 14 bits: a² = aₕ²·2²⁸ + 2aₕaₗ·2¹⁴ + aₗ².
         square = 0
@@ -99,8 +99,8 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
         low = 0
         i = 0
         while i < axes:
-            high = work[WORK_HEADING + i] >> 14
-            rest = work[WORK_HEADING + i] & 0x3FFF
+            high = scratch[SCRATCH_HEADING + i] >> 14
+            rest = scratch[SCRATCH_HEADING + i] & 0x3FFF
             square += high * high
             middle += high * rest
             low += rest * rest >> 14
@@ -114,7 +114,7 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
                 root += bit
             bit >>= 1
         length = (root << 14) + (((square - root * root) << 14) + low) // (2 * root)
-        length_shift = terms[LIMIT_FINEST] - 1000 + shift  # nanometres are length / 2 ** length_shift
+        length_shift = limits[LIMIT_FINEST] - 1000 + shift  # nanometres are length / 2 ** length_shift
         # Directions, and what the axes allow along them.
         fastest = 0x20000000
         strength = 0x20000000
@@ -122,7 +122,7 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
         low = length & 0x3FFF
         i = 0
         while i < axes:
-            along = work[WORK_HEADING + i]
+            along = scratch[SCRATCH_HEADING + i]
             if along:
                 bit = along // high
                 rest = ((along % high) << 14) - bit * low
@@ -135,8 +135,8 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
                 bit = (bit >> 13) + 1
                 limit = LIMIT_FASTEST + i
                 while limit < LIMIT_FIELDS:
-                    rest = terms[limit] // bit
-                    shift = terms[limit + LIMIT_SHIFTS] - 1000 + more
+                    rest = limits[limit] // bit
+                    shift = limits[limit + LIMIT_SHIFTS] - 1000 + more
                     if shift < 0:
                         rest >>= 0 - shift
                     elif rest < 0x20000000 >> shift:
@@ -151,42 +151,42 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
                     limit += LIMIT_STRONGEST - LIMIT_FASTEST
                 if rows[at + ROW_STEPS + i] >> 30 & 1:
                     along = 0 - along
-            work[WORK_HEADING + i] = along
+            scratch[SCRATCH_HEADING + i] = along
             i += 1
-        work[WORK_STEPS] = total
-        work[WORK_LENGTH] = length
-        work[WORK_LENGTH_SHIFT] = length_shift + 1000
-        work[WORK_ALONG] = fastest
-        work[WORK_STRENGTH] = strength
+        scratch[SCRATCH_STEPS] = total
+        scratch[SCRATCH_LENGTH] = length
+        scratch[SCRATCH_LENGTH_SHIFT] = length_shift + 1000
+        scratch[SCRATCH_ALONG] = fastest
+        scratch[SCRATCH_STRENGTH] = strength
     # --- speed and time, and the ramp's units
-    total = work[WORK_STEPS]
-    length = work[WORK_LENGTH]
-    length_shift = work[WORK_LENGTH_SHIFT] - 1000
-    fastest = work[WORK_ALONG]
-    strength = work[WORK_STRENGTH]
+    total = scratch[SCRATCH_STEPS]
+    length = scratch[SCRATCH_LENGTH]
+    length_shift = scratch[SCRATCH_LENGTH_SHIFT] - 1000
+    fastest = scratch[SCRATCH_ALONG]
+    strength = scratch[SCRATCH_STRENGTH]
     if fastest < 1:
         fastest = 1
     if strength < 1:
         strength = 1
-    speed = work[WORK_FEED]
+    speed = scratch[SCRATCH_FEED]
     if speed == 0:
         speed = fastest
     limited = 0
     if speed > fastest:
         speed = fastest
         limited = 1
-    work[WORK_LIMITED] = limited
-    work[WORK_SPEED] = speed
+    scratch[SCRATCH_LIMITED] = limited
+    scratch[SCRATCH_SPEED] = speed
     full = speed
     full_shift = 0
     while full < 0x8000000:
         full <<= 1
         full_shift += 1
     # --- how long it lasts at that speed: `each` ticks a step, `rest` more over all
-    if work[WORK_IS_ARC] == 0:
-        if work[WORK_GIVEN] and not limited:
-            ticks = work[WORK_GIVEN]
-            shift = work[WORK_GIVEN_SHIFT]
+    if scratch[SCRATCH_IS_ARC] == 0:
+        if scratch[SCRATCH_GIVEN] and not limited:
+            ticks = scratch[SCRATCH_GIVEN]
+            shift = scratch[SCRATCH_GIVEN_SHIFT]
         else:
             high = full >> 14
             bit = length // high
@@ -194,9 +194,9 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
             length_by = (bit << 14) + rest // high
             high = length_by >> 15
             low = length_by & 0x7FFF
-            bit = terms[LIMIT_SPEED] >> 14
-            ticks = (high * bit << 1) + (high * (terms[LIMIT_SPEED] & 0x3FFF) >> 13) + (low * bit >> 14)
-            shift = terms[LIMIT_SPEED_SHIFT] - 1000 + full_shift - length_shift
+            bit = limits[LIMIT_SPEED] >> 14
+            ticks = (high * bit << 1) + (high * (limits[LIMIT_SPEED] & 0x3FFF) >> 13) + (low * bit >> 14)
+            shift = limits[LIMIT_SPEED_SHIFT] - 1000 + full_shift - length_shift
         while shift < 0 and ticks > 0:
             ticks >>= 1
             shift += 1
@@ -230,8 +230,8 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
         steps = total
     else:
         steps = total
-        steps_shift = work[WORK_STEPS_SHIFT] - 1000
-        top = work[WORK_GIVEN]
+        steps_shift = scratch[SCRATCH_STEPS_SHIFT] - 1000
+        top = scratch[SCRATCH_GIVEN]
     high = speed >> 14
     rows[at + ROW_SPEED] = speed
     rows[at + ROW_SQUARE] = high * high + (high * (speed & 0x3FFF) >> 13)
@@ -243,7 +243,7 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     rows[at + ROW_TOP] = top
     if top < 64:
         rows[at + ROW_GAIN] = 0
-        work[WORK_THROUGH] = 0
+        scratch[SCRATCH_THROUGH] = 0
         return 1
     # --- the ramp's units, in short floats
     while steps < 0x4000:
@@ -290,10 +290,10 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     tops = topped * topped >> 15
     # gain: q a step
     high = strong * length >> 15
-    high = high * terms[LIMIT_GAIN] >> 15
+    high = high * limits[LIMIT_GAIN] >> 15
     low = (speeds * steps >> 15) + 1
     high = (high << 15) // low
-    shift = strong_shift - length_shift + terms[LIMIT_GAIN_SHIFT] - 1000 - 2 * full_shift - steps_shift - 15
+    shift = strong_shift - length_shift + limits[LIMIT_GAIN_SHIFT] - 1000 - 2 * full_shift - steps_shift - 15
     while high >= 0x8000:
         high >>= 1
         shift += 1
@@ -340,10 +340,10 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     rows[at + ROW_UNIT] = high
     rows[at + ROW_UNIT_SHIFT] = shift
     # time: ticks a unit of speed takes
-    high = full * terms[LIMIT_TIME] >> 15
+    high = full * limits[LIMIT_TIME] >> 15
     low = topped * strong >> 15
     high = (high << 15) // (low + 1)
-    shift = top_shift + strong_shift - full_shift - terms[LIMIT_TIME_SHIFT] + 1015
+    shift = top_shift + strong_shift - full_shift - limits[LIMIT_TIME_SHIFT] + 1015
     while high < 0x4000:
         high <<= 1
         shift += 1
@@ -354,12 +354,12 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
     rows[at + ROW_TIME_SHIFT] = shift
     rows[at + ROW_RATIO] = 0
     rows[at + ROW_RATIO_SHIFT] = 0
-    if work[WORK_THROUGH]:
+    if scratch[SCRATCH_THROUGH]:
         # --- there is a block before, that goes through to this one: the ratio of the units
-        high = work[WORK_FULL] * topped >> 15
-        low = work[WORK_TOP] * full >> 15
+        high = scratch[SCRATCH_FULL] * topped >> 15
+        low = scratch[SCRATCH_TOP] * full >> 15
         high = (high << 15) // low  # exactly 1 where nothing changes
-        shift = work[WORK_TOP_SHIFT] + full_shift - work[WORK_FULL_SHIFT] - top_shift + 15
+        shift = scratch[SCRATCH_TOP_SHIFT] + full_shift - scratch[SCRATCH_FULL_SHIFT] - top_shift + 15
         while high < 0x2000:
             high <<= 1
             shift += 1
@@ -368,8 +368,8 @@ def plan_block(rows: ptr32, at: int, work: ptr32, terms: ptr32) -> int:
             shift -= 1
         rows[at + ROW_RATIO] = high
         rows[at + ROW_RATIO_SHIFT] = shift
-    work[WORK_FULL] = full
-    work[WORK_FULL_SHIFT] = full_shift + 1000
-    work[WORK_TOP] = topped
-    work[WORK_TOP_SHIFT] = top_shift + 1000
+    scratch[SCRATCH_FULL] = full
+    scratch[SCRATCH_FULL_SHIFT] = full_shift + 1000
+    scratch[SCRATCH_TOP] = topped
+    scratch[SCRATCH_TOP_SHIFT] = top_shift + 1000
     return 1

@@ -25,17 +25,17 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion import profile
 from passo.motion.block import ARC, LINE, WAIT, Block, q_of
 from passo.motion.integers import zeros
+from passo.motion.limits import MOST
 from passo.motion.line import MAX_STEPS, Line
 from passo.motion.row_viper import close, take
 from passo.motion.steady import Steady
 from passo.records import (
     ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS,
     QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS,
-    ROW_TICKS_REST, TICKS_PER_S, WORK_ALL, WORK_ASKED, WORK_FACTOR, WORK_FEED, WORK_FIELDS, WORK_GIVEN,
-    WORK_GIVEN_SHIFT, WORK_IS_ARC, WORK_PERCENT, WORK_SIZE, WORK_START, WORK_STRIDE, WORK_THROUGH,
+    ROW_TICKS_REST, TICKS_PER_S, SCRATCH_ALL, SCRATCH_ASKED, SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_FIELDS, SCRATCH_GIVEN,
+    SCRATCH_GIVEN_SHIFT, SCRATCH_IS_ARC, SCRATCH_PERCENT, SCRATCH_SIZE, SCRATCH_START, SCRATCH_STRIDE, SCRATCH_THROUGH,
 )  # fmt: skip
 
 LOOK_AHEAD = const(64)
@@ -62,33 +62,33 @@ class Planner:
         self.line_state = self._line.state
         self._circle = None  # made by load()
         self.ramp = Steady()  # the feeder's; a Ramp after load()
-        self.counts = array("i", [0] * QUEUE_FIELDS)
+        self.indices = array("i", [0] * QUEUE_FIELDS)
         self._under_way, self._playing = Block(), Block()  # the one fetched last; see playing()
-        self.work = array("i", bytearray(4 * WORK_FIELDS))
-        self.percent = memoryview(self.work)[WORK_PERCENT : WORK_PERCENT + 2]  # overrides: of the feed, of rapid motion
+        self.scratch = array("i", bytearray(4 * SCRATCH_FIELDS))
+        self.percent = memoryview(self.scratch)[SCRATCH_PERCENT : SCRATCH_PERCENT + 2]  # overrides: of the feed, of rapid motion
         self.percent[0] = self.percent[1] = 100
-        self.work[WORK_STRIDE] = self._stride
-        self.work[WORK_SIZE] = _SIZE
-        self.work[WORK_FACTOR] = self.work[WORK_FACTOR + 1] = 4096
+        self.scratch[SCRATCH_STRIDE] = self._stride
+        self.scratch[SCRATCH_SIZE] = _SIZE
+        self.scratch[SCRATCH_FACTOR] = self.scratch[SCRATCH_FACTOR + 1] = 4096
         self.accelerates = False  # it has limits
         self._limits = None
-        self._terms = None  # the limits'
+        self._fields = None  # of the limits
         self._plan_block = self._corner = self._plan_lines = self._look_back = None  # what works with them
         self.batch = array("i", bytearray(4 * BATCH_FIELDS * BATCH_ROWS))  # of lines to be queued
         self.clear()
 
     def limits(self, limits):
-        """Accelerate within `limits` (profile.Limits) from now on; None: not at all. Only after load(), and while nothing is
+        """Accelerate within `limits` (limits.Limits) from now on; None: not at all. Only after load(), and while nothing is
         queued."""
         if limits is not None:
             ramp = self.ramp
             if limits.jerk or ramp.s_curve:
                 self._limit_jerk(ramp, limits, self._stride, len(self.rows))
         self._limits = limits
-        self._terms = limits.terms if limits else None
-        self.work[WORK_START] = limits.start if limits else 0
+        self._fields = limits.fields if limits else None
+        self.scratch[SCRATCH_START] = limits.start if limits else 0
         self.accelerates = limits is not None
-        self.work[WORK_FEED] = self.work[WORK_GIVEN] = self.work[WORK_ASKED] = 0
+        self.scratch[SCRATCH_FEED] = self.scratch[SCRATCH_GIVEN] = self.scratch[SCRATCH_ASKED] = 0
 
     def load(self, whole=True):
         """Make ready for limits(), and for arcs and S-curves if `whole`, before there is a feeder. They take a good part of a
@@ -112,36 +112,36 @@ class Planner:
 
     def clear(self):
         """Forget every block. Only while the feeder is stopped."""
-        for which in range(len(self.counts)):
-            self.counts[which] = 0
+        for which in range(len(self.indices)):
+            self.indices[which] = 0
         if self._arcs:
             self._arcs.clear()
-        self.work[WORK_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
+        self.scratch[SCRATCH_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
 
     @micropython.native
     def room(self):
         """How many more blocks can be queued now; none while it would be one arc too many."""
-        counts = self.counts
-        added = counts[QUEUE_ADDED]
-        queued = (added - counts[QUEUE_RETIRED]) & _COUNT
+        indices = self.indices
+        added = indices[QUEUE_ADDED]
+        queued = (added - indices[QUEUE_RETIRED]) & _COUNT
         if self._arcs and (added - self._arcs.oldest - 1) & _COUNT < queued:
             return 0
         return _SIZE - queued
 
     def empty(self):
         """True when every block has been played to its last word."""
-        counts = self.counts
-        return counts[QUEUE_ADDED] == counts[QUEUE_RETIRED]
+        indices = self.indices
+        return indices[QUEUE_ADDED] == indices[QUEUE_RETIRED]
 
     def resting(self):
         """True when every block that was released has been played to its last word."""
-        counts = self.counts
-        return counts[QUEUE_RETIRED] == counts[QUEUE_FETCHED]
+        indices = self.indices
+        return indices[QUEUE_RETIRED] == indices[QUEUE_FETCHED]
 
     def ahead(self):
         """How many blocks are queued behind the one under way."""
-        counts = self.counts
-        return (counts[QUEUE_ADDED] - counts[QUEUE_FETCHED]) & _COUNT
+        indices = self.indices
+        return (indices[QUEUE_ADDED] - indices[QUEUE_FETCHED]) & _COUNT
 
     def slowest(self):
         """What the slowest axis can do, in nm/s."""
@@ -160,27 +160,27 @@ class Planner:
         rows = self.rows
         for axis in range(self.axes):
             rows[at + ROW_STEPS + axis] = deltas[axis]
-        if self._terms is None:
+        if self._fields is None:
             if not self._steady(at, deltas, ticks):
                 return
         else:
-            work = self.work
-            work[WORK_IS_ARC] = 0
-            if speed_nm_s != work[WORK_ASKED] or ticks:
+            scratch = self.scratch
+            scratch[SCRATCH_IS_ARC] = 0
+            if speed_nm_s != scratch[SCRATCH_ASKED] or ticks:
                 self._ask(deltas, ticks, speed_nm_s)
-            result = self._plan_block(rows, at, work, self._terms)
+            result = self._plan_block(rows, at, scratch, self._fields)
             if result <= 0:
                 if result:
                     self._refuse(result)
                 return
-            self._corner(rows, at, work, self._terms)
+            self._corner(rows, at, scratch, self._fields)
         self._add(at, LINE, tool, tag, rapid)
 
     @micropython.native
     def lines(self, count):
         """Queue the first `count` lines of `batch`, for which there is room, and none of which line() would refuse."""
         batch = self.batch
-        done = self._plan_lines(batch, count, self.rows, self.work, self.counts, self._terms)
+        done = self._plan_lines(batch, count, self.rows, self.scratch, self.indices, self._fields)
         if done < count:
             self._rest_of(done, count)
 
@@ -191,37 +191,37 @@ class Planner:
             first = done * BATCH_FIELDS
             self._ask(None, 0, batch[first + BATCH_FEED])
             rest = batch[first:]
-            done += self._plan_lines(rest, count - done, self.rows, self.work, self.counts, self._terms)
+            done += self._plan_lines(rest, count - done, self.rows, self.scratch, self.indices, self._fields)
 
     def _next_row(self):
-        return self.counts[QUEUE_ADDED] % _SIZE * self._stride
+        return self.indices[QUEUE_ADDED] % _SIZE * self._stride
 
     def _ask(self, deltas, ticks, speed_nm_s):
         """Tell plan_block() the speed asked for, or the ticks."""
-        work = self.work
+        scratch = self.scratch
         limits = self._limits
         if ticks:
             speed_nm_s = limits.length(deltas) * TICKS_PER_S // ticks or 1
-        work[WORK_GIVEN_SHIFT] = 0
+        scratch[SCRATCH_GIVEN_SHIFT] = 0
         while ticks > LONGEST_TICKS:
             ticks >>= 1
-            work[WORK_GIVEN_SHIFT] += 1
-        work[WORK_GIVEN] = ticks
-        work[WORK_FEED] = min(limits.part(speed_nm_s), profile.MOST) if speed_nm_s else 0
-        work[WORK_ASKED] = -1 if ticks else speed_nm_s
+            scratch[SCRATCH_GIVEN_SHIFT] += 1
+        scratch[SCRATCH_GIVEN] = ticks
+        scratch[SCRATCH_FEED] = min(limits.part(speed_nm_s), MOST) if speed_nm_s else 0
+        scratch[SCRATCH_ASKED] = -1 if ticks else speed_nm_s
 
     def fits(self, deltas, ticks, speed_nm_s):
         """Raise what line() would; nothing is queued."""
-        if self._terms is None:
+        if self._fields is None:
             self._dominant(deltas, ticks)
             return
         self._ask(deltas, ticks, speed_nm_s)
         row = array("i", bytearray(4 * self._stride))
         for axis in range(self.axes):
             row[ROW_STEPS + axis] = deltas[axis]
-        work = self.work[:]
-        work[WORK_IS_ARC] = 0
-        result = self._plan_block(row, 0, work, self._terms)
+        scratch = self.scratch[:]
+        scratch[SCRATCH_IS_ARC] = 0
+        result = self._plan_block(row, 0, scratch, self._fields)
         if result < 0:
             self._refuse(result)
 
@@ -253,7 +253,7 @@ class Planner:
         rows = self.rows
         rows[at + ROW_TICKS] = ticks
         rows[at + ROW_TICKS_REST] = rows[at + ROW_GAIN] = rows[at + ROW_SPEED] = 0
-        self.work[WORK_THROUGH] = 0
+        self.scratch[SCRATCH_THROUGH] = 0
 
     def arc(self, deltas, plane, center, tool, clockwise=False, turns=0, speed_nm_s=0, ticks=0, tag=0, queued=True,
             over_half=None):
@@ -279,14 +279,14 @@ class Planner:
                 self.fits(deltas, ticks, speed_nm_s)
             return
         at = self._next_row()
-        self.work[WORK_ASKED] = -1
-        work = self.work if queued else self.work[:]
+        self.scratch[SCRATCH_ASKED] = -1
+        scratch = self.scratch if queued else self.scratch[:]
         if not self._set_arc_speed(
-            self.rows, at, work, limits, plan, path, swept, plane, center, deltas, clockwise, speed_nm_s, ticks
+            self.rows, at, scratch, limits, plan, path, swept, plane, center, deltas, clockwise, speed_nm_s, ticks
         ):
             self._refuse(-1)
         if queued:
-            number = self.counts[QUEUE_ADDED]
+            number = self.indices[QUEUE_ADDED]
             self._walkers[number % _SIZE] = self._arcs.keep(number)
             self._add(at, ARC, tool, tag)
             if not self.room():
@@ -302,7 +302,7 @@ class Planner:
         """Queue what paces itself: an IndependentAxes with its axes set, or a StepProgramWalker that has begun."""
         at = self._next_row()
         self._stand(at, 0)
-        self._walkers[self.counts[QUEUE_ADDED] % _SIZE] = walker
+        self._walkers[self.indices[QUEUE_ADDED] % _SIZE] = walker
         self._add(at, walker.kind, tool, tag, False, walker.place)
 
     @micropython.native
@@ -313,20 +313,20 @@ class Planner:
         if self.dynamic:
             flags |= 4
         rows = self.rows
-        counts = self.counts
-        work = self.work
-        if close(rows, at, work, counts, kind, flags, tag, self.power, first):
-            self._look_back(rows, work, counts)
+        indices = self.indices
+        scratch = self.scratch
+        if close(rows, at, scratch, indices, kind, flags, tag, self.power, first):
+            self._look_back(rows, scratch, indices)
 
     def flush(self):
         """Nothing more is coming for now: release all that is queued. The last block ends at rest."""
-        counts = self.counts
-        counts[QUEUE_FLUSHED] = counts[QUEUE_FROZEN] = counts[QUEUE_ADDED]
-        self.work[WORK_THROUGH] = 0
+        indices = self.indices
+        indices[QUEUE_FLUSHED] = indices[QUEUE_FROZEN] = indices[QUEUE_ADDED]
+        self.scratch[SCRATCH_THROUGH] = 0
 
     def start(self):
         """Release all that is queued, more of which may follow in time: the last block ends at rest only if none does."""
-        self.counts[QUEUE_FLUSHED] = self.counts[QUEUE_ADDED]
+        self.indices[QUEUE_FLUSHED] = self.indices[QUEUE_ADDED]
 
     def override(self, percent, rapid=None):
         """Feed at `percent` (10 … 200) of the programmed speed, rapid motion at `rapid` percent, from now on."""
@@ -334,11 +334,11 @@ class Planner:
         if rapid is not None:
             self.percent[1] = max(RAPID_PERCENT[0], min(rapid, RAPID_PERCENT[1]))
         for which in range(2):
-            self.work[WORK_FACTOR + which] = self.percent[which] * self.percent[which] * 4096 // 10_000
+            self.scratch[SCRATCH_FACTOR + which] = self.percent[which] * self.percent[which] * 4096 // 10_000
         if self.accelerates:  # no exit is lowered, what is under way may count on it: the ramp itself slows down
-            self.work[WORK_ALL] = 1
-            self._look_back(self.rows, self.work, self.counts)
-            self.work[WORK_ALL] = 0
+            self.scratch[SCRATCH_ALL] = 1
+            self._look_back(self.rows, self.scratch, self.indices)
+            self.scratch[SCRATCH_ALL] = 0
 
     # --- fetching: may run in an interrupt
 
@@ -347,7 +347,7 @@ class Planner:
         """The next block released, or None. To a machine that is `moving` any block is released: it cannot
         stop here. It is the same object each time, and its walker stands at its beginning."""
         rows = self.rows
-        at = take(rows, self.work, self.counts, 1 if moving else 0, 0)
+        at = take(rows, self.scratch, self.indices, 1 if moving else 0, 0)
         if at < 0:
             return None
         block = self._under_way
@@ -365,7 +365,7 @@ class Planner:
             block.rows = rows
             block.at = at
             block.walker = walker
-            start = self.work[WORK_START]
+            start = self.scratch[SCRATCH_START]
             block.start = q_of(start, rows, at, rows[at + ROW_LIMIT]) if start else 0
             return block
         self._unpack(block, place)
@@ -383,16 +383,16 @@ class Planner:
 
     def row(self):
         """Where the oldest block not yet played to its last word stands in `rows`, as block.py has them; -1: there is none."""
-        counts = self.counts
-        retired = counts[QUEUE_RETIRED]
-        return -1 if retired == counts[QUEUE_FETCHED] else retired % _SIZE * self._stride
+        indices = self.indices
+        retired = indices[QUEUE_RETIRED]
+        return -1 if retired == indices[QUEUE_FETCHED] else retired % _SIZE * self._stride
 
     def playing(self):
         """The oldest block not yet played to its last word, or None. The same object each time; where it is not the
         one under way in the feeder, its walker is not its own any more."""
-        counts = self.counts
-        retired = counts[QUEUE_RETIRED]
-        if retired == counts[QUEUE_FETCHED]:
+        indices = self.indices
+        retired = indices[QUEUE_RETIRED]
+        if retired == indices[QUEUE_FETCHED]:
             return None
         place = retired % _SIZE
         block = self._playing

@@ -3,7 +3,7 @@
     ramp.begin(block)
     ramp.cut(rows, at, ramp.state, walker.state, left, percent, hold)   # RAMP_STEPS, RAMP_TICKS, RAMP_PACE of ramp.state
 
-The ramp carries q, the square of the speed, in units of the block's own (see profile.py), because along the path q is
+The ramp carries q, the square of the speed, in units of the block's own (see limits.py), because along the path q is
 linear: it gains at most `gain` a step. Each segment's end takes the largest q that
 
     - the block's speed and the override allow, or, in a hold, the least that can be reached

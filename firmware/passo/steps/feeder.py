@@ -67,7 +67,7 @@ class Feeder(Position):
         if drive is not None:
             ring.words[ring.mask] = drive.levels()  # the pins before the first word
         self._arrays = (  # fetched at once; the bound method too, which would allocate
-            self._marks, ring.words, planner.rows, planner.work, planner.counts, planner.line_state, ring.power.marks,
+            self._marks, ring.words, planner.rows, planner.scratch, planner.indices, planner.line_state, ring.power.marks,
             self.settle,
         )  # fmt: skip
         self._reset(0)
@@ -128,13 +128,13 @@ class Feeder(Position):
     @micropython.native
     def _make(self, played, lead_ticks):  # ISR: no allocation
         """The segments of the block under way, and of lines behind it. See segments_viper.make() for the result."""
-        marks, words, rows, work, counts, path, power, settle = self._arrays
+        marks, words, rows, scratch, indices, path, power, settle = self._arrays
         state = self.state
         state[FEED_PLAYED] = played
         state[FEED_LEAD] = lead_ticks
         ramp = self.ramp
         what = make(
-            state, marks, words, rows, work, counts, ramp.state, path, power, ramp.cut, ramp.take_up, settle, self._geometry
+            state, marks, words, rows, scratch, indices, ramp.state, path, power, ramp.cut, ramp.take_up, settle, self._geometry
         )
         self.ring.head = state[FEED_HEAD]
         return what

@@ -1,10 +1,10 @@
 """Pacing: gives the step masks of a segment their ticks.
 
-    pace(words, at, count, terms)       # masks to words
+    pace(words, at, count, interval)       # masks to words
     debt = repay(words, at, count, bits, debt, least)
 
 `count` steps share `ticks` evenly: each interval is the floor or the ceiling of ticks / count, and the total is exact.
-A segment that runs over the end of the ring is paced in two calls; the second goes on with the first one's carry. `terms`:
+A segment that runs over the end of the ring is paced in two calls; the second goes on with the first one's carry. `interval`:
 PACE_… of records.py, with which the feeder's state begins. One text for all interpreters: a board compiles it to machine
 code, elsewhere it is ordinary Python.
 """
@@ -22,13 +22,13 @@ except NameError:
 
 
 @micropython.viper
-def pace(words: ptr32, at: int, count: int, terms: ptr32):  # ISR: no allocation
+def pace(words: ptr32, at: int, count: int, interval: ptr32):  # ISR: no allocation
     """Turn the masks in words[at : at + count], count ≥ 1, into words."""
-    short = terms[PACE_SHORT]
-    tick = terms[PACE_TICK]
-    rest = terms[PACE_REST]
-    over = terms[PACE_OVER]
-    carry = terms[PACE_CARRY]
+    short = interval[PACE_SHORT]
+    tick = interval[PACE_TICK]
+    rest = interval[PACE_REST]
+    over = interval[PACE_OVER]
+    carry = interval[PACE_CARRY]
     end = at + count
     while at < end:
         carry += rest
@@ -38,7 +38,7 @@ def pace(words: ptr32, at: int, count: int, terms: ptr32):  # ISR: no allocation
             word += tick
         words[at] = word
         at += 1
-    terms[PACE_CARRY] = carry
+    interval[PACE_CARRY] = carry
 
 
 @micropython.viper

@@ -1,7 +1,7 @@
 """The feeder's kernel: has the geometry of the block under way make segment after segment, writes their words to the ring,
 and goes on with the lines behind it.
 
-    what = make(state, marks, words, planner.rows, planner.work, planner.counts, ramp.state, line.state, power, cut, take_up,
+    what = make(state, marks, words, planner.rows, planner.scratch, planner.indices, ramp.state, line.state, power, cut, take_up,
                 settle, geometry)
 
 For each segment: room, how many steps and how long (`cut`, the ramp's), directions, which axes step (line.walk, or the
@@ -44,7 +44,7 @@ from passo.records import (
     MARK_PACE, MARK_TICKS, MARK_WORD, PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, POWER_FIELDS,
     POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_MOST, POWER_SIZE, POWER_UNKNOWN, POWER_WORD, QUEUE_RETIRED, RAMP_PACE,
     RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, ROW_DYNAMIC, ROW_FIRST, ROW_POWER, ROW_RAPID, ROW_STEPS,
-    ROW_TOOL, ROW_TOP, WORK_PERCENT, WORK_START,
+    ROW_TOOL, ROW_TOP, SCRATCH_PERCENT, SCRATCH_START,
 )  # fmt: skip
 from passo.steps import pace_viper
 
@@ -64,7 +64,7 @@ ENDED = const(3)
 
 @micropython.viper
 def make(
-    state: ptr32, marks: ptr32, ring, queue, work: ptr32, counts: ptr32, cuts, line_state, power: ptr32, cut, take_up, settle,
+    state: ptr32, marks: ptr32, ring, queue, scratch: ptr32, indices: ptr32, cuts, line_state, power: ptr32, cut, take_up, settle,
     geometry,
 ) -> int:  # ISR: no allocation
     words = ptr32(ring)
@@ -88,7 +88,7 @@ def make(
         if (state[FEED_PLAYED] - marks[mark + MARK_WORD]) & COUNT_MASK >= COUNT_HALF:
             break
         oldest = (oldest + 1) & COUNT_MASK
-        counts[QUEUE_RETIRED] = (counts[QUEUE_RETIRED] + marks[mark + MARK_ENDS]) & COUNT_MASK
+        indices[QUEUE_RETIRED] = (indices[QUEUE_RETIRED] + marks[mark + MARK_ENDS]) & COUNT_MASK
     state[FEED_OLDEST] = oldest
     if oldest == state[FEED_NEWEST]:
         state[FEED_DRY] = 1
@@ -107,9 +107,9 @@ def make(
         if left == 0 and wait == 0:
             # --- the next line
             result = ENDED
-            if hold or state[FEED_FAST] == 0 or work[WORK_START] or ramp[RAMP_S_CURVE]:
+            if hold or state[FEED_FAST] == 0 or scratch[SCRATCH_START] or ramp[RAMP_S_CURVE]:
                 break
-            each = int(take(rows, work, counts, 1 if ramp[RAMP_Q] else 0, 1))
+            each = int(take(rows, scratch, indices, 1 if ramp[RAMP_Q] else 0, 1))
             if each >> 30 & 1:
                 break
             result = FULL
@@ -154,7 +154,7 @@ def make(
                 negative = int(geometry.negative)
                 made = ptr32(geometry.made)
                 made_at = 0
-            cut(queue, row, cuts, shape, left, work[WORK_PERCENT + rows[row + ROW_RAPID]], hold)
+            cut(queue, row, cuts, shape, left, scratch[SCRATCH_PERCENT + rows[row + ROW_RAPID]], hold)
             steps = ramp[RAMP_STEPS]
             if steps == 0:
                 result = STANDS

@@ -6,10 +6,10 @@ from math import sqrt
 
 from draws import Random
 from passo.motion import block_viper, look_ahead_viper, row_viper
-from passo.motion.profile import MOST, TICKS_PER_S, Limits
+from passo.motion.limits import MOST, TICKS_PER_S, Limits
 from passo.records import (
     LIMIT_WHOLE, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, ROW_CORNER, ROW_FASTEST, ROW_GAIN, ROW_LIMIT, ROW_REACH, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS,
-    ROW_TICKS_REST, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, WORK_ASKED, WORK_FEED, WORK_FIELDS, WORK_SIZE, WORK_STRIDE,
+    ROW_TICKS_REST, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, SCRATCH_ASKED, SCRATCH_FEED, SCRATCH_FIELDS, SCRATCH_SIZE, SCRATCH_STRIDE,
 )  # fmt: skip
 from passo.steps.word import COUNT_MASK
 
@@ -31,22 +31,22 @@ def draw_line(random, axes):
     return [random.between(-size, size) for _ in range(axes)]
 
 
-def queue(limits, deltas, feed, rows, work, number):
+def queue(limits, deltas, feed, rows, scratch, number):
     at = number * (ROW_STEPS + len(deltas))
     for axis in range(len(deltas)):
         rows[at + ROW_STEPS + axis] = deltas[axis]
-    work[WORK_FEED] = min(limits.part(feed), MOST) if feed else 0
-    done = block_viper.plan_block(rows, at, work, limits.terms)
+    scratch[SCRATCH_FEED] = min(limits.part(feed), MOST) if feed else 0
+    done = block_viper.plan_block(rows, at, scratch, limits.fields)
     if done == 1:
-        look_ahead_viper.corner(rows, at, work, limits.terms)
+        look_ahead_viper.corner(rows, at, scratch, limits.fields)
     return done
 
 
 def new(axes, count):
-    work = array("i", [0] * WORK_FIELDS)
-    work[WORK_STRIDE], work[WORK_SIZE] = ROW_STEPS + axes, count
-    work[34] = work[35] = 4096
-    return array("i", [0] * ((ROW_STEPS + axes) * count)), work
+    scratch = array("i", [0] * SCRATCH_FIELDS)
+    scratch[SCRATCH_STRIDE], scratch[SCRATCH_SIZE] = ROW_STEPS + axes, count
+    scratch[34] = scratch[35] = 4096
+    return array("i", [0] * ((ROW_STEPS + axes) * count)), scratch
 
 
 def direction(limits, deltas):
@@ -79,12 +79,12 @@ def check_numbers(seed):
     random = Random(seed)
     limits = machine(random)
     axes = len(limits.speeds)
-    rows, work = new(axes, 2)
+    rows, scratch = new(axes, 2)
     before = None
     for number in range(2):
         deltas = draw_line(random, axes)
         feed = random.choice((0, random.between(1, 500) * 1_000_000, random.between(100_000, 3_000_000)))
-        done = queue(limits, deltas, feed, rows, work, number)
+        done = queue(limits, deltas, feed, rows, scratch, number)
         total = max([abs(delta) for delta in deltas])
         if not total:
             assert done == 0
@@ -103,7 +103,7 @@ def check_numbers(seed):
         assert near(row[ROW_TICKS] * total + row[ROW_TICKS_REST], ticks, grain + 3e-6, 1 + total)
         assert near(row[ROW_TICKS] + row[ROW_TICKS_REST] / total, ticks / total, grain + 3e-6, 1)
         if not row[ROW_GAIN]:
-            assert row[ROW_TICKS] > 8_000_000 and work[24] == 0
+            assert row[ROW_TICKS] > 8_000_000 and scratch[24] == 0
             return
         top, squares = row[ROW_TOP], limits.fastest * limits.fastest / (1 << 28)
         acceleration = weakest(limits.accelerations, heading)
@@ -153,23 +153,23 @@ def check_machine_code(seed):
     plain.update(plain_text("motion/block_viper.py"))
     plain.update(plain_text("motion/row_viper.py"))
     for plan, take in ((plain["plan_lines"], plain["take"]), (look_ahead_viper.plan_lines, row_viper.take)):
-        rows, work = new(axes, 7)
-        counts = array("i", [0] * QUEUE_FIELDS)
+        rows, scratch = new(axes, 7)
+        indices = array("i", [0] * QUEUE_FIELDS)
         results = []
         for number in range(len(program)):
             deltas, feed, taken = program[number]
-            if not limits.terms[LIMIT_WHOLE] and feed != work[WORK_ASKED]:
-                work[WORK_FEED], work[WORK_ASKED] = min(limits.part(feed), MOST) if feed else 0, feed
+            if not limits.fields[LIMIT_WHOLE] and feed != scratch[SCRATCH_ASKED]:
+                scratch[SCRATCH_FEED], scratch[SCRATCH_ASKED] = min(limits.part(feed), MOST) if feed else 0, feed
             batch = array("i", [0, taken, feed, 7 * number, number, 0] + deltas + [0] * 4)
-            results.append(plan(batch, 1, rows, work, counts, limits.terms))
-            assert not feed or work[WORK_FEED] == min(limits.part(feed), MOST)
+            results.append(plan(batch, 1, rows, scratch, indices, limits.fields))
+            assert not feed or scratch[SCRATCH_FEED] == min(limits.part(feed), MOST)
             if taken == 3 or number % 5 == 4:
-                counts[QUEUE_FLUSHED] = counts[QUEUE_ADDED]  # released
-            while (counts[QUEUE_ADDED] - counts[QUEUE_FETCHED]) & COUNT_MASK > 5 or taken:
-                results.append(take(rows, work, counts, 1 if taken & 1 else 0, 1 if taken & 2 else 0))
+                indices[QUEUE_FLUSHED] = indices[QUEUE_ADDED]  # released
+            while (indices[QUEUE_ADDED] - indices[QUEUE_FETCHED]) & COUNT_MASK > 5 or taken:
+                results.append(take(rows, scratch, indices, 1 if taken & 1 else 0, 1 if taken & 2 else 0))
                 if results[-1] < 0:
-                    results.append(take(rows, work, counts, 1, 0))
+                    results.append(take(rows, scratch, indices, 1, 0))
                 taken = 0
-        queues.append((results, list(rows), list(work), list(counts)))
+        queues.append((results, list(rows), list(scratch), list(indices)))
     assert queues[0] == queues[1]
     assert len(queues[0][0]) > 20 and max(queues[0][0]) > 1

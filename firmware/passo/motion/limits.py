@@ -49,7 +49,7 @@ class Limits:
         self.fastest = isqrt(sum([speed * speed for speed in speeds])) + 1
         self.strongest = isqrt(sum([each * each for each in accelerations])) + 1
         self.start = min((start_speed * start_speed << 28) // (self.fastest * self.fastest), ONE - 1)
-        self.terms = self._terms()
+        self.fields = self._fields()
 
     def length(self, deltas):
         """Of a vector of steps, in nanometres, 1 at least."""
@@ -64,28 +64,28 @@ class Limits:
         """The other way round."""
         return part * self.fastest >> 28
 
-    def _terms(self):
+    def _fields(self):
         """LIMIT_… of records.py, for plan_block(): numbers, or floats as two of them."""
-        terms = array("i", bytearray(4 * LIMIT_FIELDS))
+        fields = array("i", bytearray(4 * LIMIT_FIELDS))
         axes = len(self.steps_per_m)
         finest = 0
         while (NM_PER_M << finest + 1) // min(self.steps_per_m) < ONE:
             finest += 1
         squared = self.fastest * self.fastest
-        terms[LIMIT_AXES] = axes
-        terms[LIMIT_FINEST] = BIAS + finest - 14
-        terms[LIMIT_SPEED], terms[LIMIT_SPEED_SHIFT] = floated(TICKS_PER_S << 28, self.fastest, 28)
-        terms[LIMIT_GAIN], terms[LIMIT_GAIN_SHIFT] = floated(2 * self.strongest << 28, squared, 15)  # gain
-        terms[LIMIT_TIME], terms[LIMIT_TIME_SHIFT] = floated(TICKS_PER_S * self.fastest, self.strongest, 15)  # time
-        terms[LIMIT_CORNER], terms[LIMIT_CORNER_SHIFT] = floated(self.strongest * self.junction_deviation, squared, 15)  # corner
-        terms[LIMIT_WHOLE] = self.fastest if self.fastest < 1 << 30 else 0
+        fields[LIMIT_AXES] = axes
+        fields[LIMIT_FINEST] = BIAS + finest - 14
+        fields[LIMIT_SPEED], fields[LIMIT_SPEED_SHIFT] = floated(TICKS_PER_S << 28, self.fastest, 28)
+        fields[LIMIT_GAIN], fields[LIMIT_GAIN_SHIFT] = floated(2 * self.strongest << 28, squared, 15)  # gain
+        fields[LIMIT_TIME], fields[LIMIT_TIME_SHIFT] = floated(TICKS_PER_S * self.fastest, self.strongest, 15)  # time
+        fields[LIMIT_CORNER], fields[LIMIT_CORNER_SHIFT] = floated(self.strongest * self.junction_deviation, squared, 15)  # corner
+        fields[LIMIT_WHOLE] = self.fastest if self.fastest < 1 << 30 else 0
         for axis in range(axes):
-            terms[LIMIT_STEP + axis] = (NM_PER_M << finest) // self.steps_per_m[axis]
-            terms[LIMIT_FASTEST + axis], shift = floated(self.speeds[axis] << 28, self.fastest, 29)
-            terms[LIMIT_FASTEST_SHIFT + axis] = shift + 15
-            terms[LIMIT_STRONGEST + axis], shift = floated(self.accelerations[axis] << 28, self.strongest, 29)
-            terms[LIMIT_STRONGEST_SHIFT + axis] = shift + 15
-        return terms
+            fields[LIMIT_STEP + axis] = (NM_PER_M << finest) // self.steps_per_m[axis]
+            fields[LIMIT_FASTEST + axis], shift = floated(self.speeds[axis] << 28, self.fastest, 29)
+            fields[LIMIT_FASTEST_SHIFT + axis] = shift + 15
+            fields[LIMIT_STRONGEST + axis], shift = floated(self.accelerations[axis] << 28, self.strongest, 29)
+            fields[LIMIT_STRONGEST_SHIFT + axis] = shift + 15
+        return fields
 
 
 def floated(value, by, bits):
