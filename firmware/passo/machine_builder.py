@@ -17,22 +17,22 @@ _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp",
 _OF_WHOLE = ("motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")
 
 
-# Every feature, in the order in which they are polled: the module of control whose class Feature it is, and the rule by which
-# a board file asks for it. A feature is also made if a language of the board's links names it in its NEEDS; what nobody asks
-# for is neither loaded nor, but for those with a rule, in the build.
+# Every feature, in the order in which they are polled: its module of control, its class, and the rule by which a board file
+# asks for it. A feature is also made if a language of the board's links names it in its NEEDS; what nobody asks for is neither
+# loaded nor, but for those with a rule, in the build.
 FEATURES = (
-    ("switches", lambda board: board["inputs"]),
-    ("homing", lambda board: board["homing"]),
-    ("drawing", None),
-    ("changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
-    ("independent", None),
-    ("step_program", None),
-    ("program", None),
-    ("pauses", lambda board: [item for item in board["inputs"] if item["name"] in _PAUSING]),
-    ("tools", None),
-    ("pins", None),
-    ("links", lambda board: True),
-    ("resets", lambda board: True),
+    ("switches", "Switches", lambda board: board["inputs"]),
+    ("homing", "Homing", lambda board: board["homing"]),
+    ("drawing", "Drawing", None),
+    ("changeover", "Changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
+    ("independent", "Independent", None),
+    ("step_program", "StepProgramPlayer", None),
+    ("program", "Program", None),
+    ("pauses", "Pauses", lambda board: [item for item in board["inputs"] if item["name"] in _PAUSING]),
+    ("tools", "Tools", None),
+    ("pins", "Pins", None),
+    ("links", "Links", lambda board: True),
+    ("resets", "Resets", lambda board: True),
 )
 
 
@@ -73,12 +73,14 @@ def wanted(board, languages):
     needed = []
     for language in languages:
         needed += language.NEEDS
-    return [name for name, rule in FEATURES if name in needed or rule and rule(board)]
+    return [name for name, _, rule in FEATURES if name in needed or rule and rule(board)]
 
 
 def load(names):
     """[(name, class)] of features."""
-    return [(name, __import__("passo.control." + name, None, None, ("Feature",)).Feature) for name in names]
+    return [
+        (name, getattr(__import__("passo.control." + name, None, None, (kind,)), kind)) for name, kind, _ in FEATURES if name in names
+    ]
 
 
 def guarded(board, languages, settings):

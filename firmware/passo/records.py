@@ -263,30 +263,30 @@ TRACE_HIGH = const(4)
 TRACE_AXES = const(8)
 TRACE_FIELDS = const(9)
 
-# GCode._place: what plain lines are understood by; three numbers each if they are the axes'. Places from PLAIN_LOW on have
+# GCode._place: what plain lines are understood by; three numbers each if they are the axes'. Places from PARSE_LOW on have
 # 2²⁹ added, so that none is negative.
-PLAIN_AXES = const(0)
-PLAIN_RELATIVE = const(1)  # 1: G91
-PLAIN_MODAL = const(2)  # 0 or 1: G0 or G1 holds
-PLAIN_FEED = const(3)  # nm/s
-PLAIN_POSITION = const(4)  # machine coordinates, nm
-PLAIN_OFFSET = const(7)  # machine place − programme place, nm
-PLAIN_RESOLUTION = const(10)  # steps a metre
-PLAIN_TARGET = const(13)  # steps
-PLAIN_TO = const(16)  # where the line leads as far as it has been read, nm
-PLAIN_INCHES = const(19)  # 1: G20
-PLAIN_NUMBER = const(20)  # of the line
-PLAIN_AFTER = const(21)  # where the next line begins
-PLAIN_DELTAS = const(22)  # steps of the last one
-PLAIN_LOW = const(25)  # the travel, steps
-PLAIN_HIGH = const(28)
-PLAIN_LEAST = const(31)  # feed, nm/s: steps are no more than 40 s apart
-PLAIN_FULL = const(32)  # S of full power; 0: S counts for nothing; 1: it must not change
-PLAIN_RPM = const(33)  # S
-PLAIN_LIT = const(34)  # 1: the beam is on
-PLAIN_POWER = const(35)  # thousandths
-PLAIN_DYNAMIC = const(36)  # 1: power in proportion to the speed
-PLAIN_FIELDS = const(37)
+PARSE_AXES = const(0)
+PARSE_RELATIVE = const(1)  # 1: G91
+PARSE_MODAL = const(2)  # 0 or 1: G0 or G1 holds
+PARSE_FEED = const(3)  # nm/s
+PARSE_POSITION = const(4)  # machine coordinates, nm
+PARSE_OFFSET = const(7)  # machine place − programme place, nm
+PARSE_RESOLUTION = const(10)  # steps a metre
+PARSE_TARGET = const(13)  # steps
+PARSE_TO = const(16)  # where the line leads as far as it has been read, nm
+PARSE_INCHES = const(19)  # 1: G20
+PARSE_NUMBER = const(20)  # of the line
+PARSE_AFTER = const(21)  # where the next line begins
+PARSE_DELTAS = const(22)  # steps of the last one
+PARSE_LOW = const(25)  # the travel, steps
+PARSE_HIGH = const(28)
+PARSE_LEAST = const(31)  # feed, nm/s: steps are no more than 40 s apart
+PARSE_FULL = const(32)  # S of full power; 0: S counts for nothing; 1: it must not change
+PARSE_RPM = const(33)  # S
+PARSE_LIT = const(34)  # 1: the beam is on
+PARSE_POWER = const(35)  # thousandths
+PARSE_DYNAMIC = const(36)  # 1: power in proportion to the speed
+PARSE_FIELDS = const(37)
 
 # An arc's plan: what arc.plan() works out once a block, in steps. "Along the circle" means its length in steps of the path.
 ARC_AXIS_A = const(0)  # the plane's axes: counter-clockwise is from A to B; then the third one, -1: none

@@ -120,7 +120,7 @@ def features_named(tree):
             if node.targets[0].id == "NEEDS":
                 found |= set(ast.literal_eval(node.value))
             elif node.targets[0].id == "FEATURES":
-                found |= {row.elts[0].value for row in node.value.elts if not isinstance(row.elts[1], ast.Constant)}
+                found |= {row.elts[0].value for row in node.value.elts if not isinstance(row.elts[-1], ast.Constant)}
     return found
 
 

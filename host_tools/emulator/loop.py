@@ -32,7 +32,7 @@ class Loop:
 
     def run(self):
         self.ended = False
-        if self._system.hz != system_clock.PLAIN_HZ:
+        if self._system.hz != system_clock.PARSE_HZ:
             self._run_slowly()
             return
         self.__class__ = _Beginning

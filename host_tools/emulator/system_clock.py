@@ -14,7 +14,7 @@ ring oscillator, the USB PLL) it is left at what it was, and a reset puts it to 
 
 from host_tools.emulator.cycles import CYCLE_NS
 
-PLAIN_HZ = 125_000_000
+PARSE_HZ = 125_000_000
 _UNRAISED_HZ = 133_000_000  # RP2040 datasheet: more wants 1.15 V
 _RAISED = 0b1100
 _CRYSTAL_HZ = 12_000_000
@@ -75,7 +75,7 @@ class SystemClock:
     def __init__(self, chip):
         self._chip = chip
         self._clock = chip.clock
-        self.hz, self.cycle_ns = PLAIN_HZ, float(CYCLE_NS)
+        self.hz, self.cycle_ns = PARSE_HZ, float(CYCLE_NS)
         self.fault = None
         self.before, self.after = [], []  # called before a change and after it
         self._since_ns, self._cycles = chip.clock.nanos, 0  # of the last change
@@ -132,7 +132,7 @@ class SystemClock:
                 chip.peripherals[base].reset()
             chip.vreg_and_chip_reset.vreg = 0xB1
             self._counted = None
-            self._change(PLAIN_HZ)
+            self._change(PARSE_HZ)
 
         clocks.read_uint32, clocks.write_uint32, clocks.reset = read_uint32, write_uint32, restart
 

@@ -13,7 +13,7 @@ from check_gcode import Memory
 from draws import Random
 from passo import commands
 from passo.control import arcs
-from passo.control.program import Feature as Program
+from passo.control.program import Program
 from passo.control.stream_queue import StreamQueue
 from passo.motion.line import MAX_RUN
 from passo.motion.limits import Limits

@@ -15,7 +15,7 @@ CASES = {
     "check_any_number": (("mhz", -1000, 1000),),
 }  # fmt: skip
 REGULATOR, COUNTER = 0x40064000, 0x40008080  # test_rp2_registers.py has them from the headers
-PLAIN_MHZ = 133  # RP2040 datasheet: more wants 1.15 V
+PARSE_MHZ = 133  # RP2040 datasheet: more wants 1.15 V
 RAISED, IN_REGULATION = 12, 1 << 12
 
 
@@ -53,7 +53,7 @@ class FakeChip:
         self.look()
 
     def look(self):
-        if self.mhz > PLAIN_MHZ and not self.RP2350:
+        if self.mhz > PARSE_MHZ and not self.RP2350:
             assert self.vsel >= RAISED and self.now >= self.steady_at, "too fast for the voltage"
 
     def __getitem__(self, address):
@@ -129,13 +129,13 @@ def refusal(mhz):
 
 def check_any_start(mhz, now_mhz, vsel, rise_us):
     """From a reset or a soft reset, with any clock and voltage that were there before."""
-    if now_mhz > PLAIN_MHZ:
+    if now_mhz > PARSE_MHZ:
         vsel = max(vsel, RAISED)
     fake.start(now_mhz, vsel, rise_us)
     clock.set_mhz(mhz)
     assert fake.mhz == mhz and fake.vsel >= vsel
     wanted = []
-    if mhz > PLAIN_MHZ and vsel < RAISED:
+    if mhz > PARSE_MHZ and vsel < RAISED:
         wanted.append(("voltage", RAISED))
     if now_mhz != mhz:
         wanted.append(("clock", mhz))

@@ -28,7 +28,7 @@ MODULES = {
     "passo/languages/plotter.py": "from passo.protocols.plotter import sum\n",
     "passo/control/homing.py": "",
     "passo/languages/torch.py": "NEEDS = ('step_program',)\n",
-    "passo/machine_builder.py": "FEATURES = (('homing', bool), ('step_program', None))\n",
+    "passo/machine_builder.py": "FEATURES = (('homing', 'Homing', bool), ('step_program', 'StepProgramPlayer', None))\n",
     "passo/motion/line.py": "def line():\n    return 1\n",
     "passo/ports/virtual.py": "",
     "passo/ports/pins.py": "",

@@ -11,7 +11,7 @@ from passo import commands, errors
 from passo.records import COUNT_MASK
 
 
-class Feature:
+class Changeover:
     def __init__(self, board, machine, queue):
         self._port = machine.port
         self._machine = machine

@@ -12,7 +12,7 @@ from passo.records import NM_PER_M, TICKS_PER_MS, TICKS_PER_S
 _BLOCKS_A_POINT = const(2)  # a change of the tool, and the line
 
 
-class Feature:
+class Drawing:
     def __init__(self, board, machine, queue):
         self._board = board
         self._queue = queue

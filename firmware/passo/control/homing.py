@@ -19,7 +19,7 @@ from passo.errors import LATER
 _RUNNING = const(-1)
 
 
-class Feature:
+class Homing:
     def __init__(self, board, machine, queue):
         self._config = board["homing"]
         self._axes = board["axes"]

@@ -22,7 +22,7 @@ from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, TICKS_PER_MS
 _STANDING = ("idle", "alarm", "check", "sleep")
 
 
-class Feature:
+class Independent:
     def __init__(self, board, machine, queue):
         self._axes = board["axes"]
         self._queue = queue

@@ -14,7 +14,7 @@ HARMLESS = (
 )  # fmt: skip
 
 
-class Feature:
+class Links:
     def __init__(self, board, machine, queue):
         self._machine = machine
         self._queue = queue

@@ -5,7 +5,7 @@ from passo.control.setting_numbers import LASER
 from passo.records import COUNT_MASK
 
 
-class Feature:
+class Pauses:
     def __init__(self, board, machine, queue):
         self._spindle = board["spindle"]
         self._queue = queue

@@ -3,7 +3,7 @@
 _LETTERS = (("P", "probe"), ("D", "door"), ("H", "hold"), ("R", "reset"), ("S", "resume"))
 
 
-class Feature:
+class Pins:
     def __init__(self, board, machine, queue):
         names = [item["name"] for item in board["inputs"]]
         self._inputs = machine.inputs

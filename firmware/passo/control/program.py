@@ -28,7 +28,7 @@ def minute_ticks(command):
     return 60_000 * TICKS_PER_S // command.per_min
 
 
-class Feature(LineBatches):
+class Program(LineBatches):
     def __init__(self, board, machine, queue):
         self._axes = board["axes"]
         self._queue = queue

@@ -3,7 +3,7 @@
 from passo import commands, errors
 
 
-class Feature:
+class Resets:
     def __init__(self, board, machine, queue):
         self._machine = machine
         self._queue = queue

@@ -3,7 +3,7 @@
     machine.alarm, machine.state, machine.command …
     machine.raise_alarm(errors.ALARM_HARD_LIMIT, "stop")
 
-A feature of the machine is a class Feature(board, machine, queue) with a few of these methods, all of them optional. It sees
+A feature of the machine is a class like Homing(board, machine, queue) with a few of these methods, all of them optional. It sees
 this record and the queue, and no other feature: what it wants of another one it asks for with a command.
 
     handlers()              {kind of command: handler}; a handler returns as Controller.accept()

@@ -23,7 +23,7 @@ _MANUAL_CELLS = const(256)
 _GATHER = const(512)  # units that a stream sets out with, so that the board's pauses for breath do not show
 
 
-class Feature(StepProgramOrders):
+class StepProgramPlayer(StepProgramOrders):
     def __init__(self, board, machine, queue):
         config = board["step_program"]
         axes = board["axes"]

@@ -7,7 +7,7 @@ from passo.control.sensor import Sensor
 _BUTTONS = (("reset", commands.RESET), ("hold", commands.HOLD), ("resume", commands.RESUME))
 
 
-class Feature:
+class Switches:
     def __init__(self, board, machine, queue):
         self._machine = machine
         self._settings = settings = machine.settings

@@ -13,7 +13,7 @@ _LOWEST = const(10)  # of feed and spindle override, per cent
 _HIGHEST = const(200)
 
 
-class Feature:
+class Tools:
     def __init__(self, board, machine, queue):
         self._queue = queue
         self._machine = machine

@@ -32,9 +32,9 @@ from passo.protocols.gcode_motion import Motions, new_moves
 from passo.protocols.gcode_reader import NONE, Refused
 from passo.protocols.gcode_words import F, M_CODES, S, rounded
 from passo.records import (
-    BATCH_ROWS, BIAS, FARTHEST, PLAIN_AFTER, PLAIN_AXES, PLAIN_DYNAMIC, PLAIN_FEED, PLAIN_FIELDS, PLAIN_FULL, PLAIN_HIGH,
-    PLAIN_INCHES, PLAIN_LEAST, PLAIN_LIT, PLAIN_LOW, PLAIN_MODAL, PLAIN_NUMBER, PLAIN_OFFSET, PLAIN_POSITION, PLAIN_POWER,
-    PLAIN_RELATIVE, PLAIN_RESOLUTION, PLAIN_RPM, PLAIN_TARGET,
+    BATCH_ROWS, BIAS, FARTHEST, PARSE_AFTER, PARSE_AXES, PARSE_DYNAMIC, PARSE_FEED, PARSE_FIELDS, PARSE_FULL, PARSE_HIGH,
+    PARSE_INCHES, PARSE_LEAST, PARSE_LIT, PARSE_LOW, PARSE_MODAL, PARSE_NUMBER, PARSE_OFFSET, PARSE_POSITION, PARSE_POWER,
+    PARSE_RELATIVE, PARSE_RESOLUTION, PARSE_RPM, PARSE_TARGET,
 )  # fmt: skip
 
 # `place`, what plain lines are understood by; three numbers each where they are the axes'.
@@ -45,7 +45,7 @@ _MOST_RPM = const(100_000_000)
 
 gc.collect()
 try:
-    from passo.protocols.gcode_plain_viper import parse
+    from passo.protocols.gcode_parse_viper import parse
 except MemoryError:  # a board that has too little, or not in one piece: interpret() deals with all lines
     parse = None
 
@@ -58,9 +58,9 @@ class GCode(Motions):
         self.waits = False  # see fill()
         self.laser = False
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
-        self._place = array("i", [0] * PLAIN_FIELDS)  # for plain lines
-        self._place[PLAIN_AXES] = len(axes)
-        self._ends = memoryview(self._place)[PLAIN_TARGET : PLAIN_TARGET + len(axes)]
+        self._place = array("i", [0] * PARSE_FIELDS)  # for plain lines
+        self._place[PARSE_AXES] = len(axes)
+        self._ends = memoryview(self._place)[PARSE_TARGET : PARSE_TARGET + len(axes)]
         self._offsets_known = 0
         self._level = 0  # power of the modal state, thousandths
         self._reach = None  # the travel that `place` knows
@@ -96,13 +96,13 @@ class GCode(Motions):
         if not self._unknown:
             self._unknown = True
             place = self._place
-            self.feed = place[PLAIN_FEED]
-            self.rpm = place[PLAIN_RPM]
-            self.number = place[PLAIN_NUMBER]
+            self.feed = place[PARSE_FEED]
+            self.rpm = place[PARSE_RPM]
+            self.number = place[PARSE_NUMBER]
             self.ended = False
-            self.motion = place[PLAIN_MODAL] * 100
+            self.motion = place[PARSE_MODAL] * 100
             self._steps = list(self._ends)
-            self.position = list(place[PLAIN_POSITION : PLAIN_POSITION + self.axes])
+            self.position = list(place[PARSE_POSITION : PARSE_POSITION + self.axes])
 
     def end_programme(self):
         """What M2 and M30 put back."""
@@ -145,15 +145,15 @@ class GCode(Motions):
             return False
         place = self._place
         dynamic = self._dynamic
-        if place[PLAIN_FULL] > _SAME:  # each line brings its own tool and power
-            place[PLAIN_LIT] = 1 if batch.tool else 0
-            place[PLAIN_POWER] = batch.power if batch.dynamic == dynamic else _OTHER
+        if place[PARSE_FULL] > _SAME:  # each line brings its own tool and power
+            place[PARSE_LIT] = 1 if batch.tool else 0
+            place[PARSE_POWER] = batch.power if batch.dynamic == dynamic else _OTHER
         elif self._lit != batch.tool or dynamic != batch.dynamic or self._level != batch.power:
             return False
         else:
-            place[PLAIN_LIT] = 1 if self._lit else 0
-            place[PLAIN_POWER] = batch.power
-        place[PLAIN_DYNAMIC] = 1 if dynamic else 0
+            place[PARSE_LIT] = 1 if self._lit else 0
+            place[PARSE_POWER] = batch.power
+        place[PARSE_DYNAMIC] = 1 if dynamic else 0
         return True
 
     @micropython.native
@@ -168,7 +168,7 @@ class GCode(Motions):
         if rows > 0:
             count = parse(lines.text, at, lines.whole, self._place, batch.rows, rows)
         if count:
-            lines.at = at = self._place[PLAIN_AFTER]
+            lines.at = at = self._place[PARSE_AFTER]
         batch.count = count
         self.waits = count == rows or at == lines.whole or rows <= 0
         batch.more = count == rows and rows == BATCH_ROWS
@@ -185,28 +185,28 @@ class GCode(Motions):
             return False
         self._settle()
         place = self._place
-        place[PLAIN_RELATIVE] = 0 if self.absolute else 1
-        place[PLAIN_INCHES] = 1 if self.inches else 0
-        place[PLAIN_MODAL] = self.motion // 100
-        place[PLAIN_FEED] = self.feed
-        place[PLAIN_NUMBER] = self.number
-        place[PLAIN_LEAST] = 1
+        place[PARSE_RELATIVE] = 0 if self.absolute else 1
+        place[PARSE_INCHES] = 1 if self.inches else 0
+        place[PARSE_MODAL] = self.motion // 100
+        place[PARSE_FEED] = self.feed
+        place[PARSE_NUMBER] = self.number
+        place[PARSE_LEAST] = 1
         self._reach = batch.reach
         for axis in range(self.axes):
             offset = self.offsets.of(self.system, axis)
             resolution = self.machine.steps_per_m[axis]
             if max(abs(self.position[axis]), abs(offset), resolution) > FARTHEST:
                 return False
-            place[PLAIN_POSITION + axis] = self.position[axis]
-            place[PLAIN_OFFSET + axis] = offset
-            place[PLAIN_RESOLUTION + axis] = resolution
-            place[PLAIN_TARGET + axis] = self._steps[axis]
-            place[PLAIN_LEAST] += 25_000_000 // resolution
+            place[PARSE_POSITION + axis] = self.position[axis]
+            place[PARSE_OFFSET + axis] = offset
+            place[PARSE_RESOLUTION + axis] = resolution
+            place[PARSE_TARGET + axis] = self._steps[axis]
+            place[PARSE_LEAST] += 25_000_000 // resolution
             low, high = (-FARTHEST, FARTHEST) if self._reach is None else (self._reach[0][axis], self._reach[1][axis])
-            place[PLAIN_LOW + axis] = max(low, -FARTHEST) + BIAS
-            place[PLAIN_HIGH + axis] = min(high, FARTHEST) + BIAS
-        place[PLAIN_RPM] = self.rpm
-        place[PLAIN_FULL] = self._full()
+            place[PARSE_LOW + axis] = max(low, -FARTHEST) + BIAS
+            place[PARSE_HIGH + axis] = min(high, FARTHEST) + BIAS
+        place[PARSE_RPM] = self.rpm
+        place[PARSE_FULL] = self._full()
         self._prepare(self.motion, self.feed, 0, 0, self.spindle, self.rpm)
         self._level = thousandths(self._power)
         self._offsets_known = self.offsets.version

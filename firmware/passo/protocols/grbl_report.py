@@ -7,8 +7,8 @@ from micropython import const
 from passo.protocols.gcode_words import rounded
 from passo.protocols.grbl_text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
 from passo.records import (
-    REPORT_AXIS, REPORT_FIELDS, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_STEPS_PER_M, REPORT_UNIT, SETTING_INCHES,
-    SETTING_MAX_RPM, SETTING_REPORT,
+    NUMBER_DECIMALS, NUMBER_FIELDS, NUMBER_FIRST, NUMBER_WHOLE, REPORT_AXIS, REPORT_FIELDS, REPORT_OFFSET_MM, REPORT_OFFSET_NM,
+    REPORT_STEPS_PER_M, REPORT_UNIT, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT,
 )  # fmt: skip
 
 VERSION = "1.1h"
@@ -33,6 +33,8 @@ _OVERRIDES_BUSY = const(20)
 _IDLE = const(10)
 _NM_PER_TENTH_MIL = const(2540)
 _LONGEST = const(224)  # bytes of a report
+_SECOND = const(NUMBER_FIELDS)  # number of a row
+_THIRD = const(2 * NUMBER_FIELDS)
 
 
 def message(text):
@@ -134,22 +136,22 @@ class Status:
         if self._out is None:
             self._out = bytearray(_LONGEST)
             self._view = self._said = memoryview(self._out)
-            self._figures = array("i", [0] * (REPORT_AXIS + REPORT_FIELDS * gcode.axes))
+            self._fields = array("i", [0] * (REPORT_AXIS + REPORT_FIELDS * gcode.axes))
         self._settings_of = settings.version
         self._offsets_of = gcode.offsets.version
         self._system = gcode.system
         self._mask = settings.value(SETTING_REPORT)
         self._inches = settings.value(SETTING_INCHES)
         self._pins = self._power = None  # that `_pressed` and `_rpm` are of
-        self._figures[REPORT_UNIT:REPORT_AXIS] = INCHES if self._inches else MILLIMETRES
+        self._fields[REPORT_UNIT:REPORT_AXIS] = INCHES if self._inches else MILLIMETRES
         offsets = [gcode.offsets.of(gcode.system, axis) for axis in range(gcode.axes)]
         self._offset = ("|WCO:%s\0" % place(offsets, self._inches)).encode()
         at = REPORT_AXIS
         for axis in range(gcode.axes):
             offset = 0 if self._mask & 1 else offsets[axis]
-            self._figures[at + REPORT_STEPS_PER_M] = self._machine.steps_per_m[axis]
-            self._figures[at + REPORT_OFFSET_MM] = max(0, min(offset // 1_000_000 + FARTHEST_MM, 2 * FARTHEST_MM))
-            self._figures[at + REPORT_OFFSET_NM] = offset % 1_000_000
+            self._fields[at + REPORT_STEPS_PER_M] = self._machine.steps_per_m[axis]
+            self._fields[at + REPORT_OFFSET_MM] = max(0, min(offset // 1_000_000 + FARTHEST_MM, 2 * FARTHEST_MM))
+            self._fields[at + REPORT_OFFSET_NM] = offset % 1_000_000
             at += REPORT_FIELDS
 
     # In small pieces, whose variables do not go on the heap (see app.py).
@@ -165,8 +167,8 @@ class Status:
         self._at = 0
         self._tell_place(report)
         if self._mask & 2:
-            self._figures[0] = report["blocks"]
-            self._figures[3] = room
+            self._fields[NUMBER_WHOLE] = report["blocks"]
+            self._fields[_SECOND + NUMBER_WHOLE] = room
             self._tell(b"|Bf:\0", 2)
         self._tell_speed(report)
         pins = report["pins"]
@@ -186,40 +188,39 @@ class Status:
         return self._said
 
     def _tell(self, label, count):
-        """Append `label` and the first `count` numbers of `_figures`, NUMBER_… of records.py each. A whole number: [0] the value,
-        [2] zero."""
-        self._at = tell(self._out, self._at, label, self._figures, count)
+        """Append `label` and the first `count` numbers of `_fields`, NUMBER_… of records.py each; of a whole one NUMBER_FIRST is 0."""
+        self._at = tell(self._out, self._at, label, self._fields, count)
 
     def _tell_place(self, report):
-        figures = self._figures
+        fields = self._fields
         state = report["state"]
         if state == "hold" or state == "door":
-            figures[0] = report["substate"]
-            figures[2] = 0
+            fields[NUMBER_WHOLE] = report["substate"]
+            fields[NUMBER_FIRST] = 0
             self._tell(_STATES[state], 1)
         else:
             self._tell(_STATES[state], 0)
         axes = self._gcode.axes
-        places(figures, report["position"], axes)
+        places(fields, report["position"], axes)
         self._tell(b"|MPos:\0" if self._mask & 1 else b"|WPos:\0", axes)
-        figures[2] = figures[5] = 0
+        fields[NUMBER_FIRST] = fields[_SECOND + NUMBER_FIRST] = 0
 
     def _tell_speed(self, report):
-        figures = self._figures
+        fields = self._fields
         if report["number"]:
-            figures[0] = report["number"]
+            fields[NUMBER_WHOLE] = report["number"]
             self._tell(b"|Ln:\0", 1)
         speed = _minute(report["feed"], self._inches)
         if self._inches:
-            figures[1] = speed % 10
-            figures[2] = 1
+            fields[NUMBER_DECIMALS] = speed % 10
+            fields[NUMBER_FIRST] = 1
             speed //= 10
-        figures[0] = speed
+        fields[NUMBER_WHOLE] = speed
         power = report["power"]
         if power != self._power:
             self._power = power
             self._rpm = rounded(power * self._settings.value(SETTING_MAX_RPM), 1_000_000_000)
-        figures[3] = self._rpm
+        fields[_SECOND + NUMBER_WHOLE] = self._rpm
         self._tell(b"|FS:\0", 2)
 
     def _now_and_then(self, report):
@@ -234,9 +235,9 @@ class Status:
             self.overrides -= 1
             return
         self.overrides = (_OVERRIDES_BUSY if busy else _IDLE) - 1
-        figures = self._figures
-        figures[0], figures[3], figures[6] = report["overrides"]
-        figures[2] = figures[5] = figures[8] = 0
+        fields = self._fields
+        fields[NUMBER_WHOLE], fields[_SECOND + NUMBER_WHOLE], fields[_THIRD + NUMBER_WHOLE] = report["overrides"]
+        fields[NUMBER_FIRST] = fields[_SECOND + NUMBER_FIRST] = fields[_THIRD + NUMBER_FIRST] = 0
         self._tell(b"|Ov:\0", 3)
         accessories = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
         if accessories:

@@ -17,10 +17,10 @@ Python; see motion/block_viper.py for what that asks of integers.
 import micropython
 
 from passo.records import (
-    BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_STEPS, BATCH_TAG, PLAIN_AFTER,
-    PLAIN_AXES, PLAIN_DELTAS, PLAIN_DYNAMIC, PLAIN_FEED, PLAIN_FULL, PLAIN_HIGH, PLAIN_INCHES, PLAIN_LEAST, PLAIN_LIT,
-    PLAIN_LOW, PLAIN_MODAL, PLAIN_NUMBER, PLAIN_OFFSET, PLAIN_POSITION, PLAIN_POWER, PLAIN_RELATIVE, PLAIN_RESOLUTION,
-    PLAIN_RPM, PLAIN_TARGET, PLAIN_TO,
+    BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_STEPS, BATCH_TAG, PARSE_AFTER,
+    PARSE_AXES, PARSE_DELTAS, PARSE_DYNAMIC, PARSE_FEED, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LIT,
+    PARSE_LOW, PARSE_MODAL, PARSE_NUMBER, PARSE_OFFSET, PARSE_POSITION, PARSE_POWER, PARSE_RELATIVE, PARSE_RESOLUTION,
+    PARSE_RPM, PARSE_TARGET, PARSE_TO,
 )  # fmt: skip
 
 try:
@@ -34,17 +34,17 @@ def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: 
     """See above."""
     lines = 0
     while lines < most and begin < count:
-        axes = place[PLAIN_AXES]
-        motion = place[PLAIN_MODAL]
-        feed = place[PLAIN_FEED]
-        inches = place[PLAIN_INCHES]
-        full = place[PLAIN_FULL]
-        rpm = place[PLAIN_RPM]
+        axes = place[PARSE_AXES]
+        motion = place[PARSE_MODAL]
+        feed = place[PARSE_FEED]
+        inches = place[PARSE_INCHES]
+        full = place[PARSE_FULL]
+        rpm = place[PARSE_RPM]
         number = 0
         have = 0
         at = 0
         while at < 3:
-            place[PLAIN_TO + at] = place[PLAIN_POSITION + at]  # where the line leads, as far as it has been read
+            place[PARSE_TO + at] = place[PARSE_POSITION + at]  # where the line leads, as far as it has been read
             at += 1
         at = begin
         letter = 0
@@ -109,13 +109,13 @@ def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: 
                         decimals += 1
                     if negative:
                         value = 0 - value
-                    digits = place[PLAIN_POSITION + letter] if place[PLAIN_RELATIVE] else place[PLAIN_OFFSET + letter]
+                    digits = place[PARSE_POSITION + letter] if place[PARSE_RELATIVE] else place[PARSE_OFFSET + letter]
                     if digits >> 30 & 1:
                         digits = 0 - ((0 - digits) & 0x3FFFFFFF)
                     value += digits
                     if value > 0x1FFFFFFF or value < 0 - 0x1FFFFFFF:
                         return lines
-                    place[PLAIN_TO + letter] = value
+                    place[PARSE_TO + letter] = value
                 elif letter == 71:
                     if value > 1 or negative or point or have & 1:
                         return lines
@@ -158,19 +158,19 @@ def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: 
                         rpm = value
                 letter = 0
         after = at + 1
-        if have < 16 or motion and feed < place[PLAIN_LEAST] or full == 1 and rpm != place[PLAIN_RPM] or at - begin > 80:
+        if have < 16 or motion and feed < place[PARSE_LEAST] or full == 1 and rpm != place[PARSE_RPM] or at - begin > 80:
             return lines
         # --- nanometres to steps: · steps a metre / 10⁹, to the nearest, halves away from zero; in digits of 15 bits
         at = 0
         while at < axes:
-            place[PLAIN_DELTAS + at] = 0
+            place[PARSE_DELTAS + at] = 0
             if have >> (4 + at) & 1:
-                value = place[PLAIN_TO + at]
+                value = place[PARSE_TO + at]
                 negative = value >> 30 & 1
                 if negative:
                     value = 0 - value
                 value &= 0x3FFFFFFF
-                digits = place[PLAIN_RESOLUTION + at]
+                digits = place[PARSE_RESOLUTION + at]
                 low = (value & 0x7FFF) * (digits & 0x7FFF) + 25856  # half of 10⁹ is 15258 · 2¹⁵ + 25856
                 point = (value >> 15) * (digits & 0x7FFF) + (value & 0x7FFF) * (digits >> 15) + 15258 + (low >> 15)
                 low &= 0x7FFF
@@ -196,15 +196,15 @@ def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: 
                 if negative:
                     steps = 0 - steps
                 value = steps + 0x20000000
-                if value < place[PLAIN_LOW + at] or value > place[PLAIN_HIGH + at]:
+                if value < place[PARSE_LOW + at] or value > place[PARSE_HIGH + at]:
                     return lines
-                value = place[PLAIN_TARGET + at]
+                value = place[PARSE_TARGET + at]
                 if value >> 30 & 1:
                     value = 0 - ((0 - value) & 0x3FFFFFFF)
                 steps -= value
                 if steps > 2097151 or steps < 0 - 2097151:
                     return lines
-                place[PLAIN_DELTAS + at] = steps
+                place[PARSE_DELTAS + at] = steps
             at += 1
         if full > 1:
             # --- S in thousandths of full power, to the nearest, but not 0 for more than a millionth
@@ -222,43 +222,43 @@ def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: 
                     value += 1
             elif letter:
                 value = 1000
-            if letter != place[PLAIN_LIT] or value != place[PLAIN_POWER]:
+            if letter != place[PARSE_LIT] or value != place[PARSE_POWER]:
                 at = 0
-                while place[PLAIN_DELTAS + at] == 0:
+                while place[PARSE_DELTAS + at] == 0:
                     at += 1
                     if at == axes:
                         return lines
-                place[PLAIN_LIT] = letter
-                place[PLAIN_POWER] = value
+                place[PARSE_LIT] = letter
+                place[PARSE_POWER] = value
         # --- all is right: from here on it counts
         at = 0
         while at < axes:
-            place[PLAIN_POSITION + at] = place[PLAIN_TO + at]
-            place[PLAIN_TARGET + at] = place[PLAIN_TARGET + at] + place[PLAIN_DELTAS + at]
+            place[PARSE_POSITION + at] = place[PARSE_TO + at]
+            place[PARSE_TARGET + at] = place[PARSE_TARGET + at] + place[PARSE_DELTAS + at]
             at += 1
-        place[PLAIN_MODAL] = motion
-        place[PLAIN_FEED] = feed
-        place[PLAIN_NUMBER] = number
-        place[PLAIN_RPM] = rpm
-        flags = place[PLAIN_LIT]
+        place[PARSE_MODAL] = motion
+        place[PARSE_FEED] = feed
+        place[PARSE_NUMBER] = number
+        place[PARSE_RPM] = rpm
+        flags = place[PARSE_LIT]
         if motion == 0:
             flags |= 2
             feed = 0
-        if place[PLAIN_DYNAMIC]:
+        if place[PARSE_DYNAMIC]:
             flags |= 4
         row = lines * BATCH_FIELDS
         batch[row + BATCH_KIND] = 0
         batch[row + BATCH_FLAGS] = flags
         batch[row + BATCH_FEED] = feed
-        batch[row + BATCH_POWER] = place[PLAIN_POWER]
+        batch[row + BATCH_POWER] = place[PARSE_POWER]
         batch[row + BATCH_TAG] = number
         batch[row + BATCH_FIRST] = 0
         row += BATCH_STEPS
         at = 0
         while at < axes:
-            batch[row + at] = place[PLAIN_DELTAS + at]
+            batch[row + at] = place[PARSE_DELTAS + at]
             at += 1
         lines += 1
         begin = after
-        place[PLAIN_AFTER] = after
+        place[PARSE_AFTER] = after
     return lines

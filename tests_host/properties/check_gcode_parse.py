@@ -10,7 +10,7 @@ from passo.batch import thousandths
 from passo.protocols.grbl_lines import Lines
 from passo.records import (
     BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_ROWS, BATCH_STEPS, BATCH_TAG,
-    PLAIN_FIELDS, PLAIN_FULL, PLAIN_HIGH, PLAIN_INCHES, PLAIN_LEAST, PLAIN_LOW, PLAIN_RELATIVE,
+    PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LOW, PARSE_RELATIVE,
 )  # fmt: skip
 
 CASES = {
@@ -228,11 +228,11 @@ def check_several_at_once(seed):
 def check_machine_code(seed):
     """The same arrays from the same bytes, as machine code and as bytecode."""
     from check_block import plain_text
-    from passo.protocols import gcode_plain_viper as module
+    from passo.protocols import gcode_parse_viper as module
 
-    parse = plain_text("protocols/gcode_plain_viper.py")["parse"]
+    parse = plain_text("protocols/gcode_parse_viper.py")["parse"]
     random = Random(seed)
-    place = array("i", [3, 0, 1, 10_000, 0, 0, 0, 0, -5_000_000, 9, 250_000, 83_333, 400_000] + [0] * (PLAIN_FIELDS - 13))
+    place = array("i", [3, 0, 1, 10_000, 0, 0, 0, 0, -5_000_000, 9, 250_000, 83_333, 400_000] + [0] * (PARSE_FIELDS - 13))
     batch = array("i", [0] * (BATCH_FIELDS * BATCH_ROWS))
     sides = ((place, batch), (place[:], batch[:]))
     for _ in range(50):
@@ -242,12 +242,12 @@ def check_machine_code(seed):
         full = random.choice((0, 1, 255_000, 1_000_000, 100_000_000))
         most = random.between(1, 4)
         for numbers, _ in sides:
-            numbers[PLAIN_LOW : PLAIN_LOW + 3] = array("i", [0, 0x1FFF0000, 0])
-            numbers[PLAIN_HIGH : PLAIN_HIGH + 3] = array("i", [0x3FFFFFFF, 0x20001000, 0x3FFFFFFF])
-            numbers[PLAIN_LEAST] = 700
-            numbers[PLAIN_RELATIVE] = relative
-            numbers[PLAIN_INCHES] = inches
-            numbers[PLAIN_FULL] = full
+            numbers[PARSE_LOW : PARSE_LOW + 3] = array("i", [0, 0x1FFF0000, 0])
+            numbers[PARSE_HIGH : PARSE_HIGH + 3] = array("i", [0x3FFFFFFF, 0x20001000, 0x3FFFFFFF])
+            numbers[PARSE_LEAST] = 700
+            numbers[PARSE_RELATIVE] = relative
+            numbers[PARSE_INCHES] = inches
+            numbers[PARSE_FULL] = full
         done = [read(text, 3, len(text), *side, most) for read, side in zip((parse, module.parse), sides)]
         assert done[0] == done[1] and sides[0] == sides[1], text
 
