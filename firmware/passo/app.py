@@ -2,7 +2,7 @@
 
     app = App(BOARD, port)
     while True:
-        app.turn()
+        app.cycle()
 
 Bytes from each link become commands, commands become motion, events become the bytes of answers. The only module that
 knows every room.
@@ -25,14 +25,14 @@ from passo.steps.ring import Ring, ring_size
 from passo.steps.word import us_to_ticks
 
 LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any moment, within 20 ms on the pins
-_TURNS_S = const(200)  # half a ring of words has to last as long as such a turn of the feeder
+_CALLS_S = const(200)  # half a ring of words has to last as long as such a call of the feeder
 _WAITING = const(64)  # commands of one link that may wait for their turn
 _READS = const(64)  # that empty a serial line: some give 64 bytes at a time
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
-_MOST = const(3)  # lines a turn on a chip, where they take time
+_MOST = const(3)  # lines a cycle on a chip, where they take time
 _ALL = const(0x1FFFFFFF)
 _FULL = const(128)  # bytes of a read that left some in the line's buffer
-_MORE = const(8)  # such reads a turn: the whole buffer
+_MORE = const(8)  # such reads a cycle: the whole buffer
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 
@@ -80,7 +80,7 @@ class App:
         kinds = machine_builder.load(names)
         self._make_controller(settings, queue, machine_builder.guarded(board, languages, settings), kinds)
         self._looked_ms = port.machine_ms()
-        self._heard = 0  # by this turn: _PART, _WHOLE
+        self._heard = 0  # by this cycle: _PART, _WHOLE
         self._now_ms = port.link_ms()
         self._speaking = None  # the link whose bytes are being understood
         self._overruled = 0  # the error that ends the rest of them: another link, or an alarm, has stopped the machine
@@ -105,7 +105,7 @@ class App:
 
         least = self.player.min_word_ticks
         builder.check_speed(board, least)
-        settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _TURNS_S // 2)
+        settings.max_steps_s = min(TICKS_PER_S // (2 * least), self.ring.size * _CALLS_S // 2)
         setup = us_to_ticks(board["drive"]["setup_us"]) if self._drive is None else 0
         self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least)
         self.interrupt = self.port.feed_from_interrupt(self.feeder, self.player)
@@ -131,11 +131,11 @@ class App:
         self.controller.poll()
         self._answer()
         if self.interrupt and not heard and self._coming():
-            self._hear()  # half a turn would be a long time for who asks
+            self._hear()  # so that `?` waits half as long
         self._feed()
         return True
 
-    # What goes on each turn is in small pieces: a function of more than eleven words of variables and stack takes them off
+    # What goes on each cycle is in small pieces: a function of more than eleven words of variables and stack takes them off
     # the heap, and that takes longer than a call.
 
     def _hear(self):
@@ -179,13 +179,13 @@ class App:
         feeder.fill(self.player.played(), LIVE_TICKS if self.controller.live() else LEAD_TICKS)
         self.player.start()
 
-    def turn(self):
+    def cycle(self):
         """poll(), then let time pass."""
         if self.poll():
             self.rest()
 
     def rest(self):
-        """The end of a turn."""
+        """The end of a cycle."""
         controller = self.controller
         self.port.wait(controller.busy(), controller.machine.fine())
         self._looked_ms = self.port.machine_ms()

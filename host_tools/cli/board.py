@@ -123,7 +123,7 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
 def _loop(machine, stopped):
     flush_at = 0
     while not stopped:
-        machine.turn()
+        machine.cycle()
         now = time.monotonic()
         if now >= flush_at:
             machine.flush()

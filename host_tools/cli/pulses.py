@@ -107,7 +107,7 @@ def play(
             if stream and speed:
                 client.command("speed", speed)
             with Panel(client) as panel:
-                count = client.send_file(data, stream, idle=panel.turn if stream else None)
+                count = client.send_file(data, stream, idle=panel.cycle if stream else None)
         except KeyboardInterrupt:
             client.command("stop")
             raise Failure("stopped by Ctrl-C") from None

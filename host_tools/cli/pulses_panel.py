@@ -1,7 +1,7 @@
 """The status line and the keys while a file of pulse codes is played.
 
     with Panel(client) as panel:
-        client.send_file(data, stream=True, idle=panel.turn)
+        client.send_file(data, stream=True, idle=panel.cycle)
         status = panel.follow(playing=True)
 
 This program has the port until the end, so pause, speed and stop come from its own keys.
@@ -62,7 +62,7 @@ class Panel:
         if sys.stderr.isatty():
             print("\r\x1b[K", end="", file=sys.stderr)
 
-    def turn(self):
+    def cycle(self):
         """Handle a key, if one was pressed; redraw the screen now and then. Raises Failure after s, LinkError if the port is
         lost."""
         if self._terminal and select.select([sys.stdin], [], [], 0)[0]:
@@ -81,7 +81,7 @@ class Panel:
             paused = status["state"] == "hold" and playing and self._terminal
             if status["state"] != "run" and not paused:
                 return status
-            self.turn()
+            self.cycle()
             time.sleep(POLL_S)
 
     def _key(self, key):

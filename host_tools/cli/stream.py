@@ -58,9 +58,9 @@ def stream(
             raise Failure("the machine is in alarm; give --home or --unlock")
         limits = gcode_time.Limits.of_settings(client.command("$$"))
         with Panel(client, lines, gcode_time.estimate(lines, limits)) as panel:
-            for number in client.stream(lines, flow == "count", panel.turn, panel.numbered):
+            for number in client.stream(lines, flow == "count", panel.cycle, panel.numbered):
                 panel.done(number)
-            client.wait_idle(panel.turn)
+            client.wait_idle(panel.cycle)
         print(f"{file}: {len(lines)} lines in {gcode_file.clock(panel.seconds())}")
 
 
@@ -124,7 +124,7 @@ class Panel:
         if not self.numbered:
             self._line = number
 
-    def turn(self):
+    def cycle(self):
         """Keys, and the screen now and then."""
         if sys.stdin.isatty() and select.select([sys.stdin], [], [], 0)[0]:
             self.key(os.read(sys.stdin.fileno(), 1).decode("ascii", "replace"))

@@ -20,7 +20,7 @@ _MOVE = """
 planner.line({deltas!r}, {ticks}, False)
 planner.flush()
 while not controller.machine.alarm:
-    app.turn()
+    app.cycle()
     {loop}
 print(feeder.position(player.played()))
 """

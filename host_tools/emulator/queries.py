@@ -38,7 +38,7 @@ gc.collect()
 planner.line({deltas!r}, {ticks}, False)
 planner.flush()
 while player.played() < 500:
-    app.turn()
+    app.cycle()
 at = turn = 0
 while at < len(asked) and player.busy():
     turn += 1
@@ -55,7 +55,7 @@ while at < len(asked) and player.busy():
         asked[at + 3 + axis] = position[axis]
     at += {each}
 while not planner.empty() or player.busy():
-    app.turn()
+    app.cycle()
 gc.threshold(threshold)
 print((min([nothing() for _ in range(20)]), list(asked[:at])))
 """

@@ -62,7 +62,7 @@ for deltas, ticks in {lines!r}:
 planner.flush()
 turns = 0
 while not planner.empty() or player.busy():
-    app.turn()
+    app.cycle()
     {loop}
     turns += 1
 print(feeder.late, turns, feeder.position(player.played()))

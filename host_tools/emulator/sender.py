@@ -35,10 +35,10 @@ if {hz}:
         planner.line(deltas, ticks, False)
     planner.flush()
     while not player.busy():
-        app.turn()
+        app.cycle()
 print("ready")
 while controller.features["drawing"].points.count < {count}:
-    app.turn()
+    app.cycle()
 print(feeder.late, controller.machine.log.entries)
 """
 

@@ -155,7 +155,7 @@ class VirtualJob:
         self.seconds = 0.0
         self._line.incoming += b"$X\n$20=0\n" + b"".join(change.encode() + b"\n" for change in changes)
         for _ in range(50):
-            self._app.turn()
+            self._app.cycle()
         self.placed = zero is not None
         if zero is not None:
             self._place(zero)
@@ -177,7 +177,7 @@ class VirtualJob:
         words = "".join(f"{name}{place:.4f}" for name, place in zip(names, zero))
         self._line.incoming += b"$20=1\nG21G10L2P1" + words.encode() + b"\n"
         for _ in range(50):
-            self._app.turn()
+            self._app.cycle()
 
     def run(self, lines, progress=None):
         """Execute [(number, bytes)] to the end of their motion. Calls `progress(number)` now and then."""
@@ -213,7 +213,7 @@ class VirtualJob:
         self._line.incoming += b"~"
 
     def _turn(self):
-        self._app.turn()
+        self._app.cycle()
 
     def _said(self):
         data = self._line.outgoing

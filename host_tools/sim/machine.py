@@ -45,7 +45,7 @@ class Machine:
         self._homing = False
         self._idle = idle
 
-    def turn(self):
+    def cycle(self):
         """One turn of the firmware's main loop."""
         app = self.app
         app.poll()
@@ -111,7 +111,7 @@ class VirtualMachine(Machine):
         while not condition():
             if self.now_ms() >= end:
                 raise TimeoutError(f"not within {limit_ms} virtual ms; state {self.app.controller.state}")
-            self.turn()
+            self.cycle()
 
     def run_ms(self, milliseconds):
         """Run for `milliseconds` of virtual time, or a quantum more."""
@@ -120,7 +120,7 @@ class VirtualMachine(Machine):
 
     def settle(self, limit_ms=STAND_STILL_MS):
         """Turn until nothing moves and nothing is pending."""
-        self.turn()
+        self.cycle()
         self.run_until(lambda: not self.port.pending(self.app.controller.busy()), limit_ms)
 
     def ask(self, data, answers=1, limit_ms=STAND_STILL_MS, link=None):

@@ -37,7 +37,7 @@ MHZ = pytest.mark.parametrize("mhz", CLOCKS)
 
 def at_clock(rig, mhz, **changes):
     rig.fit(router(3, inputs=INPUTS, clock_mhz=mhz, **changes))
-    rig.pico.exec("app.turn()")  # until the main loop has turned, a feeder lets out what the motors are not awake for
+    rig.pico.exec("app.cycle()")  # until the main loop has turned, a feeder lets out what the motors are not awake for
     assert system_clock.of(rig.pico.chip).hz == mhz * 1_000_000
     assert rig.pico.exec("import machine; print(machine.freq())").strip() == str(mhz * 1_000_000)
     return rig
@@ -55,7 +55,7 @@ def test_pulses_and_answers(rig, mhz, show):
     assert min(run.setups) == 63 * CYCLES_PER_TICK, "63 ticks, the least that last 5 µs"
     assert run.position == rig.counted()
     stamps = rig.wire().stamps
-    rig.pico.exec("while pending(): app.turn()")
+    rig.pico.exec("while pending(): app.cycle()")
     rig.pico.run(10_000)
     assert rig.wire().lost == 0
     gaps = [after - before for before, after in zip(stamps, stamps[1:])]

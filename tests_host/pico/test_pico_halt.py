@@ -58,7 +58,7 @@ planner.limits(Limits([400000] * 3, [400_000_000] * 3, [20_000_000_000] * 3, 10_
 planner.line((60000, 45000, -30000), 7_500_000, False)
 planner.flush()
 while feeder.position(player.played())[0] < 2000:
-    app.turn()
+    app.cycle()
 print("hangs")
 while True:
     pass

@@ -44,7 +44,7 @@ def test_every_interval_is_its_word(rig, axes, rates, show):
     assert run.widths == {13 * 80 // CYCLE_NS}, "13 ticks, the least that last 1 µs"
     assert min(run.setups) == 63 * 80 // CYCLE_NS, "63 ticks, the least that last 5 µs"
     assert run.position == rig.counted()
-    rig.pico.exec("while pending(): app.turn()")
+    rig.pico.exec("while pending(): app.cycle()")
     rig.pico.run(10_000)  # the last answers are on the wire
     assert rig.wire().drain() == b"n" * POINTS and rig.wire().lost == 0
     show(

@@ -81,10 +81,10 @@ def check_long_arcs_need_no_room_for_all():
     """Ten turns on a large radius are some thousand chords; lines behind them wait, and a hold and its end lose nothing."""
     machine = machine_at_rest()
     machine.put("G18 G91\nG2 X0 Z0 I-15 K0 P10 F5000\nG1 X-1 F1000\n")
-    machine.turns(300)
+    machine.cycles(300)
     assert machine.controller.queue.room() == 0
     machine.put("!")
-    machine.turns(300)
+    machine.cycles(300)
     machine.put("~")
     before = machine.world.place[:]
     machine.settle()
@@ -103,9 +103,9 @@ def check_a_steep_helix():
 def check_reset_drops_the_rest():
     machine = machine_at_rest()
     machine.put("G18 G91\nG2 X0 Z0 I-15 K0 P10 F5000\n")
-    machine.turns(300)
+    machine.cycles(300)
     machine.put(b"\x18")
-    machine.turns(300)
+    machine.cycles(300)
     machine.do("$X", "G17 G91", "G1 X1 F1000")
     at = machine.world.place[:]
     machine.settle()

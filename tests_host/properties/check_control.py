@@ -59,9 +59,9 @@ def check_a_sensor_that_dies_between_seek_and_locate():
     machine = Machine(Table((60, 60)))
     machine.send("ORIGIN")
     while machine.app.controller.features["homing"]._stage < 3:
-        machine.app.turn()
+        machine.app.cycle()
     machine.table.fault = {"barrier_x": 0}
-    machine.turns(20_000)
+    machine.cycles(20_000)
     assert machine.status()["error"] == errors.ALARM_SENSOR_DEAD
     assert machine.table.lowest[0] >= EDGE - 3 * PULL_OFF
 
@@ -122,27 +122,27 @@ def check_jogs():
         assert machine.ask(name) == b"n"
         assert machine.status()["state"] == "jog"
         while machine.app.controller.busy():
-            machine.app.turn()
-        machine.app.turn()
+            machine.app.cycle()
+        machine.app.cycle()
         assert machine.app.controller.position() == [x, y]
     # Between the points of an object, too: the points stay, and the object is drawn from where the head stands then.
     assert machine.ask("MOVE", 50, 50) == b"n" and machine.ask("UP") == b"n" and machine.ask("LINE", 50, 60) == b"n"
     assert machine.ask("RIGHT") == b"n"
-    machine.turns(100)
+    machine.cycles(100)
     status = machine.status()
     assert (status["state"], status["x"], status["y"]) == ("idle", 10, 20)
     zero = [place - at for place, at in zip(machine.table.place, machine.app.controller.position())]
     machine.table.path = []
     machine.send("UP")
     machine.send("END")  # waits for the jog
-    assert machine.turns(300) == b"nd"
+    assert machine.cycles(300) == b"nd"
     assert machine.status()["drawn"] == 2
     drawn = [(x - zero[0], y - zero[1]) for x, y, pen in machine.table.path if pen]
     assert drawn == [(50, y) for y in range(51, 61)]
     for pen, x, y in SQUARE:
         machine.ask("LINE" if pen else "MOVE", x, y)
     machine.send("END")
-    machine.turns(20)
+    machine.cycles(20)
     assert machine.ask("UP", turns=50) == b"" and machine.status()["error"] == errors.BUSY  # while it draws
 
 
@@ -157,9 +157,9 @@ def check_a_jog_key_held():
                 assert machine.ask("UP") == b"n"
             else:
                 machine.send("UP")
-                answers += machine.turns(1)
+                answers += machine.cycles(1)
         before = machine.app.controller.position()[1]
-        machine.turns(300)
+        machine.cycles(300)
         place = machine.app.controller.position()[1]
         assert machine.status()["state"] == "idle"
         each_ms = (2 * 1000 + 225) / 1000
@@ -175,9 +175,9 @@ def check_stop_anywhere(turns):
     for pen, x, y in SQUARE:
         machine.ask("LINE" if pen else "MOVE", x, y)
     machine.send("END")
-    machine.turns(turns)
+    machine.cycles(turns)
     assert machine.ask("STOP") == b"d"
-    late = machine.turns(200)  # the drawing's own DONE, where that was just coming, and then STOP's
+    late = machine.cycles(200)  # the drawing's own DONE, where that was just coming, and then STOP's
     status = machine.status()
     assert late == b"" or late == b"d" and status["drawn"] == len(SQUARE)
     place = [machine.table.place[axis] - zero[axis] for axis in range(2)]
@@ -199,14 +199,14 @@ def check_stop_anywhere(turns):
 def check_stop_while_homing():
     machine = Machine()
     machine.send("ORIGIN")
-    machine.turns(100)
+    machine.cycles(100)
     assert machine.ask("STOP") == b"d"
     assert not machine.app.controller.machine.homed
     x, y = machine.app.controller.position()
     assert x < -10 and y == 0  # counted from where it was switched on
     for name, answer in (("UP", b"n"), ("RIGHT", b"n"), ("LEFT", b""), ("DOWN", b"n"), ("DOWN", b"")):
         assert machine.ask(name, turns=60) == answer, name
-        machine.turns(60)
+        machine.cycles(60)
         if not answer:
             assert machine.status()["error"] == errors.JOG_TRAVEL
     assert machine.app.controller.position() == [x + 10, y]
@@ -223,8 +223,8 @@ def check_commands_wait_while_drawing():
         machine.send(name, x, y)
     answers = b""
     while not machine.app.controller.position() == [9, 9]:
-        answers += machine.turns(1)
-    answers += machine.turns(100)
+        answers += machine.cycles(1)
+    answers += machine.cycles(100)
     assert answers == b"dsnd"
     assert machine.app.controller.features["drawing"].speed == 900
 
@@ -249,9 +249,9 @@ def check_too_many_waiting():
     machine.send("ORIGIN")
     for _ in range(100):
         machine.send("SPEED", 1000)
-    machine.turns(3)
+    machine.cycles(3)
     assert machine.status()["error"] == errors.TOO_MANY_WAITING
-    machine.turns(40_000)
+    machine.cycles(40_000)
     assert machine.app.controller.machine.homed
 
 
@@ -275,20 +275,20 @@ def check_motor_current():
     """Released at power-up, running in motion, holding soon after, released after the board file's time."""
     machine = Machine()
     motors = machine.app.controller.machine.motors
-    machine.turns(5)
+    machine.cycles(5)
     assert motors.state == RELEASED
     machine.ask("UP")
-    machine.turns(5)
+    machine.cycles(5)
     assert motors.state == RUNNING
     while machine.app.controller.busy():
-        machine.app.turn()
-    machine.turns(BOARD["idle_release_ms"] - 20)
+        machine.app.cycle()
+    machine.cycles(BOARD["idle_release_ms"] - 20)
     assert motors.state == HOLDING
-    machine.turns(100)
+    machine.cycles(100)
     assert motors.state == RELEASED
     machine.ask("UP")
     while machine.app.controller.busy():
-        machine.app.turn()
+        machine.app.cycle()
     assert machine.app.controller.position() == [0, 20]
 
 
@@ -425,5 +425,5 @@ def check_two_links_answer_separately():
     second["port"] = "usb"
     machine = Machine(links=[BOARD["links"][0], second])
     machine.send("REQUEST")
-    machine.turns(10)
+    machine.cycles(10)
     assert machine.port.lines["pc2"].outgoing == b""

@@ -40,14 +40,14 @@ class Board:
         chip.wire(self.table, word_pins(self.board), self.app.layout)
         self.uart = chip.uarts[2]
 
-    def turns(self, count):
+    def cycles(self, count):
         for _ in range(count):
-            self.app.turn()
+            self.app.cycle()
 
     def ask(self, name, x=0, y=0, turns=100_000):
         self.uart.incoming += packet(COMMANDS[name], x, y)
         while turns and not self.uart.outgoing:
-            self.app.turn()
+            self.app.cycle()
             turns -= 1
         data = self.uart.outgoing
         self.uart.outgoing = b""
@@ -247,10 +247,10 @@ def check_halt_anywhere(ms):
     for name, x, y in (("MOVE", 50, 40), ("LINE", 50, 90), ("LINE", 110, 90)):
         assert board.ask(name, x, y) == b"n"
     board.uart.incoming += packet(COMMANDS["END"])
-    board.turns(ms)
+    board.cycles(ms)
     board.uart.outgoing = b""
     assert board.ask("STOP") == b"d"
-    board.turns(100)
+    board.cycles(100)
     board.uart.outgoing = b""
     status = status_from(board.ask("STATUS"))
     place = [board.table.place[axis] - zero[axis] for axis in range(2)]
@@ -268,7 +268,7 @@ def check_a_halting_input():
         board = Board(data, Switched())
         board.ask("MOVE", 900, 0)
         board.uart.incoming += packet(COMMANDS["END"])
-        board.turns(400)
+        board.cycles(400)
         board.table.level = 0
         if callback:
             pin = fake_esp32.Pin(13)
@@ -279,7 +279,7 @@ def check_a_halting_input():
         else:
             chip.sleep_ms(6)
             steps = board.table.steps
-        board.turns(100)
+        board.cycles(100)
         assert board.table.steps == steps > 10
         assert board.app.controller.machine.alarm == errors.ALARM_HARD_LIMIT
         assert board.app.controller.machine.log.entries[-1][2] == "stop"
@@ -303,7 +303,7 @@ def laser():
     data["links"] = [{"name": "pc", "port": "uart2", "tx": 27, "rx": 14, "baud": 115200, "protocol": "grbl"}]
     board = Board(data)
     board.uart.incoming += b"$X\n"
-    board.turns(300)
+    board.cycles(300)
     return board
 
 
@@ -313,22 +313,22 @@ def check_a_laser_held_stays_dark():
     board = laser()
     for mode in (b"M3", b"M4"):
         board.uart.incoming += mode + b"S500G1X100F600\n"
-        board.turns(100)
+        board.cycles(100)
         assert 30_000 < chip.pwm[32] < 33_000, mode
         board.uart.incoming += b"!"
-        board.turns(400)
+        board.cycles(400)
         assert board.app.controller.state == "hold" and not board.app.planner.empty() and chip.pwm[32] == 0, mode
         board.uart.incoming += b"\x9a"
-        board.turns(100)
+        board.cycles(100)
         assert chip.pwm[32] == 0, mode
         board.uart.incoming += b"~"
-        board.turns(200)
+        board.cycles(200)
         assert 33_000 < chip.pwm[32] < 37_000, mode
         board.uart.incoming += b"\x18"
-        board.turns(60)
+        board.cycles(60)
         assert chip.pwm[32] == 0, mode
         board.uart.incoming += b"$X\nG92X0Y0\n"
-        board.turns(100)
+        board.cycles(100)
 
 
 def check_the_power_of_a_laser_that_stands():
@@ -340,7 +340,7 @@ def check_the_power_of_a_laser_that_stands():
         (b"X8S800\n", 0), (b"G4P0.1\n", 0), (b"M3S600\n", 600), (b"M5\n", 0),
     ):  # fmt: skip
         board.uart.incoming += said
-        board.turns(400)
+        board.cycles(400)
         lit = said != b"G0X6\n" and level > 0
         assert board.app.controller.state == "idle" and chip.level.get(26, 0) == lit, said
         assert not lit or chip.pwm[32] == level * 65535 // 1000, (said, chip.pwm[32])
@@ -352,17 +352,17 @@ def check_a_main_loop_that_hangs():
     board = Board()
     board.ask("MOVE", 3000, 0)
     board.uart.incoming += packet(COMMANDS["END"])
-    board.turns(300)
+    board.cycles(300)
     board.port.guard()
     assert board.table.steps > 20
     chip.sleep_ms(400)
     steps = board.table.steps
     chip.sleep_ms(300)
     assert board.table.steps == steps and board.app.feeder.brake
-    board.turns(2)
+    board.cycles(2)
     assert not board.app.feeder.brake
     while board.app.controller.busy():
-        board.turns(1)
+        board.cycles(1)
     assert board.app.controller.position() == [3000, 0]
     try:
         chip.sleep_ms(1500)
@@ -376,7 +376,7 @@ def check_the_end_lets_go():
     board = Board()
     board.ask("MOVE", 3000, 0)
     board.uart.incoming += packet(COMMANDS["END"])
-    board.turns(300)
+    board.cycles(300)
     board.port.guard()
     begin = fake_esp32.start.Start(BOARD)
     begin.end(board.app, board.port)

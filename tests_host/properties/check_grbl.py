@@ -34,22 +34,22 @@ def check_greeting_and_lock():
 def check_both_ends_of_lines():
     machine = Machine().ready()
     machine.put(b"G4P0\nG4P0\rG4P0\r\n\r\n\n")
-    assert machine.turns(5) == ["ok"] * 5
+    assert machine.cycles(5) == ["ok"] * 5
     machine.put(b"G4P0\r")
-    machine.turns(3)
+    machine.cycles(3)
     machine.put(b"\nG4P0\n")
-    assert machine.turns(3) == ["ok"]
+    assert machine.cycles(3) == ["ok"]
     for data in (b"G4P0\r", b"\n", b"\n", b"\r", b"\n\n"):
         machine.put(data)
-        machine.turns(1)
+        machine.cycles(1)
     machine.put(b"\n")
-    machine.turns(3)
+    machine.cycles(3)
     machine.said()
     machine.put(b"\r")
-    said = machine.turns(2)
+    said = machine.cycles(2)
     for _ in range(2):
         machine.put(b"\n")
-        said += machine.turns(2)
+        said += machine.cycles(2)
     assert said == ["ok"] * 2
 
 
@@ -59,15 +59,15 @@ def check_a_few_lines_a_turn():
     machine.app.links[0].batch.most = 3
     machine.app.links[0].protocol._most = 1
     machine.put("G91 G0\n" + "".join(["X%d\n" % (i + 1) for i in range(10)]))
-    assert machine.turns() == ["ok"]  # it goes the long way
-    assert machine.turns() == ["ok"] * 3
+    assert machine.cycles() == ["ok"]  # it goes the long way
+    assert machine.cycles() == ["ok"] * 3
     machine.put("?")
-    said = machine.turns()
+    said = machine.cycles()
     assert len(said) == 1 and said[0].startswith("<")
-    assert machine.turns(3) == ["ok"] * 7
+    assert machine.cycles(3) == ["ok"] * 7
     machine.put("G91 G0 X1\n" * 2)
-    assert machine.turns() == ["ok"]
-    assert machine.turns() == ["ok"]
+    assert machine.cycles() == ["ok"]
+    assert machine.cycles() == ["ok"]
     machine.settle()
     assert machine.controller.queue.target[0] == 57 * 320
 
@@ -111,15 +111,15 @@ def check_texts_and_start_lines():
     assert machine.ask("$N") == ["$N0=G54G20", "$N1=", "ok"]
     assert machine.ask("$G")[0] == "[GC:G0 G54 G17 G20 G90 G94 M5 M9 T0 F0 S0]"
     machine.put(b"\x18")
-    assert machine.turns(4) == [BANNER, ">G54G20:ok"]
+    assert machine.cycles(4) == [BANNER, ">G54G20:ok"]
     again = Machine(slots=machine.slots)
-    assert again.turns(3) == [BANNER, UNHOMED]
+    assert again.cycles(3) == [BANNER, UNHOMED]
     again.put(b"$H\n")
     again.settle()
-    assert again.turns(4) == ["ok", ">G54G20:ok"]
+    assert again.cycles(4) == ["ok", ">G54G20:ok"]
     assert again.ask("$N0=") == ["ok"]
     again.put(b"\x18")
-    assert again.turns(4) == [BANNER]
+    assert again.cycles(4) == [BANNER]
 
 
 def check_texts_too_long():
@@ -135,16 +135,16 @@ def check_restore():
     machine = Machine().ready()
     machine.do("$110=1000", "G10L2P1X5", "$N0=G21", "$13=1")
     assert machine.ask("$RST=$")[:3] == ["[MSG:Restoring defaults]", "ok", BANNER]
-    machine.turns(5)
+    machine.cycles(5)
     assert "$110=5000.000" in machine.ask("$$")
     assert machine.ask("$#")[0] == "[G54:5.000,0.000,0.000]"
     machine.do("$110=1000")
     assert machine.ask("$RST=#")[1] == "ok"
-    machine.turns(5)
+    machine.cycles(5)
     assert machine.ask("$#")[0] == "[G54:0.000,0.000,0.000]" and machine.ask("$N")[0] == "$N0=G21"
     assert "$110=1000.000" in machine.ask("$$")
     assert machine.ask("$RST=*")[1] == "ok"
-    machine.turns(5)
+    machine.cycles(5)
     assert machine.ask("$N")[0] == "$N0="
     assert "$110=5000.000" in Machine(slots=machine.slots).ready().ask("$$")
 
@@ -153,11 +153,11 @@ def check_damaged_settings_are_told():
     slots = MemorySlots()
     slots.data = [b"passo 1 7 00000000\n110=500", b"\xff" * 40]
     machine = Machine(slots=slots)
-    assert machine.turns(1) == ["error:7", BANNER, UNHOMED]
+    assert machine.cycles(1) == ["error:7", BANNER, UNHOMED]
     machine.ready().do("$110=600")
     machine.put(b"\x18")
-    assert machine.turns(3) == [BANNER]
-    assert Machine(slots=slots).turns(1) == [BANNER, UNHOMED]
+    assert machine.cycles(3) == [BANNER]
+    assert Machine(slots=slots).cycles(1) == [BANNER, UNHOMED]
 
 
 def check_settings_that_cannot_be_kept():
@@ -183,7 +183,7 @@ def check_nothing_is_written_while_moving():
     machine.do("G1 X5 F600", "G10 L2 P1 X1", "G28.1")
     assert writes == []
     machine.settle()
-    machine.turns(2)
+    machine.cycles(2)
     assert writes == [True]
     assert Machine(slots=machine.slots).controller.machine.settings.get("G54") == "1000000,0,0"
 
@@ -229,7 +229,7 @@ def check_status_report():
     fields = machine.status()
     assert fields["WPos"] == "-1.500,0.000,0.000" and fields["Bf"] == "96,128" and "MPos" not in fields
     machine.do("$13=1", "N7 G1 X30 F600 S500 M3")
-    machine.turns(20)
+    machine.cycles(20)
     fields = machine.status()
     assert fields["state"] == "Run" and fields["Ln"] == "7" and abs(float(fields["WPos"].split(",")[0])) < 0.06
     assert fields["FS"].endswith(",500") and 20 <= float(fields["FS"].split(",")[0]) <= 24
@@ -242,9 +242,9 @@ def check_bytes_are_counted():
     machine = Machine().ready()
     machine.do("$10=3")
     machine.put(b"G4P5\n")
-    machine.turns(3)
+    machine.cycles(3)
     machine.put(b"G0X1\nG0Y")
-    machine.turns(2)
+    machine.cycles(2)
     assert machine.status()["Bf"].split(",")[1] == str(128 - 8)
 
 
@@ -268,7 +268,7 @@ def check_overrides():
         (b"\x97", "100,25,100"), (b"\x95\x9a", "100,100,110"), (b"\x9c\x9b\x9d", "100,100,100"), (b"\x99", "100,100,100"),
     ):
         machine.put(data)
-        machine.turns(2)
+        machine.cycles(2)
         assert ",".join([str(part) for part in machine.controller.features["tools"].overrides]) == shown
     machine.put(b"\x91\x96\x9a")
     machine.do("M30")
@@ -279,7 +279,7 @@ def check_real_time_bytes_inside_lines():
     """They are taken out wherever they stand; what else is above 0x7F is dropped."""
     machine = Machine().ready()
     machine.put(b"G1?X\x91\xff\x801F6?00\n")
-    said = machine.turns(3)
+    said = machine.cycles(3)
     assert answers(said) == ["ok"] and len([line for line in said if line.startswith("<")]) == 1
     machine.settle()
     assert machine.controller.position() == [320, 0, 0] and machine.controller.features["tools"].overrides[0] == 110
@@ -306,7 +306,7 @@ def check_character_counting():
         while waiting and sum([len(line) for line in under_way]) + len(waiting[0]) <= 128:
             under_way.append(waiting[0])
             machine.put(waiting.pop(0))
-        for line in machine.turns():
+        for line in machine.cycles():
             assert line == "ok", line
             oks += 1
             under_way.pop(0)
@@ -322,7 +322,7 @@ def check_a_flood_is_refused_line_by_line():
     machine.put(b"G4P1\n" + b"G91G0X1\n" * 300)
     said = []
     while len(said) < 301:
-        said += machine.turns()
+        said += machine.cycles()
     kept = said.count("ok") - 1
     assert 100 < kept < 200 and said.count("error:11") == 300 - kept
     machine.settle()
@@ -344,9 +344,9 @@ def check_every_line_end_is_answered_in_order(seed):
         count = random.choice((1, 14, 64, 128, 4096))
         machine.put(data[:count])
         data = data[count:]
-        said += machine.turns(random.between(0, 1))
+        said += machine.cycles(random.between(0, 1))
     while len(answers(said)) < len(FLOOD):
-        said += machine.turns()
+        said += machine.cycles()
     assert set(said) <= set(("ok", "error:11")), said
     machine.settle()
     tenths = 0
@@ -354,7 +354,7 @@ def check_every_line_end_is_answered_in_order(seed):
         if said[number] == "ok":
             tenths += number % 2 * 10 + number % 10
     assert machine.controller.position() == [32 * tenths, 0, 0]
-    assert machine.turns(20) == [] and machine.ask("G4P0") == ["ok"]
+    assert machine.cycles(20) == [] and machine.ask("G4P0") == ["ok"]
 
 
 def check_comments_and_blanks_do_not_count(first, second, third, size):
@@ -368,8 +368,8 @@ def check_comments_and_blanks_do_not_count(first, second, third, size):
         while data:
             machine.put(data[:size])
             data = data[size:]
-            said += machine.turns()
-        assert answers(said + machine.turns(2)) == [answer], line
+            said += machine.cycles()
+        assert answers(said + machine.cycles(2)) == [answer], line
     machine.settle()
     assert machine.controller.position() == [320, 640, -400]
 
@@ -391,7 +391,7 @@ def check_two_links_share_the_machine():
     machine.settle()
     serial.outgoing = b""
     serial.incoming += b"G91 G0 X1\n$LINK=0\nG91 G0 X1\n"
-    machine.turns(1)
+    machine.cycles(1)
     machine.settle()
     assert serial.outgoing == b"error:112\r\n[MSG:Command handed over]\r\nok\r\nok\r\n"
     assert machine.controller.position() == [7 * 320, 0, 0]
@@ -399,5 +399,5 @@ def check_two_links_share_the_machine():
     machine.settle()
     assert machine.controller.position() == [320, 0, 0]
     machine.put(b"\x18")
-    machine.turns(2)
+    machine.cycles(2)
     assert b"Grbl 1.1h" in serial.outgoing

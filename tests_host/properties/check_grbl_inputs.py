@@ -20,14 +20,14 @@ def check_homing():
     machine.do("G0 X300 Y200 Z-80", "G0 X0 Y0 Z0")
     machine.settle()
     machine.put(b"$H\n")
-    machine.turns(5)
+    machine.cycles(5)
     assert machine.status()["state"] == "Home"
     machine.put(b"\x18")
-    assert machine.turns(4) == ["ALARM:6", BANNER, UNHOMED]
+    assert machine.cycles(4) == ["ALARM:6", BANNER, UNHOMED]
     machine.put(b"$H\n")
-    machine.turns(5)
+    machine.cycles(5)
     machine.put(b"\x84")
-    assert machine.turns(4) == ["ALARM:7", "ok", BANNER, UNHOMED]
+    assert machine.cycles(4) == ["ALARM:7", "ok", BANNER, UNHOMED]
 
 
 def check_homing_direction():
@@ -45,7 +45,7 @@ def check_homing_direction():
         machine.put(b"$H\n")
         reached = start[axis]
         for _ in range(100_000):
-            if "ALARM:9" in machine.turns():  # the switch is at the other end
+            if "ALARM:9" in machine.cycles():  # the switch is at the other end
                 break
             reached = max(reached * level, machine.world.place[axis] * level) * level
         assert (reached - start[axis]) * level > 10_000, mask
@@ -56,7 +56,7 @@ def check_homing_alarms():
         machine = Machine()
         machine.world.switches[switch] = level
         machine.said()
-        assert machine.ask("$H", 400_000) + machine.turns(3) == [alarm, "ok", BANNER, UNHOMED]
+        assert machine.ask("$H", 400_000) + machine.cycles(3) == [alarm, "ok", BANNER, UNHOMED]
         assert machine.status()["state"] == "Alarm" and machine.world.tool == 0
 
 
@@ -68,43 +68,43 @@ def check_nothing_is_done_behind_a_failed_homing():
     machine.put(b"\x91$H\nG0X1\nM3S100\n")
     said = []
     for _ in range(20_000):
-        said += machine.turns()
+        said += machine.cycles()
         if UNHOMED in said:
             break
     assert said == ["ALARM:8", "ok", BANNER, UNHOMED]
     steps = machine.world.steps
-    machine.turns(50)
+    machine.cycles(50)
     assert machine.said() == [] and machine.world.steps == steps and machine.world.tool == 0
     assert machine.world.outputs["flood"] == 0 and machine.controller.features["tools"].overrides[0] == 100
     machine.world.switches["door"] = 0
-    machine.turns(10)
+    machine.cycles(10)
     assert machine.ask("$H") == ["error:13"]
     machine.world.switches["door"] = 1
-    machine.turns(10)
+    machine.cycles(10)
     del machine.world.switches["limit_z"]
-    assert machine.ask("$H", 400_000) == ["ok"] and machine.turns(3) == [">G91:ok"]
+    assert machine.ask("$H", 400_000) == ["ok"] and machine.cycles(3) == [">G91:ok"]
 
 
 def check_real_time_bytes_in_an_alarm():
     """None of them says or does anything but the overrides; nor does the door itself. In check mode it is the same."""
     machine = home(Machine())
     machine.do("M3 S500 M8", "G1 X20 F3000")
-    machine.turns(20)
+    machine.cycles(20)
     assert machine.ask("G1 X999") == ["ALARM:2", "[MSG:Reset to continue]", "error:15"]
     machine.put(b"~\x84!~\x85\x9e\xa0\xa1~")
-    said = machine.turns(60)
+    said = machine.cycles(60)
     machine.world.switches["door"] = 0
-    said += machine.turns(20)
+    said += machine.cycles(20)
     machine.world.switches["door"] = 1
     machine.put(b"~")
-    assert said + machine.turns(20) == []
+    assert said + machine.cycles(20) == []
     assert machine.status()["state"] == "Alarm" and machine.world.tool == 0
     assert machine.world.outputs["flood"] == 0 and machine.world.outputs["mist"] == 0
     machine.put(b"\x18")
-    machine.turns(3)
+    machine.cycles(3)
     machine.do("$X", "$C")
     machine.put(b"\x84!\xa0~")
-    assert machine.turns(20) == [] and machine.status()["state"] == "Check"
+    assert machine.cycles(20) == [] and machine.status()["state"] == "Check"
     assert machine.world.tool == 0 and machine.controller.machine.coolant == 0
 
 
@@ -114,19 +114,19 @@ def check_an_alarm_switches_off():
         for cause in ("soft", "hard", "held"):
             machine = home(Machine(spindle=LASER) if laser else Machine())
             machine.do("$21=1", "M3 S500 M8", "G1 X20 F3000")
-            machine.turns(20)
+            machine.cycles(20)
             assert machine.world.tool == 1 and machine.world.outputs["flood"] == 1
             if cause == "hard":
                 machine.world.switches["limit_y"] = 1
             elif cause == "held":
                 machine.put(b"\x84")
-                machine.turns(60)
+                machine.cycles(60)
                 assert machine.status()["state"] == "Door:0"
             if cause != "hard":
                 machine.put(b"G1 X999\n")
-                machine.turns(1)
+                machine.cycles(1)
                 machine.put(b"~")
-            machine.turns(60)
+            machine.cycles(60)
             assert machine.status()["state"] == "Alarm" and machine.world.tool == 0, (laser, cause)
             assert machine.world.outputs["flood"] == 0 and not (laser and machine.world.power_level), (laser, cause)
 
@@ -134,9 +134,9 @@ def check_an_alarm_switches_off():
 def check_coolant_is_toggled_in_a_jog():
     machine = home(Machine())
     machine.do("$J=X50F3000")
-    machine.turns(5)
+    machine.cycles(5)
     machine.put(b"\xa0")
-    machine.turns(2)
+    machine.cycles(2)
     assert machine.status()["state"] == "Jog" and machine.world.outputs["flood"] == 1
 
 
@@ -147,7 +147,7 @@ def check_soft_limits():
         assert machine.ask(line) == ["ALARM:2", "[MSG:Reset to continue]", "error:15"], line
         assert machine.ask("$X") == ["error:9"] and machine.ask("G0 X1") == ["error:9"]
         machine.put(b"\x18")
-        assert machine.turns(3) == [BANNER, UNHOMED]
+        assert machine.cycles(3) == [BANNER, UNHOMED]
         machine.do("$X")
         assert machine.controller.machine.homed and machine.world.tool == 0
     assert machine.ask("$J=X-1F100") == ["error:15"]
@@ -176,18 +176,18 @@ def check_a_batch_that_leads_out_of_the_travel():
         assert accept(batch) == line
         controller.close_batch(batch)
         assert controller.machine.alarm == errors.ALARM_SOFT_LIMIT and not controller.open_batch(batch)
-        machine.turns(60)
+        machine.cycles(60)
         assert controller.position() == list(controller.queue.target) == [0, 0, 0] and controller.machine.homed
         machine.put(b"\x18")
-        machine.turns(3)
+        machine.cycles(3)
         machine.do("$X", "G0 X0 Y0 Z0")
         machine.settle()
     for line, undo in (("$C", "$C"), ("$SLP", "\x18"), ("M0", "~")):
         machine.put(line + "\n")
-        machine.turns(3)
+        machine.cycles(3)
         assert not controller.open_batch(batch), line
         machine.put(undo + "\n")
-        machine.turns(5)
+        machine.cycles(5)
         machine.do("$X")
     controller.machine.commander = 1
     assert not controller.open_batch(batch)
@@ -197,13 +197,13 @@ def check_soft_limit_while_moving():
     """The machine comes to a stand on its path, and knows where it is."""
     machine = home(Machine())
     machine.do("G1 X20 F3000")
-    machine.turns(20)
+    machine.cycles(20)
     assert machine.ask("G1 X999")[:2] == ["ALARM:2", "[MSG:Reset to continue]"]
-    machine.turns(60)
+    machine.cycles(60)
     place = machine.controller.position()
     assert 0 < place[0] < 6400 and machine.world.place[0] - PULL_OFF == place[0]
     machine.put(b"\x18")
-    machine.turns(3)
+    machine.cycles(3)
     machine.do("$X", "G0 X0")
     machine.settle()
     assert machine.world.place[0] == PULL_OFF
@@ -212,16 +212,16 @@ def check_soft_limit_while_moving():
 def check_hard_limits():
     machine = home(Machine())
     machine.do("$21=1", "G1 X50 F3000")
-    machine.turns(20)
+    machine.cycles(20)
     machine.world.switches["limit_y"] = 1
-    said = machine.turns(5)
+    said = machine.cycles(5)
     assert said[:2] == ["ALARM:1", "[MSG:Reset to continue]"]
     place = machine.world.place[:]
-    machine.turns(20)
+    machine.cycles(20)
     assert machine.world.place == place and machine.controller.machine.log.entries[-1][2] == "limit_y" and not machine.controller.machine.homed
     assert machine.ask("$H") == ["error:9"]
     machine.put(b"\x18")
-    machine.turns(3)
+    machine.cycles(3)
     machine.do("$X")
 
 
@@ -230,13 +230,13 @@ def check_limits_at_the_start():
     machine = Machine().ready()
     machine.world.switches["limit_x"] = 1
     machine.put(b"\x18")
-    assert machine.turns(3) == [BANNER]
+    assert machine.cycles(3) == [BANNER]
     machine.do("$21=1")
     machine.put(b"\x18")
-    assert machine.turns(3) == [BANNER, UNHOMED, "[MSG:Check Limits]"]
+    assert machine.cycles(3) == [BANNER, UNHOMED, "[MSG:Check Limits]"]
     assert machine.ask("G0 X1") == ["error:9"]
     again = Machine(World(start=(-1, 100, -100)), machine.slots)
-    assert again.turns(2)[-1] == "[MSG:Check Limits]"
+    assert again.cycles(2)[-1] == "[MSG:Check Limits]"
 
 
 def check_probing():
@@ -249,10 +249,10 @@ def check_probing():
     machine.do("G38.5 Z0 F50")
     assert machine.controller.position()[2] > -1234
     said = machine.ask("G38.2 Z1 F200")
-    assert said == ["[PRB:0.000,0.000,1.000:0]", "ok", "ALARM:5"] or "ALARM:5" in said + machine.turns(3)
+    assert said == ["[PRB:0.000,0.000,1.000:0]", "ok", "ALARM:5"] or "ALARM:5" in said + machine.cycles(3)
     machine.do("$X", "G0 Z-5")
     machine.settle()
-    said = machine.ask("G38.2 Z-10 F200") + machine.turns(3)
+    said = machine.ask("G38.2 Z-10 F200") + machine.cycles(3)
     assert "ALARM:4" in said
     machine.do("$X")
     machine.do("G38.4 Z0 F200", "G38.3 Z1 F200")
@@ -262,25 +262,25 @@ def check_probing():
 def check_door():
     machine = Machine().ready()
     machine.do("M3 S500 M8", "G1 X20 F3000")
-    machine.turns(20)
+    machine.cycles(20)
     assert machine.world.tool == 1 and machine.world.outputs["flood"] == 1
     machine.world.switches["door"] = 0
-    machine.turns(60)
+    machine.cycles(60)
     assert machine.status()["state"] == "Door:1" and machine.status()["Pn"] == "D" and machine.world.tool == 0
     machine.put(b"~")
-    machine.turns(5)
+    machine.cycles(5)
     assert machine.status()["state"] == "Door:1"
     machine.world.switches["door"] = 1
-    machine.turns(5)
+    machine.cycles(5)
     assert machine.status()["state"] == "Door:0"
     machine.put(b"~")
     machine.settle()
     assert machine.controller.position() == [6400, 0, 0] and machine.world.tool == 1
     machine.put(b"\x84")
-    machine.turns(3)
+    machine.cycles(3)
     assert machine.status()["state"] == "Door:0"
     machine.put(b"~")
-    machine.turns(4200)
+    machine.cycles(4200)
     assert machine.status()["state"] == "Idle"
 
 
@@ -290,19 +290,19 @@ def check_door_at_rest():
     machine = Machine()
     machine.said()
     machine.world.switches["door"] = 0
-    assert machine.turns(10) == []
+    assert machine.cycles(10) == []
     assert machine.ask("$X") == ["error:13"] and machine.ask("$H") == ["error:13"]
     machine.world.switches["door"] = 1
-    machine.turns(10)
+    machine.cycles(10)
     assert machine.ask("$X") == ["[MSG:Caution: Unlocked]", "ok"]
     machine.world.switches["door"] = 0
-    assert machine.turns(10) == ["[MSG:Check Door]"]
+    assert machine.cycles(10) == ["[MSG:Check Door]"]
     machine.put(b"\x18")
-    assert machine.turns(10) == [BANNER, "[MSG:Check Door]"]
+    assert machine.cycles(10) == [BANNER, "[MSG:Check Door]"]
     assert machine.status()["state"] == "Door:1"
     assert machine.ask("G0 X1") == ["ok"]
     machine.world.switches["door"] = 1
-    machine.turns(10)
+    machine.cycles(10)
     assert machine.world.steps == 0
     machine.put(b"~")
     machine.settle()
@@ -317,32 +317,32 @@ def check_buttons():
     machine = Machine(inputs=BUTTONS + BOARD["inputs"])
     for name in ("hold", "resume", "reset"):
         machine.world.switches[name] = 1
-    machine.turns(3)
+    machine.cycles(3)
     machine.ready()
 
     def press(name):
         machine.world.switches[name] = 0
-        said = machine.turns(10)
+        said = machine.cycles(10)
         pins = machine.status()["Pn"]
         machine.world.switches[name] = 1
-        return [pins] + said + machine.turns(10)
+        return [pins] + said + machine.cycles(10)
 
     machine.do("G1 X20 F3000")
-    machine.turns(10)
+    machine.cycles(10)
     assert press("hold") == ["H"]
-    machine.turns(60)
+    machine.cycles(60)
     assert machine.status()["state"] == "Hold:0" and 0 < machine.controller.position()[0] < 6400
     assert press("resume") == ["S"]
-    machine.turns(5)
+    machine.cycles(5)
     assert machine.status()["state"] == "Run"
     machine.settle()
     assert machine.controller.position()[0] == 6400
     assert press("reset") == ["R", BANNER]
     machine.do("$26=200", "G1 X0 F600")
     machine.world.switches["hold"] = 0
-    machine.turns(1)
+    machine.cycles(1)
     machine.world.switches["hold"] = 1
-    machine.turns(10)
+    machine.cycles(10)
     assert machine.status()["state"] == "Run"
 
 
@@ -373,5 +373,5 @@ def check_pins_follow_the_settings():
     again.settle()
     assert [again.world.place[0] - 3000, again.world.place[1] - 2500] == [-320, 320]
     assert again.controller.position() == [320, 320, 0]
-    again.turns(200)
+    again.cycles(200)
     assert again.world.outputs["enable"] == 0

@@ -13,15 +13,15 @@ def check_hold_and_resume():
     machine = Machine().ready()
     machine.world.path = []
     machine.do("G1 X4 Y2 F900")
-    machine.turns(12)
+    machine.cycles(12)
     machine.put(b"!")
-    machine.turns(1)
+    machine.cycles(1)
     assert machine.status()["state"] in ("Hold:1", "Hold:0")
-    machine.turns(60)
+    machine.cycles(60)
     assert machine.status()["state"] == "Hold:0"
     place = machine.controller.position()
     assert 0 < place[0] < 1280
-    machine.turns(50)
+    machine.cycles(50)
     assert machine.controller.position() == place
     assert machine.ask("G1 X0") == ["ok"]
     machine.put(b"~")
@@ -40,10 +40,10 @@ def check_hold_and_resume():
 def check_hold_at_rest():
     machine = Machine().ready()
     machine.put(b"!")
-    machine.turns(3)
+    machine.cycles(3)
     assert machine.status()["state"] == "Hold:0"
     assert machine.ask("G0 X1") == ["ok"]
-    machine.turns(30)
+    machine.cycles(30)
     assert machine.controller.position() == [0, 0, 0]
     machine.put(b"~")
     machine.settle()
@@ -135,7 +135,7 @@ def check_what_a_board_has_no_memory_for():
     assert not machine.app.planner.ramp.s_curve
     machine = Machine().ready()
     machine.ask("$141=6000")
-    machine.turns(3)
+    machine.cycles(3)
     assert machine.app.planner.ramp.s_curve
 
 
@@ -144,7 +144,7 @@ def check_arcs_far_too_slow_are_refused():
     for feed, said in ((".004", "error:34"), (".0055", "error:34"), (".02", "ok")):
         machine = Machine().ready()
         assert machine.ask("G18 G2 X3 Z-3 R3 F" + feed) == [said], feed
-        machine.turns(20)
+        machine.cycles(20)
     machine = Machine().ready()
     machine.do("$112=0.001")
     assert machine.ask("G18 G2 X3 Z-3 R3 F600") == ["error:34"]
@@ -156,14 +156,14 @@ def check_arcs_stay_inside():
     machine.settle()
     assert "ALARM:2" in machine.ask("G3 X10 Y10 J-10.1 F1000")
     machine.put(b"\x18")
-    machine.turns(3)
+    machine.cycles(3)
     machine.do("$X", "G3 X10 Y10 J-5 F3000", "G2 X10 Y20 R10 F3000")
     machine.settle()
     assert machine.controller.position() == [3200, 6400, 0]
     machine.do("G3 X10 Y20.0001 I-30", "G2 X10 Y20 I-30", "G2 X10 Y19.999 I-30 P1")  # whose circles would not
     assert "ALARM:2" in machine.ask("G2 X10 Y20 I-30")
     machine.put(b"\x18")
-    machine.turns(3)
+    machine.cycles(3)
     machine.do("$X")
     assert "ALARM:2" in machine.ask("G3 X10 Y19.998 I-30 F1000")
 
@@ -177,22 +177,22 @@ def check_a_line_of_several_motions_is_refused_whole():
     ):  # fmt: skip
         machine.do("G0 X1", "G4 P0", setting)
         machine.put("G0 X2\n")
-        assert said in machine.ask(line) + machine.turns(3), line
+        assert said in machine.ask(line) + machine.cycles(3), line
         machine.settle()
         assert machine.controller.position()[1:] == [0, 0], line
         machine.put(b"\x18")
-        machine.turns(3)
+        machine.cycles(3)
         machine.do("$X")
 
 
 def check_reset():
     machine = Machine().ready()
     machine.do("G1 X20 F3000", "G55")
-    machine.turns(20)
+    machine.cycles(20)
     machine.put(b"G0 X1\nG0\x18")
-    assert machine.turns(5) == ["ALARM:3", BANNER, UNHOMED]
+    assert machine.cycles(5) == ["ALARM:3", BANNER, UNHOMED]
     place = machine.controller.position()
-    assert machine.turns(50) == [] and machine.controller.position() == place and not machine.controller.machine.homed
+    assert machine.cycles(50) == [] and machine.controller.position() == place and not machine.controller.machine.homed
     assert machine.world.place[0] - 3000 == place[0]
     machine.do("$X")
     assert machine.ask("$G")[0].startswith("[GC:G0 G54")
@@ -200,22 +200,22 @@ def check_reset():
     machine.settle()
     assert machine.controller.position()[0] == place[0] + 320
     machine.do("G1 X20 F3000")
-    machine.turns(10)
+    machine.cycles(10)
     machine.put(b"!")
-    machine.turns(60)
+    machine.cycles(60)
     machine.put(b"\x18")
-    assert machine.turns(5) == [BANNER]
+    assert machine.cycles(5) == [BANNER]
     assert machine.status()["state"] == "Idle"
 
 
 def check_jogs():
     machine = Machine().ready()
     machine.put(b"$J=X10F6000\n$J=G91X5F6000\n$J=G53X0Y0F600\n")
-    assert machine.turns(2) == ["ok"] * 3
+    assert machine.cycles(2) == ["ok"] * 3
     assert machine.status()["state"] == "Jog"
     assert machine.ask("G0 X0") == ["error:9"]
     machine.put(b"\x85")
-    machine.turns(60)
+    machine.cycles(60)
     assert machine.status()["state"] == "Idle"
     place = machine.controller.position()
     assert 0 < place[0] < 4800 and machine.world.place[0] - 3000 == place[0]
@@ -223,12 +223,12 @@ def check_jogs():
     machine.settle()
     assert machine.controller.position()[0] == place[0] + 320
     machine.do("$J=G20 X1 F30")
-    machine.turns(5)
+    machine.cycles(5)
     machine.put(b"!")
-    machine.turns(60)
+    machine.cycles(60)
     assert machine.status()["state"] == "Idle"
     machine.put(b"G1 X20 F600\n$J=X1F100\n")
-    assert machine.turns(4) == ["ok", "error:8"]
+    assert machine.cycles(4) == ["ok", "error:8"]
     assert machine.ask("$G")[0].startswith("[GC:G1 G54 G17 G21 G90")
 
 
@@ -237,11 +237,11 @@ def check_operator_pauses():
     pause = "[MSG:Pause: ~ to continue]"
     for line, told in (("M0", pause), ("M1", pause), ("M6 T2", "[MSG:Tool change: T2, ~ to continue]"), ("M6", None)):
         machine.put("G0 X1\n%s\nG0 X0\n" % line)
-        said = machine.turns(60)
+        said = machine.cycles(60)
         assert said == ["ok", told or "[MSG:Tool change: T2, ~ to continue]"], said
         assert machine.status()["state"] == "Hold:0" and machine.controller.position() == [320, 0, 0]
         machine.put(b"~")
-        assert machine.turns(60) == ["ok", "ok"]
+        assert machine.cycles(60) == ["ok", "ok"]
         assert machine.controller.position() == [0, 0, 0]
 
 
@@ -257,9 +257,9 @@ def check_actual_speed():
     assert 0 < peak and shown[1 : peak + 1] == sorted(shown[1 : peak + 1]) and len([s for s in shown if s < 2900]) > 10
     assert machine.status()["FS"] == "0,0"
     machine.do("G0 X100")
-    machine.turns(30)
+    machine.cycles(30)
     machine.put(b"\x96")
-    machine.turns(60)
+    machine.cycles(60)
     assert 2400 <= int(machine.status()["FS"].split(",")[0]) <= 2500
 
 
@@ -280,7 +280,7 @@ def check_check_mode():
         assert answers(machine.ask(line)) == ["ok"], line
     assert machine.ask("G1 Q1") == ["error:20"]
     assert machine.ask("$C")[:3] == ["[MSG:Disabled]", "ok", BANNER]
-    machine.turns(3)
+    machine.cycles(3)
     assert machine.world.steps == steps and machine.world.tool == 0
     machine.do("G91 G0 X1")
     machine.settle()
@@ -296,7 +296,7 @@ def check_sleep():
     assert machine.status()["state"] == "Sleep" and machine.ask("G0 X1") == ["error:9"]
     assert machine.world.tool == 0 and machine.world.outputs["enable"] == 1
     machine.put(b"~!")
-    machine.turns(3)
+    machine.cycles(3)
     assert machine.status()["state"] == "Sleep"
     machine.put(b"\x18")
-    assert machine.turns(3) == [BANNER, UNHOMED]
+    assert machine.cycles(3) == [BANNER, UNHOMED]

@@ -23,12 +23,12 @@ def mutated(random):
 def recover(machine):
     """Reset and unlock; the machine works again."""
     machine.put(b"\n\x18")
-    machine.turns(4)
+    machine.cycles(4)
     machine.said()
     machine.put(b"$X\nG21G90G94\n$J=G91X0.1F1000\n")
     said = []
     for _ in range(300):
-        said += machine.turns()
+        said += machine.cycles()
         if len(answers(said)) == 3:
             break
     assert answers(said) == ["ok"] * 3, said
@@ -46,10 +46,10 @@ def check_noise_is_answered_line_by_line(seed):
     machine.put(quiet)
     said = []
     for _ in range(40):
-        said += machine.turns()
+        said += machine.cycles()
     assert len(answers(said)) == quiet.count(b"\n")
     machine.put(random.bytes(400))
-    machine.turns(10)
+    machine.cycles(10)
     recover(machine)
 
 
@@ -65,7 +65,7 @@ def check_mutated_programmes(seed):
         machine.put(line + b"\n")
         said = []
         for _ in range(400):
-            said += machine.turns()
+            said += machine.cycles()
             if answers(said):
                 break
         if not answers(said) and machine.controller.state == "run":  # it waits for a slow motion

@@ -43,7 +43,7 @@ def check_check_mode_takes_programmes_only():
         assert machine.ask(line, 50) == ["error:8"], line
     assert machine.ask("$G")[1] == "ok" and machine.ask("$$")[-1] == "ok"
     machine.world.switches["door"] = 0
-    machine.turns(10)
+    machine.cycles(10)
     assert machine.status()["state"] == "Check"
     machine.world.switches["door"] = 1
     machine.do("G91")
@@ -60,7 +60,7 @@ def check_sleep_in_an_alarm():
     assert machine.status()["state"] == "Sleep"
     assert machine.ask("$X") == ["error:9"] and machine.ask("$H") == ["error:8"]
     machine.put(b"\x18")
-    assert machine.turns(3) == [BANNER, UNHOMED]
+    assert machine.cycles(3) == [BANNER, UNHOMED]
 
 
 def check_no_homing_no_soft_limits():
@@ -77,7 +77,7 @@ def check_a_setting_counts_for_the_next_line():
     """Also where both come at once."""
     machine = Machine().ready()
     machine.put("$110=600\n$120=100\nG0 X2\nX4\n")
-    assert machine.turns(3) == ["ok"] * 4
+    assert machine.cycles(3) == ["ok"] * 4
     fastest = 0
     while machine.controller.state == "run":
         fastest = max(fastest, int(machine.status()["FS"].split(",")[0]))
@@ -88,10 +88,10 @@ def check_a_reset_in_a_dwell_loses_nothing():
     for line in ("G4 P60", "M3 S100"):
         machine = Machine(tool={"pin": 8, "active": 1, "on_ms": 5000, "off_ms": 0}).ready()
         machine.put(line + "\n")
-        machine.turns(10)
+        machine.cycles(10)
         assert machine.status()["state"] == "Run"
         machine.put(b"\x18")
-        assert machine.turns(5) == [BANNER] and machine.status()["state"] == "Idle", line
+        assert machine.cycles(5) == [BANNER] and machine.status()["state"] == "Idle", line
 
 
 def check_a_missed_probe_is_told_before_the_answer():
@@ -111,23 +111,23 @@ def check_hard_limits_count_in_every_state():
         machine = home(Machine())
         machine.do("$21=1")
         machine.put(begin + "\n")
-        machine.turns(40)
+        machine.cycles(40)
         machine.world.switches["limit_y"] = 1
-        said = machine.turns(20)
+        said = machine.cycles(20)
         assert "ALARM:1" in said and "[MSG:Reset to continue]" in said, begin
         machine.put(b"\x18")
-        assert machine.turns(3) == [BANNER, UNHOMED, "[MSG:Check Limits]"]
+        assert machine.cycles(3) == [BANNER, UNHOMED, "[MSG:Check Limits]"]
         machine.do("$X", "G91 G0 Y1")
         machine.settle()
         assert machine.status()["state"] == "Idle" and machine.status()["Pn"] == "Y"
         del machine.world.switches["limit_y"]
-        machine.turns(20)
+        machine.cycles(20)
         assert home(machine).controller.machine.homed
     machine.do("$21=0")
     machine.world.switches["limit_y"] = 1
-    machine.turns(20)
+    machine.cycles(20)
     machine.do("$21=1")
-    assert machine.turns(20) == [] and machine.status()["state"] == "Idle"
+    assert machine.cycles(20) == [] and machine.status()["state"] == "Idle"
 
 
 # --- door
@@ -135,16 +135,16 @@ def check_hard_limits_count_in_every_state():
 
 def opened(machine):
     machine.world.switches["door"] = 0
-    machine.turns(80)
+    machine.cycles(80)
     assert machine.status()["state"] == "Door:1"
     return machine.world.tool, machine.world.outputs["flood"]
 
 
 def closed(machine):
     machine.world.switches["door"] = 1
-    machine.turns(20)
+    machine.cycles(20)
     machine.put("~")
-    machine.turns(5)
+    machine.cycles(5)
     return machine.world.tool, machine.world.outputs["flood"]
 
 
@@ -153,10 +153,10 @@ def check_an_open_door_stops_spindle_and_coolant():
     for before in ("", "!", b"!\x9e"):
         machine = Machine().ready()
         machine.do("M3 S500 M8", "G1 X9 F3000")
-        machine.turns(20)
+        machine.cycles(20)
         for byte in before if isinstance(before, bytes) else before.encode():
             machine.put(bytes((byte,)))
-            machine.turns(80)
+            machine.cycles(80)
         assert opened(machine) == (0, 0), before
         machine.status()
         assert machine.status()["FS"] == "0,0" and "A" not in machine.status()
@@ -167,7 +167,7 @@ def check_an_open_door_stops_spindle_and_coolant():
         assert closed(machine) == (1, 1)
     machine = Machine(tool={"pin": 8, "active": 1, "on_ms": 500, "off_ms": 0}).ready()
     machine.do("M3 S500 M8", "G1 X9 F3000")
-    machine.turns(20)
+    machine.cycles(20)
     opened(machine)
     closed(machine)
     assert machine.status()["state"] == "Door:3" and machine.world.tool == 1
@@ -183,9 +183,9 @@ def check_nothing_turns_on_behind_an_open_door():
     machine.settle()
     opened(machine)
     machine.put("S24000\nM8\n")
-    machine.turns(20)
+    machine.cycles(20)
     machine.put(b"\x9a\xa1\x9e")
-    machine.turns(20)
+    machine.cycles(20)
     assert machine.world.tool == machine.world.power_level == machine.world.outputs["flood"] == 0
     assert machine.world.outputs["mist"] == 0
     assert closed(machine)[0] == 1
@@ -197,15 +197,15 @@ def check_a_door_ends_a_jog_and_stays_open():
     for cancelled in (b"", b"\x85", b"!"):
         machine = Machine().ready()
         machine.do("$J=X20F3000")
-        machine.turns(20)
+        machine.cycles(20)
         machine.put(cancelled)
-        machine.turns(2)
+        machine.cycles(2)
         opened(machine)
         place = machine.controller.position()
         assert 0 < place[0] < 6400
         assert machine.ask("$J=X0F3000") == ["error:8"]
         closed(machine)
-        machine.turns(20)
+        machine.cycles(20)
         assert machine.status()["state"] == "Idle" and machine.controller.position() == place
         machine.do("$J=G91X1F600")
         machine.settle()
@@ -221,7 +221,7 @@ def resumed_ms(machine):
     begun = machine.port.now
     machine.put("~")
     for _ in range(500):
-        machine.turns()
+        machine.cycles()
         if machine.controller.position() != place:
             break
     return (machine.port.now - begun) // 12_500
@@ -233,17 +233,17 @@ def check_a_stopped_spindle_is_waited_for():
     spindle = {"max_rpm": 24000, "min_rpm": 0, "spin_up_ms": 0}
     machine = Machine(spindle=spindle, tool={"pin": 8, "active": 1, "on_ms": 200, "off_ms": 0}).ready()
     machine.do("M3 S500", "G1 X200 F3000")
-    machine.turns(40)
+    machine.cycles(40)
     machine.put("!")
-    machine.turns(80)
+    machine.cycles(80)
     assert machine.world.tool == 1 and resumed_ms(machine) < 50
     for stops, tool in ((1, 0), (2, 1)):
-        machine.turns(40)
+        machine.cycles(40)
         machine.put("!")
-        machine.turns(80)
+        machine.cycles(80)
         for _ in range(stops):
             machine.put(b"\x9e")
-            machine.turns(2)
+            machine.cycles(2)
         assert machine.world.tool == tool
         fields = machine.status()
         assert fields["FS"] == ("0,500" if tool else "0,0") and fields.get("A", "") == ("S" if tool else "")
@@ -254,15 +254,15 @@ def check_a_stopped_spindle_is_waited_for():
 def check_the_stop_byte_lights_no_laser():
     machine = Machine(spindle=LASER).ready()
     machine.do("M3 S500", "G1 X20 F3000")
-    machine.turns(20)
+    machine.cycles(20)
     machine.put("!")
-    machine.turns(80)
+    machine.cycles(80)
     for _ in range(3):
         machine.put(b"\x9e")
-        machine.turns(2)
+        machine.cycles(2)
         assert machine.world.tool == 0 and machine.world.power_level == 0
     machine.put("~")
-    machine.turns(20)
+    machine.cycles(20)
     assert machine.world.tool == 1 and machine.world.power_level == 500
 
 
@@ -279,7 +279,7 @@ def check_a_laser_is_lit_by_the_mode_alone():
         machine.settle()
         assert (machine.world.tool, machine.world.power_level) == (1 if power else 0, power), line
     machine.do("M3", "$J=X0 F3000")  # at once: it has been answered, so nothing is under way
-    machine.turns(20)
+    machine.cycles(20)
     assert machine.world.tool == 0 and machine.status()["state"] == "Jog"
 
 
@@ -288,7 +288,7 @@ def check_coolant_is_what_it_is():
     machine = Machine().ready()
     machine.do("M8")
     machine.put(b"\xa0\xa1")
-    machine.turns(2)
+    machine.cycles(2)
     assert " M7 T0" in machine.ask("$G")[0]
     machine.do("M8")
     assert machine.world.outputs["flood"] == 1 and " M7 M8 T0" in machine.ask("$G")[0]
@@ -298,28 +298,28 @@ def check_overrides_are_the_programmes():
     """Jogs, probing and homing keep their speeds; what is moving when they end, too."""
     machine = Machine().ready()
     machine.put(b"\x91" * 10 + b"\x97")
-    machine.turns(2)
+    machine.cycles(2)
     machine.do("$J=X40 F1000")
-    machine.turns(60)
+    machine.cycles(60)
     assert machine.status()["FS"] == "1000,0"
     machine.put(b"\x85")
-    machine.turns(100)
+    machine.cycles(100)
     machine.do("G1 X100 F1000")
-    machine.turns(100)
+    machine.cycles(100)
     assert machine.status()["FS"] == "2000,0"
     machine.put(b"\x18")
-    machine.turns(3)
+    machine.cycles(3)
     machine.do("$X")
     machine.put(b"\x92" * 5)
-    machine.turns(2)
+    machine.cycles(2)
     machine.put("G38.3 Z-3 F300\n")
-    machine.turns(150)
+    machine.cycles(150)
     assert machine.status()["FS"] == "300,0"
     took = []
     for override in (b"", b"\x92" * 9 + b"\x97"):
         machine = Machine()
         machine.put(override)
-        machine.turns(2)
+        machine.cycles(2)
         begun = machine.port.now
         home(machine)
         took.append(machine.port.now - begun)
@@ -338,14 +338,14 @@ def check_overrides_are_reported_at_once():
 
     for data, shown in ((b"\x91", "110,100,100"), (b"\x97", "110,25,100"), (b"\x9b", "110,25,90")):
         machine.put(data)
-        machine.turns()
+        machine.cycles()
         assert told("Ov") == shown and told("Ov") is None
     machine.do("M3 S100")
     assert told("A") == "S"
     machine.do("M8")
     assert told("A") == "SF"
     machine.put(b"\xa1")
-    machine.turns()
+    machine.cycles()
     assert told("A") == "SFM"
     machine.do("M30")
     assert told("Ov") == "100,100,100"

@@ -46,14 +46,14 @@ def cutting(length_mm=40, feed=3000):
     """A machine in the middle of a cut."""
     machine = Machine(Watched(), spindle=SPINDLE).ready()
     machine.do("M3 S500 M8", "G1 X%d F%d" % (length_mm, feed))
-    machine.turns(50)
+    machine.cycles(50)
     assert machine.status()["state"] == "Run" and machine.world.tool == 1
     return machine
 
 
 def stand(machine, data, state):
     machine.put(data)
-    machine.turns(60)
+    machine.cycles(60)
     assert machine.status()["state"] == state
     return machine.port.now
 
@@ -70,15 +70,15 @@ def check_spindle_and_coolant_come_before_the_cut():
         stand(machine, parts[0], "Door:0" if parts[0] == b"\x84" else "Hold:0")
         for part in parts[1:]:
             machine.put(part)
-            machine.turns(3)
-        machine.turns(10)
+            machine.cycles(3)
+        machine.cycles(10)
         assert machine.status()["state"] == state and machine.world.tool == (0 if stopped else 1), data
         steps = machine.world.steps
         begun = machine.port.now
         if data == b"!|\x9e|~|!":  # held again while it spun up: what is left of its time
-            machine.turns(10_000 // 8)
+            machine.cycles(10_000 // 8)
         machine.put(b"~")
-        machine.turns(2)
+        machine.cycles(2)
         if waits:
             assert machine.status()["state"] in ("Door:3", "Hold:1"), data
         machine.settle()
@@ -97,20 +97,20 @@ def check_the_door_while_the_spindle_comes():
     stand(machine, b"\x84", "Door:0")
     for again in (b"door", b"!"):
         machine.put(b"~")
-        machine.turns(SPIN_UP_MS * 3 // 4)
+        machine.cycles(SPIN_UP_MS * 3 // 4)
         assert machine.status()["state"] == "Door:3" and machine.world.tool == 1
         steps = machine.world.steps
         if again == b"door":
             machine.world.switches["door"] = 0
-            machine.turns(20)
+            machine.cycles(20)
             assert machine.status()["state"] == "Door:1"
             machine.world.switches["door"] = 1
-            machine.turns(10)
+            machine.cycles(10)
         else:
             machine.put(again)
-            machine.turns(5)
+            machine.cycles(5)
         assert machine.status()["state"] == "Door:0" and machine.world.tool == 0 and machine.world.outputs["flood"] == 0
-        machine.turns(2 * SPIN_UP_MS)
+        machine.cycles(2 * SPIN_UP_MS)
         assert machine.world.steps == steps
     begun = machine.port.now
     machine.put(b"~")
@@ -134,11 +134,11 @@ def check_nothing_moves_before_the_spindle(seed):
             machine.world.switches["door"] = random.between(0, 1)
         else:
             machine.put(what)
-        machine.turns(random.choice((1, 5, 60, SPIN_UP_MS // 2, SPIN_UP_MS + 50)))
+        machine.cycles(random.choice((1, 5, 60, SPIN_UP_MS // 2, SPIN_UP_MS + 50)))
     machine.world.switches["door"] = 1
     for _ in range(50):
         machine.put(b"~")
-        machine.turns(SPIN_UP_MS + 50)
+        machine.cycles(SPIN_UP_MS + 50)
     assert machine.status()["state"] == "Idle"
     for tick, spun, cooled in machine.world.cut:
         if tick > begun:
@@ -151,7 +151,7 @@ def check_a_beam_waits_for_the_coolant_only():
     """And it is dark until then, though M3 holds."""
     machine = Machine(Watched(), spindle=dict(LASER, spin_up_ms=SPIN_UP_MS, coolant_ms=COOLANT_MS)).ready()
     machine.do("M3 S500 M8", "G1 X40 F3000")
-    machine.turns(30)
+    machine.cycles(30)
     stand(machine, b"\x84", "Door:0")
     begun = machine.port.now
     machine.put(b"~")
@@ -176,7 +176,7 @@ def check_the_first_spin_up():
 def check_times_as_shipped():
     machine = Machine(Watched()).ready()
     machine.do("M3 S500 M8", "G1 X50 F3000")
-    machine.turns(30)
+    machine.cycles(30)
     stand(machine, b"\x84", "Door:0")
     begun = machine.port.now
     machine.put(b"~")
@@ -192,10 +192,10 @@ def check_what_is_refused_leaves_the_tool():
     machine.settle()
     place = machine.controller.position()
     for line in ("G18 G2 X8 Z-3 R3 F.004", "G17 G2 X5.003 I-.5 J-.25 F.0001", "G3 X5 Y5 Z-90 I.1 F.001", "G1 X5.01 F.0001"):
-        machine.turns(3)
+        machine.cycles(3)
         assert machine.ask(line)[0] in ("error:33", "error:34"), line
         assert machine.controller.queue.still() and not machine.controller.queue.tool, line
-        machine.turns(100)
+        machine.cycles(100)
         assert machine.world.tool_changes == [] and machine.controller.position() == place, line
     for line in ("G17 G3 X5 Y5 I2 F900", "G18 G2 X8 Z-3 R3", "G17 G2 X5.003 I-.5 J-.25", "G1 X9"):
         steps = machine.world.steps
@@ -219,23 +219,23 @@ def check_spindle_and_coolant():
     machine.do("M4 M7", "G4 P0")
     assert machine.world.outputs["reverse"] == 1 and machine.world.outputs["mist"] == 1
     machine.put(b"\xa0")
-    machine.turns(2)
+    machine.cycles(2)
     assert machine.world.outputs["flood"] == 1
     machine.put(b"!")
-    machine.turns(5)
+    machine.cycles(5)
     machine.put(b"\x9e")
-    machine.turns(2)
+    machine.cycles(2)
     assert machine.world.tool == 0
     machine.put(b"\x9e")
-    machine.turns(2)
+    machine.cycles(2)
     assert machine.world.tool == 1
     machine.put(b"~")
-    machine.turns(3)
+    machine.cycles(3)
     assert machine.ask("M2") == ["[MSG:Pgm End]", "ok"]
     assert machine.world.tool == 0 and machine.world.outputs["mist"] == 0 and machine.world.outputs["flood"] == 0
     machine.do("M3 S100 M8")
     machine.put(b"\x18")
-    machine.turns(3)
+    machine.cycles(3)
     assert machine.world.tool == 0 and machine.world.outputs["flood"] == 0
 
 
@@ -244,11 +244,11 @@ def check_spindle_power():
     machine = Machine(spindle={"max_rpm": 24000, "min_rpm": 6000, "pwm": True, "pin": 18}).ready()
     for line, level in (("M3 S24000", 1000), ("S6000", 1), ("S15000", 500), ("S100", 1), ("S0", 0), ("S30000", 1000)):
         machine.do(line)
-        machine.turns(3)
+        machine.cycles(3)
         assert machine.world.power_level == level, line
         assert machine.status()["FS"] == "0," + str(min(int(line.split("S")[1]), 24000)), line
     machine.do("$31=0", "S12000")
-    machine.turns(3)
+    machine.cycles(3)
     assert machine.world.power_level == 500
     machine.do("G1 X1 F1000")
     machine.settle()
@@ -268,17 +268,17 @@ def check_laser():
         wanted = 641 <= at <= 1280 or 1921 <= at <= 2560 or 3201 <= at <= 3840
         assert tool == (1 if wanted else 0), at
     machine.do("G1 X30")
-    machine.turns(20)
+    machine.cycles(20)
     assert machine.world.tool == 1
     machine.put(b"!")
-    machine.turns(60)
+    machine.cycles(60)
     assert machine.world.tool == 0
     machine.put(b"~")
-    machine.turns(10)
+    machine.cycles(10)
     assert machine.world.tool == 1
     machine.settle()
     machine.do("M5")
-    machine.turns(5)
+    machine.cycles(5)
     assert machine.world.tool == 0
 
 
@@ -292,7 +292,7 @@ def check_a_laser_stops_for_its_mode():
             if change[0] == "S" and words[0] == "\n":
                 continue
             machine.put(lines)
-            machine.turns(100)
+            machine.cycles(100)
             machine.settle()
             at = [number for number in range(len(path)) if path[number][1] == 3000 + 3200][0]
             gap_ms = (path[at + 1][0] - path[at][0]) / 12_500
@@ -322,7 +322,7 @@ def check_power_follows_the_speed():
     assert set([power for _, x, _, power in burnt[5760:]]) == set([1000])
     assert machine.world.tool == 1 and machine.world.power_level == 1000  # as grbl: M3 burns on
     machine.do("M5")
-    machine.turns(3)
+    machine.cycles(3)
     assert machine.world.tool == 0 and machine.world.power_level == 0
 
 
@@ -337,20 +337,20 @@ def check_power_where_an_axis_is_slower_than_the_feed():
 def check_power_override_acts_at_once():
     machine = Machine(spindle=LASER).ready()
     machine.do("M3 S500", "G1 X40 F3000")
-    machine.turns(30)
+    machine.cycles(30)
     assert machine.world.power_level == 500 and machine.status()["FS"] == "3000,500"
     machine.put(b"\x9a\x9a")
-    machine.turns(1)
+    machine.cycles(1)
     assert machine.world.power_level == 600 and machine.status()["FS"] == "3000,600"
     machine.put(b"\x9b" * 12)
-    machine.turns(4)
+    machine.cycles(4)
     assert machine.world.power_level == 50
     machine.put(b"\x99!")
-    machine.turns(60)
+    machine.cycles(60)
     assert machine.world.power_level == 0 and machine.world.tool == 0 and machine.status()["FS"] == "0,0"
     machine.put(b"~")
-    machine.turns(30)
+    machine.cycles(30)
     assert machine.world.power_level == 500 and machine.world.tool == 1
     machine.put(b"\x18")
-    machine.turns(2)
+    machine.cycles(2)
     assert machine.world.power_level == 0 and machine.world.tool == 0

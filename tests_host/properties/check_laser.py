@@ -55,16 +55,16 @@ def play(lines, batches):
         port.incoming += line + b"\n"
         port.outgoing = b""
         while not (b"ok" in port.outgoing or b"error" in port.outgoing):
-            app.turn()
+            app.cycle()
         said += port.outgoing
     silent = 0
     while silent < SILENT_TURNS:
-        app.turn()
+        app.cycle()
         silent = 0 if app.controller.busy() else silent + 1
     port.outgoing = b""
     port.incoming = b"$G\n?"
     for _ in range(3):
-        app.turn()
+        app.cycle()
     return (port.hexdigest(), port.words, port.marks, said + port.outgoing), sum(taken)
 
 

@@ -28,14 +28,14 @@ class Two:
         self.machine = Machine(links=list(links or (GRBL, DRAWER)), jog={"steps": 10, "up": "y+"}, **changes)
         self.controller = self.machine.controller
         self.draw = self.machine.port.lines.get("draw")
-        self.machine.turns()
+        self.machine.cycles()
 
     def packet(self, name, x=0, y=0, turns=100_000):
         """What the board says on the plotter's link; b"" if nothing within `turns`."""
         self.draw.outgoing = b""
         self.draw.incoming += packet(COMMANDS[name], x, y)
         while turns and not self.draw.outgoing:
-            self.machine.app.turn()
+            self.machine.app.cycle()
             turns -= 1
         return self.draw.outgoing
 
@@ -86,7 +86,7 @@ def check_the_other_link_moves_nothing(lines):
     for byte in (b"~", b"\x91", b"\x9e", b"\xa0"):
         entries = len(two.controller.machine.log.entries)
         two.machine.put(byte)
-        assert two.machine.turns(3) == []
+        assert two.machine.cycles(3) == []
         assert len(two.controller.machine.log.entries) == min(32, entries + 1)
 
 
@@ -106,7 +106,7 @@ def check_anybody_makes_it_safe():
     two = Two()
     two.machine.do("$X", "G1 X20 F600")
     while two.controller.position()[0] < 100:
-        two.machine.app.turn()
+        two.machine.app.cycle()
     assert two.packet("STOP") == b"d" and two.controller.state == "idle"
     assert 0 < two.controller.position()[0] < 20 * 320
     place = two.controller.position()
@@ -117,15 +117,15 @@ def check_anybody_makes_it_safe():
         assert two.packet("LINE", x, y) == b"n"
     two.draw.incoming += packet(COMMANDS["END"])
     while two.controller.position()[0] < 100:
-        two.machine.app.turn()
+        two.machine.app.cycle()
     two.machine.put(b"!")
-    two.machine.turns(300)
+    two.machine.cycles(300)
     assert two.machine.status()["state"] == "Hold:0"
     two.machine.put(b"~")
-    two.machine.turns(100)
+    two.machine.cycles(100)
     assert two.machine.status()["state"] == "Hold:0" and two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "pc")
     two.machine.put(b"\x18")
-    two.machine.turns(3)
+    two.machine.cycles(3)
     assert two.controller.state == "idle" and two.controller.machine.commander == 1
 
 
@@ -143,7 +143,7 @@ def check_a_lock_at_the_start_is_for_grbl_alone():
     assert two.packet("LINK") == b"t" and two.packet("MOVE", 5, 5) == b"n"
     two.machine.said()
     two.machine.put("$LINK=1\n")
-    assert "[MSG:'$H'|'$X' to unlock]" in two.machine.turns(5)
+    assert "[MSG:'$H'|'$X' to unlock]" in two.machine.cycles(5)
     two.machine.do("$X", "G0 X1")
     two.machine.settle()
     two.machine.do("$LINK=2", "$LINK=1", "G0 X0")  # unlocked once is unlocked
@@ -190,7 +190,7 @@ def check_torch_beside_grbl():
     def say(data, turns=60):
         line.outgoing = b""
         line.incoming += data
-        two.machine.turns(turns)
+        two.machine.cycles(turns)
         two.machine.settle()
         return line.outgoing
 
@@ -222,7 +222,7 @@ def check_pulses_beside_torch():
     def say(data, turns=80):
         pulses.outgoing = b""
         pulses.incoming += data
-        two.machine.turns(turns)
+        two.machine.cycles(turns)
         return pulses.outgoing
 
     refused = b"error:%d" % errors.COMMANDED_ELSEWHERE
@@ -231,12 +231,12 @@ def check_pulses_beside_torch():
         assert two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "lpt")
     assert say(b"{?}")[:1] == b"<" and two.machine.world.steps == 0
     torch_line.incoming += torch.move(20_000, 4000, 0, 1)
-    two.machine.turns(60)
+    two.machine.cycles(60)
     assert b"ok" in say(b"{stop}") and 0 < two.controller.position()[0] < 20_000
     assert b"ok" in say(b"{link}") and two.controller.machine.commander == 1
     assert b"ok" in say(b"{jog y 10}", 200) and two.controller.position()[1] == 10
     torch_line.incoming += torch.move(100, 480, 0, 1)
-    two.machine.turns(60)
+    two.machine.cycles(60)
     assert two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "pc") and two.controller.position()[1] == 10
 
 
@@ -246,23 +246,23 @@ def check_keys_beside_grbl():
     line = two.machine.port.lines["kit"]
     two.machine.do("$X")
     line.incoming += b"I"
-    two.machine.turns(50)
+    two.machine.cycles(50)
     assert two.machine.world.steps == 0 and two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "kit")
     two.machine.do("$LINK=2")
     line.incoming += b"A\x02I"
-    two.machine.turns(100)
+    two.machine.cycles(100)
     assert two.machine.world.steps > 20 and two.machine.status()["state"] == "Run"
     assert two.line("$LINK=1") == "error:%d" % errors.BUSY
     two.machine.do("$LINK")
     line.incoming += b"J"
     two.machine.settle()
-    two.machine.turns(5)
+    two.machine.cycles(5)
     steps = two.machine.world.steps
     two.machine.do("$LINK=1", "G0 X0")
     two.machine.settle()
     assert two.controller.position()[0] == 0 and two.machine.world.steps > steps
     line.incoming += b"C"
-    two.machine.turns(50)
+    two.machine.cycles(50)
     assert two.controller.position()[0] == 0 and line.outgoing == b""
 
 
@@ -271,12 +271,12 @@ def check_the_emergency_stop_is_nobodys():
     two = Two()
     two.machine.do("$X", "G1 X20 F600")
     while two.controller.position()[0] < 100:
-        two.machine.app.turn()
+        two.machine.app.cycle()
     two.machine.world.switches["stop"] = 1
-    said = two.machine.turns(5)
+    said = two.machine.cycles(5)
     assert "ALARM:1" in said and two.logged()[-1] == (errors.ALARM_HARD_LIMIT, "stop")
     steps = two.machine.world.steps
-    two.machine.turns(200)
+    two.machine.cycles(200)
     assert two.machine.world.steps == steps
     assert status_from(two.packet("STATUS"))["state"] == "alarm"
 
@@ -296,12 +296,12 @@ def check_what_waited_is_refused_after_the_hand_over():
     two.controller.machine.alarm = 0
     two.packet("LINE", 30_000, 0)
     two.draw.incoming += packet(COMMANDS["END"]) + packet(COMMANDS["SPEED"], 900)
-    two.machine.turns(60)
+    two.machine.cycles(60)
     assert two.machine.app.links[1].waiting
     two.controller.machine.commander = 0
     two.draw.outgoing = b""
     two.machine.settle()
-    two.machine.turns(20)
+    two.machine.cycles(20)
     assert two.draw.outgoing == b"d" and two.logged()[-1] == (errors.COMMANDED_ELSEWHERE, "draw")
 
 

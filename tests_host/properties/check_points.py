@@ -126,7 +126,7 @@ def check_the_machine(seed, chunk):
         said = []
         for machine in machines:
             machine.line.incoming += data
-            said.append(machine.turns(3))
+            said.append(machine.cycles(3))
             machine.port.advance(wait_ms * TICKS_PER_MS)
         assert said[0] == said[1]
     short, plain = [machine.app.controller for machine in machines]

@@ -205,12 +205,12 @@ def check_interrupted_and_returned(seed):
                 assert machine.ask("run") == "error:127"
             machine.tell("return")
             while len(path) < 2 * made:
-                machine.turn()
+                machine.cycle()
             back = [row[1:4] for row in path[: 2 * made]]
             assert back[:made][::-1][1:] == back[made : 2 * made - 1]  # the way it came
             machine.world.path = path[2 * made :]
         machine.settle()
-        machine.turn()
+        machine.cycle()
         if machine.status()["state"] == "idle":
             kept += machine.world.path
             assert [row[1:] for row in kept] == WHOLE, len(kept)
@@ -417,7 +417,7 @@ def enabled_while(machine, *words):
     machine.tell(*words)
     for _ in range(100_000):
         seen.add(machine.world.outputs["enable"])
-        machine.turn()
+        machine.cycle()
         if not machine.steps.live():
             machine.settle()
             machine.take()
@@ -458,7 +458,7 @@ def check_drives_on_the_way_back():
     places = []
     machine.tell("back")
     while machine.steps.live():
-        machine.turn()
+        machine.cycle()
         places.append((machine.world.place[0], machine.world.outputs["enable"]))
     assert (4, 0) in places and (1, 0) in places and (3, 1) not in places and (1, 1) not in places
     machine.until("start")
@@ -687,7 +687,7 @@ def check_stream_pauses():
     machine = Lpt()
     machine.tell("stream")
     machine.put("(" + "A" * 300)
-    machine.turn()
+    machine.cycle()
     machine.tell("pause")  # before it has set out
     machine.run_ms(100)
     assert machine.world.path == [] and machine.status()["state"] == "hold"
@@ -714,7 +714,7 @@ def check_stop():
     machine.run_ms(200)
     now = machine.port.now
     machine.put(frame("stop"))
-    machine.turn()
+    machine.cycle()
     path = machine.world.path
     machine.answer()
     assert machine.world.tool == 0 and path[-1][0] <= now + 2 * 100_000

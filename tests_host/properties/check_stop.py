@@ -117,22 +117,22 @@ class Two:
         for who, what, turns in events:
             words = WORDS[self.languages[who]]
             self.say(who, words[what % len(words)])
-            self.turns(turns)
+            self.cycles(turns)
 
-    def turns(self, count):
+    def cycles(self, count):
         for _ in range(count):
-            self.machine.app.turn()
+            self.machine.app.cycle()
 
     def stands(self):
         """Nothing has moved since, and nothing does that is only ended now."""
         assert self.stood is not None
         for who in (0, 1, 0):
-            self.turns(60)
+            self.cycles(60)
             assert self.world.steps == self.stood, "sent before, and moves"
             self.say(who, HAND_OVER.get(self.languages[who], b""))
-            self.turns(30)
+            self.cycles(30)
             self.say(who, LEFT[self.languages[who]])
-        self.turns(150)
+        self.cycles(150)
         assert self.world.steps == self.stood, "sent before, and moves"
 
 
@@ -164,7 +164,7 @@ def check_nothing_moves_after_a_stop(first, second, commander, events, late, how
         two.world.switches["stop"] = 1
     turns = 200
     while two.stood is None and turns:
-        two.turns(1)
+        two.cycles(1)
         turns -= 1
     two.world.switches.clear()
     two.stands()
@@ -175,12 +175,12 @@ def check_nothing_moves_after_a_hand_over(first, second, commander, events, late
     two = Two(first, second, commands=commander)
     two.events(events)
     for _ in range(3):
-        two.turns(400)
+        two.cycles(400)
         for who in (0, 1):
             two.say(who, STOPS.get(two.languages[who], b"J") if two.controller.state in ("run", "hold", "door") else b"")
-    two.turns(20)
+    two.cycles(20)
     two.controller.machine.alarm = 0
-    two.turns(20)
+    two.cycles(20)
     links = two.controller.machine
     who = 1 - links.commander
     if two.languages[who] not in HAND_OVER:
@@ -188,12 +188,12 @@ def check_nothing_moves_after_a_hand_over(first, second, commander, events, late
     words = WORDS[two.languages[1 - who]]
     two.say(1 - who, words[late % len(words)])
     if who:  # the link that speaks first is heard first
-        two.turns(200)
+        two.cycles(200)
         if two.controller.state != "idle":
             return
     two.arm()
     two.say(who, HAND_OVER[two.languages[who]])
-    two.turns(20)
+    two.cycles(20)
     if two.stood is not None:
         two.stands()
 
@@ -208,15 +208,15 @@ def drawing(store_points=20):
     for pen, x, y in ((0, 50, 40), (1, 800, 90), (1, 50, 40), (1, 800, 90)):
         assert plotter.ask("LINE" if pen else "MOVE", x, y) == b"n"
     plotter.send("END")
-    plotter.turns(60)
+    plotter.cycles(60)
     return plotter
 
 
 def stopped(plotter):
     """STOP: DONE and nothing else; then nothing moves, and what comes next is a whole object of its own."""
-    said = plotter.ask("STOP") + plotter.turns(20)
+    said = plotter.ask("STOP") + plotter.cycles(20)
     steps = plotter.table.steps
-    said += plotter.turns(1500)
+    said += plotter.cycles(1500)
     assert said == b"d" and plotter.table.steps == steps and plotter.table.pen == 0
     status = plotter.status()
     assert status["state"] == "idle" and status["free"] == plotter.app.controller.features["drawing"].points.capacity
@@ -241,7 +241,7 @@ def check_points_that_waited_for_room():
 def check_origin_sent_while_drawing():
     plotter = drawing()
     plotter.send("ORIGIN")
-    plotter.turns(5)
+    plotter.cycles(5)
     stopped(plotter)
 
 
@@ -249,7 +249,7 @@ def check_an_object_sent_while_drawing():
     plotter = drawing()
     for name, x, y in (("MOVE", 9, 9), ("LINE", 99, 9), ("END", 0, 0)):
         plotter.send(name, x, y)
-    plotter.turns(5)
+    plotter.cycles(5)
     stopped(plotter)
 
 
@@ -257,10 +257,10 @@ def check_origin_that_waited_for_an_alarm():
     """Homing leads out of an alarm, but not by an ORIGIN from before it."""
     plotter = drawing()
     plotter.send("ORIGIN")
-    plotter.turns(5)
+    plotter.cycles(5)
     fail(plotter, errors.ALARM_SENSOR_DEAD)
     steps = plotter.table.steps
-    assert plotter.turns(1500) == b"" and plotter.table.steps == steps
+    assert plotter.cycles(1500) == b"" and plotter.table.steps == steps
     assert plotter.status()["state"] == "alarm"
     assert plotter.ask("ORIGIN") == b"o"
 
@@ -271,15 +271,15 @@ def check_a_sender_hears_of_a_stop_from_another_link():
     machine = two.machine
     machine.do("G91", "G1 X9 F600")
     machine.put("X9\nX9\nG4 P1\nX9\nX")
-    two.turns(20)
+    two.cycles(20)
     machine.said()
     two.say(0, point("STOP"))
-    two.turns(20)
+    two.cycles(20)
     said = machine.said()
     assert "Grbl 1.1h ['$' for help]" in said and "ok" not in said, said
     place = two.controller.position()
     machine.put("9\n")
-    assert machine.turns(60) == ["error:%d" % errors.STOPPED] and two.controller.position() == place
+    assert machine.cycles(60) == ["error:%d" % errors.STOPPED] and two.controller.position() == place
     assert machine.do("$G")[0].startswith("[GC:G0 G54 G17 G21 G90 ")
     machine.do("G0 X0")
 
@@ -292,7 +292,7 @@ def check_lines_behind_an_alarm():
     machine.settle()
     steps = two.world.steps
     machine.put("G38.2 Z-1 F900\nX9\n$X\nX9\n\nX9\n")
-    said = machine.turns(800)
+    said = machine.cycles(800)
     assert said[0] == "ALARM:5" and said.count("ok") == 2  # the probing itself, as grbl has it, and the empty line
     assert said.count("error:9") == 4 and two.controller.machine.alarm == errors.ALARM_PROBE_MISSED
     assert two.world.steps == steps + 400
@@ -303,7 +303,7 @@ def check_a_hand_over_forgets_the_object():
     """Points that were stored before the command went away are not drawn when it comes back."""
     two = Two("plotter", "grbl")
     two.say(0, SQUARE)
-    two.turns(5)
+    two.cycles(5)
     assert two.controller.features["drawing"].points.count == 3
     two.machine.do("$LINK=2", "G0 X3")
     two.machine.settle()
@@ -311,7 +311,7 @@ def check_a_hand_over_forgets_the_object():
     steps = two.world.steps
     two.lines[0].outgoing = b""
     two.say(0, point("END"))
-    two.turns(100)
+    two.cycles(100)
     assert two.lines[0].outgoing == b"d" and two.world.steps == steps
 
 
@@ -319,10 +319,10 @@ def check_every_stop_is_answered():
     """Also one that comes while the one before it is still being carried out."""
     two = Two("torch", "pulses")
     two.say(0, torch.move(9000, 4000, 0, 1))
-    two.turns(30)
+    two.cycles(30)
     two.say(0, 2 * STOPS["torch"])
     two.say(1, 2 * STOPS["pulses"])
-    two.turns(30)
+    two.cycles(30)
     place = two.controller.position()[0]
     assert two.lines[0].outgoing == 2 * torch.answer("STOP", place, 0)
     assert two.lines[1].outgoing.count(b"ok\n") == 2
@@ -331,26 +331,26 @@ def check_every_stop_is_answered():
 def check_a_pause_ends_a_jog_where_no_link_speaks_grbl():
     two = Two("torch", "pulses")
     two.say(0, torch.configure(3000, 3000, 4000, 4000) + torch.frame("JOG_X+"))
-    two.turns(30)
+    two.cycles(30)
     two.say(1, b"{pause}")
-    two.turns(60)
+    two.cycles(60)
     place = two.controller.position()[0]
     assert 0 < place < 3000 and two.controller.state == "idle"
-    two.turns(300)
+    two.cycles(300)
     assert two.controller.position()[0] == place
 
 
 def check_a_pulse_file_hears_of_a_stop_from_another_link():
     two = Two("pulses", "plotter")
     two.say(0, b"{stream 9000}" + 400 * b"A")
-    two.turns(70)
+    two.cycles(70)
     assert two.world.steps
     two.say(1, point("STOP"))
-    two.turns(5)
+    two.cycles(5)
     steps = two.world.steps
     assert two.lines[0].outgoing.endswith(b"stopped\n")
     two.say(0, 40 * b"A")
-    two.turns(60)
+    two.cycles(60)
     assert two.world.steps == steps
     status = status_from(ask(two, 1, point("STATUS")))
     assert status["state"] == "idle"
@@ -359,5 +359,5 @@ def check_a_pulse_file_hears_of_a_stop_from_another_link():
 def ask(two, who, data):
     two.lines[who].outgoing = b""
     two.say(who, data)
-    two.turns(20)
+    two.cycles(20)
     return two.lines[who].outgoing

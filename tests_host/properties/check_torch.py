@@ -224,20 +224,20 @@ def check_moves(moves):
     for x, x_speed, y, y_speed, signs in moves:
         speeds = [-speed if signs >> axis & 1 else speed for axis, speed in enumerate((x_speed * 10, y_speed * 10))]
         board.send(torch.move(x, speeds[0], y, speeds[1]))
-        board.turn()
+        board.cycle()
         if max(speeds) > 48_000 or min(speeds) < -48_000:
             if (abs(speeds[0]) > 48_000 and x) or (abs(speeds[1]) > 83_000 and y):
                 assert not board.controller.busy()
                 assert board.controller.machine.log.last == errors.SPEED_RANGE and board.take() == b""
                 continue
         board.settle()
-        board.turn()
+        board.cycle()
         made = [count if speed > 0 else -count for count, speed in zip((x, y), speeds)]
         place = [at + by for at, by in zip(place, made)]
         assert board.take() == torch.frame("FINISHED")
         assert board.made() == place == board.controller.position()
         board.send(torch.frame("INFO"))
-        board.turn()
+        board.cycle()
         assert board.take() == torch.answer("INFO", *made)
 
 
@@ -248,7 +248,7 @@ def check_move_after_a_halt(ticks, x_speed, y_speed):
     board.poll(ticks)
     board.send(torch.frame("STOP"))
     before = board.made()
-    board.turn()
+    board.cycle()
     after = board.made()
     assert after == before
     assert board.take() == torch.answer("STOP", *after)
@@ -309,7 +309,7 @@ def check_a_button_held(jog, speed, period_ms, held_ms, ramps):
         assert not gaps or max(gaps) <= 12_500_000 // speed + 1
         assert ticks[-1] >= frame or made == jog
     board.send(torch.passo(torch.STATUS_OF))
-    board.turn()
+    board.cycle()
     assert torch.answer_from(board.take())[1]["dropped"] == 0
     assert begun <= ticks[0]
 
@@ -349,7 +349,7 @@ def check_configured_jogs_and_origin():
     board.settle()
     assert board.made() == [-31, 0]
     board.send(torch.frame("ORIGIN") + torch.frame("INFO"))
-    board.turn()
+    board.cycle()
     assert board.take() == torch.answer("INFO", -31, 0)
     assert board.controller.position() == [0, 0]
     board.send(torch.frame("JOG_Y-"))
@@ -357,7 +357,7 @@ def check_configured_jogs_and_origin():
     board.settle()
     assert board.controller.position() == [0, -41] and board.made() == [-31, -41]
     board.send(torch.frame("INFO"))
-    board.turn()
+    board.cycle()
     assert board.take() == torch.answer("INFO", 0, -41)
 
 
@@ -405,7 +405,7 @@ def check_relays():
     board.poll(2_000_000)
     assert board.made() == made and ("relay", 1) not in [entry[1:] for entry in switched()]
     board.send(torch.passo(torch.STATUS_OF))
-    board.turn()
+    board.cycle()
     told = torch.answer_from(board.take())[1]
     assert told["state"] == "alarm" and not told["ours"]
     board.send(torch.passo(torch.UNLOCK_OF, 1) + torch.passo(torch.UNLOCK_OF) + torch.frame("CONNECT"))
@@ -421,13 +421,13 @@ def check_the_log():
 
     def asked(back):
         board.send(torch.passo(torch.LOG_OF, back))
-        board.turn()
+        board.cycle()
         return torch.answer_from(board.take())
 
     assert asked(0) == ("LOG", {"number": 0, "older": 0, "ms": 0, "who": ""})
     begun = board.port.machine_ms()
     board.send(torch.move(5, 0, 5, 480))
-    board.turn()
+    board.cycle()
     board.controller.raise_alarm(errors.ALARM_HARD_LIMIT, "emergency stop")
     name, newest = asked(0)
     assert name == "LOG" and begun <= newest["ms"] <= board.port.machine_ms()
@@ -435,7 +435,7 @@ def check_the_log():
     assert asked(1)[1]["number"] == errors.SPEED_RANGE and asked(1)[1]["who"] == "pc"
     assert asked(2)[1] == asked(255)[1] == {"number": 0, "older": 0, "ms": 0, "who": ""}
     board.send(torch.passo(torch.STATUS_OF))
-    board.turn()
+    board.cycle()
     assert torch.answer_from(board.take())[1]["error"] == errors.ALARM_HARD_LIMIT  # reading the log takes nothing away
 
 

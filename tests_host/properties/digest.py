@@ -156,7 +156,7 @@ def digest(board, job):
         port.outgoing = b""
         silent = 0
         while not port.outgoing and silent < SILENT_TURNS:
-            app.turn()
+            app.cycle()
             silent = 0 if app.controller.busy() else silent + 1
 
 
@@ -175,12 +175,12 @@ def digest_lines(board, job, counts=True):
         while not (b"ok" in port.outgoing or b"error" in port.outgoing):
             if app.controller.state == "hold":
                 port.incoming += b"~"
-            app.turn()
+            app.cycle()
         refused += b"error" in port.outgoing
         line = job.readline()
     silent = 0
     while silent < SILENT_TURNS:
-        app.turn()
+        app.cycle()
         silent = 0 if app.controller.busy() else silent + 1
     return port, refused
 
@@ -194,7 +194,7 @@ def digest_hex(board, job):
         port.incoming += unhexlify("".join(data.split()))
         silent = 0
         for _ in range(int(turns) if turns else 1_000_000):
-            app.turn()
+            app.cycle()
             silent = 0 if app.controller.busy() else silent + 1
             if not turns and silent > SILENT_TURNS:
                 break

@@ -80,7 +80,7 @@ class Fuzz:
     def _turn(self, data=b""):
         """One turn with `data` arriving; how many lines it answered, and the last answer."""
         self.port.incoming += data
-        self.app.turn()
+        self.app.cycle()
         said = self.port.outgoing.split(b"\r\n")
         self.port.outgoing = b""
         answered = [line for line in said if line == b"ok" or line[:6] == b"error:"]

@@ -112,5 +112,5 @@ def test_a_board_boots_with_what_a_power_cut_left(tmp_path, cut):
         settings.save()
     armed.undo()
     app = App(check(BOARD), VirtualPort(check(BOARD), World()), None, FileSlots(path))
-    app.turn()
+    app.cycle()
     assert app.controller.machine.settings.value(110) == 1_000_000 and b"Grbl" in app.port.lines["pc"].outgoing

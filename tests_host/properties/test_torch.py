@@ -58,12 +58,12 @@ def test_information_lies_between_the_steps_on_the_pins(machine):
             base = list(machine.plant.position)
             machine.send(torch.move(random.randrange(1, 900), random.choice((-1, 1)) * random.randrange(50, 9000),
                                     random.randrange(1, 900), random.choice((-1, 1)) * random.randrange(50, 9000)))
-            machine.turn()
+            machine.cycle()
         machine.port.advance(random.randrange(1, 12_500 * 25))
         before = list(machine.plant.position)
         machine.send(torch.frame("INFO"))
         while not machine.received():
-            machine.turn()
+            machine.cycle()
         after = list(machine.plant.position)
         name, told = torch.answer_from(machine.take())
         assert name == "INFO"
@@ -96,7 +96,7 @@ def test_halt_stops_both_axes_within_a_step(machine):
         machine.port.advance(random.randrange(1, 12_500 * 25))
         before = list(machine.plant.position)
         machine.send(torch.frame("STOP"))
-        machine.turn()
+        machine.cycle()
         machine.settle()
         after = list(machine.plant.position)
         assert all(abs(now - then) <= 1 for now, then in zip(after, before))

@@ -114,7 +114,7 @@ class FreeMachine:
     def stop(self):
         return self.accept(Command(STOP))
 
-    def turn(self):
+    def cycle(self):
         self.app.poll()
         self.port.wait(self.controller.busy())
 
@@ -128,7 +128,7 @@ class FreeMachine:
 
     def settle(self):
         for _ in range(100_000):
-            self.turn()
+            self.cycle()
             if self.controller.queue.still() and not self.part.active():
                 return
         raise AssertionError("it goes on and on")

@@ -30,13 +30,13 @@ class Lpt:
         self.line = self.port.lines["pc"]
         self.heard = ""
         self.acks = 0
-        self.turn()
+        self.cycle()
         assert self.take() == ["ready"]
 
     # --- the wire
 
-    def turn(self):
-        self.app.turn()
+    def cycle(self):
+        self.app.cycle()
         data = self.line.outgoing
         self.line.outgoing = b""
         self.acks += data.count(ACK)
@@ -59,7 +59,7 @@ class Lpt:
             for line in said:
                 if line.startswith(wanted):
                     return said
-            self.turn()
+            self.cycle()
             turns -= 1
         raise AssertionError("no %r: %r" % (wanted, said))
 
@@ -77,7 +77,7 @@ class Lpt:
             said += self.take()
             if said and (said[-1].startswith("ok") or said[-1].startswith("error")):
                 return said
-            self.turn()
+            self.cycle()
         raise AssertionError("no answer: %r" % said)
 
     def ask(self, *words):
@@ -105,7 +105,7 @@ class Lpt:
             if room:
                 self.put(data[sent : sent + room])
                 sent += len(data[sent : sent + room])
-            self.turn()
+            self.cycle()
             for line in self.take():
                 if line.startswith("error"):
                     return line
@@ -125,13 +125,13 @@ class Lpt:
     def run_ms(self, milliseconds):
         end = self.port.now + milliseconds * 12_500
         while self.port.now < end:
-            self.turn()
+            self.cycle()
 
     def settle(self):
         """Until nothing moves."""
-        self.turn()
+        self.cycle()
         while self.steps.live():
-            self.turn()
+            self.cycle()
 
     def picture(self):
         """[(x, y, z, tool)] after each step."""

@@ -110,9 +110,9 @@ class Machine:
         self.line.outgoing = b""
         return [line for line in data.decode().split("\r\n") if line]
 
-    def turns(self, count=1):
+    def cycles(self, count=1):
         for _ in range(count):
-            self.app.turn()
+            self.app.cycle()
         return self.said()
 
     def ask(self, line, turns=100_000):
@@ -120,7 +120,7 @@ class Machine:
         self.put(line + "\n")
         said = []
         while turns:
-            self.app.turn()
+            self.app.cycle()
             turns -= 1
             said += self.said()
             if answers(said):
@@ -136,18 +136,18 @@ class Machine:
 
     def settle(self, turns=200_000):
         """Until nothing moves."""
-        self.app.turn()
+        self.app.cycle()
         while not self.controller.queue.still() or self.controller.machine.command is not None:
-            self.app.turn()
+            self.app.cycle()
             turns -= 1
             assert turns, "still busy: " + self.controller.state
-        self.app.turn()
+        self.app.cycle()
 
     def status(self):
         """The status report as a dict; "state" is its first field."""
         before = self.said()
         self.put("?")
-        self.app.turn()
+        self.app.cycle()
         text = [line for line in self.said() if line.startswith("<")][0]
         self.line.outgoing = "".join([line + "\r\n" for line in before]).encode() + self.line.outgoing
         fields = {"state": text[1:-1].split("|")[0], "text": text}

@@ -37,7 +37,7 @@ class Running:
     def _loop(self):
         try:
             while not self._stop:
-                self.app.turn()
+                self.app.cycle()
         except Exception as error:  # shown by the test that waits for it
             self.failed = error
 

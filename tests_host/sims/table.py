@@ -86,9 +86,9 @@ class Machine:
     def send(self, name, x=0, y=0):
         self.line.incoming += packet(COMMANDS[name], x, y)
 
-    def turns(self, count):
+    def cycles(self, count):
         for _ in range(count):
-            self.app.turn()
+            self.app.cycle()
         return self.answer()
 
     def answer(self):
@@ -100,7 +100,7 @@ class Machine:
         """Send a packet and run until it is answered; b"" if it is not within `turns`."""
         self.send(name, x, y)
         while turns and not self.line.outgoing:
-            self.app.turn()
+            self.app.cycle()
             turns -= 1
         return self.answer()
 

@@ -189,7 +189,7 @@ def test_status_while_drawing_tells_the_place_on_the_pins():
     machine.send(packet(COMMANDS["END"]))
     drawn = []
     while not machine.received():
-        machine.turn()
+        machine.cycle()
         place = [machine.plant.position[axis] - zero[axis] for axis in range(2)]
         assert machine.app.controller.position() == place
         drawn.append(machine.app.controller.features["drawing"].count_drawn())

@@ -89,7 +89,7 @@ def test_keys(board, job):
         panel.key("p")
         board.until(board.app.controller.machine.standing)
         client.ask_status()
-        panel.turn()
+        panel.cycle()
         gone = panel.seconds()
         assert "PAUSED: r resumes" in panel.text() and panel.seconds() == gone
         assert "Hold" in fields_of("<Hold:0|MPos:0,0,0>")["state"] and "line 0" in panel.text()
@@ -118,7 +118,7 @@ def test_progress_is_that_of_the_motion(job, prefix, numbered):
             client.real_time(b"!")
             running.until(running.app.controller.machine.standing)
             client.ask_status()
-            panel.turn()
+            panel.cycle()
             if numbered:
                 assert 4 <= panel._line < 9 and "100%" not in panel.text() and "–" not in panel.text()
             else:

@@ -1,7 +1,7 @@
 """The machine's owner: checks every command before anything moves, carries it out, tells what came of it.
 
     result = controller.accept(command)    # 0: done or begun; LATER: ask again; a number of errors: refused
-    controller.poll()                      # once a pass of the main loop
+    controller.poll()                      # once a cycle of the main loop
     for event in controller.take_events(): …
 
 Positions are steps from machine position zero, which is where the head stands after homing (before it: where it was
@@ -35,7 +35,7 @@ class Controller:
             commands.STOP: self._stop,
         })  # fmt: skip
         machine.join(features)
-        self._polls = hooks(features, "poll")  # here, and not at each pass: to fetch a method takes memory
+        self._polls = hooks(features, "poll")  # here, and not at each cycle: to fetch a method takes memory
         self._long = hooks(features, "poll_command")
         self._ends = hooks(features, "poll_end")
         self._lives = hooks(features, "live")
@@ -133,7 +133,7 @@ class Controller:
         return events
 
     def poll(self):
-        """One pass: every feature goes on with its work, what has ended is noticed, the motors' current is minded."""
+        """One cycle: every feature goes on with its work, what has ended is noticed, the motors' current is minded."""
         now_ms = self._port.machine_ms()
         for poll in self._polls:
             poll(now_ms)

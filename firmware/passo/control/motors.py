@@ -32,7 +32,7 @@ class Motors:
         self._ready_ms = 0
 
     def poll(self, now_ms, moving, tool):
-        """Once a main loop turn. `moving`: motion is under way or wanted; `tool`: where its end leaves the tool."""
+        """Once a cycle of the main loop. `moving`: motion is under way or wanted; `tool`: where its end leaves the tool."""
         if moving and not self._without or self._keep:
             self._since_ms = now_ms
             if self.state != RUNNING and not self._player.busy():

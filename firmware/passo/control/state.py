@@ -8,7 +8,7 @@ this record and the queue, and no other feature: what it wants of another one it
 
     handlers()              {kind of command: handler}; a handler returns as Controller.accept()
     batches()               {kind of batch: (open, accept, close)}: see Controller.open_batch()
-    poll(now_ms)            once a pass of the main loop
+    poll(now_ms)            once a cycle of the main loop
     poll_command(now_ms)    the same, while a long command is under way
     poll_end(still)         behind them; `still`: nothing is queued or plays
     active()                True while the axes are this feature's alone
@@ -66,7 +66,7 @@ class MachineState:
         self.dropping = False  # at the stand, what is left is dropped
         self.jogging = False
         self.active = False  # motion of a program has been queued and has not come to its end
-        self.fresh = False  # such motion was queued since the last pass
+        self.fresh = False  # such motion was queued since the last cycle
         self.drawing = False  # points are taken out of the point buffer
         self.coolant = 0  # as it should be, see COOLANT
         self.links = [link["name"] for link in board["links"]]

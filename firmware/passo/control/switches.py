@@ -20,7 +20,7 @@ class Switches:
         self._buttons = [(name, kind, self._sensor(name)) for name, kind in _BUTTONS if name in names]
         self._door = self._sensor("door") if inputs.door else None
         self._watched = self._to_watch()
-        self._seen = -1  # their states at the last pass, a bit each
+        self._seen = -1  # their states at the last cycle, a bit each
         self._calm = False  # they are as the sensors have them: until one changes there is nothing to do
         self._polled_ms = 0
 
@@ -31,7 +31,7 @@ class Switches:
         return sensor
 
     def _to_watch(self):
-        """Names of the inputs that a pass has to look at."""
+        """Names of the inputs that a cycle has to look at."""
         names = [name for name, _, _ in self._buttons]
         if self._door is not None:
             names.append("door")

@@ -1,4 +1,4 @@
-"""What the ports of all chips share: inputs and outputs, power, heartbeat, watchdog, and one turn of the feeder.
+"""What the ports of all chips share: inputs and outputs, power, heartbeat, watchdog, and one call of the feeder.
 
 A chip's Port adds the player, and the timer whose interrupt calls _feed(). If the main loop has not turned for 170 ms
 the feeder slows down to a stand, and the watchdog, once it runs, resets the chip after a second.
@@ -15,7 +15,7 @@ from passo.records import COUNT_MASK, TICKS_PER_MS
 
 _HEARTBEAT_MS = const(170)  # so that it stands within 200
 _WATCHDOG_MS = const(1000)
-_IDLE_MS = const(10)  # the longest turn while nothing is under way
+_IDLE_MS = const(10)  # the longest cycle while nothing is under way
 _FIRST_TICKS = 2 * TICKS_PER_MS  # of words are made before the player starts, and between two looks at it then
 _PULLS = {"up": Pin.PULL_UP, "down": Pin.PULL_DOWN, "none": None}
 
@@ -64,7 +64,7 @@ class ChipPort:
         self._timer = None
         self._watchdog = None
         self._aside = False  # the main loop makes words: the interrupt leaves the feeder alone
-        self._behind = False  # it has left out a turn
+        self._behind = False  # it has left out a call
         self._trip = None  # the halting input that has stopped the player, until the main loop has been told
         self._failed = None  # what an interrupt raised
         self._beat_ms = ticks_ms()
@@ -128,7 +128,7 @@ class ChipPort:
         return trip.name
 
     def wait(self, busy, fine=False):
-        """End a turn of the main loop: sleep a while, no longer than until a byte comes. Raises what an interrupt could not
+        """End a cycle of the main loop: sleep a while, no longer than until a byte comes. Raises what an interrupt could not
         deal with: it has halted the player."""
         if self._failed is not None:
             raise self._failed
@@ -143,10 +143,10 @@ class ChipPort:
                     return
             if ticks_diff(ticks_ms(), self._beat_ms) >= (1 if busy else _IDLE_MS):
                 return
-            idle()  # until an interrupt: a byte, the feeder's turn, or a millisecond
+            idle()  # until an interrupt: a byte, the feeder's call, or a millisecond
 
     def set_out(self, live):
-        """What is queued for a machine that stands moves off now, not only when the feeder's next turn comes. `live`:
+        """What is queued for a machine that stands moves off now, not only at the feeder's next call. `live`:
         what is under way may change at any moment."""
         self.lead_ticks = self._leads[live]
         ring = self._feeder.ring
@@ -163,7 +163,7 @@ class ChipPort:
     # --- what start.py asks for
 
     def guard(self):
-        """Start the watchdog: from now on the main loop has to turn."""
+        """Start the watchdog: from now on the main loop has to run."""
         if self._watchdog is None:
             self._watchdog = WDT(timeout=_WATCHDOG_MS)
 
@@ -205,7 +205,7 @@ class ChipPort:
                 self.power(0)  # a halting input came in between
 
     def _set_out(self, played):  # ISR: no allocation
-        """From a standstill, or a turn behind, the first words go out before the others are made: these are handed over in
+        """From a standstill, or a call behind, the first words go out before the others are made: these are handed over in
         small parts, so that the player never has to wait for the last of them."""
         feeder = self._feeder
         player = self._player

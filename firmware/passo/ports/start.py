@@ -101,11 +101,11 @@ class Start:
                 print("the last run ended by: reset, by program or by the watchdog")
 
     def run(self, app, port):
-        """Turn for ever; after the grace period the watchdog minds it."""
+        """Run for ever; after the grace period the watchdog minds it."""
         gc.collect()
         guarded = False
         while True:
-            if app.poll():  # app.turn() would cost stack, of which interrupts want theirs
+            if app.poll():  # app.cycle() would cost stack, of which interrupts want theirs
                 app.rest()
             if not guarded and ticks_diff(ticks_ms(), self._since_ms) > GRACE_MS:
                 guarded = True

@@ -10,7 +10,7 @@ Virtual time counts ticks of 80 ns from 0 and passes only in `wait`. How it pass
 
     "real"     with the wall clock; it may lag behind, it never skips
     "fast"     as "real" while nothing is pending; while motion, a dwell or an event of the world is, it jumps
-    "stepped"  a quantum a turn, whatever the wall clock says, which `link_ms` follows: tests are deterministic
+    "stepped"  a quantum a cycle, whatever the wall clock says, which `link_ms` follows: tests are deterministic
 
 The world sees electrical pin levels, polarity included, and each change with its tick. It has these methods:
 
@@ -35,9 +35,9 @@ from passo.records import COUNT_MASK, TICKS_PER_MS
 from passo.steps.wiring import inverted_pins, word_times
 
 TICK_NS = 80
-COARSE_TICKS = 8 * TICKS_PER_MS  # a turn in motion: well inside the 30 ms that the feeder keeps ahead
-FINE_TICKS = TICKS_PER_MS // 2  # a turn while homing: how finely sensors are sampled
-IDLE_MS = 5  # the longest sleep of an idle turn
+COARSE_TICKS = 8 * TICKS_PER_MS  # a cycle in motion: well inside the 30 ms that the feeder keeps ahead
+FINE_TICKS = TICKS_PER_MS // 2  # a cycle while homing: how finely sensors are sampled
+IDLE_MS = 5  # the longest sleep of an idle cycle
 LAG_TICKS = 100 * TICKS_PER_MS  # real time further behind than this is given up, not caught up with
 
 
@@ -45,7 +45,7 @@ class VirtualPort:
     """Port of the virtual board; see the module's text.
 
     `world` defaults to nothing at all wired. `lines` maps a link's name to an object with `read()` and `write(bytes)`;
-    a link that is not in it gets a `MemoryLine`. `sleep(ms)` is called in real and fast time when a turn has nothing
+    a link that is not in it gets a `MemoryLine`. `sleep(ms)` is called in real and fast time when a cycle has nothing
     to do; it may return early, for example when a byte has come.
     """
 
@@ -91,7 +91,7 @@ class VirtualPort:
         return self.world.input(self.now, name) == self._inputs[name]
 
     def tripped(self):
-        """The name of a halting input that is active, or None. They are looked at once a turn."""
+        """The name of a halting input that is active, or None. They are looked at once a cycle."""
         for name in self._halting:
             if self.input(name):
                 return name
@@ -115,7 +115,7 @@ class VirtualPort:
         return (wall_ns() // 1000000) & COUNT_MASK
 
     def wait(self, busy, fine=False):
-        """End a turn of the main loop. `busy`: motion, dwell or homing is pending; `fine`: a short turn."""
+        """End a cycle of the main loop. `busy`: motion, dwell or homing is pending; `fine`: a short cycle."""
         quantum = FINE_TICKS if fine else COARSE_TICKS
         pending = self.pending(busy)
         if self.mode == "stepped":

@@ -16,7 +16,7 @@ class Player:
 
     def __init__(self, port, ring, layout, pulse_ticks, min_word_ticks, invert):
         self.min_word_ticks = min_word_ticks
-        self.now = 0  # tick of the edge or turn under way
+        self.now = 0  # tick of the edge or cycle under way
         self._ring = ring
         self._layout = layout
         self._pulse_ticks = pulse_ticks

@@ -184,7 +184,7 @@ class Grbl:
         if not self._lines.take(data):
             for command in self._peel(data):
                 yield command
-            return  # the lines come with the next turn, in a batch or not
+            return  # the lines come with the next cycle, in a batch or not
         if self._lines.asked:
             yield self._ask()[0]
         most = self._most

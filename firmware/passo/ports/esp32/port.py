@@ -3,7 +3,7 @@
     port = Port(board)          # a checked board file
     app = App(board, port)
     while True:
-        app.turn()              # ends in port.wait()
+        app.cycle()              # ends in port.wait()
 
 All callbacks are soft here: see timer_player.py for what that costs. A halting input acts once the main loop gets to
 it, usually within a millisecond, within some tens where memory is being collected: an emergency stop belongs into the

@@ -3,7 +3,7 @@
     port = Port(board)          # a checked board file
     app = App(board, port)
     while True:
-        app.turn()              # ends in port.wait()
+        app.cycle()              # ends in port.wait()
 
 Words are made in a timer interrupt every 3 ms, 13 ms ahead, or 8 if a change has to show soon: neither the main
 loop nor its garbage collections delay a step. Halting inputs and serial lines come before it.
