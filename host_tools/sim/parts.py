@@ -89,6 +89,25 @@ class Barrier:
         self.due = self._chatter[-1] if self._chatter else NEVER
 
 
+class Noise:
+    """Turns the level of an input round for a while, again and again."""
+
+    def __init__(self, name):
+        self.name = name
+        self.flipped = 0
+        self.due = NEVER
+        self._ticks = []  # of the changes to come, the last one first
+
+    def add(self, ticks):
+        self._ticks = sorted(self._ticks + list(ticks), reverse=True)
+        self.due = self._ticks[-1] if self._ticks else NEVER
+
+    def run(self):
+        self._ticks.pop()
+        self.flipped ^= 1
+        self.due = self._ticks[-1] if self._ticks else NEVER
+
+
 class Solenoid:
     """The pen's solenoid: the pen arrives, down (1000) or up (0), `on_ticks` or `off_ticks` after its pin changes."""
 

@@ -21,7 +21,7 @@ The board file gives axes, drive, polarity, travel and pen delays; what it canno
 import random
 
 from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
-from host_tools.sim.parts import NEVER, Barrier, Carriage, Solenoid
+from host_tools.sim.parts import NEVER, Barrier, Carriage, Noise, Solenoid
 
 TICKS_PER_MS = 12_500
 MARGIN_MM = 10  # from the end of the travel, and from the barrier's edge, to the hard end
@@ -37,6 +37,7 @@ class Plant:
         self.tool = 0  # 0 … 1000, once it has arrived
         self.trace = None  # told row(tick, position, tool) at each step and each arrival of the tool
         self.pins = None  # told changed(tick, name, level) at each change of an input
+        self._listeners = []  # called with the same
         self._board = board
         self._power = 0 if (board.get("spindle") or {}).get("pwm") else 1000
         self._levels = {item["name"]: 1 - item.get("active", 1) for item in board.get("inputs", ())}
@@ -52,6 +53,8 @@ class Plant:
         self._due = NEVER
         self._build_carriages(start)
         self._build_barriers(bounce_ms, dict(faults or {}))
+        self._rest_inputs()
+        self.noise = {}  # what is injected on inputs, by name
         self._solenoid = Solenoid(
             board["tool"].get("on_ms", 0) * TICKS_PER_MS, board["tool"].get("off_ms", 0) * TICKS_PER_MS
         )
@@ -86,6 +89,7 @@ class Plant:
         names = [axis["name"] for axis in self._board["axes"]]
         self.barriers = {}
         self._watching = [None] * len(names)  # the barrier of each axis
+        self._others = {}  # of an axis with more of them
         for axis, sensor in homing.get("sensors", {}).items():
             high = axis in homing.get("high_end", "")
             barrier = Barrier(
@@ -97,12 +101,34 @@ class Plant:
                 random.Random(self._random.random()),
                 high,
             )
-            self.barriers[sensor] = barrier
-            self._watching[names.index(axis)] = barrier
-            self._levels[sensor] = self._level(barrier, 0)
+            self._place(sensor, names.index(axis), barrier)
+        margin = MARGIN_MM // 2
+        for direction, limit in ((self._board.get("interlock") or {}).get("limits") or {}).items():
+            if limit in self.barriers:
+                continue  # home and limit on one switch
+            number = names.index(direction[0])
+            high = direction[1] == "+"
+            carriage = self.carriages[number]
+            beyond = self._board["axes"][number]["steps_per_m"] * margin // 1000
+            edge = carriage.high - beyond if high else carriage.low + beyond
+            barrier = Barrier(
+                limit, edge, self.position[number], bounce_ms * TICKS_PER_MS, faults.pop(limit, None),
+                random.Random(self._random.random()), high,
+            )  # fmt: skip
+            self._place(limit, number, barrier)
         if faults:
             known = ", ".join(self.barriers) or "none"
             raise ValueError(f"faults: there is no barrier {', '.join(faults)}; the machine has {known}")
+
+    def _rest_inputs(self):
+        """What a machine's interlock wants active at rest is: a drive is good, the selector stands at this board."""
+        section = self._board.get("interlock")
+        if not section:
+            return
+        masks = section["masks"]
+        for number, item in enumerate(self._board["inputs"]):
+            if masks["fall"] >> number & 1 and not masks["rise"] >> number & 1:
+                self._levels[item["name"]] = item["active"]
 
     # --- wired to the pins: see passo.ports.virtual for these methods' meaning
 
@@ -155,11 +181,28 @@ class Plant:
                     if barrier is not None and (at <= barrier.last) != barrier.below:
                         barrier.cross(tick)
                         self._show(tick, barrier)
+                    if i in self._others:
+                        self._cross(tick, i, at)
         if moved and self.trace is not None:
             self.trace.row(tick, self.position, self.tool)
         if changed & self._tool_mask:
             self._solenoid.drive(tick, levels & self._tool_mask != self._tool_off)
             self._plan()
+
+    def _cross(self, tick, axis, at):
+        for barrier in self._others[axis]:
+            if (at <= barrier.last) != barrier.below:
+                barrier.cross(tick)
+                self._show(tick, barrier)
+
+    def _place(self, name, axis, barrier):
+        """`barrier` watches an axis, which may have one at either end."""
+        self.barriers[name] = barrier
+        if self._watching[axis] is None:
+            self._watching[axis] = barrier
+        else:
+            self._others.setdefault(axis, []).append(barrier)
+        self._levels[name] = self._level(barrier, 0)
 
     def power(self, tick, level):
         """The tool's analogue power, which counts while the tool is on."""
@@ -177,9 +220,8 @@ class Plant:
         """The electrical level of an input; one that watches no axis rests inactive."""
         if tick >= self._due:
             self.run(tick)
-        if name in self.barriers:
-            return self._level(self.barriers[name], tick)
-        return self._levels[name]
+        level = self._level(self.barriers[name], tick) if name in self.barriers else self._levels[name]
+        return level ^ self.noise[name].flipped if name in self.noise else level
 
     def run(self, tick):
         """Let the barriers' chatter and the solenoid's arrival happen, in their order, up to `tick`."""
@@ -190,6 +232,8 @@ class Plant:
                     part.run()
                     if part is self._solenoid:
                         self._arrive(due)
+                    elif isinstance(part, Noise):
+                        self._tell(due, part.name)
                     else:
                         self._show(due, part)
             self._plan()
@@ -202,9 +246,31 @@ class Plant:
     def set_input(self, tick, name, active):
         """Hold an input that is no barrier (a button, a limit switch) active or not."""
         level = self._active(name) if active else 1 - self._active(name)
-        self._levels[name] = level
+        if level != self._levels[name]:
+            self._levels[name] = level
+            self._tell(tick, name)
+
+    def listen(self, callback):
+        """Call callback(tick, name, level) at each change of an input."""
+        self._listeners.append(callback)
+
+    def inject(self, name, ticks):
+        """Noise on a wire: the level of an input is the other one from the first of `ticks` to the second, from the third to the
+        fourth, and so on."""
+        if name not in self.noise:
+            self.noise[name] = Noise(name)
+            self._parts.append(self.noise[name])
+        self.noise[name].add(ticks)
+        self._plan()
+
+    def _tell(self, tick, name):
+        level = self._levels[name]
+        if name in self.noise:
+            level ^= self.noise[name].flipped
         if self.pins is not None:
             self.pins.changed(tick, name, level)
+        for callback in self._listeners:
+            callback(tick, name, level)
 
     def report(self, tick, text):
         """Record something that a real machine could not have followed."""
@@ -244,8 +310,7 @@ class Plant:
         level = self._level(barrier, tick)
         if level != self._levels[barrier.name]:
             self._levels[barrier.name] = level
-            if self.pins is not None:
-                self.pins.changed(tick, barrier.name, level)
+            self._tell(tick, barrier.name)
         self._plan()
 
     def _plan(self):

@@ -33,6 +33,7 @@ class VcdTap:
         plant.pins = self
         self.run = plant.run
         self.next_event = plant.next_event
+        self.listen = plant.listen
         self._pass_edges = plant.edges
 
     def attach(self, tick, names, levels):
