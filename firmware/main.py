@@ -35,6 +35,8 @@ def main():
         forget("board")
         forget("passo.control.boardfile")
         forget("passo.control.chip_pins")
+        if board["interlock"]:
+            forget("passo.control.interlock_table")
         from passo.machine_builder import load_all
 
         load_all(board, start.whole)

@@ -73,7 +73,7 @@ class App:
         port.board = board  # pins follow the settings
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)))
         self.player = port.player(self.ring, self.layout)
-        inverted = bool(settings.turned(ENABLE_INVERT))
+        inverted = bool(settings.turned(ENABLE_INVERT)) and not board["interlock"]  # which knows the board file's only
         self._motors = Motors(port, self.player, self.layout, self._drive, off_levels, board, inverted)
         queue = self._make_queue(machine_builder, settings, "program" in names)
         serials = [port.serial(link) for link in board["links"]]
@@ -127,7 +127,7 @@ class App:
             return False
         tripped = self.port.tripped()
         if tripped and not self.controller.machine.alarm:
-            self.controller.raise_alarm(errors.ALARM_HARD_LIMIT, tripped)
+            self.controller.stopped_by(tripped)
         self.controller.poll()
         self._answer()
         if self.interrupt and not heard and self._coming():

@@ -71,6 +71,7 @@ TEXTS = {
     errors.RETURN_OR_CONTINUE: "moved by hand: return the way back, or continue from here",
     errors.PASSES: "a step program is repeated 1 … 100 times",
     errors.DRIVES_OFF: "the drives have been switched off by hand: switch them on first",
+    errors.INTERLOCKED: "the interlock forbids it: the log names the input",
     errors.NO_MEMORY: "no memory is left for arcs: the board file's speeds take it",
     errors.ALARM_LOCKED: "locked: where the machine stands is not known until it is homed",
     errors.ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit: the position may be lost",
@@ -83,6 +84,7 @@ TEXTS = {
     errors.ALARM_SENSOR_STUCK: "homing: a sensor stays active though the head has left it",
     errors.ALARM_SENSOR_DEAD: "homing: a sensor was not found within the travel",
     errors.ALARM_TWO_MOTORS: "homing: the second motor's switch was not found",
+    errors.ALARM_INTERLOCK: "the interlock has stopped the machine: the log names the input; the position may be lost",
 }
 
 

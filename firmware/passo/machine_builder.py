@@ -21,6 +21,7 @@ _OF_WHOLE = ("motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse
 # asks for it. A feature is also made if a language of the board's links names it in its NEEDS; what nobody asks for is neither
 # loaded nor, but for those with a rule, in the build.
 FEATURES = (
+    ("interlock", "InterlockWatch", lambda board: board["interlock"]),
     ("switches", "Switches", lambda board: board["inputs"]),
     ("homing", "Homing", lambda board: board["homing"]),
     ("drawing", "Drawing", None),

@@ -234,7 +234,7 @@ FEED_KIND = const(29)  # of the block under way, as ROW_KIND
 FEED_BEGINS = const(30)  # 1: it has no segment yet
 FEED_PLACE = const(31)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
 
-# A mark of Feeder._marks: a checkpoint at the end of a segment. Then the position, of each axis.
+# A mark of Feeder.marks: a checkpoint at the end of a segment. Then the position, of each axis.
 MARK_WORD = const(0)  # words so far, modulo 2²⁹
 MARK_TICKS = const(1)
 MARK_INDEX = const(2)
@@ -253,6 +253,19 @@ POWER_FIELDS = const(2)
 POWER_MOST = const(1000)
 POWER_UNKNOWN = const(2000)
 POWER_SIZE = const(128)  # marks, a power of two: at most one a segment
+
+# The interlock's masks: a bit for each direction of an axis (2 · axis forward, the next back: 8 bits), then:
+INTERLOCK_TOOL = const(0x100)
+INTERLOCK_OUTPUTS = const(0x200)  # the first of the board file's outputs
+
+# A table of the interlock, made by control/interlock_table.py: these, then PERMIT_FIELDS numbers a product.
+PERMIT_PRODUCTS = const(0)  # how many
+PERMIT_GATED = const(1)  # mask of all that the table is about, INTERLOCK_…
+PERMIT_FIRST = const(2)
+PERMIT_CARE = const(0)  # of a product: the inputs that it looks at, a bit each
+PERMIT_VALUE = const(1)  # how these must be
+PERMIT_ALLOWS = const(2)  # what it then allows
+PERMIT_FIELDS = const(3)
 
 FARTHEST = const(0x1FFFFFFF)  # position in steps, and one of a line of G-code in nm
 BIAS = const(0x20000000)  # makes it positive

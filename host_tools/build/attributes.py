@@ -11,7 +11,7 @@ only, and those that tests and benches read on the board.
 
 import ast
 
-ASKED_FOR = {"_bytes", "_lines", "_marks", "_timer", "_trip"}
+ASKED_FOR = {"_bytes", "_lines", "_timer", "_trip"}
 
 
 def shortened(texts):

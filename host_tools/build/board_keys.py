@@ -15,6 +15,11 @@ SECTIONS = {
     "inputs": ("inputs", "A list of switches and sensors. What each does depends on its [name](#names-with-a-meaning)."),
     "outputs": ("outputs", "A list of outputs. What each does depends on its [name](#names-with-a-meaning) or role."),
     "homing": ("homing", "Sensors to find zero with, and how."),
+    "interlock": (
+        "interlock",
+        "What inputs forbid: steps in a direction, outputs, the tool. See [interlock](interlock.md). What it names has the polarity "
+        "of the board file; `$4` and `$5` change nothing.",
+    ),
     "speed": ("speed", "Speeds of the plotter's and the torch's languages, in steps. G-code uses `max_mm_min`."),
     "planning": ("planning", "How paths are joined."),
     "spindle": ("spindle", "Range and analogue power of the tool, for G-code's S."),
@@ -57,6 +62,8 @@ MEANINGS = {
     "tool.off_ms": "Wait after switching off, ms.",
     "inputs.name": "Its name.",
     "inputs.pin": "Its pin.",
+    "inputs.filter_us": "Input of the interlock: a change that does not last so long is a glitch, and only counted, µs. A true one "
+    "acts that much later.",
     "inputs.active": "Level at which the input counts as active. 1 with a switch that opens when hit: a broken wire reads as a hit.",
     "inputs.pull": "The chip's own pull resistor.",
     "inputs.halt": "Becoming active stops the steps in an interrupt, within microseconds (ESP32: milliseconds), and raises "
@@ -74,6 +81,14 @@ MEANINGS = {
     "homing.required": "Plotter, torch, pulses, keys: refuse motion before homing. G-code asks for it by `$22`.",
     "homing.order": "Order of the axes, `\"zxy\"`; empty: as in `axes`.",
     "homing.high_end": "Axes that home at the positive end of their travel, `\"z\"`. `$23` overrides it.",
+    "interlock.rows": "`{name: sum of products}`: when something may be, or what the hardware does.",
+    "interlock.signals": "`{signal: meaning}`: another name of an input; what the board asks for: `x.step`, `x.dir` … of an axis, "
+    "`tool`, an output.",
+    "interlock.elsewhere": "Signals that this board does not see, separated by blanks. They count as 0.",
+    "interlock.limits": "`{\"x+\": input}`: the limit at each end. It forbids steps that way; alarm 201, letters in reports.",
+    "interlock.release_ms": "What a change of an input allows again is allowed once it has lasted so long.",
+    "interlock.unasked_ms": "Outputs that a row switches on though the board does not ask go on once inputs and machine have been at "
+    "rest for so long; 0: never. Never the tool.",
     "speed.unit": "`steps_per_s`: along the path. `half_period_us`: half the time of a step of the axis with most steps, as the "
     "plotter of 2014 had it.",
     "speed.default": "Speed until a language sets another, in `unit`.",

@@ -101,12 +101,23 @@ def entry_text(ms, number, who):
     return f"{ms / 1000:12.3f} s  {who:<10} {number:>3}  {error_texts.text(number)}"
 
 
+def pin_text(name, active, trips, glitches, at_ms, lasted_ms):
+    """An input of the interlock: what it has done since the start."""
+    text = f"input {name}: {'active' if active == '1' else 'inactive'}, stopped the machine {trips} times, {glitches} glitches"
+    if int(at_ms):
+        lasted = "and still is" if lasted_ms == "-1" else f"for {int(lasted_ms) / 1000:.3f} s"
+        text += f"; last became active at {int(at_ms) / 1000:.3f} s, {lasted}"
+    return text
+
+
 def shown(line):
     """A line of $LOG as people read it; None for any other."""
     name, _, fields = line.strip("[]").partition(":")
     if name == "LOG":
         ms, number, who = fields.split(",", 2)
         return entry_text(int(ms), int(number), who)
+    if name == "PIN":
+        return pin_text(*fields.rsplit(",", 5))
     if name == "LOGGED":
         counts = [part.split("x") for part in fields.split(",") if part]
         return "since the start: " + (", ".join(f"{count} times {number}" for count, number in counts) or "nothing")

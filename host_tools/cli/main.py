@@ -11,6 +11,7 @@ from host_tools.cli.check import check
 from host_tools.cli.draw import draw
 from host_tools.cli.emulate import emulate
 from host_tools.cli.flash import flash
+from host_tools.cli.interlock import interlock
 from host_tools.cli.keys import keys
 from host_tools.cli.link import link
 from host_tools.cli.log import log
@@ -85,7 +86,7 @@ def explain_missing(name):
     return None
 
 
-for _verb in (board, emulate, draw, send, stream, keys, check, settings, link, log, plot, ports, build, flash):
+for _verb in (board, emulate, draw, send, stream, keys, check, settings, link, log, interlock, plot, ports, build, flash):
     app.command()(_verb)
 app.add_typer(pulses, name="pulses")
 app.add_typer(torch, name="torch")

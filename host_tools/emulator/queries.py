@@ -19,7 +19,7 @@ BUFFER_BYTES = 127  # of a grbl, as senders count it
 _ASK = """
 from array import array
 from passo.steps.position_viper import find
-state, marks = feeder.state, feeder._marks
+state, marks = feeder.state, feeder.marks
 place = array("i", [0] * {each})
 asked = array("i", [0] * ({each} * {count}))
 def ask():

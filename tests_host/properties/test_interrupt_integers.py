@@ -105,7 +105,7 @@ def test_counters_wrap():
     rig = small_rig("unipolar half", 2)
     rig.ring.head = rig.played = Small(COUNT_MASK - 40)
     rig.feeder._reset(rig.played)
-    state, marks = rig.feeder.state, rig.feeder._marks
+    state, marks = rig.feeder.state, rig.feeder.marks
     state[FEED_TICKS] = COUNT_MASK - 5000
     marks[state[FEED_OLDEST] * (MARK_FIELDS + 2) + MARK_TICKS] = state[FEED_TICKS]
     state[FEED_PLACE] = (1 << 28) - 20

@@ -252,6 +252,7 @@ ASSIGNED = {
     "dynamic": "the planner's, of the blocks added from now on",
     "gap": "of one walker of a step program, handed to the other",
     "running": "of axes that run independently, before they are queued",
+    "start": "the interlock looks at words before the player gets them",
     "late": "the feeder's count of interrupts that came too late",
     "board": "the port's pins follow the settings: App hands it the board dict that these keep",
     "max_steps_s": "known only when the player is made, whose ring the settings' speeds decide",

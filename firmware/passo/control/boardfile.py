@@ -21,6 +21,7 @@ _INPUT = {
     "active": _BIT,
     "pull": ("up", "down", "none"),
     "halt": (bool, False, 0, 1),  # becoming active stops the machine at once: emergency stop, limit switch
+    "filter_us": (int, 0, 0, 2000),  # of an input of the interlock: what does not last so long is noise
 }
 _OUTPUT = {"name": (str, MUST, 1, 16), "pin": _PIN, "active": _BIT, "role": ("none", "ours", "theirs")}  # changeover.py's
 _AXIS = {
@@ -92,6 +93,15 @@ _STEP_PROGRAM = {
     "port_bits": (str, "76543210", 8, 8),
     "port_invert": (int, 0, 0, 255),
 }
+# What interlock_table.py compiles; behind check() there is "masks" in the place of rows, signals and elsewhere.
+_INTERLOCK = {
+    "rows": (dict, {}, 0, 40),
+    "signals": (dict, {}, 0, 40),
+    "elsewhere": (str, "", 0, 400),
+    "limits": (dict, {}, 0, 8),
+    "release_ms": (int, 20, 1, 1000),  # what a changed input allows is allowed once it has lasted so long
+    "unasked_ms": (int, 0, 0, 60_000),  # so long at rest before outputs go on that rows switch on by themselves; 0: never
+}
 _LINK = {
     "name": (str, MUST, 1, 16),
     "port": (str, MUST, 1, 16),
@@ -110,9 +120,10 @@ _BOARD = {
     "drive": _DRIVE,
     "axes": [_AXIS, 1, 4],
     "tool": _TOOL,
-    "inputs": [_INPUT, 0, 16],
+    "inputs": [_INPUT, 0, 24],
     "outputs": [_OUTPUT, 0, 16],
     "homing": _HOMING,
+    "interlock": _INTERLOCK,
     "speed": _SPEED,
     "planning": _PLANNING,
     "spindle": _SPINDLE,
@@ -125,8 +136,8 @@ _BOARD = {
     "links": [_LINK, 1, 4],
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
-_OPTIONAL = ("homing", "jog", "planning", "spindle", "step_program")
-_ABSENT = ("homing", "step_program")  # None where the board file has none
+_OPTIONAL = ("homing", "interlock", "jog", "planning", "spindle", "step_program")
+_ABSENT = ("homing", "interlock", "step_program")  # None where the board file has none
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
@@ -141,6 +152,7 @@ def check(board):
     _check_homing(board)
     _check_links(board)
     _check_step_program(board)
+    _check_interlock(board)
     if board["drive"]["kind"] == "pbl3770a" and board["drive"]["mode"] == "wave":
         raise BoardError("drive.mode: a pbl3770a has no wave drive; 'half' or 'full'")
     speed = board["speed"]
@@ -164,8 +176,8 @@ def _value(where, data, key, rule):
         part = data.get(key)
         if part is None and key not in _OPTIONAL:
             raise BoardError("%s: missing" % where)
-        if part is None and key in _ABSENT:
-            return None
+        if part is None and key in _ABSENT or isinstance(part, dict) and "masks" in part:
+            return part  # compiled already
         return _section(where, part or {}, rule)
     if isinstance(rule, list):
         return _list(where, data, key, rule)
@@ -280,6 +292,20 @@ def _check_step_program(board):
     bits = config["port_bits"].replace("-", "")
     if len(set(bits)) != len(bits) or set(bits) - set("01234567"):
         raise BoardError("step_program.port_bits: each of 0 … 7 once at most, and - for none, not %r" % config["port_bits"])
+
+
+def _check_interlock(board):
+    section = board["interlock"]
+    if section is None:
+        for item in board["inputs"]:
+            if item["filter_us"]:
+                raise BoardError("input %s: filter_us is for inputs of the interlock; there is none" % item["name"])
+    elif "masks" not in section:
+        from passo.control import interlock_table  # most boards have none
+
+        section["masks"] = interlock_table.compile_rows(board)
+        for key in ("rows", "signals", "elsewhere"):
+            del section[key]
 
 
 def _check_homing(board):

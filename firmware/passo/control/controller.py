@@ -172,6 +172,12 @@ class Controller:
     def raise_alarm(self, number, who=None):
         self.machine.raise_alarm(number, who)
 
+    def stopped_by(self, name):
+        """An input has stopped the player: one that halts, or one that the interlock looks at."""
+        machine = self.machine
+        limit = machine.interlock is None or machine.interlock.stops(name)
+        machine.raise_alarm(errors.ALARM_HARD_LIMIT if limit else errors.ALARM_INTERLOCK, name)
+
     def shut_down(self):
         """Stop at once, forget all work, outputs safe. The position is no longer known."""
         self.machine.shut_down()

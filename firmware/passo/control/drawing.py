@@ -136,6 +136,9 @@ class Drawing:
             at = queue.target[axis]
             if not min(low, at) <= target[axis] <= max(high, at):
                 return errors.JOG_TRAVEL
+        refusal = machine.barred(command.target)
+        if refusal:
+            return refusal
         if not queue.room():
             return LATER
         machine.jogging = True

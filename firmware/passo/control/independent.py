@@ -108,6 +108,9 @@ class Independent:
             return errors.BUSY
         else:
             self._set_limits()
+        error = machine.barred(command.steps)
+        if error:
+            return error
         limited = machine.homed and machine.settings.value(table.SOFT_LIMITS)
         intervals = []
         for axis in range(len(command.steps)):

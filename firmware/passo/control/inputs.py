@@ -22,6 +22,10 @@ class Inputs:
             if name in names:
                 self.limits.append((axis["name"].upper(), name))
         self.names = [name for _, name in self.limits]
+        if board["interlock"]:  # it watches the limits, and the board file alone says when they are active
+            limits = board["interlock"]["limits"]
+            self.limits = [(axis[0].upper(), limits[axis]) for axis in sorted(limits)]
+            self.names = []
 
     def read(self, name):
         """True while the input is active; the settings can turn limits and probe round."""

@@ -65,7 +65,7 @@ class LineBatches:
         if (
             machine.command is not None or machine.alarm or machine.sleeping or machine.checking or machine.detached
             or machine.jogging or machine.drawing or machine.dropping or machine.occupied()
-            or not self._planner.accelerates
+            or not self._planner.accelerates or machine.interlock is not None and machine.interlock.denied
         ):  # fmt: skip
             return False
         queue = self._queue

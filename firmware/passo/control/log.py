@@ -9,6 +9,7 @@ class Log:
     def __init__(self):
         self.entries = []  # (machine milliseconds, number, who), oldest first, at most 32
         self.last = 0  # the latest number nobody has read; 0: none
+        self.pins = None  # a function: what the interlock's inputs have done; None: there is none
         self.counts = {}  # of each number: how many times since the start
 
     def add(self, now_ms, number, who=""):

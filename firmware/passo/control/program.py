@@ -70,11 +70,30 @@ class Program(LineBatches):
         if not self._reachable(command):
             machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
             return errors.JOG_TRAVEL
+        if machine.interlock is not None and machine.interlock.denied:
+            if self._forbidden(command, False):  # what is queued before it may lead out of it
+                return self._forbidden(command) if machine.settle() else LATER
         if command.also:
             error = self._refusal(command)
             if error:
                 return error
         return self._checked(command) if machine.checking else self._begin(command)
+
+    def _forbidden(self, command, note=True):
+        """0, or why the interlock forbids a motion; of an arc's plane it must allow both directions."""
+        machine = self._machine
+        if machine.checking:
+            return 0
+        deltas = self._queue.deltas(command.target)
+        error = machine.barred(deltas, command.tool, note)
+        if command.kind == commands.ARC:
+            for axis in (command.first, command.second):
+                for sign in (1, -1):
+                    deltas[axis] = sign
+                    error = error or machine.barred(deltas, False, note)
+        for motion in command.also:
+            error = error or machine.barred([to - at for to, at in zip(motion.target, command.target)], False, note)
+        return error
 
     def _checked(self, command):
         """What is only checked leads somewhere all the same."""
@@ -137,6 +156,9 @@ class Program(LineBatches):
             return LATER if machine.dropping else errors.BUSY
         if not self._reachable(command):
             return errors.JOG_TRAVEL
+        error = self._forbidden(command)
+        if error:
+            return error
         result = self._begin(command)
         machine.jogging = machine.jogging or result == 0
         return result
@@ -244,6 +266,9 @@ class Program(LineBatches):
             return errors.JOG_TRAVEL
         if machine.inputs.touched() != bool(command.value & _PROBE_AWAY):
             return self._missed(command, errors.ALARM_PROBE_STATE)
+        error = self._forbidden(command)
+        if error:
+            return error
         self._touch = None
         error = self._queue_motion(command)
         if error:

@@ -53,6 +53,7 @@ class MachineState:
         self.port = port
         self.inputs = Inputs(board, settings, port)
         self.log = Log()
+        self.interlock = getattr(port, "interlock", None)  # of the port, if the board file has one
         self.about = ""  # what the port says of itself, for who asks
         self.homed = False
         self.alarm = 0
@@ -158,6 +159,19 @@ class MachineState:
         if self.detached:
             return errors.NO_MOTORS
         return errors.NOT_HOMED if self._homing_first and not self.homed else 0
+
+    def barred(self, steps, tool=False, note=True):
+        """0, or INTERLOCKED if the interlock forbids steps of these signs now (None or 0: none), or the tool. `note`: log the
+        input."""
+        interlock = self.interlock
+        if interlock is None or not interlock.denied:
+            return 0
+        wrong = interlock.refusal(steps, tool)
+        if not wrong:
+            return 0
+        if note:
+            self.note(errors.INTERLOCKED, interlock.blamed(wrong))
+        return errors.INTERLOCKED
 
     def gate(self):
         """0, LATER, or the error of a command that waits for the motion before it."""
@@ -268,7 +282,7 @@ class MachineState:
             # It comes to its stand as it should: where it is remains known.
             self.drop_at_stand()
             self.forget()
-        elif number == errors.ALARM_HARD_LIMIT or number == errors.ALARM_RESET:
+        elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET):
             self.abort()
             self.forget()
             self.homed = False

@@ -128,6 +128,9 @@ class StepProgramOrders(StepProgramIntake):
         place = [at + by for at, by in zip(queue.target, command.target)]
         if machine.homed and machine.settings.value(table.SOFT_LIMITS) and not queue.inside(place):
             return errors.JOG_TRAVEL
+        refusal = machine.barred(command.target)
+        if refusal:
+            return refusal
         for axis in range(len(command.target)):
             steps = command.target[axis]
             if steps and not self._manual.append(run(1 << axis, (steps < 0) << axis, abs(steps))):

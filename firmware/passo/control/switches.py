@@ -16,7 +16,7 @@ class Switches:
         self._sensors = []
         self._settings_of = settings.version  # that the sensors are of
         names = [item["name"] for item in board["inputs"]]
-        self._limits = [(name, self._sensor(name)) for _, name in inputs.limits]
+        self._limits = [(name, self._sensor(name)) for _, name in inputs.limits if name in inputs.names]
         self._buttons = [(name, kind, self._sensor(name)) for name, kind in _BUTTONS if name in names]
         self._door = self._sensor("door") if inputs.door else None
         self._watched = self._to_watch()

@@ -86,6 +86,10 @@ class Tools:
             if result:
                 return result
         if not machine.checking:
+            if command.value != OFF:
+                result = machine.barred((), True)
+                if result:
+                    return result
             turned = command.value != self.spindle
             self.spindle = command.value
             self.power = command.power if command.value != OFF else 0

@@ -18,6 +18,7 @@ The world sees electrical pin levels, polarity included, and each change with it
     edges(tick, levels, changed)    the player's pins changed: all levels, and the mask of those that changed
     output(tick, name, level)       another output changed
     input(tick, name) -> level      what an input reads
+    listen(callback)                call callback(tick, name, level) as an input changes; only where the world has this method
     power(tick, level)              the tool's analogue power changed, 0 … 1000; only where the world has this method
     run(tick)                       let the world's own events up to `tick` happen
     next_event() -> tick or None    when the next of them is due
@@ -68,6 +69,12 @@ class VirtualPort:
         self._outputs = {}
         for entry in board.get("outputs", ()):
             self._outputs[entry["name"]] = entry.get("active", 1)
+        self._trip = None  # what has stopped the player, until the main loop has been told
+        self.interlock = None
+        if board.get("interlock"):
+            from passo.ports.virtual_interlock import VirtualInterlock
+
+            self.world = self.interlock = VirtualInterlock(board, self, self.world)
         self._anchor()
 
     def player(self, ring, layout):
@@ -78,6 +85,9 @@ class VirtualPort:
 
     def feed_from_interrupt(self, feeder, player):
         """There are no interrupts here: the main loop fills the ring itself."""
+        self._tool_mask = feeder.layout.tool_mask
+        if self.interlock is not None:
+            self.interlock.join(feeder, player)
         return False
 
     def serial(self, link):
@@ -91,7 +101,12 @@ class VirtualPort:
         return self.world.input(self.now, name) == self._inputs[name]
 
     def tripped(self):
-        """The name of a halting input that is active, or None. They are looked at once a cycle."""
+        """The name of a halting input that is active, or of what the interlock has stopped the player for; or None. Halting
+        inputs are looked at once a cycle."""
+        trip = self._trip
+        self._trip = None
+        if trip is not None:
+            return trip.name
         for name in self._halting:
             if self.input(name):
                 return name
@@ -100,11 +115,38 @@ class VirtualPort:
     def output(self, name, on):
         """Switch an output of the board file on or off."""
         active = self._outputs[name]
+        if self.interlock is not None:
+            on = self.interlock.output(name, on)
+            self.interlock.output_pin(self.now, name, active if on else 1 - active)
+            return
         self.world.output(self.now, name, active if on else 1 - active)
 
     def power(self, level):
         """Show the tool's analogue power, 0 … 1000, at once."""
         self._player.show_power(self.now, level)
+
+    # --- what the interlock asks for, where there is one
+
+    def states(self):
+        """The inputs in the board file's order, a bit each: 1 active."""
+        return self.interlock.raw(self.now)
+
+    def lit(self):
+        """True while the tool's pin is on."""
+        return bool(self._player.levels() & self._tool_mask)
+
+    def cut(self, mask):
+        """Switch off the outputs of `mask`, INTERLOCK_…."""
+        self.interlock.put(max(self.now, self._player.now), mask, 0)
+
+    def show(self, mask):
+        """Switch on the outputs of `mask`."""
+        self.interlock.put(self.now, mask, 1)
+
+    def trip(self, item):
+        """Stop the player; tripped() tells for what."""
+        self._trip = item
+        self._player.halt()
 
     def machine_ms(self):
         return (self.now // TICKS_PER_MS) & COUNT_MASK

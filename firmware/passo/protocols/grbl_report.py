@@ -53,8 +53,11 @@ def masks(settings):
 
 def log(log):
     """The lines of $LOG, the oldest first: milliseconds, number, which link or input; then how many times each number
-    has been since the start."""
+    has been since the start; of an interlock a line an input: name, active, how often it stopped the machine, glitches, when it
+    last became active, milliseconds it was so (-1: it still is)."""
     lines = ["[LOG:%d,%d,%s]\r\n" % (ms, number, who or "") for ms, number, who in log.entries]
+    if log.pins:
+        lines += ["[PIN:%s,%d,%d,%d,%d,%d]\r\n" % pin for pin in log.pins()]
     counts = ["%dx%d" % (log.counts[number], number) for number in sorted(log.counts)]
     return "".join(lines) + "[LOGGED:%s]\r\n" % ",".join(counts)
 
@@ -242,3 +245,5 @@ class Status:
         accessories = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
         if accessories:
             self._tell(("|A:%s\0" % accessories).encode(), 0)
+        if "glitches" in report and report["glitches"]:
+            self._tell(("|Gl:%d\0" % report["glitches"]).encode(), 0)

@@ -51,7 +51,7 @@ class Feeder(Position):
         self._found = array("i", [0] * axes)  # for who asks where the machine is
         self._stepping = 0
         self._stride = MARK_FIELDS + axes
-        self._marks = zeros(MARKS * self._stride)
+        self.marks = zeros(MARKS * self._stride)
         state = self.state = array("i", [0] * (FEED_PLACE + axes))
         state[FEED_BITS] = layout.bits
         state[FEED_AXES] = axes
@@ -67,7 +67,7 @@ class Feeder(Position):
         if drive is not None:
             ring.words[ring.mask] = drive.levels()  # the pins before the first word
         self._arrays = (  # fetched at once; the bound method too, which would allocate
-            self._marks, ring.words, planner.rows, planner.scratch, planner.indices, planner.line_state, ring.power.marks,
+            self.marks, ring.words, planner.rows, planner.scratch, planner.indices, planner.line_state, ring.power.marks,
             self.settle,
         )  # fmt: skip
         self._reset(0)
@@ -83,7 +83,7 @@ class Feeder(Position):
         state[FEED_HEAD] = played
         state[FEED_DEBT] = state[FEED_TICKS] = state[FEED_INDEX] = state[FEED_PACE] = 0
         state[FEED_OLDEST] = state[FEED_NEWEST] = 0
-        marks = self._marks
+        marks = self.marks
         marks[MARK_WORD] = played
         marks[MARK_TICKS] = marks[MARK_INDEX] = marks[MARK_PACE] = 0
         marks[MARK_ENDS] = 1

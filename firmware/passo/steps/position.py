@@ -22,10 +22,10 @@ class Position:
 
     def pace(self, played):
         """The mean speed of the segment under way, as ramp.pace; 0 where none is."""
-        at = find(self.state, self._marks, played, self._found) // self._stride
+        at = find(self.state, self.marks, played, self._found) // self._stride
         if at == self.state[FEED_NEWEST] % MARKS:
             return 0
-        return self._marks[(at + 1) % MARKS * self._stride + MARK_PACE]
+        return self.marks[(at + 1) % MARKS * self._stride + MARK_PACE]
 
     # In small pieces: each finds its variables' place on the stack, and nothing is allocated while words are counted. Else
     # that can take longer than the time between two interrupts, and then no answer would ever be right.
@@ -35,9 +35,9 @@ class Position:
         state = self.state
         while True:
             oldest = state[FEED_OLDEST]
-            at = find(state, self._marks, played, self._found)
-            if (played - self._marks[at + MARK_WORD]) & COUNT_MASK < COUNT_HALF:
-                self._stepping = self._count(self._marks[at + MARK_WORD], played)
+            at = find(state, self.marks, played, self._found)
+            if (played - self.marks[at + MARK_WORD]) & COUNT_MASK < COUNT_HALF:
+                self._stepping = self._count(self.marks[at + MARK_WORD], played)
                 if state[FEED_OLDEST] == oldest:
                     return at
             played = state[FEED_PLAYED]  # an interrupt has gone beyond it, and may have written over those words
@@ -52,7 +52,7 @@ class Position:
         """How far `block` is, `stepping` words after the mark at `at`."""
         if block is None:
             return stepping
-        start = block.first if self._marks[at + MARK_ENDS] else self._marks[at + MARK_INDEX]
+        start = block.first if self.marks[at + MARK_ENDS] else self.marks[at + MARK_INDEX]
         if block.kind == STEP_PROGRAM and block.walker.backward:
             stepping = -stepping
         return (start + stepping) & COUNT_MASK
@@ -63,6 +63,6 @@ class Position:
         if block is None or block.kind != STEP_PROGRAM:
             return None
         at = self._walk(played)
-        if self._marks[at + MARK_ENDS] and at != self.state[FEED_OLDEST] % MARKS * self._stride:
-            return self._marks[at + MARK_INDEX]  # played to its end, and not retired yet
+        if self.marks[at + MARK_ENDS] and at != self.state[FEED_OLDEST] % MARKS * self._stride:
+            return self.marks[at + MARK_INDEX]  # played to its end, and not retired yet
         return self._along(block, at, self._stepping)

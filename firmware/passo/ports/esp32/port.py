@@ -44,6 +44,8 @@ class Port(ChipPort):
 
     def feed_from_interrupt(self, feeder, player):
         self._feeder = feeder
+        if self.interlock is not None:
+            self.interlock.join(feeder, player)
         self._timer = Timer(_FEED_TIMER)
         self._timer.init(mode=Timer.PERIODIC, period=_FEED_MS, callback=self._feed_and_look)
         return True

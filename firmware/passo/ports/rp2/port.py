@@ -115,6 +115,8 @@ class Port(ChipPort):
 
     def feed_from_interrupt(self, feeder, player):
         self._feeder = feeder
+        if self.interlock is not None:
+            self.interlock.join(feeder, player)
         pace_viper.use(kernels.walk, kernels.pace)
         chip.yield_timers()
         self._timer = Timer(mode=Timer.PERIODIC, period=_FEED_MS, callback=self._feed, hard=True)

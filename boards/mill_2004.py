@@ -1,0 +1,105 @@
+"""The XYZ milling table of 2004 (MIP806 drivers, 400 steps a turn) on a Pico, in the place of its PIC18F458 and CPLD.
+
+What the CPLD did is the interlock below, equation by equation, signals by their names of then: h step pulse, s direction,
+b?a and b?b the two limits of an axis, d drive good, urg emergency stop, pal tool sensor, sel source (1: this board, 0: the
+parallel port), ending in c from the controller, in p from or to the parallel port. The parallel port's own pulses reach the
+drivers through an external multiplexer that sel switches: they do not pass through this board.
+
+X1 and X2, the two motors of the gantry, hang on the same STEP and DIR. Pitch and travels are not in the document: ball
+screws of 5 mm a turn.
+"""
+
+BOARD = {
+    "name": "mill_2004",
+    "chip": "rp2040",
+    "drive": {"kind": "step_dir", "pulse_us": 10, "setup_us": 10},
+    "axes": [
+        {"name": "x", "pins": [2, 5], "steps_per_m": 80000, "travel_steps": 48000, "max_mm_min": 3000, "accel_mm_s2": 150},
+        {"name": "y", "pins": [3, 6], "steps_per_m": 80000, "travel_steps": 32000, "max_mm_min": 3000, "accel_mm_s2": 150},
+        {"name": "z", "pins": [4, 7], "steps_per_m": 80000, "travel_steps": 12000, "max_mm_min": 1500, "accel_mm_s2": 100},
+    ],
+    # The spindle's relay (s_tvt).
+    "tool": {"pin": 8},
+    "inputs": [
+        # Contactors that open when hit: a broken wire reads as a hit.
+        {"name": "bxa", "pin": 11, "active": 1, "pull": "up", "filter_us": 100},
+        {"name": "bxb", "pin": 12, "active": 1, "pull": "up", "filter_us": 100},
+        {"name": "bya", "pin": 13, "active": 1, "pull": "up", "filter_us": 100},
+        {"name": "byb", "pin": 14, "active": 1, "pull": "up", "filter_us": 100},
+        {"name": "bza", "pin": 15, "active": 1, "pull": "up", "filter_us": 100},
+        {"name": "bzb", "pin": 16, "active": 1, "pull": "up", "filter_us": 100},
+        # A good drive reads 1; a broken wire reads as a fault.
+        {"name": "dx1", "pin": 17, "active": 1, "pull": "down", "filter_us": 100},
+        {"name": "dx2", "pin": 18, "active": 1, "pull": "down", "filter_us": 100},
+        {"name": "dy", "pin": 19, "active": 1, "pull": "down", "filter_us": 100},
+        {"name": "dz", "pin": 20, "active": 1, "pull": "down", "filter_us": 100},
+        # urg: not filtered, but by 1 kΩ and 10 nF at the pin. It ends the steps within microseconds.
+        {"name": "stop", "pin": 21, "active": 1, "pull": "up", "halt": True},
+        # pal, the tool sensor: it also probes.
+        {"name": "probe", "pin": 22, "active": 1, "pull": "down", "filter_us": 100},
+        {"name": "sel", "pin": 26, "active": 1, "pull": "up", "filter_us": 1000},
+    ],
+    "outputs": [
+        {"name": "enable", "pin": 9, "active": 1},  # enm
+        {"name": "vacuum", "pin": 10, "active": 1},  # s_asp
+        {"name": "reverse", "pin": 27, "active": 1},  # of the spindle
+    ],
+    "interlock": {
+        "rows": {
+            "hx": "!bxb & dx1 & dx2 & hxc & sel & sxc | !bxb & dx1 & dx2 & hxp & !sel & sxp"
+            " | !bxa & dx1 & dx2 & hxc & sel & !sxc | !bxa & dx1 & dx2 & hxp & !sel & !sxp",
+            "hx2": "!bxb & dx1 & dx2 & hx2c & sel & sx2c | !bxa & dx1 & dx2 & hx2c & sel & !sx2c",
+            "hy": "!byb & dy & hyc & sel & syc | !byb & dy & hyp & !sel & syp"
+            " | !bya & dy & hyc & sel & !syc | !bya & dy & hyp & !sel & !syp",
+            # The other way round: up is blocked by bza, down by bzb and the tool sensor.
+            "hz": "!bzb & dz & hzc & !pal & sel & !szc | !bzb & dz & hzp & !pal & !sel & !szp"
+            " | !bza & dz & hzc & sel & szc | !bza & dz & hzp & !sel & szp",
+            "sx": "sel & sxc | !sel & sxp",
+            "sx2": "sel & sx2c",
+            "sy": "sel & syc | !sel & syp",
+            "sz": "sel & szc | !sel & szp",
+            "enm": "rc0 & !urg | !sel & !urg",
+            "s_tvt": "rc1 & !urg | !sel & !urg",
+            "s_asp": "rc2 & sel | asp & !sel",
+            # To the parallel port.
+            "bxp": "bxb & !sel | bxa & !sel",
+            "byp": "byb & !sel | bya & !sel",
+            "bzp": "bzb & !sel | bza & !sel",
+            "dfp": "!sel & urg",
+            "pap": "pal & !sel",
+            # The status multiplexer: address ra0 ra1 ra2.
+            "ra3": "!dy & !ra0 & !ra1 & ra2 | ra0 & ra1 & !ra2 & syn | bzb & ra0 & !ra1 & !ra2 | bya & !ra0 & !ra1 & !ra2",
+            "ra4": "!dninosx2 & ra0 & !ra1 & ra2 | !dx2 & !ra0 & !ra1 & ra2 | ra0 & ra1 & !ra2 & tvt"
+            " | bza & ra0 & !ra1 & !ra2 | bxb & !ra0 & !ra1 & !ra2",
+            "ra5": "!dz & ra0 & !ra1 & ra2 | !dx1 & !ra0 & !ra1 & ra2 | ra0 & ra1 & !ra2 & urg"
+            " | pal & !ra0 & ra1 & !ra2 | byb & ra0 & !ra1 & !ra2 | bxa & !ra0 & !ra1 & !ra2",
+        },
+        "signals": {
+            "hxc": "x.step", "sxc": "x.dir", "hx2c": "x.step", "sx2c": "x.dir",
+            "hyc": "y.step", "syc": "y.dir", "hzc": "z.step", "szc": "z.dir",
+            "rc0": "enable", "rc1": "tool", "rc2": "vacuum", "urg": "stop", "pal": "probe",
+        },
+        "elsewhere": "hxp sxp hyp syp hzp szp asp syn tvt dninosx2 ra0 ra1 ra2",
+        "limits": {"x-": "bxa", "x+": "bxb", "y-": "bya", "y+": "byb", "z-": "bzb", "z+": "bza"},
+        # With the selector at "parallel port" the drives are enabled, as then, once all has been at rest for so long.
+        "unasked_ms": 500,
+    },
+    "homing": {
+        "sensors": {"x": "bxa", "y": "bya", "z": "bza"},
+        "order": "zxy",
+        "high_end": "z",
+        "seek_steps_s": 2000,
+        "locate_steps_s": 200,
+        "pull_off_steps": 160,
+        "debounce_ms": 5,
+    },
+    "speed": {"unit": "steps_per_s", "default": 2000, "min": 10, "max": 4000},
+    "planning": {"junction_um": 10, "arc_um": 2},
+    "spindle": {"max_rpm": 18000, "min_rpm": 0, "spin_up_ms": 4000, "coolant_ms": 0},
+    "idle_release_ms": 0,
+    "store_points": 500,
+    "links": [
+        {"name": "pc", "port": "usb", "protocol": "grbl"},
+        {"name": "serial", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl"},
+    ],
+}

@@ -1,0 +1,152 @@
+"""The interlock's part in the main loop: what the pins' interrupts leave to it. See ports/interlock.py for theirs.
+
+It lets a changed input allow again what it forbade, once it has lasted release_ms; notices changes whose edge was missed;
+says why outputs went off; lets homing and probing come up to their sensors; switches on what the equations switch on by
+themselves, if the board file asks for it; and keeps for each input when it last stopped something, and how long.
+"""
+
+from passo import commands, errors
+from passo.records import COUNT_MASK, INTERLOCK_OUTPUTS
+
+
+class InterlockWatch:
+    def __init__(self, board, machine, queue):
+        self._machine = machine
+        self._queue = queue
+        self._port = machine.port
+        self._interlock = machine.interlock
+        self._levels = machine.inputs.levels  # None: the port cannot tell all at once
+        section = board["interlock"]
+        self._release_ms = section["release_ms"]
+        self._unasked_ms = section["unasked_ms"]
+        self._names = names = [item["name"] for item in board["inputs"]]
+        self._outputs = [item["name"] for item in board["outputs"]]
+        self._halting = [item["name"] for item in board["inputs"] if item["halt"]]
+        homing = board["homing"]
+        sensors = homing["sensors"].values() if homing else ()
+        self._homes = self._probes = 0  # inputs that forbid nothing while homing or probing looks for them
+        for number in range(len(names)):
+            if names[number] in sensors:
+                self._homes |= 1 << number
+            if names[number] == "probe":
+                self._probes |= 1 << number
+        self._seen = -1  # the pins at the last pass
+        self._calm = False  # the interlock has them as they are
+        self._raw = self._interlock.states
+        self._since_ms = [0] * len(names)  # when each last became other than the interlock has it
+        self._active_ms = [0] * len(names)  # when each last became active, as the interlock has it
+        self._lasted_ms = [0] * len(names)  # how long it then was; −1: it still is
+        self._states = self._interlock.states
+        self._rest_ms = 0  # when machine and inputs came to rest
+        machine.log.pins = self.pins
+
+    def ready(self):
+        """True if words may be played: no halting input is active. Asked before the first of them."""
+        self._except()
+        for name in self._halting:
+            if self._port.input(name):
+                return False
+        return True
+
+    def _except(self):
+        machine = self._machine
+        exempt = 0
+        if machine.command is not None:
+            if machine.command.kind == commands.HOME:
+                exempt = self._homes
+            elif machine.command.kind == commands.PROBE:
+                exempt = self._probes
+        self._interlock.excuse(exempt)
+
+    def poll(self, now_ms):
+        interlock = self._interlock
+        self._except()
+        seen = self._levels() if self._levels else -1
+        if seen != self._seen or not self._calm or not self._levels:
+            self._seen = seen
+            self._look(now_ms)
+        if interlock.states != self._states:
+            self._note(now_ms)
+        if interlock.lost:
+            self._tell()
+        if self._unasked_ms:
+            self._grant(now_ms)
+
+    def _look(self, now_ms):
+        """Compare the pins with what the interlock has, and let what differs for long enough be so."""
+        interlock = self._interlock
+        raw = self._port.states()
+        changed = raw ^ self._raw
+        self._raw = raw
+        differing = (raw ^ interlock.states) & interlock.watched
+        self._calm = not differing
+        number = 0
+        while differing:
+            if differing & 1:
+                active = raw >> number & 1
+                if changed >> number & 1:
+                    self._since_ms[number] = now_ms
+                forbids = (interlock.rise if active else interlock.fall) >> number & 1
+                ms = interlock.filters_us[number] // 1000 + 1 if forbids else self._release_ms
+                if (now_ms - self._since_ms[number]) & COUNT_MASK >= ms:
+                    interlock.change(number, active)
+            differing >>= 1
+            number += 1
+
+    def _note(self, now_ms):
+        changed = self._interlock.states ^ self._states
+        self._states ^= changed
+        for number in range(len(self._names)):
+            if changed >> number & 1:
+                if self._states >> number & 1:
+                    self._active_ms[number] = now_ms
+                    self._lasted_ms[number] = -1
+                else:
+                    self._lasted_ms[number] = (now_ms - self._active_ms[number]) & COUNT_MASK
+        self._rest_ms = now_ms
+
+    def _tell(self):
+        """Outputs have been switched off, or were asked for in vain."""
+        machine = self._machine
+        interlock = self._interlock
+        lost = interlock.take_lost()
+        for number in range(len(self._outputs)):
+            bit = INTERLOCK_OUTPUTS << number
+            if not lost & bit:
+                continue
+            blamed = interlock.blamed(bit)
+            if self._outputs[number] == "enable":
+                machine.motors.release()
+                if not machine.alarm:
+                    machine.raise_alarm(errors.ALARM_INTERLOCK, blamed)
+                machine.homed = False
+            else:
+                machine.note(errors.INTERLOCKED, blamed)
+
+    def _grant(self, now_ms):
+        """Outputs that rows switch on though this board does not ask: only at rest, inputs and machine."""
+        if not self._calm or not self._queue.still() or self._machine.alarm:
+            self._rest_ms = now_ms
+            return
+        if (now_ms - self._rest_ms) & COUNT_MASK >= self._unasked_ms:
+            mask = self._interlock.grants()
+            if mask & ~self._interlock.granted:
+                self._port.show(self._interlock.grant(mask))
+
+    def report(self, report):
+        report["glitches"] = sum(self._interlock.glitches)
+
+    def pins(self):
+        """[(name, active, how often it stopped the machine, changes that did not last, when it last became active, ms it was so;
+        −1: it still is)] of the inputs that have done any of it."""
+        interlock = self._interlock
+        found = []
+        for number in range(len(self._names)):
+            if interlock.watched >> number & 1 and (
+                interlock.trips[number] or interlock.glitches[number] or self._active_ms[number]
+            ):
+                found.append((
+                    self._names[number], interlock.states >> number & 1, interlock.trips[number], interlock.glitches[number],
+                    self._active_ms[number], self._lasted_ms[number],
+                ))  # fmt: skip
+        return found

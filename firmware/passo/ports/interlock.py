@@ -1,0 +1,200 @@
+"""The interlock at the pins, shared by all ports: which inputs are active, what they forbid, and who is stopped for it.
+
+    port.interlock.change(number, active)       # from an interrupt: an input has changed, and has lasted its filter's time
+    port.interlock.denied                       # mask of INTERLOCK_…, now
+
+The port tells it of changes and has cut(mask), lit() and trip(item). A change that forbids acts at once, in the interrupt:
+outputs that are no longer allowed go off, and stay off until they are asked for anew; the player is halted if a step that
+is forbidden lies ahead, or the tool is on. Words made later are looked at before they are handed to the player: none that
+steps towards an active limit is ever played. While nothing is forbidden that costs one comparison a turn of the feeder.
+"""
+
+from array import array
+
+import micropython
+
+from passo.records import (
+    INTERLOCK_OUTPUTS, INTERLOCK_TOOL, PERMIT_ALLOWS, PERMIT_CARE, PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED,
+    PERMIT_VALUE,
+)  # fmt: skip
+from passo.steps.permits import ahead, denied
+
+
+class Interlock:
+    def __init__(self, board, port):
+        compiled = board["interlock"]["masks"]
+        self._port = port
+        self._table = array("i", compiled["table"])
+        self._unasked = array("i", compiled["unasked"])
+        self._limits = compiled["limits"]
+        for number in range(len(board["inputs"])):
+            self._limits |= board["inputs"][number]["halt"] << number
+        self.rise, self.fall = compiled["rise"], compiled["fall"]  # inputs whose becoming active, or inactive, may forbid
+        self.watched = self.rise | self.fall
+        self._names = [item["name"] for item in board["inputs"]]
+        self._outputs = [item["name"] for item in board["outputs"]]
+        self.filters_us = [item["filter_us"] for item in board["inputs"]]
+        self.states = 0  # of the inputs, a bit each: 1 active
+        self.exempt = 0  # inputs that forbid nothing just now: homing looks for them
+        self.denied = 0
+        self.asked = 0  # outputs that the board has switched on
+        self.granted = 0  # and those that are on though it has not: see grant()
+        self.lost = 0  # outputs that were switched off: see take_lost()
+        self.glitches = array("i", [0] * len(self._names))  # changes of each input that did not last
+        self.trips = array("i", [0] * len(self._names))
+        self._wrong = self._wrong_states = 0  # of the last halt: what was forbidden, and the inputs then
+        self._player = self._state = self._segments = self._start = None  # see join()
+        self.items = ()  # the port's inputs, in the board file's order
+
+    def join(self, feeder, player):
+        """From here on nothing is played that is forbidden. Called once, before anything is."""
+        self._state = feeder.state
+        self._segments = feeder.marks
+        self._player = player
+        self._start = player.start
+        player.start = self.start
+
+    # --- interrupts
+
+    @micropython.native
+    def start(self):  # ISR: no allocation
+        """The player's start(): of words that have been looked at."""
+        forbidden = self.denied
+        if forbidden and forbidden & ahead(self._state, self._segments, self._player.played()):
+            self._trip()
+            return False
+        return self._start()
+
+    @micropython.native
+    def change(self, number, active):  # ISR: no allocation
+        """Input `number` is `active`, and has been for long enough."""
+        if active:
+            self.states |= 1 << number
+        else:
+            self.states &= ~(1 << number)
+        self.decide()
+
+    @micropython.native
+    def decide(self):  # ISR: no allocation
+        """What is forbidden now, and whether something has to stop."""
+        exempt = self.exempt
+        forbidden = denied(self._table, self.states & ~exempt | self.fall & exempt)
+        self.denied = forbidden
+        if self.granted:
+            gone = self.granted & denied(self._unasked, self.states)
+            if gone:
+                self.granted &= ~gone
+                self._port.cut(gone & ~self.asked)
+        if not forbidden:
+            return
+        lost = forbidden & (self.asked | self.granted)
+        if lost:
+            self.asked &= ~lost
+            self.granted &= ~lost
+            self.lost |= lost
+            self._port.cut(lost)
+        if self._player is not None and (
+            forbidden & ~INTERLOCK_TOOL & ahead(self._state, self._segments, self._player.played())
+            or forbidden & INTERLOCK_TOOL and self._port.lit()
+        ):
+            self._trip()
+
+    def _trip(self):  # ISR: no allocation
+        self._wrong = self.denied & ahead(self._state, self._segments, self._player.played()) or self.denied & INTERLOCK_TOOL
+        self._wrong_states = self.states
+        self._port.trip(self)
+
+    def halted(self, item):  # ISR: no allocation
+        """A halting input, one of `items`, has stopped the player already."""
+        number = 0
+        while self.items[number] is not item:
+            number += 1
+        self.trips[number] += 1
+        self.states |= 1 << number
+        forbidden = denied(self._table, self.states & ~self.exempt | self.fall & self.exempt)
+        self.denied = forbidden
+        lost = forbidden & (self.asked | self.granted)
+        self.asked &= ~lost
+        self.granted &= ~lost
+        self.lost |= lost
+        self._port.cut(lost)
+
+    # --- main loop
+
+    @property
+    def name(self):
+        """The input that the last halt was for."""
+        number = self.cause(self._wrong, self._wrong_states)
+        self.trips[number] += 1
+        return self._names[number]
+
+    def cause(self, wrong, states=None):
+        """The number of the input to blame for what is `wrong`: of the product that wants the fewest changes, the first."""
+        states = self.states if states is None else states
+        table = self._table
+        best, number = 99, 0
+        for at in range(PERMIT_FIRST, len(table), PERMIT_FIELDS):
+            if table[at + PERMIT_ALLOWS] & wrong:
+                against = (states ^ table[at + PERMIT_VALUE]) & table[at + PERMIT_CARE]
+                count, first = 0, 0
+                for each in range(len(self._names) - 1, -1, -1):
+                    if against >> each & 1:
+                        count += 1
+                        first = each
+                if 0 < count < best:
+                    best, number = count, first
+        return number
+
+    def blamed(self, wrong):
+        """The name of the input that forbids `wrong` now."""
+        return self._names[self.cause(wrong)]
+
+    def stops(self, name):
+        """True for a limit and an input that halts, which have an alarm of their own."""
+        return bool(self._limits >> self._names.index(name) & 1)
+
+    def excuse(self, inputs):
+        """The inputs of a mask forbid nothing from now on, others do again."""
+        if inputs != self.exempt:
+            self.exempt = inputs
+            self.decide()
+
+    def take_lost(self):
+        """Mask of the outputs that have been switched off, or were asked for in vain, since the last call."""
+        lost = self.lost
+        self.lost = 0
+        return lost
+
+    def read(self, states):
+        """Believe the inputs as they are: at the start."""
+        self.states = states
+        self.decide()
+
+    def refusal(self, steps, tool):
+        """What of a motion is forbidden: `steps` of each axis (None: none), `tool` on."""
+        wanted = INTERLOCK_TOOL if tool else 0
+        for axis in range(len(steps)):
+            if steps[axis]:
+                wanted |= (1 if steps[axis] > 0 else 2) << 2 * axis
+        return self.denied & wanted
+
+    def output(self, name, on):
+        """Ask for an output, or no longer. Returns whether its pin is to be on."""
+        bit = INTERLOCK_OUTPUTS << self._outputs.index(name)
+        if on and not self.denied & bit:
+            self.asked |= bit
+        else:
+            self.asked &= ~bit
+            if on:
+                self.lost |= bit
+        return bool((self.asked | self.granted) & bit)
+
+    def grants(self):
+        """Mask of the outputs that the equations switch on though the board does not ask."""
+        return self._unasked[PERMIT_GATED] & ~denied(self._unasked, self.states) & ~self.denied
+
+    def grant(self, mask):
+        """Switch on outputs that the board has not asked for. Returns the mask of those that were off."""
+        new = mask & ~(self.asked | self.granted)
+        self.granted |= mask
+        return new

@@ -1,0 +1,104 @@
+"""The interlock on the virtual port: between the port and its world, it hears of each change of an input at its tick.
+
+It has the methods of a world, and hands on all calls. A change counts once it has lasted the input's filter_us, exactly; what
+a chip's interrupt takes on top of that is not modelled, but that no pulse is cut short: the player is halted with the first
+edge behind that time that leaves no pulse up. A world that has no listen(callback) is looked at once a turn.
+"""
+
+from passo.ports.interlock import Interlock
+from passo.records import INTERLOCK_OUTPUTS
+
+_TICKS_PER_US = 12.5
+
+
+class VirtualInterlock(Interlock):
+    def __init__(self, board, port, world):
+        Interlock.__init__(self, board, port)
+        self._world = world
+        self._levels = [item["active"] for item in board["inputs"]]
+        self._ticks = [int(us * _TICKS_PER_US) for us in self.filters_us]
+        self._amid = False  # the world is being told of an edge
+        self._pulses = 0  # mask of the player's pulses
+        self._due = {}  # number: tick at which its change has lasted
+        self._offs = [(item["name"], 1 - item["active"]) for item in board["outputs"]]
+        self.attach = world.attach
+        self.output_pin = world.output
+        if hasattr(world, "power"):
+            self.power = world.power
+        self._pass_edges = world.edges
+        self._hears = hasattr(world, "listen")
+        if self._hears:
+            world.listen(self.changed)
+        self.read(self.raw(0))
+
+    def join(self, feeder, player):
+        Interlock.join(self, feeder, player)
+        self._pulses = feeder.layout.pulse_mask
+
+    # --- as a world
+
+    def edges(self, tick, levels, changed):
+        self._amid = True
+        self._pass_edges(tick, levels, changed)
+        self._amid = False
+        if self._due:
+            self._let(tick)
+
+    def input(self, tick, name):
+        return self._world.input(tick, name)
+
+    def run(self, tick):
+        self._world.run(tick)
+        if not self._hears:
+            raw = self.raw(tick)
+            for number in range(len(self._names)):
+                if (raw ^ self.states) >> number & 1:
+                    self._changed(tick, number, raw >> number & 1)
+        self._let(tick)
+
+    def next_event(self):
+        due = self._world.next_event()
+        for tick in self._due.values():
+            due = tick if due is None or tick < due else due
+        return due
+
+    # --- inputs
+
+    def changed(self, tick, name, level):
+        """The world says that an input has changed."""
+        number = self._names.index(name)
+        self._changed(tick, number, 1 if level == self._levels[number] else 0)
+
+    def _changed(self, tick, number, active):
+        self._let(tick)
+        if active == self.states >> number & 1:
+            if self._due.pop(number, None) is not None:
+                self.glitches[number] += 1
+        elif (self.rise if active else self.fall) >> number & 1 and number not in self._due:
+            self._due[number] = tick + self._ticks[number]
+            self._let(tick)
+
+    def _let(self, tick):
+        """Changes that have lasted by `tick` count."""
+        if self._amid or self._player is not None and self._player.levels() & self._pulses:
+            return
+        for number, due in list(self._due.items()):
+            if due <= tick and number in self._due:
+                del self._due[number]
+                self.change(number, not self.states >> number & 1)
+
+    def raw(self, tick):
+        states = 0
+        for number in range(len(self._names)):
+            if self._world.input(tick, self._names[number]) == self._levels[number]:
+                states |= 1 << number
+        return states
+
+    # --- outputs
+
+    def put(self, tick, mask, on):
+        bit = INTERLOCK_OUTPUTS
+        for name, off in self._offs:
+            if mask & bit:
+                self.output_pin(tick, name, off ^ on)
+            bit <<= 1

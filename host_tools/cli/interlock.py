@@ -1,0 +1,145 @@
+"""`passo interlock`: the table of a board file's interlock, as a truth table and as a picture."""
+
+from itertools import product
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools import boards
+from host_tools.failure import Failure
+
+MOST_INPUTS = 12  # of one row: 4096 lines
+
+
+class Table:
+    """Rows of a board file, with what they mean to the pins.
+
+    table = Table(boards.load("mill_2004"))
+    table.rows["hx"].value({"bxb": 0, …})
+    """
+
+    def __init__(self, board):
+        from passo.control import interlock_table
+        from passo.control.boardfile import check
+
+        section = board.get("interlock")
+        if not section:
+            raise Failure(f"board {board.get('name')} has no interlock")
+        self.board = check(board)
+        self.bits = interlock_table.gates(self.board)
+        self.inputs = [item["name"] for item in self.board["inputs"]]
+        self.signals = section.get("signals", {})
+        texts = dict(section.get("rows", {}))
+        self.rows = {name: Row(name, interlock_table.parse(text, name)) for name, text in texts.items()}
+        self.limits = section.get("limits", {})
+        self.masks = self.board["interlock"]["masks"]
+
+    def gated(self):
+        """{name: Row} of what the firmware gates: over the inputs alone, as its masks have it."""
+        from passo.records import PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED
+
+        found = {}
+        table = self.masks["table"]
+        for name, bit in self.bits.items():
+            if table[PERMIT_GATED] & bit:
+                products = []
+                for at in range(PERMIT_FIRST, len(table), PERMIT_FIELDS):
+                    care, value, bits = table[at : at + PERMIT_FIELDS]
+                    if bits & bit:
+                        products.append({self.inputs[i]: bool(value >> i & 1) for i in range(len(self.inputs)) if care >> i & 1})
+                found[name] = Row(name, products)
+        return found
+
+
+class Row:
+    def __init__(self, name, products):
+        self.name = name
+        self.products = products
+        self.names = sorted({each for product in products for each in product})
+
+    def value(self, states):
+        from passo.control.interlock_table import evaluate
+
+        return evaluate(self.products, states)
+
+    def text(self):
+        return " | ".join(
+            " & ".join(name if wanted else "!" + name for name, wanted in product.items()) for product in self.products
+        )
+
+    def lines(self):
+        """(states, value) of every combination of its inputs."""
+        for levels in product((0, 1), repeat=len(self.names)):
+            yield levels, int(self.value(dict(zip(self.names, levels))))
+
+
+def truth_table(row):
+    """The lines of a row's truth table."""
+    if len(row.names) > MOST_INPUTS:
+        return [f"{row.name} = {row.text()}", f"    {len(row.names)} inputs: too many for a table"]
+    lines = [f"{row.name} = {row.text()}", "    " + " ".join(row.names) + f"  {row.name}"]
+    for levels, value in row.lines():
+        lines.append("    " + " ".join(f"{level:>{len(name)}}" for name, level in zip(row.names, levels)) + f"  {value:>{len(row.name)}}")
+    return lines
+
+
+def draw(table, path):
+    """A picture: what is gated against the inputs. Each product of a row is a line of its marks: filled, the input must be
+    active; empty, it must not."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+
+    gated = table.gated()
+    rows = [(name, number, product) for name, row in gated.items() for number, product in enumerate(row.products)]
+    names = [name for name in table.inputs if any(name in product for _, _, product in rows)]
+    figure, axes = pyplot.subplots(figsize=(1.6 + 0.55 * len(names), 1.4 + 0.38 * len(rows)))
+    shade = False
+    for line, (name, number, states) in enumerate(rows):
+        if number == 0:
+            shade = not shade
+        if shade:
+            axes.axhspan(line - 0.5, line + 0.5, color="0.94", zorder=0)
+        for state in states:
+            at = names.index(state)
+            axes.plot(at, line, "s", ms=11, mec="black", mfc="black" if states[state] else "white", zorder=2)
+    axes.set_xticks(range(len(names)), names, rotation=60, ha="left")
+    axes.set_yticks(range(len(rows)), [name if number == 0 else "or" for name, number, _ in rows])
+    axes.set_xlim(-0.6, len(names) - 0.4)
+    axes.set_ylim(len(rows) - 0.5, -0.5)
+    axes.xaxis.tick_top()
+    axes.tick_params(length=0)
+    axes.grid(color="0.85", lw=0.6, zorder=1)
+    axes.set_title(f"{table.board['name']}: allowed if every ■ is active and every □ is not", pad=12, fontsize=10)
+    for spine in axes.spines.values():
+        spine.set_visible(False)
+    figure.savefig(path, dpi=110, bbox_inches="tight")
+    pyplot.close(figure)
+
+
+def interlock(
+    board: Annotated[str, typer.Argument(help="Name of a file of boards/, or the path of a board file.")],
+    rows: Annotated[bool, typer.Option("--rows", help="The board file's rows, not what the pins make of them.")] = False,
+    out: Annotated[Optional[Path], typer.Option("--out", help="Draw the table: a PNG, SVG or PDF file.")] = None,
+):
+    """Print the truth table of a board file's interlock: when each direction, output and the tool is allowed.
+
+    Example: passo interlock mill_2004
+
+    Example: passo interlock mill_2004 --rows
+
+    Example: passo interlock mill_2004 --out /tmp/mill.png
+    """
+    from passo.control.board_error import BoardError
+
+    try:
+        table = Table(boards.load(board))
+    except BoardError as error:
+        raise Failure(f"{board}: {error}") from None
+    for row in (table.rows if rows else table.gated()).values():
+        print("\n".join(truth_table(row)), end="\n\n")
+    if out:
+        draw(table, out)
+        print(f"drawn: {out}")

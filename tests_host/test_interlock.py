@@ -1,0 +1,213 @@
+"""The interlock's tables: the mill's against its document's equations, the pins against both, other machines' against rules."""
+
+import ast
+import inspect
+import re
+from itertools import product
+
+import pytest
+from mill_equations import EQUATIONS, allowed
+
+from host_tools import boards
+from host_tools.cli.interlock import Table, draw, truth_table
+from host_tools.failure import Failure
+from host_tools.resources import ROOT
+from passo.control import interlock_table
+from passo.control.board_error import BoardError
+from passo.control.boardfile import check
+from passo.records import INTERLOCK_TOOL
+from passo.steps.permits import denied
+
+pytestmark = pytest.mark.quick
+MILL = Table(boards.load("mill_2004"))
+NAMES = ("bxa", "bxb", "bya", "byb", "bza", "bzb", "dx1", "dx2", "dy", "dz", "urg", "pal", "sel")
+
+
+def combinations(names):
+    return [dict(zip(names, levels)) for levels in product((0, 1), repeat=len(names))]
+
+
+# --- the mill's rows are its document's equations
+
+
+def test_every_equation_of_the_document_is_a_row():
+    assert set(MILL.rows) == set(EQUATIONS) and len(EQUATIONS) == 19
+
+
+@pytest.mark.parametrize("name", EQUATIONS)
+def test_row_is_the_documents_equation(name):
+    """Over every combination of what either of them depends on, so over every combination of all."""
+    row, equation = MILL.rows[name], EQUATIONS[name]
+    names = list(inspect.signature(equation).parameters)
+    assert set(row.names) <= set(names)
+    for states in combinations(names):
+        assert row.value(states) == bool(equation(**states)), states
+
+
+def test_the_parallel_port_never_moves_x2():
+    for states in combinations(("bxa", "bxb", "dx1", "dx2", "hx2c", "sx2c", "sel")):
+        assert not (MILL.rows["hx2"].value(states) and not states["sel"])
+    assert not any(name.endswith("p") for name in MILL.rows["hx2"].names + MILL.rows["sx2"].names)
+
+
+# --- the pins are at most stricter
+
+
+def pins(states):
+    """Mask of what the compiled masks forbid. `states`: by the document's names."""
+    now = 0
+    for number, name in enumerate(MILL.inputs):
+        now |= states[{"stop": "urg", "probe": "pal"}.get(name, name)] << number
+    return denied(MILL.masks["table"], now), denied(MILL.masks["unasked"], now)
+
+
+def test_pins_are_never_looser_than_the_equations():
+    """Every combination of all inputs. Steps and spindle are stricter only by the emergency stop."""
+    bits = MILL.bits
+    for states in combinations(NAMES):
+        forbidden, not_by_itself = pins(states)
+        for axis in "xyz":
+            for sign, forward in (("+", 1), ("-", 0)):
+                may = not forbidden & bits[axis + sign]
+                assert may == (bool(allowed(axis, forward, states)) and not states["urg"]), (axis, sign, states)
+        may = not forbidden & bits["enable"]
+        assert may == bool(EQUATIONS["enm"](rc0=1, sel=states["sel"], urg=states["urg"]))
+        may = not forbidden & bits["tool"]
+        assert may == bool(EQUATIONS["s_tvt"](rc1=1, sel=states["sel"], urg=states["urg"]))
+        may = not forbidden & bits["vacuum"]
+        assert may == bool(EQUATIONS["s_asp"](rc2=1, sel=states["sel"], asp=0))
+        assert not (may and not EQUATIONS["s_asp"](rc2=1, sel=states["sel"], asp=1))
+        alone = not not_by_itself & bits["enable"]
+        assert alone == bool(EQUATIONS["enm"](rc0=0, sel=states["sel"], urg=states["urg"]))
+    gated = MILL.masks["unasked"][1]
+    assert gated & bits["enable"] and not gated & INTERLOCK_TOOL, "the spindle never by itself"
+
+
+def test_without_leave_nothing_is_on_unasked():
+    board = boards.load("mill_2004")
+    board["interlock"] = {**board["interlock"], "unasked_ms": 0}
+    assert check(board)["interlock"]["masks"]["unasked"][:2] == [0, 0]
+
+
+def test_what_a_filter_may_wait_for_is_known():
+    """Inputs whose rise may forbid, and those whose fall may: none of the mill's is both."""
+    rise = {name for number, name in enumerate(MILL.inputs) if MILL.masks["rise"] >> number & 1}
+    fall = {name for number, name in enumerate(MILL.inputs) if MILL.masks["fall"] >> number & 1}
+    assert rise == {"bxa", "bxb", "bya", "byb", "bza", "bzb", "stop", "probe"}
+    assert fall == {"dx1", "dx2", "dy", "dz", "sel"}
+
+
+# --- other machines: the tables of docs/interlock.md against the rules stated beside them
+
+
+def documented():
+    """[(board name, inputs, interlock, rules)] of the page."""
+    text = (ROOT / "docs" / "interlock.md").read_text(encoding="utf-8")
+    found = []
+    for part in text.split("\n### ")[1:]:
+        name = part.splitlines()[0].strip("` ")
+        code = "\n".join(line[4:] for line in part.splitlines() if line.startswith("    "))
+        rules = re.findall(r"^- `(.+?)` only if `(.+?)`", part, re.MULTILINE)
+        found.append(pytest.param(name, ast.literal_eval("{" + code + "}"), rules, id=name))
+    return found
+
+
+def with_table(name, section):
+    board = boards.load(name)
+    board["inputs"] = list(board.get("inputs", ())) + section.get("inputs", [])
+    board["interlock"] = section["interlock"]
+    return board
+
+
+@pytest.mark.parametrize("name, section, rules", documented())
+def test_a_documented_table_keeps_its_rules(name, section, rules):
+    """Every combination of all inputs: what is gated is allowed exactly if its rule says so, in Python's words."""
+    table = Table(with_table(name, section))
+    gated = table.gated()
+    assert {each for names, _ in rules for each in names.split("` `")} == set(gated), "a rule for each"
+    for names, rule in rules:
+        meaning = compile(rule, "rule", "eval")
+        for states in combinations(table.inputs):
+            for each in names.split("` `"):
+                assert gated[each].value(states) == bool(eval(meaning, {}, states)), (each, states)
+
+
+def test_four_machines_have_tables():
+    assert {param.id for param in documented()} == {"router_3axis", "laser_xy", "plotter_2014", "torch_manipulator"}
+
+
+# --- what is wrong in a table is said
+
+
+def small(rows, **more):
+    board = boards.load("router_3axis")
+    board["interlock"] = {"rows": rows, **more}
+    return board
+
+
+@pytest.mark.parametrize(
+    "rows, more, said",
+    [
+        ({"x+": "!limit_q"}, {}, "limit_q is neither an input"),
+        ({"x+": "!limit_x & limit_x"}, {}, "never true"),
+        ({"x+": "!(limit_x)"}, {}, "is no name"),
+        ({"x+": ""}, {}, "is no name"),
+        ({"x+": "a | "}, {}, "is no name"),
+        ({"foo": "!stop"}, {}, "gate nothing"),
+        ({"hx": "a & b & !stop"}, {"signals": {"a": "x.step", "b": "y.step"}}, "more than one"),
+        ({"x": "a & !stop"}, {"signals": {"a": "y.step"}}, "more than one"),
+        ({"hx": "a & !stop"}, {"signals": {"a": "x.stop"}}, "no axis's step or dir"),
+        ({"hx": "a & there"}, {"signals": {"a": "x.step"}, "elsewhere": "there"}, "can never be"),
+        ({}, {"limits": {"x": "limit_x"}}, "no direction 'x'"),
+        ({}, {"limits": {"x+": "limit_q"}}, "neither an input"),
+        ({"x+": 3}, {}, "sum of products"),
+        ({"x+": "!stop"}, {"row": {}}, "unknown key 'row'"),
+    ],
+)
+def test_errors(rows, more, said):
+    with pytest.raises(BoardError, match=re.escape(said)):
+        check(small(rows, **more))
+
+
+def test_filters_are_for_inputs_that_count():
+    board = small({"x+": "!limit_x"})
+    board["inputs"] = [{**item, "filter_us": 50} if item["name"] == "door" else item for item in board["inputs"]]
+    with pytest.raises(BoardError, match="filter_us is for inputs"):
+        check(board)
+    del board["interlock"]
+    with pytest.raises(BoardError, match="there is none"):
+        check(board)
+    board = boards.load("mill_2004")
+    board["inputs"] = [{**item, "filter_us": 50} if item["name"] == "stop" else item for item in board["inputs"]]
+    with pytest.raises(BoardError, match="exclude each other"):
+        check(board)
+
+
+def test_a_checked_board_may_be_checked_again():
+    once = check(boards.load("mill_2004"))
+    assert check(once)["interlock"] == once["interlock"] and "rows" not in once["interlock"]
+
+
+def test_products_that_another_covers_are_left_out():
+    masks = check(small({"x+": "!stop | !stop & !door | !limit_x & door & !stop"}))["interlock"]["masks"]
+    assert masks["table"][0] == 1
+
+
+# --- the command
+
+
+def test_truth_table_and_picture(tmp_path):
+    lines = truth_table(MILL.gated()["tool"])
+    assert lines == ["tool = !stop", "    stop  tool", "       0     1", "       1     0"]
+    assert len(truth_table(MILL.rows["hx"])) == 2 + 2**9
+    draw(MILL, tmp_path / "mill.png")
+    assert (tmp_path / "mill.png").stat().st_size > 5000
+    with pytest.raises(Failure, match="has no interlock"):
+        Table(boards.load("router_3axis"))
+
+
+def test_evaluate_reads_what_parse_made():
+    products = interlock_table.parse("a & !b | c")
+    assert [interlock_table.evaluate(products, dict(zip("abc", levels))) for levels in product((False, True), repeat=3)] == [
+        False, True, False, True, True, True, False, True
+    ]  # fmt: skip
