@@ -254,19 +254,6 @@ POWER_MOST = const(1000)
 POWER_UNKNOWN = const(2000)
 POWER_SIZE = const(128)  # marks, a power of two: at most one a segment
 
-# The interlock's masks: a bit for each direction of an axis (2 · axis forward, the next back: 8 bits), then:
-INTERLOCK_TOOL = const(0x100)
-INTERLOCK_OUTPUTS = const(0x200)  # the first of the board file's outputs
-
-# A table of the interlock, made by control/interlock_table.py: these, then PERMIT_FIELDS numbers a product.
-PERMIT_PRODUCTS = const(0)  # how many
-PERMIT_GATED = const(1)  # mask of all that the table is about, INTERLOCK_…
-PERMIT_FIRST = const(2)
-PERMIT_CARE = const(0)  # of a product: the inputs that it looks at, a bit each
-PERMIT_VALUE = const(1)  # how these must be
-PERMIT_ALLOWS = const(2)  # what it then allows
-PERMIT_FIELDS = const(3)
-
 FARTHEST = const(0x1FFFFFFF)  # position in steps, and one of a line of G-code in nm
 BIAS = const(0x20000000)  # makes it positive
 

@@ -37,7 +37,7 @@ class Table:
 
     def gated(self):
         """{name: Row} of what the firmware gates: over the inputs alone, as its masks have it."""
-        from passo.records import PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED
+        from passo.steps.permits import PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED
 
         found = {}
         table = self.masks["table"]

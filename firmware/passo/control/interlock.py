@@ -6,7 +6,8 @@ themselves, if the board file asks for it; and keeps for each input when it last
 """
 
 from passo import commands, errors
-from passo.records import COUNT_MASK, INTERLOCK_OUTPUTS
+from passo.records import COUNT_MASK
+from passo.steps.permits import INTERLOCK_OUTPUTS
 
 
 class InterlockWatch:
@@ -75,7 +76,7 @@ class InterlockWatch:
     def _look(self, now_ms):
         """Compare the pins with what the interlock has, and let what differs for long enough be so."""
         interlock = self._interlock
-        raw = self._port.states()
+        raw = interlock.now()
         changed = raw ^ self._raw
         self._raw = raw
         differing = (raw ^ interlock.states) & interlock.watched
@@ -131,7 +132,7 @@ class InterlockWatch:
         if (now_ms - self._rest_ms) & COUNT_MASK >= self._unasked_ms:
             mask = self._interlock.grants()
             if mask & ~self._interlock.granted:
-                self._port.show(self._interlock.grant(mask))
+                self._interlock.put(self._interlock.grant(mask), 1)
 
     def report(self, report):
         report["glitches"] = sum(self._interlock.glitches)

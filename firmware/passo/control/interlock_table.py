@@ -15,7 +15,7 @@ The masks are made with the board's request put in and nothing asked for elsewhe
 """
 
 from passo.control.board_error import BoardError
-from passo.records import INTERLOCK_OUTPUTS, INTERLOCK_TOOL
+from passo.steps.permits import INTERLOCK_OUTPUTS, INTERLOCK_TOOL
 
 
 def parse(text, where="row"):

@@ -11,7 +11,7 @@ from machine import PWM, WDT, Pin, idle
 from micropython import const
 
 from passo.ports.uart_line import UartLine
-from passo.records import COUNT_MASK, INTERLOCK_OUTPUTS, TICKS_PER_MS
+from passo.records import COUNT_MASK, TICKS_PER_MS
 
 _HEARTBEAT_MS = const(170)  # so that it stands within 200
 _WATCHDOG_MS = const(1000)
@@ -77,22 +77,9 @@ class ChipPort:
         self._halting = [self._inputs[entry["name"]] for entry in board["inputs"] if entry["halt"]]
         self.interlock = None
         if board["interlock"]:
-            self._join_interlock(board)
+            from passo.ports.pin_interlock import PinInterlock  # here: most boards have none
 
-    def _join_interlock(self, board):
-        from passo.ports.interlock import Interlock  # here: most boards have none
-        from passo.ports.pin_watch import PinWatch
-
-        tool = board["tool"]
-        self._tool = Pin(tool["pin"]), tool["active"]
-        self._cuts = [(pin, 1 - active) for pin, active in [self._outputs[entry["name"]] for entry in board["outputs"]]]
-        interlock = self.interlock = Interlock(board, self)
-        interlock.items = [self._inputs[entry["name"]] for entry in board["inputs"]]
-        interlock.read(self.states())
-        for number in range(len(interlock.items)):
-            item = interlock.items[number]
-            if interlock.watched >> number & 1 and item not in self._halting:
-                PinWatch(item, number, interlock, self)
+            self.interlock = PinInterlock(board, self, self._inputs, self._outputs)
 
     # --- what the contract of ports asks for
 
@@ -180,38 +167,6 @@ class ChipPort:
                 self.power(0)
         self._aside = False
 
-    # --- what the interlock asks for, where there is one
-
-    def states(self):
-        """The inputs in the board file's order, a bit each: 1 active, as they are at the pins."""
-        states = 0
-        bit = 1
-        for item in self.interlock.items:
-            if item.active():
-                states |= bit
-            bit <<= 1
-        return states
-
-    def lit(self):  # ISR: no allocation
-        """True while the tool's pin is on."""
-        pin, active = self._tool
-        return pin.value() == active
-
-    def cut(self, mask):  # ISR: no allocation
-        """Switch off the outputs of `mask`, INTERLOCK_…."""
-        self._put(mask, 0)
-
-    def show(self, mask):
-        """Switch on the outputs of `mask`."""
-        self._put(mask, 1)
-
-    def _put(self, mask, on):  # ISR: no allocation
-        bit = INTERLOCK_OUTPUTS
-        for pin, off in self._cuts:
-            if mask & bit:
-                pin.value(off ^ on)
-            bit <<= 1
-
     # --- what start.py asks for
 
     def guard(self):
@@ -226,8 +181,7 @@ class ChipPort:
         for item in self._halting:
             item.pin.irq(None)
         if self.interlock is not None:
-            for item in self.interlock.items:
-                item.pin.irq(None)
+            self.interlock.close()
         for line in self._lines:
             line.close()
 

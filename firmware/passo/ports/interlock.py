@@ -3,7 +3,7 @@
     port.interlock.change(number, active)       # from an interrupt: an input has changed, and has lasted its filter's time
     port.interlock.denied                       # mask of INTERLOCK_…, now
 
-The port tells it of changes and has cut(mask), lit() and trip(item). A change that forbids acts at once, in the interrupt:
+What is derived from it, for chips and for the virtual port, tells it of changes, and has now(), lit() and put(mask, on). A change that forbids acts at once, in the interrupt:
 outputs that are no longer allowed go off, and stay off until they are asked for anew; the player is halted if a step that
 is forbidden lies ahead, or the tool is on. Words made later are looked at before they are handed to the player: none that
 steps towards an active limit is ever played. While nothing is forbidden that costs one comparison a turn of the feeder.
@@ -13,14 +13,15 @@ from array import array
 
 import micropython
 
-from passo.records import (
+from passo.steps.permits import (
     INTERLOCK_OUTPUTS, INTERLOCK_TOOL, PERMIT_ALLOWS, PERMIT_CARE, PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED,
-    PERMIT_VALUE,
+    PERMIT_VALUE, ahead, denied,
 )  # fmt: skip
-from passo.steps.permits import ahead, denied
 
 
 class Interlock:
+    """Has no pins: see pin_interlock.py and virtual_interlock.py."""
+
     def __init__(self, board, port):
         compiled = board["interlock"]["masks"]
         self._port = port
@@ -84,7 +85,7 @@ class Interlock:
             gone = self.granted & denied(self._unasked, self.states)
             if gone:
                 self.granted &= ~gone
-                self._port.cut(gone & ~self.asked)
+                self.put(gone & ~self.asked, 0)
         if not forbidden:
             return
         lost = forbidden & (self.asked | self.granted)
@@ -92,10 +93,10 @@ class Interlock:
             self.asked &= ~lost
             self.granted &= ~lost
             self.lost |= lost
-            self._port.cut(lost)
+            self.put(lost, 0)
         if self._player is not None and (
             forbidden & ~INTERLOCK_TOOL & ahead(self._state, self._segments, self._player.played())
-            or forbidden & INTERLOCK_TOOL and self._port.lit()
+            or forbidden & INTERLOCK_TOOL and self.lit()
         ):
             self._trip()
 
@@ -117,7 +118,7 @@ class Interlock:
         self.asked &= ~lost
         self.granted &= ~lost
         self.lost |= lost
-        self._port.cut(lost)
+        self.put(lost, 0)
 
     # --- main loop
 

@@ -69,6 +69,7 @@ class VirtualPort:
         self._outputs = {}
         for entry in board.get("outputs", ()):
             self._outputs[entry["name"]] = entry.get("active", 1)
+        self._switch = self.world.output
         self._trip = None  # what has stopped the player, until the main loop has been told
         self.interlock = None
         if board.get("interlock"):
@@ -85,7 +86,6 @@ class VirtualPort:
 
     def feed_from_interrupt(self, feeder, player):
         """There are no interrupts here: the main loop fills the ring itself."""
-        self._tool_mask = feeder.layout.tool_mask
         if self.interlock is not None:
             self.interlock.join(feeder, player)
         return False
@@ -117,31 +117,11 @@ class VirtualPort:
         active = self._outputs[name]
         if self.interlock is not None:
             on = self.interlock.output(name, on)
-            self.interlock.output_pin(self.now, name, active if on else 1 - active)
-            return
-        self.world.output(self.now, name, active if on else 1 - active)
+        self._switch(self.now, name, active if on else 1 - active)
 
     def power(self, level):
         """Show the tool's analogue power, 0 … 1000, at once."""
         self._player.show_power(self.now, level)
-
-    # --- what the interlock asks for, where there is one
-
-    def states(self):
-        """The inputs in the board file's order, a bit each: 1 active."""
-        return self.interlock.raw(self.now)
-
-    def lit(self):
-        """True while the tool's pin is on."""
-        return bool(self._player.levels() & self._tool_mask)
-
-    def cut(self, mask):
-        """Switch off the outputs of `mask`, INTERLOCK_…."""
-        self.interlock.put(max(self.now, self._player.now), mask, 0)
-
-    def show(self, mask):
-        """Switch on the outputs of `mask`."""
-        self.interlock.put(self.now, mask, 1)
 
     def trip(self, item):
         """Stop the player; tripped() tells for what."""

@@ -6,7 +6,7 @@ edge behind that time that leaves no pulse up. A world that has no listen(callba
 """
 
 from passo.ports.interlock import Interlock
-from passo.records import INTERLOCK_OUTPUTS
+from passo.steps.permits import INTERLOCK_OUTPUTS
 
 _TICKS_PER_US = 12.5
 
@@ -18,22 +18,23 @@ class VirtualInterlock(Interlock):
         self._levels = [item["active"] for item in board["inputs"]]
         self._ticks = [int(us * _TICKS_PER_US) for us in self.filters_us]
         self._amid = False  # the world is being told of an edge
-        self._pulses = 0  # mask of the player's pulses
+        self._pulses = self._tool = 0  # masks of the player's pins
         self._due = {}  # number: tick at which its change has lasted
         self._offs = [(item["name"], 1 - item["active"]) for item in board["outputs"]]
         self.attach = world.attach
-        self.output_pin = world.output
+        self._switch = world.output
         if hasattr(world, "power"):
             self.power = world.power
         self._pass_edges = world.edges
         self._hears = hasattr(world, "listen")
         if self._hears:
             world.listen(self.changed)
-        self.read(self.raw(0))
+        self.read(self.now())
 
     def join(self, feeder, player):
         Interlock.join(self, feeder, player)
         self._pulses = feeder.layout.pulse_mask
+        self._tool = feeder.layout.tool_mask
 
     # --- as a world
 
@@ -50,7 +51,7 @@ class VirtualInterlock(Interlock):
     def run(self, tick):
         self._world.run(tick)
         if not self._hears:
-            raw = self.raw(tick)
+            raw = self._look(tick)
             for number in range(len(self._names)):
                 if (raw ^ self.states) >> number & 1:
                     self._changed(tick, number, raw >> number & 1)
@@ -87,7 +88,11 @@ class VirtualInterlock(Interlock):
                 del self._due[number]
                 self.change(number, not self.states >> number & 1)
 
-    def raw(self, tick):
+    def now(self):
+        """The inputs as they are, a bit each: 1 active."""
+        return self._look(self._port.now)
+
+    def _look(self, tick):
         states = 0
         for number in range(len(self._names)):
             if self._world.input(tick, self._names[number]) == self._levels[number]:
@@ -96,9 +101,15 @@ class VirtualInterlock(Interlock):
 
     # --- outputs
 
-    def put(self, tick, mask, on):
+    def lit(self):
+        """True while the tool's pin is on."""
+        return bool(self._player.levels() & self._tool)
+
+    def put(self, mask, on):
+        """Switch the outputs of `mask`, INTERLOCK_…: 1 on, 0 off."""
+        tick = max(self._port.now, self._player.now) if self._player is not None else self._port.now
         bit = INTERLOCK_OUTPUTS
         for name, off in self._offs:
             if mask & bit:
-                self.output_pin(tick, name, off ^ on)
+                self._switch(tick, name, off ^ on)
             bit <<= 1

@@ -16,11 +16,24 @@ One text for all interpreters: a board compiles it to machine code, elsewhere it
 # ruff: noqa: F821
 
 import micropython
+from micropython import const
 
 from passo.records import (
-    COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_LEVELS, FEED_NEWEST, FEED_OLDEST, FEED_TOOL, INTERLOCK_TOOL, MARKS, MARK_FIELDS,
-    MARK_WORD, PERMIT_ALLOWS, PERMIT_CARE, PERMIT_FIELDS, PERMIT_FIRST, PERMIT_GATED, PERMIT_PRODUCTS, PERMIT_VALUE,
+    COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_LEVELS, FEED_NEWEST, FEED_OLDEST, FEED_TOOL, MARKS, MARK_FIELDS, MARK_WORD,
 )  # fmt: skip
+
+# The interlock's masks: a bit for each direction of an axis (2 · axis forward, the next back: 8 bits), then:
+INTERLOCK_TOOL = const(0x100)
+INTERLOCK_OUTPUTS = const(0x200)  # the first of the board file's outputs
+
+# A table of the interlock, made by control/interlock_table.py: these, then PERMIT_FIELDS numbers a product.
+PERMIT_PRODUCTS = const(0)  # how many
+PERMIT_GATED = const(1)  # mask of all that the table is about, INTERLOCK_…
+PERMIT_FIRST = const(2)
+PERMIT_CARE = const(0)  # of a product: the inputs that it looks at, a bit each
+PERMIT_VALUE = const(1)  # how these must be
+PERMIT_ALLOWS = const(2)  # what it then allows
+PERMIT_FIELDS = const(3)
 
 try:
     ptr32

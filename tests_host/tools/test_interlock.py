@@ -15,8 +15,7 @@ from host_tools.resources import ROOT
 from passo.control import interlock_table
 from passo.control.board_error import BoardError
 from passo.control.boardfile import check
-from passo.records import INTERLOCK_TOOL
-from passo.steps.permits import denied
+from passo.steps.permits import INTERLOCK_TOOL, denied
 
 pytestmark = pytest.mark.quick
 MILL = Table(boards.load("mill_2004"))

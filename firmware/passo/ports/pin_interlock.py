@@ -1,4 +1,4 @@
-"""A pin of the interlock on a chip: its edges, filtered, become changes of the interlock's inputs.
+"""The interlock on a chip: edges of pins, filtered, become changes of its inputs, and what it forbids goes off.
 
 A change counts once it has lasted the input's filter_us; the interrupt waits for that, so that a true change acts that long,
 and some 30 µs, after its edge. What does not last is a glitch, and counted. Two spikes within one such interrupt count as
@@ -10,6 +10,54 @@ from time import ticks_diff, ticks_us
 
 import micropython
 from machine import Pin
+
+from passo.ports.interlock import Interlock
+from passo.steps.permits import INTERLOCK_OUTPUTS
+
+
+class PinInterlock(Interlock):
+    def __init__(self, board, port, inputs, outputs):
+        """`inputs`: {name: Input} of the port, `outputs`: {name: (Pin, active level)}."""
+        Interlock.__init__(self, board, port)
+        tool = board["tool"]
+        self._tool = Pin(tool["pin"])
+        self._on = tool["active"]
+        self._pins = []  # (bit, pin, its level when off)
+        bit = INTERLOCK_OUTPUTS
+        for entry in board["outputs"]:
+            pin, active = outputs[entry["name"]]
+            self._pins.append((bit, pin, 1 - active))
+            bit <<= 1
+        self.items = [inputs[entry["name"]] for entry in board["inputs"]]
+        self.read(self.now())
+        for number in range(len(self.items)):
+            if self.watched >> number & 1 and not board["inputs"][number]["halt"]:
+                PinWatch(self.items[number], number, self, port)
+
+    def now(self):
+        """The inputs as they are at the pins, a bit each: 1 active."""
+        states = 0
+        bit = 1
+        for item in self.items:
+            if item.active():
+                states |= bit
+            bit <<= 1
+        return states
+
+    def lit(self):  # ISR: no allocation
+        """True while the tool's pin is on."""
+        return self._tool.value() == self._on
+
+    def put(self, mask, on):  # ISR: no allocation
+        """Switch the outputs of `mask`, INTERLOCK_…: 1 on, 0 off."""
+        for bit, pin, off in self._pins:
+            if mask & bit:
+                pin.value(off ^ on)
+
+    def close(self):
+        """No interrupts any more."""
+        for item in self.items:
+            item.pin.irq(None)
 
 
 class PinWatch:
