@@ -6,7 +6,7 @@
 What is derived from it, for chips and for the virtual port, tells it of changes, and has now(), lit() and put(mask, on). A change that forbids acts at once, in the interrupt:
 outputs that are no longer allowed go off, and stay off until they are asked for anew; the player is halted if a step that
 is forbidden lies ahead, or the tool is on. Words made later are looked at before they are handed to the player: none that
-steps towards an active limit is ever played. While nothing is forbidden that costs one comparison a turn of the feeder.
+steps towards an active limit is ever played. While nothing is forbidden that costs one comparison a cycle of the feeder.
 """
 
 from array import array

@@ -2,7 +2,7 @@
 
 It has the methods of a world, and hands on all calls. A change counts once it has lasted the input's filter_us, exactly; what
 a chip's interrupt takes on top of that is not modelled, but that no pulse is cut short: the player is halted with the first
-edge behind that time that leaves no pulse up. A world that has no listen(callback) is looked at once a turn.
+edge behind that time that leaves no pulse up. A world that has no listen(callback) is looked at once a cycle.
 """
 
 from passo.ports.interlock import Interlock
