@@ -6,7 +6,7 @@ A board forgets this module when that is done: it has better uses for the memory
 import sys
 
 from passo.control.board_error import BoardError
-from passo.control.setting_numbers import SPEED, STEPS
+from passo.control.setting_numbers import HOMING, SPEED, STEPS
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
@@ -51,20 +51,21 @@ def load_all(board, whole):
 
 
 def languages(board):
-    """The modules of the languages of the board file's links, of passo/languages: NEEDS and create(). Only what is named is
-    loaded, and early: machine code wants memory in one piece. Raises BoardError."""
+    """The packages of the languages of the board file's links, in passo/protocols: NEEDS, check() and create(). Only what is
+    named is loaded, and early: machine code wants memory in one piece. Raises BoardError."""
     modules = []
     for link in board["links"]:
         name = link["protocol"]
         if name not in PROTOCOLS:
             raise BoardError("link %s: unknown protocol %r; known are %s" % (link["name"], name, ", ".join(PROTOCOLS)))
         try:
-            language = __import__("passo.languages." + name, None, None, ("create",))
+            language = __import__("passo.protocols." + name, None, None, ("create",))
         except ImportError as missing:
             raise BoardError("link %s: %s is not on this board (%s): flash it anew" % (link["name"], name, missing))
         check = getattr(language, "check", None)
-        if check:
-            check(link, board)
+        why = check(board) if check else None
+        if why:
+            raise BoardError("link %s: %s" % (link["name"], why))
         modules.append(language)
     return modules
 
@@ -85,11 +86,11 @@ def load(names):
 
 
 def guarded(board, languages, settings):
-    """Mask of the links that move nothing from the start on, before the machine is homed or unlocked."""
+    """Mask of the links that move nothing from the start on, before the machine is homed or unlocked: with homing those of
+    a language that is GUARDED."""
     mask = 0
     for number in range(len(languages)):
-        language = languages[number]
-        if hasattr(language, "guarded") and language.guarded(settings):
+        if settings.value(HOMING) and hasattr(languages[number], "GUARDED"):
             mask |= 1 << number
     return mask
 

@@ -371,7 +371,7 @@ AXIS_NEW_AIM = const(21)
 AXIS_NEW_BASE = const(22)  # what was asked for up to here is dropped; −1: nothing is
 AXIS_FIELDS = const(23)
 
-# What a status report tells (grbl_text_viper.py): room for three numbers, the unit of positions, then three integers an axis.
+# What a status report tells (grbl/text_viper.py): room for three numbers, the unit of positions, then three integers an axis.
 REPORT_NUMBER = const(0)
 REPORT_UNIT = const(9)  # tenths of a millimetre
 REPORT_DECIMAL = const(10)  # nanometres of the last decimal

@@ -60,7 +60,7 @@ COLD = (
     "passo/motion/steady.py",
     "passo/ports/rp2/flash_code.py",
     "passo/ports/rp2/pio_player.py",
-    "passo/protocols/grbl_text_viper.py",
+    "passo/protocols/grbl/text_viper.py",
     "passo/steps/feeder.py",
     "passo/steps/position_viper.py",
 )
@@ -84,11 +84,9 @@ def runs_on(path, chip=None):
 
 
 def language_name(path):
-    """`plotter` for passo/protocols/plotter.py, for all inside passo/protocols/plotter/ and for
-    passo/languages/plotter.py; otherwise None."""
-    if path.parts[1] not in ("protocols", "languages") or path.name == "__init__.py" and len(path.parts) == 3:
-        return None
-    return Path(path.parts[2]).stem
+    """`plotter` for passo/protocols/plotter/__init__.py, which imports what else of its folder a board needs; otherwise None."""
+    in_a_folder = path.parts[1] == "protocols" and len(path.parts) == 4 and path.name == "__init__.py"
+    return path.parts[2] if in_a_folder else None
 
 
 def source_of(path, firmware):
@@ -129,7 +127,7 @@ def selected(board, firmware=FIRMWARE):
     if board.get("chip") not in MARCH:
         raise Failure(f"unknown chip {board.get('chip')!r}; known are {', '.join(MARCH)}")
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"])]
-    known = {language_name(path) for path in files if path.parts[1] == "protocols"} - {None}
+    known = {language_name(path) for path in files} - {None}
     wanted = {link["protocol"] for link in board.get("links", [])}
     if wanted - known:
         raise Failure(f"there is no protocol {', '.join(sorted(wanted - known))} in {firmware / 'passo' / 'protocols'}")
@@ -137,7 +135,7 @@ def selected(board, firmware=FIRMWARE):
     for path in files:
         modules[".".join(path.with_suffix("").parts).removesuffix(".__init__")] = path
     chosen = {path for path in files if path.name == "__init__.py" or path.parts[1] == "ports"}
-    chosen |= {path for path in files if language_name(path) in wanted}
+    chosen -= {path for path in files if language_name(path) not in wanted | {None}}
     queue = list(chosen)
     queue.append(Path("main.py"))
     while queue:

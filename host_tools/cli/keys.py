@@ -62,7 +62,7 @@ def keys(
 
 def parse(text):
     """Convert words to a list of bytes to send and seconds to wait. Raises Failure at the first that is neither."""
-    from passo.protocols.keys import SLOWEST
+    from passo.protocols.keys.protocol import SLOWEST
 
     items = []
     for speed, number, key, amount, unit, other in _TOKEN.findall(text):
@@ -110,7 +110,7 @@ class Kit:
         self._note(data)
 
     def _note(self, data):
-        from passo.protocols.keys import OFF, ON, REVERSE, SPEED
+        from passo.protocols.keys.protocol import OFF, ON, REVERSE, SPEED
 
         key = data[0]
         if key in SPEED:
@@ -124,7 +124,7 @@ class Kit:
                 self.on[motor] = False
 
     def __str__(self):
-        from passo.protocols.keys import STEP_MS
+        from passo.protocols.keys.protocol import STEP_MS
 
         motors = []
         for motor in range(2):

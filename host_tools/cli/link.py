@@ -70,7 +70,7 @@ def _plotter(port, baud, number):
 
 def _torch(port, baud, number):
     from host_tools.clients.torch import TorchClient
-    from passo.protocols import torch
+    from passo.protocols.torch import protocol as torch
 
     with TorchClient(port, baud) as client:
         client.order(torch.passo(torch.LINK_OF, number))
@@ -79,7 +79,7 @@ def _torch(port, baud, number):
 def _pulses(port, baud, number):
     from host_tools.clients.wire import LinkError, open_port
     from passo import error_texts
-    from passo.protocols import pulses
+    from passo.protocols.pulses import protocol as pulses
 
     line = open_port(port, baud)
     try:

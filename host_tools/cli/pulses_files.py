@@ -89,7 +89,7 @@ def image(file: PulseFile, board: BoardName = BOARD):
     """
     from host_tools.programs import pulse_file
     from passo.commands import STEPS_DRIVES, STEPS_TOOL
-    from passo.protocols.pulses_report import port_byte
+    from passo.protocols.pulses.report import port_byte
 
     config, axes = _board(board)
     drives = tool = False

@@ -56,7 +56,7 @@ def send(
 
 def parse(words):
     """Convert words to [(name, numbers) | bytes]. Raises Failure at the first that is neither."""
-    from passo.protocols import plotter_host as plotter
+    from passo.protocols.plotter import host as plotter
 
     tokens = [token for word in words for token in word.split()]
     items = []
@@ -102,7 +102,7 @@ def _send(client, item):
     """Send one item and print it with its answer."""
     from host_tools.clients.plotter import Cancelled
     from host_tools.clients.wire import packet_text
-    from passo.protocols import plotter_host as plotter
+    from passo.protocols.plotter import host as plotter
 
     if isinstance(item, bytes):
         _send_raw(client, item)

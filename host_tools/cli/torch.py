@@ -92,7 +92,7 @@ def _finish(client, units, wait):
 
 
 def _move(client, units, lengths, speeds, wait):
-    from passo.protocols import torch
+    from passo.protocols.torch import protocol as torch
 
     fields = []
     for axis in range(2):
@@ -166,7 +166,7 @@ def jog(
 
         passo torch jog y- --times 10
     """
-    from passo.protocols import torch
+    from passo.protocols.torch import protocol as torch
 
     if direction.lower() not in JOGS:
         raise Failure(f"jog {', '.join(JOGS[:3])} or {JOGS[3]}, not {direction!r}")
@@ -254,7 +254,7 @@ def config(
 
         passo torch config 48 83 --steps --x-speed 480 --y-speed 830
     """
-    from passo.protocols import torch
+    from passo.protocols.torch import protocol as torch
 
     units = Units(board, steps)
     jogs = units.count(0, x_jog), units.count(1, y_jog)
@@ -296,7 +296,7 @@ def unlock(port: Port = None, baud: Baud = 115200, log: Log = None):
 
         passo torch unlock
     """
-    from passo.protocols import torch
+    from passo.protocols.torch import protocol as torch
 
     with _client(port, baud, log) as client:
         if client.status() is None:
@@ -309,7 +309,7 @@ def unlock(port: Port = None, baud: Baud = 115200, log: Log = None):
 
 
 def _plain(name, port, baud, log):
-    from passo.protocols import torch
+    from passo.protocols.torch import protocol as torch
 
     with _client(port, baud, log) as client:
         client.order(torch.frame(name))

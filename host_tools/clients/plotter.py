@@ -18,7 +18,7 @@ import time
 
 from host_tools.clients.wire import LinkError, Wire, packet_name
 from passo import error_texts, errors
-from passo.protocols import plotter_host as plotter
+from passo.protocols.plotter import host as plotter
 
 ATTEMPTS = 8  # of one packet
 POLL_S = 1.0  # between two STATUS while something is drawn or homed

@@ -11,8 +11,8 @@ import time
 from host_tools.clients.wire import LinkError, open_port
 from host_tools.failure import Failure
 from passo import error_texts
-from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame
-from passo.protocols.pulses_report import status_from
+from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
+from passo.protocols.pulses.report import status_from
 
 POLL_S = 0.1
 TIMEOUT_S = 5.0

@@ -14,7 +14,7 @@ import time
 from host_tools.clients.wire import LinkError, open_port
 from host_tools.failure import Failure
 from passo import error_texts
-from passo.protocols import torch
+from passo.protocols.torch import protocol as torch
 
 POLL_S = 0.1
 _PASSO_S = 0.5  # a board that does not answer a status question by then is not Passo

@@ -10,7 +10,7 @@ A STATUS answer is twelve bytes and every other answer one, so a `?` makes the r
 import time
 
 from host_tools.clients.serial_port import LinkError, open_exclusively
-from passo.protocols import plotter_host as plotter
+from passo.protocols.plotter import host as plotter
 
 _SLICE_S = 0.05  # how long one read waits: the finest grain of every time-out
 _STATUS_GAP_S = 0.5  # a STATUS answer that stalls this long is torn

@@ -4,7 +4,7 @@
     watch.asked(bytes to the board); watch.answered(byte from the board)
 """
 
-from passo.protocols import plotter_host as plotter
+from passo.protocols.plotter import host as plotter
 
 _ORIGIN = plotter.packet(plotter.COMMANDS["ORIGIN"])
 _STATUS = plotter.packet(plotter.COMMANDS["STATUS"])

@@ -13,7 +13,7 @@ from host_tools.emulator.cycles import CYCLES_PER_US
 from host_tools.emulator.rig import Rig, router, ticks_of
 from host_tools.emulator.traffic import points
 from host_tools.emulator.wire import BITS_A_BYTE
-from passo.protocols.plotter_host import PACKET
+from passo.protocols.plotter.host import PACKET
 
 WINDOW = 32  # packets under way of a program that does not wait
 NEXT = b"n"

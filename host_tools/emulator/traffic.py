@@ -1,10 +1,10 @@
 """Packets of the plotter's language for a wire that is never quiet.
 
-In it a byte that repeats its neighbour makes the board wait for a pause (see protocols/plotter.py); a host that does
+In it a byte that repeats its neighbour makes the board wait for a pause (see protocols/plotter/protocol.py); a host that does
 not pause must avoid that, as real drawings do for the most part.
 """
 
-from passo.protocols.plotter_host import COMMANDS, packet
+from passo.protocols.plotter.host import COMMANDS, packet
 
 
 def points(count, seed=0):

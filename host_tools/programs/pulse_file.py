@@ -19,7 +19,7 @@ def items(data, axes, config, name="the file"):
     """The items of a file (see passo.commands). Raises Failure with line and column of what is wrong."""
     from passo import error_texts
     from passo.commands import STEPS_ABORT, STEPS_ITEMS
-    from passo.protocols.pulses import Pulses, frame
+    from passo.protocols.pulses.protocol import Pulses, frame
 
     protocol = Pulses(axes, config)
     found = []
@@ -80,7 +80,7 @@ class Course:
 
 def letter_of(mask, negative):
     """The code of one step."""
-    from passo.protocols.pulses_codes import CODES
+    from passo.protocols.pulses.codes import CODES
 
     if not _LETTERS:
         _LETTERS.update({code: chr(65 + number) for number, code in enumerate(CODES)})
@@ -98,8 +98,8 @@ class Converter:
         from passo.control.settings import Settings
         from passo.motion.circle import Circle
         from passo.motion.line import MAX_RUN, Line
-        from passo.protocols.gcode import GCode
-        from passo.protocols.gcode_offsets import Offsets
+        from passo.protocols.gcode.parser import GCode
+        from passo.protocols.gcode.offsets import Offsets
         from passo.records import ARC_FIELDS
 
         axes = board["axes"][:3]

@@ -15,7 +15,7 @@ from patience import patience
 from test_board_command import ROOT, environment
 
 from host_tools.emulator.binary import Unavailable, find_uf2
-from passo.protocols.plotter_host import COMMANDS, packet
+from passo.protocols.plotter.host import COMMANDS, packet
 
 COMMAND = [sys.executable, "-m", "host_tools.cli", "emulate"]
 

@@ -16,7 +16,7 @@ from host_tools.build.tree import FIRMWARE, compile_module, selected
 from host_tools.emulator.machine import firmware_files
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.sim.machine import VirtualMachine
-from passo.protocols.plotter_host import COMMANDS, packet, status_from
+from passo.protocols.plotter.host import COMMANDS, packet, status_from
 from test_virtual_machine import LOG_2014
 
 BOARD = "plotter_2014"

@@ -9,7 +9,7 @@ from emulated import make_machine, uf2  # noqa: F401
 from host_tools import boards
 from host_tools.build.tree import selected
 from host_tools.emulator.pico import EmulatedPico
-from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame
+from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
 from test_digest import CHECKS, PICO_PULSES, ROOT, golden_of_gcode, hex_of
 from test_pico_digest import compiled
 

@@ -4,7 +4,7 @@ from statistics import median
 
 from emulated import make_machine, uf2  # noqa: F401
 
-from passo.protocols import torch
+from passo.protocols.torch import protocol as torch
 
 BYTE_MS = 10 / 115.2
 UP_LIMIT_MS = 3000

@@ -17,8 +17,8 @@ from passo.control.program import Program
 from passo.control.stream_queue import StreamQueue
 from passo.motion.line import MAX_RUN
 from passo.motion.limits import Limits
-from passo.protocols.gcode import GCode
-from passo.protocols.gcode_offsets import Offsets
+from passo.protocols.gcode.parser import GCode
+from passo.protocols.gcode.offsets import Offsets
 from passo.records import QUEUE_RETIRED
 from rig import Rig
 from true_path import Arc, centre_by_radius

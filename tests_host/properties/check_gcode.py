@@ -6,10 +6,10 @@ from draws import Random
 from passo import commands, error_texts, errors
 from passo.control import arcs
 from passo.motion.integers import isqrt
-from passo.protocols import gcode_words
-from passo.protocols.gcode import GCode
-from passo.protocols.gcode_offsets import Offsets
-from passo.protocols.gcode_words import F, X, Y, Words
+from passo.protocols.gcode import words as gcode_words
+from passo.protocols.gcode.parser import GCode
+from passo.protocols.gcode.offsets import Offsets
+from passo.protocols.gcode.words import F, X, Y, Words
 
 ALPHABET = b"GMXYZHIJKFSPLRTN0123456789.-+ ();/$gmxyz"
 GOOD = (

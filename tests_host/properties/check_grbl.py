@@ -3,8 +3,8 @@
 from boards.router_3axis import BOARD
 from passo import errors
 from passo.control.journal import MemorySlots
-from passo.protocols.grbl import plain_text, real_time
-from passo.protocols.grbl_report import decimal
+from passo.protocols.grbl.protocol import plain_text, real_time
+from passo.protocols.grbl.report import decimal
 from draws import Random
 from router import BANNER, UNHOMED, Machine, answers
 

@@ -3,9 +3,9 @@
 from array import array
 
 from draws import Random
-from passo.protocols import grbl_report
-from passo.protocols.gcode_words import rounded
-from passo.protocols.grbl_text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
+from passo.protocols.grbl import report as grbl_report
+from passo.protocols.gcode.words import rounded
+from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
 from passo.records import REPORT_AXIS, REPORT_FIELDS, REPORT_UNIT
 
 CASES = {"check_places": (("seed", "seed"),), "check_numbers": (("seed", "seed"),)}

@@ -8,8 +8,8 @@ from passo.commands import BAD, FOREVER, REST, RUN
 from passo.control.boardfile import BoardError, check
 from passo.control.motors import RELEASED
 from passo.ports.virtual import VirtualPort
-from passo.protocols import keys
-from passo.protocols.keys import Keys
+from passo.protocols.keys import protocol as keys
+from passo.protocols.keys.protocol import Keys
 
 TICKS_PER_MS = 12_500
 AHEAD_MS = 50  # words made ahead, and a turn of the main loop

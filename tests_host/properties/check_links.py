@@ -4,8 +4,8 @@ from boards.plotter_2014 import BOARD as PLOTTER
 from boards.router_3axis import BOARD
 from passo import errors
 from passo.control.boardfile import BoardError, check
-from passo.protocols import torch
-from passo.protocols.plotter_host import COMMANDS, packet, status_from
+from passo.protocols.torch import protocol as torch
+from passo.protocols.plotter.host import COMMANDS, packet, status_from
 from router import Machine
 
 GRBL, DRAWER = {"name": "pc", "port": "uart0", "protocol": "grbl"}, {"name": "draw", "port": "usb", "protocol": "plotter"}

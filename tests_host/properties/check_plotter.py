@@ -4,8 +4,8 @@ from passo import error_texts, errors
 from passo.commands import (
     ACCEPTED, BAD, DRAW, FINISHED, HAND_OVER, HELLO, HOME, JOG, POINT, REFUSED, SPEED, STATUS, STOP, Command, Event,
 )
-from passo.protocols import plotter_host as plotter
-from passo.protocols.plotter_host import ANSWERS, COMMANDS, PACKET, Plotter, packet, status_bytes, status_from
+from passo.protocols.plotter import host as plotter
+from passo.protocols.plotter.host import ANSWERS, COMMANDS, PACKET, Plotter, packet, status_bytes, status_from
 
 GAP_MS = 5
 COORDINATE = 65535

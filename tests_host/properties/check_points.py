@@ -4,7 +4,7 @@ from draws import Random
 from passo.batch import Points
 from passo.commands import POINT
 from passo.control.point_buffer import PointBuffer
-from passo.protocols.plotter_host import COMMANDS, Plotter, packet
+from passo.protocols.plotter.host import COMMANDS, Plotter, packet
 from passo.steps.word import TICKS_PER_MS
 from table import Machine
 

@@ -5,9 +5,9 @@ from lpt import Lpt
 from passo import commands
 from passo.commands import STEPS_ABORT, STEP_PROGRAM_ADD, STEPS_CLOSE, STEPS_ITEMS
 from passo.motion.integers import isqrt
-from passo.protocols.pulses import Pulses, frame
-from passo.protocols.pulses_codes import CODES
-from passo.protocols.pulses_report import port_byte
+from passo.protocols.pulses.protocol import Pulses, frame
+from passo.protocols.pulses.codes import CODES
+from passo.protocols.pulses.report import port_byte
 
 CASES = {
     "check_interrupted_and_returned": (("seed", "seed"),),

@@ -1,8 +1,8 @@
 """After a stop, a reset, an alarm or a hand-over nothing that was sent before moves anything: any language, any link."""
 
 from passo import commands, errors
-from passo.protocols import torch
-from passo.protocols.plotter_host import COMMANDS, packet, status_from
+from passo.protocols.torch import protocol as torch
+from passo.protocols.plotter.host import COMMANDS, packet, status_from
 from router import Machine
 from table import Machine as Plotter
 

@@ -5,8 +5,8 @@ from passo import errors
 from passo.commands import (
     ACCEPTED, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, REFUSED, RESET, RUN, STATUS, STILL, STOP, UNLOCK, ZERO, Event,
 )  # fmt: skip
-from passo.protocols import torch
-from passo.protocols.torch import Torch
+from passo.protocols.torch import protocol as torch
+from passo.protocols.torch.protocol import Torch
 
 INTEGER = (-(1 << 31), (1 << 31) - 1)
 CASES = {

@@ -145,7 +145,7 @@ class Sink:
 
 def digest(board, job):
     """Play `job` (a file of packets, open for reading) on `board`; returns the Sink."""
-    from passo.protocols.plotter import PACKET
+    from passo.protocols.plotter.protocol import PACKET
 
     port = Sink()
     app = App(checked(board), port)

@@ -18,8 +18,8 @@ from host_tools.build.constants import folded
 from host_tools.build.tree import FIRMWARE, module_files
 from host_tools.cli import run
 from host_tools.drawings.objects import objects
-from passo.protocols import torch
-from passo.protocols.plotter_host import COMMANDS, packet
+from passo.protocols.torch import protocol as torch
+from passo.protocols.plotter.host import COMMANDS, packet
 from programmes import programmes
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 

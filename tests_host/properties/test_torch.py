@@ -6,7 +6,7 @@ import pytest
 
 from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
-from passo.protocols import torch
+from passo.protocols.torch import protocol as torch
 
 
 @pytest.fixture

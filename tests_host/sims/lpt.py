@@ -11,8 +11,8 @@ from boards.lpt_router import BOARD
 from passo.app import App
 from passo.control.boardfile import check
 from passo.ports.virtual import VirtualPort
-from passo.protocols.pulses import ACK, CREDIT, WINDOW, frame
-from passo.protocols.pulses_report import status_from
+from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
+from passo.protocols.pulses.report import status_from
 from router import World
 
 

@@ -11,7 +11,7 @@ from passo.app import App
 from passo.machine_builder import make_drive
 from passo.control.boardfile import check
 from passo.ports.virtual import VirtualPort
-from passo.protocols.plotter_host import COMMANDS, packet, status_from
+from passo.protocols.plotter.host import COMMANDS, packet, status_from
 
 EDGE = 30  # steps from the table's end at which a barrier is interrupted
 

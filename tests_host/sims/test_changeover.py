@@ -6,8 +6,8 @@ import pytest
 from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
 from passo import errors
-from passo.protocols import torch
-from passo.protocols.plotter_host import COMMANDS, packet
+from passo.protocols.torch import protocol as torch
+from passo.protocols.plotter.host import COMMANDS, packet
 
 MOTION = {
     "grbl": (b"$X\n", b"G91 G1 X5 Y3 F600\n", b"G0 X1\nG0 X2\n", b"$J=G91 X5 F600\n", b"G2 X4 I2 F600\n"),

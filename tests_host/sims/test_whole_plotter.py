@@ -8,7 +8,7 @@ import pytest
 
 from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
-from passo.protocols.plotter_host import COMMANDS, RESYNC_MS, packet, status_from
+from passo.protocols.plotter.host import COMMANDS, RESYNC_MS, packet, status_from
 
 GAP_MS = boards.load("plotter_2014")["links"][0]["idle_gap_ms"]
 TURN_MS = 8  # of the virtual board in motion: how late it may look at its line

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 import serial
 
-from passo.protocols import torch
+from passo.protocols.torch import protocol as torch
 from patience import patience
 from test_virtual_machine import LOG_2014
 

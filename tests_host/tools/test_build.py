@@ -25,9 +25,7 @@ MODULES = {
     "passo/__init__.py": "",
     "passo/app.py": "from passo.motion.line import line\nfrom passo import errors, machine_builder\n",
     "passo/control/step_program.py": "",
-    "passo/languages/plotter.py": "from passo.protocols.plotter import sum\n",
     "passo/control/homing.py": "",
-    "passo/languages/torch.py": "NEEDS = ('step_program',)\n",
     "passo/machine_builder.py": "FEATURES = (('homing', 'Homing', bool), ('step_program', 'StepProgramPlayer', None))\n",
     "passo/motion/line.py": "def line():\n    return 1\n",
     "passo/ports/virtual.py": "",
@@ -36,10 +34,12 @@ MODULES = {
     "passo/ports/esp32.py": "",
     "passo/protocols/__init__.py": "",
     "passo/errors.py": "",
-    "passo/protocols/plotter.py": "from passo.protocols.packets import sum\n",
-    "passo/protocols/packets.py": "def sum():\n    return 0\n",
-    "passo/protocols/torch.py": "",
-    "passo/protocols/grbl/words.py": "",
+    "passo/protocols/plotter/__init__.py": "from passo.protocols.plotter.packets import sum\n",
+    "passo/protocols/plotter/host.py": "",
+    "passo/protocols/plotter/packets.py": "def sum():\n    return 0\n",
+    "passo/protocols/torch/__init__.py": "NEEDS = ('step_program',)\n",
+    "passo/protocols/gcode/words.py": "",
+    "passo/protocols/grbl/__init__.py": "from passo.protocols.gcode import words\n",
 }
 
 
@@ -67,8 +67,9 @@ ROOMS = [
     "passo/control/homing.mpy", "passo/errors.mpy", "passo/machine_builder.mpy", "passo/ports/pins.mpy",
     "passo/protocols/__init__.mpy",
 ]  # fmt: skip
-TORCH = ["passo/control/step_program.mpy", "passo/languages/torch.mpy", "passo/protocols/torch.mpy"]
-PLOTTER = ["passo/languages/plotter.mpy", "passo/protocols/packets.mpy", "passo/protocols/plotter.mpy"]
+TORCH = ["passo/control/step_program.mpy", "passo/protocols/torch/__init__.mpy"]
+PLOTTER = ["passo/protocols/plotter/__init__.mpy", "passo/protocols/plotter/packets.mpy"]
+GRBL = ["passo/protocols/gcode/words.mpy", "passo/protocols/grbl/__init__.mpy"]
 
 
 @pytest.mark.parametrize(
@@ -76,7 +77,7 @@ PLOTTER = ["passo/languages/plotter.mpy", "passo/protocols/packets.mpy", "passo/
     [
         ("rp2040", "plotter", ["passo/ports/rp2_pio.mpy"] + PLOTTER),
         ("rp2350", "torch", ["passo/ports/rp2_pio.mpy"] + TORCH),
-        ("esp32", "grbl", ["passo/ports/esp32.mpy", "passo/protocols/grbl/words.mpy"]),
+        ("esp32", "grbl", ["passo/ports/esp32.mpy"] + GRBL),
         ("esp32c3", "torch", ["passo/ports/esp32.mpy"] + TORCH),
     ],
 )

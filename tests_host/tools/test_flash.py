@@ -113,7 +113,7 @@ def put(files, name, text="old"):
 def small_firmware(tmp_path, monkeypatch):
     """A few modules instead of all: a copy takes its time."""
     firmware = tmp_path / "firmware"
-    for name in ("main.py", "passo/__init__.py", "passo/app.py", "passo/motion/line.py", "passo/protocols/plotter.py"):
+    for name in ("main.py", "passo/__init__.py", "passo/app.py", "passo/motion/line.py", "passo/protocols/plotter/__init__.py"):
         put(firmware, name, "x = 1\n")
     monkeypatch.setattr(flash, "build_tree", partial(flash.build_tree, firmware=firmware))
 

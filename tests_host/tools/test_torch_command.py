@@ -9,8 +9,8 @@ from host_tools.cli.main import app
 from host_tools.clients import torch as torch_client
 from host_tools.clients.torch import TorchClient
 from host_tools.failure import Failure
-from passo.protocols import torch
-from passo.protocols.frames import Cutter
+from passo.protocols.torch import protocol as torch
+from passo.protocols.torch.frames import Cutter
 from test_board_command import Board
 
 

@@ -24,12 +24,12 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import ACCEPTED, ALARM, DROPPED, NOTICE, REFUSED, RESTARTED, Command, Event
-from passo.protocols import grbl_report
-from passo.protocols.gcode import GCode
-from passo.protocols.gcode_words import LONGEST, bare, rounded
-from passo.protocols.grbl_lines import Lines
-from passo.protocols.grbl_report import Status
-from passo.protocols.grbl_system import System, answer
+from passo.protocols.grbl import report as grbl_report
+from passo.protocols.gcode.parser import GCode
+from passo.protocols.gcode.words import LONGEST, bare, rounded
+from passo.protocols.grbl.lines import Lines
+from passo.protocols.grbl.report import Status
+from passo.protocols.grbl.system import System, answer
 from passo.records import NM_PER_M, SETTING_LASER, SETTING_MAX_RPM
 
 _ALARMS = const(200)  # errors.py has alarms that much higher

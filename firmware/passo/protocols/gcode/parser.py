@@ -24,13 +24,13 @@ from micropython import const
 from passo import commands, errors
 from passo.batch import thousandths
 from passo.commands import Command
-from passo.protocols.gcode_codes import (
+from passo.protocols.gcode.codes import (
     AXIS_COMMANDS, COOLING, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PLANE, RETURN, STOPPING, SYSTEM,
     TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
 )
-from passo.protocols.gcode_motion import Motions, new_moves
-from passo.protocols.gcode_reader import NONE, Refused
-from passo.protocols.gcode_words import F, M_CODES, S, rounded
+from passo.protocols.gcode.motion import Motions, new_moves
+from passo.protocols.gcode.reader import NONE, Refused
+from passo.protocols.gcode.words import F, M_CODES, S, rounded
 from passo.records import (
     BATCH_ROWS, BIAS, FARTHEST, PARSE_AFTER, PARSE_AXES, PARSE_DYNAMIC, PARSE_FEED, PARSE_FIELDS, PARSE_FULL, PARSE_HIGH,
     PARSE_INCHES, PARSE_LEAST, PARSE_LIT, PARSE_LOW, PARSE_MODAL, PARSE_NUMBER, PARSE_OFFSET, PARSE_POSITION, PARSE_POWER,
@@ -45,7 +45,7 @@ _MOST_RPM = const(100_000_000)
 
 gc.collect()
 try:
-    from passo.protocols.gcode_parse_viper import parse
+    from passo.protocols.gcode.parse_viper import parse
 except MemoryError:  # a board that has too little, or not in one piece: interpret() deals with all lines
     parse = None
 
@@ -158,7 +158,7 @@ class GCode(Motions):
 
     @micropython.native
     def fill(self, lines, batch):
-        """Understand plain lines of `lines` (grbl_lines.Lines), from the oldest on: as many as there is room for, and
+        """Understand plain lines of `lines` (grbl.lines.Lines), from the oldest on: as many as there is room for, and
         `batch.most` at most. Returns how many; `waits`: the next one is not for interpret(), but has to wait for room."""
         rows = batch.most
         if batch.room < rows:

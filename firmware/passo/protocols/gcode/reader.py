@@ -3,8 +3,8 @@
 from micropython import const
 
 from passo import errors
-from passo.protocols.gcode_codes import AXIS_COMMANDS, GROUP_OF, GROUPS, why_unknown
-from passo.protocols.gcode_words import F, L, M_CODES, N, P, R, T, X, Z, Words, rounded
+from passo.protocols.gcode.codes import AXIS_COMMANDS, GROUP_OF, GROUPS, why_unknown
+from passo.protocols.gcode.words import F, L, M_CODES, N, P, R, T, X, Z, Words, rounded
 
 MAX_LINE = const(10_000_000)
 MAX_TOOL = const(255)

@@ -1,4 +1,4 @@
-"""The language of LPTControl (2009): files of one-letter pulse codes (pulses_codes.py), and the control commands around them.
+"""The language of LPTControl (2009): files of one-letter pulse codes (codes.py), and the control commands around them.
 
 Control commands stand in braces, which are no codes, and may come at any moment, between the bytes of a file too:
 
@@ -20,7 +20,7 @@ Codes outside a file are streamed, too, until the line is quiet. Answers are lin
     error:120              refused; of a file `error:120 line 3 column 7`, and nothing of it is left
     end   start   speed    the file has been played, or played back to its start; the operator's speed is wanted
     oldest                 played back as far as is remembered of what was streamed, which is not its start
-    <…>                    to {?}: see pulses_report.py
+    <…>                    to {?}: see report.py
     log:12345,101,pc       to {log}: an event's milliseconds, number and origin, a line each; then ok
     ready   alarm:201   stopped     by another link, for one
 
@@ -40,9 +40,9 @@ from passo.commands import (
     ACCEPTED, ALARM, BAD, DROPPED, FINISHED, RESTARTED, STATUS, STOP, STEP_PROGRAM, STEPS_ABORT, STEP_PROGRAM_ADD, STEPS_ASK, STEPS_CLOSE,
     STEPS_ITEMS, STEPS_OPEN, STEPS_SPEED, STEPS_WAIT, Command,
 )  # fmt: skip
-from passo.protocols.pulses_codes import CODES, MARKS, SPEED_MM_MIN, WAIT_MS
-from passo.protocols.pulses_control import number, understand
-from passo.protocols.pulses_report import status
+from passo.protocols.pulses.codes import CODES, MARKS, SPEED_MM_MIN, WAIT_MS
+from passo.protocols.pulses.control import number, understand
+from passo.protocols.pulses.report import status
 from passo.records import COUNT_MASK
 
 WINDOW = const(512)

@@ -8,7 +8,7 @@ The first line begins at text[at]; each ends with a line feed or the text. `plac
 count; after a plain line it says where that leads, and where the next line begins; a line of another kind ends the batch, and
 has not changed what counts. What is unusual (any other word or character, more than six
 decimals, a place beyond the travel or half a metre, a very slow feed, another speed of a spindle, a beam that changes
-without a step, a mistake) is left to gcode.py, which alone knows the rules; what is understood here gives what it
+without a step, a mistake) is left to parser.py, which alone knows the rules; what is understood here gives what it
 gives, to the nanometre. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary
 Python; see motion/block_viper.py for what that asks of integers.
 """

@@ -9,9 +9,9 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command
-from passo.protocols import grbl_report
-from passo.protocols.gcode_words import X, Words
-from passo.protocols.grbl_lines import RX_BYTES
+from passo.protocols.grbl import report as grbl_report
+from passo.protocols.gcode.words import X, Words
+from passo.protocols.grbl.lines import RX_BYTES
 from passo.records import SETTING_INCHES
 
 _A_FEW = const(6)

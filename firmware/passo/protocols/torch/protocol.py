@@ -26,7 +26,7 @@ from passo.commands import (
     ACCEPTED, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, FOREVER, HAND_OVER, REFUSED, RESET, RUN, STATUS, STILL, STOP,
     UNLOCK, ZERO, Command, Run,
 )  # fmt: skip
-from passo.protocols.frames import END, Cutter
+from passo.protocols.torch.frames import END, Cutter
 
 CODES = {
     "MOVE": 0xFE,

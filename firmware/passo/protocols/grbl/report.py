@@ -4,8 +4,8 @@ from array import array
 
 from micropython import const
 
-from passo.protocols.gcode_words import rounded
-from passo.protocols.grbl_text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
+from passo.protocols.gcode.words import rounded
+from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
 from passo.records import (
     NUMBER_DECIMALS, NUMBER_FIELDS, NUMBER_FIRST, NUMBER_WHOLE, REPORT_AXIS, REPORT_FIELDS, REPORT_OFFSET_MM, REPORT_OFFSET_NM,
     REPORT_STEPS_PER_M, REPORT_UNIT, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT,

@@ -1,7 +1,7 @@
 """The plotter's language on a link."""
 
 from passo.batch import Points
-from passo.protocols.plotter import Plotter
+from passo.protocols.plotter.protocol import Plotter
 
 NEEDS = ("drawing",)
 

@@ -6,7 +6,7 @@ Codes of the same group exclude each other in a line. Those of AXIS_COMMANDS wan
 from micropython import const
 
 from passo import errors
-from passo.protocols.gcode_words import M_CODES
+from passo.protocols.gcode.words import M_CODES
 
 NON_MODAL = const(0)
 MOTION = const(1)

@@ -4,9 +4,9 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Motion
-from passo.protocols.gcode_codes import G80, G81
-from passo.protocols.gcode_reader import Reader, Refused
-from passo.protocols.gcode_words import H, I, L, P, R, X, Z, rounded
+from passo.protocols.gcode.codes import G80, G81
+from passo.protocols.gcode.reader import Reader, Refused
+from passo.protocols.gcode.words import H, I, L, P, R, X, Z, rounded
 from passo.records import NM_PER_M
 
 MAX_STEPS = const(0x1FFFFFFF)

@@ -1,9 +1,12 @@
 """The torch manipulator's frames on a link."""
 
-from passo.languages.axes import check_axes as check  # noqa: F401
-from passo.protocols.torch import Torch
+from passo.protocols.torch.protocol import Torch
 
 NEEDS = ("independent", "changeover")
+
+
+def check(board):
+    return None if len(board["axes"]) > 1 else "torch wants two axes"
 
 
 def create(link, number, board, controller, shared, most):

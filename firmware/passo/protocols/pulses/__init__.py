@@ -1,14 +1,12 @@
 """Pulse files on a link; its links share one step program."""
 
-from passo.control.board_error import BoardError
-from passo.protocols.pulses import Pulses
+from passo.protocols.pulses.protocol import Pulses
 
 NEEDS = ("step_program", "pauses")
 
 
-def check(link, board):
-    if not board["step_program"]:
-        raise BoardError("link %s: pulses wants the section step_program" % link["name"])
+def check(board):
+    return None if board["step_program"] else "pulses wants the section step_program"
 
 
 def create(link, number, board, controller, shared, most):

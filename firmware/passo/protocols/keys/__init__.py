@@ -1,9 +1,12 @@
 """The keys of the two-motor kit on a link."""
 
-from passo.languages.axes import check_axes as check  # noqa: F401
-from passo.protocols.keys import Keys
+from passo.protocols.keys.protocol import Keys
 
 NEEDS = ("independent",)
+
+
+def check(board):
+    return None if len(board["axes"]) > 1 else "keys wants two axes"
 
 
 def create(link, number, board, controller, shared, most):

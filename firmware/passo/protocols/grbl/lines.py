@@ -18,7 +18,7 @@ Once a line has found no room none finds it until all that are kept have had the
 import micropython
 from micropython import const
 
-from passo.protocols.gcode_words import LONGEST, bare
+from passo.protocols.gcode.words import LONGEST, bare
 
 try:
     ptr8

@@ -1,4 +1,4 @@
-"""The PC's end of the plotter's language: what it sends, and what it hears. No board needs it; the rest is in plotter.py.
+"""The PC's end of the plotter's language: what it sends, and what it hears. No board needs it; the rest is in protocol.py.
 
     wire.write(packet(COMMANDS["LINE"], 644, 454))
     ANSWERS[wire.read(1)[0]]                        # "NEXT"
@@ -6,8 +6,8 @@
 
 from micropython import const
 
-from passo.protocols import plotter
-from passo.protocols.plotter import PACKET, RESYNC_MS, STATES, Plotter, status_bytes  # noqa: F401
+from passo.protocols.plotter import protocol as plotter
+from passo.protocols.plotter.protocol import PACKET, RESYNC_MS, STATES, Plotter, status_bytes  # noqa: F401
 
 COMMANDS = {
     "REQUEST": plotter.REQUEST,

@@ -1,0 +1,28 @@
+"""G-code as grbl takes it on a link; its links share their work offsets."""
+
+from passo.batch import Lines
+from passo.protocols.gcode.offsets import Offsets
+from passo.protocols.grbl.protocol import Grbl
+from passo.records import BATCH_ROWS
+
+NEEDS = ("program", "pauses", "tools", "pins")
+GUARDED = True  # with homing ($22) a link moves nothing before the machine is homed or unlocked
+
+
+def _axes(board):
+    return "".join([axis["name"] for axis in board["axes"]])[:3]
+
+
+def check(board):
+    axes = _axes(board)
+    return None if axes in ("x", "xy", "xyz") else "grbl wants axes x, y, z in this order, not " + axes
+
+
+def create(link, number, board, controller, shared, most):
+    machine = controller.machine
+    axes = _axes(board)
+    if "offsets" not in shared:
+        shared["offsets"] = Offsets(len(axes), machine.settings)
+    program = controller.features["program"]
+    batch = Lines(number, program.rows, min(most, BATCH_ROWS), program.slow_tool())
+    return Grbl(axes, shared["offsets"], machine, batch, (most + 3) >> 2)  # one that goes as a command costs as much as four
