@@ -195,7 +195,8 @@ class Remaining:
         inside = min(gone_s - self._entered_s, here * pace)
         left = max(0.0, (total - thought) * pace - inside)
         if total:
-            self.share = 1.0 if index == len(self._seconds) else min(1.0, (thought + inside / pace) / total)
+            share = 1.0 if index == len(self._seconds) else min(1.0, (thought + inside / pace) / total)
         else:
-            self.share = index / max(1, len(self._seconds))
+            share = index / max(1, len(self._seconds))
+        self.share = max(self.share, share)  # rounding may say a little less than before
         return left
