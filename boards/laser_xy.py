@@ -11,6 +11,7 @@ changes with the step too, or within 2 ms of it if steps are slow. A laser with 
 BOARD = {
     "name": "laser_xy",
     "chip": "rp2040",
+    "clock_mhz": 200,  # of 125, 150 and 200: more lines a second, and answers sooner; leave it out for an rp2350
     "drive": {"kind": "step_dir", "pulse_us": 3, "setup_us": 5},
     "axes": [
         {"name": "x", "pins": [2, 4], "steps_per_m": 80000, "travel_steps": 32000, "max_mm_min": 12000,

@@ -46,7 +46,8 @@ class Link:
         self.serial = serial
         self.protocol = protocol
         self.batch = getattr(protocol, "batch", None)  # of what comes most often, if the language has one
-        self.accept = self.batch and controller.acceptor(self.batch)
+        if self.batch:
+            self.open, self.accept, self.close = controller.batches(self.batch)
         self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: it may fill batches while commands wait
         self.waiting = []
 
@@ -130,7 +131,7 @@ class App:
             self.controller.stopped_by(tripped)
         self.controller.poll()
         self._answer()
-        if self.interrupt and not heard and self._coming():
+        if self.interrupt and self._coming():
             self._hear()  # so that `?` waits half as long
         self._feed()
         return True
@@ -138,6 +139,7 @@ class App:
     # What goes on each cycle is in small pieces: a function of more than eleven words of variables and stack takes them off
     # the heap, and that takes longer than a call.
 
+    @micropython.native
     def _hear(self):
         """What the links bring. Returns _PART where bytes came, _WHOLE where more than questions did, or both."""
         self._heard = 0
@@ -167,6 +169,7 @@ class App:
                 self._feed()
         return coming and (self.port.machine_ms() - self._looked_ms) & COUNT_MASK < _LOOK_MS
 
+    @micropython.native
     def _feed(self):
         """Words for the player, where there is something to play and the motors are ready."""
         feeder = self.feeder
@@ -190,6 +193,7 @@ class App:
         self.port.wait(controller.busy(), controller.machine.fine())
         self._looked_ms = self.port.machine_ms()
 
+    @micropython.native
     def _receive(self, link):
         """What waits comes first, then the commands in what the line brings: each is to be answered before the next is
         asked for."""
@@ -200,6 +204,8 @@ class App:
         data = link.serial.read()
         if data:
             self._heard |= _PART
+        elif link.keeps and not link.protocol.pending():
+            return ()
         if link.batch and (link.keeps or not link.waiting):
             data = self._in_batches(link, data)
         return link.protocol.feed(data, self._now_ms)
@@ -207,7 +213,11 @@ class App:
     def _carry_out(self, commands, link):
         for command in commands:
             command.link = link
-            if self._overruled and command.kind not in HARMLESS:
+            if command.kind == STATUS:  # at once: half a dozen calls less
+                answer = link.protocol.reply(self.controller.status(command))
+                if answer:
+                    link.serial.write(answer)
+            elif self._overruled and command.kind not in HARMLESS:
                 self.controller.refuse(command, self._overruled)
                 self._answer()
             else:
@@ -215,8 +225,7 @@ class App:
 
     def _begin(self, command):
         link = command.link
-        if command.kind != STATUS:
-            self._heard |= _WHOLE
+        self._heard |= _WHOLE
         if command.kind in IMMEDIATE or not link.waiting:
             if self.controller.accept(command) == LATER:
                 link.waiting.append(command)
@@ -236,6 +245,9 @@ class App:
             answers = self._batch(link, data, again)
             if answers:
                 again = True
+                if not self.feeder.open and self.interrupt and not link.serial.any():
+                    self._set_off(link)
+                    again = False
                 link.serial.write(answers)
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
                     data = b""
@@ -246,10 +258,17 @@ class App:
                 more -= 1  # the wire brings more than the machine takes: what is left there would be lost
             data = link.serial.read()
         if again:
-            self.controller.close_batch(link.batch)
+            link.close(link.batch)
             if self.controller.queue.waiting:
                 self._heard |= _WHOLE
         return data if answers is None else b""
+
+    @micropython.native
+    def _set_off(self, link):
+        """The machine stands, and no more lines are coming: move first, answer then."""
+        link.close(link.batch)
+        self.controller.begin()
+        self._feed()
 
     @micropython.native
     def _batch(self, link, data, again):
@@ -260,7 +279,7 @@ class App:
             found = protocol.collect(data, self._now_ms)
             if not found:
                 return None if found is None else b""
-            if not self.controller.open_batch(batch) or not protocol.begin():
+            if not link.open(batch) or not protocol.begin():
                 return b""
             data = b""
         count = protocol.fill(data)

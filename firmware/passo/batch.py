@@ -1,11 +1,11 @@
 """What comes most often, several at a time on its way from a language to the machine: lines to go, points to draw.
 
-    accept = controller.acceptor(batch)
+    open, accept, close = controller.batches(batch)
     if language.collect(data, now_ms):                          # bytes have come that may be rows
-        if controller.open_batch(batch) and language.begin():   # the machine takes some now, as the language has them
+        if open(batch) and language.begin():   # the machine takes some now, as the language has them
             while language.fill(b""):                           # batch.count of them
                 answers = language.accepted(accept(batch))
-            controller.close_batch(batch)
+            close(batch)
 
 A batch belongs to one link. The controller fills in what a language has to know, the language the rows. What a row may not
 express comes as a Command.

@@ -18,6 +18,7 @@ INT_HALF = const(0x20000000)  # ((number + INT_HALF) & INT_MOST) − INT_HALF re
 TICKS_PER_S = const(12_500_000)  # a tick is 80 ns
 TICKS_PER_MS = const(12_500)
 HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is never far away
+FEED_LEAST = const(50_000)  # 4 ms: behind the word that is being played, more than two calls of a feeder are apart
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
 
@@ -371,12 +372,17 @@ AXIS_NEW_AIM = const(21)
 AXIS_NEW_BASE = const(22)  # what was asked for up to here is dropped; −1: nothing is
 AXIS_FIELDS = const(23)
 
-# What a status report tells (grbl/text_viper.py): room for three numbers, the unit of positions, then three integers an axis.
-REPORT_NUMBER = const(0)
-REPORT_UNIT = const(9)  # tenths of a millimetre
-REPORT_DECIMAL = const(10)  # nanometres of the last decimal
-REPORT_FIRST = const(11)  # worth of the first decimal: 100 or 1000
-REPORT_AXIS = const(12)
+# What a status report tells (grbl/text_viper.py): room for nine numbers, the unit of positions, then three integers an axis.
+REPORT_NUMBER = const(0)  # nine numbers: of up to four axes, or the overrides; and these
+REPORT_BLOCKS = const(12)
+REPORT_ROOM = const(15)
+REPORT_LINE = const(18)
+REPORT_SPEED = const(21)
+REPORT_RPM = const(24)
+REPORT_UNIT = const(27)  # tenths of a millimetre
+REPORT_DECIMAL = const(28)  # nanometres of the last decimal
+REPORT_FIRST = const(29)  # worth of the first decimal: 100 or 1000
+REPORT_AXIS = const(30)
 NUMBER_WHOLE = const(0)
 NUMBER_DECIMALS = const(1)
 NUMBER_FIRST = const(2)  # worth of the first decimal, 0: none; plus NUMBER_NEGATIVE

@@ -163,7 +163,7 @@ def check_a_batch_that_leads_out_of_the_travel():
     machine = home(Machine())
     controller = machine.controller
     batch = machine.app.links[0].batch
-    accept = controller.acceptor(batch)
+    begin, accept, close = controller.batches(batch)
     for line, out in ((2, (-1, 0, 0)), (0, (0, 64_001, 0)), (3, (0, 0, 1))):
         for row in range(4):
             at = row * BATCH_FIELDS
@@ -171,11 +171,11 @@ def check_a_batch_that_leads_out_of_the_travel():
             if row == line:
                 for axis in range(3):
                     batch.rows[at + BATCH_STEPS + axis] = out[axis] - batch.rows[BATCH_STEPS + axis] * row
-        assert controller.open_batch(batch) and batch.room >= 4
+        assert begin(batch) and batch.room >= 4
         batch.count = 4
         assert accept(batch) == line
-        controller.close_batch(batch)
-        assert controller.machine.alarm == errors.ALARM_SOFT_LIMIT and not controller.open_batch(batch)
+        close(batch)
+        assert controller.machine.alarm == errors.ALARM_SOFT_LIMIT and not begin(batch)
         machine.cycles(60)
         assert controller.position() == list(controller.queue.target) == [0, 0, 0] and controller.machine.homed
         machine.put(b"\x18")
@@ -185,7 +185,7 @@ def check_a_batch_that_leads_out_of_the_travel():
     for line, undo in (("$C", "$C"), ("$SLP", "\x18"), ("M0", "~")):
         machine.put(line + "\n")
         machine.cycles(3)
-        assert not controller.open_batch(batch), line
+        assert not begin(batch), line
         machine.put(undo + "\n")
         machine.cycles(5)
         machine.do("$X")

@@ -16,7 +16,7 @@ MOST = (1 << 28) - 1  # steps
 
 def told(label, figures, count):
     out = bytearray(120)
-    end = tell(out, 3, label + b"\0", figures, count)
+    end = tell(out, 3, label + b",".join([bytes((number + 1,)) for number in range(count)]) + b"\0", figures)
     assert out[:3] == bytes(3) and not any(out[end:])
     return bytes(out[3:end]).decode()
 

@@ -10,7 +10,7 @@ rest is the features', which the board file and the languages of its links have 
 """
 
 from passo import commands, errors
-from passo.commands import DROPPED, REFUSED, Event
+from passo.commands import ACCEPTED, DROPPED, REFUSED, Event
 from passo.control.links import HARMLESS
 from passo.control.state import hooks
 
@@ -85,7 +85,8 @@ class Controller:
     def accept(self, command):
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
         if command.kind == commands.STATUS:
-            return self._status(command)
+            self.machine.tell(self.status(command))
+            return 0
         handler = self.machine.handlers.get(command.kind)
         result = self._refusal(command) or (handler(command) if handler else errors.UNKNOWN_COMMAND)
         if result > 0:
@@ -102,19 +103,15 @@ class Controller:
 
     # --- batches: by the same rules as commands
 
-    def open_batch(self, batch):
-        """True if the machine takes rows of `batch` now, as many as there is `batch.room` for; else they have to come as
-        commands, to wait or to be refused. close_batch() is to follow before anything else is done."""
-        return self.machine.commander == batch.link and self._batches[batch.kind][0](batch)
+    def batches(self, batch):
+        """(open, accept, close), the functions of who takes batches of this kind, `batch` each:
 
-    def acceptor(self, batch):
-        """The function accept(batch) that carries out the rows of such a batch while it is open. It returns how many: all of
-        them, but if one leads out of the travel, which is an alarm."""
-        return self._batches[batch.kind][1]
-
-    def close_batch(self, batch):
-        """No more rows come for now."""
-        self._batches[batch.kind][2](batch)
+        open    True if the machine takes rows now from the link of `batch`, as many as there is `batch.room` for; else they
+                have to come as commands, to wait or to be refused. close() is to follow before anything else is done
+        accept  carries out the rows, while it is open. How many: all, but if one leads out of the travel, which is an alarm
+        close   no more rows come for now
+        """
+        return self._batches[batch.kind]
 
     def refuse(self, command, number, *more):
         """Log error `number` and tell the command's link; also of `more` commands of that link, in one line of the log."""
@@ -194,7 +191,8 @@ class Controller:
     def _home(self, command):
         return errors.NO_HOMING
 
-    def _status(self, command):
+    def status(self, command):
+        """The event that answers STATUS, which is never refused."""
         machine = self.machine
         report = self._report
         report["state"] = machine.state
@@ -203,7 +201,9 @@ class Controller:
         machine.report(report)
         report["position"] = self.queue.found()  # last: it does not last
         machine.log.last = 0
-        return machine.accepted(command, report)
+        event = command.accepted or Event(ACCEPTED, command)
+        event.value = report
+        return event
 
     def _stop(self, command):
         machine = self.machine

@@ -84,7 +84,7 @@ class Drawing:
 
     def open(self, batch):
         machine = self._machine
-        if machine.unready() or machine.command is not None or machine.active:
+        if machine.commander != batch.link or machine.unready() or machine.command is not None or machine.active:
             return False
         places = self.points.reserve()
         if places is None:

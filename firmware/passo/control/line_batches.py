@@ -63,8 +63,8 @@ class LineBatches:
     def open(self, batch):
         machine = self._machine
         if (
-            machine.command is not None or machine.alarm or machine.sleeping or machine.checking or machine.detached
-            or machine.jogging or machine.drawing or machine.dropping or machine.occupied()
+            machine.commander != batch.link or machine.command is not None or machine.alarm or machine.sleeping or machine.checking
+            or machine.detached or machine.jogging or machine.drawing or machine.dropping or machine.occupied()
             or not self._planner.accelerates or machine.interlock is not None and machine.interlock.denied
         ):  # fmt: skip
             return False
@@ -97,7 +97,7 @@ class LineBatches:
         if count:
             self._planner.lines(count)
             batch.taken = count
-            batch.room -= count  # what is played meanwhile counts from the next open_batch() on
+            batch.room -= count  # what is played meanwhile counts from the next open() on
         if count < batch.count:
             self.close(batch)
             self._machine.raise_alarm(errors.ALARM_SOFT_LIMIT)

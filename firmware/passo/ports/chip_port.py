@@ -87,11 +87,14 @@ class ChipPort:
         if link["port"] == "usb":
             from passo.ports.usb_line import UsbLine  # here: not every board has memory for it
 
-            line = UsbLine()
+            line = UsbLine(self._console())
         else:
             line = UartLine(link)
         self._lines.append(line)
         return line
+
+    def _console(self):
+        """What tells how many bytes the console has received; None: nothing does."""
 
     @micropython.native
     def input(self, name):
@@ -134,6 +137,7 @@ class ChipPort:
             self._player.hold(False)
         return trip.name
 
+    @micropython.native
     def wait(self, busy, fine=False):
         """End a cycle of the main loop: sleep a while, no longer than until a byte comes. Raises what an interrupt could not
         deal with: it has halted the player."""
@@ -152,6 +156,7 @@ class ChipPort:
                 return
             idle()  # until an interrupt: a byte, the feeder's call, or a millisecond
 
+    @micropython.native
     def set_out(self, live):
         """What is queued for a machine that stands moves off now, not only at the feeder's next call. `live`:
         what is under way may change at any moment."""

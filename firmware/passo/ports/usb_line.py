@@ -8,17 +8,25 @@ from time import ticks_diff, ticks_ms
 import micropython
 from micropython import const
 
-_MOST = const(64)  # bytes read in one go
+_MOST = const(128)  # bytes read in one go
+_FEW = const(64)  # the same where they come one by one
 _INTERRUPT = const(3)  # Ctrl-C
 _ESCAPE = b"\r\x03"  # what mpremote begins with
 _SILENCE_MS = const(1000)
+
+
+def _unknown():
+    return 0
 
 
 class UsbLine:
     """The console's USB port. Ctrl-C is a byte like any other, except as the Enter and Ctrl-C with which tools ask for
     the REPL: these two bytes first after a second's silence end the program by KeyboardInterrupt."""
 
-    def __init__(self):
+    def __init__(self, console=None):
+        """`console`: tells how many bytes have come, as ports/rp2/console.py; None: nothing does."""
+        self._console = console
+        self._waiting = console.waiting if console else _unknown
         self._poll = poll()
         self._poll.register(sys.stdin, POLLIN)
         # What reading takes is made once: as methods, bytes and slices it would be garbage of each read.
@@ -38,32 +46,49 @@ class UsbLine:
 
     @micropython.native
     def read(self):
-        """Bytes that have come, at most 64, good until the next read; b"" if none. Raises KeyboardInterrupt when the REPL
+        """Bytes that have come, at most 128, good until the next read; b"" if none. Raises KeyboardInterrupt when the REPL
         is asked for."""
-        # The console gives what it has byte by byte only: asked for more, it waits for them.
-        if not self.any():
+        for _ in self._ready(0):
+            break
+        else:
             return b""
-        count = 0
-        byte = self._byte
-        data = self._data
-        take = self._take
-        ready = self._ready
-        while count < _MOST:
-            for _ in ready(0):
-                take(byte)
-                data[count] = byte[0]
-                count += 1
-                break
-            else:
-                break
-        if count != len(self._said):
-            self._said = self._view[:count]
+        count = self._waiting()
+        if count > _MOST:
+            count = _MOST
+        if count:
+            if count != len(self._said):
+                self._said = self._view[:count]
+            self._take(self._said)
+        else:
+            self._read_each()
         now_ms = ticks_ms()
         silent_ms = ticks_diff(now_ms, self._heard_ms)
         self._heard_ms = now_ms
         if silent_ms >= _SILENCE_MS and bytes(self._said[:2]) == _ESCAPE:
             raise KeyboardInterrupt
         return self._said
+
+    @micropython.native
+    def _read_each(self):
+        """Byte by byte: asked for more than it has, the console waits for them."""
+        count = 0
+        byte = self._byte
+        data = self._data
+        take = self._take
+        ready = self._ready
+        console = self._console
+        while count < _FEW:
+            for _ in ready(0):
+                take(byte)
+                data[count] = byte[0]
+                if console:
+                    console.taken(byte[0])
+                count += 1
+                break
+            else:
+                break
+        if count != len(self._said):
+            self._said = self._view[:count]
 
     def write(self, data):
         self._out.write(data)

@@ -12,7 +12,8 @@ released.
     marks             |a    |b        |c    |d          one at each segment's end: words, ticks and position so far
                             ^FEED_OLDEST    ^FEED_NEWEST, FEED_HEAD
 
-A segment is made if fewer than FEED_LEAD ticks, FEED_LIMIT words and MARKS segments lie behind the oldest mark.
+A segment is made if fewer than FEED_LEAD ticks, FEED_LIMIT words and MARKS segments lie behind the oldest mark; or if fewer
+than FEED_LEAST ticks lie behind the word that is being played, which may last as long as FEED_LEAD.
 
 A call of machine code by name costs some 15 µs, so all that a segment needs stands here between the calls: a segment of a
 line costs three of them, a line three more. In all a line of 0.2 mm takes an RP2040's feeding interrupt 0.36 ms (`make bench`).
@@ -38,7 +39,7 @@ from passo.motion.line import MAX_RUN
 from passo.motion.row_viper import take
 from passo.records import (
     COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_BEGINS, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_FAST, FEED_HEAD,
-    FEED_HOLD, FEED_INDEX, FEED_KIND, FEED_LEAD, FEED_LEFT, FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST,
+    FEED_HOLD, FEED_INDEX, FEED_KIND, FEED_LEAD, FEED_LEAST, FEED_LEFT, FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST,
     FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW, FEED_SETUP, FEED_TICKS, FEED_TOOL,
     FEED_WAIT, HOLD_TICKS, LINE_MOVING, LINE_NEGATIVE, LINE_RISE, MARKS, MARK_ENDS, MARK_FIELDS, MARK_INDEX,
     MARK_PACE, MARK_TICKS, MARK_WORD, PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, POWER_FIELDS,
@@ -100,9 +101,15 @@ def make(
         if (
             (newest - oldest) & COUNT_MASK >= MARKS - 1
             or (head - marks[mark + MARK_WORD]) & COUNT_MASK > state[FEED_LIMIT]
-            or (state[FEED_TICKS] - marks[mark + MARK_TICKS]) & COUNT_MASK >= state[FEED_LEAD]
         ):
             break
+        ahead = (state[FEED_TICKS] - marks[mark + MARK_TICKS]) & COUNT_MASK
+        least = state[FEED_LEAD]
+        if ahead >= least:
+            if least > FEED_LEAST:
+                least = FEED_LEAST
+            if least == 0 or ahead - (words[state[FEED_PLAYED] & state[FEED_MASK]] >> bits) >= least:
+                break
         wait = state[FEED_WAIT]
         if left == 0 and wait == 0:
             # --- the next line

@@ -5,7 +5,7 @@
     while True:
         app.cycle()              # ends in port.wait()
 
-Words are made in a timer interrupt every 3 ms, 13 ms ahead, or 8 if a change has to show soon: neither the main
+Words are made in a timer interrupt every 3 ms, 12 ms ahead, or 8 if a change has to show soon: neither the main
 loop nor its garbage collections delay a step. Halting inputs and serial lines come before it.
 """
 # ruff: noqa: F821
@@ -22,7 +22,7 @@ from passo.steps import pace_viper
 from passo.steps.wiring import inverted_pins, word_pins, word_times
 
 _FEED_MS = const(3)  # every 2 ms, its calls alone would cost a stream of lines a fifth of its speed
-_LEAD_TICKS = const(13 * 12_500 + 4000)  # more than the longest word and _FEED_MS: one is always waiting behind it
+_LEAD_TICKS = const(12 * 12_500)  # an arc's segment of 6 ms counts whole until it has been played
 _LIVE_TICKS = const(8 * 12_500)
 _LASER_RING = const(1024)  # words: beside a larger ring there is no memory for LaserPlayer
 
@@ -38,9 +38,10 @@ def load(board):
     lines = []
     for link in board["links"]:
         if link["port"] == "usb":
+            from passo.ports.rp2.console import Console
             from passo.ports.usb_line import UsbLine
 
-            lines.append(UsbLine)
+            lines += (UsbLine, Console)
     return player, lines
 
 
@@ -112,6 +113,11 @@ class Port(ChipPort):
 
             self._player = self._laser = LaserPlayer(self._board["spindle"]["pin"], *rest)
         return self._player
+
+    def _console(self):
+        from passo.ports.rp2.console import Console
+
+        return Console()
 
     def feed_from_interrupt(self, feeder, player):
         self._feeder = feeder

@@ -32,6 +32,7 @@ from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, answer
 from passo.records import NM_PER_M, SETTING_LASER, SETTING_MAX_RPM
 
+_SEVERAL = const(2)
 _ALARMS = const(200)  # errors.py has alarms that much higher
 
 # Kind · 1, value · 64, whether the amount is a change · 512, amount · 1024: in one integer, 20 tuples take much more.
@@ -167,6 +168,13 @@ class Grbl:
             if not (self._rest or self._start_lines or lines.at < lines.whole or lines.lost):
                 return ()
         return self._commands(data)
+
+    def pending(self):
+        """True if feed() has something to say without new bytes. A line that found no room waits until there is some for
+        several."""
+        if self._full and not self._lines.asked and self._machine.queue.room() < _SEVERAL:
+            return False
+        return self._lines.asked or self._waiting()
 
     def _waiting(self):
         return self._rest or self._start_lines or self._lines.waiting()

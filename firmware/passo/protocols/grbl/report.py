@@ -7,8 +7,9 @@ from micropython import const
 from passo.protocols.gcode.words import rounded
 from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
 from passo.records import (
-    NUMBER_DECIMALS, NUMBER_FIELDS, NUMBER_FIRST, NUMBER_WHOLE, REPORT_AXIS, REPORT_FIELDS, REPORT_OFFSET_MM, REPORT_OFFSET_NM,
-    REPORT_STEPS_PER_M, REPORT_UNIT, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT,
+    NUMBER_DECIMALS, NUMBER_FIELDS, NUMBER_FIRST, NUMBER_WHOLE, REPORT_AXIS, REPORT_BLOCKS, REPORT_FIELDS, REPORT_LINE,
+    REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_ROOM, REPORT_RPM, REPORT_SPEED, REPORT_STEPS_PER_M,
+    REPORT_UNIT, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT,
 )  # fmt: skip
 
 VERSION = "1.1h"
@@ -24,17 +25,19 @@ PROGRAMME_END = "Pgm End"
 RESTORING = "Restoring defaults"
 
 _STATES = {
-    "idle": b"<Idle\0", "run": b"<Run\0", "hold": b"<Hold:\0", "jog": b"<Jog\0", "alarm": b"<Alarm\0",
-    "door": b"<Door:\0", "check": b"<Check\0", "home": b"<Home\0", "sleep": b"<Sleep\0",
+    "idle": b"Idle", "run": b"Run", "hold": b"Hold:", "jog": b"Jog", "alarm": b"Alarm",
+    "door": b"Door:", "check": b"Check", "home": b"Home", "sleep": b"Sleep",
 }  # fmt: skip
+# Numbers of the array that tell() takes, from 1, as it wants them.
+_BUFFERS = bytes((REPORT_BLOCKS // NUMBER_FIELDS + 1, 44, REPORT_ROOM // NUMBER_FIELDS + 1))
+_LINE = bytes((REPORT_LINE // NUMBER_FIELDS + 1,))
+_SPEEDS = bytes((REPORT_SPEED // NUMBER_FIELDS + 1, 44, REPORT_RPM // NUMBER_FIELDS + 1, 0))
 _BUSY = ("run", "hold", "jog", "door", "home")
 _WCO_BUSY = const(30)
 _OVERRIDES_BUSY = const(20)
 _IDLE = const(10)
 _NM_PER_TENTH_MIL = const(2540)
 _LONGEST = const(224)  # bytes of a report
-_SECOND = const(NUMBER_FIELDS)  # number of a row
-_THIRD = const(2 * NUMBER_FIELDS)
 
 
 def message(text):
@@ -130,7 +133,7 @@ class Status:
     def reset(self):
         self._wco = 0  # reports until the offsets are due
         self.overrides = 0
-        self._settings_of = self._offsets_of = self._system = None  # that the figures are of
+        self._settings_of = self._offsets_of = self._system = None  # that the fields are of
 
     def _take_over(self):
         """Settings and offsets."""
@@ -145,8 +148,9 @@ class Status:
         self._system = gcode.system
         self._mask = settings.value(SETTING_REPORT)
         self._inches = settings.value(SETTING_INCHES)
-        self._pins = self._power = None  # that `_pressed` and `_rpm` are of
+        self._pins = self._power = self._state = None  # that `_pressed`, the rpm and `_form` are of
         self._fields[REPORT_UNIT:REPORT_AXIS] = INCHES if self._inches else MILLIMETRES
+        self._fields[REPORT_SPEED + NUMBER_FIRST] = 1 if self._inches else 0
         offsets = [gcode.offsets.of(gcode.system, axis) for axis in range(gcode.axes)]
         self._offset = ("|WCO:%s\0" % place(offsets, self._inches)).encode()
         at = REPORT_AXIS
@@ -167,83 +171,85 @@ class Status:
             self._take_over()
         elif self._settings_of != self._settings.version:
             self._take_over()
-        self._at = 0
-        self._tell_place(report)
-        if self._mask & 2:
-            self._fields[NUMBER_WHOLE] = report["blocks"]
-            self._fields[_SECOND + NUMBER_WHOLE] = room
-            self._tell(b"|Bf:\0", 2)
-        self._tell_speed(report)
+        out = self._out
+        fields = self._fields
+        places(fields, report["position"], gcode.axes)
+        fields[REPORT_BLOCKS + NUMBER_WHOLE] = report["blocks"]
+        fields[REPORT_ROOM + NUMBER_WHOLE] = room
+        self._tell_speed(report, fields)
+        at = tell(out, 0, self._form, fields)
         pins = report["pins"]
         if pins:
             if pins != self._pins:
                 self._pins = pins
                 self._pressed = ("|Pn:%s\0" % pins).encode()
-            self._tell(self._pressed, 0)
+            at = tell(out, at, self._pressed, fields)
         if self._wco and self.overrides:
             self._wco -= 1
             self.overrides -= 1
         else:
-            self._now_and_then(report)
-        self._tell(b">\r\n\0", 0)
-        if len(self._said) != self._at:
-            self._said = self._view[: self._at]
+            at = self._now_and_then(report, at)
+        at = tell(out, at, b">\r\n\0", fields)
+        if len(self._said) != at:
+            self._said = self._view[:at]
         return self._said
 
-    def _tell(self, label, count):
-        """Append `label` and the first `count` numbers of `_fields`, NUMBER_… of records.py each; of a whole one NUMBER_FIRST is 0."""
-        self._at = tell(self._out, self._at, label, self._fields, count)
-
-    def _tell_place(self, report):
-        fields = self._fields
-        state = report["state"]
-        if state == "hold" or state == "door":
-            fields[NUMBER_WHOLE] = report["substate"]
-            fields[NUMBER_FIRST] = 0
-            self._tell(_STATES[state], 1)
-        else:
-            self._tell(_STATES[state], 0)
-        axes = self._gcode.axes
-        places(fields, report["position"], axes)
-        self._tell(b"|MPos:\0" if self._mask & 1 else b"|WPos:\0", axes)
-        fields[NUMBER_FIRST] = fields[_SECOND + NUMBER_FIRST] = 0
-
-    def _tell_speed(self, report):
-        fields = self._fields
-        if report["number"]:
-            fields[NUMBER_WHOLE] = report["number"]
-            self._tell(b"|Ln:\0", 1)
+    def _tell_speed(self, report, fields):
+        """Number of the line, speed and power, and the form that the state asks for."""
+        number = fields[REPORT_LINE + NUMBER_WHOLE] = report["number"]
         speed = _minute(report["feed"], self._inches)
         if self._inches:
-            fields[NUMBER_DECIMALS] = speed % 10
-            fields[NUMBER_FIRST] = 1
+            fields[REPORT_SPEED + NUMBER_DECIMALS] = speed % 10
             speed //= 10
-        fields[NUMBER_WHOLE] = speed
+        fields[REPORT_SPEED + NUMBER_WHOLE] = speed
         power = report["power"]
         if power != self._power:
             self._power = power
-            self._rpm = rounded(power * self._settings.value(SETTING_MAX_RPM), 1_000_000_000)
-        fields[_SECOND + NUMBER_WHOLE] = self._rpm
-        self._tell(b"|FS:\0", 2)
+            fields[REPORT_RPM + NUMBER_WHOLE] = rounded(power * self._settings.value(SETTING_MAX_RPM), 1_000_000_000)
+        state = report["state"]
+        substate = report["substate"] if state == "hold" or state == "door" else -1
+        if state != self._state or substate != self._substate or self._numbered != (number > 0):
+            self._state = state
+            self._substate = substate
+            self._numbered = number > 0
+            self._form = self._make_form()
 
-    def _now_and_then(self, report):
+    def _make_form(self):
+        """A report up to FS, for tell()."""
+        form = b"<" + _STATES[self._state]
+        if self._substate >= 0:
+            form += b"%d" % self._substate
+        form += b"|MPos:" if self._mask & 1 else b"|WPos:"
+        form += b",".join([bytes((axis + 1,)) for axis in range(self._gcode.axes)])
+        if self._mask & 2:
+            form += b"|Bf:" + _BUFFERS
+        if self._numbered:
+            form += b"|Ln:" + _LINE
+        return form + b"|FS:" + _SPEEDS
+
+    def _now_and_then(self, report, at):
+        out = self._out
+        fields = self._fields
         busy = report["state"] in _BUSY
         if self._wco:
             self._wco -= 1
         else:
             self._wco = (_WCO_BUSY if busy else _IDLE) - 1
             self.overrides = self.overrides or 1
-            self._tell(self._offset, 0)
+            at = tell(out, at, self._offset, fields)
         if self.overrides:
             self.overrides -= 1
-            return
+            return at
         self.overrides = (_OVERRIDES_BUSY if busy else _IDLE) - 1
-        fields = self._fields
-        fields[NUMBER_WHOLE], fields[_SECOND + NUMBER_WHOLE], fields[_THIRD + NUMBER_WHOLE] = report["overrides"]
-        fields[NUMBER_FIRST] = fields[_SECOND + NUMBER_FIRST] = fields[_THIRD + NUMBER_FIRST] = 0
-        self._tell(b"|Ov:\0", 3)
+        number = REPORT_NUMBER
+        for percent in report["overrides"]:
+            fields[number + NUMBER_WHOLE] = percent
+            fields[number + NUMBER_FIRST] = 0
+            number += NUMBER_FIELDS
+        at = tell(out, at, b"|Ov:\1,\2,\3\0", fields)
         accessories = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
         if accessories:
-            self._tell(("|A:%s\0" % accessories).encode(), 0)
+            at = tell(out, at, ("|A:%s\0" % accessories).encode(), fields)
         if "glitches" in report and report["glitches"]:
-            self._tell(("|Gl:%d\0" % report["glitches"]).encode(), 0)
+            at = tell(out, at, ("|Gl:%d\0" % report["glitches"]).encode(), fields)
+        return at

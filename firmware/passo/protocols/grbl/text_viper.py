@@ -4,7 +4,7 @@
     fields[REPORT_UNIT:REPORT_AXIS] = MILLIMETRES
     fields[REPORT_AXIS + REPORT_STEPS_PER_M] = …     # of the first axis, and its offset
     places(fields, steps, axes)                     # the numbers to be told: an array of steps as lengths, less the offsets
-    at = tell(out, 0, b"MPos:\\0", fields, axes)    # MPos:0.000,-1.250,…
+    at = tell(out, 0, b"MPos:\\1,\\2\\0", fields)      # MPos:0.000,-1.250
 
 The fields are REPORT_… and NUMBER_… of records.py. Positions are told to 100 km, offsets too.
 One text for all interpreters, as motion/block_viper.py, whose rules for integers are kept: a board compiles it to machine
@@ -34,19 +34,18 @@ INCHES = array("i", (254, 2540, 1000))
 
 
 @micropython.viper
-def tell(out: ptr8, at: int, label: ptr8, fields: ptr32, count: int) -> int:
-    """Write `label`, which a zero byte ends, and the first `count` numbers with commas in between at out[at]. Returns where
-    that ends."""
+def tell(out: ptr8, at: int, form: ptr8, fields: ptr32) -> int:
+    """Write `form`, which a zero byte ends, at out[at]; a byte of less than a line feed stands for a number of `fields`, 1 for
+    the first. Returns where that ends."""
     place = 0
-    while label[place]:
-        out[at] = label[place]
-        at += 1
+    while form[place]:
+        byte = int(form[place])
         place += 1
-    number = REPORT_NUMBER
-    while count:
-        if number > REPORT_NUMBER:
-            out[at] = 44
+        if byte > 9:
+            out[at] = byte
             at += 1
+            continue
+        number = REPORT_NUMBER + NUMBER_FIELDS * (byte - 1)
         value = fields[number + NUMBER_WHOLE]
         decimal = fields[number + NUMBER_FIRST]
         if decimal >= NUMBER_NEGATIVE:
@@ -67,8 +66,6 @@ def tell(out: ptr8, at: int, label: ptr8, fields: ptr32, count: int) -> int:
                 value = fields[number + NUMBER_DECIMALS]
                 unit = decimal
                 decimal = 0
-        number += NUMBER_FIELDS
-        count -= 1
     return at
 
 
