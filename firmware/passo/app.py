@@ -193,7 +193,6 @@ class App:
         self.port.wait(controller.busy(), controller.machine.fine())
         self._looked_ms = self.port.machine_ms()
 
-    @micropython.native
     def _receive(self, link):
         """What waits comes first, then the commands in what the line brings: each is to be answered before the next is
         asked for."""

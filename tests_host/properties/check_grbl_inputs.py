@@ -190,7 +190,7 @@ def check_a_batch_that_leads_out_of_the_travel():
         machine.cycles(5)
         machine.do("$X")
     controller.machine.commander = 1
-    assert not controller.open_batch(batch)
+    assert not begin(batch)
 
 
 def check_soft_limit_while_moving():

@@ -8,7 +8,7 @@ from time import ticks_diff, ticks_ms
 import micropython
 from micropython import const
 
-_MOST = const(128)  # bytes read in one go
+_PACKETS = const(128)  # bytes read in one go: two packets
 _FEW = const(64)  # the same where they come one by one
 _INTERRUPT = const(3)  # Ctrl-C
 _ESCAPE = b"\r\x03"  # what mpremote begins with
@@ -33,7 +33,7 @@ class UsbLine:
         self._ready = self._poll.ipoll
         self._take = sys.stdin.buffer.readinto
         self._byte = bytearray(1)
-        self._data = bytearray(_MOST)
+        self._data = bytearray(_PACKETS)
         self._view = self._said = memoryview(self._data)
         self._out = sys.stdout.buffer
         self._heard_ms = ticks_ms()
@@ -53,8 +53,8 @@ class UsbLine:
         else:
             return b""
         count = self._waiting()
-        if count > _MOST:
-            count = _MOST
+        if count > _PACKETS:
+            count = _PACKETS
         if count:
             if count != len(self._said):
                 self._said = self._view[:count]

@@ -16,6 +16,12 @@ from micropython import const
 _SIZE = const(512)  # bytes of the buffer: MICROPY_HW_STDIN_BUFFER_LEN of ports/rp2
 _WORDS = const(8192)  # of memory that are looked through: its variables come first
 _PROOFS = const(24)
+# ringbuf_t of py/ringbuf.h: words, and halfwords.
+_ADDRESS = const(0)
+_EXTENT = const(1)  # the size, and above it where the next byte is read
+_WRITTEN = const(2)
+_NEXT_READ = const(3)
+_NEXT_WRITTEN = const(4)
 
 
 @micropython.viper
@@ -26,10 +32,10 @@ def find() -> int:
     found = 0
     at = 1
     while at < _WORDS:
-        second = words[at + 1]
-        if second & 0xFFFF == _SIZE and words[at] >> 20 == 0x200:
+        second = words[at + _EXTENT]
+        if second & 0xFFFF == _SIZE and words[at + _ADDRESS] >> 20 == 0x200:
             read = second >> 16 & 0xFFFF
-            if read < _SIZE and words[at + 2] & 0xFFFF == read:
+            if read < _SIZE and words[at + _WRITTEN] & 0xFFFF == read:
                 if found:
                     return 0
                 found = 4 * at
@@ -51,9 +57,9 @@ class Console:
             return 0
         record = ptr16(0x20000000 + int(self._at))
         if left:
-            self._next = record[3]
+            self._next = record[_NEXT_READ]
             return 0
-        return (record[4] - record[3]) & 511
+        return (record[_NEXT_WRITTEN] - record[_NEXT_READ]) & 511
 
     @micropython.viper
     def taken(self, value: int):
@@ -63,8 +69,8 @@ class Console:
             return  # bytes beyond the last proof
         at = 0x20000000 + int(self._at)
         here = int(self._next)
-        there = int(ptr16(at)[3])
-        if there == (here + 1) & 511 and int(ptr8(ptr32(at)[0])[here]) == value:
+        there = int(ptr16(at)[_NEXT_READ])
+        if there == (here + 1) & 511 and int(ptr8(ptr32(at)[_ADDRESS])[here]) == value:
             self._next = there
             self._left = left - 1
         else:
