@@ -58,6 +58,7 @@ COLD = (
     "passo/motion/s_curve_ticks.py",
     "passo/motion/s_curve_way.py",
     "passo/motion/steady.py",
+    "passo/ports/rp2/console.py",
     "passo/ports/rp2/flash_code.py",
     "passo/ports/rp2/pio_player.py",
     "passo/protocols/grbl/text_viper.py",
