@@ -7,7 +7,7 @@ A feature of the machine is a class like Homing(board, machine, queue) with a fe
 this record and the queue, and no other feature: what it wants of another one it asks for with a command.
 
     handlers()              {kind of command: handler}; a handler returns as Controller.accept()
-    batches()               {kind of batch: (open, accept, close)}: see Controller.open_batch()
+    batches()               {kind of batch: (open, accept, close)}: see Controller.batches()
     poll(now_ms)            once a cycle of the main loop
     poll_command(now_ms)    the same, while a long command is under way
     poll_end(still)         behind them; `still`: nothing is queued or plays
