@@ -66,7 +66,7 @@ class Bench:
         self.port = VirtualPort(board, self.world, mode, None, sleep)
         self.ring = Ring(64)
         layout = Layout("step_dir", 2, 4, ["x_step", "y_step", "x_dir", "y_dir"], 3)
-        self.player = self.port.player(self.ring, layout)
+        self.player = self.port.player(self.ring, layout, board)
 
     def put(self, *words):
         for ticks, levels in words:
@@ -299,7 +299,7 @@ def check_a_board_with_nothing_wired():
     line.write(bytearray(b"k"))
     assert port.serial({"name": "pc"}).outgoing == b"k"
     ring = Ring(64)
-    player = port.player(ring, Layout("step_dir", 2, 4, ["x_step", "y_step", "x_dir", "y_dir"], 3))
+    player = port.player(ring, Layout("step_dir", 2, 4, ["x_step", "y_step", "x_dir", "y_dir"], 3), BOARD)
     ring.words[0] = 100 << 5 | X_STEP
     ring.publish(1)
     player.start()

@@ -249,19 +249,11 @@ OWNERS = {"planner": "motion", "feeder": "steps", "ring": "steps", "player": "po
 
 # {attribute: why others than its room may assign it}
 ASSIGNED = {
-    "open": "the feeder's flag, which an interrupt reads; of a step program: all of it has come",
+    "open": "the feeder's flag, which an interrupt reads",
     "brake": "the feeder's flag, which an interrupt reads",
     "hold": "the feeder's flag, which an interrupt reads",
-    "power": "the planner's, of the blocks added from now on",
-    "dynamic": "the planner's, of the blocks added from now on",
-    "gap": "of one walker of a step program, handed to the other",
-    "running": "of axes that run independently, before they are queued",
     "start": "the interlock looks at words before the player gets them",
     "late": "the feeder's count of interrupts that came too late",
-    "board": "the port's pins follow the settings: App hands it the board dict that these keep",
-    "max_steps_s": "known only when the player is made, whose ring the settings' speeds decide",
-    "curves_want": "bytes that S-curves want",
-    "arcs_want": "bytes that arcs want",
 }
 
 

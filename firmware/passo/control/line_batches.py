@@ -111,11 +111,9 @@ class LineBatches:
             row = (batch.taken - 1) * BATCH_FIELDS
             batch.taken = 0
             queue = self._queue
-            planner = self._planner
             machine = self._machine
             flags = rows[row + BATCH_FLAGS]
             queue.tool = flags & 1 > 0
-            planner.power = rows[row + BATCH_POWER]
-            planner.dynamic = flags & 4 > 0
+            self._planner.set_power(rows[row + BATCH_POWER], flags & 4 > 0)
             queue.waiting = True
             machine.active = machine.fresh = True

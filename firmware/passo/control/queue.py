@@ -180,7 +180,7 @@ class Queue:
 
     def run(self, walker):
         """Play `walker` from now on; the target is the caller's affair."""
-        walker.running = True
+        walker.start()
         self._planner.walk(walker, self.tool)
         self.flush()
 
@@ -206,7 +206,7 @@ class Queue:
         self._chords = None
         if self._walker is not None:
             self._walker.clear()
-        self._planner.power = 0
+        self._planner.set_power(0, self._planner.dynamic)
         self.power(0)
         self.tool = self.waiting = False
         self._feeder.hold = False

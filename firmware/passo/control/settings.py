@@ -32,14 +32,14 @@ _VERSION = "2:"
 
 
 class Settings:
-    def __init__(self, board, journal, max_steps_s=1_000_000):
-        """`board`: a checked board, which follows the settings from now on. `max_steps_s`: what the player can step."""
+    def __init__(self, board, journal):
+        """`board`: a checked board, which follows the settings from now on."""
         self._board = board
         self._journal = journal
         self._board_travel = [axis["travel_steps"] for axis in board["axes"]]
         self._board_reversed = [axis["reversed"] for axis in board["axes"]]
         self._board_release_ms = board["idle_release_ms"]
-        self.max_steps_s = max_steps_s
+        self._most_steps_s = 1_000_000
         from passo.control import setting_table  # the app forgets it again
 
         self._table = setting_table.make(board)
@@ -51,6 +51,10 @@ class Settings:
         self._load(journal.read() or "")
         self.damaged = journal.damaged
         self._apply()
+
+    def limit_steps(self, steps_s):
+        """No speed may take more than `steps_s` steps a second: what the player can do, whose ring these settings decide."""
+        self._most_steps_s = steps_s
 
     # --- numbers
 
@@ -109,7 +113,7 @@ class Settings:
         if number in (STEPS + axis, SPEED + axis):
             steps = value if number < SPEED else self.value(STEPS + axis)
             speed = value if number >= SPEED else self.value(SPEED + axis)
-            if steps * speed > self.max_steps_s * 60_000_000:
+            if steps * speed > self._most_steps_s * 60_000_000:
                 return errors.STEP_RATE
         return 0
 

@@ -95,7 +95,7 @@ class StepProgramPlayer(StepProgramOrders):
         if self._streaming or self._loading:
             self._reset()
         self._walker.rewind()
-        self._walker.gap = self._least_ticks
+        self._walker.pause(self._least_ticks)
         self._stand()
 
     def _fail(self):
@@ -103,7 +103,7 @@ class StepProgramPlayer(StepProgramOrders):
         if not self._streaming:
             self._reset()
             return
-        self.program.open = False
+        self.program.expect(False)
         self._at_stand(self._give_up)
 
     def _give_up(self):
@@ -152,9 +152,8 @@ class StepProgramPlayer(StepProgramOrders):
         self._start_ms = None
         self._midway = self._midway or mode == RUN
         for other in (self._walker, self._hand):
-            if other is not walker:  # its last interval may still run
-                walker.gap = max(walker.gap, other.gap)
-                other.gap = 0
+            if other is not walker:
+                walker.follow(other)
         if not self._drives:
             self._without = self._queue.position()
             self._machine.motors.unpower((1 << self.program.axes) - 1)

@@ -59,7 +59,7 @@ class StepProgramIntake:
         self._streaming = command.tool
         self._loading = not command.tool
         self.program.clear(self._clamp(self._default), command.tool)
-        self.program.open = True
+        self.program.expect(True)
         self._walker.rewind()
         self._origin = self._queue.target[:]
         self._command = command
@@ -127,7 +127,8 @@ class StepProgramIntake:
     def _close(self, command):
         if not self.program.open:
             return errors.NO_STEP_PROGRAM
-        self.program.open = self._loading = False
+        self.program.expect(False)
+        self._loading = False
         if self._streaming and not self.active():
             self._streaming = False
             self._tell("end")

@@ -109,8 +109,7 @@ class StreamQueue(Queue):
 
     def set_power(self, power, dynamic):
         """Analogue power, 0 … 1000, of all that is added from now on; `dynamic`: in proportion to the speed."""
-        self._planner.power = power
-        self._planner.dynamic = dynamic
+        self._planner.set_power(power, dynamic)
 
     def slow_tool(self):
         """True where a change of the tool takes time."""

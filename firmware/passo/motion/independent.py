@@ -122,6 +122,10 @@ class IndependentAxes:
         self._put(axis, AXIS_NEW_ENDLESS, 0)
         self._put(axis, AXIS_NEW, 1)
 
+    def start(self):
+        """It is about to be queued."""
+        self.running = True
+
     def clear(self):
         """Forget everything. Only while the feeder is stopped."""
         self.running = False

@@ -28,9 +28,9 @@ from micropython import const
 from passo.motion.block import ARC, LINE, WAIT, Block, q_of
 from passo.motion.integers import zeros
 from passo.motion.limits import MOST
-from passo.motion.line import MAX_STEPS, Line
+from passo.motion.line import Line
 from passo.motion.row_viper import close, take
-from passo.motion.steady import Steady
+from passo.motion.steady import LONGEST_TICKS, Steady, dominant, refuse
 from passo.records import (
     ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS,
     QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS,
@@ -42,7 +42,6 @@ LOOK_AHEAD = const(64)
 IN_FLIGHT = const(32)
 _SIZE = const(96)  # both
 _COUNT = const(0x1FFFFFFF)
-LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
 FEED_PERCENT = (10, 200)
 RAPID_PERCENT = (1, 100)
 
@@ -50,8 +49,7 @@ RAPID_PERCENT = (1, 100)
 class Planner:
     def __init__(self, axes):
         self.axes = axes
-        self.power = 0  # of the blocks added from now on: see Block
-        self.dynamic = False
+        self.power, self.dynamic = 0, False  # see set_power()
         self._stride = ROW_STEPS + axes
         self.rows = zeros(_SIZE * self._stride)  # of Block, one after the other
         self._walkers = [None] * _SIZE  # of ARC where its plan begins in Plans.plans; of INDEPENDENT and STEP_PROGRAM what is walked
@@ -143,6 +141,11 @@ class Planner:
         indices = self.indices
         return (indices[QUEUE_ADDED] - indices[QUEUE_FETCHED]) & _COUNT
 
+    def set_power(self, power, dynamic):
+        """Analogue power, 0 … 1000, of the blocks added from now on; `dynamic`: in proportion to the speed."""
+        self.power = power
+        self.dynamic = dynamic
+
     def slowest(self):
         """What the slowest axis can do, in nm/s."""
         return min(self._limits.speeds)
@@ -171,7 +174,7 @@ class Planner:
             result = self._plan_block(rows, at, scratch, self._fields)
             if result <= 0:
                 if result:
-                    self._refuse(result)
+                    refuse(result)
                 return
             self._corner(rows, at, scratch, self._fields)
         self._add(at, LINE, tool, tag, rapid)
@@ -213,7 +216,7 @@ class Planner:
     def fits(self, deltas, ticks, speed_nm_s):
         """Raise what line() would; nothing is queued."""
         if self._fields is None:
-            self._dominant(deltas, ticks)
+            dominant(deltas, ticks)
             return
         self._ask(deltas, ticks, speed_nm_s)
         row = array("i", bytearray(4 * self._stride))
@@ -223,30 +226,16 @@ class Planner:
         scratch[SCRATCH_IS_ARC] = 0
         result = self._plan_block(row, 0, scratch, self._fields)
         if result < 0:
-            self._refuse(result)
-
-    def _refuse(self, result):
-        if result == -1:
-            raise ValueError("steps more than 43 s apart")
-        raise ValueError("a line of more than %d steps" % MAX_STEPS)
+            refuse(result)
 
     def _steady(self, at, deltas, ticks):
         """Measure a line without limits: its speed from first to last. False where it has no steps."""
-        total = self._dominant(deltas, ticks)
+        total = dominant(deltas, ticks)
         if not total:
             return False
         self._stand(at, max(ticks // total, 1))
         self.rows[at + ROW_TICKS_REST] = ticks % total
         return True
-
-    def _dominant(self, deltas, ticks):
-        """A line's dominant steps."""
-        total = max([abs(delta) for delta in deltas])
-        if total > MAX_STEPS:
-            self._refuse(-2)
-        if total and ticks // total > LONGEST_TICKS:
-            self._refuse(-1)
-        return total
 
     def _stand(self, at, ticks):
         """What has no acceleration."""
@@ -284,7 +273,7 @@ class Planner:
         if not self._set_arc_speed(
             self.rows, at, scratch, limits, plan, path, swept, plane, center, deltas, clockwise, speed_nm_s, ticks
         ):
-            self._refuse(-1)
+            refuse(-1)
         if queued:
             number = self.indices[QUEUE_ADDED]
             self._walkers[number % _SIZE] = self._arcs.keep(number)

@@ -11,12 +11,33 @@ interrupt: no allocation, no integer of 2³⁰.
 from array import array
 
 import micropython
+from micropython import const
 
-from passo.motion.line import MAX_RUN
+from passo.motion.line import MAX_RUN, MAX_STEPS
 from passo.records import (
     RAMP_CARRY, RAMP_PACE, RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_TICKS, RAMP_TOTAL, RAMP_V, ROW_TICKS, ROW_TICKS_REST,
     STEADY_FIELDS, TICKS_PER_MS,
 )  # fmt: skip
+
+
+LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s
+
+
+def refuse(result):
+    """Raise ValueError for what block_viper.plan_block() returns below 0."""
+    if result == -1:
+        raise ValueError("steps more than 43 s apart")
+    raise ValueError("a line of more than %d steps" % MAX_STEPS)
+
+
+def dominant(deltas, ticks):
+    """A line's dominant steps. Raises ValueError if there are too many, or too far apart at constant speed."""
+    total = max([abs(delta) for delta in deltas])
+    if total > MAX_STEPS:
+        refuse(-2)
+    if total and ticks // total > LONGEST_TICKS:
+        refuse(-1)
+    return total
 
 
 @micropython.native

@@ -81,6 +81,10 @@ class StepProgram:
         for axis in range(self.axes):
             self.at[axis] = self.low[axis] = self.high[axis] = 0
 
+    def expect(self, more):
+        """`more`: items are to come, and a walk waits for them; else it is complete."""
+        self.open = more
+
     def used(self):
         """Cells in use."""
         return (self.end - self.first) & COUNT_MASK

@@ -39,6 +39,15 @@ class StepProgramWalker(StepProgramWords):
         self._wanted = 0
         self._take_speed(program.speed_before)
 
+    def pause(self, ticks):
+        """The next step comes after `ticks`."""
+        self.gap = ticks
+
+    def follow(self, other):
+        """Go on from another walker, whose last interval may still run."""
+        self.pause(max(self.gap, other.gap))
+        other.pause(0)
+
     def begin(self, backward=False, most=ENDLESS, lit=None):
         """Set out from where it stands. `lit`: the tool as it is now; None: as it should be."""
         if backward:

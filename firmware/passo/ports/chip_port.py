@@ -46,7 +46,6 @@ class ChipPort:
     def __init__(self, board, lead_ticks, live_ticks):
         """`board` is checked. Outputs go to their inactive level here. `lead_ticks`: how far ahead words are made;
         `live_ticks`: where what is under way may change at any moment."""
-        self._board = board
         self._leads = lead_ticks, live_ticks
         self.lead_ticks = lead_ticks
         self._outputs = {}

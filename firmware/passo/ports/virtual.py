@@ -53,7 +53,6 @@ class VirtualPort:
     def __init__(self, board, world=None, mode="stepped", lines=None, sleep=None):
         if mode not in ("real", "fast", "stepped"):
             raise ValueError("time is real, fast or stepped, not " + repr(mode))
-        self.board = board
         self.world = world or Nothing()
         self.mode = mode
         self.now = 0
@@ -78,10 +77,10 @@ class VirtualPort:
             self.world = self.interlock = VirtualInterlock(board, self, self.world)
         self._anchor()
 
-    def player(self, ring, layout):
+    def player(self, ring, layout, board):
         """The player of `ring`. Once."""
-        pulse_ticks, min_word_ticks = word_times(self.board)
-        self._player = Player(self, ring, layout, pulse_ticks, min_word_ticks, inverted_pins(self.board, layout))
+        pulse_ticks, min_word_ticks = word_times(board)
+        self._player = Player(self, ring, layout, pulse_ticks, min_word_ticks, inverted_pins(board, layout))
         return self._player
 
     def feed_from_interrupt(self, feeder, player):

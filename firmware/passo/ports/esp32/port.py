@@ -34,9 +34,8 @@ class Port(ChipPort):
         """Call `handler(pin)` soon after an edge."""
         pin.irq(handler, edge)
 
-    def player(self, ring, layout):
+    def player(self, ring, layout, board):
         """The player of `ring`. Once."""
-        board = self._board
         pulse_ticks, least = word_times(board)
         invert = inverted_pins(board, layout)
         self._player = TimerPlayer(ring, layout, word_pins(board), pulse_ticks, least, invert, _PLAYER_TIMER)

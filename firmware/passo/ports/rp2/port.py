@@ -84,14 +84,14 @@ class Port(ChipPort):
         """Call `handler(pin)` in the interrupt of an edge."""
         pin.irq(handler, edge, hard=True)
 
-    def player(self, ring, layout):
+    def player(self, ring, layout, board):
         """The player of `ring`. Once."""
         for item in self._halting:
             self.watch(item.pin, Guard(item, self).edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
-        pulse_ticks, least = word_times(self._board)
-        pins = word_pins(self._board)
-        invert = inverted_pins(self._board, layout)
-        if self._board["player"] == "timer":
+        pulse_ticks, least = word_times(board)
+        pins = word_pins(board)
+        invert = inverted_pins(board, layout)
+        if board["player"] == "timer":
             from passo.ports.rp2.timer_player import SHORTEST_TICKS, TimerPlayer
 
             self._player = TimerPlayer(ring, layout, pins, pulse_ticks, max(least, SHORTEST_TICKS), invert)
@@ -111,7 +111,7 @@ class Port(ChipPort):
         else:
             from passo.ports.rp2.laser_player import LaserPlayer
 
-            self._player = self._laser = LaserPlayer(self._board["spindle"]["pin"], *rest)
+            self._player = self._laser = LaserPlayer(board["spindle"]["pin"], *rest)
         return self._player
 
     def _console(self):
