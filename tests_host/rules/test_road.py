@@ -1,0 +1,174 @@
+"""The road of one plain line of G-code, from the link's read to the ring of step words, as docs/architecture.md lists it: no more
+than 20 functions. Whatever else is called on the way is named here, too; a new layer fails this test.
+"""
+
+import re
+import sys
+
+import pytest
+from router import Machine
+
+from host_tools.resources import ROOT
+
+pytestmark = pytest.mark.quick
+
+MOST = 20
+
+# In the order in which they are first called. On a board ChipPort._feed, a timer interrupt, stands in the place of App._feed,
+# and a serial line's read() and write() in that of MemoryLine's.
+ROAD = (
+    "app.py App.poll",
+    "app.py App._hear",
+    "app.py App._receive",
+    "ports/virtual.py MemoryLine.read",
+    "app.py App._in_batches",
+    "app.py App._batch",
+    "protocols/grbl/protocol.py Grbl.collect",
+    "protocols/grbl/lines.py Lines.take",
+    "protocols/grbl/protocol.py Grbl.fill",
+    "protocols/gcode/parser.py GCode.fill",
+    "protocols/gcode/parse_viper.py parse",
+    "control/line_batches.py LineBatches.accept",
+    "control/line_batches.py trace",
+    "motion/planner.py Planner.lines",
+    "motion/look_ahead_viper.py plan_lines",
+    "app.py App._feed",
+    "steps/feeder.py Feeder.fill",
+    "steps/feeder.py Feeder._make",
+    "steps/segments_viper.py make",
+    "ports/virtual_player.py Player.start",
+)  # fmt: skip
+# Machine code: what it calls is part of it, and one call does the work of several lines or segments.
+KERNELS = [name for name in ROAD if "_viper.py" in name or name.endswith(" trace")]
+
+# What the road asks, once for all lines that a cycle brings: does the machine take lines now, how many, understood by what?
+ASKED = {
+    "control/controller.py Controller.open_batch",
+    "control/line_batches.py LineBatches.open",
+    "control/program.py Program.reach",
+    "control/queue.py Queue.room",
+    "control/state.py MachineState.occupied",
+    "motion/planner.py Planner.room",
+    "protocols/gcode/parser.py GCode.opens",
+    "protocols/grbl/protocol.py Grbl.begin",
+    "protocols/grbl/lines.py Lines._check_length",
+    "protocols/grbl/lines.py copy",
+}
+# The answer, and the end of the batch.
+ANSWER = {
+    "control/controller.py Controller.close_batch",
+    "control/line_batches.py LineBatches.close",
+    "motion/planner.py Planner.set_power",
+    "ports/virtual.py MemoryLine.write",
+    "protocols/grbl/protocol.py Grbl.accepted",
+}
+# What a cycle does whether a line comes or not.
+CYCLE = {
+    "control/controller.py Controller.live",
+    "control/controller.py Controller.may_feed",
+    "control/controller.py Controller.poll",
+    "control/controller.py Controller.take_events",
+    "control/motors.py Motors.poll",
+    "control/motors.py Motors.ready",
+    "control/pauses.py Pauses.poll_end",
+    "control/program.py Program.poll_end",
+    "control/queue.py Queue.empty",
+    "control/queue.py Queue.still",
+    "control/stream_queue.py StreamQueue.begin",
+    "control/stream_queue.py StreamQueue.feed",
+    "control/switches.py Switches._look",
+    "control/switches.py Switches.poll",
+    "control/tools.py Tools.poll_end",
+    "motion/planner.py Planner.empty",
+    "motion/planner.py Planner.resting",
+    "motion/planner.py Planner.start",
+    "ports/virtual.py VirtualPort.input",
+    "ports/virtual.py VirtualPort.link_ms",
+    "ports/virtual.py VirtualPort.machine_ms",
+    "ports/virtual.py VirtualPort.tripped",
+    "ports/virtual_player.py Player.played",
+    "protocols/grbl/protocol.py Grbl.feed",
+    "app.py App._answer",
+}
+STANDING = {"control/controller.py Controller._stand", "control/state.py MachineState.busy_with", "ports/virtual_player.py Player.busy"}
+# Of a block that is not behind an accelerated line: the feeder fetches it, once.
+FETCH = {
+    "steps/feeder.py Feeder._fetch",
+    "motion/planner.py Planner.next",
+    "motion/row_viper.py take",
+    "motion/steady.py Steady.moving",
+    "motion/ramp.py Ramp.moving",
+    "motion/ramp.py Ramp.begin",
+    "motion/line.py Line.load",
+    "motion/block.py q_of",
+}
+
+
+def calls(action):
+    """Names of the firmware's functions that `action()` calls, in order, but for those that a kernel calls."""
+    found, kernels = [], []
+
+    def note(frame, event, argument):
+        code = frame.f_code
+        if "/firmware/passo/" not in code.co_filename or event not in ("call", "return"):
+            return
+        name = f"{code.co_filename.split('/passo/')[1]} {code.co_qualname}"
+        if event == "return":
+            if kernels and kernels[-1] is frame:
+                kernels.pop()
+        elif not kernels:
+            found.append(name)
+            if name in KERNELS:
+                kernels.append(frame)
+
+    sys.setprofile(note)
+    try:
+        action()
+    finally:
+        sys.setprofile(None)
+    return found
+
+
+def first_calls(machine):
+    """Names of the functions that a line passes until its words are in the ring, each once."""
+
+    def a_line():
+        machine.put("G1 X10 Y5\n")
+        head = machine.app.ring.head
+        for _ in range(3):
+            machine.app.poll()
+        assert machine.said() == ["ok"] and machine.app.ring.head != head
+
+    return list(dict.fromkeys(calls(a_line)))
+
+
+@pytest.fixture(scope="module")
+def road():
+    machine = Machine().ready()
+    machine.do("G21 G90 F600", "G1 X1")
+    machine.settle()
+    return first_calls(machine)
+
+
+def test_one_line_passes_twenty_functions_at_most(road):
+    assert len(ROAD) <= MOST
+    assert [name for name in road if name in ROAD] == list(ROAD)
+
+
+def test_nothing_else_is_called_on_the_way(road):
+    assert set(road) - set(ROAD) <= ASKED | ANSWER | CYCLE | FETCH
+
+
+def test_an_idle_cycle_calls_no_more_than_it_is_said_to():
+    machine = Machine().ready()
+    machine.settle()
+    idle = set(calls(machine.app.poll))
+    assert idle - {name for name in ROAD if name.startswith(("app.py", "ports/"))} <= CYCLE | STANDING | {"protocols/grbl/protocol.py Grbl.collect"}
+
+
+def test_the_docs_list_it():
+    text = (ROOT / "docs/architecture.md").read_text(encoding="utf-8")
+    section = text.split("## One G1")[1].split("\n## ")[0]
+    listed = re.findall(r"^\| *(\d+) \| `([^`]+)` \| `([^`]+)`", section, re.MULTILINE)
+    assert [int(number) for number, _, _ in listed] == list(range(1, len(ROAD) + 1))
+    assert [f"{file} {name}" for _, file, name in listed] == list(ROAD)
