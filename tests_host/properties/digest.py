@@ -103,7 +103,7 @@ class Sink:
 
     # the port
 
-    def player(self, ring, layout):
+    def player(self, ring, layout, board):
         self._ring = ring
         self._layout = layout
         return self
