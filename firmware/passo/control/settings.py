@@ -32,14 +32,14 @@ _VERSION = "2:"
 
 
 class Settings:
-    def __init__(self, board, journal):
-        """`board`: a checked board, which follows the settings from now on."""
+    def __init__(self, board, journal, steps_s=1_000_000):
+        """`board`: a checked board, which follows the settings from now on. `steps_s`: as limit_steps()."""
         self._board = board
         self._journal = journal
         self._board_travel = [axis["travel_steps"] for axis in board["axes"]]
         self._board_reversed = [axis["reversed"] for axis in board["axes"]]
         self._board_release_ms = board["idle_release_ms"]
-        self._most_steps_s = 1_000_000
+        self._most_steps_s = steps_s
         from passo.control import setting_table  # the app forgets it again
 
         self._table = setting_table.make(board)
