@@ -2,6 +2,7 @@
 than 20 functions. Whatever else is called on the way is named here, too; a new layer fails this test.
 """
 
+import ast
 import re
 import sys
 
@@ -43,7 +44,6 @@ KERNELS = [name for name in ROAD if "_viper.py" in name or name.endswith(" trace
 
 # What the road asks, once for all lines that a cycle brings: does the machine take lines now, how many, understood by what?
 ASKED = {
-    "control/controller.py Controller.open_batch",
     "control/line_batches.py LineBatches.open",
     "control/program.py Program.reach",
     "control/queue.py Queue.room",
@@ -56,7 +56,6 @@ ASKED = {
 }
 # The answer, and the end of the batch.
 ANSWER = {
-    "control/controller.py Controller.close_batch",
     "control/line_batches.py LineBatches.close",
     "motion/planner.py Planner.set_power",
     "ports/virtual.py MemoryLine.write",
@@ -87,7 +86,10 @@ CYCLE = {
     "ports/virtual.py VirtualPort.machine_ms",
     "ports/virtual.py VirtualPort.tripped",
     "ports/virtual_player.py Player.played",
+    "protocols/grbl/lines.py Lines.waiting",
+    "protocols/grbl/protocol.py Grbl._waiting",
     "protocols/grbl/protocol.py Grbl.feed",
+    "protocols/grbl/protocol.py Grbl.pending",
     "app.py App._answer",
 }
 STANDING = {"control/controller.py Controller._stand", "control/state.py MachineState.busy_with", "ports/virtual_player.py Player.busy"}
@@ -97,7 +99,6 @@ FETCH = {
     "motion/planner.py Planner.next",
     "motion/row_viper.py take",
     "motion/steady.py Steady.moving",
-    "motion/ramp.py Ramp.moving",
     "motion/ramp.py Ramp.begin",
     "motion/line.py Line.load",
     "motion/block.py q_of",
@@ -164,6 +165,17 @@ def test_an_idle_cycle_calls_no_more_than_it_is_said_to():
     machine.settle()
     idle = set(calls(machine.app.poll))
     assert idle - {name for name in ROAD if name.startswith(("app.py", "ports/"))} <= CYCLE | STANDING | {"protocols/grbl/protocol.py Grbl.collect"}
+
+
+@pytest.mark.parametrize("name", sorted(ASKED | ANSWER | CYCLE | STANDING | FETCH))
+def test_what_is_named_exists(name):
+    path, function = name.split()
+    owner, _, method = function.rpartition(".")
+    tree = ast.parse((ROOT / "firmware/passo" / path).read_text(encoding="utf-8"))
+    body = next(node.body for node in tree.body if getattr(node, "name", "") == owner) if owner else tree.body
+    known = {node.name for node in body if isinstance(node, ast.FunctionDef)}
+    known |= {alias.name for node in body if isinstance(node, ast.ImportFrom) for alias in node.names}
+    assert method in known
 
 
 def test_the_docs_list_it():
