@@ -101,7 +101,8 @@ class StepProgramWords:
 
     @micropython.native
     def _steps(self, words, at, room, base, bits):  # ISR: no allocation
-        # Runs may be short: all is kept in locals, and _arrive() is left for the end.
+        """The words of as many steps as fit into `room` and a segment. Long, because runs may be short: each call would cost a
+        run of one step 15 µs, so all is kept in locals, and _arrive() is left for the end."""
         program = self.program
         items = program.items
         cells = program.mask

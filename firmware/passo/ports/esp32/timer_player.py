@@ -91,10 +91,10 @@ class TimerPlayer:
         self._due_us = ticks_add(ticks_us(), WINDOW_US)
         self._rest = 0
         self._playing = True
-        self._timer.init(mode=Timer.PERIODIC, freq=1_000_000 // WINDOW_US, callback=self._turn)
+        self._timer.init(mode=Timer.PERIODIC, freq=1_000_000 // WINDOW_US, callback=self._play_due)
 
     @micropython.native
-    def _turn(self, timer):
+    def _play_due(self, timer):
         """Play all words that are due before the next call."""
         while self._playing:
             if ticks_diff(self._due_us, ticks_us()) > WINDOW_US:

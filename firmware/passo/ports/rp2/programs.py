@@ -2,7 +2,7 @@
 
 Every path through a program is a whole number of ticks: what pulling a word and setting the pins costs is hidden in the
 word's own first ticks, which x counts down without a loop. So a word of n ticks lasts n · `cycles` exactly, and words
-need no correction. `pull` and `out(pins)` are neighbours: a state machine frozen between them is recognised by its
+need no correction. `[n]` is n cycles of waiting behind an instruction. `pull` and `out(pins)` are neighbours: a state machine frozen between them is recognised by its
 address (see PULL and OUT), and the word in hand counts as not played.
 
 Where there is a halt pin, the wait stands still for as long as that pin is high: no edge comes any more, whatever the
@@ -24,26 +24,26 @@ def steps(bits, cycles, halt):
     @rp2.asm_pio(out_shiftdir=rp2.PIO.SHIFT_RIGHT, fifo_join=rp2.PIO.JOIN_TX)
     def program():
         wrap_target()
-        pull(block)
-        out(pins, bits)  # rise
-        out(x, time_bits)
-        mov(y, isr)[settle]
+        pull(block)  # the next word; wait for it
+        out(pins, bits)  # its levels: pulses rise
+        out(x, time_bits)  # its ticks
+        mov(y, isr)[settle]  # how long pulses last
         label("high")
-        jmp(x_dec, "counted")
+        jmp(x_dec, "counted")  # one tick off; never jumps anywhere else
         label("counted")
-        jmp(y_dec, "high")[cycles - 2]
-        set(pins, 0)  # fall
-        jmp(x_dec, "second")
+        jmp(y_dec, "high")[cycles - 2]  # the pulse's next tick
+        set(pins, 0)  # pulses fall
+        jmp(x_dec, "second")  # three ticks off at once: of pulling, of the fall,
         label("second")
-        jmp(x_dec, "third")
+        jmp(x_dec, "third")  # and of the last round of the wait,
         label("third")
-        jmp(x_dec, "low")[rest]
+        jmp(x_dec, "low")[rest]  # with the cycles missing to whole ones
         label("low")
         if halt:
-            jmp(pin, "low")
-            jmp(x_dec, "low")[cycles - 2]
+            jmp(pin, "low")  # the halt pin is high: stand still
+            jmp(x_dec, "low")[cycles - 2]  # the ticks that are left
         else:
-            jmp(x_dec, "low")[cycles - 1]
+            jmp(x_dec, "low")[cycles - 1]  # the ticks that are left
         wrap()
 
     return program
@@ -57,18 +57,18 @@ def levels(bits, cycles, halt):
     @rp2.asm_pio(out_shiftdir=rp2.PIO.SHIFT_RIGHT, fifo_join=rp2.PIO.JOIN_TX)
     def program():
         wrap_target()
-        pull(block)
-        out(pins, bits)
-        out(x, time_bits)[rest]
-        jmp(x_dec, "second")
+        pull(block)  # the next word; wait for it
+        out(pins, bits)  # its levels
+        out(x, time_bits)[rest]  # its ticks, and the cycles missing to a whole one
+        jmp(x_dec, "second")  # these took a tick that x does not know of
         label("second")
-        jmp(x_dec, "low")
+        jmp(x_dec, "low")  # the last round of the wait takes one, too
         label("low")
         if halt:
-            jmp(pin, "low")
-            jmp(x_dec, "low")[cycles - 2]
+            jmp(pin, "low")  # the halt pin is high: stand still
+            jmp(x_dec, "low")[cycles - 2]  # the ticks that are left
         else:
-            jmp(x_dec, "low")[cycles - 1]
+            jmp(x_dec, "low")[cycles - 1]  # the ticks that are left
         wrap()
 
     return program
@@ -82,15 +82,15 @@ def clock(bits, cycles):
     @rp2.asm_pio(out_shiftdir=rp2.PIO.SHIFT_RIGHT, fifo_join=rp2.PIO.JOIN_TX)
     def program():
         wrap_target()
-        pull(block)
-        irq(rel(0))
-        out(null, bits)
-        out(x, time_bits)[rest]
-        jmp(x_dec, "second")
+        pull(block)  # the next word; wait for it
+        irq(rel(0))  # timer_player.py sets the pins
+        out(null, bits)  # which its levels are for
+        out(x, time_bits)[rest]  # its ticks, and the cycles missing to a whole one
+        jmp(x_dec, "second")  # these took a tick that x does not know of
         label("second")
-        jmp(x_dec, "low")
+        jmp(x_dec, "low")  # the last round of the wait takes one, too
         label("low")
-        jmp(x_dec, "low")[cycles - 1]
+        jmp(x_dec, "low")[cycles - 1]  # the ticks that are left
         wrap()
 
     return program

@@ -256,19 +256,7 @@ class GCode(Motions):
 
         # Everything is right: from here on it counts. The motion's commands are there already; what goes before is put
         # before them.
-        before = []
-        turned = spindle != self.spindle or rpm != self.rpm and spindle != 5
-        if self.laser and spindle == 3 and not self.commands and (self.motion in (100, 200, 300)) != self._cutting:
-            turned = True  # M3 burns at a stand too, while G1, G2 or G3 holds
-        line = self._cutting or moves and motion == 0
-        if turned and not (self.laser and line and self.commands and spindle == self.spindle):
-            before.append(self._spindle_command(spindle, rpm, motion))
-        if found[TOOL_CHANGE] != NONE:
-            before.append(Command(commands.PAUSE, value=1 + tool))
-        if coolant != self.coolant:
-            before.append(Command(commands.COOLANT, value=coolant))
-        if dwell is not None:
-            before.append(Command(commands.DWELL, value=dwell))
+        before = self._goes_before(spindle, rpm, motion, moves, tool, coolant, dwell)
         if len(self.commands) > 1:
             self.commands[0].also = self.commands[1:]
             self._moves = new_moves()  # these may be looked at until the last has begun
@@ -286,6 +274,23 @@ class GCode(Motions):
         self.initial, self.cycle = self._initial, cycle
         if found[STOPPING] != NONE:
             self._stop_programme(found[STOPPING] - M_CODES)
+
+    def _goes_before(self, spindle, rpm, motion, moves, tool, coolant, dwell):
+        """Commands of the line that are carried out before its motion."""
+        before = []
+        turned = spindle != self.spindle or rpm != self.rpm and spindle != 5
+        if self.laser and spindle == 3 and not self.commands and (self.motion in (100, 200, 300)) != self._cutting:
+            turned = True  # M3 burns at a stand too, while G1, G2 or G3 holds
+        line = self._cutting or moves and motion == 0
+        if turned and not (self.laser and line and self.commands and spindle == self.spindle):
+            before.append(self._spindle_command(spindle, rpm, motion))
+        if self._found[TOOL_CHANGE] != NONE:
+            before.append(Command(commands.PAUSE, value=1 + tool))
+        if coolant != self.coolant:
+            before.append(Command(commands.COOLANT, value=coolant))
+        if dwell is not None:
+            before.append(Command(commands.DWELL, value=dwell))
+        return before
 
     def _jog(self):
         found = self._found
