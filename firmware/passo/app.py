@@ -13,11 +13,11 @@ from micropython import const
 
 from passo import errors
 from passo.commands import ALARM, DROPPED, IMMEDIATE, JOG, RESTARTED, STATUS
-from passo.control.journal import Journal, MemorySlots
+from passo.config.journal import Journal, MemorySlots
+from passo.config.setting_numbers import ENABLE_INVERT
+from passo.config.settings import Settings
 from passo.control.links import HARMLESS
 from passo.control.motors import Motors
-from passo.control.setting_numbers import ENABLE_INVERT
-from passo.control.settings import Settings
 from passo.errors import LATER
 from passo.motion.planner import Planner
 from passo.records import COUNT_MASK, LEAD_TICKS, TICKS_PER_S

@@ -22,7 +22,7 @@ FEED_LEAST = const(50_000)  # 4 ms: behind the word that is being played, more t
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
 
-# Numbers of settings that languages ask for too; the others stand in control/setting_numbers.py.
+# Numbers of settings that languages ask for too; the others stand in config/setting_numbers.py.
 SETTING_REPORT = const(10)
 SETTING_INCHES = const(13)
 SETTING_MAX_RPM = const(30)

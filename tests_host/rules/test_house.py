@@ -193,8 +193,26 @@ def circles(imported):
     return {tuple(sorted({a} | {b for b in reach[a] if a in reach[b]})) for a in imported if a in reach[a]}
 
 
+def between_folders(imported, top):
+    """{folder: folders that its modules import} of what lies under the package `top`."""
+    folders = {}
+    for module, others in imported.items():
+        names = [tuple(each.split(".")[:2]) for each in (module, *others) if each.startswith(top + ".")]
+        if module.startswith(top + "."):
+            folders.setdefault(".".join(names[0]), set()).update(".".join(name) for name in names[1:] if name != names[0])
+    return folders
+
+
 def test_no_circle_of_imports():
     report([" and ".join(circle) + " import each other" for circle in circles(imports(TREES))])
+
+
+def test_no_circle_of_folders():
+    """Also where no two modules import each other."""
+    folders = {}
+    for top in ("host_tools", "passo"):
+        folders.update(between_folders(imports(TREES), top))
+    report([" and ".join(circle) + " import each other" for circle in circles(folders)])
 
 
 # --- (e) one home for a name in a module, one room for the feeder's state
@@ -289,3 +307,9 @@ def test_a_name_imported_twice_is_found():
 def test_a_circle_is_found():
     trees = {"a/b.py": "from a.c import x", "a/c.py": "from a import d", "a/d.py": "def f():\n    import a.b", "a/e.py": "import a.b"}
     assert circles(imports({name: ast.parse(text) for name, text in trees.items()})) == {("a.b", "a.c", "a.d")}
+
+
+def test_a_circle_of_folders_is_found():
+    trees = {"a/b/x.py": "from a.c.x import n", "a/c/x.py": "n = 1", "a/c/y.py": "import a.b.y", "a/b/y.py": "", "a/d.py": "import a.c.x"}
+    imported = imports({name: ast.parse(text) for name, text in trees.items()})
+    assert not circles(imported) and circles(between_folders(imported, "a")) == {("a.b", "a.c")}

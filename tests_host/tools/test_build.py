@@ -18,7 +18,7 @@ from host_tools.cli.build import build
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE, ROOT
 from host_tools.sim.machine import VirtualMachine
-from passo.control import boardfile
+from passo.config import boardfile
 
 MODULES = {
     "main.py": "import passo.app\n",

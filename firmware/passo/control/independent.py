@@ -14,7 +14,7 @@ import micropython
 
 from passo import commands, errors
 from passo.commands import FINISHED, FOREVER, Event
-from passo.control import setting_numbers as table
+from passo.config import setting_numbers as table
 from passo.errors import LATER
 from passo.motion.independent_viper import MOST_STEPS
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, TICKS_PER_MS

@@ -1,7 +1,7 @@
 """Holding and going on: feed hold, safety door, the operator's pause, and coming to a stand to drop what is left."""
 
 from passo import commands, errors
-from passo.control.setting_numbers import LASER
+from passo.config.setting_numbers import LASER
 from passo.records import COUNT_MASK
 
 

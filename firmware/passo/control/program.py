@@ -8,13 +8,13 @@ from micropython import const
 
 from passo import commands, errors
 from passo.batch import thousandths
-from passo.control import setting_numbers as table
+from passo.config import setting_numbers as table
 from passo.control.extent import farthest
 from passo.control.line_batches import LineBatches
 from passo.errors import LATER
 from passo.motion.block import WAIT
-from passo.motion.line import MAX_STEPS
 from passo.motion.limits import Limits
+from passo.motion.line import MAX_STEPS
 from passo.records import ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP
 from passo.steps.word import TICKS_PER_S
 

@@ -4,7 +4,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.batch import thousandths
-from passo.control import setting_numbers as table
+from passo.config import setting_numbers as table
 from passo.errors import LATER
 
 OFF = const(5)  # spindle

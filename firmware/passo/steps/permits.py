@@ -5,7 +5,7 @@
                                                     # and of the tool, if the last word made has it on
     if forbidden & coming: …
 
-A table is what control/interlock_table.py makes. Called in interrupts: both allocate nothing. On an RP2040 denied()
+A table is what config/interlock_table.py makes. Called in interrupts: both allocate nothing. On an RP2040 denied()
 takes about 0.5 µs a product, ahead() about 3 µs a segment: some 40 µs with 13 ms of words ahead.
 
 A segment counts with the whole of its way, so of an arc that turns round within one segment (6 ms at most) only the net
@@ -26,7 +26,7 @@ from passo.records import (
 INTERLOCK_TOOL = const(0x100)
 INTERLOCK_OUTPUTS = const(0x200)  # the first of the board file's outputs
 
-# A table of the interlock, made by control/interlock_table.py: these, then PERMIT_FIELDS numbers a product.
+# A table of the interlock, made by config/interlock_table.py: these, then PERMIT_FIELDS numbers a product.
 PERMIT_PRODUCTS = const(0)  # how many
 PERMIT_GATED = const(1)  # mask of all that the table is about, INTERLOCK_…
 PERMIT_FIRST = const(2)

@@ -6,8 +6,8 @@ The table below is the whole format. A rule is (type, default, least, most); a d
 be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
-from passo.control.board_error import BoardError
-from passo.control.chip_pins import check_link, check_pin
+from passo.config.board_error import BoardError
+from passo.config.chip_pins import check_link, check_pin
 from passo.steps.wiring import word_pins
 
 MUST = ...
@@ -301,7 +301,7 @@ def _check_interlock(board):
             if item["filter_us"]:
                 raise BoardError("input %s: filter_us is for inputs of the interlock; there is none" % item["name"])
     elif "masks" not in section:
-        from passo.control import interlock_table  # most boards have none
+        from passo.config import interlock_table  # most boards have none
 
         section["masks"] = interlock_table.compile_rows(board)
         for key in ("rows", "signals", "elsewhere"):
