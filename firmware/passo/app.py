@@ -120,7 +120,7 @@ class App:
         self.controller = Controller(self.board, machine, queue, self.feeder, kinds)
 
     def poll(self):
-        """Links, then machine, then answers, then words for the player. False where the machine has to wait, because
+        """Links, then machine, then answers, then words for the player. False if the machine has to wait, because
         more bytes are coming: where interrupts play, those are taken first."""
         heard = self._hear()
         if self.interrupt and heard and self._overtaken(heard):

@@ -96,7 +96,7 @@ def guarded(board, languages, settings):
 
 
 def make_drive(board):
-    """(layout, drive, levels without current) of the board's motors; drive is None where the step form will do."""
+    """(layout, drive, levels without current) of the board's motors; drive is None if the step form will do."""
     kind = board["drive"]["kind"]
     names = [axis["name"] for axis in board["axes"]]
     count = len(names)

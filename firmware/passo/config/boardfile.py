@@ -137,7 +137,7 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _OPTIONAL = ("homing", "interlock", "jog", "planning", "spindle", "step_program")
-_ABSENT = ("homing", "interlock", "step_program")  # None where the board file has none
+_ABSENT = ("homing", "interlock", "step_program")  # None if the board file has none
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}

@@ -12,7 +12,7 @@ from passo.config.setting_numbers import (
 
 
 def _active(items, names):
-    """The active level of the first of `items` that has one of these names; 0 where there is none."""
+    """The active level of the first of `items` that has one of these names; 0 if there is none."""
     for item in items:
         if item["name"] in names:
             return item["active"]

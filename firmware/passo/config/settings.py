@@ -76,7 +76,7 @@ class Settings:
         return self._table[number][0]
 
     def places(self, number):
-        """Decimals of a setting, 0 or 3; None where there is no such setting."""
+        """Decimals of a setting, 0 or 3; None if there is no such setting."""
         rule = self._table.get(number)
         return rule[1] if rule else None
 

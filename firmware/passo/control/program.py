@@ -130,7 +130,7 @@ class Program(LineBatches):
         return [low for low, _ in ends], [high for _, high in ends]
 
     def _inside(self, target):
-        """True where `target` is within the travel, or that does not count."""
+        """True if `target` is within the travel, or that does not count."""
         reach = self.reach()
         if reach:
             for axis in range(len(target)):

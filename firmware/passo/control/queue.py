@@ -73,7 +73,7 @@ class Queue:
             self._planner.flush()
 
     def inside(self, target):
-        """True where `target` is within the machine's travel."""
+        """True if `target` is within the machine's travel."""
         for axis in range(len(target)):
             low, high = self.reach(axis)
             if not low <= target[axis] <= high:
@@ -166,7 +166,7 @@ class Queue:
         self.flush()
 
     def place(self):
-        """The place on the program under way, exact at this moment; None where there is none."""
+        """The place on the program under way, exact at this moment; None if there is none."""
         return self._feeder.place(self._player.played())
 
     def independent(self):

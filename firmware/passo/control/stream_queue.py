@@ -112,7 +112,7 @@ class StreamQueue(Queue):
         self._planner.set_power(power, dynamic)
 
     def slow_tool(self):
-        """True where a change of the tool takes time."""
+        """True if a change of the tool takes time."""
         return self.tool_ms(True) + self.tool_ms(False) > 0
 
     def pace(self):
