@@ -9,7 +9,7 @@ from micropython import const
 from passo import commands, errors
 from passo.batch import thousandths
 from passo.config import setting_numbers as table
-from passo.control.extent import farthest
+from passo.control.arc_bounds import farthest
 from passo.control.line_batches import LineBatches
 from passo.errors import LATER
 from passo.motion.block import WAIT
