@@ -38,8 +38,8 @@ _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of directi
 
 class Feeder(Position):
     def __init__(self, ring, layout, planner, drive, setup_ticks, min_word_ticks):
-        """`drive` turns the step form into pin levels, or is None if the step form is what the pins want;
-        `setup_ticks` pass between a change of direction and the next step (0 if there is no DIR pin)."""
+        """`drive` turns the step form into pin levels, or is None where the step form is what the pins want;
+        `setup_ticks` pass between a change of direction and the next step (0 where there is no DIR pin)."""
         self.ring = ring
         self.layout = layout
         self.planner = planner
@@ -94,7 +94,7 @@ class Feeder(Position):
 
     @micropython.native
     def fill(self, played, lead_ticks):  # ISR: no allocation
-        """Make words until `lead_ticks` are ahead of the word count `played`, or nothing is released, or no room. True if
+        """Make words until `lead_ticks` are ahead of the word count `played`, or nothing is released, or no room. True where
         a block had been begun, so that the player ought not to have stood still meanwhile."""
         if not self.open:
             return False
@@ -218,6 +218,9 @@ class Feeder(Position):
             self.state[FEED_PLACE + axis] = position[axis]
         if self.drive is not None:
             self.drive.seek(position)
-        self.state[FEED_LEVELS] &= ~self.layout.tool_mask
+        levels = self.state[FEED_LEVELS]
+        if self.drive is None:  # directions as at the pins: the next change of one takes its set-up time from there
+            levels = self.ring.words[(played - 1) & self.ring.mask]
+        self.state[FEED_LEVELS] = levels & self.layout.levels_mask & ~(self.layout.pulse_mask | self.layout.tool_mask)
         self._reset(played)
         return position, block, index
