@@ -44,7 +44,7 @@ class Interlock:
         self.glitches = array("i", [0] * len(self._names))  # changes of each input that did not last
         self.trips = array("i", [0] * len(self._names))
         self._wrong = self._wrong_states = 0  # of the last halt: what was forbidden, and the inputs then
-        self._player = self._state = self._segments = self._start = None  # see join()
+        self._player = self._state = self._segments = self._start = self._hold = self._halt = self._played = None  # see join()
         self.items = ()  # the port's inputs, in the board file's order
 
     def join(self, feeder, player):
@@ -53,6 +53,9 @@ class Interlock:
         self._segments = feeder.marks
         self._player = player
         self._start = player.start
+        self._hold = player.hold if hasattr(player, "hold") else None
+        self._halt = player.halt
+        self._played = player.played
         player.start = self.start
 
     # --- interrupts
@@ -61,10 +64,20 @@ class Interlock:
     def start(self):  # ISR: no allocation
         """The player's start(): of words that have been looked at."""
         forbidden = self.denied
-        if forbidden and forbidden & ahead(self._state, self._segments, self._player.played()):
+        if forbidden and ahead(self._state, self._segments, self._played(), forbidden):
             self._trip()
             return False
         return self._start()
+
+    @micropython.native
+    def halt_before(self, number):  # ISR: no allocation
+        """Stop the player if a change of input `number` is going to: the sooner the better. change() follows, and says why."""
+        if self._player is not None:
+            exempt = self.exempt
+            forbidden = denied(self._table, (self.states ^ 1 << number) & ~exempt | self.fall & exempt)
+            if ahead(self._state, self._segments, self._played(), forbidden & ~INTERLOCK_TOOL):
+                self._halt()
+                self._hold(True)
 
     @micropython.native
     def change(self, number, active):  # ISR: no allocation
@@ -95,16 +108,18 @@ class Interlock:
             self.lost |= lost
             self.put(lost, 0)
         if self._player is not None and (
-            forbidden & ~INTERLOCK_TOOL & ahead(self._state, self._segments, self._player.played())
+            ahead(self._state, self._segments, self._played(), forbidden & ~INTERLOCK_TOOL)
             or forbidden & INTERLOCK_TOOL and self.lit()
         ):
             self._trip()
 
+    @micropython.native
     def _trip(self):  # ISR: no allocation
-        self._wrong = self.denied & ahead(self._state, self._segments, self._player.played()) or self.denied & INTERLOCK_TOOL
+        self._wrong = ahead(self._state, self._segments, self._played(), self.denied) or self.denied & INTERLOCK_TOOL
         self._wrong_states = self.states
         self._port.trip(self)
 
+    @micropython.native
     def halted(self, item):  # ISR: no allocation
         """A halting input, one of `items`, has stopped the player already."""
         number = 0

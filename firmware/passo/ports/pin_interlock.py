@@ -1,7 +1,7 @@
 """The interlock on a chip: edges of pins, filtered, become changes of its inputs, and what it forbids goes off.
 
-A change counts once it has lasted the input's filter_us; the interrupt waits for that, so that a true change acts that long,
-and some 30 µs, after its edge. What does not last is a glitch, and counted. Two spikes within one such interrupt count as
+A change counts once it has lasted the input's filter_us; the interrupt waits for that, so that on an RP2040 the last step comes
+at most that long and 0.18 ms after the edge (test_pico_interlock.py); an input that halts is quicker. What does not last is a glitch, and counted. Two spikes within one such interrupt count as
 one. A wire that is noisy all the time keeps the main loop from running, not the feeder and not the player; after 170 ms the
 feeder slows down to a stand.
 """
@@ -44,10 +44,12 @@ class PinInterlock(Interlock):
             bit <<= 1
         return states
 
+    @micropython.native
     def lit(self):  # ISR: no allocation
         """True while the tool's pin is on."""
         return self._tool.value() == self._on
 
+    @micropython.native
     def put(self, mask, on):  # ISR: no allocation
         """Switch the outputs of `mask`, INTERLOCK_…: 1 on, 0 off."""
         for bit, pin, off in self._pins:
@@ -95,4 +97,5 @@ class PinWatch:
                 if pin.value() != value:
                     interlock.glitches[number] += 1
                     return
+        interlock.halt_before(number)
         interlock.change(number, active)

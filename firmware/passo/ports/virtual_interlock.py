@@ -59,9 +59,15 @@ class VirtualInterlock(Interlock):
 
     def next_event(self):
         due = self._world.next_event()
+        late = self._port.now + 1 if self._pulse() else 0  # it waits for the pulse's end
         for tick in self._due.values():
+            tick = max(tick, late)
             due = tick if due is None or tick < due else due
         return due
+
+    def _pulse(self):
+        """True while a pulse is up."""
+        return self._player is not None and self._player.levels() & self._pulses
 
     # --- inputs
 
@@ -81,7 +87,7 @@ class VirtualInterlock(Interlock):
 
     def _let(self, tick):
         """Changes that have lasted by `tick` count."""
-        if self._amid or self._player is not None and self._player.levels() & self._pulses:
+        if self._amid or self._pulse():
             return
         for number, due in list(self._due.items()):
             if due <= tick and number in self._due:

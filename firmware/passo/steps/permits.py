@@ -1,12 +1,10 @@
 """The interlock's arithmetic: what the inputs forbid, and which steps lie ahead.
 
     forbidden = denied(table, states)               # mask of INTERLOCK_…; `states`: a bit an input, 1: active
-    coming = ahead(state, marks, played)            # mask of the directions stepped by what is made and not yet played;
-                                                    # and of the tool, if the last word made has it on
-    if forbidden & coming: …
+    if ahead(state, marks, played, forbidden): …    # what is made and not yet played steps so, or has the tool on
 
-A table is what config/interlock_table.py makes. Called in interrupts: both allocate nothing. On an RP2040 denied()
-takes about 0.5 µs a product, ahead() about 3 µs a segment: some 40 µs with 13 ms of words ahead.
+A table is what control/interlock_table.py makes. Called in interrupts: both allocate nothing. On an RP2040 denied()
+takes about 0.5 µs a product, ahead() about 3 µs a segment until it finds something: 40 µs if that is nothing.
 
 A segment counts with the whole of its way, so of an arc that turns round within one segment (6 ms at most) only the net
 direction is seen until the next.
@@ -26,7 +24,7 @@ from passo.records import (
 INTERLOCK_TOOL = const(0x100)
 INTERLOCK_OUTPUTS = const(0x200)  # the first of the board file's outputs
 
-# A table of the interlock, made by config/interlock_table.py: these, then PERMIT_FIELDS numbers a product.
+# A table of the interlock, made by control/interlock_table.py: these, then PERMIT_FIELDS numbers a product.
 PERMIT_PRODUCTS = const(0)  # how many
 PERMIT_GATED = const(1)  # mask of all that the table is about, INTERLOCK_…
 PERMIT_FIRST = const(2)
@@ -56,14 +54,13 @@ def denied(table: ptr32, states: int) -> int:  # ISR: no allocation
 
 
 @micropython.viper
-def ahead(state: ptr32, marks: ptr32, played: int) -> int:  # ISR: no allocation
-    """Mask of the directions that segments not yet played to their end step in: bit 2 · axis forward, the next back; and
-    INTERLOCK_TOOL if the last segment made has the tool on."""
+def ahead(state: ptr32, marks: ptr32, played: int, wanted: int) -> int:  # ISR: no allocation
+    """The first of the `wanted` directions found in segments not yet played to their end: mask, bit 2 · axis forward, the next
+    back; INTERLOCK_TOOL if it is wanted and the last segment made has the tool on. 0: there is none."""
     stride = MARK_FIELDS + state[FEED_AXES]
     number = state[FEED_OLDEST]
-    coming = 0
-    if state[FEED_LEVELS] & state[FEED_TOOL]:
-        coming = INTERLOCK_TOOL
+    if wanted & INTERLOCK_TOOL and state[FEED_LEVELS] & state[FEED_TOOL]:
+        return INTERLOCK_TOOL
     while number != state[FEED_NEWEST]:
         before = (number & (MARKS - 1)) * stride
         number = (number + 1) & COUNT_MASK
@@ -73,6 +70,6 @@ def ahead(state: ptr32, marks: ptr32, played: int) -> int:  # ISR: no allocation
             while axis:
                 axis -= 1
                 by = (marks[at + MARK_FIELDS + axis] - marks[before + MARK_FIELDS + axis]) & COUNT_MASK
-                if by:
-                    coming |= (1 if by < COUNT_HALF else 2) << (axis << 1)
-    return coming
+                if by and wanted >> (axis << 1) & (1 if by < COUNT_HALF else 2):
+                    return (1 if by < COUNT_HALF else 2) << (axis << 1)
+    return 0
