@@ -2,7 +2,7 @@
 
 import sys
 
-from passo.control.board_error import BoardError
+from passo.config.board_error import BoardError
 from passo.ports.start import forget
 
 if sys.platform == "esp32":
@@ -12,7 +12,7 @@ else:
 
 
 def checked(board):
-    from passo.control.boardfile import check
+    from passo.config.boardfile import check
 
     return check(board)
 
@@ -33,16 +33,16 @@ def main():
         board = checked(BOARD)
         BOARD = None
         forget("board")
-        forget("passo.control.boardfile")
-        forget("passo.control.chip_pins")
+        forget("passo.config.boardfile")
+        forget("passo.config.chip_pins")
         if board["interlock"]:
-            forget("passo.control.interlock_table")
+            forget("passo.config.interlock_table")
         from passo.machine_builder import load_all
 
         load_all(board, start.whole)
         start.load(board)
         from passo.app import App
-        from passo.control.journal import FileSlots
+        from passo.config.journal import FileSlots
 
         said = start.loaded()
         port = start.port(board)

@@ -3,7 +3,7 @@
     board = load("plotter_2014")            # boards/plotter_2014.py
     board = load("~/mine/router.py")        # any file with BOARD = {...}
 
-Loading only reads the file. The firmware checks its values (passo.control.boardfile).
+Loading only reads the file. The firmware checks its values (passo.config.boardfile).
 """
 
 import runpy

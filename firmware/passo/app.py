@@ -13,22 +13,22 @@ from micropython import const
 
 from passo import errors
 from passo.commands import ALARM, DROPPED, IMMEDIATE, JOG, RESTARTED, STATUS
-from passo.control.journal import Journal, MemorySlots
+from passo.config.journal import Journal, MemorySlots
+from passo.config.setting_numbers import ENABLE_INVERT
+from passo.config.settings import Settings
 from passo.control.links import HARMLESS
 from passo.control.motors import Motors
-from passo.control.setting_numbers import ENABLE_INVERT
-from passo.control.settings import Settings
 from passo.errors import LATER
 from passo.motion.planner import Planner
 from passo.records import COUNT_MASK, LEAD_TICKS, TICKS_PER_S
 from passo.steps.ring import Ring, ring_size
 from passo.steps.word import us_to_ticks
 
-LIVE_TICKS = const(11 * 12_500)  # where what is under way may change at any moment, within 20 ms on the pins
+LIVE_TICKS = const(11 * 12_500)  # ahead while what is under way may change at any moment: on the pins within 20 ms
 _CALLS_S = const(200)  # half a ring of words has to last as long as such a call of the feeder
 _WAITING = const(64)  # commands of one link that may wait for their turn
-_READS = const(64)  # that empty a serial line: some give 64 bytes at a time
-_LOOK_MS = const(12)  # while bytes keep coming, the machine is looked at so often
+_READS = const(64)  # enough to empty a serial line: some give 64 bytes at a time
+_LOOK_MS = const(12)  # while bytes keep coming, the machine is polled at least so often
 _MOST = const(3)  # lines a cycle on a chip, where they take time
 _ALL = const(0x1FFFFFFF)
 _FULL = const(128)  # bytes of a read that left some in the line's buffer
@@ -45,7 +45,7 @@ class Link:
         self.name = config["name"]
         self.serial = serial
         self.protocol = protocol
-        self.batch = getattr(protocol, "batch", None)  # of what comes most often, if the language has one
+        self.batch = getattr(protocol, "batch", None)  # for what comes in great numbers, if the language has one
         if self.batch:
             self.open, self.accept, self.close = controller.batches(self.batch)
         self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: it may fill batches while commands wait
@@ -66,7 +66,7 @@ class App:
         self.layout, self._drive, off_levels = machine_builder.make_drive(board)
         languages = machine_builder.languages(board)
         names = machine_builder.wanted(board, languages)
-        self.planner = Planner(self.layout.axes)  # first: it wants memory in the largest pieces
+        self.planner = Planner(self.layout.axes)  # first: it takes the largest pieces of memory
         if "program" in names:
             self.planner.load(whole)
         settings = Settings(board, Journal(slots or MemorySlots()))
@@ -120,7 +120,7 @@ class App:
         self.controller = Controller(self.board, machine, queue, self.feeder, kinds)
 
     def poll(self):
-        """Links, then machine, then answers, then words for the player. False where the machine has to wait, because
+        """Links, then machine, then answers, then words for the player. False if the machine has to wait, because
         more bytes are coming: where interrupts play, those are taken first."""
         heard = self._hear()
         if self.interrupt and heard and self._overtaken(heard):
@@ -140,7 +140,7 @@ class App:
 
     @micropython.native
     def _hear(self):
-        """What the links bring. Returns _PART where bytes came, _WHOLE where more than questions did, or both."""
+        """Carry out what the links bring. Returns _PART if bytes came, _WHOLE if more than questions did, or both."""
         self._heard = 0
         self._now_ms = self.port.link_ms()
         for link in self.links:
@@ -170,7 +170,7 @@ class App:
 
     @micropython.native
     def _feed(self):
-        """Words for the player, where there is something to play and the motors are ready."""
+        """Make words for the player, if there is something to play and the motors are ready."""
         feeder = self.feeder
         feeder.open = not self.planner.empty() and self.controller.may_feed()
         if not feeder.open:
@@ -211,7 +211,7 @@ class App:
     def _carry_out(self, commands, link):
         for command in commands:
             command.link = link
-            if command.kind == STATUS:  # at once: half a dozen calls less
+            if command.kind == STATUS:  # at once, which saves six calls
                 answer = link.protocol.reply(self.controller.status(command))
                 if answer:
                     link.serial.write(answer)
@@ -355,7 +355,7 @@ class App:
                 self._say(link, link.protocol.drop(event))
 
     def tell(self, text):
-        """Keep a line about this board for who asks what it is."""
+        """Keep a line about this board, for who asks what it is."""
         self.controller.tell(text)
 
     def stop(self):

@@ -5,14 +5,14 @@ A board forgets this module when that is done: it has better uses for the memory
 
 import sys
 
-from passo.control.board_error import BoardError
-from passo.control.setting_numbers import HOMING, SPEED, STEPS
+from passo.config.board_error import BoardError
+from passo.config.setting_numbers import HOMING, SPEED, STEPS
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
 _PAUSING = ("hold", "resume", "door")
 
-_OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue")
+_OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue")
 _OF_WHOLE = ("motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")
 
@@ -96,7 +96,7 @@ def guarded(board, languages, settings):
 
 
 def make_drive(board):
-    """(layout, drive, levels without current) of the board's motors; drive is None where the step form will do."""
+    """(layout, drive, levels without current) of the board's motors; drive is None if the step form will do."""
     kind = board["drive"]["kind"]
     names = [axis["name"] for axis in board["axes"]]
     count = len(names)
@@ -124,11 +124,11 @@ def make_drive(board):
 
 
 def forget(name):
-    """Give back the memory of a module of control that made what it was to make; asked for again it is loaded again."""
-    from passo import control
+    """Give back the memory of a module of config that made what it was to make; asked for again it is loaded again."""
+    from passo import config
 
-    if sys.modules.pop("passo.control." + name, None):
-        delattr(control, name)
+    if sys.modules.pop("passo.config." + name, None):
+        delattr(config, name)
 
 
 def fastest(board, settings):

@@ -22,7 +22,7 @@ FEED_LEAST = const(50_000)  # 4 ms: behind the word that is being played, more t
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
 
-# Numbers of settings that languages ask for too; the others stand in control/setting_numbers.py.
+# Numbers of settings that languages ask for too; the others stand in config/setting_numbers.py.
 SETTING_REPORT = const(10)
 SETTING_INCHES = const(13)
 SETTING_MAX_RPM = const(30)
@@ -284,7 +284,7 @@ PARSE_HIGH = const(28)
 PARSE_LEAST = const(31)  # feed, nm/s: steps are no more than 40 s apart
 PARSE_FULL = const(32)  # S of full power; 0: S counts for nothing; 1: it must not change
 PARSE_RPM = const(33)  # S
-PARSE_LIT = const(34)  # 1: the beam is on
+PARSE_LIT = const(34)  # 1: the laser is on
 PARSE_POWER = const(35)  # thousandths
 PARSE_DYNAMIC = const(36)  # 1: power in proportion to the speed
 PARSE_FIELDS = const(37)

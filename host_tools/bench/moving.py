@@ -17,6 +17,7 @@ IN_HAND, IN_HAND_STEPS, IN_HAND_HZ = 10, (16000, 12440, -10000), 400_000
 RESUMED = 20
 ACCEL_MM_S2 = 20_000
 QUERIES_S = 0.15
+CLOCKS_MHZ = 125, 200
 ANSWERS = 100
 SHORT_UM = 866  # on each of three axes: 1.5 mm
 
@@ -93,22 +94,46 @@ def queries():
 
 
 def status():
-    """From `?` on a link to the first byte of the answer, while three axes step at 100 kHz."""
+    """From `?` on a link to the first byte of the answer: while three axes step at 100 kHz, and while lines come as fast as
+    the machine of the board file takes them."""
     rows = []
     for link, name in (("pc", "USB"), ("serial", "UART, 115 200 baud")):
-        router(link)
-        for what, lines in (("long lines", long_lines()), ("a stream of lines of 1.5 mm", _short_lines())):
-            took_ms = on_a_copy(lambda: answers(link, lines))
-            times = [f"{ms:.2f}" for ms in (median(took_ms), _p99(took_ms), max(took_ms))]
-            rows.append((name, what, len(took_ms), *times))
-    return ("link", "stepping", "answers", "ms, median", "p99", "worst"), rows
+        for mhz in CLOCKS_MHZ:
+            for machine, what, lines in (
+                (router(link, mhz), "long lines at 3 × 100 kHz", long_lines()),
+                (router(link, mhz), "a stream of lines of 1.5 mm at 3 × 100 kHz", _short_lines()),
+                (as_flashed(link, mhz), "a stream of lines of 0.2 mm at 50 mm/s", _tiny_lines()),
+            ):
+                took_ms = on_a_copy(lambda: answers(machine, lines))
+                times = [f"{ms:.2f}" for ms in (median(took_ms), _p99(took_ms), max(took_ms))]
+                rows.append((name, mhz, what, len(took_ms), *times))
+    return ("link", "MHz", "stepping", "answers", "ms, median", "p99", "worst"), rows
 
 
 @lru_cache
-def router(link):
+def as_flashed(link, clock_mhz):
+    """(machine, Asking) of router_3axis, started and unlocked; lines come from `link`."""
+    board = {**copy.deepcopy(boards.load("router_3axis")), "commands": link, "clock_mhz": clock_mhz}
+    machine = EmulatedMachine(board, trace=None).boot()
+    machine.pico.console.expect(b"Grbl")
+    machine.run_ms(100)
+    asking = Asking(machine, link)
+    asking.stream([b"$X\n", b"G21G91G94F3000\n"])
+    machine.run_until(lambda: not asking.unanswered, 1000)
+    asking.status()
+    return machine, asking
+
+
+def _tiny_lines():
+    return [b"G1X%sY0.1\n" % (b"0.2" if line % 40 < 20 else b"-0.2") for line in range(4000)]
+
+
+@lru_cache
+def router(link, clock_mhz=200):
     """The router with faster drivers, started; lines come from `link`. No homing, so it is not locked."""
     board = copy.deepcopy(boards.load("router_3axis"))
     board["commands"] = link
+    board["clock_mhz"] = clock_mhz
     board["drive"]["pulse_us"] = 2
     del board["homing"]
     for axis in board["axes"]:
@@ -133,12 +158,12 @@ def _short_lines():
     return [("X%.3fY%.3fZ%.3f\n" % ((um / 1000,) * 3)).encode() for um in (stations + stations[-2::-1]) * 4]
 
 
-def answers(link, lines, count=ANSWERS):
-    """Milliseconds from `?` to its answer, asked at random moments while `lines` are stepped."""
-    machine, asking = router(link)
+def answers(asked, lines, count=ANSWERS):
+    """Milliseconds from `?` to its answer, asked at random moments while `lines` are stepped; `asked`: router()."""
+    machine, asking = asked
     random = Random(ANSWERS)
     asking.stream(lines)
-    machine.run_ms(200)
+    machine.run_ms(400)
     took_ms = []
     while len(took_ms) < count:
         machine.run_ms(random.uniform(2, 12))

@@ -15,7 +15,7 @@ COLLECT = "gc.collect()"
 START_HZ, START_S = 5000, 0.01
 LINE_S = 0.04
 BAUD = 115_200
-GCODE_LINES = 300
+GCODE_LINES = 800
 CLOCKS_MHZ = 125, 200  # of the G-code
 
 
@@ -136,12 +136,12 @@ def gcode():
 
 def _gcode(mhz):
     machine = lines_of_gcode.fast_router(clock_mhz=mhz)
-    for length_mm, feed_mm_s in ((0.2, 100), (0.2, 200), (0.75, 187.5)):
+    for length_mm, feed_mm_s in ((0.2, 100), (0.2, 245), (0.75, 187.5)):
         run = on_a_copy(lambda: lines_of_gcode.run_lines(machine, length_mm, feed_mm_s, GCODE_LINES))
         what = f"lines of {length_mm} mm at {feed_mm_s} mm/s, a second"
         yield what, round(feed_mm_s / length_mm), round(run["lines_s"]), run["least"], run["late"]
     laser = lines_of_gcode.fast_router((0.1,), laser=True, clock_mhz=mhz)
-    for dot_mm, feed_mm_s, mode in ((0.1, 100, "M4"), (0.1, 100, "M3")):
+    for dot_mm, feed_mm_s, mode in ((0.1, 200, "M4"), (0.1, 200, "M3")):
         run = on_a_copy(lambda: lines_of_gcode.run_raster(laser, dot_mm, feed_mm_s, GCODE_LINES, mode))
         what = f"a picture's dots of {dot_mm} mm at {feed_mm_s} mm/s, {mode}, a second"
         yield what, round(feed_mm_s / dot_mm), round(run["lines_s"]), run["least"], run["late"]

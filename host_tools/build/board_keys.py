@@ -3,7 +3,7 @@ and bounds.
 
     MEANINGS["axes.pins"]       # the dotted path of a key; [] of lists left out
 
-Types, bounds and defaults are not repeated here: they come from the firmware's own table, control/boardfile.py.
+Types, bounds and defaults are not repeated here: they come from the firmware's own table, config/boardfile.py.
 """
 
 # Title and first sentence of each section, in the order of the page.

@@ -33,7 +33,7 @@ def text(name):
 
 def board_keys():
     """A table a section of the schema."""
-    from passo.control import boardfile
+    from passo.config import boardfile
 
     from host_tools.build.board_keys import MEANINGS, SECTIONS
 
@@ -107,7 +107,7 @@ def _default(rule, must):
 
 def pins():
     """Of each board file the pins in their order, and for a Pico where they are on its edges; boards that are alike together."""
-    from passo.control.boardfile import check
+    from passo.config.boardfile import check
 
     from host_tools import boards
 
@@ -174,7 +174,7 @@ def _active(item):
 
 def settings():
     """A row a setting, with its value on the example board."""
-    from passo.control import boardfile, setting_table
+    from passo.config import boardfile, setting_table
 
     from host_tools import boards
     from host_tools.clients.setting_names import rule

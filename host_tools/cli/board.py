@@ -60,7 +60,7 @@ def board(
         passo board --board boards/mine.py --tcp 5000 --vcd pins.vcd
     """
     from host_tools import boards
-    from passo.control.boardfile import BoardError, check
+    from passo.config.boardfile import BoardError, check
 
     if time_ not in ("real", "fast"):
         raise Failure(f"--time is real or fast, not {time_!r}")
@@ -84,7 +84,7 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
     """Run the board until SIGTERM or SIGINT; see `board` for the arguments."""
     from host_tools.sim.machine import Machine
     from host_tools.sim.serial_line import PtyLine, TcpLine, wait
-    from passo.control.boardfile import BoardError
+    from passo.config.boardfile import BoardError
 
     stopped = []
     for number in (signal.SIGTERM, signal.SIGINT):

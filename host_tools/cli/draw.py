@@ -104,7 +104,7 @@ def _corner(text):
 def _plotter(name):
     """The checked board file. Raises Failure if none of its links speaks the plotter's language."""
     from host_tools import boards
-    from passo.control.boardfile import BoardError, check
+    from passo.config.boardfile import BoardError, check
 
     try:
         board = check(boards.load(name))

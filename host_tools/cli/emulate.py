@@ -60,7 +60,7 @@ def emulate(
     """
     from host_tools import boards
     from host_tools.emulator.binary import find_uf2, load_emulator
-    from passo.control.boardfile import BoardError
+    from passo.config.boardfile import BoardError
 
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: sys.exit(0))  # nothing runs yet that has to be ended

@@ -17,7 +17,7 @@ from host_tools.build.tree import build_tree, default_out
 from host_tools.failure import Failure
 from host_tools.resources import HOST_TOOLS
 
-TIDY = HOST_TOOLS / "build" / "tidy_board.py"
+REMOVE_STALE = HOST_TOOLS / "build" / "remove_stale.py"
 # mpremote gives up on a board that does not answer after some ten seconds, and a whole copy takes about a minute.
 PROBE_TIMEOUT_S = 30
 COPY_TIMEOUT_S = 600
@@ -27,7 +27,7 @@ def commands(port, out):
     """The mpremote commands, as argument lists: ask if a board answers; then copy, remove stale modules and reset."""
     mpremote = [sys.executable, "-m", "mpremote", "connect", port]
     copy = ["cp", "-r", str(out / "passo"), ":", "+", "cp", str(out / "main.py"), str(out / "board.py"), ":"]
-    return [mpremote + ["exec", "pass"], mpremote + copy + ["+", "run", str(TIDY), "+", "reset"]]
+    return [mpremote + ["exec", "pass"], mpremote + copy + ["+", "run", str(REMOVE_STALE), "+", "reset"]]
 
 
 def no_answer(port):

@@ -20,8 +20,8 @@ class Table:
     """
 
     def __init__(self, board):
-        from passo.control import interlock_table
-        from passo.control.boardfile import check
+        from passo.config import interlock_table
+        from passo.config.boardfile import check
 
         section = board.get("interlock")
         if not section:
@@ -59,7 +59,7 @@ class Row:
         self.names = sorted({each for product in products for each in product})
 
     def value(self, states):
-        from passo.control.interlock_table import evaluate
+        from passo.config.interlock_table import evaluate
 
         return evaluate(self.products, states)
 
@@ -132,7 +132,7 @@ def interlock(
 
     Example: passo interlock mill_2004 --out /tmp/mill.png
     """
-    from passo.control.board_error import BoardError
+    from passo.config.board_error import BoardError
 
     try:
         table = Table(boards.load(board))

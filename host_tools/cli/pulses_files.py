@@ -15,7 +15,7 @@ BOARD = "lpt_router"
 
 def _board(name):
     from host_tools import boards
-    from passo.control.boardfile import BoardError, check
+    from passo.config.boardfile import BoardError, check
 
     try:
         board = check(boards.load(name))

@@ -23,8 +23,8 @@ from host_tools.emulator.cycles import CYCLES_PER_TICK, CYCLES_PER_US
 from host_tools.emulator.load import Load
 from host_tools.emulator.machine import EmulatedMachine, written
 from host_tools.emulator.profile import Profile
-from passo.control.journal import Journal, MemorySlots
-from passo.control.setting_numbers import JERK
+from passo.config.journal import Journal, MemorySlots
+from passo.config.setting_numbers import JERK
 
 CHORDS = 64
 LINE_BYTES = 24

@@ -23,7 +23,7 @@ from host_tools.emulator.wiring import Wiring
 from host_tools.failure import Failure
 from host_tools.sim.plant import Plant
 from host_tools.sim.trace import Trace
-from passo.control.boardfile import check
+from passo.config.boardfile import check
 
 STAND_STILL_MS = 600_000
 QUIET_MS = 100  # without an edge or a byte: longer than any pause of a machine that is under way

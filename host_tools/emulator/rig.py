@@ -15,8 +15,8 @@ from host_tools.emulator.cycles import CYCLES_PER_TICK
 from host_tools.emulator.load import Load
 from host_tools.emulator.machine import written
 from host_tools.emulator.pico import EmulatedPico
+from passo.config.boardfile import check
 from passo.machine_builder import make_drive
-from passo.control.boardfile import check
 from passo.motion.planner import Planner
 from passo.steps.feeder import Feeder
 from passo.steps.ring import Ring
@@ -29,8 +29,8 @@ gc.threshold(16000)
 from passo.ports.rp2.flash_code import FlashCode
 code = FlashCode()
 code.begin()
-from passo.control.boardfile import check
 from passo.app import App
+from passo.config.boardfile import check
 from passo.ports.rp2 import clock
 from passo.ports.rp2.port import Port
 from time import ticks_us, ticks_diff, ticks_ms, sleep_ms

@@ -14,7 +14,7 @@ SETTLE_CYCLES = 9  # edges of one tick at 125 MHz, from wherever they start
 
 
 class Wiring:
-    """`board` as `passo.control.boardfile.check` returns it."""
+    """`board` as `passo.config.boardfile.check` returns it."""
 
     def __init__(self, pico, board, world, plant):
         layout = make_drive(board)[0]

@@ -93,13 +93,13 @@ class Converter:
     def __init__(self, board):
         from array import array
 
+        from passo.config.journal import Journal, MemorySlots
+        from passo.config.settings import Settings
         from passo.control import arcs
-        from passo.control.journal import Journal, MemorySlots
-        from passo.control.settings import Settings
         from passo.motion.circle import Circle
         from passo.motion.line import MAX_RUN, Line
-        from passo.protocols.gcode.parser import GCode
         from passo.protocols.gcode.offsets import Offsets
+        from passo.protocols.gcode.parser import GCode
         from passo.records import ARC_FIELDS
 
         axes = board["axes"][:3]

@@ -129,8 +129,8 @@ class VirtualJob:
         """`changes`: $ lines carried out first, as text; `zero`: mm from machine zero, a figure an axis. Raises Failure if the
         board file cannot be used, or `zero` is not on the machine."""
         from passo.app import App
+        from passo.config.boardfile import BoardError, check
         from passo.machine_builder import make_drive
-        from passo.control.boardfile import BoardError, check
         from passo.ports.virtual import VirtualPort
 
         try:

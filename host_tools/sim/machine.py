@@ -12,7 +12,7 @@ from host_tools import boards
 from host_tools.sim.plant import Plant
 from host_tools.sim.trace import Trace
 from passo.app import App
-from passo.control.boardfile import check
+from passo.config.boardfile import check
 from passo.ports.virtual import MemoryLine, VirtualPort
 
 STAND_STILL_MS = 600_000

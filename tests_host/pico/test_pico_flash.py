@@ -110,7 +110,7 @@ LAYOUTS = [
     ("RAW_CODE = const(1)", "RAW_CODE = const(2)"),
     ("KIND_SHIFT = const(16)", "KIND_SHIFT = const(8)"),
     ("_TAIL = const(2)", "_TAIL = const(3)"),
-    ("ram[i + 2] == table + length + 1", "ram[i + 2] == table + length + 2"),
+    ("ram[i + AREA_FINALISERS] == table + length + 1", "ram[i + AREA_FINALISERS] == table + length + 2"),
 ]
 
 

@@ -5,7 +5,7 @@ import sys
 from boards.plotter_2014 import BOARD as PICO
 from boards.plotter_esp32 import BOARD as ESP32
 from boards.plotter_pico_2 import BOARD as PICO_2
-from passo.control.boardfile import CLOCKS_MHZ, BoardError, check
+from passo.config.boardfile import CLOCKS_MHZ, BoardError, check
 
 CASES = {
     "check_any_start": (

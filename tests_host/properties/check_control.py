@@ -2,7 +2,7 @@
 
 from boards.plotter_2014 import BOARD
 from passo import errors
-from passo.control.boardfile import BoardError, check
+from passo.config.boardfile import BoardError, check
 from passo.control.log import Log
 from passo.control.motors import HOLDING, RELEASED, RUNNING
 from passo.control.point_buffer import PointBuffer

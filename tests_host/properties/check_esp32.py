@@ -9,7 +9,7 @@ from check_control import copy
 from fake_esp32 import chip
 from passo import errors
 from passo.app import App
-from passo.control.boardfile import BoardError, check
+from passo.config.boardfile import BoardError, check
 from passo.protocols.plotter.host import COMMANDS, packet, status_from
 from passo.steps.wiring import word_pins
 from passo.steps.word import Layout

@@ -2,7 +2,7 @@
 
 from boards.router_3axis import BOARD
 from passo import errors
-from passo.control.journal import MemorySlots
+from passo.config.journal import MemorySlots
 from passo.protocols.grbl.protocol import plain_text, real_time
 from passo.protocols.grbl.report import decimal
 from draws import Random

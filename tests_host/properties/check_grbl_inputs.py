@@ -4,7 +4,7 @@ from array import array
 
 from boards.router_3axis import BOARD
 from passo import errors
-from passo.control.journal import MemorySlots
+from passo.config.journal import MemorySlots
 from passo.records import BATCH_FIELDS, BATCH_STEPS
 from router import BANNER, LASER, PULL_OFF, UNHOMED, Machine, World, home
 

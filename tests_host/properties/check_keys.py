@@ -5,7 +5,7 @@ from check_control import copy
 from passo import errors
 from passo.app import App
 from passo.commands import BAD, FOREVER, REST, RUN
-from passo.control.boardfile import BoardError, check
+from passo.config.boardfile import BoardError, check
 from passo.control.motors import RELEASED
 from passo.ports.virtual import VirtualPort
 from passo.protocols.keys import protocol as keys

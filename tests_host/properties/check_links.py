@@ -3,9 +3,9 @@
 from boards.plotter_2014 import BOARD as PLOTTER
 from boards.router_3axis import BOARD
 from passo import errors
-from passo.control.boardfile import BoardError, check
-from passo.protocols.torch import protocol as torch
+from passo.config.boardfile import BoardError, check
 from passo.protocols.plotter.host import COMMANDS, packet, status_from
+from passo.protocols.torch import protocol as torch
 from router import Machine
 
 GRBL, DRAWER = {"name": "pc", "port": "uart0", "protocol": "grbl"}, {"name": "draw", "port": "usb", "protocol": "plotter"}

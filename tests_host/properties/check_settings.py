@@ -3,10 +3,10 @@
 from boards.plotter_2014 import BOARD as PLOTTER
 from boards.router_3axis import BOARD
 from passo import errors
-from passo.control import setting_numbers as table
-from passo.control.boardfile import check
-from passo.control.journal import Journal, MemorySlots
-from passo.control.settings import MASKS, Settings
+from passo.config import setting_numbers as table
+from passo.config.boardfile import check
+from passo.config.journal import Journal, MemorySlots
+from passo.config.settings import MASKS, Settings
 from passo.steps.wiring import inverted_pins
 from passo.steps.word import Layout
 from draws import Random

@@ -23,12 +23,12 @@ SILENT_TURNS = 40  # of 1 ms: longer than a link's gap and the motors' waking
 
 def checked(board):
     """The board file's table is forgotten again, as main.py does it: a chip has little memory for it."""
-    from passo.control.boardfile import check
+    from passo.config.boardfile import check
 
     board = check(board)
     if sys.implementation.name == "micropython":
-        sys.modules.pop("passo.control.boardfile")
-        del sys.modules["passo.control"].boardfile
+        sys.modules.pop("passo.config.boardfile")
+        del sys.modules["passo.config"].boardfile
         gc.collect()
     return board
 

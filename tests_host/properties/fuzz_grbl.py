@@ -18,7 +18,7 @@ from check_gcode import ALPHABET, GOOD
 from digest import Sink
 from draws import Random
 from passo.app import App
-from passo.control.boardfile import check
+from passo.config.boardfile import check
 
 TURN_MS = 8
 PATIENCE = 400  # turns without an answer, then whatever is under way is ended by a reset

@@ -6,9 +6,9 @@ import check_settings
 import pytest
 from boards.router_3axis import BOARD
 from passo.app import App
-from passo.control.boardfile import check
+from passo.config.boardfile import check
+from passo.config.journal import FileSlots
 from passo.ports.virtual import VirtualPort
-from passo.control.journal import FileSlots
 from router import World
 
 

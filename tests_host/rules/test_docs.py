@@ -11,11 +11,11 @@ from host_tools import boards
 from host_tools.build import reference
 from host_tools.cli.main import app
 from host_tools.resources import ROOT
-from passo.control import boardfile
-from passo.protocols.plotter import host as plotter
-from passo.protocols.torch import protocol as torch
+from passo.config import boardfile
 from passo.protocols.gcode.codes import GROUP_OF
 from passo.protocols.gcode.words import M_CODES
+from passo.protocols.plotter import host as plotter
+from passo.protocols.torch import protocol as torch
 
 pytestmark = pytest.mark.quick
 

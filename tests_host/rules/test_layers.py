@@ -30,13 +30,14 @@ MAY_IMPORT = {
     "motion": VOCABULARY,
     "steps": VOCABULARY + ("passo.motion",),
     "protocols": VOCABULARY,
-    "control": VOCABULARY + ("passo.motion", "passo.steps"),
+    "config": VOCABULARY + ("passo.steps",),  # a board file's pins and interlock become those of the words
+    "control": VOCABULARY + ("passo.config", "passo.motion", "passo.steps"),
     "ports": VOCABULARY + ("passo.steps", "passo.drives"),
     "web": ("passo.control",),
     "app": ("passo",),
     "machine_builder": ("passo",),
     "main": (
-        "passo.app", "passo.machine_builder", "passo.control.boardfile", "passo.control.board_error", "passo.control.journal", "passo.ports", "board",
+        "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.board_error", "passo.config.journal", "passo.ports", "board",
     ),
 }
 

@@ -9,9 +9,9 @@ Runs under CPython and MicroPython.
 """
 
 from passo.app import App
-from passo.machine_builder import make_drive
 from passo.commands import AT_REST, RUN, STOP, Command, Run
-from passo.control.boardfile import check
+from passo.config.boardfile import check
+from passo.machine_builder import make_drive
 from passo.ports.virtual import VirtualPort
 
 

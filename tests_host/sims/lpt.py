@@ -9,7 +9,7 @@ Small enough for MicroPython.
 
 from boards.lpt_router import BOARD
 from passo.app import App
-from passo.control.boardfile import check
+from passo.config.boardfile import check
 from passo.ports.virtual import VirtualPort
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
 from passo.protocols.pulses.report import status_from

@@ -11,8 +11,8 @@ Small enough for MicroPython; host_tools.sim.plant is the full model.
 
 from boards.router_3axis import BOARD
 from passo.app import App
-from passo.control.boardfile import check
-from passo.control.journal import MemorySlots
+from passo.config.boardfile import check
+from passo.config.journal import MemorySlots
 from passo.ports.virtual import VirtualPort
 
 HOME = (0, 0, 0)  # places where the limit switches of X, Y (low ends) and Z (high end) trip

@@ -12,7 +12,7 @@ import time
 from boards.router_3axis import BOARD
 from host_tools.sim.serial_line import PtyLine, wait
 from passo.app import App
-from passo.control.boardfile import check
+from passo.config.boardfile import check
 from passo.ports.virtual import MemoryLine, VirtualPort
 from router import World
 

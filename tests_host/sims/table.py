@@ -8,8 +8,8 @@ hold against the documents. Small enough for MicroPython; host_tools.sim.plant i
 
 from boards.plotter_2014 import BOARD
 from passo.app import App
+from passo.config.boardfile import check
 from passo.machine_builder import make_drive
-from passo.control.boardfile import check
 from passo.ports.virtual import VirtualPort
 from passo.protocols.plotter.host import COMMANDS, packet, status_from
 

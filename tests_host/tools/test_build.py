@@ -18,7 +18,7 @@ from host_tools.cli.build import build
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE, ROOT
 from host_tools.sim.machine import VirtualMachine
-from passo.control import boardfile
+from passo.config import boardfile
 
 MODULES = {
     "main.py": "import passo.app\n",
@@ -232,10 +232,10 @@ def test_no_machine_code_is_compiled_on_the_board(tmp_path, name):
     sent = [path for path in tmp_path.rglob("*") if path.is_file()]
     sources = [path for path in sent if path.suffix not in (".mpy", ".txt")]
     assert sorted(path.name for path in sources) == ["board.py", "main.py"]
-    assert [machine_code(path) for path in [*sources, flash.TIDY]] == [[], [], []]
+    assert [machine_code(path) for path in [*sources, flash.REMOVE_STALE]] == [[], [], []]
     _, copying = flash.commands("PORT", tmp_path)
     files = {each for each in copying if "/" in each and each != sys.executable}
-    assert files == {str(tmp_path / "passo"), str(tmp_path / "main.py"), str(tmp_path / "board.py"), str(flash.TIDY)}
+    assert files == {str(tmp_path / "passo"), str(tmp_path / "main.py"), str(tmp_path / "board.py"), str(flash.REMOVE_STALE)}
 
 
 def test_the_firmware_compiles_no_text():

@@ -41,7 +41,7 @@ def test_dry_run_transcript(folder):
     assert result.output.splitlines()[-2:] == [
         f"{mpremote} exec pass",
         f"{mpremote} cp -r build/plotter_2014/passo : + cp build/plotter_2014/main.py build/plotter_2014/board.py :"
-        f" + run {shlex.quote(str(flash.TIDY))} + reset",
+        f" + run {shlex.quote(str(flash.REMOVE_STALE))} + reset",
     ]
     assert (folder / "build/plotter_2014/passo/app.mpy").is_file()
 

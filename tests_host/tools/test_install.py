@@ -113,7 +113,7 @@ def test_build_and_flash_from_another_folder(passo):
     assert (built / "board.py").read_text() == (ROOT / "boards" / "plotter_2014.py").read_text()
     assert (built / "passo" / "app.mpy").is_file() and (built / "passo" / "protocols" / "plotter" / "__init__.mpy").is_file()
     last = good(passo("flash", "--board", "plotter_2014", "--dry-run")).splitlines()[-1]
-    assert str(passo.site / "host_tools" / "build" / "tidy_board.py") in last
+    assert str(passo.site / "host_tools" / "build" / "remove_stale.py") in last
 
 
 @pytest.mark.slow

@@ -12,9 +12,9 @@ from host_tools import boards
 from host_tools.cli.interlock import Table, draw, truth_table
 from host_tools.failure import Failure
 from host_tools.resources import ROOT
-from passo.control import interlock_table
-from passo.control.board_error import BoardError
-from passo.control.boardfile import check
+from passo.config import interlock_table
+from passo.config.board_error import BoardError
+from passo.config.boardfile import check
 from passo.steps.permits import INTERLOCK_TOOL, denied
 
 pytestmark = pytest.mark.quick

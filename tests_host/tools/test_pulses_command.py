@@ -15,7 +15,7 @@ from host_tools import boards
 from host_tools.cli.main import app
 from host_tools.failure import Failure
 from host_tools.programs import pulse_file, pulse_shapes
-from passo.control.boardfile import check
+from passo.config.boardfile import check
 from passo.motion.line import Line
 from test_board_command import Board, environment
 

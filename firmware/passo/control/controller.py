@@ -176,7 +176,7 @@ class Controller:
         machine.raise_alarm(errors.ALARM_HARD_LIMIT if limit else errors.ALARM_INTERLOCK, name)
 
     def shut_down(self):
-        """Stop at once, forget all work, outputs safe. The position is no longer known."""
+        """Stop at once, drop all work, outputs safe. The position is no longer known."""
         self.machine.shut_down()
 
     def tell(self, text):

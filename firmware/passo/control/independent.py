@@ -14,7 +14,7 @@ import micropython
 
 from passo import commands, errors
 from passo.commands import FINISHED, FOREVER, Event
-from passo.control import setting_numbers as table
+from passo.config import setting_numbers as table
 from passo.errors import LATER
 from passo.motion.independent_viper import MOST_STEPS
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, TICKS_PER_MS
@@ -155,7 +155,7 @@ class Independent:
 
     @micropython.native
     def _interval(self, axis, rate):
-        """Whole ticks between the steps of `rate`, which is (steps, milliseconds); 0 where the axis cannot."""
+        """Whole ticks between the steps of `rate`, which is (steps, milliseconds); 0 if the axis cannot."""
         steps, ms = rate
         if steps < 1 or ms < 1 or steps * 1000 > self._fastest[axis] * ms:
             return 0
@@ -164,7 +164,7 @@ class Independent:
 
     @micropython.native
     def _reachable(self, axis, steps, limited):
-        """False where soft limits (`limited`) forbid it, or it is too far to be counted."""
+        """False if soft limits (`limited`) forbid it, or it is too far to be counted."""
         endless = abs(steps) == FOREVER
         if not endless and abs(steps) > MOST_STEPS - (max(self.walker.togo(axis), 0) if self._moving else 0):
             return False

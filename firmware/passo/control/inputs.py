@@ -3,7 +3,7 @@
     limit_x …  or whatever homing.sensors names for the axis     probe     door     hold  resume  reset
 """
 
-from passo.control import setting_numbers as table
+from passo.config import setting_numbers as table
 
 
 class Inputs:

@@ -1,7 +1,7 @@
 """Holding and going on: feed hold, safety door, the operator's pause, and coming to a stand to drop what is left."""
 
 from passo import commands, errors
-from passo.control.setting_numbers import LASER
+from passo.config.setting_numbers import LASER
 from passo.records import COUNT_MASK
 
 
@@ -112,7 +112,7 @@ class Pauses:
             if machine.hold == "door":
                 machine.show_outputs(True)
                 self._wait(self._spindle["coolant_ms"] if machine.coolant else 0)
-            if not self._laser():  # a beam would burn while the coolant comes
+            if not self._laser():  # a laser would burn while the coolant comes
                 self._restore()
         return machine.accepted(command)
 

@@ -48,7 +48,7 @@ class PointBuffer:
 
     def reserve(self):
         """(bytes, the first of them, points) that the next points may be put into, five bytes each: tool 0 or 1, x and y,
-        high byte first; `count` is to be raised by how many they were. None where there is no room."""
+        high byte first; `count` is to be raised by how many they were. None if there is no room."""
         room = self.free()
         if not room:
             return None

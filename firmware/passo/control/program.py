@@ -8,13 +8,13 @@ from micropython import const
 
 from passo import commands, errors
 from passo.batch import thousandths
-from passo.control import setting_numbers as table
-from passo.control.extent import farthest
+from passo.config import setting_numbers as table
+from passo.control.arc_bounds import farthest
 from passo.control.line_batches import LineBatches
 from passo.errors import LATER
 from passo.motion.block import WAIT
-from passo.motion.line import MAX_STEPS
 from passo.motion.limits import Limits
+from passo.motion.line import MAX_STEPS
 from passo.records import ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP
 from passo.steps.word import TICKS_PER_S
 
@@ -96,12 +96,12 @@ class Program(LineBatches):
         return error
 
     def _checked(self, command):
-        """What is only checked leads somewhere all the same."""
+        """Move the queue's end as if the motion had been queued: it is only checked."""
         self._queue.lead(command.target)
         return self._machine.accepted(command)
 
     def _refusal(self, command):
-        """0, or why one of the lines that follow `command` cannot be: then none of them begins."""
+        """0, or the error of one of the lines that follow `command`: then none of them begins."""
         self._set_limits()
         start = command.target
         for motion in command.also:
@@ -117,7 +117,7 @@ class Program(LineBatches):
         return 0
 
     def reach(self):
-        """(lowest, highest) places of the axes where the travel counts now, else None; one object until that changes."""
+        """(lowest, highest) places of the axes, or None if no travel limits hold now. The same object until that changes."""
         machine = self._machine
         settings = machine.settings
         if self._travel_of != settings.version:
@@ -130,7 +130,7 @@ class Program(LineBatches):
         return [low for low, _ in ends], [high for _, high in ends]
 
     def _inside(self, target):
-        """True where `target` is within the travel, or that does not count."""
+        """True if `target` is within the travel, or no travel limits hold."""
         reach = self.reach()
         if reach:
             for axis in range(len(target)):
@@ -164,7 +164,7 @@ class Program(LineBatches):
         return result
 
     def _unready(self, command):
-        """0, LATER, or why no motion can be now."""
+        """0, LATER, or the error that forbids motion now."""
         machine = self._machine
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
@@ -189,7 +189,7 @@ class Program(LineBatches):
         return True
 
     def _queue_motion(self, command):
-        """0, or why the planner cannot."""
+        """0, or the error of what the planner refuses."""
         planner = self._planner
         if self._limits_of != self._machine.settings.version:
             self._set_limits()
@@ -199,7 +199,7 @@ class Program(LineBatches):
             self._queue.set_power(power, command.dynamic)
             if changes and not command.dynamic:
                 if not any(self._queue.deltas(command.target)) and not self._circles(command):
-                    self._queue.set_tool(command.tool, command.number)  # no step brings the beam's change about
+                    self._queue.set_tool(command.tool, command.number)  # no step carries the laser's change
         ticks = minute_ticks(command) if command.per_min else 0
         try:
             if command.kind == commands.ARC:
@@ -225,7 +225,7 @@ class Program(LineBatches):
         )
 
     def _set_limits(self):
-        """Hand the settings to the planner, which takes them only while it is empty."""
+        """Give the planner the limits of the settings. It takes them only while it is empty."""
         settings = self._machine.settings
         if not self._queue.still():
             return
@@ -289,7 +289,7 @@ class Program(LineBatches):
             self._missed(command, 0 if command.value & _PROBE_MAY_MISS else errors.ALARM_PROBE_MISSED)
 
     def _missed(self, command, alarm):
-        """The alarm, where it is one, is told before the answer."""
+        """The alarm, if there is one, is told before the answer."""
         machine = self._machine
         machine.command = None
         if alarm:
@@ -322,7 +322,7 @@ class Program(LineBatches):
         machine.command = command
         return 0
 
-    # --- what goes on over many passes
+    # --- what goes on over many cycles
 
     def poll_end(self, still):
         machine = self._machine
@@ -356,7 +356,7 @@ class Program(LineBatches):
         if not pace or self._limits is None:
             return 0
         part = rows[at + ROW_SPEED]
-        if part != self._part:  # a large integer in between: only where the speed asked for has changed
+        if part != self._part:  # allocates a large integer: only if the speed asked for has changed
             self._part = part
             self._asked = self._limits.speed(part)
         if not rows[at + ROW_GAIN]:

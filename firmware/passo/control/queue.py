@@ -43,7 +43,7 @@ class Queue:
         return found
 
     def set_origin(self):
-        """Machine zero is here. Only at a stand, with nothing queued."""
+        """Make this place machine zero. Only at a stand, with nothing queued."""
         self._origin = self._feeder.position(self._player.played())
         self.lead([0] * len(self._axes))
 
@@ -73,7 +73,7 @@ class Queue:
             self._planner.flush()
 
     def inside(self, target):
-        """True where `target` is within the machine's travel."""
+        """True if `target` is within the machine's travel."""
         for axis in range(len(target)):
             low, high = self.reach(axis)
             if not low <= target[axis] <= high:
@@ -94,7 +94,7 @@ class Queue:
         return self._board["tool"]["on_ms" if on else "off_ms"]
 
     def tool_ticks(self, on):
-        """How long a change of the tool takes: never nothing, so that it shows."""
+        """Ticks that a change of the tool takes, at least one, so that it shows on the pin."""
         return max(self.tool_ms(on) * TICKS_PER_MS, 2 * self._feeder.min_word_ticks)
 
     def set_tool(self, on, tag):
@@ -109,7 +109,7 @@ class Queue:
             self.set_tool(False, tag)
 
     def line(self, target, ticks, tool, tag, rapid=False):
-        """Go to `target` (the first axes) in ticks(deltas). Raises ValueError where the planner cannot."""
+        """Queue a line to `target` (steps, the first axes) that lasts ticks(deltas). Raises ValueError if the planner cannot."""
         if tool != self.tool:
             self._change_tool(tool, tag)
         deltas = self._towards(target)
@@ -117,7 +117,7 @@ class Queue:
         self._arrive(target)
 
     def _towards(self, target):
-        """The steps from the queue's end to `target`: one list, used again and again."""
+        """Steps of each axis from the queue's end to `target`, in a list that the next call overwrites."""
         deltas = self._deltas
         here = self.target
         count = len(target)
@@ -130,7 +130,7 @@ class Queue:
         self.waiting = True
 
     def lead(self, target):
-        """The queue ends at `target` (the first axes)."""
+        """Say that the queue ends at `target` (the first axes)."""
         here = self.target
         for axis in range(len(target)):
             here[axis] = target[axis]
@@ -142,7 +142,7 @@ class Queue:
         self.tool = tool
 
     def travel(self, axis, steps, steps_s):
-        """Set out on `steps` along one axis, travel limits aside; the target is the caller's affair."""
+        """Queue `steps` along one axis. Checks no travel, and leaves `target` to the caller."""
         deltas = [0] * len(self._axes)
         deltas[axis] = steps
         self._planner.line(deltas, abs(steps) * TICKS_PER_S // steps_s, False, 0)
@@ -153,7 +153,7 @@ class Queue:
         return self._feeder.position(self._player.played())[axis]
 
     def begin(self):
-        """Nothing more is coming for now: see StreamQueue."""
+        """Release what is queued: nothing more is coming for now. See StreamQueue."""
 
     def close(self):
         """No words are made until the app finds the motors ready: at a stand, before motion that may have to wake them. An
@@ -161,12 +161,12 @@ class Queue:
         self._feeder.open = False
 
     def walk(self, walker):
-        """Walk a program, as its walker has begun to; settle() is to follow when it has been played."""
+        """Play a step program, whose walker has begun. Call settle() when it has been played."""
         self._planner.walk(walker, walker.tool)
         self.flush()
 
     def place(self):
-        """The place on the program under way, exact at this moment; None where there is none."""
+        """The place in the step program under way, exact at this moment; None if there is none."""
         return self._feeder.place(self._player.played())
 
     def independent(self):
@@ -179,13 +179,13 @@ class Queue:
         return self._walker
 
     def run(self, walker):
-        """Play `walker` from now on; the target is the caller's affair."""
+        """Play `walker`, an IndependentAxes, from now on. Leaves `target` to the caller."""
         walker.start()
         self._planner.walk(walker, self.tool)
         self.flush()
 
     def settle(self):
-        """The queue ends where the machine stands. Only at a stand."""
+        """Say that the queue ends where the machine stands. Only at a stand."""
         self.lead(self.position())
 
     # --- stopping
@@ -213,12 +213,12 @@ class Queue:
         self.lead([position[axis] - self._origin[axis] for axis in range(len(position))])
 
     def dynamic(self):
-        """The power of what is under way, or was last, follows the speed."""
+        """True if the power of the block under way, or of the last one, follows the speed."""
         block = self._planner.playing()
         return self._planner.dynamic if block is None else block.dynamic
 
     def power(self, level):
-        """Show a power at once, where there is an output for it."""
+        """Show a power, 0 … 1000, at once, if the board has an output for it."""
         if self._port is not None:
             self._port.power(level)
 

@@ -137,7 +137,7 @@ class MachineState:
         return self.command is not None and self.command.kind == kind
 
     def fine(self):
-        """True while inputs decide where the machine stops: passes of the main loop should be short."""
+        """True while inputs decide where the machine stops: cycles of the main loop should be short."""
         command = self.command
         return command is not None and (command.kind == commands.HOME or command.kind == commands.PROBE)
 
@@ -174,7 +174,7 @@ class MachineState:
         return errors.INTERLOCKED
 
     def gate(self):
-        """0, LATER, or the error of a command that waits for the motion before it."""
+        """0, LATER, or an error: for commands that wait until the motion before them has ended."""
         if self.alarm or self.sleeping:
             return errors.LOCKED
         if self.command is not None or self.drawing or not self.settle():
@@ -182,7 +182,7 @@ class MachineState:
         return 0
 
     def settle(self):
-        """True if everything before has ended; asks for it to end."""
+        """True if all motion has ended. If not, release what is queued, so that it will."""
         if self.queue.still():
             return True
         self.queue.flush()
@@ -228,7 +228,7 @@ class MachineState:
             handler(Command(kind))
 
     def moved(self):
-        """Motion of a program has been queued."""
+        """Say that motion of a program has been queued."""
         self.active = self.fresh = True
 
     def show_outputs(self, on):
@@ -244,13 +244,13 @@ class MachineState:
         self.queue.hold(True)
 
     def drop(self):
-        """What is queued, at the stand of a hold."""
+        """Drop what is queued, at the stand of a hold."""
         self.queue.drop()
         self._call("dropped")
         self.jogging = self.active = self.fresh = False
 
     def end_hold(self):
-        """Nothing is held any more."""
+        """End the hold."""
         self.hold = ""
         self.dropping = self.stood = self.resuming = False
 
@@ -262,7 +262,7 @@ class MachineState:
         self.end_hold()
 
     def forget(self):
-        """Drop all work, begun or waiting; what is queued is the caller's affair."""
+        """Drop all work, begun or waiting. What is queued is left to the caller."""
         self._call("clear")
         self.drawing = self.jogging = self.active = self.fresh = False
         self.command = None
@@ -276,7 +276,7 @@ class MachineState:
         self.motors.release()
 
     def raise_alarm(self, number, who=None):
-        """Stop, tool off. Only homing, or the user's word for it, leads out of it. `who`: for the log."""
+        """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log."""
         command = self.command
         if number in (errors.ALARM_SOFT_LIMIT, errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED):
             # It comes to its stand as it should: where it is remains known.
@@ -304,12 +304,12 @@ class MachineState:
         self.alarm = 0
 
     def guard(self):
-        """Lock the machine, or let it go, as the link that commands is one of the guarded."""
+        """Lock the machine if the link that commands is guarded, else unlock it."""
         if self.guarded and self.alarm in (0, errors.ALARM_LOCKED):
             self.alarm = errors.ALARM_LOCKED if self.guarded >> self.commander & 1 else 0
 
     def restart(self):
-        """Outputs, overrides and their like as after power-up."""
+        """Outputs and overrides as after power-up."""
         self._call("restart")
 
     def restarted(self, command=None):
@@ -326,11 +326,11 @@ class MachineState:
             self.carry_out(commands.DOOR)
 
     def homing(self):
-        """It begins: what was stored is of places that count no more."""
+        """Homing begins: what was stored refers to the old origin."""
         self._call("homing")
 
     def homing_failed(self, alarm):
-        """Alarm, and the machine begins anew, as grbl does: nothing is done of what was sent behind the homing."""
+        """Alarm and restart, as grbl does: whatever was sent behind the homing is dropped."""
         self.raise_alarm(alarm)
         self.restart()
         self.restarted()

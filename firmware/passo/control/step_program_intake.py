@@ -4,7 +4,7 @@ from array import array
 from micropython import const
 
 from passo import commands, errors
-from passo.control import setting_numbers as table
+from passo.config import setting_numbers as table
 from passo.errors import LATER
 from passo.motion import step_program as marks
 from passo.motion.integers import isqrt

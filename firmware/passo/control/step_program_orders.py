@@ -6,7 +6,7 @@ step_program.py carries it out.
 from micropython import const
 
 from passo import commands, errors
-from passo.control import setting_numbers as table
+from passo.config import setting_numbers as table
 from passo.control.step_program_intake import StepProgramIntake
 from passo.motion.step_program import run
 from passo.records import ENDLESS

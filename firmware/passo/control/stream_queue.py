@@ -22,14 +22,14 @@ class StreamQueue(Queue):
             self._make_chords, self._make_ellipse = Chords, Ellipse
 
     def begin(self):
-        """What waits sets out, unless the machine moves and fetches on its own; it may still be followed by more, without a
-        stand in between."""
+        """Release what is queued, if the machine stands: a moving one fetches blocks itself. More may follow without a stand
+        in between."""
         if self.waiting and self._planner.resting():
             self._planner.start()
             self.waiting = False
 
     def feed(self):
-        """Queue as much of an arc as there is room for, once a main loop turn."""
+        """Queue as much of an arc as there is room for, once a cycle of the main loop."""
         while self._chords and self._planner.room():
             self._chords.add(self._planner)
             if not self._chords.left:
@@ -44,8 +44,8 @@ class StreamQueue(Queue):
         self.waiting = True
 
     def go(self, target, nm_s, ticks, tool, tag):
-        """Go to `target` (the first axes) in a line: at `nm_s`, or in `ticks` where they are not 0; as fast as the axes may
-        where both are. Raises ValueError where the planner cannot."""
+        """Queue a line to `target` (steps, the first axes) at `nm_s`, or of `ticks` if they are not 0; if both are 0, as fast as
+        the axes may. Raises ValueError if the planner cannot."""
         if tool != self.tool:
             if self.tool_ms(tool):
                 self.fits(self.deltas(target), nm_s, ticks)  # what is refused leaves the tool as it is
@@ -57,7 +57,7 @@ class StreamQueue(Queue):
         self._arrive(target)
 
     def fits(self, deltas, nm_s, ticks):
-        """Raise ValueError where go() would, for a line of `deltas`."""
+        """Raise ValueError if go() would, for a line of `deltas`."""
         if not self._planner.accelerates:
             ticks = self._ticks(deltas, nm_s, ticks)
         self._planner.fits(deltas, ticks, nm_s)
@@ -112,7 +112,7 @@ class StreamQueue(Queue):
         self._planner.set_power(power, dynamic)
 
     def slow_tool(self):
-        """True where a change of the tool takes time."""
+        """True if a change of the tool takes time."""
         return self.tool_ms(True) + self.tool_ms(False) > 0
 
     def pace(self):

@@ -1,7 +1,7 @@
 """The switches that act by themselves, beside homing's work: hard limits, safety door, buttons."""
 
 from passo import commands, errors
-from passo.control import setting_numbers as table
+from passo.config import setting_numbers as table
 from passo.control.sensor import Sensor
 
 _BUTTONS = (("reset", commands.RESET), ("hold", commands.HOLD), ("resume", commands.RESUME))

@@ -4,7 +4,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.batch import thousandths
-from passo.control import setting_numbers as table
+from passo.config import setting_numbers as table
 from passo.errors import LATER
 
 OFF = const(5)  # spindle
@@ -23,7 +23,7 @@ class Tools:
         self._settings_of = None  # the settings' version that the power's range is of
         self._lasing = False
         self._own = False  # jogs, probing and homing are under way: none of them is the programme's
-        self._dark = False  # at a stand: a beam whose power follows the speed is off
+        self._dark = False  # at a stand: a laser whose power follows the speed is off
         self._restart()
 
     def _restart(self):
@@ -48,7 +48,7 @@ class Tools:
         self.show_outputs(False)
 
     def poll_end(self, still):
-        """A beam whose power follows the speed is off while nothing moves, which is `still`."""
+        """Switch off a laser whose power follows the speed while nothing moves (`still`)."""
         machine = self._machine
         own = machine.jogging or machine.command is not None and machine.fine()
         if own != self._own or self._settings_of != machine.settings.version:

@@ -358,7 +358,7 @@ def plan_block(rows: ptr32, at: int, scratch: ptr32, limits: ptr32) -> int:
         # --- there is a block before, that goes through to this one: the ratio of the units
         high = scratch[SCRATCH_FULL] * topped >> 15
         low = scratch[SCRATCH_TOP] * full >> 15
-        high = (high << 15) // low  # exactly 1 where nothing changes
+        high = (high << 15) // low  # exactly 1 if nothing changes
         shift = scratch[SCRATCH_TOP_SHIFT] + full_shift - scratch[SCRATCH_FULL_SHIFT] - top_shift + 15
         while high < 0x2000:
             high <<= 1

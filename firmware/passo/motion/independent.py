@@ -148,7 +148,7 @@ class IndependentAxes:
         return self._get(axis, AXIS_TO_GO) + ((self._get(axis, AXIS_ASKED) - self._get(axis, AXIS_TAKEN)) & COUNT_MASK)
 
     def counts_down(self, axis):
-        """True where the axis was last asked to count down."""
+        """True if the axis was last asked to count down."""
         return bool(self._get(axis, AXIS_NEW_NEGATIVE))
 
     def stands(self, axis):

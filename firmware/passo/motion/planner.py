@@ -229,7 +229,7 @@ class Planner:
             refuse(result)
 
     def _steady(self, at, deltas, ticks):
-        """Measure a line without limits: its speed from first to last. False where it has no steps."""
+        """Measure a line without limits: its speed from first to last. False if it has no steps."""
         total = dominant(deltas, ticks)
         if not total:
             return False

@@ -90,7 +90,7 @@ class StepProgram:
         return (self.end - self.first) & COUNT_MASK
 
     def append(self, item):
-        """Add an item. False where there is no room: nothing has been added then."""
+        """Add an item. False if there is no room: nothing has been added then."""
         if item & 15:
             return self.extend((item,), 0) == 1
         kind = item >> 4 & 15

@@ -63,7 +63,7 @@ class StepProgramWalker(StepProgramWords):
             self._arrive()
 
     def pass_station(self):
-        """Go past the STATION the walk has come to, and return its value; None where there is none."""
+        """Go past the STATION the walk has come to, and return its value; None if there is none."""
         program = self.program
         if self.cell == program.end or self._done:
             return None
@@ -100,11 +100,11 @@ class StepProgramWalker(StepProgramWords):
         self.program.cut(self.cell, self._done, self.place)
 
     def at_start(self):
-        """True where there is nothing behind."""
+        """True if there is nothing behind."""
         return self.cell == self.program.first and not self._done
 
     def at_end(self):
-        """True where there is nothing ahead."""
+        """True if there is nothing ahead."""
         program = self.program
         if self.cell == program.end:
             return True

@@ -264,7 +264,7 @@ class StepProgramWords:
 
     @micropython.native
     def _pass(self, kind, value):  # ISR: no allocation
-        """Deal with a mark; True where the walk stays before it for now."""
+        """Deal with a mark; True if the walk stays before it for now."""
         if kind == TOOL:
             tool = (value >> 1 if self.backward else value) & 1
             if tool != self.tool:

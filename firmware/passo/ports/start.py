@@ -63,7 +63,7 @@ class Start:
                 continue  # the board file's check will say what is wrong
 
     def wanted(self):
-        """False where the REPL is asked for instead of the app."""
+        """False if the REPL is asked for instead of the app."""
         button = self.button()
         if button:
             print("%s is held: no app, the REPL" % button)

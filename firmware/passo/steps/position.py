@@ -21,7 +21,7 @@ class Position:
         return self._found
 
     def pace(self, played):
-        """The mean speed of the segment under way, as ramp.pace; 0 where none is."""
+        """The mean speed of the segment under way, as ramp.pace; 0 if none is."""
         at = find(self.state, self.marks, played, self._found) // self._stride
         if at == self.state[FEED_NEWEST] % MARKS:
             return 0

@@ -32,10 +32,11 @@ import vfs
 from machine import mem32
 from micropython import const
 
+from passo.ports.rp2.fields import FILE_ROW, FUNCTION_ROW, WORK_ROW
 from passo.ports.rp2.flash_files import BLOCK, Blocks, Files, Unknown, mount
 from passo.ports.rp2.flash_scan import (
-    BLOCKS, BUSY, FIELDS, FILE_COUNT, FILE_ROW, FILES, FREE, FUNCTION_CHILDREN, FUNCTION_CODE, FUNCTION_MODULE, FUNCTION_ROW,
-    IN_USE, KIND_SHIFT, MOVED, MOVED_BYTES, POOL, RAW_CODE, STACK, TYPES, WORK, WORK_ROW, WORK_ROWS,
+    BLOCKS, BUSY, FIELDS, FILE_COUNT, FILES, FREE, FUNCTION_CHILDREN, FUNCTION_CODE, FUNCTION_MODULE, IN_USE, KIND_SHIFT,
+    MOVED, MOVED_BYTES, POOL, RAW_CODE, STACK, TYPES, WORK, WORK_ROWS,
 )  # fmt: skip
 
 _SCAN = "passo.ports.rp2.flash_scan"  # loaded, then given back

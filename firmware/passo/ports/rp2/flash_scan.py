@@ -4,8 +4,8 @@
     mark(words)             # notes what is in use
     redirect(words)         # points functions at their code in flash
 
-`words` is one array('I'), because viper takes four arguments at most; its fields are named below. Written for the
-RP2040's 264 kB and MicroPython 1.26 to 1.29; `Trial` in flash_code.py finds out whether the interpreter is like these:
+`words` is one array('I'): viper takes four arguments at most. Written for the RP2040's 264 kB and MicroPython 1.26 to 1.29;
+flash_code.py tries whether the interpreter is like these:
 
     mp_state_mem_area_t  table, its bytes, finalisers, [weak references], pool, end of the pool     (py/mpstate.h)
     mp_obj_fun_bc_t      type, module, children, code                                               (py/objfun.h)
@@ -18,10 +18,14 @@ The collector keeps memory in blocks of 16 bytes, with two bits for each in its 
 import micropython
 from micropython import const
 
+from passo.ports.rp2.fields import (
+    AREA_BYTES, AREA_END, AREA_FINALISERS, AREA_POOL, ENTRY_BYTES, ENTRY_FLASH, ENTRY_KIND, FILE_COUNT_OF, FILE_FUNCTIONS,
+    FILE_ROW, FUNCTION_ROW, WORK_CHILDREN, WORK_FUNCTIONS, WORK_LAST, WORK_NUMBER, WORK_ROW, WORK_SLOT,
+)  # fmt: skip
+
 RAM = const(0x20000000)
 RAM_END = const(0x20042000)
 _RAM_WORDS = const(0x10800)
-_FREE = const(0)
 _HEAD = const(1)
 _TAIL = const(2)
 
@@ -42,11 +46,6 @@ BUSY = const(15)  # left because something points into them
 FREE = const(16)  # bytes
 FIELDS = const(17)
 
-FILE_ROW = const(3)
-WORK_ROW = const(5)
-# A function of a file: address in flash, or 0; its bytes; kind | children << 8 | functions in its tree << 16
-FUNCTION_ROW = const(3)
-
 # Fields of the interpreter's structures, in words
 FUNCTION_MODULE = const(1)
 FUNCTION_CHILDREN = const(2)
@@ -55,8 +54,7 @@ RAW_CODE = const(1)
 RAW_CHILDREN = const(2)
 KIND_SHIFT = const(16)
 GENERATOR = const(0x1000000)
-# Kinds of functions. Machine code (viper is 4) never runs while this does: nothing but its function points into it, in native
-# code twice. Instructions that look like pointers into it keep it from nothing.
+# Kinds of functions. Machine code (viper is 4) never runs while this does: only its function points into it, native twice.
 _BYTECODE = const(2)
 _NATIVE = const(3)
 
@@ -76,13 +74,13 @@ def find_heap(words: ptr32) -> int:
     while i < end:
         table = ram[i]
         if table > RAM and table < RAM_END:
-            length = ram[i + 1]
-            if length > 0 and length < 0x1080 and ram[i + 2] == table + length + 1:
-                at = i + 3
-                if ram[at + 1] - ram[at] != length << 6:
+            length = ram[i + AREA_BYTES]
+            if length > 0 and length < 0x1080 and ram[i + AREA_FINALISERS] == table + length + 1:
+                at = i + AREA_POOL
+                if ram[at + AREA_END] - ram[at] != length << 6:
                     at += 1
                 pool = ram[at]
-                if ram[at + 1] - pool == length << 6 and pool & 15 == 0 and pool > ram[i + 2] and ram[at + 1] <= RAM_END:
+                if ram[at + AREA_END] - pool == length << 6 and pool & 15 == 0 and pool > ram[i + AREA_FINALISERS] and ram[at + AREA_END] <= RAM_END:
                     words[POOL] = pool
                     words[BLOCKS] = length << 2
                     words[TABLE] = table
@@ -221,20 +219,20 @@ def redirect(words: ptr32):
             file += FILE_ROW
         if file == count * FILE_ROW:
             continue
-        work[0] = here + FUNCTION_CODE * 4
-        work[1] = files[file + 1]
-        work[2] = 0
-        work[3] = files[file + 2]
-        work[4] = row[FUNCTION_CHILDREN]
+        work[WORK_SLOT] = here + FUNCTION_CODE * 4
+        work[WORK_FUNCTIONS] = files[file + FILE_FUNCTIONS]
+        work[WORK_NUMBER] = 0
+        work[WORK_LAST] = files[file + FILE_COUNT_OF]
+        work[WORK_CHILDREN] = row[FUNCTION_CHILDREN]
         depth = 1
         while depth:
             depth -= 1
             at = depth * WORK_ROW
-            slot = ptr32(work[at])
-            functions = ptr32(work[at + 1])
-            number = work[at + 2]
-            last = work[at + 3]
-            children = work[at + 4]
+            slot = ptr32(work[at + WORK_SLOT])
+            functions = ptr32(work[at + WORK_FUNCTIONS])
+            number = work[at + WORK_NUMBER]
+            last = work[at + WORK_LAST]
+            children = work[at + WORK_CHILDREN]
             code = slot[0]
             inside = code - pool
             room = 0  # blocks of the copy in RAM
@@ -250,7 +248,7 @@ def redirect(words: ptr32):
             while number < last:
                 entry = number * FUNCTION_ROW
                 target = functions[entry]
-                length = functions[entry + 1] & 0xFFFF
+                length = functions[entry + ENTRY_BYTES] & 0xFFFF
                 if target:
                     if code == target:
                         found = number
@@ -273,14 +271,14 @@ def redirect(words: ptr32):
             if code != functions[entry]:
                 busy = 0
                 prelude = -1
-                if functions[entry + 2] & 0xFF == _BYTECODE:
+                if functions[entry + ENTRY_KIND] & 0xFF == _BYTECODE:
                     i = first
                     while i < first + room:
                         busy |= in_use[i >> 3] >> (i & 7) & 1
                         i += 1
-                elif functions[entry + 2] & 0xFF == _NATIVE:
+                elif functions[entry + ENTRY_KIND] & 0xFF == _NATIVE:
                     prelude = children - code
-                    if prelude < 0 or prelude >= functions[entry + 1] & 0xFFFF:
+                    if prelude < 0 or prelude >= functions[entry + ENTRY_BYTES] & 0xFFFF:
                         busy = 1
                 if busy:
                     words[BUSY] = words[BUSY] + 1
@@ -288,30 +286,30 @@ def redirect(words: ptr32):
                     if prelude >= 0:
                         ptr32(int(slot) - 4)[0] = functions[entry] + prelude
                     slot[0] = functions[entry]
-                    if functions[entry + 1] < 0x10000:  # counted once
-                        functions[entry + 1] = functions[entry + 1] | 0x10000
+                    if functions[entry + ENTRY_BYTES] < 0x10000:  # counted once
+                        functions[entry + ENTRY_BYTES] = functions[entry + ENTRY_BYTES] | 0x10000
                         words[MOVED] = words[MOVED] + 1
                         words[MOVED_BYTES] = words[MOVED_BYTES] + (room << 4)
             if children & 3 or children < pool or children >= pool + size:
                 continue
-            left = functions[entry + 2] >> 8 & 0xFF
+            left = functions[entry + ENTRY_KIND] >> 8 & 0xFF
             child = found + 1
             raws = ptr32(children)
             while left:
                 left -= 1
                 raw = raws[0]
                 raws = ptr32(int(raws) + 4)
-                tree = functions[child * FUNCTION_ROW + 2] >> 16 & 0xFFFF
+                tree = functions[child * FUNCTION_ROW + ENTRY_KIND] >> 16 & 0xFFFF
                 if raw & 15 == 0 and raw >= pool and raw < pool + size and depth < most:
                     made = ptr32(raw)
-                    kind = functions[child * FUNCTION_ROW + 2] & 0xFF
+                    kind = functions[child * FUNCTION_ROW + ENTRY_KIND] & 0xFF
                     if kind != _NATIVE and made[0] & ~GENERATOR == kind << KIND_SHIFT:
                         at = depth * WORK_ROW
-                        work[at] = raw + RAW_CODE * 4
-                        work[at + 1] = int(functions)
-                        work[at + 2] = child
-                        work[at + 3] = child + 1
-                        work[at + 4] = made[RAW_CHILDREN]
+                        work[at + WORK_SLOT] = raw + RAW_CODE * 4
+                        work[at + WORK_FUNCTIONS] = int(functions)
+                        work[at + WORK_NUMBER] = child
+                        work[at + WORK_LAST] = child + 1
+                        work[at + WORK_CHILDREN] = made[RAW_CHILDREN]
                         depth += 1
                 child += tree
 
@@ -340,9 +338,9 @@ def locate(raw: ptr8, count: int, blocks: ptr32, functions: ptr32):
             address += header + offset
             if kind == 0 or header + offset + length > 4096 or (kind != 2 and address & 3):
                 address = 0
-        functions[0] = address
-        functions[1] = length
-        functions[2] = kind | raw[5] << 8 | (raw[6] | raw[7] << 8) << 16
+        functions[ENTRY_FLASH] = address
+        functions[ENTRY_BYTES] = length
+        functions[ENTRY_KIND] = kind | raw[5] << 8 | (raw[6] | raw[7] << 8) << 16
         functions = ptr32(int(functions) + FUNCTION_ROW * 4)
         raw = ptr8(int(raw) + 8)
         i += 1
@@ -378,7 +376,7 @@ def left(functions: ptr32, words: int) -> int:
     count = 0
     i = FUNCTION_ROW
     while i < words:
-        if functions[i] and functions[i + 1] < 0x10000:
+        if functions[i] and functions[i + ENTRY_BYTES] < 0x10000:
             count += 1
         i += FUNCTION_ROW
     return count

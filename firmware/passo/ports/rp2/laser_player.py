@@ -130,7 +130,7 @@ def _show(state: ptr32, laser: ptr32, duty: int, runs: int):
 @micropython.viper
 def _tell(state: ptr32, laser: ptr32, word: int, before: int, duty: int) -> bool:
     """What D is to write behind the words up to `word`, which are to be appended next; `before`: where they are two runs,
-    because the ring ends among them, behind the first. False where they have been appended already."""
+    because the ring ends among them, behind the first. False if they have been appended already."""
     duties = ptr32(laser[_DUTIES])
     slot = 0
     armed = state[PIO_PLAYED]

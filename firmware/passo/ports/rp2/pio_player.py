@@ -98,7 +98,7 @@ class PioPlayer:
             dma.config(read=table, write=channel_a + register, count=1, ctrl=ctrl)
 
     def start(self):  # ISR: no allocation
-        """Play from the ring what is published there; call it again when there is more. True where it has run dry."""
+        """Play from the ring what is published there; call it again when there is more. True if it has run dry."""
         return append(self._state, self._ring.head)
 
     def hold(self, on):  # ISR: no allocation

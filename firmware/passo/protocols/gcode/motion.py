@@ -109,7 +109,7 @@ class Motions(Reader):
         return place, cycle
 
     def _sweeps(self, motion):
-        """True where the line gives an arc's angle instead of its end. An extension."""
+        """True if the line gives an arc's angle instead of its end. An extension."""
         return motion in (200, 300) and self._left >> H & 1
 
     def _arc(self, clockwise):

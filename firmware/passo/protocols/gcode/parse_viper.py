@@ -2,7 +2,7 @@
 
     lines = parse(text, at, len(text), place, batch, most)  # how many were understood, at most `most`: rows of the batch
 
-A laser's beam is lit by the line as its S says, or dark in a G0.
+A laser is on at the power that the line's S says, and off in a G0.
 
 The first line begins at text[at]; each ends with a line feed or the text. `place` says where the machine is and how lines
 count; after a plain line it says where that leads, and where the next line begins; a line of another kind ends the batch, and

@@ -1,6 +1,6 @@
 """The lines that a sender has under way: bytes in, and out the oldest line when its turn has come.
 
-    lines.take(b"G1X1\\nG?1")        # False where there are real-time bytes among them, but for `?`:
+    lines.take(b"G1X1\\nG?1")        # False if there are real-time bytes among them, but for `?`:
     lines.asked                     # True; it is the caller's to clear
     while lines.waiting():
         line = lines.next()         # bytes; None for one that was too long or found no room
@@ -85,7 +85,7 @@ class Lines:
         return bytes(self.text[self.at : self.whole]).count(b"\n")
 
     def begun(self):
-        """True where a line has begun and not ended."""
+        """True if a line has begun and not ended."""
         return self._spoilt or self._end > self.whole
 
     def room(self):

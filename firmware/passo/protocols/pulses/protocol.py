@@ -226,7 +226,7 @@ class Pulses:
             self._fail(errors.NUMBER_RANGE, found)
 
     def _end_number(self, found):
-        """False where there is none."""
+        """False if there is none."""
         if not self._sign:
             return True
         if self._number < 0:
@@ -298,7 +298,7 @@ class Pulses:
         return at + end + 1
 
     def _command(self, words, found):
-        """The Command of a control command's words; None where it has been dealt with."""
+        """The Command of a control command's words; None if it has been dealt with."""
         verb = words[0] if words else ""
         if verb in ("load", "stream") and len(words) < 3:
             size = number(words[1]) if len(words) == 2 else 0

@@ -26,7 +26,7 @@ def status(report, config):
 
     at, of: commands of the file played, and in all; going: - backward; speed: mm/min, as the whole microseconds of a
     period make it; wait: ms to go; place: steps; manual: units of manual moves; port: the port's image in hex, its
-    directions those of the step being made; ask: 1 where the operator's speed is wanted.
+    directions those of the step being made; ask: 1 if the operator's speed is wanted.
     """
     program = report["step_program"]
     speed = program["speed"]

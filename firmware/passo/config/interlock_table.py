@@ -14,7 +14,7 @@ The masks are made with the board's request put in and nothing asked for elsewhe
 "x.dir" are 1. Several rows for one thing must all allow it. Steps also need what the output "enable" needs.
 """
 
-from passo.control.board_error import BoardError
+from passo.config.board_error import BoardError
 from passo.steps.permits import INTERLOCK_OUTPUTS, INTERLOCK_TOOL
 
 

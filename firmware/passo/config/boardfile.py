@@ -6,8 +6,8 @@ The table below is the whole format. A rule is (type, default, least, most); a d
 be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
-from passo.control.board_error import BoardError
-from passo.control.chip_pins import check_link, check_pin
+from passo.config.board_error import BoardError
+from passo.config.chip_pins import check_link, check_pin
 from passo.steps.wiring import word_pins
 
 MUST = ...
@@ -137,7 +137,7 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _OPTIONAL = ("homing", "interlock", "jog", "planning", "spindle", "step_program")
-_ABSENT = ("homing", "interlock", "step_program")  # None where the board file has none
+_ABSENT = ("homing", "interlock", "step_program")  # None if the board file has none
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
@@ -301,7 +301,7 @@ def _check_interlock(board):
             if item["filter_us"]:
                 raise BoardError("input %s: filter_us is for inputs of the interlock; there is none" % item["name"])
     elif "masks" not in section:
-        from passo.control import interlock_table  # most boards have none
+        from passo.config import interlock_table  # most boards have none
 
         section["masks"] = interlock_table.compile_rows(board)
         for key in ("rows", "signals", "elsewhere"):

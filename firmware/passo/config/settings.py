@@ -18,7 +18,7 @@ where it said what differs from the board file: it is converted. That firmware i
 from micropython import const
 
 from passo import errors
-from passo.control.setting_numbers import (
+from passo.config.setting_numbers import (
     DIRECTION_INVERT, ENABLE_INVERT, HOMING, HOMING_DEBOUNCE, HOMING_DIRECTION, HOMING_LOCATE, HOMING_PULL_OFF,
     HOMING_SEEK, IDLE_DELAY, JERK, LASER, LIMIT_INVERT, PROBE_INVERT, PULSE_US, SOFT_LIMITS, SPEED, STEPS,
     STEP_INVERT, TRAVEL,
@@ -40,7 +40,7 @@ class Settings:
         self._board_reversed = [axis["reversed"] for axis in board["axes"]]
         self._board_release_ms = board["idle_release_ms"]
         self._most_steps_s = steps_s
-        from passo.control import setting_table  # the app forgets it again
+        from passo.config import setting_table  # the app forgets it again
 
         self._table = setting_table.make(board)
         self.numbers = sorted(self._table)
@@ -76,7 +76,7 @@ class Settings:
         return self._table[number][0]
 
     def places(self, number):
-        """Decimals of a setting, 0 or 3; None where there is no such setting."""
+        """Decimals of a setting, 0 or 3; None if there is no such setting."""
         rule = self._table.get(number)
         return rule[1] if rule else None
 

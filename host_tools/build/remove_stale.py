@@ -9,11 +9,11 @@ MODULE_ENDINGS = (".py", ".mpy")
 FOLDER = 0x4000
 
 
-def tidy(folder, keep):
+def remove_stale(folder, keep):
     for entry in list(os.ilistdir(folder)):
         path = folder + "/" + entry[0]
         if entry[1] == FOLDER:
-            tidy(path, keep)
+            remove_stale(path, keep)
         elif path.endswith(MODULE_ENDINGS) and path not in keep:
             print("removed", path)
             os.remove(path)
@@ -22,4 +22,4 @@ def tidy(folder, keep):
 
 
 with open("passo/files.txt") as listed:
-    tidy("passo", set(listed.read().split()))
+    remove_stale("passo", set(listed.read().split()))

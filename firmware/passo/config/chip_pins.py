@@ -4,7 +4,7 @@ the flash memory takes are left out.
     check_pin("esp32", 34, "tool", output=True)     # raises BoardError: pin 34 of an esp32 can only be an input
 """
 
-from passo.control.board_error import BoardError
+from passo.config.board_error import BoardError
 
 # (first, last) of each run of pins, and the first of those at the end that can only be inputs
 _PINS = {

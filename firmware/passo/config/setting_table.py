@@ -4,7 +4,7 @@ uses for the memory.
     rules = setting_table.make(board)       # {number: (name, decimals, default, least, most)}
 """
 
-from passo.control.setting_numbers import (
+from passo.config.setting_numbers import (
     ACCELERATION, ARC, DIRECTION_INVERT, ENABLE_INVERT, HARD_LIMITS, HOMING, HOMING_DEBOUNCE, HOMING_DIRECTION,
     HOMING_LOCATE, HOMING_PULL_OFF, HOMING_SEEK, IDLE_DELAY, INCHES, JERK, JUNCTION, LASER, LIMIT_INVERT, MAX_RPM,
     MIN_RPM, PROBE_INVERT, PULSE_US, REPORT, SOFT_LIMITS, SPEED, START, STEPS, STEP_INVERT, TRAVEL,
@@ -12,7 +12,7 @@ from passo.control.setting_numbers import (
 
 
 def _active(items, names):
-    """The active level of the first of `items` that has one of these names; 0 where there is none."""
+    """The active level of the first of `items` that has one of these names; 0 if there is none."""
     for item in items:
         if item["name"] in names:
             return item["active"]
