@@ -42,6 +42,7 @@ REST = const(30)  # the axes of the mask `value` come to a stand, the others run
 ZERO = const(31)  # machine zero is here; only at a stand, and where homing has not found it
 CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
 STILL = const(33)  # nothing but an answer: accepted at a stand, else refused as BUSY
+ZERO_COUNTS = const(34)  # the counts of the encoders that are shown begin at 0
 
 STEP_PROGRAM_ADD = const(40)  # a step program comes: `value` is one of STEPS_OPEN … STEPS_ABORT
 STEP_PROGRAM = const(41)  # `value`: what to do with it, one of STEPS_GO … STEPS_HAND_DRIVES

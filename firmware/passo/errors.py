@@ -74,6 +74,8 @@ PASSES = const(128)
 NO_MEMORY = const(129)
 DRIVES_OFF = const(130)
 INTERLOCKED = const(131)
+STEPS_MADE_UP = const(140)
+POSITION_VERIFIED = const(141)
 
 ALARM_LOCKED = const(200)
 ALARM_HARD_LIMIT = const(201)
@@ -87,6 +89,7 @@ ALARM_SENSOR_STUCK = const(208)
 ALARM_SENSOR_DEAD = const(209)
 ALARM_TWO_MOTORS = const(210)
 ALARM_INTERLOCK = const(220)
+ALARM_STEPS_MISSING = const(230)
 NEED_RESET = (ALARM_HARD_LIMIT, ALARM_SOFT_LIMIT, ALARM_INTERLOCK)
 
 # Notices are no errors: the machine tells what it did of its own accord.
@@ -103,3 +106,4 @@ NOTICE_JERK = const(10)
 NOTICE_PAUSE = const(11)
 NOTICE_TOOL = const(12)  # with the number of the tool
 NOTICE_SPINDLE = const(13)
+NOTICE_STEPS_MISSING = const(14)  # with which, and where

@@ -24,6 +24,7 @@ FEATURES = (
     ("interlock", "InterlockWatch", lambda board: board["interlock"]),
     ("switches", "Switches", lambda board: board["inputs"]),
     ("homing", "Homing", lambda board: board["homing"]),
+    ("encoders", "EncoderWatch", lambda board: board["encoders"]),
     ("drawing", "Drawing", None),
     ("changeover", "Changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
     ("independent", "Independent", None),

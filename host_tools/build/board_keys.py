@@ -14,6 +14,7 @@ SECTIONS = {
     "tool": ("tool", "The one output that is switched exact to the step: pen, spindle relay, laser, torch contact."),
     "inputs": ("inputs", "A list of switches and sensors. What each does depends on its [name](#names-with-a-meaning)."),
     "outputs": ("outputs", "A list of outputs. What each does depends on its [name](#names-with-a-meaning) or role."),
+    "encoders": ("encoders", "A list, one entry a motor. See [encoders](encoders.md)."),
     "homing": ("homing", "Sensors to find zero with, and how."),
     "interlock": (
         "interlock",
@@ -117,6 +118,15 @@ MEANINGS = {
     "step_program.port_bits": "Status report only: at which bit of the image of the parallel port drives, Z pulse, Z dir, Y pulse, Y dir, "
     "X pulse, X dir and tool appear; `-`: nowhere.",
     "step_program.port_invert": "Status report only: mask of the bits that appear inverted.",
+    "encoders.motor": "The motor that it is on: the name of its axis.",
+    "encoders.pins": "`[A, B]`, pulled up by the chip. On a Pico B is the pin next to A.",
+    "encoders.pulses": "Pulses a turn of one of its wires: four counts each.",
+    "encoders.steps": "Steps of the motor a turn, microsteps included.",
+    "encoders.reversed": "It counts down as the axis steps forward.",
+    "encoders.limit_steps": "A following error beyond it stops the machine at once: alarm 230. Not below the two full steps that a rotor may "
+    "lag under load.",
+    "encoders.correct": "Steps that are missing at the end of a move are made up for.",
+    "encoders.settle_ms": "So long behind the last step a motor has come to rest, and its error is exact, ms. The largest counts for all.",
     "links.name": "Its name: `passo board --link NAME=PATH`, the log.",
     "links.port": "`usb`, or `uart0` … See the pins a UART may use in [wiring](wiring.md#serial-lines).",
     "links.tx": "UART: the pin that sends.",

@@ -83,7 +83,7 @@ class Pads:
             return
         pios = self._chip.pio
         for pio in pios:
-            pio.input_changes()
+            pio.input_changes(pin.index)
         pin.set_input_value(level)
         for pio in pios:
             pio.input_changed()

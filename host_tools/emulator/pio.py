@@ -8,6 +8,9 @@ instruction or of a sleep.
 A delay loop (`jmp(x_dec, …)` to itself, or with `jmp(pin, …)`, `nop` and the other counter in it) is skipped in one go: its
 counters and its due time move to its last pass. A register access or an edge on its pin before that finds it in the pass where
 it would be. So a program costs emulation time for its instructions, not for its delays.
+
+A program that polls its pins and changes nothing from one pass to the next is parked at its wrap target until one of these pins
+changes, or a register is accessed; it then goes on in the pass where it would be.
 """
 
 from rp2040py.peripherals.pio import RPPIO
@@ -24,6 +27,7 @@ _NOP = 0xA042
 _LOOP_INSTRUCTIONS = 4
 _ALWAYS, _PIN = 0, 6  # conditions of jmp
 _COUNTERS = {2: "x", 4: "y"}  # conditions that count down
+_JMP, _WAIT, _IN, _MOV = 0, 1, 2, 5
 
 
 class TimedPio(RPPIO):
@@ -41,18 +45,22 @@ class TimedPio(RPPIO):
         self._system.after.append(self._plan)
         self._origin = self._system.cycle()  # the cycle at which the block's own count is 0
         self._skips = [None] * 4  # of each machine: (first due, turn, turns, counters, end, lasting), in 1/256 cycles
+        self._passes = [None] * 4  # of each machine: (its state, due) as it last began a pass; None: something has happened since
+        self._parked = [None] * 4  # (due of the pass that it is parked at, 1/256 cycles of a pass, pins that end it)
         self._loops = {}  # (machine, address): what `_find_loop` found there
         self._running = False
 
     # --- the bus
 
     def read_uint32(self, offset):
+        self._unpark()
         self.catch_up(_MACHINES <= offset < _MACHINES_END)
         value = super().read_uint32(offset)
         self._plan()
         return value
 
     def write_uint32(self, offset, value):
+        self._unpark()
         configures = offset == _CONTROL or _MEMORY <= offset < _MACHINES_END
         self.catch_up(configures)
         if configures and offset != _CONTROL:
@@ -70,6 +78,7 @@ class TimedPio(RPPIO):
         super().reset()
         self._origin = self._system.cycle()
         self._skips = [None] * 4
+        self._passes, self._parked = [None] * 4, [None] * 4
         self._loops.clear()
         self._alarm.cancel()
 
@@ -87,9 +96,10 @@ class TimedPio(RPPIO):
 
     # --- time
 
-    def input_changes(self):
+    def input_changes(self, gpio):
         """To be called before the level of an input changes, and `input_changed` after it."""
         if not self._running:
+            self._unpark(gpio)
             self.catch_up(any(skip and not skip[5] for skip in self._skips))
 
     def input_changed(self):
@@ -139,10 +149,54 @@ class TimedPio(RPPIO):
             return
         for machine in self.machines if self.skipping else ():
             if machine.enabled and not machine.waiting and machine.next_due_fp == due:
+                if machine.pc == machine.wrap_bottom and not machine.exec_valid:
+                    self._park(machine)
                 self._skip(machine)
         due = self.next_due_fp
         at_ns = self._system.nanos_at(self._origin + (due + 255 >> 8))
         self._alarm.schedule(max(0.0, at_ns - self._clock.nanos))
+
+    # --- polling loops
+
+    def _park(self, machine):
+        """`machine` begins a pass: if nothing has happened in the one before, it waits for something to happen."""
+        index = machine.index
+        due = machine.next_due_fp
+        state = (
+            machine.x, machine.y, machine.input_shift_reg, machine.input_shift_count, machine.output_shift_reg,
+            machine.output_shift_count, machine.rx_fifo.item_count, machine.tx_fifo.item_count,
+        )  # fmt: skip
+        before, self._passes[index] = self._passes[index], (state, due)
+        if before is None or before[0] != state or due <= before[1]:
+            return
+        pins = self._polled(machine)
+        if pins:
+            self._parked[index] = due, due - before[1], pins
+            machine.next_due_fp = _NEVER
+            self.recompute_due()
+
+    def _polled(self, machine):
+        """The pins that its program looks at; none if it does more than look."""
+        pins = set()
+        for code in self.instructions:
+            kind, argument = code >> 13, code & 0xFF
+            if kind == _WAIT or kind == _MOV and argument & 7 == 0 or kind == _JMP and argument >> 5 == _PIN:
+                return ()
+            if kind == _IN and argument >> 5 == 0:
+                pins |= {machine.in_base + bit & 31 for bit in range(argument & 31 or 32)}
+        return pins
+
+    def _unpark(self, gpio=None):
+        for index, parked in enumerate(self._parked):
+            if gpio is None or parked is None or gpio in parked[2]:
+                self._passes[index] = None
+            if parked is None or gpio is not None and gpio not in parked[2]:
+                continue
+            due, period, _ = parked
+            now = self._system.cycle() - self._origin << 8
+            self._parked[index] = None
+            self.machines[index].next_due_fp = due + max(0, (now - due) // period) * period
+            self.recompute_due()
 
     # --- delay loops
 

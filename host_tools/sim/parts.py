@@ -19,11 +19,16 @@ class Carriage:
         self.low = low
         self.high = high
         self.lost = 0  # steps lost at the ends
+        self.stall = 0  # steps to come that are lost
         self._stalled = False
         self._report = report
 
     def move(self, tick, steps):
         """True if the carriage moved. The first lost step of a stall is reported, all are counted."""
+        if self.stall:
+            self.stall -= 1
+            self.lost += 1
+            return False
         wanted = self.position + steps
         reached = min(max(wanted, self.low), self.high)
         if reached != wanted:
@@ -36,6 +41,20 @@ class Carriage:
         moved = reached != self.position
         self.position = reached
         return moved
+
+
+class Encoder:
+    """Counts the turns of a motor: its carriage's steps since the start, four counts a pulse."""
+
+    def __init__(self, carriage, pulses, steps, sign=1):
+        self._carriage = carriage
+        self._start = carriage.position
+        self._counts, self._steps = 4 * pulses * sign, steps
+        self.lost = 0  # counts that never came
+
+    @property
+    def count(self):
+        return (self._carriage.position - self._start) * self._counts // self._steps - self.lost
 
 
 class Barrier:

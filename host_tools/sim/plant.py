@@ -21,7 +21,7 @@ The board file gives axes, drive, polarity, travel and pen delays; what it canno
 import random
 
 from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
-from host_tools.sim.parts import NEVER, Barrier, Carriage, Noise, Solenoid
+from host_tools.sim.parts import NEVER, Barrier, Carriage, Encoder, Noise, Solenoid
 
 TICKS_PER_MS = 12_500
 MARGIN_MM = 10  # from the end of the travel, and from the barrier's edge, to the hard end
@@ -53,6 +53,12 @@ class Plant:
         self._due = NEVER
         self._build_carriages(start)
         self._build_barriers(bounce_ms, dict(faults or {}))
+        self.encoders = {}  # by motor, in the board file's order
+        for item in self._board.get("encoders", ()):
+            carriage = next(carriage for carriage in self.carriages if carriage.name == item["motor"])
+            sign = -1 if item["reversed"] else 1
+            self.encoders[item["motor"]] = Encoder(carriage, item["pulses"], item["steps"], sign)
+        self._in_order = list(self.encoders.values())
         self._rest_inputs()
         self.noise = {}  # what is injected on inputs, by name
         self._solenoid = Solenoid(
@@ -204,6 +210,10 @@ class Plant:
             self._others.setdefault(axis, []).append(barrier)
         self._levels[name] = self._level(barrier, 0)
 
+    def encoder(self, number):
+        """What an encoder has counted, of those of the board file."""
+        return self._in_order[number].count
+
     def power(self, tick, level):
         """The tool's analogue power, which counts while the tool is on."""
         self._power = level
@@ -249,6 +259,26 @@ class Plant:
         if level != self._levels[name]:
             self._levels[name] = level
             self._tell(tick, name)
+
+    # What a motor and its encoder may do to a machine, by the motor's name:
+
+    def stall(self, motor, steps):
+        """The next `steps` that a motor is asked for are lost."""
+        self._carriage(motor).stall += steps
+
+    def slip(self, motor, steps):
+        """A motor turns by `steps` that nobody asked for."""
+        carriage = self._carriage(motor)
+        carriage.position += steps
+        if carriage in self.carriages:
+            self.position[self.carriages.index(carriage)] = carriage.position
+
+    def lose_counts(self, motor, counts):
+        """An encoder misses so many counts forward."""
+        self.encoders[motor].lost += counts
+
+    def _carriage(self, motor):
+        return next(carriage for carriage in self.carriages if carriage.name == motor)
 
     def listen(self, callback):
         """Call callback(tick, name, level) at each change of an input."""

@@ -34,6 +34,7 @@ class VcdTap:
         self.run = plant.run
         self.next_event = plant.next_event
         self.listen = plant.listen
+        self.encoder = plant.encoder
         self._pass_edges = plant.edges
 
     def attach(self, tick, names, levels):

@@ -62,6 +62,7 @@ SAME = {
     ("DMA_CH0_AL3_READ_ADDR_TRIG_OFFSET",): 4 * 15,
     ("PIO0_BASE",): 0x50200000,
     ("PIO1_BASE",): 0x50300000,
+    ("PIO1_BASE",): 0x50300000,
     ("PIO_CTRL_OFFSET",): 0,
     ("PIO_CTRL_SM_RESTART_LSB",): 4,
     ("PIO_CTRL_CLKDIV_RESTART_LSB",): 8,
@@ -89,7 +90,7 @@ SAME = {
     ("DREQ_PIO1_TX0",): 8,
 }
 # In ports/rp2, beside chip.py: DMA, PIO block 0, its CTRL's clearing alias, GPIO_IN, GPIO_OUT.
-ELSEWHERE = {0x50000000, 0x50200000, 0x50203000, 0xD0000004, 0xD0000010}
+ELSEWHERE = {0x50000000, 0x50200000, 0x50203000, 0x50300000, 0xD0000004, 0xD0000010}
 
 
 @pytest.mark.parametrize("number", [0, 1])

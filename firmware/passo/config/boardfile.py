@@ -102,6 +102,16 @@ _INTERLOCK = {
     "release_ms": (int, 20, 1, 1000),  # what a changed input allows is allowed once it has lasted so long
     "unasked_ms": (int, 0, 0, 60_000),  # so long at rest before outputs go on that rows switch on by themselves; 0: never
 }
+_ENCODER = {
+    "motor": (str, MUST, 1, 2),  # the axis it is on
+    "pins": (list, MUST, 2, 2),  # A and B
+    "pulses": (int, MUST, 1, 5000),  # a turn: four counts each
+    "steps": (int, MUST, 1, 200_000),  # of the motor, a turn
+    "reversed": (bool, False, 0, 1),
+    "limit_steps": (int, 8, 1, 1000),  # a following error beyond it stops the machine
+    "correct": (bool, False, 0, 1),  # make up for what is missing at the end of a move
+    "settle_ms": (int, 50, 1, 10_000),  # after which a motor at rest has come to rest
+}
 _LINK = {
     "name": (str, MUST, 1, 16),
     "port": (str, MUST, 1, 16),
@@ -122,6 +132,7 @@ _BOARD = {
     "tool": _TOOL,
     "inputs": [_INPUT, 0, 24],
     "outputs": [_OUTPUT, 0, 16],
+    "encoders": [_ENCODER, 0, 4],
     "homing": _HOMING,
     "interlock": _INTERLOCK,
     "speed": _SPEED,
@@ -150,6 +161,7 @@ def check(board):
     _check_pins(board)
     _check_order(board)
     _check_homing(board)
+    _check_encoders(board)
     _check_links(board)
     _check_step_program(board)
     _check_interlock(board)
@@ -234,6 +246,9 @@ def claimed_pins(board):
         claims.append((item["pin"], "input %s" % item["name"]))
     for item in board["outputs"]:
         claims.append((item["pin"], "output %s" % item["name"]))
+    for item in board["encoders"]:
+        for pin in item["pins"]:
+            claims.append((pin, "input of encoder %s" % item["motor"]))
     for link in board["links"]:
         if link["port"].startswith("uart"):
             claims.append((link["tx"], "link %s tx" % link["name"]))
@@ -306,6 +321,21 @@ def _check_interlock(board):
         section["masks"] = interlock_table.compile_rows(board)
         for key in ("rows", "signals", "elsewhere"):
             del section[key]
+
+
+def _check_encoders(board):
+    """Each motor has one; on an rp2 chip PIO block 1 counts them, pins side by side."""
+    motors = [axis["name"] for axis in board["axes"]]
+    named = [item["motor"] for item in board["encoders"]]
+    for item in board["encoders"]:
+        motor = item["motor"]
+        if motor not in motors or named.count(motor) > 1:
+            raise BoardError("encoders: %r has to be one of %s, each once" % (motor, ", ".join(motors)))
+        if board["drive"]["kind"] != "step_dir":
+            raise BoardError("encoder %s: encoders want a step_dir drive" % motor)
+        a, b = item["pins"]
+        if board["chip"].startswith("rp2") and b != a + 1:
+            raise BoardError("encoder %s: its PIO program wants B on the pin next to A, [%d, %d]" % (motor, a, a + 1))
 
 
 def _check_homing(board):

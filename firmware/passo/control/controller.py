@@ -41,6 +41,7 @@ class Controller:
         self._lives = hooks(features, "live")
         self._readies = hooks(features, "ready")
         self._busies = hooks(features, "busy")
+        self._stops = hooks(features, "stopped")
         self._batches = {}  # (open, accept, close) by their kind
         for batches in hooks(features, "batches"):
             self._batches.update(batches())
@@ -170,7 +171,10 @@ class Controller:
         self.machine.raise_alarm(number, who)
 
     def stopped_by(self, name):
-        """An input has stopped the player: one that halts, or one that the interlock looks at."""
+        """An input has stopped the player: one that halts, or one that the interlock looks at; or a feature."""
+        for stopped in self._stops:
+            if stopped(name):
+                return
         machine = self.machine
         limit = machine.interlock is None or machine.interlock.stops(name)
         machine.raise_alarm(errors.ALARM_HARD_LIMIT if limit else errors.ALARM_INTERLOCK, name)

@@ -47,6 +47,10 @@ class Queue:
         self._origin = self._feeder.position(self._player.played())
         self.lead([0] * len(self._axes))
 
+    def shift(self, axis, steps):
+        """An axis stands `steps` further than has been stepped. Only at a stand; the target stays."""
+        self._origin[axis] -= steps
+
     @micropython.native
     def room(self):
         """How many more blocks can be queued now; none behind an arc that is not all queued yet."""

@@ -18,6 +18,7 @@ this record and the queue, and no other feature: what it wants of another one it
     busy()                  True while it is about to move, though nothing is queued
     report(report)          adds to a status report
 
+    stopped(name)           `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
     halt()                  the pins have stopped; what is queued is dropped next
     dropped()               a hold has come to its stand, and what was queued behind it is gone
     clear()                 all work is dropped
@@ -54,6 +55,7 @@ class MachineState:
         self.inputs = Inputs(board, settings, port)
         self.log = Log()
         self.interlock = getattr(port, "interlock", None)  # of the port, if the board file has one
+        self.encoders = getattr(port, "encoders", None)
         self.about = ""  # what the port says of itself, for who asks
         self.homed = False
         self.alarm = 0
@@ -282,7 +284,7 @@ class MachineState:
             # It comes to its stand as it should: where it is remains known.
             self.drop_at_stand()
             self.forget()
-        elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET):
+        elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET, errors.ALARM_STEPS_MISSING):
             self.abort()
             self.forget()
             self.homed = False

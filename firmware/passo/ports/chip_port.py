@@ -79,6 +79,7 @@ class ChipPort:
             from passo.ports.pin_interlock import PinInterlock  # here: most boards have none
 
             self.interlock = PinInterlock(board, self, self._inputs, self._outputs)
+        self.encoders = self._encoders(board) if board["encoders"] else None
 
     # --- what the contract of ports asks for
 
@@ -91,6 +92,12 @@ class ChipPort:
             line = UartLine(link)
         self._lines.append(line)
         return line
+
+    def _encoders(self, board):
+        """What counts the board file's encoders."""
+        from passo.ports.pin_encoders import PinEncoders
+
+        return PinEncoders(board, self)
 
     def _console(self):
         """What tells how many bytes the console has received; None: nothing does."""
@@ -186,6 +193,8 @@ class ChipPort:
             item.pin.irq(None)
         if self.interlock is not None:
             self.interlock.close()
+        if self.encoders is not None:
+            self.encoders.close()
         for line in self._lines:
             line.close()
 
@@ -194,6 +203,8 @@ class ChipPort:
     @micropython.native
     def _feed(self, timer):  # ISR: no allocation
         feeder = self._feeder
+        if self.encoders is not None:
+            self.encoders.check()
         if ticks_diff(ticks_ms(), self._beat_ms) > _HEARTBEAT_MS:
             feeder.brake = True
         if self._aside:
@@ -243,5 +254,5 @@ class ChipPort:
             self._player.hold(True)
             self._player.halt()
             self.power(0)
-        if self.interlock is not None and item is not None and item is not self.interlock:
+        if self.interlock is not None and item is not None and item is not self.interlock and item is not self.encoders:
             self.interlock.halted(item)

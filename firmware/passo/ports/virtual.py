@@ -19,6 +19,7 @@ The world sees electrical pin levels, polarity included, and each change with it
     output(tick, name, level)       another output changed
     input(tick, name) -> level      what an input reads
     listen(callback)                call callback(tick, name, level) as an input changes; only where the world has this method
+    encoder(number) -> count        what an encoder has counted, of those of the board file; only if that names any
     power(tick, level)              the tool's analogue power changed, 0 … 1000; only where the world has this method
     run(tick)                       let the world's own events up to `tick` happen
     next_event() -> tick or None    when the next of them is due
@@ -75,6 +76,11 @@ class VirtualPort:
             from passo.ports.virtual_interlock import VirtualInterlock
 
             self.world = self.interlock = VirtualInterlock(board, self, self.world)
+        self.encoders = None
+        if board.get("encoders"):
+            from passo.ports.virtual_encoders import VirtualEncoders
+
+            self.encoders = VirtualEncoders(board, self, world)
         self._anchor()
 
     def player(self, ring, layout, board):
@@ -87,6 +93,8 @@ class VirtualPort:
         """There are no interrupts here: the main loop fills the ring itself."""
         if self.interlock is not None:
             self.interlock.join(feeder, player)
+        if self.encoders is not None:
+            self.encoders.join(feeder, player)
         return False
 
     def serial(self, link):
@@ -157,10 +165,14 @@ class VirtualPort:
         while self.now < end:
             event = self.world.next_event()
             until = end if event is None or event > end else max(event, self.now)
+            if self.encoders is not None:
+                until = min(until, self.encoders.due)
             if self._player is not None:
                 self._player.run(until)
             self.now = until
             self.world.run(until)
+            if self.encoders is not None:
+                self.encoders.run(until)
 
     def _anchor(self):
         self._anchor_ns = wall_ns()

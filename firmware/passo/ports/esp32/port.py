@@ -45,6 +45,8 @@ class Port(ChipPort):
         self._feeder = feeder
         if self.interlock is not None:
             self.interlock.join(feeder, player)
+        if self.encoders is not None:
+            self.encoders.join(feeder, player)
         self._timer = Timer(_FEED_TIMER)
         self._timer.init(mode=Timer.PERIODIC, period=_FEED_MS, callback=self._feed_and_look)
         return True

@@ -115,6 +115,11 @@ class Port(ChipPort):
             self._player = self._laser = LaserPlayer(board["spindle"]["pin"], *rest)
         return self._player
 
+    def _encoders(self, board):
+        from passo.ports.rp2.encoders import PioEncoders
+
+        return PioEncoders(board, self)
+
     def _console(self):
         from passo.ports.rp2.console import Console
 
@@ -124,6 +129,8 @@ class Port(ChipPort):
         self._feeder = feeder
         if self.interlock is not None:
             self.interlock.join(feeder, player)
+        if self.encoders is not None:
+            self.encoders.join(feeder, player)
         pace_viper.use(kernels.walk, kernels.pace)
         chip.yield_timers()
         self._timer = Timer(mode=Timer.PERIODIC, period=_FEED_MS, callback=self._feed, hard=True)

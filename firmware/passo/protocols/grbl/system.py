@@ -50,6 +50,8 @@ class System:
             return answer(grbl_report.modes(self._gcode, self.inches()))
         if line == "$LOG":
             return answer(grbl_report.log(self._machine.log))
+        if line == "$ENC" and self._machine.encoders is not None:
+            return answer(grbl_report.encoders(self._machine.encoders))
         if line == "$MASKS":
             return answer(grbl_report.masks(self._settings))
         if line[:5] == "$LINK":
@@ -62,6 +64,8 @@ class System:
             return [Command(commands.UNLOCK)]
         if line in ("$MOTORS=0", "$MOTORS=1"):
             return [Command(commands.CONNECT, value=int(line[8]))]
+        if line == "$ENC=0" and self._machine.encoders is not None:
+            return [Command(commands.ZERO_COUNTS)]
         if line[1:2] == "J":
             return self._jog(line, state)
         if state not in ("idle", "alarm"):

@@ -1,0 +1,179 @@
+"""What is done about following errors: an alarm, a correction at the end of a move, a position that is verified after a halt.
+
+    [{"motor": "x", "pins": [14, 15], "pulses": 500, "steps": 400, "limit_steps": 8, "correct": True}]
+
+The port compares counts and steps every 3 ms, and halts the player if a motor is further off than its limit_steps
+(ports/encoders.py); that is alarm 230, and the log says how many steps are missing and where. It cannot tell whether the motor has
+lost steps or the encoder counts: after this alarm the machine has to be homed. How many are missing is exact once the
+motor has settled, settle_ms behind the last step:
+
+- at the end of a move steps that are missing are made up for, if the board file says so, thrice at most;
+- after a halt the position becomes what the encoders say, and a machine that was homed still is, if each of its axes has
+  one;
+- without current motors may be turned by hand: the position follows.
+"""
+
+from micropython import const
+
+from passo import commands, errors
+from passo.control.motors import RELEASED
+from passo.config import setting_numbers as table
+from passo.records import COUNT_MASK
+
+_TRIES = const(3)
+
+
+class EncoderWatch:
+    def __init__(self, board, machine, queue):
+        self._machine = machine
+        self._queue = queue
+        self._encoders = machine.encoders
+        self._axes = [axis["name"] for axis in board["axes"]]
+        self._correct = [item["correct"] for item in board["encoders"]]
+        self._settle_ms = max([item["settle_ms"] for item in board["encoders"]])
+        names = machine.encoders.names
+        homing = board["homing"]
+        self._all = not [name for name in (homing["sensors"] if homing else self._axes) if name not in names]
+        self._still_ms = 0  # since when it stands
+        self._checks = 0  # of the encoders as it came to stand, or as an error was last accounted for
+        self._settled = False
+        self._halted = False  # what the encoders say is the position
+        self._homed = False  # it was before the halt
+        self._homing = False
+        self._tries = 0
+
+    def handlers(self):
+        return {commands.ZERO_COUNTS: self._zero}
+
+    def _zero(self, command):
+        self._encoders.zero()
+        return self._machine.accepted(command)
+
+    def report(self, report):
+        encoders = self._encoders
+        report["counts"] = ",".join([str(encoders.count(number)) for number in range(len(encoders.names))])
+
+    def halt(self):
+        if not self._homing:
+            if not self._halted:
+                self._homed = self._machine.homed
+            self._halted = True
+        self._move()
+
+    def stopped(self, name):
+        if name != self._encoders.name:
+            return False
+        who = self._missing(self._encoders.beyond)
+        self._machine.raise_alarm(errors.ALARM_STEPS_MISSING, who)
+        self._machine.notice(errors.NOTICE_STEPS_MISSING, who)
+        self._homed = False
+        return True
+
+    def _missing(self, mask):
+        """For people: by motor how many steps it has turned too many, negative: too few, and where the machine is."""
+        encoders = self._encoders
+        said = ["%s %+d" % (encoders.names[n], encoders.steps(n)) for n in range(len(encoders.names)) if mask >> n & 1]
+        places = ["%s%d" % item for item in zip(self._axes, self._queue.position())]
+        return "%s at %s" % (" ".join(said), " ".join(places))
+
+    def _move(self):
+        self._settled = False
+        self._checks = self._encoders.checks
+
+    def poll(self, now_ms):
+        machine = self._machine
+        homing = machine.busy_with(commands.HOME)
+        still = self._queue.still() and not homing
+        self._encoders.arm(not (machine.alarm or self._halted or homing or machine.motors.state == RELEASED))
+        if not still:
+            self._still_ms = now_ms
+            self._homing = homing
+            self._move()
+            return
+        if self._homing:
+            self._end_homing()
+        if (now_ms - self._still_ms) & COUNT_MASK < self._settle_ms or self._encoders.checks == self._checks:
+            return
+        self._settle()
+
+    def _end_homing(self):
+        """What homing has lost is no error: it has found its place by the sensors."""
+        self._homing = self._halted = False
+        for number in range(len(self._encoders.names)):
+            self._encoders.forget(number)
+        self._move()
+
+    def _settle(self):
+        """It stands, and what the encoders say is exact."""
+        encoders = self._encoders
+        off = [encoders.steps(number) for number in range(len(encoders.names))]
+        if self._halted:
+            self._verify(off)
+        elif any(off):
+            if self._machine.motors.state == RELEASED:
+                self._follow(off)
+            elif not self._settled:
+                self._make_up(off)
+        else:
+            self._tries = 0
+        self._settled = True
+
+    def _verify(self, off):
+        """Behind a halt: this is where the machine is."""
+        machine = self._machine
+        self._halted = False
+        if any(off):
+            self._note(errors.POSITION_VERIFIED, off)
+        self._follow(off)
+        if self._homed and self._all:
+            if not machine.homed and not any(off):
+                machine.note(errors.POSITION_VERIFIED, "")
+            machine.homed = True
+
+    def _follow(self, off):
+        """The machine stands where the encoders say."""
+        for number in range(len(off)):
+            if off[number]:
+                self._take(number, off[number])
+        self._queue.settle()
+
+    def _take(self, number, steps):
+        encoders = self._encoders
+        self._queue.shift(encoders.axis(number), steps)
+        encoders.take(number, steps)
+        self._checks = encoders.checks
+
+    def _make_up(self, off):
+        """Steps are missing at the end of a move."""
+        machine = self._machine
+        if machine.alarm or machine.hold or machine.command is not None:
+            return
+        missing = 0
+        for number in range(len(off)):
+            if off[number] and self._correct[number]:
+                missing |= 1 << number
+        if not missing:
+            return
+        self._tries += 1
+        if self._tries > _TRIES:
+            self._tries = 0
+            who = self._missing(missing)
+            machine.raise_alarm(errors.ALARM_STEPS_MISSING, who)
+            machine.notice(errors.NOTICE_STEPS_MISSING, who)
+            self._homed = False
+            return
+        self._note(errors.STEPS_MADE_UP, off)
+        for number in range(len(off)):
+            if missing >> number & 1:
+                self._take(number, off[number])
+                self._queue.travel(self._encoders.axis(number), -off[number], self._speed(self._encoders.axis(number)))
+
+    def _note(self, number, off):
+        names = self._encoders.names
+        self._machine.note(number, " ".join(["%s %+d" % (names[n], off[n]) for n in range(len(off)) if off[n]]))
+
+    def _speed(self, axis):
+        """A tenth of the axis's fastest, steps/s."""
+        settings = self._machine.settings
+        steps_s = settings.value(table.STEPS + axis) * settings.value(table.SPEED + axis) // 600_000_000
+        return max(steps_s, 1)

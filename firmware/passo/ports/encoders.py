@@ -1,0 +1,132 @@
+"""Encoders at the pins, shared by all ports: they are counted, and compared with what the player has stepped.
+
+    port.encoders.check()           # from the interrupt that feeds the player, every 3 ms; on the virtual port too
+    port.encoders.steps(0)          # what motor 0 has turned beyond what was stepped, in whole steps
+    port.encoders.take(0, 3)        # these 3 steps are accounted for
+
+What is derived from it reads the counts: read(counts), modulo 2²⁹ each. A following error beyond its limit halts the player,
+if `armed`. How late that is: a motor that stands still is noticed once it has missed limit_steps, by the next check. Counts
+and steps are not read at one instant: the player is looked at before and behind them, some 30 µs apart on an RP2040, and what it
+has stepped in between is allowed for. A rotor lags its magnetic field by up to two full steps under load, more is lost: no limit
+should be lower.
+
+On an RP2040 a check of four encoders takes about 60 µs.
+"""
+
+from array import array
+
+import micropython
+
+from passo.records import COUNT_MASK
+from passo.steps.following_viper import (
+    FOLLOW_AXIS, FOLLOW_DEN, FOLLOW_ERROR, FOLLOW_FIELDS, FOLLOW_LIMIT, FOLLOW_MOST, FOLLOW_NEGATIVE, FOLLOW_NUM, FOLLOW_OFF,
+    FOLLOW_SHIFT, FOLLOW_TOTAL, Follower, follow,
+)  # fmt: skip
+
+
+def _common(a, b):
+    while b:
+        a, b = b, a % b
+    return a
+
+
+class Encoders:
+    """Has no pins: see rp2/encoders.py, pin_encoders.py and virtual_encoders.py."""
+
+    name = "encoders"  # as what has stopped the player
+
+    def __init__(self, board, port):
+        entries = board["encoders"]
+        self._port = port
+        self._axes = len(board["axes"])
+        letters = [axis["name"] for axis in board["axes"]]
+        self.names = [entry["motor"] for entry in entries]
+        self.table = array("i", [0] * (FOLLOW_FIELDS * len(entries)))
+        for number in range(len(entries)):
+            entry = entries[number]
+            shared = _common(4 * entry["pulses"], entry["steps"])
+            at = number * FOLLOW_FIELDS
+            self.table[at + FOLLOW_AXIS] = letters.index(entry["motor"][0])
+            self.table[at + FOLLOW_NUM] = 4 * entry["pulses"] // shared
+            self.table[at + FOLLOW_DEN] = entry["steps"] // shared
+            self.table[at + FOLLOW_NEGATIVE] = 1 if entry["reversed"] else 0
+            self.table[at + FOLLOW_LIMIT] = entry["limit_steps"] * self.table[at + FOLLOW_NUM]
+        self.counts = array("i", [0] * len(entries))
+        self._place = array("i", [0] * self._axes)
+        self._after = array("i", [0] * self._axes)
+        self._zeros = array("i", [0] * len(entries))  # totals that are shown as 0
+        self.armed = False  # an error beyond its limit halts the player
+        self.beyond = 0  # mask of the encoders that it was halted for
+        self.checks = 0  # modulo 2²⁹
+        self._player = self._follower = None
+
+    def join(self, feeder, player):
+        """Compare with what `player` steps. Called once, before anything is played."""
+        self._follower = Follower(feeder)
+        self._player = player
+
+    # --- interrupts
+
+    @micropython.native
+    def check(self):  # ISR: no allocation
+        if self._player is None:
+            return
+        follower = self._follower
+        place = self._place
+        after = self._after
+        before = self._player.played()
+        self.read(self.counts)
+        played = self._player.played()
+        follower.find(before, place)
+        for axis in range(self._axes):
+            after[axis] = place[axis]
+        follower.add(before, played, after)
+        self.checks = (self.checks + 1) & COUNT_MASK
+        beyond = follow(self.table, len(self.counts), self.counts, place, after)
+        if beyond and self.armed:
+            self.beyond = beyond
+            self.armed = False
+            self._port.trip(self)
+
+    # --- main loop
+
+    def arm(self, on):
+        self.armed = on
+
+    def steps(self, number):
+        """What a motor has turned beyond what was stepped: steps, rounded."""
+        num = self.table[number * FOLLOW_FIELDS + FOLLOW_NUM]
+        return (2 * self.table[number * FOLLOW_FIELDS + FOLLOW_ERROR] + num) // (2 * num)
+
+    def take(self, number, steps):
+        """`steps` of a motor's error are accounted for, from the next check on."""
+        at = number * FOLLOW_FIELDS
+        self.table[at + FOLLOW_SHIFT] = -steps * self.table[at + FOLLOW_NUM]
+
+    def forget(self, number):
+        """A motor's error is none, from the next check on."""
+        at = number * FOLLOW_FIELDS
+        self.table[at + FOLLOW_SHIFT] = -self.table[at + FOLLOW_ERROR]
+
+    def exempt(self, number, off):
+        """What the axis steps is not this motor's. Only at a stand, behind a check."""
+        self.table[number * FOLLOW_FIELDS + FOLLOW_OFF] = 1 if off else 0
+
+    def axis(self, number):
+        return self.table[number * FOLLOW_FIELDS + FOLLOW_AXIS]
+
+    def count(self, number):
+        """Counts since the start, or since zero()."""
+        return self.table[number * FOLLOW_FIELDS + FOLLOW_TOTAL] - self._zeros[number]
+
+    def zero(self):
+        """The counts shown begin at 0."""
+        for number in range(len(self.names)):
+            at = number * FOLLOW_FIELDS
+            self._zeros[number] = self.table[at + FOLLOW_TOTAL]
+            self.table[at + FOLLOW_MOST] = 0
+
+    def most(self, number):
+        """The largest following error since zero(), steps."""
+        at = number * FOLLOW_FIELDS
+        return self.table[at + FOLLOW_MOST] // self.table[at + FOLLOW_NUM]

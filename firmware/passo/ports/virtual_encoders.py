@@ -1,0 +1,26 @@
+"""Encoders on the virtual port: the world counts.
+
+The world has encoder(number) -> count, for each entry of the board file's `encoders`, in their order: the count now.
+"""
+
+from passo.ports.encoders import Encoders
+from passo.records import COUNT_MASK, TICKS_PER_MS
+
+CHECK_TICKS = 3 * TICKS_PER_MS  # between two checks, as on an RP2040
+
+
+class VirtualEncoders(Encoders):
+    def __init__(self, board, port, world):
+        Encoders.__init__(self, board, port)
+        self._encoder = world.encoder
+        self.due = CHECK_TICKS  # tick of the next check
+
+    def read(self, counts):
+        for number in range(len(counts)):
+            counts[number] = self._encoder(number) & COUNT_MASK
+
+    def run(self, tick):
+        """Check, if it is time."""
+        if tick >= self.due:
+            self.due = tick + CHECK_TICKS
+            self.check()

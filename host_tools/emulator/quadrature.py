@@ -1,0 +1,41 @@
+"""An encoder's two wires on an emulated Pico.
+
+    wires = Quadrature(pico, 16, 250_000)       # A on GPIO16, B on GPIO17; counts a second
+    wires.turn(1200)                            # so many counts from now on, back if negative
+    wires.count
+"""
+
+_LEVELS = ((0, 0), (1, 0), (1, 1), (0, 1))  # of A and B, by count
+_NS = 1_000_000_000
+
+
+class Quadrature:
+    def __init__(self, pico, pin, counts_s, offset_ns=0):
+        self.count = 0
+        self.left = 0
+        self._pico, self._pin = pico, pin
+        self._period_ns = _NS / counts_s
+        self._offset_ns = offset_ns
+        self._alarm = pico.chip.clock.create_alarm(self._step)
+        self._show()
+
+    def turn(self, counts):
+        self.left += counts
+        self._alarm.schedule(self._period_ns + self._offset_ns)
+
+    def jump(self, counts):
+        """Both wires change at once: nobody can tell which way."""
+        self.count += counts
+        self._show()
+
+    def _step(self):
+        sign = 1 if self.left > 0 else -1
+        self.count += sign
+        self.left -= sign
+        self._show()
+        if self.left:
+            self._alarm.schedule(self._period_ns)
+
+    def _show(self):
+        for pin, level in zip((self._pin, self._pin + 1), _LEVELS[self.count & 3]):
+            self._pico.drive(pin, level)
