@@ -11,6 +11,18 @@ from host_tools.failure import Failure
 
 FLUSH_S = 0.5  # longest time before buffered rows are written
 
+# Options of a machine with a plant, which `passo emulate` has too.
+TraceFile = Annotated[Optional[Path], typer.Option(metavar="FILE.csv", help="Write where the machine is, step by step.")]
+VcdFile = Annotated[Optional[Path], typer.Option(metavar="FILE.vcd", help="Write the pins, for GTKWave or PulseView.")]
+StartPlace = Annotated[
+    Optional[str], typer.Option(metavar="X,Y", help="Where the head stands, in steps from the origin (random).")
+]
+BounceMs = Annotated[int, typer.Option(min=0, max=1000, help="Barriers chatter this long after a change.")]
+Faults = Annotated[
+    Optional[List[str]], typer.Option(metavar="INPUT=dead|stuck[@MS]", help="A barrier that fails, from MS on.")
+]
+Seed = Annotated[int, typer.Option(help="Of all that is random: start and chatter.")]
+
 
 def board(
     board: Annotated[
@@ -26,23 +38,15 @@ def board(
         Optional[int], typer.Option(min=0, max=65535, help="Serve a TCP socket, not a pty. 0: any free port.")
     ] = None,
     time_: Annotated[str, typer.Option("--time", metavar="real|fast", help="Fast jumps through motion.")] = "real",
-    trace: Annotated[
-        Optional[Path], typer.Option(metavar="FILE.csv", help="Write where the machine is, step by step.")
-    ] = None,
+    trace: TraceFile = None,
     idle: Annotated[
         bool, typer.Option("--idle/--no-idle", help="Keep or leave out the time in which nothing moves.")
     ] = True,
-    vcd: Annotated[
-        Optional[Path], typer.Option(metavar="FILE.vcd", help="Write the pins, for GTKWave or PulseView.")
-    ] = None,
-    start: Annotated[
-        Optional[str], typer.Option(metavar="X,Y", help="Where the head stands, in steps from the origin (random).")
-    ] = None,
-    bounce_ms: Annotated[int, typer.Option(min=0, max=1000, help="Barriers chatter this long after a change.")] = 0,
-    fault: Annotated[
-        Optional[List[str]], typer.Option(metavar="INPUT=dead|stuck[@MS]", help="A barrier that fails, from MS on.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Of all that is random: start and chatter.")] = 0,
+    vcd: VcdFile = None,
+    start: StartPlace = None,
+    bounce_ms: BounceMs = 0,
+    fault: Faults = None,
+    seed: Seed = 0,
 ):
     """Run the firmware on a virtual board, and a machine with it.
 

@@ -4,11 +4,11 @@ import signal
 import sys
 import time
 from pathlib import Path
-from typing import Annotated, List, Optional
+from typing import Annotated, Optional
 
 import typer
 
-from host_tools.cli.board import _pairs, _positions, _summary
+from host_tools.cli.board import BounceMs, Faults, Seed, StartPlace, TraceFile, VcdFile, _pairs, _positions, _summary
 from host_tools.failure import Failure
 
 SLICE_US = 2000  # how long the emulated Pico runs before its lines are served again
@@ -28,20 +28,12 @@ def emulate(
         Optional[int], typer.Option(min=0, max=65535, help="Serve the USB serial port on TCP. 0: any free port.")
     ] = None,
     blank: Annotated[bool, typer.Option("--blank", help="A Pico without files, to be flashed over --tcp.")] = False,
-    trace: Annotated[
-        Optional[Path], typer.Option(metavar="FILE.csv", help="Write where the machine is, step by step.")
-    ] = None,
-    vcd: Annotated[
-        Optional[Path], typer.Option(metavar="FILE.vcd", help="Write the pins, for GTKWave or PulseView.")
-    ] = None,
-    start: Annotated[
-        Optional[str], typer.Option(metavar="X,Y", help="Where the head stands, in steps from the origin (random).")
-    ] = None,
-    bounce_ms: Annotated[int, typer.Option(min=0, max=1000, help="Barriers chatter this long after a change.")] = 0,
-    fault: Annotated[
-        Optional[List[str]], typer.Option(metavar="INPUT=dead|stuck[@MS]", help="A barrier that fails, from MS on.")
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Of all that is random: start and chatter.")] = 0,
+    trace: TraceFile = None,
+    vcd: VcdFile = None,
+    start: StartPlace = None,
+    bounce_ms: BounceMs = 0,
+    fault: Faults = None,
+    seed: Seed = 0,
 ):
     """Run the firmware on an emulated Pico, and a machine with it.
 
@@ -60,13 +52,10 @@ def emulate(
     """
     from host_tools import boards
     from host_tools.emulator.binary import find_uf2, load_emulator
-    from passo.config.boardfile import BoardError
 
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: sys.exit(0))  # nothing runs yet that has to be ended
     load_emulator()
-    from host_tools.emulator.machine import EmulatedMachine
-
     uf2 = find_uf2()
     boards.load(board)
     options = {
@@ -77,17 +66,25 @@ def emulate(
     }
     if not blank:
         tell(f"building the firmware of {board}")
-    try:
-        machine = EmulatedMachine(board, {} if blank else None, trace, vcd, uf2, **options)
-    except (BoardError, ValueError) as error:
-        raise Failure(f"board {board}: {error}") from error
-    except OSError as error:
-        raise Failure(f"cannot write {error.filename}: {error.strerror}") from error
+    machine = _machine(board, {} if blank else None, trace, vcd, uf2, options)
     try:
         serve(machine, {0: uart0, 1: uart1}, tcp, blank)
     finally:
         machine.close()
     _summary(machine.plant)
+
+
+def _machine(board, files, trace, vcd, uf2, options):
+    """An EmulatedMachine of these arguments. Raises Failure for a wrong board file or place."""
+    from host_tools.emulator.machine import EmulatedMachine
+    from passo.config.boardfile import BoardError
+
+    try:
+        return EmulatedMachine(board, files, trace, vcd, uf2, **options)
+    except (BoardError, ValueError) as error:
+        raise Failure(f"board {board}: {error}") from error
+    except OSError as error:
+        raise Failure(f"cannot write {error.filename}: {error.strerror}") from error
 
 
 def tell(text):

@@ -9,6 +9,7 @@
 import re
 import time
 
+from host_tools.clients.client import Client
 from host_tools.clients.serial_port import LinkError, open_exclusively
 from host_tools.failure import Failure
 
@@ -27,25 +28,15 @@ class Refused(Failure):
         self.number = number
 
 
-class GrblClient:
+class GrblClient(Client):
     def __init__(self, port, baud=115200, timeout_s=5.0, log=None):
-        self.port = port
+        super().__init__(port, open_exclusively(port, baud, _SLICE_S), log)
         self.timeout_s = timeout_s
         self.status = {}  # fields of the last report; "state" is its first
         self.alarm = None
         self.banners = 0
-        self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
-        self._serial = open_exclusively(port, baud, _SLICE_S)
         self._buffer = b""
         self._heard = time.monotonic()  # time of the last byte received
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self._serial.close()
-        if self._log:
-            self._log.close()
 
     # --- bytes
 
@@ -53,19 +44,9 @@ class GrblClient:
         """Send real-time bytes at once."""
         self._write(data)
 
-    def _write(self, data):
-        self._note(">", data)
-        try:
-            self._serial.write(data)
-        except (OSError, ValueError) as error:
-            raise LinkError(f"port {self.port} went away: {error}") from error
-
     def lines(self):
         """Whole lines received; notes status, alarms and banners."""
-        try:
-            self._buffer += self._serial.read(max(1, self._serial.in_waiting))
-        except (OSError, TypeError, ValueError) as error:
-            raise LinkError(f"port {self.port} went away: {error}") from error
+        self._buffer += self._read()
         *whole, self._buffer = self._buffer.split(b"\n")
         if whole:
             self._heard = time.monotonic()

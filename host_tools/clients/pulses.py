@@ -8,6 +8,7 @@
 
 import time
 
+from host_tools.clients.client import Client
 from host_tools.clients.wire import LinkError, open_port
 from host_tools.failure import Failure
 from passo import error_texts
@@ -18,42 +19,24 @@ POLL_S = 0.1
 TIMEOUT_S = 5.0
 
 
-class PulsesClient:
+class PulsesClient(Client):
     def __init__(self, port, baud=115200, log=None):
-        self.port = port
-        self._serial = open_port(port, baud)
+        super().__init__(port, open_port(port, baud), log)
         self._serial.timeout = 0.01
-        self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
         self._part = b""
         self.acks = 0
         self.said = []  # what came unasked
 
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self._serial.close()
-        if self._log:
-            self._log.close()
-
     # --- the wire
 
     def send(self, data):
-        if self._log:
-            self._log.write(f"{time.time():.3f} > {data!r}\n")
-        try:
-            self._serial.write(data)
-        except (OSError, ValueError) as error:
-            raise LinkError(f"port {self.port} went away: {error}") from error
+        self._write(data)
 
     def lines(self):
         """The lines received since the last call; waits a little for one."""
-        try:
-            data = self._serial.read(max(1, self._serial.in_waiting))
-        except (OSError, TypeError, ValueError) as error:
-            raise LinkError(f"port {self.port} went away: {error}") from error
-        if data and self._log:
-            self._log.write(f"{time.time():.3f} < {data!r}\n")
+        data = self._read()
+        if data:
+            self._note("<", data)
         self.acks += data.count(ACK)
         *whole, self._part = (self._part + data.replace(ACK, b"")).split(b"\n")
         return [line.decode("ascii", "replace").strip() for line in whole]

@@ -11,6 +11,7 @@ only the steps made.
 
 import time
 
+from host_tools.clients.client import Client
 from host_tools.clients.wire import LinkError, open_port
 from host_tools.failure import Failure
 from passo import error_texts
@@ -25,38 +26,23 @@ class Refused(Failure):
     """The board dropped a frame."""
 
 
-class TorchClient:
+class TorchClient(Client):
     def __init__(self, port, baud=115200, timeout_s=3.0, log=None):
-        self.port = port
+        super().__init__(port, open_port(port, baud), log)
         self.timeout_s = timeout_s
-        self._serial = open_port(port, baud)
         self._serial.timeout = 0.01
         self._cutter = torch.answer_cutter()
         self._said = []
-        self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
         self.ours = None  # does the board know the words of Passo? None: not asked yet
         time.sleep(_IDLE_GAP_S)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self._serial.close()
-        if self._log:
-            self._log.close()
 
     # --- frames
 
     def send(self, data):
-        self._note(">", data)
-        try:
-            self._serial.write(data)
-        except (OSError, ValueError) as error:
-            raise LinkError(f"port {self.port} went away: {error}") from error
+        self._write(data)
 
-    def _note(self, arrow, data):
-        if self._log:
-            self._log.write(f"{time.time():.3f} {arrow} {data.hex(' ')}\n")
+    def _shown(self, data):
+        return data.hex(" ")
 
     def _listen(self, name, seconds):
         """The fields of the next answer of that name, or None."""
@@ -66,10 +52,7 @@ class TorchClient:
                 if told == name:
                     del self._said[: at + 1]
                     return fields
-            try:
-                data = self._serial.read(max(1, self._serial.in_waiting))
-            except (OSError, TypeError, ValueError) as error:
-                raise LinkError(f"port {self.port} went away: {error}") from error
+            data = self._read()
             if data:
                 self._note("<", data)
             self._cutter.put(data, int(time.monotonic() * 1000) & 0x1FFFFFFF)

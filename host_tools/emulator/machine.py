@@ -22,7 +22,7 @@ from host_tools.emulator.pico import EmulatedPico
 from host_tools.emulator.wiring import Wiring
 from host_tools.failure import Failure
 from host_tools.sim.plant import Plant
-from host_tools.sim.trace import Trace
+from host_tools.sim.recording import Recording
 from passo.config.boardfile import check
 
 STAND_STILL_MS = 600_000
@@ -56,18 +56,9 @@ class EmulatedMachine:
             files = written(board) if isinstance(board, dict) else firmware_files(str(board))
         self.pico = EmulatedPico(files=files or None, uf2=uf2, leave_out=leave_out)
         self.plant = Plant(self.board, **plant_options)
-        self._files = []
-        self.trace = None
-        if trace is not None:
-            self.trace = Trace(None if trace is True else trace, self.plant)
-            self._files.append(self.trace)
-        world = self.plant
-        if vcd is not None:
-            from host_tools.sim.vcd import VcdTap
-
-            world = VcdTap(vcd, self.board, self.plant)
-            self._files.append(world)
-        self.wiring = Wiring(self.pico, self.board, world, self.plant)
+        self._files = files = Recording(self.board, self.plant, trace, vcd)
+        self.trace = files.trace
+        self.wiring = Wiring(self.pico, self.board, files.world, self.plant)
         self._links = {link["name"]: link for link in self.board["links"]}
         self._first = self.board["links"][0]["name"]
         self._watches = {name: HomingWatch(link["protocol"], self._homed) for name, link in self._links.items()}
@@ -150,8 +141,7 @@ class EmulatedMachine:
     # --- the end
 
     def flush(self):
-        for file in self._files:
-            file.flush()
+        self._files.flush()
 
     def close(self):
         """Take the power away, let the pen come up, and close the files."""
@@ -159,5 +149,4 @@ class EmulatedMachine:
             self.wiring.unplug()
             self.plant.run(self.pico.cycle // CYCLES_PER_TICK + LAST_TICKS)
         finally:
-            while self._files:
-                self._files.pop().close()
+            self._files.close()

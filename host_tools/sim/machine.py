@@ -10,7 +10,7 @@ Time is virtual throughout, link time-outs included, so that a run is the same e
 
 from host_tools import boards
 from host_tools.sim.plant import Plant
-from host_tools.sim.trace import Trace
+from host_tools.sim.recording import Recording
 from passo.app import App
 from passo.config.boardfile import check
 from passo.ports.virtual import MemoryLine, VirtualPort
@@ -29,18 +29,9 @@ class Machine:
         loaded = boards.load(board) if isinstance(board, str) else board
         self.board = check(loaded)
         self.plant = Plant(self.board, **plant_options)
-        self._files = []
-        self.trace = None
-        if trace is not None:
-            self.trace = Trace(None if trace is True else trace, self.plant)
-            self._files.append(self.trace)
-        world = self.plant
-        if vcd is not None:
-            from host_tools.sim.vcd import VcdTap
-
-            world = VcdTap(vcd, self.board, self.plant)
-            self._files.append(world)
-        self.port = VirtualPort(self.board, world, mode, lines, sleep)
+        self._files = files = Recording(self.board, self.plant, trace, vcd)
+        self.trace = files.trace
+        self.port = VirtualPort(self.board, files.world, mode, lines, sleep)
         self.app = App(check(loaded), self.port, protocols)
         self._homing = False
         self._idle = idle
@@ -65,8 +56,7 @@ class Machine:
         self.trace.skip(port.now - before)
 
     def flush(self):
-        for file in self._files:
-            file.flush()
+        self._files.flush()
 
     def close(self):
         """Halt, outputs safe, let the pen come up, and close the files."""
@@ -74,8 +64,7 @@ class Machine:
             self.app.stop()
             self.port.advance(LAST_TICKS)
         finally:
-            for file in self._files:
-                file.close()
+            self._files.close()
 
 
 class VirtualMachine(Machine):

@@ -1,0 +1,47 @@
+"""What the clients of several languages have in common: an open port that may go away, and a log of what passes.
+
+    class GrblClient(Client): …         # with GrblClient(…) as client: closes port and log at its end
+"""
+
+import time
+
+from host_tools.clients.serial_port import LinkError
+
+
+class Client:
+    def __init__(self, port, opened, log):
+        """`opened`: the pyserial port of the name `port`; `log`: path of a file that gets a line each way, or None."""
+        self.port = port
+        self._serial = opened
+        self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self._serial.close()
+        if self._log:
+            self._log.close()
+
+    def _write(self, data):
+        """Send bytes, and log them. Raises LinkError."""
+        self._note(">", data)
+        try:
+            self._serial.write(data)
+        except (OSError, ValueError) as error:
+            raise LinkError(f"port {self.port} went away: {error}") from error
+
+    def _read(self):
+        """The bytes received, after a short wait if there are none. Raises LinkError."""
+        try:
+            return self._serial.read(max(1, self._serial.in_waiting))
+        except (OSError, TypeError, ValueError) as error:
+            raise LinkError(f"port {self.port} went away: {error}") from error
+
+    def _note(self, arrow, data):
+        if self._log:
+            self._log.write(f"{time.time():.3f} {arrow} {self._shown(data)}\n")
+
+    def _shown(self, data):
+        """Bytes as the log has them."""
+        return repr(data)
