@@ -250,11 +250,9 @@ OWNERS = {"planner": "motion", "feeder": "steps", "ring": "steps", "player": "po
 
 # {attribute: why others than its room may assign it}
 ASSIGNED = {
-    "open": "the feeder's flag, which an interrupt reads",
-    "brake": "the feeder's flag, which an interrupt reads",
-    "hold": "the feeder's flag, which an interrupt reads",
+    "open": "the feeder's flag, set each cycle, which an interrupt reads: a call would cost 10 µs",
+    "brake": "likewise",
     "start": "the interlock looks at words before the player gets them",
-    "late": "the feeder's count of interrupts that came too late",
 }
 
 

@@ -213,7 +213,7 @@ class Queue:
         self._planner.set_power(0, self._planner.dynamic)
         self.power(0)
         self.tool = self.waiting = False
-        self._feeder.hold = False
+        self._feeder.set_hold(False)
         self.lead([position[axis] - self._origin[axis] for axis in range(len(position))])
 
     def dynamic(self):
@@ -243,7 +243,7 @@ class Queue:
         return self._planner.playing()
 
     def hold(self, on):
-        self._feeder.hold = on
+        self._feeder.set_hold(on)
 
     def lit(self):
         """True while the tool's bit is on at the pins."""

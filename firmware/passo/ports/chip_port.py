@@ -219,7 +219,7 @@ class ChipPort:
                 else:
                     amid = feeder.fill(played, self.lead_ticks)
                     if player.start() and amid:
-                        feeder.late += 1  # making these took longer than those before them lasted
+                        feeder.count_late()  # making these took longer than those before them lasted
                 if self._pwm is not None and self._laser is None:
                     self.power(feeder.ring.power.level)
             except Exception as error:  # out of here it would end the timer, and leave the tool as it is
@@ -245,7 +245,7 @@ class ChipPort:
                 return
             lead_ticks += _FIRST_TICKS
             if feeder.amid() and not player.busy():
-                feeder.late += 1
+                feeder.count_late()
             feeder.fill(played, lead_ticks)  # lead and lateness count from where it stood
 
     def trip(self, item):  # ISR: no allocation

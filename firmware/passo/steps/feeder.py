@@ -60,9 +60,10 @@ class Feeder(Position):
         state[FEED_SETUP] = setup_ticks
         state[FEED_TOOL] = layout.tool_mask
         state[FEED_DRIVE] = 0 if drive is None else 1
+        # Two flags that app and port set each cycle, where a call would cost 10 µs; an interrupt reads them.
         self.open = True  # the main loop closes it while the motors are not ready, or while it stops the machine
-        self.hold = False  # set: come to a stand on the path; cleared: go on
-        self.brake = False  # the same, set by the port for as long as the main loop does not run
+        self.brake = False  # as `hold`, set by the port for as long as the main loop does not run
+        self.hold = False  # see set_hold()
         self.late = 0  # times the player ran dry inside a block
         if drive is not None:
             ring.words[ring.mask] = drive.levels()  # the pins before the first word
@@ -138,6 +139,14 @@ class Feeder(Position):
         )
         self.ring.head = state[FEED_HEAD]
         return what
+
+    def set_hold(self, on):
+        """True: come to a stand on the path. False: go on."""
+        self.hold = on
+
+    def count_late(self):  # ISR: no allocation
+        """The player ran dry while words were made."""
+        self.late += 1
 
     def standing(self):  # ISR: no allocation
         """True when a hold has come to its stand; the words already made may still be playing."""
