@@ -93,6 +93,8 @@ class Machine:
     def __init__(self, world=None, slots=None, whole=True, **changes):
         board = check(BOARD)
         board.update(changes)
+        if "interlock" in changes:
+            board = check(board)  # the port wants it compiled
         self.world = world or World()
         self.port = VirtualPort(board, self.world)
         self.slots = slots or MemorySlots()

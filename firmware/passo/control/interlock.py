@@ -115,7 +115,7 @@ class InterlockWatch:
             bit = INTERLOCK_OUTPUTS << number
             if not lost & bit:
                 continue
-            blamed = interlock.blamed(bit)
+            blamed = interlock.blamed(bit, True)
             if self._outputs[number] == "enable":
                 machine.motors.release()
                 if not machine.alarm:

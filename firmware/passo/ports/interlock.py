@@ -43,6 +43,7 @@ class Interlock:
         self.lost = 0  # outputs that were switched off: see take_lost()
         self.glitches = array("i", [0] * len(self._names))  # changes of each input that did not last
         self.trips = array("i", [0] * len(self._names))
+        self._lost_states = 0  # the inputs when the last was
         self._wrong = self._wrong_states = 0  # of the last halt: what was forbidden, and the inputs then
         self._player = self._state = self._segments = self._start = self._hold = self._halt = self._played = None  # see join()
         self.items = ()  # the port's inputs, in the board file's order
@@ -106,6 +107,7 @@ class Interlock:
             self.asked &= ~lost
             self.granted &= ~lost
             self.lost |= lost
+            self._lost_states = self.states
             self.put(lost, 0)
         if self._player is not None and (
             ahead(self._state, self._segments, self._played(), forbidden & ~INTERLOCK_TOOL)
@@ -133,6 +135,7 @@ class Interlock:
         self.asked &= ~lost
         self.granted &= ~lost
         self.lost |= lost
+        self._lost_states = self.states
         self.put(lost, 0)
 
     # --- main loop
@@ -144,9 +147,8 @@ class Interlock:
         self.trips[number] += 1
         return self._names[number]
 
-    def cause(self, wrong, states=None):
+    def cause(self, wrong, states):
         """The number of the input to blame for what is `wrong`: of the product that wants the fewest changes, the first."""
-        states = self.states if states is None else states
         table = self._table
         best, number = 99, 0
         for at in range(PERMIT_FIRST, len(table), PERMIT_FIELDS):
@@ -161,9 +163,9 @@ class Interlock:
                     best, number = count, first
         return number
 
-    def blamed(self, wrong):
-        """The name of the input that forbids `wrong` now."""
-        return self._names[self.cause(wrong)]
+    def blamed(self, wrong, lost=False):
+        """The name of the input that forbids `wrong` now; `lost`: that did so when an output was lost."""
+        return self._names[self.cause(wrong, self._lost_states if lost else self.states)]
 
     def stops(self, name):
         """True for a limit and an input that halts, which have an alarm of their own."""
@@ -203,6 +205,7 @@ class Interlock:
             self.asked &= ~bit
             if on:
                 self.lost |= bit
+                self._lost_states = self.states
         return bool((self.asked | self.granted) & bit)
 
     def grants(self):

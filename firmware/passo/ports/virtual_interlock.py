@@ -19,7 +19,7 @@ class VirtualInterlock(Interlock):
         self._ticks = [int(us * _TICKS_PER_US) for us in self.filters_us]
         self._amid = False  # the world is being told of an edge
         self._pulses = self._tool = 0  # masks of the player's pins
-        self._due = {}  # number: tick at which its change has lasted
+        self._due = {}  # number: (tick at which its change has lasted, active)
         self._offs = [(item["name"], 1 - item["active"]) for item in board["outputs"]]
         self.attach = world.attach
         self._switch = world.output
@@ -60,7 +60,7 @@ class VirtualInterlock(Interlock):
     def next_event(self):
         due = self._world.next_event()
         late = self._port.now + 1 if self._pulse() else 0  # it waits for the pulse's end
-        for tick in self._due.values():
+        for tick, _ in self._due.values():
             tick = max(tick, late)
             due = tick if due is None or tick < due else due
         return due
@@ -82,17 +82,18 @@ class VirtualInterlock(Interlock):
             if self._due.pop(number, None) is not None:
                 self.glitches[number] += 1
         elif (self.rise if active else self.fall) >> number & 1 and number not in self._due:
-            self._due[number] = tick + self._ticks[number]
+            self._due[number] = tick + self._ticks[number], active
             self._let(tick)
 
     def _let(self, tick):
         """Changes that have lasted by `tick` count."""
         if self._amid or self._pulse():
             return
-        for number, due in list(self._due.items()):
+        for number, (due, active) in list(self._due.items()):
             if due <= tick and number in self._due:
                 del self._due[number]
-                self.change(number, not self.states >> number & 1)
+                if self.states >> number & 1 != active:  # else the main loop has been first
+                    self.change(number, active)
 
     def now(self):
         """The inputs as they are, a bit each: 1 active."""

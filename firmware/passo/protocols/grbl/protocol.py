@@ -279,6 +279,8 @@ class Grbl:
         if event.kind == REFUSED and not self._failed_homing(event):
             self._rest = []
             self.gcode.forget_place()
+            if command.kind == commands.SPINDLE:
+                self.gcode.spindle = 5
             return (text + self._answer("error:%d" % event.error)).encode()
         if command.kind == commands.PROBE and event.value:
             text += self._probed(event.value)
