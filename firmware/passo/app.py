@@ -74,7 +74,8 @@ class App:
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)))
         self.player = port.player(self.ring, self.layout, board)  # whose pins follow the settings
         inverted = bool(settings.turned(ENABLE_INVERT)) and not board["interlock"]  # which knows the board file's only
-        self._motors = Motors(port, self.player, self.layout, self._drive, off_levels, board, inverted)
+        coils = None if self.layout.kind == "step_dir" else self._drive
+        self._motors = Motors(port, self.player, self.layout, coils, off_levels, board, inverted)
         queue = self._make_queue(machine_builder, settings, "program" in names)
         serials = [port.serial(link) for link in board["links"]]
         kinds = machine_builder.load(names)
@@ -106,7 +107,7 @@ class App:
         least = self.player.min_word_ticks
         builder.check_speed(board, least)
         settings.limit_steps(min(TICKS_PER_S // (2 * least), self.ring.size * _CALLS_S // 2))
-        setup = us_to_ticks(board["drive"]["setup_us"]) if self._drive is None else 0
+        setup = us_to_ticks(board["drive"]["setup_us"]) if self.layout.kind == "step_dir" else 0
         self.feeder = Feeder(self.ring, self.layout, self.planner, self._drive, setup and max(setup, least), least)
         self.interrupt = self.port.feed_from_interrupt(self.feeder, self.player)
         self._motors.release()

@@ -74,6 +74,7 @@ TEXTS = {
     errors.INTERLOCKED: "the interlock forbids it: the log names the input",
     errors.STEPS_MADE_UP: "an encoder missed steps at the end of a move, and they were made up for: the log says how many",
     errors.POSITION_VERIFIED: "after a halt the encoders have told the position: it is known again",
+    errors.SQUARED: "a motor of the gantry was behind, and was stepped alone: the log says which, and by how many steps",
     errors.NO_MEMORY: "no memory is left for arcs: the board file's speeds take it",
     errors.ALARM_LOCKED: "locked: where the machine stands is not known until it is homed",
     errors.ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit: the position may be lost",
@@ -88,6 +89,7 @@ TEXTS = {
     errors.ALARM_TWO_MOTORS: "homing: the second motor's switch was not found",
     errors.ALARM_INTERLOCK: "the interlock has stopped the machine: the log names the input; the position may be lost",
     errors.ALARM_STEPS_MISSING: "an encoder says that steps are missing, or too many: the log says how many, and where",
+    errors.ALARM_GANTRY: "the two motors of the gantry are too far apart: the log names both counts",
 }
 
 

@@ -76,6 +76,7 @@ DRIVES_OFF = const(130)
 INTERLOCKED = const(131)
 STEPS_MADE_UP = const(140)
 POSITION_VERIFIED = const(141)
+SQUARED = const(142)
 
 ALARM_LOCKED = const(200)
 ALARM_HARD_LIMIT = const(201)
@@ -90,6 +91,7 @@ ALARM_SENSOR_DEAD = const(209)
 ALARM_TWO_MOTORS = const(210)
 ALARM_INTERLOCK = const(220)
 ALARM_STEPS_MISSING = const(230)
+ALARM_GANTRY = const(231)
 NEED_RESET = (ALARM_HARD_LIMIT, ALARM_SOFT_LIMIT, ALARM_INTERLOCK)
 
 # Notices are no errors: the machine tells what it did of its own accord.
@@ -107,3 +109,4 @@ NOTICE_PAUSE = const(11)
 NOTICE_TOOL = const(12)  # with the number of the tool
 NOTICE_SPINDLE = const(13)
 NOTICE_STEPS_MISSING = const(14)  # with which, and where
+NOTICE_GANTRY = const(15)  # with both counts

@@ -24,6 +24,7 @@ FEATURES = (
     ("interlock", "InterlockWatch", lambda board: board["interlock"]),
     ("switches", "Switches", lambda board: board["inputs"]),
     ("homing", "Homing", lambda board: board["homing"]),
+    ("gantry", "GantryWatch", lambda board: board["gantry"]),
     ("encoders", "EncoderWatch", lambda board: board["encoders"]),
     ("drawing", "Drawing", None),
     ("changeover", "Changeover", lambda board: [item for item in board["outputs"] if item["role"] != "none"]),
@@ -40,6 +41,8 @@ FEATURES = (
 
 def load_all(board, whole):
     """Import what App will ask for, so that all code is there before there is anything else. `whole`: as App's."""
+    if board["encoders"] or board["gantry"]:
+        forget("motor_keys")
     names = wanted(board, languages(board))
     modules = _OF_ALL
     if "program" in names:
@@ -101,6 +104,13 @@ def make_drive(board):
     kind = board["drive"]["kind"]
     names = [axis["name"] for axis in board["axes"]]
     count = len(names)
+    gantry = board.get("gantry")
+    if gantry:
+        from passo.drives.gantry import GantryDrive, pin_names
+
+        pins = pin_names(names, gantry["axis"] + "2")
+        layout = Layout(kind, count, 2 * count + 2, pins, (2 << count) - 1, count + 1)
+        return layout, GantryDrive(count, names.index(gantry["axis"])), 0
     if kind == "step_dir":
         from passo.drives import step_dir
 

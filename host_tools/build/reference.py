@@ -55,6 +55,13 @@ def board_keys():
     return rows[1:]
 
 
+def all_rules(boardfile):
+    """The whole schema, with the keys that few boards have."""
+    from passo.config import motor_keys
+
+    return motor_keys.extended(boardfile._BOARD)
+
+
 def keys(rules, prefix=""):
     """The dotted paths of all keys of a schema that have no section of their own."""
     for key, rule in rules.items():
@@ -67,9 +74,10 @@ def keys(rules, prefix=""):
 
 def _section(boardfile, name):
     """(the rules of a section, what to say of its presence)."""
+    rules = all_rules(boardfile)
     if not name:
-        return boardfile._BOARD, ""
-    rule = boardfile._BOARD[name]
+        return rules, ""
+    rule = rules[name]
     optional = " May be left out."
     if isinstance(rule, list):
         return rule[0], f" {rule[1]} … {rule[2]} of them." + ("" if rule[1] else optional)

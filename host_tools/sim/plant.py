@@ -15,6 +15,7 @@ The board file gives axes, drive, polarity, travel and pen delays; what it canno
     bounce_ms    barriers chatter for up to this long after each change
     faults       {input: "dead" or "stuck"}: the barrier never, or always, reads active; "dead@2000" from that
                  millisecond on
+    racked       steps that the second side of a gantry stands beyond the first
     seed         of all that is random
 """
 
@@ -29,7 +30,7 @@ MAX_ERRORS = 1000  # kept by `errors`; `error_count` goes on
 
 
 class Plant:
-    def __init__(self, board, start=None, bounce_ms=0, faults=None, seed=0):
+    def __init__(self, board, start=None, bounce_ms=0, faults=None, seed=0, racked=0):
         self._random = random.Random(seed)
         self.errors = []  # (tick, text)
         self.error_count = 0
@@ -52,10 +53,11 @@ class Plant:
         self._open_relays = set(self._relays)
         self._due = NEVER
         self._build_carriages(start)
+        self._build_gantry(racked)
         self._build_barriers(bounce_ms, dict(faults or {}))
         self.encoders = {}  # by motor, in the board file's order
         for item in self._board.get("encoders", ()):
-            carriage = next(carriage for carriage in self.carriages if carriage.name == item["motor"])
+            carriage = self._carriage(item["motor"])
             sign = -1 if item["reversed"] else 1
             self.encoders[item["motor"]] = Encoder(carriage, item["pulses"], item["steps"], sign)
         self._in_order = list(self.encoders.values())
@@ -90,6 +92,21 @@ class Plant:
             self.carriages.append(Carriage(axis["name"], at, low, high, self.report))
             self.position[i] = at
 
+    def _build_gantry(self, racked):
+        """The second side of a gantry: a carriage of its own, as far as the frame lets it."""
+        self.second = self._watching_second = None
+        self._gantry = gantry = self._board.get("gantry")
+        self._second_mask = 0
+        if gantry:
+            self._gantry_axis = [axis["name"] for axis in self._board["axes"]].index(gantry["axis"])
+            first = self.carriages[self._gantry_axis]
+            room = gantry.get("rack_steps", 200) + 100
+            self.second = Carriage(first.name + "2", first.position + racked, first.low - room, first.high + room, self.report)
+
+    def racked(self):
+        """Steps that the second side of a gantry stands beyond the first."""
+        return self.second.position - self.carriages[self._gantry_axis].position
+
     def _build_barriers(self, bounce_ms, faults):
         homing = self._board.get("homing") or {}
         names = [axis["name"] for axis in self._board["axes"]]
@@ -108,6 +125,19 @@ class Plant:
                 high,
             )
             self._place(sensor, names.index(axis), barrier)
+            if self._gantry and self._gantry.get("sensor") and axis == self._gantry["axis"]:
+                offset = self._gantry.get("offset_steps", 0)
+                self._watching_second = Barrier(
+                    self._gantry["sensor"],
+                    homing["pull_off_steps"] + offset if high else -homing["pull_off_steps"] - offset,
+                    self.second.position,
+                    bounce_ms * TICKS_PER_MS,
+                    faults.pop(self._gantry["sensor"], None),
+                    random.Random(self._random.random()),
+                    high,
+                )
+                self.barriers[self._gantry["sensor"]] = self._watching_second
+                self._levels[self._gantry["sensor"]] = self._level(self._watching_second, 0)
         margin = MARGIN_MM // 2
         for direction, limit in ((self._board.get("interlock") or {}).get("limits") or {}).items():
             if limit in self.barriers:
@@ -158,6 +188,8 @@ class Plant:
             else:
                 decoder = Pbl3770a(mode, bit[name + "_ph_a"], 0, self.report)
             self._decoders.append(decoder)
+        if self._gantry:
+            self._attach_second(bit, inverted)
         # A coil motor mounted the other way round turns backward by the same sequence.
         mirrored = [kind != "step_dir" and axis.get("reversed", False) for axis in self._board["axes"]]
         self._signs = [-1 if turned else 1 for turned in mirrored]
@@ -174,6 +206,23 @@ class Plant:
             )
         )
 
+    def _attach_second(self, bit, inverted):
+        name = self.second.name
+        step, direction = bit[name + "_step"], bit[name + "_dir"]
+        reversed_axis = self._board["axes"][self._gantry_axis].get("reversed", False)
+        polarity = inverted | (1 << direction if reversed_axis != self._gantry.get("opposite", False) else 0)
+        times = self._board["drive"].get("pulse_us", 2), self._board["drive"].get("setup_us", 5)
+        self._second_decoder = StepDir(step, direction, polarity, *times, self.report)
+        self._second_mask = self._second_decoder.mask
+
+    def _move_second(self, tick, levels, changed):
+        steps = self._second_decoder.decode(tick, levels, changed)
+        barrier = self._watching_second
+        if steps and self._move(tick, self.second, steps) and barrier is not None:
+            if (self.second.position <= barrier.last) != barrier.below:
+                barrier.cross(tick)
+                self._show(tick, barrier)
+
     def edges(self, tick, levels, changed):
         if tick >= self._due:
             self.run(tick)
@@ -189,6 +238,8 @@ class Plant:
                         self._show(tick, barrier)
                     if i in self._others:
                         self._cross(tick, i, at)
+        if changed & self._second_mask:
+            self._move_second(tick, levels, changed)
         if moved and self.trace is not None:
             self.trace.row(tick, self.position, self.tool)
         if changed & self._tool_mask:
@@ -278,7 +329,7 @@ class Plant:
         self.encoders[motor].lost += counts
 
     def _carriage(self, motor):
-        return next(carriage for carriage in self.carriages if carriage.name == motor)
+        return next(carriage for carriage in [*self.carriages, self.second] if carriage and carriage.name == motor)
 
     def listen(self, callback):
         """Call callback(tick, name, level) at each change of an input."""

@@ -149,7 +149,7 @@ def test_made_pages_are_current(name):
 def test_every_key_has_a_meaning():
     from host_tools.build.board_keys import MEANINGS
 
-    assert set(reference.keys(boardfile._BOARD)) == set(MEANINGS)
+    assert set(reference.keys(reference.all_rules(boardfile))) == set(MEANINGS)
 
 
 def source():

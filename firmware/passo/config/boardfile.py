@@ -102,16 +102,6 @@ _INTERLOCK = {
     "release_ms": (int, 20, 1, 1000),  # what a changed input allows is allowed once it has lasted so long
     "unasked_ms": (int, 0, 0, 60_000),  # so long at rest before outputs go on that rows switch on by themselves; 0: never
 }
-_ENCODER = {
-    "motor": (str, MUST, 1, 2),  # the axis it is on
-    "pins": (list, MUST, 2, 2),  # A and B
-    "pulses": (int, MUST, 1, 5000),  # a turn: four counts each
-    "steps": (int, MUST, 1, 200_000),  # of the motor, a turn
-    "reversed": (bool, False, 0, 1),
-    "limit_steps": (int, 8, 1, 1000),  # a following error beyond it stops the machine
-    "correct": (bool, False, 0, 1),  # make up for what is missing at the end of a move
-    "settle_ms": (int, 50, 1, 10_000),  # after which a motor at rest has come to rest
-}
 _LINK = {
     "name": (str, MUST, 1, 16),
     "port": (str, MUST, 1, 16),
@@ -132,7 +122,8 @@ _BOARD = {
     "tool": _TOOL,
     "inputs": [_INPUT, 0, 24],
     "outputs": [_OUTPUT, 0, 16],
-    "encoders": [_ENCODER, 0, 4],
+    "encoders": [{}, 0, 0],  # the rules of these two are in motor_keys.py
+    "gantry": {},
     "homing": _HOMING,
     "interlock": _INTERLOCK,
     "speed": _SPEED,
@@ -147,8 +138,9 @@ _BOARD = {
     "links": [_LINK, 1, 4],
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
-_OPTIONAL = ("homing", "interlock", "jog", "planning", "spindle", "step_program")
-_ABSENT = ("homing", "interlock", "step_program")  # None if the board file has none
+_WHOLE = "the board file"
+_OPTIONAL = ("homing", "gantry", "interlock", "jog", "planning", "spindle", "step_program")
+_ABSENT = ("homing", "gantry", "interlock", "step_program")  # None if the board file has none
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
@@ -156,12 +148,19 @@ PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 
 def check(board):
     """The board with its defaults. Raises BoardError at the first thing wrong."""
-    board = _section("the board file", board, _BOARD)
+    rules = _BOARD
+    more = None
+    if isinstance(board, dict) and (board.get("encoders") or board.get("gantry")):
+        from passo.config import motor_keys as more  # most boards have neither; the machine builder forgets it
+
+        rules = more.extended(_BOARD)
+    board = _section(_WHOLE, board, rules)
     _check_clock(board)
     _check_pins(board)
     _check_order(board)
     _check_homing(board)
-    _check_encoders(board)
+    if more is not None:
+        more.check(board)
     _check_links(board)
     _check_step_program(board)
     _check_interlock(board)
@@ -179,7 +178,7 @@ def _section(where, data, rules):
     for key in data:
         if key not in rules:
             raise BoardError("%s: unknown key %r; known are %s" % (where, key, ", ".join(sorted(rules))))
-    prefix = "" if rules is _BOARD else where + "."
+    prefix = "" if where is _WHOLE else where + "."
     return {key: _value(prefix + key, data, key, rule) for key, rule in rules.items()}
 
 
@@ -246,6 +245,9 @@ def claimed_pins(board):
         claims.append((item["pin"], "input %s" % item["name"]))
     for item in board["outputs"]:
         claims.append((item["pin"], "output %s" % item["name"]))
+    if board["gantry"]:
+        for pin in board["gantry"]["pins"]:
+            claims.append((pin, "axis %s2" % board["gantry"]["axis"]))
     for item in board["encoders"]:
         for pin in item["pins"]:
             claims.append((pin, "input of encoder %s" % item["motor"]))
@@ -258,7 +260,7 @@ def claimed_pins(board):
 
 def _check_pins(board):
     kind = board["drive"]["kind"]
-    most = (MOST_BITS - 1) // PINS_OF[kind]
+    most = (MOST_BITS - 1) // PINS_OF[kind] - (1 if board["gantry"] else 0)
     if len(board["axes"]) > most:
         raise BoardError("axes: %d are too many for a %s drive; it moves %d" % (len(board["axes"]), kind, most))
     for axis in board["axes"]:
@@ -321,21 +323,6 @@ def _check_interlock(board):
         section["masks"] = interlock_table.compile_rows(board)
         for key in ("rows", "signals", "elsewhere"):
             del section[key]
-
-
-def _check_encoders(board):
-    """Each motor has one; on an rp2 chip PIO block 1 counts them, pins side by side."""
-    motors = [axis["name"] for axis in board["axes"]]
-    named = [item["motor"] for item in board["encoders"]]
-    for item in board["encoders"]:
-        motor = item["motor"]
-        if motor not in motors or named.count(motor) > 1:
-            raise BoardError("encoders: %r has to be one of %s, each once" % (motor, ", ".join(motors)))
-        if board["drive"]["kind"] != "step_dir":
-            raise BoardError("encoder %s: encoders want a step_dir drive" % motor)
-        a, b = item["pins"]
-        if board["chip"].startswith("rp2") and b != a + 1:
-            raise BoardError("encoder %s: its PIO program wants B on the pin next to A, [%d, %d]" % (motor, a, a + 1))
 
 
 def _check_homing(board):

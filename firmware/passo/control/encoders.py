@@ -30,6 +30,11 @@ class EncoderWatch:
         self._encoders = machine.encoders
         self._axes = [axis["name"] for axis in board["axes"]]
         self._correct = [item["correct"] for item in board["encoders"]]
+        self._first = self._second = -1  # the encoders of a gantry
+        gantry = board["gantry"]
+        if gantry and gantry["axis"] in machine.encoders.names and gantry["axis"] + "2" in machine.encoders.names:
+            self._first = machine.encoders.names.index(gantry["axis"])
+            self._second = machine.encoders.names.index(gantry["axis"] + "2")
         self._settle_ms = max([item["settle_ms"] for item in board["encoders"]])
         names = machine.encoders.names
         homing = board["homing"]
@@ -112,8 +117,8 @@ class EncoderWatch:
         elif any(off):
             if self._machine.motors.state == RELEASED:
                 self._follow(off)
-            elif not self._settled:
-                self._make_up(off)
+            elif not self._settled and not self._make_up(off):
+                return
         else:
             self._tries = 0
         self._settled = True
@@ -133,7 +138,7 @@ class EncoderWatch:
     def _follow(self, off):
         """The machine stands where the encoders say."""
         for number in range(len(off)):
-            if off[number]:
+            if off[number] and number != self._second:
                 self._take(number, off[number])
         self._queue.settle()
 
@@ -141,19 +146,23 @@ class EncoderWatch:
         encoders = self._encoders
         self._queue.shift(encoders.axis(number), steps)
         encoders.take(number, steps)
+        if number == self._first:
+            encoders.take(self._second, steps)  # the lag stays, until it is squared
         self._checks = encoders.checks
 
     def _make_up(self, off):
-        """Steps are missing at the end of a move."""
+        """Steps are missing at the end of a move. False if that is to be seen to later."""
         machine = self._machine
         if machine.alarm or machine.hold or machine.command is not None:
-            return
+            return True
         missing = 0
         for number in range(len(off)):
             if off[number] and self._correct[number]:
                 missing |= 1 << number
         if not missing:
-            return
+            return True
+        if self._second >= 0 and off[self._first] != off[self._second]:
+            return False  # first the gantry has to be square
         self._tries += 1
         if self._tries > _TRIES:
             self._tries = 0
@@ -161,12 +170,13 @@ class EncoderWatch:
             machine.raise_alarm(errors.ALARM_STEPS_MISSING, who)
             machine.notice(errors.NOTICE_STEPS_MISSING, who)
             self._homed = False
-            return
+            return True
         self._note(errors.STEPS_MADE_UP, off)
         for number in range(len(off)):
-            if missing >> number & 1:
+            if missing >> number & 1 and number != self._second:
                 self._take(number, off[number])
                 self._queue.travel(self._encoders.axis(number), -off[number], self._speed(self._encoders.axis(number)))
+        return True
 
     def _note(self, number, off):
         names = self._encoders.names

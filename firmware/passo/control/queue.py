@@ -238,6 +238,10 @@ class Queue:
         self.analogue.show(self._player.played(), on)
         self.power(self.analogue.level)
 
+    def lend(self):
+        """(feeder, player) for who moves pins at a stand."""
+        return self._feeder, self._player
+
     def playing(self):
         """The block under way, or None."""
         return self._planner.playing()

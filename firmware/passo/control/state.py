@@ -284,7 +284,8 @@ class MachineState:
             # It comes to its stand as it should: where it is remains known.
             self.drop_at_stand()
             self.forget()
-        elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET, errors.ALARM_STEPS_MISSING):
+        elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET, errors.ALARM_STEPS_MISSING,
+            errors.ALARM_GANTRY):
             self.abort()
             self.forget()
             self.homed = False

@@ -79,7 +79,7 @@ class ChipPort:
             from passo.ports.pin_interlock import PinInterlock  # here: most boards have none
 
             self.interlock = PinInterlock(board, self, self._inputs, self._outputs)
-        self.encoders = self._encoders(board) if board["encoders"] else None
+        self.encoders = None  # a chip's Port makes it, if the board file has any
 
     # --- what the contract of ports asks for
 
@@ -92,12 +92,6 @@ class ChipPort:
             line = UartLine(link)
         self._lines.append(line)
         return line
-
-    def _encoders(self, board):
-        """What counts the board file's encoders."""
-        from passo.ports.pin_encoders import PinEncoders
-
-        return PinEncoders(board, self)
 
     def _console(self):
         """What tells how many bytes the console has received; None: nothing does."""

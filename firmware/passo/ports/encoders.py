@@ -55,6 +55,13 @@ class Encoders:
         self._place = array("i", [0] * self._axes)
         self._after = array("i", [0] * self._axes)
         self._zeros = array("i", [0] * len(entries))  # totals that are shown as 0
+        self._first = self._second = self._lag = 0  # of a gantry's motors: where in the table they are, and the largest lag
+        gantry = board["gantry"]
+        if gantry and gantry["axis"] in self.names and gantry["axis"] + "2" in self.names:
+            self._first = self.names.index(gantry["axis"]) * FOLLOW_FIELDS
+            self._second = self.names.index(gantry["axis"] + "2") * FOLLOW_FIELDS
+            self._lag = gantry["limit_steps"] * self.table[self._first + FOLLOW_NUM]
+        self.lagging = False  # the player was halted for the gantry's lag
         self.armed = False  # an error beyond its limit halts the player
         self.beyond = 0  # mask of the encoders that it was halted for
         self.checks = 0  # modulo 2²⁹
@@ -83,8 +90,13 @@ class Encoders:
         follower.add(before, played, after)
         self.checks = (self.checks + 1) & COUNT_MASK
         beyond = follow(self.table, len(self.counts), self.counts, place, after)
-        if beyond and self.armed:
+        lagging = False
+        if self._lag:
+            lag = self.table[self._second + FOLLOW_ERROR] - self.table[self._first + FOLLOW_ERROR]
+            lagging = lag > self._lag or lag < -self._lag
+        if (beyond or lagging) and self.armed:
             self.beyond = beyond
+            self.lagging = lagging
             self.armed = False
             self._port.trip(self)
 
@@ -97,6 +109,12 @@ class Encoders:
         """What a motor has turned beyond what was stepped: steps, rounded."""
         num = self.table[number * FOLLOW_FIELDS + FOLLOW_NUM]
         return (2 * self.table[number * FOLLOW_FIELDS + FOLLOW_ERROR] + num) // (2 * num)
+
+    def lag(self):
+        """What a gantry's second motor has turned beyond the first: steps, rounded."""
+        num = self.table[self._first + FOLLOW_NUM]
+        lag = self.table[self._second + FOLLOW_ERROR] - self.table[self._first + FOLLOW_ERROR]
+        return (2 * lag + num) // (2 * num)
 
     def take(self, number, steps):
         """`steps` of a motor's error are accounted for, from the next check on."""

@@ -203,8 +203,12 @@ def make(
             setup = state[FEED_SETUP]
             if setup:
                 words[head & state[FEED_MASK]] = (setup << bits) | levels
+                owed = state[FEED_DEBT]
+                if state[FEED_DRIVE]:
+                    state[FEED_DEBT] = 0  # a set-up time is never shortened
+                    settle(head & state[FEED_MASK], 1)
                 head = (head + 1) & COUNT_MASK
-                state[FEED_DEBT] += setup
+                state[FEED_DEBT] = owed + setup
                 state[FEED_TICKS] = (state[FEED_TICKS] + setup) & COUNT_MASK
         at = head & state[FEED_MASK]
         ends = 0

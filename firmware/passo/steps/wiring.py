@@ -6,10 +6,12 @@ COIL_WORD_TICKS = us_to_ticks(4)  # the shortest word without a pulse: what a re
 
 
 def word_pins(board):
-    """Pin numbers in the order of a word's bits, the tool last. STEP/DIR: all STEPs, then all DIRs."""
+    """Pin numbers in the order of a word's bits, the tool last. STEP/DIR: all STEPs, then all DIRs, a gantry's second motor behind
+    the axes."""
     axes = board["axes"]
     if board["drive"]["kind"] == "step_dir":
-        pins = [axis["pins"][0] for axis in axes] + [axis["pins"][1] for axis in axes]
+        motors = axes + ([board["gantry"]] if board.get("gantry") else [])
+        pins = [motor["pins"][0] for motor in motors] + [motor["pins"][1] for motor in motors]
     else:
         pins = [pin for axis in axes for pin in axis["pins"]]
     return pins + [board["tool"]["pin"]]
@@ -30,10 +32,14 @@ def inverted_pins(board, layout):
     mask = 0 if board["tool"].get("active", 1) else layout.tool_mask
     if layout.kind == "step_dir":
         if not board["drive"].get("step_active", 1):
-            mask |= layout.step_mask
+            mask |= (1 << layout.motors) - 1
         for axis in range(len(axes)):
             if axes[axis].get("step_inverted", False):
                 mask ^= 1 << axis
             if axes[axis].get("reversed", False):
-                mask |= 1 << (layout.axes + axis)
+                mask |= 1 << (layout.motors + axis)
+        if layout.motors > layout.axes:
+            from passo.steps.gantry_wiring import second  # most machines have none
+
+            mask ^= second(board, layout)
     return mask

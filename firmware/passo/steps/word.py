@@ -23,9 +23,11 @@ class Layout:
     bit is the highest of the `bits` levels in both.
     """
 
-    def __init__(self, kind, axes, drive_bits, pin_names, pulse_mask):
+    def __init__(self, kind, axes, drive_bits, pin_names, pulse_mask, motors=0):
+        """`motors`: those of STEP/DIR drivers, if there are more than axes: a gantry's second one is behind the others."""
         self.kind = kind
         self.axes = axes
+        self.motors = motors or axes
         self.bits = drive_bits + 1
         self.tool_mask = 1 << drive_bits
         self.levels_mask = (1 << self.bits) - 1

@@ -29,6 +29,10 @@ class Port(ChipPort):
     def __init__(self, board):
         """`board` is checked. Outputs go to their inactive level here."""
         ChipPort.__init__(self, board, LEAD_TICKS, LEAD_TICKS)
+        if board["encoders"]:
+            from passo.ports.pin_encoders import PinEncoders
+
+            self.encoders = PinEncoders(board, self)
 
     def watch(self, pin, handler, edge):
         """Call `handler(pin)` soon after an edge."""

@@ -67,7 +67,7 @@ class PioPlayer:
             (PIO_D, channels[0]), (PIO_ABORT, chip.ABORT),
             (PIO_COUNTS, counts), (PIO_ADDRESSES, counts + 4 * PIO_RUNS), (PIO_WORDS, uctypes.addressof(ring.words)),
             (PIO_MASK, ring.mask), (PIO_NUMBER, number), (PIO_PULSE, pulse_ticks - 2 if pulse_ticks else 0xFFFFFFFF),
-            (PIO_PINS, out | (base << 5 | layout.axes << 26 if pulse_ticks else 0)),
+            (PIO_PINS, out | (base << 5 | layout.motors << 26 if pulse_ticks else 0)),
             (PIO_TOOL, out | base + layout.bits - 1 << 5 | 1 << 26), (PIO_BITS, layout.bits),
             (PIO_CHANNELS, 1 << self._dma[0].channel | 1 << self._dma[1].channel | 1 << self._dma[2].channel),
             (PIO_BUSY, chip.BUSY),

@@ -75,6 +75,10 @@ class Port(ChipPort):
         """`board` is checked. Outputs go to their inactive level here. PWM, serial lines and players are made for the clock
         that there is: it is set before."""
         ChipPort.__init__(self, board, _LEAD_TICKS, _LIVE_TICKS)
+        if board["encoders"]:
+            from passo.ports.rp2.encoders import PioEncoders
+
+            self.encoders = PioEncoders(board, self)
 
     @micropython.viper
     def levels(self) -> int:
@@ -114,11 +118,6 @@ class Port(ChipPort):
 
             self._player = self._laser = LaserPlayer(board["spindle"]["pin"], *rest)
         return self._player
-
-    def _encoders(self, board):
-        from passo.ports.rp2.encoders import PioEncoders
-
-        return PioEncoders(board, self)
 
     def _console(self):
         from passo.ports.rp2.console import Console

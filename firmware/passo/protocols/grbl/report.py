@@ -20,6 +20,7 @@ NOTICES = (
     "", "Reset to continue", "'$H'|'$X' to unlock", "Caution: Unlocked", "Enabled", "Disabled", "Check Door",
     "Check Limits", "Sleeping", "Command handed over", "No S-curves on this board", "Pause: ~ to continue",
     "Tool change: T%d, ~ to continue", "Restoring spindle", "Steps missing: %s",
+    "Gantry: %s",
 )  # fmt: skip
 PROGRAMME_END = "Pgm End"
 RESTORING = "Restoring defaults"
@@ -63,16 +64,6 @@ def log(log):
         lines += ["[PIN:%s,%d,%d,%d,%d,%d]\r\n" % pin for pin in log.pins()]
     counts = ["%dx%d" % (log.counts[number], number) for number in sorted(log.counts)]
     return "".join(lines) + "[LOGGED:%s]\r\n" % ",".join(counts)
-
-
-def encoders(encoders):
-    """The lines of $ENC, one an encoder: motor, counts, steps that it has turned beyond what was stepped, the largest such
-    error so far."""
-    lines = []
-    for number in range(len(encoders.names)):
-        values = encoders.names[number], encoders.count(number), encoders.steps(number), encoders.most(number)
-        lines.append("[ENC:%s,%d,%d,%d]\r\n" % values)
-    return "".join(lines)
 
 
 def decimal(value, places):

@@ -51,7 +51,9 @@ class System:
         if line == "$LOG":
             return answer(grbl_report.log(self._machine.log))
         if line == "$ENC" and self._machine.encoders is not None:
-            return answer(grbl_report.encoders(self._machine.encoders))
+            from passo.protocols.grbl.encoders import told  # loaded at the start, by check()
+
+            return answer(told(self._machine.encoders))
         if line == "$MASKS":
             return answer(grbl_report.masks(self._settings))
         if line[:5] == "$LINK":

@@ -1,0 +1,147 @@
+"""A gantry's two motors, kept abreast by their encoders.
+
+    "gantry": {"axis": "x", "pins": [28, 29], "wait_steps": 4, "limit_steps": 20}
+
+The lag is what the second motor has turned beyond the first. By the rule of 2004 the leading motor waits until the lag is gone:
+
+- in a move, from wait_steps on, the machine comes to a stand on its path; the motor that is behind is stepped alone, one
+  step every three cycles of the main loop; then the move goes on;
+- at the end of a move, and at the stand of a hold, each step of lag is taken away the same way;
+- a lag beyond limit_steps halts the player in the interrupt that checks encoders: alarm 231, with both counts. So the two are never
+  further apart than limit_steps and what is played until the next check, 3 ms.
+
+These single steps are no words: the position does not change by them. Without encoders the feature does nothing.
+"""
+
+from micropython import const
+
+from passo import commands, errors
+from passo.control.motors import RELEASED
+from passo.records import COUNT_MASK
+
+_SQUARINGS = const(4)  # at one stand
+_TURN = const(1)  # DIR shows
+_RISE = const(2)  # STEP rises
+_FALL = const(3)  # and falls
+
+
+class GantryWatch:
+    def __init__(self, board, machine, queue):
+        self._machine = machine
+        self._queue = queue
+        self._feeder, self._player = queue.lend()
+        self._encoders = machine.encoders
+        section = board["gantry"]
+        names = machine.encoders.names if machine.encoders is not None else ()
+        self._axis = [axis["name"] for axis in board["axes"]].index(section["axis"])
+        self._motors = section["axis"], section["axis"] + "2"
+        self._pair = [names.index(name) for name in self._motors if name in names]
+        self._active = len(self._pair) == 2
+        self._wait_steps = section["wait_steps"]
+        self._limit_steps = section["limit_steps"]
+        self._settle_ms = max([item["settle_ms"] for item in board["encoders"]] + [0])
+        self._waiting = False  # the move stands, or is coming to its stand, for the lag
+        self._phase = 0  # of the step under way
+        self._motor = self._forward = self._left = 0
+        self._tries = 0
+        self._stood_ms = 0
+        self._checks = 0
+
+    def ready(self):
+        return not self._phase
+
+    def busy(self):
+        return self._waiting or self._phase > 0
+
+    def halt(self):
+        self._waiting = False
+        self._phase = self._tries = 0
+
+    def stopped(self, name):
+        if not self._active or name != self._encoders.name or not self._encoders.lagging:
+            return False
+        self._alarm()
+        return True
+
+    def _alarm(self):
+        encoders = self._encoders
+        counts = ["%s %d" % (name, encoders.count(number)) for name, number in zip(self._motors, self._pair)]
+        who = "%s counts lag %+d steps" % (" ".join(counts), encoders.lag())
+        self._machine.raise_alarm(errors.ALARM_GANTRY, who)
+        self._machine.notice(errors.NOTICE_GANTRY, who)
+
+    def poll(self, now_ms):
+        if not self._active:
+            return
+        machine = self._machine
+        queue = self._queue
+        if machine.alarm or machine.busy_with(commands.HOME) or machine.detached or machine.motors.state == RELEASED:
+            self.halt()
+            return
+        if self._phase:
+            self._step(now_ms)
+            return
+        if not (queue.still() or queue.standing()):
+            self._stand(now_ms)
+            if self._wait_steps and not self._waiting and abs(self._encoders.lag()) >= self._wait_steps:
+                self._waiting = True
+                queue.hold(True)
+            return
+        if self._encoders.checks == self._checks or (now_ms - self._stood_ms) & COUNT_MASK < self._settle_ms:
+            return
+        lag = self._encoders.lag()
+        if lag:
+            self._begin(lag)
+        else:
+            self._tries = 0
+            if self._waiting:
+                self._waiting = False
+                if not machine.hold:
+                    queue.hold(False)
+
+    def _stand(self, now_ms):
+        """From here on it may be still."""
+        self._stood_ms = now_ms
+        self._checks = self._encoders.checks
+
+    def _begin(self, lag):
+        """Step the motor that is further off, alone."""
+        self._tries += 1
+        if self._tries > _SQUARINGS or abs(lag) > self._limit_steps:
+            self._alarm()
+            return
+        first, second = [self._encoders.steps(number) for number in self._pair]
+        self._motor = 1 if abs(second) >= abs(first) else 0
+        self._forward = lag < 0 if self._motor else lag > 0
+        self._left = abs(lag)
+        steps = [0] * (self._axis + 1)
+        steps[self._axis] = 1 if self._forward else -1
+        if self._machine.barred(steps):
+            self._alarm()
+            return
+        self._machine.note(errors.SQUARED, "%s %+d" % (self._motors[self._motor], self._left if self._forward else -self._left))
+        self._phase = _TURN
+
+    def _step(self, now_ms):
+        phase = self._phase
+        self._show(phase == _RISE)
+        self._phase = phase + 1 if phase < _FALL else _RISE
+        if phase == _FALL:
+            self._left -= 1
+            if not self._left:
+                self._player.rest(self._levels())
+                self._phase = 0
+                self._stand(now_ms)
+
+    def _show(self, up):
+        """The pins of the motor under way: DIR, and STEP."""
+        step, direction = self._feeder.drive.pins(self._motor)
+        levels = self._levels() & ~direction
+        self._player.rest(levels | (direction if self._forward else 0) | (step if up else 0))
+
+    def _levels(self):
+        """The pins as the last word has left them."""
+        layout = self._feeder.layout
+        ring = self._feeder.ring
+        levels = ring.words[(self._player.played() - 1) & ring.mask] & layout.levels_mask
+        return levels & ~(layout.pulse_mask | layout.tool_mask) | (layout.tool_mask if self._queue.lit() else 0)

@@ -1,0 +1,47 @@
+"""STEP/DIR drivers of a machine one axis of which has two motors, one at each side of a gantry.
+
+    drive = GantryDrive(axes=3, axis=0)
+    drive.use(2)            # from the next word on only the second motor steps; 3: both
+"""
+
+import micropython
+
+from passo.drives.gantry_viper import double, tally
+
+
+def pin_names(axes, second):
+    names = axes + [second]
+    return [name + "_step" for name in names] + [name + "_dir" for name in names]
+
+
+class GantryDrive:
+    def __init__(self, axes, axis):
+        self._axes = axes
+        self._axis = axis
+        self._motors = 3
+
+    def use(self, motors):
+        """Mask of the motors that step in all words made from now on."""
+        self._motors = motors
+
+    def pins(self, motor):
+        """(step, direction) of motor 0 or 1, as masks of the pins."""
+        bit = 1 << (self._axes if motor else self._axis)
+        return bit, bit << self._axes + 1
+
+    @micropython.native
+    def apply(self, words, at, count):  # ISR: no allocation
+        """Turn words[at : at + count] from the step form into pins; the tool bit and time stay."""
+        double(words, at, count, self._axes, self._axis, self._motors)
+
+    @micropython.native
+    def tally(self, words, mask, word, until, position):  # ISR: no allocation
+        """Add what the words from count `word` to `until` step to `position`; returns how many of them step."""
+        return tally(words, mask, word, until, self._axes, self._axis, position)
+
+    def levels(self):
+        """The pins before the first word."""
+        return 0
+
+    def seek(self, position):
+        """Nothing: these motors have no phase here."""
