@@ -18,7 +18,7 @@ INT_HALF = const(0x20000000)  # ((number + INT_HALF) & INT_MOST) − INT_HALF re
 TICKS_PER_S = const(12_500_000)  # a tick is 80 ns
 TICKS_PER_MS = const(12_500)
 HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is never far away
-FEED_LEAST = const(50_000)  # 4 ms: behind the word that is being played, more than two calls of a feeder are apart
+FEED_LEAST = const(50_000)  # 4 ms: more than two calls of a feeder are apart
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
 

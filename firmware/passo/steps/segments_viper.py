@@ -13,7 +13,7 @@ released.
                             ^FEED_OLDEST    ^FEED_NEWEST, FEED_HEAD
 
 A segment is made if fewer than FEED_LEAD ticks, FEED_LIMIT words and MARKS segments lie behind the oldest mark; or if fewer
-than FEED_LEAST ticks lie behind the word that is being played, which may last as long as FEED_LEAD.
+than FEED_LEAST ticks lie before the last word, which may last nearly as long as FEED_LEAD: a call later there is still one ahead.
 
 A call of machine code by name costs some 15 µs, so all that a segment needs stands here between the calls: a segment of a
 line costs three of them, a line three more. In all a line of 0.2 mm takes an RP2040's feeding interrupt 0.36 ms (`make bench`).
@@ -108,7 +108,7 @@ def make(
         if ahead >= least:
             if least > FEED_LEAST:
                 least = FEED_LEAST
-            if least == 0 or ahead - (words[state[FEED_PLAYED] & state[FEED_MASK]] >> bits) >= least:
+            if least == 0 or ahead - (words[(head - 1) & state[FEED_MASK]] >> bits) >= least:
                 break
         wait = state[FEED_WAIT]
         if left == 0 and wait == 0:
