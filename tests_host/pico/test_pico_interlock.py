@@ -8,6 +8,7 @@ from emulated import make_machine, uf2  # noqa: F401
 
 from host_tools import boards
 from host_tools.emulator.copies import on_a_copy
+from host_tools.emulator.heap import Heap
 from host_tools.emulator.halting import set_out, trial, trials
 from host_tools.emulator.rig import Rig, router
 
@@ -99,6 +100,45 @@ def test_spikes_stop_nothing_and_are_counted(guarded, steps_s, show):
     show(f"interlock, spikes at {steps_s // 1000} kHz", f"{sum(wanted)} spikes, all counted, no step lost")
 
 
+LOCKED = """
+import micropython
+interlock = port.interlock
+watch = interlock.items[0]
+def locked():
+    micropython.heap_lock()
+    interlock.start()
+    interlock.halt_before(0)
+    interlock.change(0, 1)
+    interlock.start()
+    interlock.halt_before(2)
+    interlock.change(2, 0)
+    interlock.change(2, 1)
+    interlock.change(0, 0)
+    interlock.decide()
+    port.trip(interlock.items[3])
+    interlock.change(3, 0)
+    micropython.heap_unlock()
+planner.line((4000, 3000, -2000), 12_500_000, False)
+planner.flush()
+for turn in range(40):
+    app.cycle()
+before = gc.mem_alloc()
+locked()
+print(gc.mem_alloc() - before, port._trip is not None, list(interlock.trips), feeder.position(player.played()))
+"""
+
+
+@pytest.mark.on_a_copy
+@pytest.mark.xdist_group("interlock")
+def test_nothing_is_allocated_in_the_interrupt(guarded):
+    """Changes that forbid amid a line, with the heap locked; outputs go off, the player stops, the position is known."""
+    guarded.clear()
+    said = guarded.pico.exec(LOCKED).split(" ", 2)
+    assert said[:2] == ["0", "True"], said
+    trips, position = eval(said[2].replace("] [", "], ["))
+    assert trips == [0, 0, 0, 1] and position == guarded.counted() and any(position)
+
+
 @pytest.mark.slow
 @pytest.mark.unmeasured
 def test_the_mill_boots_moves_and_stops_at_its_limit(make_machine, show):  # noqa: F811
@@ -107,6 +147,9 @@ def test_the_mill_boots_moves_and_stops_at_its_limit(make_machine, show):  # noq
     board["links"] = [{"name": "serial", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl"}]
     machine = make_machine(board, start=(0, 200, -200))
     machine.run_until(lambda: b"unlock" in machine.received(), 8000)
+    machine.run_ms(60)
+    heap = Heap(machine.pico)
+    assert heap.free > 20_000
 
     def ask(line, ms=400):
         machine.take()
@@ -130,4 +173,5 @@ def test_the_mill_boots_moves_and_stops_at_its_limit(make_machine, show):  # noq
     machine.plant.set_input(machine.wiring.tick, "stop", True)
     machine.run_ms(20)
     assert not machine.plant.enabled and machine.plant.errors == []
-    show("mill on the emulated Pico", f"stands {limit - machine.plant.position[0] + 80} steps from its limit's edge")
+    show("mill on the emulated Pico", f"stands {limit - at} steps behind its limit's edge; heap free {heap.free}, "
+         f"largest piece {heap.largest} bytes")  # fmt: skip

@@ -12,9 +12,12 @@ from host_tools import boards
 from host_tools.cli.interlock import Table, draw, truth_table
 from host_tools.failure import Failure
 from host_tools.resources import ROOT
+from host_tools.sim.machine import VirtualMachine
 from passo.config import interlock_table
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
+from passo.protocols.plotter.host import COMMANDS, packet
+from passo.protocols.torch import protocol as torch
 from passo.steps.permits import INTERLOCK_TOOL, denied
 
 pytestmark = pytest.mark.quick
@@ -129,6 +132,94 @@ def test_a_documented_table_keeps_its_rules(name, section, rules):
         for states in combinations(table.inputs):
             for each in names.split("` `"):
                 assert gated[each].value(states) == bool(eval(meaning, {}, states)), (each, states)
+
+
+@pytest.mark.parametrize("name, section, rules", documented())
+def test_a_documented_table_lets_the_machine_run_and_stops_it(name, section, rules):
+    """On the plant: it homes, if it can; then its emergency stop, or the first limit, ends what is under way."""
+    board = with_table(name, section)
+    board["links"] = [{**board["links"][0], "protocol": "grbl"}]
+    machine = VirtualMachine(board, start=(400,) * len(board["axes"]) if name != "router_3axis" else (400, 400, -400), trace=None)
+    machine.run_ms(30)
+    machine.send(b"$H\n" if board.get("homing") else b"$X\n")
+    machine.settle()
+    assert b"ok" in machine.take() and machine.plant.errors == []
+    has_stop = any(item["name"] == "stop" for item in board["inputs"])
+    machine.send(b"$20=0\n")
+    machine.send(b"$MOTORS=1\n" if name == "torch_manipulator" else b"\n")
+    machine.run_ms(100)
+    machine.send(b"G91G1X3F300\n" if has_stop else b"G91G1X-9F600\n")
+    machine.run_ms(300)
+    if has_stop:
+        machine.plant.set_input(machine.port.now, "stop", True)
+    machine.run_ms(100)
+    machine.settle()
+    assert b"ALARM:1" in machine.take() and machine.app.controller.machine.log.entries[-1][2] in ("stop", "barrier_x")
+    if board.get("homing"):
+        assert machine.app.controller.position() == machine.plant.position, "exact"
+    assert machine.plant.errors == []
+
+
+def language_machine(name, protocol, **changes):
+    """A machine of another language with its documented table."""
+    section = next(param.values[1] for param in documented() if param.id == name)
+    board = {**with_table(name, section), **changes}
+    board["links"] = [{**board["links"][0], "protocol": protocol}]
+    machine = VirtualMachine(board, start=(400, 400), trace=None)
+    machine.app.controller.machine.guarded = 0
+    machine.app.controller.machine.unlock()
+    machine.run_ms(30)
+    return machine
+
+
+def log_of(machine):
+    return [entry[1:] for entry in machine.app.controller.machine.log.entries]
+
+
+@pytest.mark.parametrize(
+    "board, protocol, press, towards, away",
+    [
+        ("torch_manipulator", "torch", "stop", torch.move(40, 4000, 0, 0), None),
+        ("plotter_2014", "plotter", "barrier_y", packet(COMMANDS["DOWN"]), packet(COMMANDS["UP"])),
+        ("laser_xy", "pulses", "limit_x", b"{jog x -40}", b"{jog x 40}"),
+    ],
+)
+def test_every_language_is_refused_what_is_forbidden(board, protocol, press, towards, away):
+    """Nothing moves, and the log names the input; away from it the axis moves."""
+    machine = language_machine(board, protocol, **({"step_program": {}} if protocol == "pulses" else {}))
+    machine.send({"torch": torch.frame("CONNECT"), "plotter": packet(COMMANDS["UP"]), "pulses": b""}[protocol])
+    machine.run_ms(100)
+    machine.settle()
+    before = list(machine.plant.position)
+    interlock = machine.port.interlock
+    interlock.change(interlock._names.index(press), 1)
+    machine.send(towards)
+    for _ in range(8):
+        machine.cycle()
+    assert machine.plant.position == before and {(131, press), (220, press)} & set(log_of(machine)), log_of(machine)
+    if away:
+        interlock.change(interlock._names.index(press), 1)
+        machine.send(away)
+        machine.run_ms(30)
+        machine.settle()
+        assert machine.plant.position != before and machine.app.controller.machine.alarm == 0
+    machine.settle()
+    at = list(machine.plant.position)
+    machine.run_ms(100)
+    if protocol == "torch":  # without its relays it is an alarm
+        machine.send(torch.passo(torch.UNLOCK_OF) + torch.frame("CONNECT"))
+        machine.run_ms(100)
+        assert machine.app.controller.machine.alarm == 220
+        machine.send(torch.frame("STOP"))
+        machine.run_ms(30)
+        machine.send(torch.passo(torch.UNLOCK_OF))
+        machine.run_ms(30)
+        machine.send(torch.frame("CONNECT"))
+        machine.run_ms(100)
+    machine.send(towards)
+    machine.run_ms(30)
+    machine.settle()
+    assert machine.plant.position != at, "the pin is not active: it is allowed again"
 
 
 def test_four_machines_have_tables():

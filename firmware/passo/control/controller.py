@@ -217,6 +217,8 @@ class Controller:
             machine.tell(Event(REFUSED, machine.command, errors.STOPPED))
         if machine.busy_with(commands.HOME):
             machine.homed = False
+        if machine.alarm in errors.NEED_RESET:
+            machine.alarm = errors.ALARM_LOCKED  # as a reset does: not every language has one
         machine.abort()
         machine.forget()
         machine.tell(Event(DROPPED, None, errors.STOPPED, command))

@@ -22,6 +22,8 @@ class InterlockWatch:
         self._unasked_ms = section["unasked_ms"]
         self._names = names = [item["name"] for item in board["inputs"]]
         self._outputs = [item["name"] for item in board["outputs"]]
+        # Without these the motors do not follow.
+        self._vital = [item["name"] for item in board["outputs"] if item["role"] == "ours" or item["name"] == "enable"]
         self._halting = [item["name"] for item in board["inputs"] if item["halt"]]
         homing = board["homing"]
         sensors = homing["sensors"].values() if homing else ()
@@ -62,6 +64,8 @@ class InterlockWatch:
     def poll(self, now_ms):
         interlock = self._interlock
         self._except()
+        if interlock.states != self._states:
+            self._note(now_ms)
         seen = self._levels() if self._levels else -1
         if seen != self._seen or not self._calm or not self._levels:
             self._seen = seen
@@ -95,10 +99,13 @@ class InterlockWatch:
             number += 1
 
     def _note(self, now_ms):
+        """Inputs have changed, as the interlock has them."""
+        self._calm = False
         changed = self._interlock.states ^ self._states
         self._states ^= changed
         for number in range(len(self._names)):
             if changed >> number & 1:
+                self._since_ms[number] = now_ms  # what it forbids or allows holds for release_ms at least
                 if self._states >> number & 1:
                     self._active_ms[number] = now_ms
                     self._lasted_ms[number] = -1
@@ -116,7 +123,7 @@ class InterlockWatch:
             if not lost & bit:
                 continue
             blamed = interlock.blamed(bit, True)
-            if self._outputs[number] == "enable":
+            if self._outputs[number] in self._vital:
                 machine.motors.release()
                 if not machine.alarm:
                     machine.raise_alarm(errors.ALARM_INTERLOCK, blamed)

@@ -127,7 +127,8 @@ class Interlock:
         number = 0
         while self.items[number] is not item:
             number += 1
-        self.trips[number] += 1
+        if not self.states >> number & 1:  # it may bounce
+            self.trips[number] += 1
         self.states |= 1 << number
         forbidden = denied(self._table, self.states & ~self.exempt | self.fall & self.exempt)
         self.denied = forbidden
