@@ -61,6 +61,7 @@ COLD = (
     "passo/ports/rp2/console.py",
     "passo/ports/rp2/flash_code.py",
     "passo/ports/rp2/pio_player.py",
+    "passo/ports/usb_line.py",
     "passo/protocols/grbl/text_viper.py",
     "passo/steps/feeder.py",
     "passo/steps/position_viper.py",
