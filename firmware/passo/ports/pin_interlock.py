@@ -1,9 +1,9 @@
 """The interlock on a chip: edges of pins, filtered, become changes of its inputs, and what it forbids goes off.
 
-A change counts once it has lasted the input's filter_us; the interrupt waits for that, so that on an RP2040 the last step comes
-at most that long and 0.18 ms after the edge (test_pico_interlock.py); an input that halts is quicker. What does not last is a glitch, and counted. Two spikes within one such interrupt count as
-one. A wire that is noisy all the time keeps the main loop from running, not the feeder and not the player; after 170 ms the
-feeder slows down to a stand.
+A change counts once it has lasted the input's filter_us. The interrupt waits for that, so on an RP2040 the last step comes at
+most that long and 0.18 ms after the edge (test_pico_interlock.py); an input that halts is quicker. What does not last is a
+glitch, and counted. Two spikes within one such interrupt count as one. A wire that is noisy all the time keeps the main loop
+from running, not the feeder and not the player; after 170 ms the feeder slows down to a stand.
 """
 
 from time import ticks_diff, ticks_us
