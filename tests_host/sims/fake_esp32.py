@@ -238,7 +238,7 @@ def _import_port():
     """Import the ESP32's room with the fakes in the place of the chip's modules, and put back what was there."""
     machine = _module(
         Pin=Pin, PWM=PWM, WDT=WDT, UART=UART, Timer=Timer, mem32=Mem32(), reset_cause=lambda: chip.cause, WDT_RESET=3,
-        idle=lambda: chip.sleep_ms(1),
+        idle=lambda: chip.sleep_ms(1), disable_irq=lambda: 1, enable_irq=lambda state: None,
     )
     clock = _module(
         ticks_us=lambda: chip.ticks_us(), ticks_ms=lambda: chip.ticks_ms(), sleep_ms=lambda ms: chip.sleep_ms(ms),

@@ -40,7 +40,7 @@ def outputs(machine):
         levels[name] = level
         switch(tick, name, level)
 
-    machine.port.interlock._switch = machine.port._switch = output
+    machine.port.interlock._switch = output
     return levels
 
 

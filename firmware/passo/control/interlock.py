@@ -94,7 +94,7 @@ class InterlockWatch:
                 forbids = (interlock.rise if active else interlock.fall) >> number & 1
                 ms = interlock.filters_us[number] // 1000 + 1 if forbids else self._release_ms
                 if (now_ms - self._since_ms[number]) & COUNT_MASK >= ms:
-                    interlock.change(number, active)
+                    interlock.settle(number, active)
             differing >>= 1
             number += 1
 
@@ -139,7 +139,7 @@ class InterlockWatch:
         if (now_ms - self._rest_ms) & COUNT_MASK >= self._unasked_ms:
             mask = self._interlock.grants()
             if mask & ~self._interlock.granted:
-                self._interlock.put(self._interlock.grant(mask), 1)
+                self._interlock.grant(mask)
 
     def report(self, report):
         report["glitches"] = sum(self._interlock.glitches)

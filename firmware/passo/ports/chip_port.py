@@ -103,9 +103,10 @@ class ChipPort:
 
     def output(self, name, on):
         """Switch an output of the board file on or off."""
-        pin, active = self._outputs[name]
         if self.interlock is not None:
-            on = self.interlock.output(name, on)
+            self.interlock.output(name, on)
+            return
+        pin, active = self._outputs[name]
         pin.value(active if on else 1 - active)
 
     def power(self, level):  # ISR: no allocation

@@ -139,7 +139,19 @@ class Interlock:
         self._lost_states = self.states
         self.put(lost, 0)
 
-    # --- main loop
+    # --- main loop: what interrupts also write is written with the interrupts locked
+
+    def lock(self):
+        """No interrupt comes until unlock() of what this returns."""
+
+    def unlock(self, state):
+        """Interrupts may come again."""
+
+    def settle(self, number, active):
+        """change(), from the main loop."""
+        state = self.lock()
+        self.change(number, active)
+        self.unlock(state)
 
     @property
     def name(self):
@@ -175,13 +187,17 @@ class Interlock:
     def excuse(self, inputs):
         """The inputs of a mask forbid nothing from now on, others do again."""
         if inputs != self.exempt:
+            state = self.lock()
             self.exempt = inputs
             self.decide()
+            self.unlock(state)
 
     def take_lost(self):
         """Mask of the outputs that have been switched off, or were asked for in vain, since the last call."""
+        state = self.lock()
         lost = self.lost
         self.lost = 0
+        self.unlock(state)
         return lost
 
     def read(self, states):
@@ -198,8 +214,9 @@ class Interlock:
         return self.denied & wanted
 
     def output(self, name, on):
-        """Ask for an output, or no longer. Returns whether its pin is to be on."""
+        """Ask for an output, or no longer: its pin follows if it is allowed."""
         bit = INTERLOCK_OUTPUTS << self._outputs.index(name)
+        state = self.lock()
         if on and not self.denied & bit:
             self.asked |= bit
         else:
@@ -207,14 +224,17 @@ class Interlock:
             if on:
                 self.lost |= bit
                 self._lost_states = self.states
-        return bool((self.asked | self.granted) & bit)
+        self.put(bit, 1 if (self.asked | self.granted) & bit else 0)
+        self.unlock(state)
 
     def grants(self):
         """Mask of the outputs that the equations switch on though the board does not ask."""
         return self._unasked[PERMIT_GATED] & ~denied(self._unasked, self.states) & ~self.denied
 
     def grant(self, mask):
-        """Switch on outputs that the board has not asked for. Returns the mask of those that were off."""
-        new = mask & ~(self.asked | self.granted)
+        """Switch on outputs of `mask` that the board has not asked for, as far as that is allowed now."""
+        state = self.lock()
+        mask &= self.grants()
         self.granted |= mask
-        return new
+        self.put(mask, 1)
+        self.unlock(state)

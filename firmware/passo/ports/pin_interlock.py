@@ -9,7 +9,7 @@ from running, not the feeder and not the player; after 170 ms the feeder slows d
 from time import ticks_diff, ticks_us
 
 import micropython
-from machine import Pin
+from machine import Pin, disable_irq, enable_irq
 
 from passo.ports.interlock import Interlock
 from passo.steps.permits import INTERLOCK_OUTPUTS
@@ -55,6 +55,12 @@ class PinInterlock(Interlock):
         for bit, pin, off in self._pins:
             if mask & bit:
                 pin.value(off ^ on)
+
+    def lock(self):
+        return disable_irq()
+
+    def unlock(self, state):
+        enable_irq(state)
 
     def close(self):
         """No interrupts any more."""

@@ -69,7 +69,6 @@ class VirtualPort:
         self._outputs = {}
         for entry in board.get("outputs", ()):
             self._outputs[entry["name"]] = entry.get("active", 1)
-        self._switch = self.world.output
         self._trip = None  # what has stopped the player, until the main loop has been told
         self.interlock = None
         if board.get("interlock"):
@@ -121,10 +120,11 @@ class VirtualPort:
 
     def output(self, name, on):
         """Switch an output of the board file on or off."""
-        active = self._outputs[name]
         if self.interlock is not None:
-            on = self.interlock.output(name, on)
-        self._switch(self.now, name, active if on else 1 - active)
+            self.interlock.output(name, on)
+            return
+        active = self._outputs[name]
+        self.world.output(self.now, name, active if on else 1 - active)
 
     def power(self, level):
         """Show the tool's analogue power, 0 … 1000, at once."""
