@@ -50,6 +50,8 @@ STEP_PROGRAM = const(41)  # `value`: what to do with it, one of STEPS_GO … STE
 # These never wait for others.
 IMMEDIATE = (BAD, HELLO, STATUS, STOP, HOLD, RESUME, DOOR, JOG_CANCEL, RESET, OVERRIDE, TOGGLE, HAND_OVER, STEP_PROGRAM)
 
+SPINDLE_OFF = const(5)  # a SPINDLE's value
+
 FEED = const(0)
 RAPID = const(1)
 POWER = const(2)

@@ -90,6 +90,11 @@ TEXTS = {
     errors.ALARM_INTERLOCK: "the interlock has stopped the machine: the log names the input; the position may be lost",
     errors.ALARM_STEPS_MISSING: "an encoder says that steps are missing, or too many: the log says how many, and where",
     errors.ALARM_GANTRY: "the two motors of the gantry are too far apart: the log names both counts",
+    errors.ALARM_INVERTER_SILENT: "the spindle's inverter does not answer: check its power, wires, baud rate and address",
+    errors.ALARM_INVERTER_GARBLED: "replies of the spindle's inverter are garbled: check shield, termination and baud rate",
+    errors.ALARM_INVERTER_FAULT: "the spindle's inverter has a fault: the log has its number; clear it there",
+    errors.ALARM_INVERTER_REFUSED: "the spindle's inverter refused a request: check its make, and that it takes commands from its serial line",
+    errors.ALARM_SPINDLE_SPEED: "the spindle did not come to its speed, or lost it",
 }
 
 

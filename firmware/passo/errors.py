@@ -92,6 +92,16 @@ ALARM_TWO_MOTORS = const(210)
 ALARM_INTERLOCK = const(220)
 ALARM_STEPS_MISSING = const(230)
 ALARM_GANTRY = const(231)
+ALARM_INVERTER_SILENT = const(240)
+ALARM_INVERTER_GARBLED = const(241)
+ALARM_INVERTER_FAULT = const(242)
+ALARM_INVERTER_REFUSED = const(243)
+ALARM_SPINDLE_SPEED = const(244)
+# These bring the machine to its stand, and keep its position; the others stop it at once.
+AT_STAND = (
+    ALARM_SOFT_LIMIT, ALARM_PROBE_STATE, ALARM_PROBE_MISSED, ALARM_INVERTER_SILENT, ALARM_INVERTER_GARBLED,
+    ALARM_INVERTER_FAULT, ALARM_INVERTER_REFUSED, ALARM_SPINDLE_SPEED,
+)  # fmt: skip
 NEED_RESET = (ALARM_HARD_LIMIT, ALARM_SOFT_LIMIT, ALARM_INTERLOCK)
 
 # Notices are no errors: the machine tells what it did of its own accord.

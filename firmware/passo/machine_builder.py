@@ -33,6 +33,7 @@ FEATURES = (
     ("program", "Program", None),
     ("pauses", "Pauses", lambda board: [item for item in board["inputs"] if item["name"] in _PAUSING]),
     ("tools", "Tools", None),
+    ("inverter", "Inverter", lambda board: board["inverter"]),
     ("pins", "Pins", None),
     ("links", "Links", lambda board: True),
     ("resets", "Resets", lambda board: True),
@@ -43,6 +44,8 @@ def load_all(board, whole):
     """Import what App will ask for, so that all code is there before there is anything else. `whole`: as App's."""
     if board["encoders"] or board["gantry"]:
         forget("motor_keys")
+    if board["inverter"]:
+        forget("device_keys")
     names = wanted(board, languages(board))
     modules = _OF_ALL
     if "program" in names:

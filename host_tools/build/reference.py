@@ -57,9 +57,9 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import motor_keys
+    from passo.config import device_keys, motor_keys
 
-    return motor_keys.extended(boardfile._BOARD)
+    return device_keys.extended(motor_keys.extended(boardfile._BOARD))
 
 
 def keys(rules, prefix=""):

@@ -9,6 +9,7 @@ Time is virtual throughout, link time-outs included, so that a run is the same e
 """
 
 from host_tools import boards
+from host_tools.sim.inverter import SimInverter
 from host_tools.sim.plant import Plant
 from host_tools.sim.recording import Recording
 from passo.app import App
@@ -22,19 +23,29 @@ LAST_TICKS = 12_500_000  # the machine is watched for another second after the b
 class Machine:
     """The firmware on a virtual port. `board` is a board's name or dict, `lines` maps link names to serial lines,
     `trace` and `vcd` are files' paths (None: none; True: the trace is kept in memory), `plant_options` go to Plant.
+    `inverter`: who plays the spindle's inverter, if the board file has one.
     `idle`: False leaves the time in which nothing is under way out of the trace: how long the PC thinks is never twice the
     same, all else is."""
 
-    def __init__(self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, **plant_options):
+    def __init__(self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, **plant_options):
         loaded = boards.load(board) if isinstance(board, str) else board
         self.board = check(loaded)
         self.plant = Plant(self.board, **plant_options)
         self._files = files = Recording(self.board, self.plant, trace, vcd)
         self.trace = files.trace
+        self.port = None
+        self.inverter = None
+        if self.board["inverter"]:
+            self.inverter = inverter or SimInverter(self.board["inverter"], self.now_ms)
+            lines = {**lines, "inverter": self.inverter}
         self.port = VirtualPort(self.board, files.world, mode, lines, sleep)
         self.app = App(check(loaded), self.port, protocols)
         self._homing = False
         self._idle = idle
+
+    def now_ms(self):
+        """Virtual milliseconds since the start, a float."""
+        return self.port.now / 12_500 if self.port else 0.0
 
     def cycle(self):
         """One turn of the firmware's main loop."""
@@ -89,10 +100,6 @@ class VirtualMachine(Machine):
         line = self.lines[link or self._first]
         data, line.outgoing = line.outgoing, b""
         return data
-
-    def now_ms(self):
-        """Virtual milliseconds since the start, a float."""
-        return self.port.now / 12_500
 
     def run_until(self, condition, limit_ms=60_000):
         """Turn until condition() holds. Raises TimeoutError after `limit_ms` of virtual time."""

@@ -269,10 +269,10 @@ def check_overrides():
     ):
         machine.put(data)
         machine.cycles(2)
-        assert ",".join([str(part) for part in machine.controller.features["tools"].overrides]) == shown
+        assert ",".join([str(part) for part in machine.controller.machine.overrides]) == shown
     machine.put(b"\x91\x96\x9a")
     machine.do("M30")
-    assert machine.controller.features["tools"].overrides == [100, 100, 100]
+    assert machine.controller.machine.overrides == [100, 100, 100]
 
 
 def check_real_time_bytes_inside_lines():
@@ -282,7 +282,7 @@ def check_real_time_bytes_inside_lines():
     said = machine.cycles(3)
     assert answers(said) == ["ok"] and len([line for line in said if line.startswith("<")]) == 1
     machine.settle()
-    assert machine.controller.position() == [320, 0, 0] and machine.controller.features["tools"].overrides[0] == 110
+    assert machine.controller.position() == [320, 0, 0] and machine.controller.machine.overrides[0] == 110
 
 
 SQUARE = ["G1 X%d.%d Y%d F4000" % (5 + i % 7, i % 10, i % 5) for i in range(150)] + ["G1 X1 Y2 Z-1"]

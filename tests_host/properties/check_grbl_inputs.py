@@ -75,7 +75,7 @@ def check_nothing_is_done_behind_a_failed_homing():
     steps = machine.world.steps
     machine.cycles(50)
     assert machine.said() == [] and machine.world.steps == steps and machine.world.tool == 0
-    assert machine.world.outputs["flood"] == 0 and machine.controller.features["tools"].overrides[0] == 100
+    assert machine.world.outputs["flood"] == 0 and machine.controller.machine.overrides[0] == 100
     machine.world.switches["door"] = 0
     machine.cycles(10)
     assert machine.ask("$H") == ["error:13"]

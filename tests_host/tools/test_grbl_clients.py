@@ -61,7 +61,7 @@ def test_grbl_streamer(board, one_by_one):
         client._iface.serialport.write(b"\x91")
         client.resume()
         board.until(lambda: state() == "run")
-        assert board.app.controller.features["tools"].overrides[0] == 110
+        assert board.app.controller.machine.overrides[0] == 110
         client._iface.serialport.write(b"\x91" * 9)
         board.until(lambda: state() == "idle")
         assert board.position() == [0, 0, 0]
@@ -140,7 +140,7 @@ def test_bcnc(board, tmp_path):
         board.until(controller.machine.standing)
         stood = board.position()
         bcnc.do("CNC.vars.update(_OvFeed=200, _OvChanged=True)")
-        board.until(lambda: controller.features["tools"].overrides[0] == 200)
+        board.until(lambda: controller.machine.overrides[0] == 200)
         assert board.position() == stood
         bcnc.do("sender.resume()")
         board.until(idle)

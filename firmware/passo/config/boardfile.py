@@ -129,6 +129,7 @@ _BOARD = {
     "speed": _SPEED,
     "planning": _PLANNING,
     "spindle": _SPINDLE,
+    "inverter": {},  # device_keys.py
     "jog": _JOG,
     "changeover_by": ("command", "motion"),  # what takes the motors from the other controller
     "changeover_ms": (int, 20, 0, 10_000),  # between releasing the relays of one controller and closing the other's
@@ -139,8 +140,8 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-_OPTIONAL = ("homing", "gantry", "interlock", "jog", "planning", "spindle", "step_program")
-_ABSENT = ("homing", "gantry", "interlock", "step_program")  # None if the board file has none
+_OPTIONAL = ("homing", "gantry", "interlock", "inverter", "jog", "planning", "spindle", "step_program")
+_ABSENT = ("homing", "gantry", "interlock", "inverter", "step_program")  # None if the board file has none
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
@@ -149,11 +150,15 @@ PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 def check(board):
     """The board with its defaults. Raises BoardError at the first thing wrong."""
     rules = _BOARD
-    more = None
+    more = devices = None
     if isinstance(board, dict) and (board.get("encoders") or board.get("gantry")):
         from passo.config import motor_keys as more  # most boards have neither; the machine builder forgets it
 
-        rules = more.extended(_BOARD)
+        rules = more.extended(rules)
+    if isinstance(board, dict) and board.get("inverter"):
+        from passo.config import device_keys as devices
+
+        rules = devices.extended(rules)
     board = _section(_WHOLE, board, rules)
     _check_clock(board)
     _check_pins(board)
@@ -162,6 +167,8 @@ def check(board):
     if more is not None:
         more.check(board)
     _check_links(board)
+    if devices is not None:
+        devices.check(board)
     _check_step_program(board)
     _check_interlock(board)
     if board["drive"]["kind"] == "pbl3770a" and board["drive"]["mode"] == "wave":
@@ -251,6 +258,9 @@ def claimed_pins(board):
     for item in board["encoders"]:
         for pin in item["pins"]:
             claims.append((pin, "input of encoder %s" % item["motor"]))
+    if board["inverter"]:
+        claims.append((board["inverter"]["tx"], "inverter tx"))
+        claims.append((board["inverter"]["rx"], "inverter rx"))
     for link in board["links"]:
         if link["port"].startswith("uart"):
             claims.append((link["tx"], "link %s tx" % link["name"]))

@@ -95,6 +95,7 @@ class Pauses:
 
     def _light(self):
         """Switch the tool on again at a stand."""
+        self._machine.at_speed = not self._machine.waits_for_speed
         self._queue.rest(True)
         self._wait(max(self._queue.tool_ms(True), 0 if self._laser() else self._spindle["spin_up_ms"]))
 
@@ -156,7 +157,7 @@ class Pauses:
             kind = machine.hold
             machine.drop()
             machine.end_hold()
-            if machine.alarm in errors.NEED_RESET:
+            if machine.alarm in errors.NEED_RESET or machine.alarm >= errors.ALARM_INVERTER_SILENT:
                 machine.switch_off()
             if kind == "door":
                 self._stop(kind)
@@ -173,7 +174,7 @@ class Pauses:
                 self._ready_ms = None
         elif machine.resuming:
             self._restore()
-            if self._ready_ms is None:
+            if self._ready_ms is None and (machine.at_speed or not self._queue.lit()):
                 self._go_on()
 
     def _go_on(self):

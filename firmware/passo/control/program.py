@@ -331,7 +331,7 @@ class Program(LineBatches):
         if machine.command is not None:
             if machine.busy_with(commands.PROBE):
                 self._poll_probe()
-            elif (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE)) and still:
+            elif still and (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE) and machine.at_speed):
                 machine.finish()
         if queue.waiting and not machine.fresh:
             queue.begin()

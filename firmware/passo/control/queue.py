@@ -69,6 +69,10 @@ class Queue:
         """True when a hold has come to its stand."""
         return self._feeder.standing() and not self._player.busy()
 
+    def silent(self):
+        """True while nothing plays."""
+        return not self._player.busy()
+
     def flush(self):
         self.waiting = False
         if self._chords:

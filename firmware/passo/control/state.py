@@ -72,6 +72,11 @@ class MachineState:
         self.fresh = False  # such motion was queued since the last cycle
         self.drawing = False  # points are taken out of the point buffer
         self.coolant = 0  # as it should be, see COOLANT
+        self.spindle = commands.SPINDLE_OFF  # as it should be, see SPINDLE
+        self.power = 0  # of the spindle, in millionths of the most
+        self.overrides = None  # feed, rapid, spindle: Tools has them
+        self.waits_for_speed = False  # a feature knows whether the spindle is at speed, and says so:
+        self.at_speed = True
         self.links = [link["name"] for link in board["links"]]
         self.commander = self.links.index(board["commands"] or self.links[0])  # the link that may command
         self.guarded = guarded
@@ -280,7 +285,7 @@ class MachineState:
     def raise_alarm(self, number, who=None):
         """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log."""
         command = self.command
-        if number in (errors.ALARM_SOFT_LIMIT, errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED):
+        if number in errors.AT_STAND:
             # It comes to its stand as it should: where it is remains known.
             self.drop_at_stand()
             self.forget()

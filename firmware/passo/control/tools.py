@@ -4,10 +4,10 @@ from micropython import const
 
 from passo import commands, errors
 from passo.batch import thousandths
+from passo.commands import SPINDLE_OFF
 from passo.config import setting_numbers as table
 from passo.errors import LATER
 
-OFF = const(5)  # spindle
 _BLOCKS = const(2)  # room for a change of the tool
 _LOWEST = const(10)  # of feed and spindle override, per cent
 _HIGHEST = const(200)
@@ -27,11 +27,12 @@ class Tools:
         self._restart()
 
     def _restart(self):
-        self.overrides = [100, 100, 100]  # feed, rapid, spindle
-        self.spindle = OFF
-        self.power = 0  # millionths
+        machine = self._machine
+        machine.overrides = [100, 100, 100]  # feed, rapid, spindle
+        machine.spindle = SPINDLE_OFF
+        machine.power = 0
         self._queue.set_power(0, False)
-        self._machine.coolant = self._cools = 0  # as it should be, and as it is
+        machine.coolant = self._cools = 0  # as it should be, and as it is
         self._override_all()
 
     def restart(self):
@@ -41,8 +42,9 @@ class Tools:
 
     def switch_off(self):
         """Spindle and coolant off until the next reset. Only at a stand."""
-        self.spindle = OFF
-        self.power = self._machine.coolant = 0
+        machine = self._machine
+        machine.spindle = SPINDLE_OFF
+        machine.power = machine.coolant = 0
         if self._queue.lit():
             self._queue.rest(False)
         self.show_outputs(False)
@@ -78,7 +80,7 @@ class Tools:
         laser = self.laser()
         if machine.alarm or machine.sleeping:
             return errors.LOCKED
-        if laser and command.value == self.spindle:
+        if laser and command.value == machine.spindle:
             if machine.command is not None or self._queue.room() < _BLOCKS:
                 return LATER
         else:
@@ -86,14 +88,15 @@ class Tools:
             if result:
                 return result
         if not machine.checking:
-            if command.value != OFF:
+            if command.value != SPINDLE_OFF:
                 result = machine.barred((), True)
                 if result:
                     return result
-            turned = command.value != self.spindle
-            self.spindle = command.value
-            self.power = command.power if command.value != OFF else 0
-            self._queue.set_power(0 if laser and not command.tool else thousandths(self.power), False)
+            turned = command.value != machine.spindle
+            machine.spindle = command.value
+            machine.power = command.power if command.value != SPINDLE_OFF else 0
+            machine.at_speed = not machine.waits_for_speed or command.value == SPINDLE_OFF
+            self._queue.set_power(0 if laser and not command.tool else thousandths(machine.power), False)
             self._put("reverse", command.value == 4)
             still = self._queue.still()
             lit = self._queue.lit() if still else self._queue.tool
@@ -105,11 +108,14 @@ class Tools:
                     machine.command = command
                     return 0
             elif not laser or still and lit:
-                self._queue.analogue.set(thousandths(self.power))
+                self._queue.analogue.set(thousandths(machine.power))
                 self._queue.restore_power()
                 if turned and lit and not laser and self._queue.tool_ms(True):  # the other way round
                     self._queue.wait(self._queue.tool_ms(True), 0)
                     self._queue.flush()
+                    machine.command = command
+                    return 0
+                if not machine.at_speed and lit:
                     machine.command = command
                     return 0
         return machine.accepted(command)
@@ -129,7 +135,7 @@ class Tools:
         self._cools = self._machine.coolant if on else 0
         self._put("flood", self._cools & 1)
         self._put("mist", self._cools & 2)
-        self._put("reverse", on and self.spindle == 4)
+        self._put("reverse", on and self._machine.spindle == 4)
 
     def _put(self, name, on):
         if name in self._outputs:
@@ -137,34 +143,37 @@ class Tools:
 
     def _override(self, command):
         which = command.value
+        overrides = self._machine.overrides
         if which == commands.ALL:
-            self.overrides = [100, 100, 100]
+            overrides[:] = (100, 100, 100)
         elif command.power:
-            self.overrides[which] = command.power
+            overrides[which] = command.power
         else:
-            self.overrides[which] = max(_LOWEST, min(_HIGHEST, self.overrides[which] + command.feed))
+            overrides[which] = max(_LOWEST, min(_HIGHEST, overrides[which] + command.feed))
         self._override_all()
         return self._machine.accepted(command)
 
     def _override_all(self):
+        overrides = self._machine.overrides
         if self._own:
             self._planner.override(100, 100)
         else:
-            self._planner.override(self.overrides[0], self.overrides[1])
+            self._planner.override(overrides[0], overrides[1])
         settings = self._machine.settings
         least = settings.value(table.MIN_RPM) * 1000 // settings.value(table.MAX_RPM)
-        self._queue.analogue.adjust(self.overrides[2], min(least, 999))
+        self._queue.analogue.adjust(overrides[2], min(least, 999))
         if self._queue.lit():
             self._queue.restore_power()
 
     def report(self, report):
         """What the status report says of spindle, coolant and overrides."""
         power = 0
+        machine = self._machine
         lit = self._queue.lit()
         if lit:
-            power = self._queue.analogue.value * 1000 if self._lasing else self.power
-            power = min(power * self.overrides[2] // 100, 1_000_000)
+            power = self._queue.analogue.value * 1000 if self._lasing else machine.power
+            power = min(power * machine.overrides[2] // 100, 1_000_000)
         report["power"] = power
-        report["spindle"] = self.spindle if lit else OFF
+        report["spindle"] = machine.spindle if lit else SPINDLE_OFF
         report["coolant"] = self._cools
-        report["overrides"] = self.overrides
+        report["overrides"] = machine.overrides

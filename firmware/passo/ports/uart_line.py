@@ -7,11 +7,12 @@ from micropython import const
 _RECEIVE_BYTES = const(1024)  # 89 ms at 115 200 baud
 _SEND_BYTES = const(256)
 _MOST = const(128)  # bytes read in one go
+_PARITIES = {"none": None, "even": 0, "odd": 1}
 
 
 class UartLine:
     def __init__(self, link):
-        """`link` of the board file; its port is "uart0" or "uart1"."""
+        """`link` of the board file; its port is "uart0" or "uart1". An inverter's says parity and stop bits too."""
         self._uart = UART(
             int(link["port"][4:]),
             link["baud"],
@@ -20,6 +21,8 @@ class UartLine:
             rxbuf=_RECEIVE_BYTES,
             txbuf=_SEND_BYTES,
         )
+        if "parity" in link:
+            self._uart.init(parity=_PARITIES[link["parity"]], stop=link["stop_bits"])
         self._data = bytearray(_MOST)
         self._view = self._said = memoryview(self._data)
 

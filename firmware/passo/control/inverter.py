@@ -1,0 +1,242 @@
+"""The spindle's frequency inverter over Modbus RTU: it turns as the tool's pin and the programme say, and has to prove it.
+
+    "inverter": {"make": "delta", "port": "uart1", "tx": 20, "rx": 21, "baud": 9600}
+
+The tool's pin leads. While it is on, the inverter is told to run at S; as soon as it is off, or the machine is in an alarm, it
+is told to stop, whatever has switched it off. No cut begins before the inverter says that it is at speed. One request at
+a time goes out, once a cycle of the main loop it is looked at, nothing waits: a request that has no good reply is sent three
+times. What then fails while the spindle turns, or should stop, is an alarm that brings the axes to a stand, the
+position kept, and switches the tool's pin off:
+
+    240 silence     241 garbled replies     242 a fault of the inverter     243 a request refused     244 not at speed
+
+From a failure of the line to the alarm: 100 ms and three time-outs, 0.5 s as the board file has them by default. After it, stop
+is sent every second until the inverter confirms it. While nothing turns a silent inverter is only logged.
+The transceiver has to switch its direction by itself.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.commands import SPINDLE_OFF
+from passo.config import setting_numbers as table
+from passo.config.inverter_makes import MAKES
+from passo.control import modbus
+from passo.records import COUNT_HALF, COUNT_MASK
+
+_UNKNOWN = const(-1)
+_ATTEMPTS = const(3)
+_QUIET_MS = const(5)  # between two frames: 3.5 characters at 9600 baud are 4 ms
+_PERIOD_MS = const(100)  # between two questions while it turns
+_AGAIN_MS = const(1000)  # to the next try, after the last of _ATTEMPTS
+_FRAMES_BITS = const(20 * 11)  # of a request and its reply, at most
+_SLOW = const(3)  # readings below half the speed that are no accident
+_STANDING = const(200)  # hundredths of a hertz: the other way round only below it
+# What a request is about.
+_STOP = const(0)
+_FREQUENCY = const(1)
+_START = const(2)
+_OUTPUT = const(3)
+_FAULT = const(4)
+
+
+class Inverter:
+    def __init__(self, board, machine, queue):
+        config = board["inverter"]
+        self._machine = machine
+        self._queue = queue
+        self._make = MAKES[config["make"]]
+        self._address = config["address"]
+        self._poles = config["poles"]
+        self._percent = config["at_speed_percent"]
+        self._spin_up_ms = config["spin_up_ms"]
+        self._timeout_ms = config["timeout_ms"] + _FRAMES_BITS * 1000 // config["baud"]
+        line = dict(config)
+        line["name"] = "inverter"
+        self._line = machine.port.serial(line)
+        machine.waits_for_speed = True
+        self._way = 0  # wanted: 3 clockwise, 4 counter-clockwise, 0 stop
+        self._hz = 0  # and hundredths of a hertz
+        self._told_way = self._told_hz = _UNKNOWN  # as the inverter has confirmed
+        self._turned = 0  # the way it turned last
+        self.output = 0  # hundredths of a hertz, as it said last
+        self._speed_of = None  # what `_speed` was computed of
+        self._speed = 0
+        self._since_ms = 0  # since when it is wanted
+        self._reached = False
+        self._slow = 0
+        self._about = _STOP
+        self._request = None  # on its way
+        self._reply = bytearray()
+        self._sent_ms = 0
+        self._due_ms = machine.port.machine_ms()  # the next request not before
+        self._tries = 0
+        self._noted = False  # that it does not answer, while nothing turns
+        self._asks = _OUTPUT  # what it is asked next
+
+    def poll(self, now_ms):
+        self._want(now_ms)
+        if self._request is not None:
+            self._listen(now_ms)
+        elif (now_ms - self._due_ms) & COUNT_MASK < COUNT_HALF:
+            self._choose(now_ms)
+        if self._way and not self._reached and (now_ms - self._since_ms) & COUNT_MASK > self._spin_up_ms:
+            self._fail(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
+
+    def ready(self):
+        """Nothing sets out with a spindle that is not at speed. What moves already goes on."""
+        return self._machine.at_speed or not self._queue.silent() or not self._queue.lit()
+
+    # --- what it is to do
+
+    def _want(self, now_ms):
+        machine = self._machine
+        way = machine.spindle
+        if way == SPINDLE_OFF or machine.alarm or not self._queue.lit():
+            way = hz = 0
+        else:
+            hz = self._asked()
+            if not hz:
+                way = 0
+                machine.at_speed = True
+        if way != self._way or hz != self._hz:
+            self._way = way
+            self._hz = hz
+            self._since_ms = now_ms
+            self._reached = False
+            self._slow = 0
+            if self._request is None:
+                self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
+
+    def _asked(self):
+        """Hundredths of a hertz that S asks for. Computed anew only when it changes: that allocates."""
+        machine = self._machine
+        percent = machine.overrides[2]
+        of = self._speed_of
+        if of is None or of != (machine.power, percent, machine.settings.version):
+            settings = machine.settings
+            self._speed_of = machine.power, percent, settings.version
+            most = settings.value(table.MAX_RPM)  # in thousandths, as the others
+            rpm = min(machine.power * most * percent // 100_000_000, most)
+            if rpm:
+                rpm = max(rpm, settings.value(table.MIN_RPM))
+            self._speed = min(rpm * self._poles // 1200, 0xFFFF)
+        return self._speed
+
+    def _choose(self, now_ms):
+        """Send what matters most now, if anything does."""
+        make = self._make
+        way = self._way
+        if self._told_way and self._told_way != way:
+            self._send(now_ms, _STOP, make["stop"], 0)
+        elif not way:
+            return
+        elif self._turned and self._turned != way and self.output > _STANDING:
+            self._send(now_ms, _OUTPUT, make["output"], 0)  # until it stands: then the other way round
+        elif self._told_hz != self._hz:
+            self._send(now_ms, _FREQUENCY, make["frequency"], self._hz)
+        elif self._told_way != way:
+            self._send(now_ms, _START, make["forward" if way == 3 else "reverse"], 0)
+        else:
+            self._asks = _OUTPUT if self._asks == _FAULT or not make["fault"] else _FAULT
+            self._send(now_ms, self._asks, make["output" if self._asks == _OUTPUT else "fault"], 0)
+
+    def _send(self, now_ms, about, entry, hz):
+        value = entry[2]
+        if about == _FREQUENCY:
+            value = min(hz * value // 100, 0xFFFF)
+        self._about = about
+        self._request = modbus.make_request(self._address, entry[0], entry[1], value)
+        self._of = self._way, self._hz
+        self._line.read()  # what came too late
+        self._reply = bytearray()
+        self._line.write(self._request)
+        self._sent_ms = now_ms
+
+    # --- what it says
+
+    def _listen(self, now_ms):
+        data = self._line.read()
+        if data:
+            self._reply.extend(data)
+        reply = self._reply
+        wanted = modbus.reply_length(self._request)
+        if len(reply) > 1 and reply[1] & 0x80:
+            wanted = modbus.ERROR_LENGTH
+        if len(reply) >= wanted:
+            wrong = modbus.fault_of(self._request, reply)
+            if not wrong:
+                self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
+                self._heard(now_ms)
+            elif wrong == modbus.REFUSED:
+                self._tries = _ATTEMPTS
+                self._failed(now_ms, errors.ALARM_INVERTER_REFUSED, "inverter: exception %d" % reply[2])
+            else:
+                self._failed(now_ms, errors.ALARM_INVERTER_GARBLED, "inverter")
+        elif (now_ms - self._sent_ms) & COUNT_MASK > self._timeout_ms:
+            number = errors.ALARM_INVERTER_GARBLED if reply else errors.ALARM_INVERTER_SILENT
+            self._failed(now_ms, number, "inverter")
+
+    def _heard(self, now_ms):
+        """A good reply."""
+        request = self._request
+        about = self._about
+        self._request = None
+        self._tries = 0
+        self._noted = False
+        way, hz = self._of
+        if about == _STOP:
+            self._told_way = 0
+            if self._turned:
+                self.output = max(self.output, _STANDING + 1)  # it takes its time
+        elif about == _FREQUENCY:
+            self._told_hz = hz
+        elif about == _START:
+            self._told_way = self._turned = way
+        else:
+            self._due_ms = (now_ms + _PERIOD_MS) & COUNT_MASK
+            value = modbus.value_of(self._reply)
+            if about == _OUTPUT:
+                self.output = value * 100 // self._make["output"][3]
+                if self.output <= _STANDING and not self._told_way:
+                    self._turned = 0
+                self._judge()
+            elif value & self._make["fault"][3] and self._way:
+                self._fail(errors.ALARM_INVERTER_FAULT, "inverter: fault %d" % (value & self._make["fault"][3]))
+
+    def _judge(self):
+        """The speed has been read."""
+        if not self._way or self._told_way != self._way or self._told_hz != self._hz:
+            return
+        if abs(self.output - self._hz) * 100 <= self._hz * self._percent:
+            self._reached = True
+            self._slow = 0
+            self._machine.at_speed = True
+        elif self._reached and self.output * 2 < self._hz:
+            self._slow += 1
+            if self._slow >= _SLOW:
+                self._fail(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
+
+    def _failed(self, now_ms, number, who):
+        """No good reply to a request."""
+        self._request = None
+        self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
+        self._tries += 1
+        if self._tries < _ATTEMPTS:
+            return
+        self._tries = 0
+        turns = self._way or self._told_way > 0
+        self._told_way = self._told_hz = _UNKNOWN
+        self._due_ms = (now_ms + _AGAIN_MS) & COUNT_MASK
+        if turns and not self._machine.alarm:
+            self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
+            self._fail(number, who)
+        elif not self._noted:
+            self._noted = True
+            self._machine.note(number, who)
+
+    def _fail(self, number, who):
+        if self._machine.alarm:
+            return
+        self._machine.raise_alarm(number, who)
+        self._want(self._machine.port.machine_ms())  # stop: it goes out with the next cycle

@@ -1,0 +1,111 @@
+"""A frequency inverter as the board's serial line sees it: a Modbus RTU device with the registers of its make, and a motor.
+
+    inverter = SimInverter(board["inverter"], lambda: port.now / 12_500)
+    lines["inverter"] = inverter
+    inverter.hz, inverter.way           # as the motor turns now: hertz; 3 clockwise, 4 counter-clockwise, 0 not driven
+    inverter.fault = 7                  # it trips: the motor runs out
+    inverter.silent = True              # it does not answer any more, and goes on with what it does
+
+Speed changes by RAMP_HZ_S. The test under pymodbus replaces answer(): what a frame means is then not ours to say.
+"""
+
+from passo.config.inverter_makes import MAKES
+from passo.control import modbus
+
+RAMP_HZ_S = 200
+REPLY_MS = 5
+
+
+class SimInverter:
+    def __init__(self, config, now_ms):
+        self.make = MAKES[config["make"]]
+        self.address = config["address"]
+        self.now_ms = now_ms
+        self._hz = 0.0
+        self.way = 0
+        self.asked_hz = 0.0
+        self.fault = 0
+        self.silent = False
+        self.requests = []  # as they came
+        self._then_ms = now_ms()
+        self._due = []  # (ms, bytes)
+
+    @property
+    def hz(self):
+        self._run()
+        return self._hz
+
+    @hz.setter
+    def hz(self, hz):
+        self._hz = hz
+
+    # --- the line
+
+    def write(self, data):
+        self._run()
+        self.requests.append(bytes(data))
+        if not self.silent:
+            reply = self.answer(bytes(data))
+            if reply:
+                self._due.append((self.now_ms() + REPLY_MS, reply))
+
+    def read(self):
+        self._run()
+        data = b""
+        while self._due and self._due[0][0] <= self.now_ms():
+            data += self._due.pop(0)[1]
+        return data
+
+    def any(self):
+        return 0
+
+    def watched(self):
+        return []
+
+    def close(self):
+        pass
+
+    def answer(self, request):
+        """The reply to a frame, or b""."""
+        end = len(request) - 2
+        if end < 4 or request[0] != self.address or modbus.crc16(request, end) != int.from_bytes(request[end:], "little"):
+            return b""
+        function = request[1]
+        register = int.from_bytes(request[2:4], "big")
+        if function in (modbus.READ, modbus.READ_INPUT):
+            count = int.from_bytes(request[4:6], "big")
+            values = [self.get(function, register + n) for n in range(count)]
+            reply = bytes((self.address, function, 2 * count)) + b"".join(value.to_bytes(2, "big") for value in values)
+        else:
+            self.put(function, register, int.from_bytes(request[end - 2 : end], "big"))
+            reply = request[:6]
+        return reply + modbus.crc16(reply, len(reply)).to_bytes(2, "little")
+
+    # --- the registers
+
+    def put(self, function, register, value):
+        """A register or coil is written."""
+        for name, way in (("forward", 3), ("reverse", 4), ("stop", 0)):
+            if self.make[name] == (function, register, value):
+                self.way = way if not self.fault else 0
+        function_of, register_of, scale = self.make["frequency"]
+        if (function, register) == (function_of, register_of):
+            self.asked_hz = value / scale
+
+    def get(self, function, register):
+        """A register is read."""
+        if (function, register) == self.make["output"][:2]:
+            return round(self.hz * self.make["output"][3])
+        if self.make["fault"] and (function, register) == self.make["fault"][:2]:
+            return self.fault
+        return 0
+
+    def _run(self):
+        """The motor follows."""
+        now_ms = self.now_ms()
+        step = RAMP_HZ_S * (now_ms - self._then_ms) / 1000
+        self._then_ms = now_ms
+        if self.fault:
+            self.way = 0
+        target = self.asked_hz if self.way else 0.0
+        self._hz = min(target, self._hz + step) if self._hz < target else max(target, self._hz - step)
