@@ -1,5 +1,5 @@
 """A small router on a Pico: three STEP/DIR drivers, limit switches that also home, a spindle's relay, coolant, probe, door
-and emergency stop. A Pico W has the same pins free; a Pico 2 says "chip": "rp2350".
+and emergency stop. A Pico W has too little memory for it; a Pico 2 says "chip": "rp2350" and no "clock_mhz".
 
 Ball screws of 5 mm a turn at 1/8 step: 320 steps/mm on X and Y, and 4 mm a turn: 400 steps/mm on Z. X and Y home at
 their low ends, Z at the top; machine zero is where it stands then, so Z is zero at the top and negative below it.
