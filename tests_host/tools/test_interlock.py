@@ -2,6 +2,7 @@
 
 import ast
 import inspect
+import random
 import re
 from itertools import product
 
@@ -50,6 +51,39 @@ def test_the_parallel_port_never_moves_x2():
     for states in combinations(("bxa", "bxb", "dx1", "dx2", "hx2c", "sx2c", "sel")):
         assert not (MILL.rows["hx2"].value(states) and not states["sel"])
     assert not any(name.endswith("p") for name in MILL.rows["hx2"].names + MILL.rows["sx2"].names)
+
+
+def test_a_parallel_port_program_on_the_table():
+    """The external multiplexer as the rows have it, with random pulses from both sources: no carriage passes a limit by more
+    than the step that hits it, X2 never moves by the port, and an emergency stop cuts the drives, not the pulses."""
+    rng = random.Random(5)
+    places, ends = {"x": 5, "x2": 5, "y": 5, "z": 5}, (0, 40)
+    states = dict.fromkeys(NAMES, 0)
+    states.update(dx1=1, dx2=1, dy=1, dz=1)
+    moved = {"x": 0, "x2": 0, "y": 0, "z": 0}
+    cut = 0
+    for count in range(20_000):
+        if count % 50 == 0:
+            states.update(sel=rng.randrange(2), urg=int(rng.random() < 0.1), pal=int(rng.random() < 0.2))
+        for axis, low, high in (("x", "bxa", "bxb"), ("y", "bya", "byb"), ("z", "bzb", "bza")):
+            states[low], states[high] = int(places[axis] <= ends[0]), int(places[axis] >= ends[1])
+        for name in ("hxc", "hx2c", "hyc", "hzc", "hxp", "hyp", "hzp", "sxc", "sx2c", "syc", "szc", "sxp", "syp", "szp", "rc0"):
+            states[name] = rng.randrange(2)
+        states["hx2c"], states["sx2c"] = states["hxc"], states["sxc"]
+        enabled = MILL.rows["enm"].value(states)
+        for axis in places:
+            if not MILL.rows["h" + axis].value(states):
+                continue
+            assert axis != "x2" or states["sel"]
+            if not enabled:
+                cut += states["urg"]
+                continue
+            step = 1 if MILL.rows["s" + axis].value(states) else -1
+            assert not (axis == "z" and step < 0 and states["pal"])
+            places[axis] += step
+            moved[axis] += 1
+            assert axis == "x2" or ends[0] <= places[axis] <= ends[1]
+    assert min(moved.values()) > 1000 and cut > 100
 
 
 # --- the pins are at most stricter

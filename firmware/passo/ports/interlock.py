@@ -3,10 +3,12 @@
     port.interlock.change(number, active)       # from an interrupt: an input has changed, and has lasted its filter's time
     port.interlock.denied                       # mask of INTERLOCK_…, now
 
-What is derived from it, for chips and for the virtual port, tells it of changes, and has now(), lit() and put(mask, on). A change that forbids acts at once, in the interrupt:
-outputs that are no longer allowed go off, and stay off until they are asked for anew; the player is halted if a step that
-is forbidden lies ahead, or the tool is on. Words made later are looked at before they are handed to the player: none that
-steps towards an active limit is ever played. While nothing is forbidden that costs one comparison a cycle of the feeder.
+What is derived from it, for chips and for the virtual port, tells it of changes, and has now(), lit() and put(mask, on).
+
+A change that forbids acts at once, in the interrupt: outputs that are no longer allowed go off, and stay off until they are asked
+for anew; the player is halted if a step that is forbidden lies ahead, or the tool is on. Words made later are looked at before
+they are handed to the player: none that steps towards an active limit is ever played. While nothing is forbidden that costs one
+comparison a cycle of the feeder.
 """
 
 from array import array
