@@ -66,6 +66,8 @@ def save(path, strokes, title, table=None, page=None, order=False):
     figure, axes = plt.subplots(figsize=(9, 8), layout="constrained")
     for pen_down, color, width in ((False, _UP, 0.6), (True, _DOWN, 0.9)):
         lines = [places for down, places in strokes if down == pen_down]
+        if not lines:
+            continue
         colors = plt.get_cmap("turbo")([i / len(lines) for i in range(len(lines))]) if order and pen_down else color
         axes.add_collection(
             LineCollection(lines, colors=colors, linewidths=width, capstyle="round", joinstyle="round",
