@@ -149,7 +149,7 @@ def test_lines_in_the_colours_of_their_order(tmp_path):
 def test_a_trace_without_a_stroke_has_a_picture(tmp_path):
     trace = tmp_path / "still.csv"
     trace.write_text(HEADER + "0.000,0,0,0,0,0\n")
-    strokes = plot.strokes_of_trace(read_trace(trace), 10)
+    strokes = plot.strokes_of_trace(read_trace(trace), (10, 10))
     for order in (False, True):
         plot.save(tmp_path / "still.png", strokes, "still", order=order)
         assert (tmp_path / "still.png").stat().st_size > 1000
