@@ -12,7 +12,7 @@ from host_tools.build.constants import folded
 from host_tools.build.tree import COLD, compile_module, selected
 from host_tools.drawings import objects
 from host_tools.emulator.pico import EmulatedPico
-from programmes import programmes
+from gcode_jobs import all_jobs
 from test_digest import CHECKS, GOLDEN, HEX_JOBS, ROOT, golden_of_gcode, golden_of_hex, hex_job, job_of
 
 LIMIT_US = 30_000_000
@@ -58,7 +58,7 @@ def test_the_pico_makes_the_words_of_the_golden_file(uf2, name, show):
 
 def test_the_pico_makes_the_words_of_gcode(uf2, show):
     """The beginnings of a relief, an engraving, a helix and a laser's raster: generated, not played."""
-    board, lines = programmes()["pico"]
+    board, lines = all_jobs()["pico"]
     name = board.partition("+")[0]
     files = with_digest(name, "job.gcode", "".join(f"{line}\n" for line in lines).encode())
     pico = EmulatedPico(files=files, uf2=uf2).boot()

@@ -5,7 +5,7 @@ from math import sqrt
 from draws import Random
 from passo.motion.block import ARC, LINE
 from passo.steps.word import COUNT_MASK, TICKS_PER_S
-from programs import MM, Machine, end_of, hold_against_limits, path_of
+from random_motion import MM, Machine, end_of, hold_against_limits, path_of
 
 CASES = {
     "check_hold": (("seed", "seed"), ("kind", "choice", "mixed", "tiny", "arcs"), ("part", 0, 1000)),

@@ -3,7 +3,7 @@
 from passo.motion.block import LINE
 from passo.motion.planner import Planner
 from passo.steps.word import TICKS_PER_S
-from programs import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, path_of, reference_seconds
+from random_motion import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, path_of, reference_seconds
 
 CASES = {
     "check_limits": (("seed", "seed"), ("kind", "choice", "mixed", "lines", "tiny", "reversals", "arcs")),

@@ -13,7 +13,7 @@ from passo.motion.limits import Limits
 from passo.motion.s_curve_block import cube_root, quotient, scaled
 from passo.motion.s_curve_way import ratio
 from passo.steps.word import TICKS_PER_S
-from programs import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, path_of
+from random_motion import MM, Machine, end_of, hold_against_limits, hold_axes_against_limits, path_of
 
 CASES = {
     "check_one_ramp": (("seed", "seed"), ("kind", "choice", "line", "line", "arc")),

@@ -1,7 +1,7 @@
 """The step words of drawings and programmes: the same digest under CPython and MicroPython, and the same as ever.
 
 tests_host/golden/digests.txt holds `name digest words stepping` of the five objects of `make run`; gcode_digests.txt
-holds `name digest words stepping marks refused` of programmes.py and of the corpus; hex_digests.txt, as digests.txt, of
+holds `name digest words stepping marks refused` of gcode_jobs.py and of the corpus; hex_digests.txt, as digests.txt, of
 bytes sent to machines of other languages. If a change of the words is meant,
 write the new lines there: PASSO_GOLDEN=write does it for the G-code. To see what changed, compare `passo plot` of two
 traces, or print the words in `Sink.start`.
@@ -20,7 +20,7 @@ from host_tools.cli import run
 from host_tools.drawings.objects import objects
 from passo.protocols.torch import protocol as torch
 from passo.protocols.plotter.host import COMMANDS, packet
-from programmes import programmes
+from gcode_jobs import all_jobs
 from test_micropython import CHECKS, MICROPYTHON, MODULE_PATH, ROOT, TESTS, needs_micropython
 
 pytestmark = pytest.mark.unmeasured
@@ -70,7 +70,7 @@ def digest(program, *job, firmware=None, script=CHECKS / "digest.py"):
 
 
 @pytest.fixture(scope="module")
-def jobs(tmp_path_factory):
+def all_jobs(tmp_path_factory):
     """{name: file of packets} of everything that `make run` draws."""
     folder = tmp_path_factory.mktemp("jobs")
     files = {}
@@ -100,7 +100,7 @@ def test_what_a_board_gets_makes_the_same_words(jobs, tmp_path):
     for path, text in folded({path: source.read_text(encoding="utf-8") for path, source in sources.items()}).items():
         (tmp_path / path).parent.mkdir(parents=True, exist_ok=True)
         (tmp_path / path).write_text(text, encoding="utf-8")
-    board, lines = programmes()["pico"]
+    board, lines = all_jobs()["pico"]
     job = tmp_path / "job.gcode"
     job.write_text("".join(f"{line}\n" for line in lines))
     where = {"firmware": tmp_path, "script": tmp_path / "digest.py"}
@@ -119,9 +119,9 @@ def test_a_job_that_differs_by_one_step_has_another_digest(tmp_path):
 
 
 @pytest.mark.quick
-@pytest.mark.parametrize("name", programmes())
+@pytest.mark.parametrize("name", all_jobs())
 def test_gcode(tmp_path, name):
-    board, lines = programmes()[name]
+    board, lines = all_jobs()[name]
     job = tmp_path / "job.gcode"
     job.write_text("".join(f"{line}\n" for line in lines))
     compare_gcode(name, job, board)

@@ -1,6 +1,6 @@
 """Small programmes of every kind, made the same way each time: for digests, fuzz and benches.
 
-    programmes()["relief"]     # (board, lines)
+    all_jobs()["relief"]     # (board, lines)
 
 "pico" is the beginnings of some, one after the other, short enough for an emulated chip.
 """
@@ -115,7 +115,7 @@ def smooth():
 PICO = ((relief, 9), (engraving, 8), (helices, 3), (laser_raster, 11))  # and how many lines
 
 
-def programmes():
+def all_jobs():
     """{name: (board, lines)}"""
     made = {}
     for kind in (relief, engraving, arcs, helices, laser_raster, tiny, drilling, units, reversals, slow, smooth):
