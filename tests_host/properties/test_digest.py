@@ -70,7 +70,7 @@ def digest(program, *job, firmware=None, script=CHECKS / "digest.py"):
 
 
 @pytest.fixture(scope="module")
-def all_jobs(tmp_path_factory):
+def jobs(tmp_path_factory):
     """{name: file of packets} of everything that `make run` draws."""
     folder = tmp_path_factory.mktemp("jobs")
     files = {}
