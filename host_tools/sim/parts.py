@@ -93,6 +93,11 @@ class Barrier:
         self._chatter = sorted(times, reverse=True)
         self._plan()
 
+    def pass_by(self):
+        """The carriage was put across the edge while nothing plays: no chatter."""
+        self.below = not self.below
+        self._reading = self.below != self._high
+
     def run(self):
         """The next false edge."""
         self._chatter.pop()

@@ -22,6 +22,7 @@ The board file gives axes, drive, polarity, travel and pen delays; what it canno
 import random
 
 from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
+from host_tools.sim.faults import Faults
 from host_tools.sim.parts import NEVER, Barrier, Carriage, Encoder, Noise, Solenoid
 
 TICKS_PER_MS = 12_500
@@ -29,7 +30,12 @@ MARGIN_MM = 10  # from the end of the travel, and from the barrier's edge, to th
 MAX_ERRORS = 1000  # kept by `errors`; `error_count` goes on
 
 
-class Plant:
+def pull_off_of(homing, axis):
+    own = homing.get("each", {}).get(axis, {})
+    return own.get("pull_off_steps", homing.get("pull_off_steps", 0))
+
+
+class Plant(Faults):
     def __init__(self, board, start=None, bounce_ms=0, faults=None, seed=0, racked=0):
         self._random = random.Random(seed)
         self.errors = []  # (tick, text)
@@ -75,10 +81,11 @@ class Plant:
         if start is not None and len(start) != len(axes):
             raise ValueError(f"start: {len(axes)} positions are wanted, one an axis, not {len(start)}")
         homing = self._board.get("homing") or {}
-        pull_off, high_end = homing.get("pull_off_steps", 0), homing.get("high_end", "")
+        high_end = homing.get("high_end", "")
         self.carriages = []
         for i, axis in enumerate(axes):
             margin = axis["steps_per_m"] * MARGIN_MM // 1000
+            pull_off = pull_off_of(homing, axis["name"])
             low, high = -pull_off - margin, axis["travel_steps"] + margin
             if axis["name"] in high_end:
                 low, high = -high, -low
@@ -100,8 +107,8 @@ class Plant:
         if gantry:
             self._gantry_axis = [axis["name"] for axis in self._board["axes"]].index(gantry["axis"])
             first = self.carriages[self._gantry_axis]
-            room = gantry.get("rack_steps", 200) + 100
-            self.second = Carriage(first.name + "2", first.position + racked, first.low - room, first.high + room, self.report)
+            low, high = min(first.low, first.position + racked), max(first.high, first.position + racked)
+            self.second = Carriage(first.name + "2", first.position + racked, low, high, self.report)
 
     def racked(self):
         """Steps that the second side of a gantry stands beyond the first."""
@@ -115,9 +122,10 @@ class Plant:
         self._others = {}  # of an axis with more of them
         for axis, sensor in homing.get("sensors", {}).items():
             high = axis in homing.get("high_end", "")
+            edge = pull_off_of(homing, axis)
             barrier = Barrier(
                 sensor,
-                homing["pull_off_steps"] if high else -homing["pull_off_steps"],
+                edge if high else -edge,
                 self.position[names.index(axis)],
                 bounce_ms * TICKS_PER_MS,
                 faults.pop(sensor, None),
@@ -128,14 +136,10 @@ class Plant:
             if self._gantry and self._gantry.get("sensor") and axis == self._gantry["axis"]:
                 offset = self._gantry.get("offset_steps", 0)
                 self._watching_second = Barrier(
-                    self._gantry["sensor"],
-                    homing["pull_off_steps"] + offset if high else -homing["pull_off_steps"] - offset,
-                    self.second.position,
-                    bounce_ms * TICKS_PER_MS,
-                    faults.pop(self._gantry["sensor"], None),
-                    random.Random(self._random.random()),
-                    high,
-                )
+                    self._gantry["sensor"], edge + offset if high else -edge - offset, self.second.position,
+                    bounce_ms * TICKS_PER_MS, faults.pop(self._gantry["sensor"], None),
+                    random.Random(self._random.random()), high,
+                )  # fmt: skip
                 self.barriers[self._gantry["sensor"]] = self._watching_second
                 self._levels[self._gantry["sensor"]] = self._level(self._watching_second, 0)
         margin = MARGIN_MM // 2
@@ -310,26 +314,6 @@ class Plant:
         if level != self._levels[name]:
             self._levels[name] = level
             self._tell(tick, name)
-
-    # What a motor and its encoder may do to a machine, by the motor's name:
-
-    def stall(self, motor, steps):
-        """The next `steps` that a motor is asked for are lost."""
-        self._carriage(motor).stall += steps
-
-    def slip(self, motor, steps):
-        """A motor turns by `steps` that nobody asked for."""
-        carriage = self._carriage(motor)
-        carriage.position += steps
-        if carriage in self.carriages:
-            self.position[self.carriages.index(carriage)] = carriage.position
-
-    def lose_counts(self, motor, counts):
-        """An encoder misses so many counts forward."""
-        self.encoders[motor].lost += counts
-
-    def _carriage(self, motor):
-        return next(carriage for carriage in [*self.carriages, self.second] if carriage and carriage.name == motor)
 
     def listen(self, callback):
         """Call callback(tick, name, level) at each change of an input."""

@@ -56,9 +56,13 @@ _HOMING = {
     "pull_off_steps": (int, MUST, 1, 10_000),
     "debounce_ms": (int, 5, 0, 100),
     "required": (bool, False, 0, 1),
-    "order": (str, "", 0, 4),  # names of the axes, first to last; "": as the board file has them
+    # Names of the axes, first to last; "": as the board file has them. With a blank in it, those between two blanks at once.
+    "order": (str, "", 0, 8),
+    "each": (dict, {}, 0, 4),  # by axis: seek_steps_s, locate_steps_s, pull_off_steps, distance_steps (of the search) of its own
+    "latch": (bool, False, 0, 1),  # edges are caught in interrupts, and homing can be judged
     "high_end": (str, "", 0, 4),  # names of the axes that home at the positive end of their travel
 }
+_EACH = ("seek_steps_s", "locate_steps_s", "pull_off_steps")
 _PLANNING = {"junction_um": (int, 10, 0, 10_000), "arc_um": (int, 2, 0, 10_000), "independent_ramps": (bool, False, 0, 1)}
 _SPINDLE = {
     "max_rpm": (int, 1000, 1, 900_000),
@@ -347,8 +351,18 @@ def _check_homing(board):
         if sensor not in inputs:
             raise BoardError("homing.sensors.%s: there is no input %r" % (axis, sensor))
     for key in ("order", "high_end"):
-        for axis in homing[key]:
+        for axis in homing[key].replace(" ", ""):
             if axis not in homing["sensors"]:
                 raise BoardError("homing.%s: axis %r has no sensor" % (key, axis))
-    if homing["order"] and len(set(homing["order"])) != len(homing["sensors"]):
+    order = homing["order"].replace(" ", "")
+    if order and not len(order) == len(set(order)) == len(homing["sensors"]):
         raise BoardError("homing.order: every axis with a sensor once, not %r" % homing["order"])
+    for axis, own in homing["each"].items():
+        if axis not in homing["sensors"] or not isinstance(own, dict):
+            raise BoardError("homing.each: %r has no sensor, or no dict" % axis)
+        for key, value in own.items():
+            most = 10_000_000 if key == "distance_steps" else _HOMING[key][3] if key in _EACH else 0
+            if not most:
+                raise BoardError("homing.each.%s: unknown key %r; known are distance_steps, %s" % (axis, key, ", ".join(_EACH)))
+            if not isinstance(value, int) or not 1 <= value <= most:
+                raise BoardError("homing.each.%s.%s: %r is not within 1 … %d" % (axis, key, value, most))

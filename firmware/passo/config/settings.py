@@ -225,6 +225,9 @@ class Settings:
     def homing(self, axis):
         """(seek and locate speed in steps/s, pull-off in steps) of an axis: the board file's, where unchanged."""
         board = self._board["homing"]
+        if board["each"]:
+            board = dict(board)
+            board.update(board["each"].get(self._board["axes"][axis]["name"], {}))
         steps_per_m = self.value(STEPS + axis)
         seek, locate, pull_off = board["seek_steps_s"], board["locate_steps_s"], board["pull_off_steps"]
         if HOMING_SEEK in self._changed:

@@ -45,6 +45,7 @@ class EncoderWatch:
         self._halted = False  # what the encoders say is the position
         self._homed = False  # it was before the halt
         self._homing = False
+        self._mask = 0  # axes that are being homed; 0: all
         self._tries = 0
 
     def handlers(self):
@@ -93,6 +94,8 @@ class EncoderWatch:
         if not still:
             self._still_ms = now_ms
             self._homing = homing
+            if homing:
+                self._mask = machine.command.value
             self._move()
             return
         if self._homing:
@@ -105,7 +108,8 @@ class EncoderWatch:
         """What homing has lost is no error: it has found its place by the sensors."""
         self._homing = self._halted = False
         for number in range(len(self._encoders.names)):
-            self._encoders.forget(number)
+            if not self._mask or self._mask >> self._encoders.axis(number) & 1:
+                self._encoders.forget(number)
         self._move()
 
     def _settle(self):
@@ -172,10 +176,13 @@ class EncoderWatch:
             self._homed = False
             return True
         self._note(errors.STEPS_MADE_UP, off)
+        ways = []
         for number in range(len(off)):
             if missing >> number & 1 and number != self._second:
                 self._take(number, off[number])
-                self._queue.travel(self._encoders.axis(number), -off[number], self._speed(self._encoders.axis(number)))
+                axis = self._encoders.axis(number)
+                ways.append((axis, -off[number], self._speed(axis)))
+        self._queue.travel(ways)
         return True
 
     def _note(self, number, off):

@@ -20,6 +20,7 @@ from passo.control.motors import RELEASED
 from passo.records import COUNT_MASK
 
 _SQUARINGS = const(4)  # at one stand
+_LEAST_MS = const(20)  # at rest: some checks of the encoders
 _TURN = const(1)  # DIR shows
 _RISE = const(2)  # STEP rises
 _FALL = const(3)  # and falls
@@ -39,7 +40,7 @@ class GantryWatch:
         self._active = len(self._pair) == 2
         self._wait_steps = section["wait_steps"]
         self._limit_steps = section["limit_steps"]
-        self._settle_ms = max([item["settle_ms"] for item in board["encoders"]] + [0])
+        self._settle_ms = max([item["settle_ms"] for item in board["encoders"]] + [_LEAST_MS])
         self._waiting = False  # the move stands, or is coming to its stand, for the lag
         self._phase = 0  # of the step under way
         self._motor = self._forward = self._left = 0
@@ -77,6 +78,7 @@ class GantryWatch:
         queue = self._queue
         if machine.alarm or machine.busy_with(commands.HOME) or machine.detached or machine.motors.state == RELEASED:
             self.halt()
+            self._stand(now_ms)
             return
         if self._phase:
             self._step(now_ms)

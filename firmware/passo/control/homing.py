@@ -1,4 +1,4 @@
-"""Homing on optical barriers, axis by axis, in five phases:
+"""Homing on switches or optical barriers, axis by axis, in five phases; homing_groups.py has what only few boards ask for:
 
     1 leave     if the head stands on the sensor, move away until it is free
     2 seek      quickly towards the sensor, until it trips
@@ -16,22 +16,32 @@ from passo import commands, errors
 from passo.control.sensor import Sensor
 from passo.errors import LATER
 
-_RUNNING = const(-1)
+ON_ITS_WAY = const(-1)
 
 
 class Homing:
+    _judges = False  # it can tell how well it repeats
+
     def __init__(self, board, machine, queue):
         self._config = board["homing"]
         self._axes = board["axes"]
         self._machine = machine
         self._queue = queue
         self._lifting = False  # homing waits for the tool
+        self._known = 0  # mask of the axes whose place is known
+        self._all = 0  # of those that can be homed
+        for number in range(len(self._axes)):
+            if self._axes[number]["name"] in self._config["sensors"]:
+                self._all |= 1 << number
         self._order = []
         self._phases = (self._leave, self._seek, self._pull_off, self._locate, self._pull_off)
         self._stage = 0
 
     def handlers(self):
         return {commands.HOME: self._home}
+
+    def release(self):
+        self._known = 0
 
     def _home(self, command):
         machine = self._machine
@@ -41,8 +51,12 @@ class Homing:
             return errors.DOOR_OPEN
         if machine.detached:
             return errors.NO_MOTORS
+        if command.value & ~self._all or command.power and not self._judges:
+            return errors.NO_HOMING
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return LATER
+        if machine.homed:
+            self._known = self._all
         machine.homing()
         machine.unlock()
         machine.homed = False
@@ -63,16 +77,25 @@ class Homing:
             return
         result = self._go_on(now_ms)
         if result == 0:
-            self._queue.set_origin()
-            machine.homed = True
-            machine.finish()
-        elif result != _RUNNING:
+            self._end(now_ms)
+        elif result != ON_ITS_WAY:
             machine.homing_failed(result)
 
+    def _end(self, now_ms, told=None):
+        """Every axis asked for stands at its origin. `told`: what the answer says beside that."""
+        machine = self._machine
+        homed = machine.command.value
+        self._queue.set_origin(homed or -1)
+        self._known |= homed or self._all
+        machine.homed = self._known == self._all
+        machine.finish(told)
+
     def _axis_order(self):
+        """Numbers of the axes to be homed."""
         names = [axis["name"] for axis in self._axes]
-        order = self._config["order"] or [name for name in names if name in self._config["sensors"]]
-        return [names.index(name) for name in order]
+        order = self._config["order"].replace(" ", "") or [name for name in names if name in self._config["sensors"]]
+        mask = self._machine.command.value or self._all
+        return [names.index(name) for name in order if mask >> names.index(name) & 1]
 
     def _sensor(self, name):
         read = self._machine.inputs.read
@@ -90,7 +113,7 @@ class Homing:
         self._enter()
 
     def _go_on(self, now_ms):
-        """_RUNNING, 0 when every axis stands at its origin, or the number of the alarm that ended it."""
+        """ON_ITS_WAY, 0 when every axis stands at its origin, or the number of the alarm that ended it."""
         self._now_ms = now_ms
         axis, _, sensor = self._order[self._stage // len(self._phases)]
         sensor.sample(now_ms, self._queue.axis(axis))
@@ -99,14 +122,14 @@ class Homing:
             if not still:
                 self._machine.abort()
         elif not still or sensor.pending:
-            return _RUNNING
+            return ON_ITS_WAY
         elif self._until is not None or sensor.active:
             return self._alarm
         self._stage += 1
         if self._stage == len(self._order) * len(self._phases):
             return 0
         self._enter()
-        return _RUNNING
+        return ON_ITS_WAY
 
     def _enter(self):
         axis, travel, sensor = self._order[self._stage // len(self._phases)]
@@ -146,4 +169,4 @@ class Homing:
 
     def _go(self, axis, steps, steps_s):
         """Set out on `steps` away from the sensor's end."""
-        self._queue.travel(axis, steps * self._away, steps_s)
+        self._queue.travel([(axis, steps * self._away, steps_s)])

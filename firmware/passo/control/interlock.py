@@ -26,7 +26,9 @@ class InterlockWatch:
         self._vital = [item["name"] for item in board["outputs"] if item["role"] == "ours" or item["name"] == "enable"]
         self._halting = [item["name"] for item in board["inputs"] if item["halt"]]
         homing = board["homing"]
-        sensors = homing["sensors"].values() if homing else ()
+        sensors = list(homing["sensors"].values()) if homing else []
+        if board["gantry"]:
+            sensors.append(board["gantry"]["sensor"])
         self._homes = self._probes = 0  # inputs that forbid nothing while homing or probing looks for them
         for number in range(len(names)):
             if names[number] in sensors:

@@ -42,10 +42,13 @@ class Queue:
             found[axis] -= origin[axis]
         return found
 
-    def set_origin(self):
-        """Make this place machine zero. Only at a stand, with nothing queued."""
-        self._origin = self._feeder.position(self._player.played())
-        self.lead([0] * len(self._axes))
+    def set_origin(self, axes=-1):
+        """Make this place machine zero, for the axes of a mask. Only at a stand, with nothing queued."""
+        place = self._feeder.position(self._player.played())
+        for axis in range(len(place)):
+            if axes >> axis & 1:
+                self._origin[axis] = place[axis]
+        self.settle()
 
     def shift(self, axis, steps):
         """An axis stands `steps` further than has been stepped. Only at a stand; the target stays."""
@@ -149,11 +152,15 @@ class Queue:
             self.set_tool(tool, tag)
         self.tool = tool
 
-    def travel(self, axis, steps, steps_s):
-        """Queue `steps` along one axis. Checks no travel, and leaves `target` to the caller."""
+    def travel(self, ways):
+        """Queue one line: `ways` are (axis, steps, its highest speed in steps/s). Checks no travel, and leaves `target` to the
+        caller."""
         deltas = [0] * len(self._axes)
-        deltas[axis] = steps
-        self._planner.line(deltas, abs(steps) * TICKS_PER_S // steps_s, False, 0)
+        ticks = 0
+        for axis, steps, steps_s in ways:
+            deltas[axis] = steps
+            ticks = max(ticks, abs(steps) * TICKS_PER_S // steps_s)
+        self._planner.line(deltas, ticks, False, 0)
         self.flush()
 
     def axis(self, axis):

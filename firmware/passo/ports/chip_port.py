@@ -80,6 +80,10 @@ class ChipPort:
 
             self.interlock = PinInterlock(board, self, self._inputs, self._outputs)
         self.encoders = None  # a chip's Port makes it, if the board file has any
+        if board["homing"] and board["homing"]["latch"]:
+            from passo.ports.latch import make
+
+            self.latches = make(board, self, self._inputs)
 
     # --- what the contract of ports asks for
 

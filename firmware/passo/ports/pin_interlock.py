@@ -28,11 +28,12 @@ class PinInterlock(Interlock):
             pin, active = outputs[entry["name"]]
             self._pins.append((bit, pin, 1 - active))
             bit <<= 1
+        self.watches = {}  # by the inputs' numbers
         self.items = [inputs[entry["name"]] for entry in board["inputs"]]
         self.read(self.now())
         for number in range(len(self.items)):
             if self.watched >> number & 1 and not board["inputs"][number]["halt"]:
-                PinWatch(self.items[number], number, self, port)
+                self.watches[number] = PinWatch(self.items[number], number, self, port)
 
     def now(self):
         """The inputs as they are at the pins, a bit each: 1 active."""
@@ -83,6 +84,7 @@ class PinWatch:
             edges |= Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING
         if self._fall:
             edges |= Pin.IRQ_FALLING if item.level else Pin.IRQ_RISING
+        self.latch = None  # what homing has put here
         port.watch(item.pin, self.edge, edges)
 
     @micropython.native
@@ -91,6 +93,8 @@ class PinWatch:
         level = self._pin.level
         value = pin.value()
         active = value == level
+        if active and self.latch is not None:
+            self.latch.catch()
         number = self._number
         if active == bool(interlock.states & self._bit):
             interlock.glitches[number] += 1  # over by now

@@ -75,6 +75,12 @@ class VirtualPort:
             from passo.ports.virtual_interlock import VirtualInterlock
 
             self.world = self.interlock = VirtualInterlock(board, self, self.world)
+        self.latches = {}
+        if hasattr(world, "listen") and board.get("homing") and board["homing"]["latch"]:
+            from passo.ports.latch import VirtualLatch, named
+
+            for name in named(board):
+                self.latches[name] = VirtualLatch(len(board["axes"]), name, self._inputs[name], world)
         self.encoders = None
         if board.get("encoders"):
             from passo.ports.virtual_encoders import VirtualEncoders
@@ -94,6 +100,8 @@ class VirtualPort:
             self.interlock.join(feeder, player)
         if self.encoders is not None:
             self.encoders.join(feeder, player)
+        for latch in self.latches.values():
+            latch.join(feeder, player)
         return False
 
     def serial(self, link):

@@ -51,6 +51,8 @@ class Port(ChipPort):
             self.interlock.join(feeder, player)
         if self.encoders is not None:
             self.encoders.join(feeder, player)
+        for latch in getattr(self, "latches", {}).values():
+            latch.join(feeder, player)
         self._timer = Timer(_FEED_TIMER)
         self._timer.init(mode=Timer.PERIODIC, period=_FEED_MS, callback=self._feed_and_look)
         return True

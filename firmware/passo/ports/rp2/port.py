@@ -130,6 +130,8 @@ class Port(ChipPort):
             self.interlock.join(feeder, player)
         if self.encoders is not None:
             self.encoders.join(feeder, player)
+        for latch in getattr(self, "latches", {}).values():
+            latch.join(feeder, player)
         pace_viper.use(kernels.walk, kernels.pace)
         chip.yield_timers()
         self._timer = Timer(mode=Timer.PERIODIC, period=_FEED_MS, callback=self._feed, hard=True)

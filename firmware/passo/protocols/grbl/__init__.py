@@ -16,6 +16,8 @@ def _axes(board):
 def check(board):
     if board["encoders"]:
         from passo.protocols.grbl import encoders  # noqa: F401
+    if board["homing"] and board["homing"]["latch"]:
+        from passo.protocols.grbl import homing  # noqa: F401
     axes = _axes(board)
     return None if axes in ("x", "xy", "xyz") else "grbl wants axes x, y, z in this order, not " + axes
 

@@ -285,6 +285,10 @@ class Grbl:
         if command.kind == commands.PROBE and event.value:
             text += self._probed(event.value)
         if command.kind == commands.HOME:
+            if event.value:
+                from passo.protocols.grbl.homing import told  # loaded at the start, by check()
+
+                text += told(event.value)
             self._start_lines = self._system.start_lines()
         if not self._rest or self._rest[0].kind == commands.RESET:
             if self.gcode.ended and command.kind == commands.SYNC:

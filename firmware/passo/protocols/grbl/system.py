@@ -15,6 +15,7 @@ from passo.protocols.grbl.lines import RX_BYTES
 from passo.records import SETTING_INCHES
 
 _A_FEW = const(6)
+_MOST_RUNS = const(100)
 _START_LINES = ("N0", "N1")
 INFO = "I"
 
@@ -74,8 +75,8 @@ class System:
             return errors.BUSY
         if line == "$#":
             return answer(grbl_report.parameters(self._gcode, self.probed, self.touched, self.inches()))
-        if line == "$H":
-            return [Command(commands.HOME)] if self._settings.value(22) else errors.HOMING_OFF
+        if line[:2] == "$H":
+            return self._home(line[2:])
         if line == "$SLP":
             return [Command(commands.SLEEP)]
         if line == "$I":
@@ -103,6 +104,19 @@ class System:
         if text[0] != "=" or text[1:] not in ("0", "1", "2", "3", "4"):
             return errors.STATEMENT
         return [Command(commands.HAND_OVER, value=int(text[1:]))]
+
+    def _home(self, what):
+        """$H, $HX …: one axis, $HR=10: all, and ten times more to see how well it repeats."""
+        if not self._settings.value(22):
+            return errors.HOMING_OFF
+        command = Command(commands.HOME)
+        if len(what) == 1 and what in "XYZ":
+            command.value = 1 << "XYZ".find(what)
+        elif what[:2] == "R=" and what[2:].isdigit() and 0 < int(what[2:]) <= _MOST_RUNS:
+            command.power = int(what[2:])
+        elif what:
+            return errors.STATEMENT
+        return [command]
 
     def _all(self):
         """The settings, a few an answer: all in one piece would ask for more memory than a board may have so."""

@@ -1,0 +1,50 @@
+"""How well homing repeats: the edges that it has found, again and again, in steps.
+
+    quality.begin(10)               # ten runs behind the one that finds zero, which is discarded
+    quality.again(groups)           # a run has ended; True if there is another to come
+    quality.found()                 # [(axis, side, runs, range, σ in hundredths of a step, drift)], or None
+
+A run begins where the one before has ended, a pull-off from the edge that it found: what its edge is nearer than that is how far it
+lies from the last one, and the sum of these how far from the first. Drift is the mean of the last third less that of the first.
+"""
+
+from math import sqrt
+
+
+class Quality:
+    def __init__(self):
+        self.begin(0)
+
+    def begin(self, runs):
+        self._runs = self._left = runs
+        self._edges = {}  # {(axis, side): [steps from the edge of the first run, of each]}
+
+    def again(self, groups):
+        if not self._runs:
+            return False
+        for group in groups:
+            for seeker in group:
+                for side in range(len(seeker.sensors)):
+                    self._add((seeker.axis, side), (seeker.edges[side] - seeker.start) * seeker.away + seeker.ends[side])
+        self._left -= 1
+        return self._left >= 0
+
+    def _add(self, key, beyond):
+        """The edge of a run lies `beyond` steps from that of the run before."""
+        edges = self._edges.get(key)
+        if edges is None:
+            self._edges[key] = []  # the first run began anywhere
+        else:
+            edges.append((edges[-1] if edges else 0) + beyond)
+
+    def found(self):
+        return [self._judge(key) for key in sorted(self._edges)] if self._runs else None
+
+    def _judge(self, key):
+        edges = self._edges[key]
+        runs = len(edges)
+        mean = sum(edges) / runs
+        sigma = sqrt(sum([(edge - mean) ** 2 for edge in edges]) / max(runs - 1, 1))
+        third = max(runs // 3, 1)
+        drift = (sum(edges[-third:]) - sum(edges[:third])) / third
+        return key + (runs, max(edges) - min(edges), int(100 * sigma + 0.5), int(drift + 0.5) if drift > 0 else -int(0.5 - drift))

@@ -1,0 +1,75 @@
+"""Homing of a gantry: each side finds its own sensor, and both end square.
+
+    both sides slowly until one sensor trips         other      that side stands, the other goes on alone to its sensor
+    ───x────────x───  ─►  ─┴──────── x ──            pull off   both together, as far as the one that has less to go
+                                                     square     the rest, one side alone
+
+The second side ends offset_steps farther from its sensor than the first from its own. No side moves more than rack_steps alone:
+farther away than that, the other sensor was not found, alarm 210.
+"""
+
+from passo import errors
+
+
+class Squaring:
+    def __init__(self, board, queue, homing):
+        gantry = board["gantry"]
+        self.axis = [axis["name"] for axis in board["axes"]].index(gantry["axis"])
+        self.sensor = gantry["sensor"]
+        self._offset_steps = gantry["offset_steps"]
+        self._rack_steps = gantry["rack_steps"]
+        self._drive = queue.lend()[0].drive
+        self._queue = queue
+        self._homing = homing
+        self._rest = self._alone = 0  # steps that one side has to go alone, and which
+        self._stood = 0  # where the first side to trip stands
+
+    def phases(self):
+        return self._other, self._together, self._square
+
+    def both(self):
+        """Both motors step again."""
+        self._drive.use(3)
+
+    def _other(self, seeker):
+        """The side that has not tripped goes on alone."""
+        homing = self._homing
+        if seeker.axis != self.axis:
+            seeker.done = True
+            return
+        seeker.keep(seeker.tripped)
+        other = seeker.sensors[1 - seeker.tripped]
+        self._stood = self._queue.axis(seeker.axis)
+        self._drive.use(1 if seeker.tripped else 2)
+        homing.until(other, errors.ALARM_TWO_MOTORS)
+        homing.way(seeker, -self._rack_steps, seeker.locate_steps_s)
+
+    def _together(self, seeker):
+        """Both go away from their sensors, the less of what each has to go."""
+        homing = self._homing
+        homing.end_of_way()
+        if seeker.axis != self.axis:
+            seeker.keep(0)
+            homing.way(seeker, seeker.pull_off_steps - homing.gone(seeker, 0), seeker.seek_steps_s)
+            return
+        self.both()
+        first = seeker.tripped
+        seeker.keep(1 - first)
+        ways = [0, 0]
+        ways[first] = seeker.pull_off_steps - (self._stood - seeker.edges[first]) * seeker.away
+        ways[1 - first] = seeker.pull_off_steps - homing.gone(seeker, 1 - first)
+        ways[1] += self._offset_steps
+        seeker.ends[1] = seeker.pull_off_steps + self._offset_steps
+        less = min(ways)
+        self._rest = max(ways) - less
+        self._alone = 2 if ways[1] > less else 1
+        homing.way(seeker, less, seeker.seek_steps_s)
+
+    def _square(self, seeker):
+        homing = self._homing
+        homing.end_of_way()
+        if seeker.axis != self.axis:
+            seeker.done = True
+            return
+        self._drive.use(self._alone)
+        homing.way(seeker, self._rest, seeker.locate_steps_s)
