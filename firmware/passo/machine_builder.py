@@ -59,8 +59,13 @@ def load_all(board, whole):
         modules += _OF_PROGRAM
         if whole:
             modules += _OF_WHOLE
+    if board["gantry"] and board["gantry"]["sensor"]:
+        modules += ("control.squaring",)
+    if board["homing"] and board["homing"]["latch"]:
+        modules += ("control.quality",)
     for module in modules:
         __import__("passo." + module)
+    make_drive(board)
     load(names)
 
 

@@ -47,6 +47,8 @@ OLDEST_COMPILER = 1, 28
 # lines seldom calls: from flash it runs at half the speed.
 IN_PLACE = "rp2040"
 COLD = (
+    "passo/drives/gantry.py",
+    "passo/drives/gantry_viper.py",
     "passo/motion/block.py",
     "passo/motion/circle.py",
     "passo/motion/circle_viper.py",
@@ -58,12 +60,16 @@ COLD = (
     "passo/motion/s_curve_ticks.py",
     "passo/motion/s_curve_way.py",
     "passo/motion/steady.py",
+    "passo/ports/encoders.py",
+    "passo/ports/latch.py",
     "passo/ports/rp2/console.py",
+    "passo/ports/rp2/encoders.py",
     "passo/ports/rp2/flash_code.py",
     "passo/ports/rp2/pio_player.py",
     "passo/ports/usb_line.py",
     "passo/protocols/grbl/text_viper.py",
     "passo/steps/feeder.py",
+    "passo/steps/following_viper.py",
     "passo/steps/position_viper.py",
 )
 # Ports are for one family of chips; a module whose name starts with none of these serves all.

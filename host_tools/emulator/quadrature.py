@@ -20,8 +20,9 @@ class Quadrature:
         self._show()
 
     def turn(self, counts):
+        if counts and not self.left:
+            self._alarm.schedule(self._period_ns + self._offset_ns)
         self.left += counts
-        self._alarm.schedule(self._period_ns + self._offset_ns)
 
     def jump(self, counts):
         """Both wires change at once: nobody can tell which way."""
@@ -29,6 +30,8 @@ class Quadrature:
         self._show()
 
     def _step(self):
+        if not self.left:  # turned back meanwhile
+            return
         sign = 1 if self.left > 0 else -1
         self.count += sign
         self.left -= sign

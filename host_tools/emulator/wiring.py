@@ -7,9 +7,11 @@ as a driver's own pull resistor would hold it. Edges less than a tick apart are 
 """
 
 from host_tools.emulator import cycles
+from host_tools.emulator.quadrature import Quadrature
 from passo.machine_builder import make_drive
 from passo.steps.wiring import inverted_pins, word_pins
 
+ENCODER_COUNTS_S = 500_000  # within a step
 SETTLE_CYCLES = 9  # edges of one tick at 125 MHz, from wherever they start
 
 
@@ -39,6 +41,9 @@ class Wiring:
         plant.pins = self
         for name, gpio in self._inputs.items():
             pico.drive(gpio, world.input(self.tick, name))
+        self._encoders = [
+            (plant.encoders[item["motor"]], Quadrature(pico, item["pins"][0], ENCODER_COUNTS_S)) for item in board["encoders"]
+        ]
 
     @property
     def tick(self):
@@ -72,7 +77,13 @@ class Wiring:
             self._seen = self._levels
             self.edge_count += 1
             self._world.edges(self.tick if tick is None else tick, self._levels, changed)
+            self.turn()
             self._plan()
+
+    def turn(self):
+        """The encoders' wires follow the plant's motors, which jump by whole steps."""
+        for encoder, wires in self._encoders:
+            wires.turn(encoder.count - wires.count - wires.left)
 
     def _heard_output(self, gpio, state):
         self._flush()

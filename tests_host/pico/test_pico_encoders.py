@@ -2,8 +2,9 @@
 
 import copy
 
+import gantry
 import pytest
-from emulated import rig, uf2  # noqa: F401
+from emulated import make_machine, rig, uf2  # noqa: F401
 
 from host_tools.emulator.quadrature import Quadrature
 from host_tools.emulator.rig import router
@@ -67,3 +68,43 @@ def test_a_change_of_both_pins_counts_nothing_and_the_next_count_is_right(rig):
     wires[0].turn(2)
     rig.pico.run(500)
     assert counted(rig) == [8, 0, 0, 0]
+
+
+BAUD = 115_200
+
+
+def gantry_board():
+    """The gantry of the virtual tests, on a UART."""
+    made = gantry.board(wait_steps=4, limit_steps=20)
+    made["inputs"] = [dict(item, pin={"limit_x": 15, "limit_y": 16}.get(item["name"], item["pin"])) for item in made["inputs"]]
+    made["outputs"] = [item for item in made["outputs"] if item["name"] == "enable"]
+    made["links"] = [{"name": "serial", "port": "uart0", "tx": 0, "rx": 1, "baud": BAUD, "protocol": "grbl"}]
+    made["homing"] = {**made["homing"], "latch": True, "order": " zxy", "locate_steps_s": 1000, "each": {"z": {"pull_off_steps": 300}}}
+    return made
+
+
+@pytest.mark.slow
+def test_a_gantry_homes_square_catches_up_and_stops(make_machine, show):  # noqa: F811
+    """The whole firmware: latched edges, two motors, PIO encoders, single steps at a stand, the alarm of the interrupt's check."""
+    machine = make_machine(gantry_board(), start=(500, 400, -300), racked=17, bounce_ms=2, trace=None)
+    machine.run_until(machine.listening, 10_000)
+
+    def ask(line, answers=(b"ok\r\n", b"error"), limit_ms=30_000):
+        machine.take()
+        machine.send(line.encode() + b"\n")
+        machine.run_until(lambda: any(answer in machine.received() for answer in answers), limit_ms)
+        return machine.take().decode()
+
+    assert "ok" in ask("$H")
+    assert max(map(abs, machine.plant.position)) <= 1 and abs(machine.plant.racked()) <= 1
+    racked = machine.plant.racked()
+    ask("G91")
+    machine.plant.stall("x2", 7)
+    ask("G1X5F1500")
+    machine.run_ms(600)
+    assert machine.plant.racked() == racked
+    assert "142,x2 +7]" in ask("$LOG")
+    machine.plant.stall("x2", 10_000)
+    said = ask("G1X20F3000", (b"ALARM",)) + ask("$LOG")
+    assert "231,x " in said and abs(machine.plant.racked() - racked) <= 20 + 3 * 3000 * 320 // 60_000 + 3
+    show("a gantry on the emulated Pico", f"homed from 17 steps out of square to {racked}, caught up 7, halted at a lag of {machine.plant.racked() - racked}")

@@ -42,7 +42,25 @@ def load(board):
             from passo.ports.usb_line import UsbLine
 
             lines += (UsbLine, Console)
-    return player, lines
+    return player, lines, _more(board)
+
+
+def _more(board):
+    """What few boards ask for."""
+    found = []
+    if board["encoders"]:
+        from passo.ports.rp2.encoders import PioEncoders
+
+        found.append(PioEncoders)
+    if board["homing"] and board["homing"]["latch"]:
+        from passo.ports.latch import make
+
+        found.append(make)
+    if board["gantry"]:
+        from passo.steps.gantry_wiring import second
+
+        found.append(second)
+    return found
 
 
 class Guard:
