@@ -75,6 +75,7 @@ TEXTS = {
     errors.STEPS_MADE_UP: "an encoder missed steps at the end of a move, and they were made up for: the log says how many",
     errors.POSITION_VERIFIED: "after a halt the encoders have told the position: it is known again",
     errors.SQUARED: "a motor of the gantry was behind, and was stepped alone: the log says which, and by how many steps",
+    errors.COUNTS_LOST: "an encoder's index pulse came elsewhere than whole turns from the first: the encoder lost counts, or counted noise",
     errors.NO_MEMORY: "no memory is left for arcs: the board file's speeds take it",
     errors.ALARM_LOCKED: "locked: where the machine stands is not known until it is homed",
     errors.ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit: the position may be lost",

@@ -154,6 +154,7 @@ MEANINGS = {
     "encoders.limit_steps": "A following error beyond it stops the machine at once: alarm 230. Not below the two full steps that a rotor may "
     "lag under load.",
     "encoders.correct": "Steps that are missing at the end of a move are made up for.",
+    "encoders.index": "Name of the input of its index pulse, if it has one: log entry 143 if the encoder itself loses counts.",
     "encoders.settle_ms": "So long behind the last step a motor has come to rest, and its error is exact, ms. The largest counts for all.",
     "links.name": "Its name: `passo board --link NAME=PATH`, the log.",
     "links.port": "`usb`, or `uart0` … See the pins a UART may use in [wiring](wiring.md#serial-lines).",

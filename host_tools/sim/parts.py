@@ -51,6 +51,14 @@ class Encoder:
         self._start = carriage.position
         self._counts, self._steps = 4 * pulses * sign, steps
         self.lost = 0  # counts that never came
+        self._turn = 4 * pulses
+        self._turned = 0
+
+    def turned(self):
+        """True if the index mark has passed since the last call."""
+        at = (self._carriage.position - self._start) * self._counts // self._steps
+        before, self._turned = self._turned, at
+        return at != before and (at % self._turn == 0 or at // self._turn != before // self._turn)
 
     @property
     def count(self):

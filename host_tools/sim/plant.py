@@ -67,6 +67,7 @@ class Plant(Faults):
             sign = -1 if item["reversed"] else 1
             self.encoders[item["motor"]] = Encoder(carriage, item["pulses"], item["steps"], sign)
         self._in_order = list(self.encoders.values())
+        self._indexes = [(item["index"], self.encoders[item["motor"]]) for item in self._board.get("encoders", ()) if item["index"]]
         self._rest_inputs()
         self.noise = {}  # what is injected on inputs, by name
         self._solenoid = Solenoid(
@@ -242,6 +243,10 @@ class Plant(Faults):
                         self._show(tick, barrier)
                     if i in self._others:
                         self._cross(tick, i, at)
+        for name, encoder in self._indexes:
+            if encoder.turned():
+                self.set_input(tick, name, True)
+                self.set_input(tick, name, False)
         if changed & self._second_mask:
             self._move_second(tick, levels, changed)
         if moved and self.trace is not None:

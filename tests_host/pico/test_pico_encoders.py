@@ -11,6 +11,7 @@ from host_tools.emulator.rig import router
 
 pytestmark = [pytest.mark.on_a_copy, pytest.mark.xdist_group("rig")]
 PINS = (11, 13, 16, 18)
+INDEX_PIN = 20
 COUNTS_S = 250_000
 # What the encoders of this test count has nothing to do with what the motors step.
 UNARMED = "port.encoders.arm = lambda on: None"
@@ -21,7 +22,9 @@ def board(axes=4):
         {"motor": "xyza"[number], "pins": [pin, pin + 1], "pulses": 500, "steps": 400, "reversed": number == 3}
         for number, pin in enumerate(PINS)
     ]
-    return router(axes, encoders=copy.deepcopy(encoders))
+    encoders[0]["index"] = "index"
+    inputs = [{"name": "index", "pin": INDEX_PIN, "active": 1, "pull": "down"}]
+    return router(axes, encoders=copy.deepcopy(encoders), inputs=inputs)
 
 
 def counted(rig):
@@ -68,6 +71,31 @@ def test_a_change_of_both_pins_counts_nothing_and_the_next_count_is_right(rig):
     wires[0].turn(2)
     rig.pico.run(500)
     assert counted(rig) == [8, 0, 0, 0]
+
+
+def test_an_index_pulse_is_noticed_in_its_interrupt(rig):
+    rig.fit(board())
+    rig.pico.exec(UNARMED)
+    wires = Quadrature(rig.pico, PINS[0], COUNTS_S)
+
+    def pulse():
+        for level in (1, 0):
+            rig.pico.drive(INDEX_PIN, level)
+            rig.pico.run(50)
+
+    def index():
+        return eval(rig.pico.exec("i = port.encoders.indexes[0]; print((i.seen, i.off()))"))
+
+    pulse()
+    wires.turn(2000)
+    rig.pico.run(9000)
+    pulse()
+    assert index() == (2, 0), "a whole turn of 500 pulses"
+    wires.turn(-2070)
+    rig.pico.run(9000)
+    pulse()
+    assert index() == (3, -70)
+    rig.pico.exec("import micropython\nmicropython.heap_lock()\nport.encoders.check()\ni.edge(None)\nmicropython.heap_unlock()")
 
 
 BAUD = 115_200

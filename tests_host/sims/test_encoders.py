@@ -26,8 +26,8 @@ def board(name="router_3axis", **changes):
 
 
 class Router:
-    def __init__(self, unlock=True, seed=1, **changes):
-        self.machine = VirtualMachine(board(**changes), start=START, seed=seed, trace=None)
+    def __init__(self, unlock=True, seed=1, made=None, **changes):
+        self.machine = VirtualMachine(made or board(**changes), start=START, seed=seed, trace=None)
         self.plant = self.machine.plant
         self.controller = self.machine.app.controller
         if unlock:
@@ -111,6 +111,21 @@ def test_counts_that_never_came_are_found_too():
     router = Router()
     router.plant.lose_counts("x", 5 * LIMIT + 5)
     assert "[MSG:Steps missing: x -9 at" in router.go("G1X1F1000")
+
+
+def test_the_index_pulse_tells_an_encoder_that_loses_counts_from_a_motor_that_loses_steps():
+    made = board(limit_steps=200)
+    made["encoders"][0]["index"] = "repl"
+    router = Router(made=made)
+    router.go("G1X20F3000")
+    router.go("G1X-40F3000")
+    assert not router.noted(errors.COUNTS_LOST)
+    router.plant.slip("x", 30)
+    router.go("G1X20F3000")
+    assert not router.noted(errors.COUNTS_LOST), "the motor is somewhere else, and so is its encoder"
+    router.plant.lose_counts("x", 150)
+    router.go("G1X20F3000")
+    assert router.noted(errors.COUNTS_LOST) == ["x -150 counts"]
 
 
 def test_made_up_in_vain_is_an_alarm():
@@ -202,6 +217,7 @@ def test_nothing_is_taken_for_an_error_in_ten_million_steps():
         ({"pins": [18, 24]}, "B on the pin next to A, [18, 19]"),
         ({"pins": [16, 17]}, "pin 16 is claimed by output flood"),
         ({"pulses": 0}, "pulses: 0"),
+        ({"index": "nowhere"}, "there is no input 'nowhere'"),
     ],
 )
 def test_what_cannot_be_is_refused(change, said):

@@ -24,6 +24,7 @@ ENCODER = {
     "reversed": (bool, False, 0, 1),
     "limit_steps": (int, 8, 1, 1000),  # a following error beyond it stops the machine
     "correct": (bool, False, 0, 1),  # make up for what is missing at the end of a move
+    "index": (str, "", 0, 16),  # input of its index pulse
     "settle_ms": (int, 50, 1, 10_000),  # after which a motor at rest has come to rest
 }
 
@@ -74,6 +75,8 @@ def _check_encoders(board):
             raise BoardError("encoders: %r has to be one of %s, each once" % (motor, ", ".join(motors)))
         if board["drive"]["kind"] != "step_dir":
             raise BoardError("encoder %s: encoders want a step_dir drive" % motor)
+        if item["index"] and item["index"] not in [entry["name"] for entry in board["inputs"]]:
+            raise BoardError("encoder %s: there is no input %r" % (motor, item["index"]))
         a, b = item["pins"]
         if board["chip"].startswith("rp2") and b != a + 1:
             raise BoardError("encoder %s: its PIO program wants B on the pin next to A, [%d, %d]" % (motor, a, a + 1))

@@ -86,8 +86,19 @@ class EncoderWatch:
         self._settled = False
         self._checks = self._encoders.checks
 
+    def _look_at_indexes(self):
+        """An index pulse that is too far from whole turns is told once. What an interrupt is late moves it by up to 100 µs of
+        counts, so a 32nd of a turn is allowed."""
+        for index in self._encoders.indexes:
+            off = index.off()
+            if abs(off) > index.turn // 32:
+                self._machine.note(errors.COUNTS_LOST, "%s %+d counts" % (self._encoders.names[index.number], off))
+                index.accept()
+
     def poll(self, now_ms):
         machine = self._machine
+        if self._encoders.indexes:
+            self._look_at_indexes()
         homing = machine.busy_with(commands.HOME)
         still = self._queue.still() and not homing
         self._encoders.arm(not (machine.alarm or self._halted or homing or machine.motors.state == RELEASED))

@@ -30,6 +30,38 @@ def _common(a, b):
     return a
 
 
+class Index:
+    """The index pulse of an encoder: one a turn, so that counts that never came, or came too often, show."""
+
+    def __init__(self, encoders, number, name):
+        self.number = number
+        self.name = name
+        self.seen = 0  # pulses, modulo 2²⁹
+        self._encoders = encoders
+        self.turn = 4 * encoders.pulses[number]
+        self._first = self._last = 0  # counts at the first pulse, and at the last, modulo 2²⁹
+
+    @micropython.native
+    def edge(self, pin):  # ISR: no allocation
+        encoders = self._encoders
+        encoders.read(encoders.counts)
+        self._last = encoders.counts[self.number]
+        if not self.seen:
+            self._first = self._last
+        self.seen = (self.seen + 1) & COUNT_MASK
+
+    def off(self):
+        """Counts by which the last pulse is not whole turns from the first."""
+        off = (self._last - self._first) & COUNT_MASK
+        if off > COUNT_MASK // 2:
+            off -= COUNT_MASK + 1
+        return (off + self.turn // 2) % self.turn - self.turn // 2
+
+    def accept(self):
+        """Whole turns count from the last pulse on."""
+        self._first = self._last
+
+
 class Encoders:
     """Has no pins: see rp2/encoders.py, pin_encoders.py and virtual_encoders.py."""
 
@@ -41,6 +73,7 @@ class Encoders:
         self._axes = len(board["axes"])
         letters = [axis["name"] for axis in board["axes"]]
         self.names = [entry["motor"] for entry in entries]
+        self.pulses = [entry["pulses"] for entry in entries]
         self.table = array("i", [0] * (FOLLOW_FIELDS * len(entries)))
         for number in range(len(entries)):
             entry = entries[number]
@@ -66,6 +99,24 @@ class Encoders:
         self.beyond = 0  # mask of the encoders that it was halted for
         self.checks = 0  # modulo 2²⁹
         self._player = self._follower = None
+        self.indexes = []  # Index of those that have one
+
+    def index(self, number, name):
+        """The Index of an encoder, whose pulse comes on input `name`: edge() is for the port to call."""
+        entry = Index(self, number, name)
+        self.indexes.append(entry)
+        return entry
+
+    def watch_indexes(self, board, inputs):
+        """On a chip: each index pulse's edge has an interrupt. `inputs`: the port's {name: Input}."""
+        from machine import Pin
+
+        for number in range(len(board["encoders"])):
+            name = board["encoders"][number]["index"]
+            if name:
+                item = inputs[name]
+                edge = Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING
+                self._port.watch(item.pin, self.index(number, name).edge, edge)
 
     def join(self, feeder, player):
         """Compare with what `player` steps. Called once, before anything is played."""

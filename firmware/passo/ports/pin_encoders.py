@@ -42,9 +42,11 @@ class PinEncoder:
 
 
 class PinEncoders(Encoders):
-    def __init__(self, board, port):
+    def __init__(self, board, port, inputs):
         Encoders.__init__(self, board, port)
         self._each = [PinEncoder(entry["pins"], port) for entry in board["encoders"]]
+
+        self.watch_indexes(board, inputs)
 
     def read(self, counts):  # ISR: no allocation
         for number in range(len(counts)):

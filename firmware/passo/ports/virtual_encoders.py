@@ -14,6 +14,18 @@ class VirtualEncoders(Encoders):
         Encoders.__init__(self, board, port)
         self._encoder = world.encoder
         self.due = CHECK_TICKS  # tick of the next check
+        levels = {item["name"]: item["active"] for item in board["inputs"]}
+        for number in range(len(board["encoders"])):
+            name = board["encoders"][number]["index"]
+            if name:
+                self._watch(world, self.index(number, name), levels[name])
+
+    def _watch(self, world, index, active):
+        def changed(tick, name, level):
+            if name == index.name and level == active:
+                index.edge(None)
+
+        world.listen(changed)
 
     def read(self, counts):
         for number in range(len(counts)):

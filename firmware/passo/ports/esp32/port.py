@@ -32,7 +32,7 @@ class Port(ChipPort):
         if board["encoders"]:
             from passo.ports.pin_encoders import PinEncoders
 
-            self.encoders = PinEncoders(board, self)
+            self.encoders = PinEncoders(board, self, self._inputs)
 
     def watch(self, pin, handler, edge):
         """Call `handler(pin)` soon after an edge."""

@@ -72,7 +72,7 @@ def count():
 
 
 class PioEncoders(Encoders):
-    def __init__(self, board, port):
+    def __init__(self, board, port, inputs):
         Encoders.__init__(self, board, port)
         self._machines = []
         for number in range(len(board["encoders"])):
@@ -85,6 +85,8 @@ class PioEncoders(Encoders):
                 machine.exec(instruction)
             machine.active(1)
             self._machines.append(machine)
+
+        self.watch_indexes(board, inputs)
 
     def read(self, counts):  # ISR: no allocation
         _read(counts, len(counts))

@@ -96,7 +96,7 @@ class Port(ChipPort):
         if board["encoders"]:
             from passo.ports.rp2.encoders import PioEncoders
 
-            self.encoders = PioEncoders(board, self)
+            self.encoders = PioEncoders(board, self, self._inputs)
 
     @micropython.viper
     def levels(self) -> int:
