@@ -5,8 +5,9 @@ b?a and b?b the two limits of an axis, d drive good, urg emergency stop, pal too
 parallel port), ending in c from the controller, in p from or to the parallel port. The parallel port's own pulses reach the
 drivers through an external multiplexer that sel switches: they do not pass through this board.
 
-X1 and X2, the two motors of the gantry, hang on the same STEP and DIR. Pitch and travels are not in the document: ball
-screws of 5 mm a turn.
+Steps, limits and emergency stop have pins of their own; the rest lies behind a 74HC165 and a 74HC595 (pins from 100 on). X1 and
+X2, the two motors of the gantry, hang on the same STEP and DIR: mill_pico_2.py has them apart. Pitch and travels are not in
+the document: ball screws of 5 mm a turn.
 """
 
 BOARD = {
@@ -18,8 +19,10 @@ BOARD = {
         {"name": "y", "pins": [3, 6], "steps_per_m": 80000, "travel_steps": 32000, "max_mm_min": 3000, "accel_mm_s2": 150},
         {"name": "z", "pins": [4, 7], "steps_per_m": 80000, "travel_steps": 12000, "max_mm_min": 1500, "accel_mm_s2": 100},
     ],
-    # The spindle's relay (s_tvt).
+    # s_tvt: enable of the spindle's inverter, which is told direction and speed over its own line.
     "tool": {"pin": 8},
+    "inverter": {"make": "delta", "port": "uart0", "tx": 0, "rx": 1, "baud": 9600},
+    "registers": {"clock": 22, "latch": 26, "in": 27, "out": 28, "inputs": 1, "outputs": 1},
     "inputs": [
         # Contactors that open when hit: a broken wire reads as a hit.
         {"name": "bxa", "pin": 11, "active": 1, "pull": "up", "filter_us": 100},
@@ -28,21 +31,22 @@ BOARD = {
         {"name": "byb", "pin": 14, "active": 1, "pull": "up", "filter_us": 100},
         {"name": "bza", "pin": 15, "active": 1, "pull": "up", "filter_us": 100},
         {"name": "bzb", "pin": 16, "active": 1, "pull": "up", "filter_us": 100},
-        # A good drive reads 1; a broken wire reads as a fault.
-        {"name": "dx1", "pin": 17, "active": 1, "pull": "down", "filter_us": 100},
-        {"name": "dx2", "pin": 18, "active": 1, "pull": "down", "filter_us": 100},
-        {"name": "dy", "pin": 19, "active": 1, "pull": "down", "filter_us": 100},
-        {"name": "dz", "pin": 20, "active": 1, "pull": "down", "filter_us": 100},
+        # Behind the register, with pull-down resistors (sel: pull-up). A good drive reads 1; a broken wire reads as a fault.
+        {"name": "dx1", "pin": 100, "active": 1, "filter_us": 100},
+        {"name": "dx2", "pin": 101, "active": 1, "filter_us": 100},
+        {"name": "dy", "pin": 102, "active": 1, "filter_us": 100},
+        {"name": "dz", "pin": 103, "active": 1, "filter_us": 100},
         # urg: not filtered, but by 1 kΩ and 10 nF at the pin. It ends the steps within microseconds.
-        {"name": "stop", "pin": 21, "active": 1, "pull": "up", "halt": True},
-        # pal, the tool sensor: it also probes.
-        {"name": "probe", "pin": 22, "active": 1, "pull": "down", "filter_us": 100},
-        {"name": "sel", "pin": 26, "active": 1, "pull": "up", "filter_us": 1000},
+        {"name": "stop", "pin": 17, "active": 1, "pull": "up", "halt": True},
+        # pal, the tool sensor: it also probes. Read every 3 ms, as all behind the register.
+        {"name": "probe", "pin": 104, "active": 1},
+        {"name": "sel", "pin": 105, "active": 1, "filter_us": 1000},
     ],
     "outputs": [
-        {"name": "enable", "pin": 9, "active": 1},  # enm
-        {"name": "vacuum", "pin": 10, "active": 1},  # s_asp
-        {"name": "reverse", "pin": 27, "active": 1},  # of the spindle
+        {"name": "enable", "pin": 100, "active": 1},  # enm
+        {"name": "vacuum", "pin": 101, "active": 1},  # s_asp
+        {"name": "flood", "pin": 102, "active": 1},
+        {"name": "mist", "pin": 103, "active": 1},
     ],
     "interlock": {
         "rows": {
@@ -95,11 +99,10 @@ BOARD = {
     },
     "speed": {"unit": "steps_per_s", "default": 2000, "min": 10, "max": 4000},
     "planning": {"junction_um": 10, "arc_um": 2},
-    "spindle": {"max_rpm": 18000, "min_rpm": 0, "spin_up_ms": 4000, "coolant_ms": 0},
+    "spindle": {"max_rpm": 18000, "min_rpm": 0, "spin_up_ms": 0, "coolant_ms": 0},
     "idle_release_ms": 0,
     "store_points": 500,
     "links": [
         {"name": "pc", "port": "usb", "protocol": "grbl"},
-        {"name": "serial", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl"},
     ],
 }

@@ -51,7 +51,10 @@ def load_all(board, whole):
     """Import what App will ask for, so that all code is there before there is anything else. `whole`: as App's."""
     if board["encoders"] or board["gantry"]:
         forget("motor_keys")
-    if board["inverter"]:
+    if board["gantry"]:
+        from passo.drives import gantry
+        from passo.steps import gantry_wiring
+    if board["inverter"] or board["registers"]:
         forget("device_keys")
     names = wanted(board, languages(board))
     modules = _OF_ALL

@@ -21,6 +21,7 @@ HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is
 FEED_LEAST = const(50_000)  # 4 ms: more than two calls of a feeder are apart
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
+REGISTER_BIT = const(100)  # pins from here on are bits of shift registers: of the 74HC165 if inputs, of the 74HC595 if outputs
 
 # Numbers of settings that languages ask for too; the others stand in config/setting_numbers.py.
 SETTING_REPORT = const(10)

@@ -29,6 +29,11 @@ SECTIONS = {
         "inverter",
         "The spindle's frequency inverter, over Modbus RTU. See [spindle](spindle.md). `spindle.max_rpm` is S at its fastest.",
     ),
+    "registers": (
+        "registers",
+        "74HC165 and 74HC595 on four pins. An input with pin 100 is input A of the first 74HC165, an output with pin 100 is "
+        "output QA of the first 74HC595. See [wiring](wiring.md#shift-registers).",
+    ),
     "jog": ("jog", "Jogs of the plotter's and the torch's languages."),
     "step_program": ("step_program", "Needed by the language `pulses`: paths written down step by step."),
     "links": ("links", "A list of the board's serial lines, one entry a line. See [README](../README.md#languages)."),
@@ -127,6 +132,12 @@ MEANINGS = {
     "inverter.timeout_ms": "Without an answer for so long, ms, a request is sent again; thrice in all.",
     "inverter.at_speed_percent": "So near to S it is at speed.",
     "inverter.spin_up_ms": "If it is not at speed by then, ms: alarm 244.",
+    "registers.clock": "CLK of the 74HC165, SRCLK of the 74HC595.",
+    "registers.latch": "SH/LD of the 74HC165, RCLK of the 74HC595.",
+    "registers.in": "QH of the first 74HC165.",
+    "registers.out": "SER of the first 74HC595.",
+    "registers.inputs": "Chips 74HC165: eight inputs each.",
+    "registers.outputs": "Chips 74HC595: eight outputs each.",
     "jog.steps": "Steps of a jog.",
     "jog.up": "Which way UP goes; DOWN is the opposite, LEFT and RIGHT the other axis.",
     "jog.ahead_ms": "A jog that is repeated asks for so much motion in advance, ms: the longest time that the axis runs on after "

@@ -8,7 +8,9 @@ as a driver's own pull resistor would hold it. Edges less than a tick apart are 
 
 from host_tools.emulator import cycles
 from host_tools.emulator.quadrature import Quadrature
+from host_tools.emulator.shift_registers import Chains
 from passo.machine_builder import make_drive
+from passo.records import REGISTER_BIT
 from passo.steps.wiring import inverted_pins, word_pins
 
 ENCODER_COUNTS_S = 500_000  # within a step
@@ -35,12 +37,16 @@ class Wiring:
         self._bits = {gpio: 1 << bit for bit, gpio in enumerate(word_pins(board))}
         for gpio in self._bits:
             pico.pads.listen(gpio, self._heard)
-        for gpio, (name, _) in self._outputs.items():
-            pico.pads.listen(gpio, self._heard_output)
+        for gpio in self._outputs:
+            if gpio < REGISTER_BIT:
+                pico.pads.listen(gpio, self._heard_output)
+        self.chains = None
+        if board["registers"]:
+            self.chains = Chains(pico, board["registers"], lambda bit, level: self._heard_output(REGISTER_BIT + bit, level))
         self._inner = plant.pins  # told of changes before
         plant.pins = self
         for name, gpio in self._inputs.items():
-            pico.drive(gpio, world.input(self.tick, name))
+            self._drive(gpio, world.input(self.tick, name))
         self._encoders = [
             (plant.encoders[item["motor"]], Quadrature(pico, item["pins"][0], ENCODER_COUNTS_S)) for item in board["encoders"]
         ]
@@ -58,7 +64,13 @@ class Wiring:
         """The plant says that an input has changed."""
         if self._inner is not None:
             self._inner.changed(tick, name, level)
-        self._pico.drive(self._inputs[name], level)
+        self._drive(self._inputs[name], level)
+
+    def _drive(self, gpio, level):
+        if gpio >= REGISTER_BIT:
+            self.chains.set_input(gpio - REGISTER_BIT, level)
+        else:
+            self._pico.drive(gpio, level)
 
     def _heard(self, gpio, state):
         bit = self._bits[gpio]
@@ -87,6 +99,8 @@ class Wiring:
 
     def _heard_output(self, gpio, state):
         self._flush()
+        if gpio not in self._outputs:
+            return  # a bit of a register that nothing is wired to
         name, inactive = self._outputs[gpio]
         self._world.output(self.tick, name, state if state < 2 else inactive)
 

@@ -42,6 +42,9 @@ SEQUENCES = {
     ("passo/ports/rp2/pio_player.py", ""): "the first run of a table",
     ("passo/ports/rp2/port.py", ""): "GPIO_IN",
     ("passo/ports/rp2/port.py", "inputs"): "GPIO_IN",
+    ("passo/ports/rp2/shift_registers.py", ""): "GPIO_IN",
+    ("passo/ports/rp2/shift_registers.py", "pins"): "GPIO_IN",
+    ("passo/ports/rp2/shift_registers.py", "toggle"): "GPIO_OUT_XOR",
     ("passo/ports/rp2/timer_player.py", "pins"): "GPIO_OUT",
     ("passo/ports/rp2/timer_player.py", "toggle"): "GPIO_OUT_XOR",
 }

@@ -61,7 +61,7 @@ def test_homing_comes_up_to_its_switches_and_all_others_still_count():
 
 def test_home_and_limit_on_two_switches():
     board = boards.load("mill_2004")
-    home = {"name": "home_x", "pin": 28, "active": 1, "pull": "up"}
+    home = {"name": "home_x", "pin": 29, "active": 1, "pull": "up"}
     homing = {**board["homing"], "sensors": {**board["homing"]["sensors"], "x": "home_x"}}
     machine = mill(inputs=[*board["inputs"], home], homing=homing)
     assert "ok" in say(machine, b"$H\n") and machine.plant.position == [0, 0, 0]

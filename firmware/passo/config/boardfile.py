@@ -8,22 +8,24 @@ be there. `least` and `most` bound a number, or the length of a text or list.
 
 from passo.config.board_error import BoardError
 from passo.config.chip_pins import check_link, check_pin
+from passo.records import REGISTER_BIT
 from passo.steps.wiring import word_pins
 
 MUST = ...
 _PIN = (int, MUST, 0, 48)
+_PIN_OR_BIT = (int, MUST, 0, REGISTER_BIT + 23)
 _PINS = (list, MUST, 1, 6)
 _BIT = (int, 1, 0, 1)
 
 _INPUT = {
     "name": (str, MUST, 1, 16),
-    "pin": _PIN,
+    "pin": _PIN_OR_BIT,
     "active": _BIT,
     "pull": ("up", "down", "none"),
     "halt": (bool, False, 0, 1),  # becoming active stops the machine at once: emergency stop, limit switch
     "filter_us": (int, 0, 0, 2000),  # of an input of the interlock: what does not last so long is noise
 }
-_OUTPUT = {"name": (str, MUST, 1, 16), "pin": _PIN, "active": _BIT, "role": ("none", "ours", "theirs")}  # changeover.py's
+_OUTPUT = {"name": (str, MUST, 1, 16), "pin": _PIN_OR_BIT, "active": _BIT, "role": ("none", "ours", "theirs")}  # changeover.py's
 _AXIS = {
     "name": (str, MUST, 1, 1),
     "pins": _PINS,  # coil drives: the coils in the drive's order; STEP/DIR: [STEP, DIR]
@@ -133,7 +135,8 @@ _BOARD = {
     "speed": _SPEED,
     "planning": _PLANNING,
     "spindle": _SPINDLE,
-    "inverter": {},  # device_keys.py
+    "inverter": {},  # of these two: device_keys.py
+    "registers": {},
     "jog": _JOG,
     "changeover_by": ("command", "motion"),  # what takes the motors from the other controller
     "changeover_ms": (int, 20, 0, 10_000),  # between releasing the relays of one controller and closing the other's
@@ -144,8 +147,8 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-_OPTIONAL = ("homing", "gantry", "interlock", "inverter", "jog", "planning", "spindle", "step_program")
-_ABSENT = ("homing", "gantry", "interlock", "inverter", "step_program")  # None if the board file has none
+_OPTIONAL = ("homing", "gantry", "interlock", "inverter", "jog", "planning", "registers", "spindle", "step_program")
+_ABSENT = ("homing", "gantry", "interlock", "inverter", "registers", "step_program")  # None if the board file has none
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
@@ -159,7 +162,7 @@ def check(board):
         from passo.config import motor_keys as more  # most boards have neither; the machine builder forgets it
 
         rules = more.extended(rules)
-    if isinstance(board, dict) and board.get("inverter"):
+    if isinstance(board, dict) and (board.get("inverter") or board.get("registers")):
         from passo.config import device_keys as devices
 
         rules = devices.extended(rules)
@@ -173,6 +176,8 @@ def check(board):
     _check_links(board)
     if devices is not None:
         devices.check(board)
+    elif [item for item in board["inputs"] + board["outputs"] if item["pin"] >= REGISTER_BIT]:
+        raise BoardError("pins from %d on are bits of shift registers; there are none" % REGISTER_BIT)
     _check_step_program(board)
     _check_interlock(board)
     if board["drive"]["kind"] == "pbl3770a" and board["drive"]["mode"] == "wave":
@@ -253,15 +258,20 @@ def claimed_pins(board):
     if board["spindle"]["pwm"]:
         claims.append((board["spindle"]["pin"], "spindle's power"))
     for item in board["inputs"]:
-        claims.append((item["pin"], "input %s" % item["name"]))
+        if item["pin"] < REGISTER_BIT:
+            claims.append((item["pin"], "input %s" % item["name"]))
     for item in board["outputs"]:
-        claims.append((item["pin"], "output %s" % item["name"]))
+        if item["pin"] < REGISTER_BIT:
+            claims.append((item["pin"], "output %s" % item["name"]))
     if board["gantry"]:
         for pin in board["gantry"]["pins"]:
             claims.append((pin, "axis %s2" % board["gantry"]["axis"]))
     for item in board["encoders"]:
         for pin in item["pins"]:
             claims.append((pin, "input of encoder %s" % item["motor"]))
+    if board["registers"]:
+        for key in ("clock", "latch", "in", "out"):
+            claims.append((board["registers"][key], "input of the registers" if key == "in" else "registers' " + key))
     if board["inverter"]:
         claims.append((board["inverter"]["tx"], "inverter tx"))
         claims.append((board["inverter"]["rx"], "inverter rx"))

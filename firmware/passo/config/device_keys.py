@@ -1,4 +1,4 @@
-"""The key `inverter` of a board file: only boards that have one load this.
+"""The keys `inverter` and `registers` of a board file: only boards that have one of them load this.
 
     rules = extended(rules)         # those of boardfile.py, in whose notation they are
     check(board)                    # raises BoardError
@@ -6,6 +6,7 @@
 
 from passo.config.board_error import BoardError
 from passo.config.chip_pins import check_link
+from passo.records import REGISTER_BIT
 
 INVERTER = {
     "make": ("delta", "yl620", "h100", "nowforever"),
@@ -21,17 +22,61 @@ INVERTER = {
     "at_speed_percent": (int, 5, 1, 50),
     "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
 }
+REGISTERS = {
+    "clock": (int, ..., 0, 48),
+    "latch": (int, ..., 0, 48),
+    "in": (int, ..., 0, 48),
+    "out": (int, ..., 0, 48),
+    "inputs": (int, 1, 0, 3),  # chips: 74HC165
+    "outputs": (int, 1, 0, 3),  # and 74HC595
+}
 
 
 def extended(rules):
-    """A copy of the rules of a board file, with those of this key."""
+    """A copy of the rules of a board file, with those of these keys."""
     rules = dict(rules)
     rules["inverter"] = INVERTER
+    rules["registers"] = REGISTERS
     return rules
 
 
 def check(board):
     _check_inverter(board)
+    _check_registers(board)
+
+
+def _check_registers(board):
+    """Each bit once and within the chips; what has to act at once is on a pin of its own."""
+    config = board["registers"]
+    quick = {}  # name of an input: why not
+    for name in (board["homing"]["sensors"].values() if board["homing"] else ()):
+        quick[name] = "homing's sensor"
+    for name in (board["interlock"]["limits"].values() if board["interlock"] else ()):
+        quick[name] = "a limit"
+    for key, what in (("inputs", "74HC165"), ("outputs", "74HC595")):
+        owners = {}
+        for item in board[key]:
+            bit = item["pin"] - REGISTER_BIT
+            if bit < 0:
+                if config and key == "inputs" and 23 <= item["pin"] <= 25:
+                    raise BoardError("input %s: beside registers it cannot be on pin 23, 24 or 25" % item["name"])
+                continue
+            if config is None:
+                raise BoardError("%s %s: pin %d is a bit of a register; there is none" % (key[:-1], item["name"], item["pin"]))
+            if bit >= 8 * config[key]:
+                raise BoardError(
+                    "%s %s: registers.%s has %d bits, pins %d … %d, not %d"
+                    % (key[:-1], item["name"], key, 8 * config[key], REGISTER_BIT, REGISTER_BIT + 8 * config[key] - 1, item["pin"])
+                )
+            if bit in owners:
+                raise BoardError("bit %d of the %s is claimed by %s and by %s" % (bit, what, owners[bit], item["name"]))
+            owners[bit] = item["name"]
+            if item.get("halt"):
+                raise BoardError("input %s: one that halts needs a pin of its own" % item["name"])
+            if item["name"] in quick and key == "inputs":
+                raise BoardError("input %s: %s needs a pin of its own" % (item["name"], quick[item["name"]]))
+            if item.get("role", "none") != "none":
+                raise BoardError("output %s: a relay of the change-over needs a pin of its own" % item["name"])
 
 
 def _check_inverter(board):

@@ -43,5 +43,10 @@ class GantryDrive:
         """The pins before the first word."""
         return 0
 
+    def directions(self, word):
+        """The directions of a word as it was played, in the step form."""
+        axes = self._axes
+        return (word >> axes + 1 & (1 << axes) - 1) << axes
+
     def seek(self, position):
         """Nothing: these motors have no phase here."""

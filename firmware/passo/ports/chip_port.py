@@ -11,7 +11,7 @@ from machine import PWM, WDT, Pin, idle
 from micropython import const
 
 from passo.ports.uart_line import UartLine
-from passo.records import COUNT_MASK, TICKS_PER_MS
+from passo.records import COUNT_MASK, REGISTER_BIT, TICKS_PER_MS
 
 _HEARTBEAT_MS = const(170)  # so that it stands within 200
 _WATCHDOG_MS = const(1000)
@@ -48,10 +48,20 @@ class ChipPort:
         `live_ticks`: where what is under way may change at any moment."""
         self._leads = lead_ticks, live_ticks
         self.lead_ticks = lead_ticks
+        self.registers = self._watch = None
+        if board["registers"]:
+            from passo.ports import shift_registers as shifted  # here: most boards have none
+
+            self.registers = self._registers(board, shifted)
+            self.registers.exchange()
         self._outputs = {}
         for entry in board["outputs"]:
             active = entry["active"]
-            self._outputs[entry["name"]] = (Pin(entry["pin"], Pin.OUT, value=1 - active), active)
+            if entry["pin"] >= REGISTER_BIT:
+                pin = shifted.RegisterOutput(entry, self.registers)
+            else:
+                pin = Pin(entry["pin"], Pin.OUT, value=1 - active)
+            self._outputs[entry["name"]] = pin, active
         self._pwm = None
         spindle = board["spindle"]
         if spindle["pwm"]:
@@ -71,14 +81,19 @@ class ChipPort:
         self._inputs = {}
         self._mask = 0  # of their pins
         for entry in board["inputs"]:
-            self._inputs[entry["name"]] = Input(entry, self)
-            self._mask |= 1 << entry["pin"]
+            if entry["pin"] >= REGISTER_BIT:
+                self._inputs[entry["name"]] = shifted.RegisterInput(entry, self.registers)
+            else:
+                self._inputs[entry["name"]] = Input(entry, self)
+                self._mask |= 1 << entry["pin"]
         self._halting = [self._inputs[entry["name"]] for entry in board["inputs"] if entry["halt"]]
         self.interlock = None
         if board["interlock"]:
             from passo.ports.pin_interlock import PinInterlock  # here: most boards have none
 
             self.interlock = PinInterlock(board, self, self._inputs, self._outputs)
+            if self.registers is not None:
+                self._watch = shifted.RegisterWatch(self.interlock, self.registers)
         self.encoders = None  # a chip's Port makes it, if the board file has any
         if board["homing"] and board["homing"]["latch"]:
             from passo.ports.latch import make
@@ -96,6 +111,10 @@ class ChipPort:
             line = UartLine(link)
         self._lines.append(line)
         return line
+
+    def _registers(self, board, shifted):
+        """What serves the board file's shift registers."""
+        return shifted.ShiftRegisters(board["registers"], shifted.first_levels(board))
 
     def _console(self):
         """What tells how many bytes the console has received; None: nothing does."""
@@ -202,6 +221,10 @@ class ChipPort:
     @micropython.native
     def _feed(self, timer):  # ISR: no allocation
         feeder = self._feeder
+        if self.registers is not None:
+            self.registers.exchange()
+            if self._watch is not None:
+                self._watch.look()
         if self.encoders is not None:
             self.encoders.check()
         if ticks_diff(ticks_ms(), self._beat_ms) > _HEARTBEAT_MS:

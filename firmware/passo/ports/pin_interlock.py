@@ -32,7 +32,7 @@ class PinInterlock(Interlock):
         self.items = [inputs[entry["name"]] for entry in board["inputs"]]
         self.read(self.now())
         for number in range(len(self.items)):
-            if self.watched >> number & 1 and not board["inputs"][number]["halt"]:
+            if self.watched >> number & 1 and not board["inputs"][number]["halt"] and self.items[number].pin is not None:
                 self.watches[number] = PinWatch(self.items[number], number, self, port)
 
     def now(self):
@@ -66,7 +66,8 @@ class PinInterlock(Interlock):
     def close(self):
         """No interrupts any more."""
         for item in self.items:
-            item.pin.irq(None)
+            if item.pin is not None:
+                item.pin.irq(None)
 
 
 class PinWatch:

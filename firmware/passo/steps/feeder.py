@@ -228,8 +228,10 @@ class Feeder(Position):
         if self.drive is not None:
             self.drive.seek(position)
         levels = self.state[FEED_LEVELS]
-        if self.drive is None:  # directions as at the pins: the next change of one takes its set-up time from there
+        if self.layout.kind == "step_dir":  # directions as at the pins: the next change of one takes its set-up time from there
             levels = self.ring.words[(played - 1) & self.ring.mask]
-        self.state[FEED_LEVELS] = levels & self.layout.levels_mask & ~(self.layout.pulse_mask | self.layout.tool_mask)
+            if self.drive is not None:
+                levels = self.drive.directions(levels)
+        self.state[FEED_LEVELS] = levels & self.layout.levels_mask & ~(self.layout.step_mask | self.layout.tool_mask)
         self._reset(played)
         return position, block, index

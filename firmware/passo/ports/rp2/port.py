@@ -35,6 +35,12 @@ def load(board):
         from passo.ports.rp2.laser_player import LaserPlayer as player
     else:
         from passo.ports.rp2.pio_player import PioPlayer as player
+    if board["interlock"]:
+        from passo.ports import pin_interlock
+    if board["registers"]:
+        from passo.ports.rp2 import shift_registers
+    if board["encoders"]:
+        from passo.ports.rp2 import encoders
     lines = []
     for link in board["links"]:
         if link["port"] == "usb":
@@ -93,6 +99,9 @@ class Port(ChipPort):
         """`board` is checked. Outputs go to their inactive level here. PWM, serial lines and players are made for the clock
         that there is: it is set before."""
         ChipPort.__init__(self, board, _LEAD_TICKS, _LIVE_TICKS)
+        if self.registers is not None:
+            self.registers.mask = self._mask
+            self.levels = self.registers.levels
         if board["encoders"]:
             from passo.ports.rp2.encoders import PioEncoders
 
@@ -136,6 +145,11 @@ class Port(ChipPort):
 
             self._player = self._laser = LaserPlayer(board["spindle"]["pin"], *rest)
         return self._player
+
+    def _registers(self, board, shifted):
+        from passo.ports.rp2.shift_registers import SioRegisters
+
+        return SioRegisters(board["registers"], shifted.first_levels(board))
 
     def _console(self):
         from passo.ports.rp2.console import Console

@@ -11,6 +11,7 @@ from passo.ports import start
 # Bytes, each kept free in one piece while code is loaded and moved to flash.
 _FOR_BLOCKS = const(27_500)  # for the arrays of planner, ring and feeder
 _BLOCKS = const(25_000)  # what these take: if no piece is as large, _FOR_WORK is given back, too
+_SHORT = const(58_000)  # free bytes then, with _BLOCKS and without _FOR_WORK, below which that is given back
 _FOR_WORK = const(16_500)  # for what the main loop takes and gives back
 _COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
 
@@ -73,6 +74,8 @@ class Start(start.Start):
         if self._rooms:
             self._rooms.pop()
             gc.collect()
+            if gc.mem_free() < _SHORT:
+                self._rooms = []
             try:
                 bytearray(_BLOCKS)
             except MemoryError:  # memory is too short to keep _FOR_WORK free

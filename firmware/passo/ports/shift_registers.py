@@ -1,0 +1,156 @@
+"""Inputs and outputs behind shift registers: 74HC165 and 74HC595 on four pins, for what need not be quick.
+
+    registers = ShiftRegisters(board["registers"])
+    registers.exchange()                # ISR: outputs out, inputs in
+    registers.inputs >> bit & 1
+
+    clock   165 CLK, 595 SRCLK          latch   165 SH/LD, 595 RCLK
+    in      QH of the first 165         out     SER of the first 595
+
+Chips of a kind are chained: SER of a 165 to QH of the next, QH' of a 595 to SER of the next. Pin 100 is bit 0 of the first chip (input
+A, output QA), 108 that of the second. A low pulse of latch loads the inputs, its end shows what was shifted out: so all outputs
+change at once. Outputs go out when they change, inputs come in with the feeder's interrupt.
+
+An exchange runs with interrupts locked: an interrupt that switches an output off must not find it half done.
+"""
+
+import micropython
+from machine import Pin, disable_irq, enable_irq
+from micropython import const
+
+from passo.records import REGISTER_BIT
+
+_CHIP = const(8)
+
+
+class ShiftRegisters:
+    """For any chip. One with registers of its own may do better: ports/rp2/shift_registers.py."""
+
+    def __init__(self, config, outputs):
+        """`outputs`: levels that the outputs begin with, a bit each."""
+        self.inputs = 0
+        self.outputs = outputs
+        self.changes = 0  # how often `inputs` has changed
+        self.chips_in = config["inputs"]
+        self.chips_out = config["outputs"]
+        self.clock = Pin(config["clock"], Pin.OUT, value=0)
+        self.latch = Pin(config["latch"], Pin.OUT, value=1)
+        self.out = Pin(config["out"], Pin.OUT, value=0)
+        self.data = Pin(config["in"], Pin.IN)
+
+    @micropython.native
+    def exchange(self):  # ISR: no allocation
+        """Show the outputs, read the inputs."""
+        state = disable_irq()
+        inputs = self._shift()
+        if inputs != self.inputs:
+            self.inputs = inputs
+            self.changes += 1
+        enable_irq(state)
+
+    @micropython.native
+    def _shift(self):  # ISR: no allocation
+        clock = self.clock
+        latch = self.latch
+        data = self.data
+        out = self.out
+        latch.value(0)
+        latch.value(1)
+        inputs = 0
+        bits_in = self.chips_in * _CHIP
+        bits_out = self.chips_out * _CHIP
+        count = bits_in if bits_in > bits_out else bits_out
+        at = 0
+        while at < count:
+            if at < bits_in:
+                inputs |= data.value() << ((at & ~7) + 7 - (at & 7))
+            left = count - 1 - at
+            out.value(self.outputs >> left & 1 if left < bits_out else 0)
+            clock.value(1)
+            clock.value(0)
+            at += 1
+        latch.value(0)
+        latch.value(1)
+        return inputs
+
+    @micropython.native
+    def put(self, bit, level):  # ISR: no allocation
+        """Show an output."""
+        state = disable_irq()
+        if level:
+            self.outputs |= 1 << bit
+        else:
+            self.outputs &= ~(1 << bit)
+        enable_irq(state)
+        self.exchange()
+
+
+class RegisterInput:
+    """What chip_port.Input is to a pin."""
+
+    pin = None
+
+    def __init__(self, entry, registers):
+        self.name = entry["name"]
+        self.number = entry["pin"]
+        self.level = entry["active"]
+        self._registers = registers
+        self._bit = entry["pin"] - REGISTER_BIT
+
+    @micropython.native
+    def active(self):  # ISR: no allocation
+        return self._registers.inputs >> self._bit & 1 == self.level
+
+
+class RegisterOutput:
+    """What machine.Pin is to an output."""
+
+    def __init__(self, entry, registers):
+        self._registers = registers
+        self._bit = entry["pin"] - REGISTER_BIT
+
+    @micropython.native
+    def value(self, level):  # ISR: no allocation
+        self._registers.put(self._bit, level)
+
+
+class RegisterWatch:
+    """Tells the interlock of inputs behind registers. One with a filter has to be so in two readings."""
+
+    def __init__(self, interlock, registers):
+        self._interlock = interlock
+        self._registers = registers
+        self._items = []  # (input, its number, a bit)
+        self._filtered = self._pending = 0
+        for number in range(len(interlock.items)):
+            item = interlock.items[number]
+            if item.pin is None and interlock.watched >> number & 1:
+                self._items.append((item, number, 1 << number))
+                if interlock.filters_us[number]:
+                    self._filtered |= 1 << number
+
+    @micropython.native
+    def look(self):  # ISR: no allocation
+        """Called behind each exchange of the feeder's interrupt."""
+        interlock = self._interlock
+        for item, number, bit in self._items:
+            active = item.active()
+            if active == bool(interlock.states & bit):
+                if self._pending & bit:
+                    self._pending &= ~bit
+                    interlock.glitches[number] += 1
+            elif (interlock.rise if active else interlock.fall) & bit:  # what allows is the main loop's affair
+                if self._filtered & bit and not self._pending & bit:
+                    self._pending |= bit
+                else:
+                    self._pending &= ~bit
+                    interlock.change(number, active)
+
+
+def first_levels(board):
+    """The outputs behind registers, all off."""
+    levels = 0
+    for entry in board["outputs"]:
+        if entry["pin"] >= REGISTER_BIT and not entry["active"]:
+            levels |= 1 << entry["pin"] - REGISTER_BIT
+    return levels

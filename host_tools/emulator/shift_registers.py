@@ -1,0 +1,61 @@
+"""Chains of 74HC165 and 74HC595 at the pins of an emulated Pico, edge by edge, as their data sheets have them.
+
+    chains = Chains(pico, board["registers"], told)     # told(bit, level) as an output of the 74HC595 changes
+    chains.set_input(3, 1)                              # input D of the first 74HC165
+
+74HC165: while SH/LD is low the register follows its inputs; while it is high, a rising edge of CLK shifts towards QH. 74HC595: a rising
+edge of SRCLK shifts SER in, one of RCLK shows the register at the outputs. What they show at power-up is not defined: here 0.
+"""
+
+
+class Chains:
+    def __init__(self, pico, config, told):
+        self._pico = pico
+        self._told = told
+        self._in, self._out = config["in"], config["out"]
+        self._inputs = [0] * (8 * config["inputs"])
+        self._loaded = [0] * len(self._inputs)  # index 0: QH of the first chip, which is shifted out first
+        self._shifted = [0] * (8 * config["outputs"])  # index 0: QA of the first chip
+        self.outputs = [0] * len(self._shifted)
+        self._clock = self._latch = None
+        self.transfers = 0
+        pico.pads.listen(config["clock"], self._heard_clock)
+        pico.pads.listen(config["latch"], self._heard_latch)
+
+    def set_input(self, bit, level):
+        self._inputs[bit] = level
+        if self._latch == 0:
+            self._load()
+
+    def _load(self):
+        """H, the input of bit 7, is the first to come."""
+        self._loaded = [self._inputs[at & ~7 | 7 - at & 7] for at in range(len(self._inputs))]
+        self._show()
+
+    def _show(self):
+        if self._loaded:
+            self._pico.drive(self._in, self._loaded[0])
+
+    def _heard_clock(self, _, state):
+        rising = state == 1 and self._clock == 0
+        self._clock = state
+        if not rising:
+            return
+        if self._shifted:
+            ser = 1 if self._pico.pads.state(self._out) == 1 else 0
+            self._shifted = [ser, *self._shifted[:-1]]
+        if self._latch == 1:
+            self._loaded = [*self._loaded[1:], 0] if self._loaded else []
+            self._show()
+
+    def _heard_latch(self, _, state):
+        rising = state == 1 and self._latch == 0
+        self._latch = state
+        if state == 0:
+            self._load()
+        if rising:
+            self.transfers += 1
+            for bit, level in enumerate(self._shifted):
+                if level != self.outputs[bit]:
+                    self.outputs[bit] = level
+                    self._told(bit, level)
