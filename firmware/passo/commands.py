@@ -41,6 +41,7 @@ RUN = const(29)  # axes run on their own from now on: see Run
 REST = const(30)  # the axes of the mask `value` come to a stand, the others run on; see Run.unpowered
 ZERO = const(31)  # machine zero is here; only at a stand, and where homing has not found it
 CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
+OUTPUT = const(35)  # output p0 … p9: `value` its number, `tool`: on; `power` 1: at once, 0: as the next motion begins
 STILL = const(33)  # nothing but an answer: accepted at a stand, else refused as BUSY
 ZERO_COUNTS = const(34)  # the counts of the encoders that are shown begin at 0
 

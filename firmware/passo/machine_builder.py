@@ -40,6 +40,7 @@ FEATURES = (
     ("program", "Program", None),
     ("pauses", "Pauses", lambda board: [item for item in board["inputs"] if item["name"] in _PAUSING]),
     ("tools", "Tools", None),
+    ("digital", "DigitalOutputs", lambda board: [item for item in board["outputs"] if item["name"][0] == "p" and item["name"][1:].isdigit()]),
     ("inverter", "Inverter", lambda board: board["inverter"]),
     ("pins", "Pins", None),
     ("links", "Links", lambda board: True),

@@ -7,6 +7,7 @@ from array import array
 
 import micropython
 
+from passo.records import QUEUE_ADDED, QUEUE_RETIRED
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
 
@@ -71,6 +72,14 @@ class Queue:
     def standing(self):
         """True when a hold has come to its stand."""
         return self._feeder.standing() and not self._player.busy()
+
+    def added(self):
+        """How many blocks have been queued, for ever, modulo 2²⁹."""
+        return self._planner.indices[QUEUE_ADDED]
+
+    def retired(self):
+        """And how many of them have been played to their last word."""
+        return self._planner.indices[QUEUE_RETIRED]
 
     def silent(self):
         """True while nothing plays."""

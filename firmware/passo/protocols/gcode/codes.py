@@ -24,7 +24,8 @@ STOPPING = const(12)
 TOOL_CHANGE = const(13)
 TURNING = const(14)
 COOLING = const(15)
-GROUPS = const(16)
+SWITCHING = const(16)
+GROUPS = const(17)
 
 G80 = const(8000)
 G81 = const(8100)
@@ -46,6 +47,7 @@ _LISTS = (
     (TOOL_CHANGE, (M_CODES + 600,)),
     (TURNING, (M_CODES + 300, M_CODES + 400, M_CODES + 500)),
     (COOLING, (M_CODES + 700, M_CODES + 800, M_CODES + 900)),
+    (SWITCHING, (M_CODES + 6200, M_CODES + 6300, M_CODES + 6400, M_CODES + 6500)),
 )
 GROUP_OF = {}
 for _group, _codes in _LISTS:

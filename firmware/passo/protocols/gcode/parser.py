@@ -25,8 +25,8 @@ from passo import commands, errors
 from passo.batch import thousandths
 from passo.commands import Command
 from passo.protocols.gcode.codes import (
-    AXIS_COMMANDS, COOLING, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PLANE, RETURN, STOPPING, SYSTEM,
-    TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
+    AXIS_COMMANDS, COOLING, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PLANE, RETURN, STOPPING,
+    SWITCHING, SYSTEM, TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
 )
 from passo.protocols.gcode.motion import Motions, new_moves
 from passo.protocols.gcode.reader import NONE, Refused
@@ -237,6 +237,7 @@ class GCode(Motions):
         spindle = self.spindle if found[TURNING] == NONE else (found[TURNING] - M_CODES) // 100
         coolant = self._read_coolant(found[COOLING])
         dwell = self._read_dwell() if non_modal == 400 else None
+        output = self._read_output(found[SWITCHING])
         self._prepare(0 if non_modal in (2800, 3000) else motion, feed, per_min, number, spindle, rpm)
         cycle = self.cycle
         offsets = place = None
@@ -256,7 +257,7 @@ class GCode(Motions):
 
         # Everything is right: from here on it counts. The motion's commands are there already; what goes before is put
         # before them.
-        before = self._goes_before(spindle, rpm, motion, moves, tool, coolant, dwell)
+        before = self._goes_before(spindle, rpm, motion, moves, tool, coolant, dwell, output)
         if len(self.commands) > 1:
             self.commands[0].also = self.commands[1:]
             self._moves = new_moves()  # these may be looked at until the last has begun
@@ -275,7 +276,7 @@ class GCode(Motions):
         if found[STOPPING] != NONE:
             self._stop_programme(found[STOPPING] - M_CODES)
 
-    def _goes_before(self, spindle, rpm, motion, moves, tool, coolant, dwell):
+    def _goes_before(self, spindle, rpm, motion, moves, tool, coolant, dwell, output):
         """Commands of the line that are carried out before its motion."""
         before = []
         turned = spindle != self.spindle or rpm != self.rpm and spindle != 5
@@ -288,6 +289,8 @@ class GCode(Motions):
             before.append(Command(commands.PAUSE, value=1 + tool))
         if coolant != self.coolant:
             before.append(Command(commands.COOLANT, value=coolant))
+        if output is not None:
+            before.append(output)
         if dwell is not None:
             before.append(Command(commands.DWELL, value=dwell))
         return before

@@ -2,7 +2,8 @@
 
 from micropython import const
 
-from passo import errors
+from passo import commands, errors
+from passo.commands import Command
 from passo.protocols.gcode.codes import AXIS_COMMANDS, GROUP_OF, GROUPS, why_unknown
 from passo.protocols.gcode.words import F, L, M_CODES, N, P, R, T, X, Z, Words, rounded
 
@@ -103,6 +104,19 @@ class Reader:
         if not self._take(P):
             raise Refused(errors.VALUE_MISSING)
         return self.words.fixed(P, 6)
+
+    def _read_output(self, code):
+        """The command of M62 … M65, or None."""
+        if code == NONE:
+            return None
+        if not self._take(P):
+            raise Refused(errors.VALUE_MISSING)
+        number = self.words.fixed(P, 0)
+        if number > 9:
+            raise Refused(errors.NUMBER_RANGE)
+        command = Command(commands.OUTPUT, value=number, tool=code in (M_CODES + 6200, M_CODES + 6400))
+        command.power = 1 if code >= M_CODES + 6400 else 0
+        return command
 
     def _take_axes(self, places, value):
         """A copy of `places` with value(axis, its word) where the line has the axis's word."""

@@ -1,0 +1,83 @@
+"""Digital outputs for the programme, M62 to M65: those that the board file names p0 … p9.
+
+M64 and M65 switch at once. M62 and M63 switch as the next motion begins, without a stand: the cycle of the main loop that finds the
+motion before it played to its end does it, so 15 ms behind that at most on a chip. If no motion follows, nothing happens.
+Whatever drops the queue drops what waits for it.
+
+A hold leaves them as they are. The door switches them off until the machine goes on; every alarm, stop and reset for good.
+"""
+
+from micropython import const
+
+from passo import commands, errors
+from passo.records import COUNT_HALF, COUNT_MASK
+
+_MOST = const(16)  # changes that wait
+
+
+class DigitalOutputs:
+    def __init__(self, board, machine, queue):
+        self._machine = machine
+        self._queue = queue
+        self._port = machine.port
+        self._names = [item["name"] for item in board["outputs"]]
+        self._on = {}  # by name, of those that have been switched on
+        self._waiting = []  # (count of the block that it comes with, name, on)
+
+    def handlers(self):
+        return {commands.OUTPUT: self._switch}
+
+    def _switch(self, command):
+        machine = self._machine
+        name = "p%d" % command.value
+        if name not in self._names:
+            return errors.NUMBER_RANGE
+        if machine.alarm or machine.sleeping:
+            return errors.LOCKED
+        if machine.command is not None or len(self._waiting) >= _MOST:
+            return errors.LATER
+        if machine.checking:
+            return machine.accepted(command)
+        if command.power:
+            self._put(name, command.tool)
+        else:
+            self._waiting.append((self._queue.added(), name, command.tool))
+        return machine.accepted(command)
+
+    def _put(self, name, on):
+        if on:
+            self._on[name] = True
+        else:
+            self._on.pop(name, None)
+        self._port.output(name, on)
+
+    def poll(self, now_ms):
+        waiting = self._waiting
+        while waiting and self._begun(waiting[0][0]):
+            _, name, on = waiting.pop(0)
+            self._put(name, on)
+
+    def _begun(self, count):
+        """True if block number `count` has been queued, and those before it have been played."""
+        queue = self._queue
+        ready = (queue.retired() - count) & COUNT_MASK < COUNT_HALF
+        return ready and queue.added() != count and (queue.retired() != count or not queue.silent())
+
+    # --- stops
+
+    def clear(self):
+        self._waiting.clear()
+
+    dropped = clear
+
+    def show_outputs(self, on):
+        for name in self._on:
+            self._port.output(name, on)
+
+    def switch_off(self):
+        self._waiting.clear()
+        for name in self._on:
+            self._port.output(name, False)
+        self._on.clear()
+
+    halt = release = restart = switch_off
