@@ -11,6 +11,8 @@ from host_tools import boards
 from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
+from passo.control.quality import Quality
+from passo.protocols.grbl.homing import told
 
 PULL_OFF = 640
 RACK = 200
@@ -30,8 +32,9 @@ def machine(gantry=True, encoders=(), start=(3000, 2500, -1800), homing=None, op
     return Router(made, start=start, **(options or {}))
 
 
-def test_a_hundred_times_from_anywhere_on_barriers_that_bounce():
-    """Zero is the same place, to the step, on each axis and each side of the gantry."""
+@pytest.mark.parametrize("runs", (9, pytest.param(94, marks=pytest.mark.slow)))
+def test_from_anywhere_on_barriers_that_bounce(runs):
+    """Zero is the same place, to the step, on each axis and each side of the gantry: a hundred times."""
     chance = random.Random(3)
     places = set()
     for turn in range(6):
@@ -40,10 +43,10 @@ def test_a_hundred_times_from_anywhere_on_barriers_that_bounce():
         assert "ok" in router.go("$H") and router.controller.machine.homed
         places.add((*router.plant.position, router.plant.racked()))
     assert all(abs(place) <= 1 for found in places for place in found), places
-    said = router.ask("$HR=94")
-    runs = re.findall(r"\[HOM:(\w+),(\d+),(\d+),(\d+\.\d+),(.*?)\]", said)
-    assert [run[:2] for run in runs] == [(name, "94") for name in ("x", "x2", "y", "z")]
-    assert all(int(run[2]) <= 1 and float(run[3]) <= 0.5 and run[4] == "good" for run in runs), runs
+    said = router.ask(f"$HR={runs}")
+    found = re.findall(r"\[HOM:(\w+),(\d+),(\d+),(\d+\.\d+),(.*?)\]", said)
+    assert [line[:2] for line in found] == [(name, str(runs)) for name in ("x", "x2", "y", "z")]
+    assert all(int(line[2]) <= 1 and float(line[3]) <= 0.5 and line[4] == "good" for line in found), found
     assert (*router.plant.position, router.plant.racked()) in places
 
 
@@ -214,3 +217,28 @@ def test_what_cannot_be_is_refused(keys, said):
     with pytest.raises(BoardError) as refused:
         check(wrong)
     assert said in str(refused.value)
+
+
+class Edges:
+    """What Quality asks of a seeker: its sensors' edges, where its run began, how far from the edge it ends."""
+
+    def __init__(self, start, edge):
+        self.axis, self.sensors, self.away = 0, [None], 1
+        self.start, self.edges, self.ends = start, [edge], [100]
+
+
+@pytest.mark.quick
+def test_the_judgement_is_of_the_edges_themselves():
+    """Each run begins where the one before has ended: what is judged is where the edges lie, not by how much they changed."""
+    for edges, wanted in (
+        ([7, 10, 11, 10, 11, 10, 11], "[HOM:x,6,1,0.55,good]"),
+        ([7, 10, 14, 9, 13, 10, 12], "[HOM:x,6,5,1.97,scatters: lower $24, raise $26, or clean the switch]"),
+        ([7, 10, 12, 14, 16, 18, 20], "[HOM:x,6,10,3.74,drifts +8: steps are lost: lower $25, or acceleration]"),
+    ):
+        quality = Quality()
+        quality.begin(len(edges) - 1)
+        start = 5000
+        for number, edge in enumerate(edges):
+            assert quality.again([[Edges(start, edge)]]) == (number < len(edges) - 1)
+            start = edge + 100
+        assert told(quality.found()) == wanted + "\r\n"

@@ -15,6 +15,30 @@ from passo.control.homing import ON_ITS_WAY, Homing
 from passo.control.sensor import Sensor
 
 
+class LatchedSensor(Sensor):
+    """A sensor whose edge is caught in its interrupt."""
+
+    def __init__(self, read, debounce_ms, latch, axis):
+        self._latch = latch
+        self._axis = axis
+        Sensor.__init__(self, read, debounce_ms)
+
+    def restart(self, now_ms):
+        Sensor.restart(self, now_ms)
+        self._latch.arm()
+
+    def sample(self, now_ms, place):
+        latch = self._latch
+        if latch.caught and not self.active and not self.pending:  # it may be over by now
+            self.pending = True
+            self.edge = latch.place[self._axis]
+            self._against_ms = self._calm_ms = 0
+        pending, active = self.pending, self.active
+        Sensor.sample(self, now_ms, place)
+        if pending and not self.pending and not self.active or active and not self.active:
+            latch.arm()  # it was noise, or the sensor is free again
+
+
 class Seeker:
     """An axis on its way to its sensor; a gantry has two sensors, one at each side."""
 
@@ -95,7 +119,10 @@ class GroupHoming(Homing):
 
     def _sensor_of(self, name, axis):
         read = self._machine.inputs.read
-        return Sensor(lambda: read(name), self._config["debounce_ms"], self._latches.get(name), axis)
+        latch = self._latches.get(name)
+        if latch is None:
+            return Sensor(lambda: read(name), self._config["debounce_ms"])
+        return LatchedSensor(lambda: read(name), self._config["debounce_ms"], latch, axis)
 
     def _begin(self, now_ms):
         """Begin, with the settings as they are now."""

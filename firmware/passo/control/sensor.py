@@ -6,11 +6,8 @@ class Sensor:
     place where the change that was then believed first showed, chatter included; a change that has not shown again
     for `debounce_ms` was noise, and is forgotten. Noise denser than that needs a longer `debounce_ms`."""
 
-    def __init__(self, read, debounce_ms, latch=None, axis=0):
-        """`latch`: catches the place of `axis` as the change comes, else it is where it stands when sample() sees it."""
+    def __init__(self, read, debounce_ms):
         self._read = read
-        self._latch = latch
-        self._axis = axis
         self.debounce_ms = debounce_ms
         self.edge = 0
         self.restart(0)
@@ -21,11 +18,6 @@ class Sensor:
         self.pending = False  # a change has shown and is not yet believed
         self._against_ms = self._calm_ms = 0
         self._last_ms = now_ms
-        self._arm()
-
-    def _arm(self):
-        if self._latch is not None:
-            self._latch.arm()
 
     def pass_by(self, now_ms):
         """Nothing has changed until now."""
@@ -35,17 +27,10 @@ class Sensor:
         """Look once; `place` is where the axis stands. Call it at least once a step and once a millisecond."""
         passed_ms = (now_ms - self._last_ms) & 0x1FFFFFFF
         self._last_ms = now_ms
-        latch = self._latch
-        if latch is not None and latch.caught and not self.active and not self.pending:  # it may be over by now
-            self.pending = True
-            self.edge = latch.place[self._axis]
-            self._against_ms = self._calm_ms = 0
         if self._read() == self.active:
             self._against_ms = max(0, self._against_ms - passed_ms)
             self._calm_ms += passed_ms
-            if self.pending and self._calm_ms >= self.debounce_ms:
-                self.pending = False
-                self._arm()
+            self.pending = self.pending and self._calm_ms < self.debounce_ms
             return
         if not self.pending:
             self.pending = True
@@ -55,7 +40,5 @@ class Sensor:
         self._against_ms += passed_ms
         if self._against_ms >= self.debounce_ms:
             self.active = not self.active
-            if not self.active:
-                self._arm()
             self.pending = False
             self._against_ms = 0
