@@ -113,7 +113,7 @@ def calls(action):
         code = frame.f_code
         if "/firmware/passo/" not in code.co_filename or event not in ("call", "return"):
             return
-        name = f"{code.co_filename.split('/passo/')[1]} {code.co_qualname}"
+        name = f"{code.co_filename.rpartition('/firmware/passo/')[2]} {code.co_qualname}"
         if event == "return":
             if kernels and kernels[-1] is frame:
                 kernels.pop()
