@@ -127,6 +127,7 @@ class Motion(Command):
     """
 
     also = ()
+    measures = False  # a PROBE that finds a tool's length
 
     def __init__(self, kind, target=None):
         Command.__init__(self, kind, target)

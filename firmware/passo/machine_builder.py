@@ -55,7 +55,7 @@ def load_all(board, whole):
     if board["gantry"]:
         from passo.drives import gantry
         from passo.steps import gantry_wiring
-    if board["inverter"] or board["registers"]:
+    if board["inverter"] or board["registers"] or board["tool_change"]:
         forget("device_keys")
     names = wanted(board, languages(board))
     modules = _OF_ALL

@@ -29,6 +29,11 @@ SECTIONS = {
         "inverter",
         "The spindle's frequency inverter, over Modbus RTU. See [spindle](spindle.md). `spindle.max_rpm` is S at its fastest.",
     ),
+    "tool_change": (
+        "tool_change",
+        "M6 at a place of its own, and the new tool's length. See [spindle](spindle.md#tool-change). Without it M6 is a pause where "
+        "the head stands.",
+    ),
     "registers": (
         "registers",
         "74HC165 and 74HC595 on four pins. An input with pin 100 is input A of the first 74HC165, an output with pin 100 is "
@@ -132,6 +137,11 @@ MEANINGS = {
     "inverter.timeout_ms": "Without an answer for so long, ms, a request is sent again; thrice in all.",
     "inverter.at_speed_percent": "So near to S it is at speed.",
     "inverter.spin_up_ms": "If it is not at speed by then, ms: alarm 244.",
+    "tool_change.at": "Where tools are changed: machine coordinates of X and Y, whole mm.",
+    "tool_change.sensor": "Where the tool sensor stands, which is the input `probe`.",
+    "tool_change.distance_mm": "So far below the top of Z at most a tool touches the sensor, mm; else alarm 205.",
+    "tool_change.seek_mm_min": "Speed down to the sensor, mm/min.",
+    "tool_change.locate_mm_min": "Speed up from it, which finds the edge, mm/min.",
     "registers.clock": "CLK of the 74HC165, SRCLK of the 74HC595.",
     "registers.latch": "SH/LD of the 74HC165, RCLK of the 74HC595.",
     "registers.in": "QH of the first 74HC165.",

@@ -135,7 +135,8 @@ _BOARD = {
     "speed": _SPEED,
     "planning": _PLANNING,
     "spindle": _SPINDLE,
-    "inverter": {},  # of these two: device_keys.py
+    "tool_change": {},  # of these: device_keys.py
+    "inverter": {},
     "registers": {},
     "jog": _JOG,
     "changeover_by": ("command", "motion"),  # what takes the motors from the other controller
@@ -147,8 +148,8 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-_OPTIONAL = ("homing", "gantry", "interlock", "inverter", "jog", "planning", "registers", "spindle", "step_program")
-_ABSENT = ("homing", "gantry", "interlock", "inverter", "registers", "step_program")  # None if the board file has none
+_OPTIONAL = ("homing", "gantry", "interlock", "inverter", "jog", "planning", "registers", "spindle", "step_program", "tool_change")
+_ABSENT = ("homing", "gantry", "interlock", "inverter", "registers", "step_program", "tool_change")  # None if the board file has none
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
@@ -162,7 +163,7 @@ def check(board):
         from passo.config import motor_keys as more  # most boards have neither; the machine builder forgets it
 
         rules = more.extended(rules)
-    if isinstance(board, dict) and (board.get("inverter") or board.get("registers")):
+    if isinstance(board, dict) and (board.get("inverter") or board.get("registers") or board.get("tool_change")):
         from passo.config import device_keys as devices
 
         rules = devices.extended(rules)

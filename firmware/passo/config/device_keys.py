@@ -1,4 +1,4 @@
-"""The keys `inverter` and `registers` of a board file: only boards that have one of them load this.
+"""The keys `inverter`, `registers` and `tool_change` of a board file: only boards that have one of them load this.
 
     rules = extended(rules)         # those of boardfile.py, in whose notation they are
     check(board)                    # raises BoardError
@@ -22,6 +22,13 @@ INVERTER = {
     "at_speed_percent": (int, 5, 1, 50),
     "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
 }
+TOOL_CHANGE = {
+    "at": (list, ..., 2, 2),  # machine coordinates of X and Y, mm: where tools are changed
+    "sensor": (list, ..., 2, 2),  # and where their length is found
+    "distance_mm": (int, 30, 1, 1000),  # how far down from Z's top a tool has to touch
+    "seek_mm_min": (int, 200, 1, 10_000),
+    "locate_mm_min": (int, 25, 1, 1000),
+}
 REGISTERS = {
     "clock": (int, ..., 0, 48),
     "latch": (int, ..., 0, 48),
@@ -37,12 +44,31 @@ def extended(rules):
     rules = dict(rules)
     rules["inverter"] = INVERTER
     rules["registers"] = REGISTERS
+    rules["tool_change"] = TOOL_CHANGE
     return rules
 
 
 def check(board):
     _check_inverter(board)
     _check_registers(board)
+    _check_tool_change(board)
+
+
+def _check_tool_change(board):
+    config = board["tool_change"]
+    if config is None:
+        return
+    if len(board["axes"]) < 3 or not board["homing"] or "z" not in board["homing"]["sensors"]:
+        raise BoardError("tool_change: it wants axes x, y, z that home")
+    if "probe" not in [item["name"] for item in board["inputs"]]:
+        raise BoardError("tool_change: there is no input named probe")
+    for key in ("at", "sensor"):
+        for axis in range(2):
+            item = board["axes"][axis]
+            travel_mm = item["travel_steps"] * 1000 // item["steps_per_m"]
+            low, high = (-travel_mm, 0) if item["name"] in board["homing"]["high_end"] else (0, travel_mm)
+            if not isinstance(config[key][axis], int) or not low <= config[key][axis] <= high:
+                raise BoardError("tool_change.%s: whole mm within %d … %d on %s" % (key, low, high, item["name"]))
 
 
 def _check_registers(board):

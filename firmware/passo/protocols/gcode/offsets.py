@@ -17,6 +17,7 @@ class Offsets:
         self._axes = axes
         self._memory = memory
         self.version = 0  # goes up with each change
+        self._reference = None  # where the first tool touched the sensor
         self.load()
 
     def load(self):
@@ -51,6 +52,12 @@ class Offsets:
     def set_tool(self, length):
         self.tool = length
         self.version += 1
+
+    def measured(self, place):
+        """A tool has touched the sensor at this machine place of Z: the first is the reference of the others."""
+        if self._reference is None:
+            self._reference = place
+        self.set_tool(place - self._reference)
 
     def _recall(self, key):
         text = self._memory.get(key)

@@ -57,6 +57,7 @@ class GCode(Motions):
         self.ended = False  # the line was the programme's last
         self.waits = False  # see fill()
         self.laser = False
+        self.changer = None  # of a board with tool_change
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
         self._place = array("i", [0] * PARSE_FIELDS)  # for plain lines
         self._place[PARSE_AXES] = len(axes)
@@ -258,7 +259,7 @@ class GCode(Motions):
         # Everything is right: from here on it counts. The motion's commands are there already; what goes before is put
         # before them.
         before = self._goes_before(spindle, rpm, motion, moves, tool, coolant, dwell, output)
-        if len(self.commands) > 1:
+        if len(self.commands) > 1 and moves:
             self.commands[0].also = self.commands[1:]
             self._moves = new_moves()  # these may be looked at until the last has begun
         if before:
@@ -283,9 +284,13 @@ class GCode(Motions):
         if self.laser and spindle == 3 and not self.commands and (self.motion in (100, 200, 300)) != self._cutting:
             turned = True  # M3 burns at a stand too, while G1, G2 or G3 holds
         line = self._cutting or moves and motion == 0
+        change = self._found[TOOL_CHANGE] != NONE
+        if change and self.changer:
+            self.changer.append(self, tool, spindle, rpm, coolant)
+            return before
         if turned and not (self.laser and line and self.commands and spindle == self.spindle):
             before.append(self._spindle_command(spindle, rpm, motion))
-        if self._found[TOOL_CHANGE] != NONE:
+        if change:
             before.append(Command(commands.PAUSE, value=1 + tool))
         if coolant != self.coolant:
             before.append(Command(commands.COOLANT, value=coolant))

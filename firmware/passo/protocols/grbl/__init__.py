@@ -18,6 +18,8 @@ def check(board):
         from passo.protocols.grbl import encoders  # noqa: F401
     if board["homing"] and board["homing"]["latch"]:
         from passo.protocols.grbl import homing  # noqa: F401
+    if board["tool_change"]:
+        from passo.protocols.gcode import tool_change  # noqa: F401
     axes = _axes(board)
     return None if axes in ("x", "xy", "xyz") else "grbl wants axes x, y, z in this order, not " + axes
 
@@ -29,4 +31,9 @@ def create(link, number, board, controller, shared, most):
         shared["offsets"] = Offsets(len(axes), machine.settings)
     program = controller.features["program"]
     batch = Lines(number, program.rows, min(most, BATCH_ROWS), program.slow_tool())
-    return Grbl(axes, shared["offsets"], machine, batch, (most + 3) >> 2)  # one that goes as a command costs as much as four
+    made = Grbl(axes, shared["offsets"], machine, batch, (most + 3) >> 2)  # one that goes as a command costs as much as four
+    if board["tool_change"]:
+        from passo.protocols.gcode.tool_change import ToolChange
+
+        made.gcode.changer = ToolChange(board)
+    return made

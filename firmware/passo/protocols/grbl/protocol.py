@@ -283,7 +283,7 @@ class Grbl:
                 self.gcode.spindle = 5
             return (text + self._answer("error:%d" % event.error)).encode()
         if command.kind == commands.PROBE and event.value:
-            text += self._probed(event.value)
+            text += self._probed(event.value, command.measures)
         if command.kind == commands.HOME:
             if event.value:
                 from passo.protocols.grbl.homing import told  # loaded at the start, by check()
@@ -355,11 +355,13 @@ class Grbl:
     def _nm(self, axis, steps):
         return rounded(steps * NM_PER_M, self._machine.steps_per_m[axis])
 
-    def _probed(self, value):
+    def _probed(self, value, measures):
         position, touched = value
         system = self._system
         system.probed = [self._nm(axis, position[axis]) for axis in range(self.gcode.axes)]
         system.touched = touched
+        if measures and touched:
+            self.gcode.offsets.measured(system.probed[2])
         return grbl_report.probe(system.probed, touched, system.inches())
 
 
