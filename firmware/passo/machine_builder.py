@@ -57,6 +57,8 @@ def load_all(board, whole):
         from passo.steps import gantry_wiring
     if board["inverter"] or board["registers"] or board["tool_change"]:
         forget("device_keys")
+    if board["shift"]:
+        forget("shift_keys")
     names = wanted(board, languages(board))
     modules = _OF_ALL
     if "program" in names:

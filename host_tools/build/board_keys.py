@@ -10,6 +10,11 @@ Types, bounds and defaults are not repeated here: they come from the firmware's 
 SECTIONS = {
     "": ("The board file", "The keys of `BOARD` itself. Sections of their own follow."),
     "drive": ("drive", "How the motors are driven; one kind for all axes."),
+    "shift": (
+        "shift",
+        "ESP32 and S3, STEP/DIR: motors and tool, and outputs as needed, are on 74HC595 shift registers. Their pins are 100 … 114: "
+        "QA … QH of the first register, then of the second. See [wiring](wiring.md#motors-on-shift-registers). Needs MicroPython 1.26.",
+    ),
     "axes": ("axes", "A list, one entry an axis, in the order X, Y, Z, A."),
     "tool": ("tool", "The one output that is switched exact to the step: pen, spindle relay, laser, torch contact."),
     "inputs": ("inputs", "A list of switches and sensors. What each does depends on its [name](#names-with-a-meaning)."),
@@ -62,6 +67,10 @@ MEANINGS = {
     "drive.setup_us": "STEP/DIR: from a change of DIR to the next step, µs.",
     "drive.step_active": "STEP/DIR: level of a step pulse. 0: the pin is high at rest.",
     "drive.hold_ms": "From the last step to standstill current, ms.",
+    "shift.clock": "The pin at SRCLK (SH_CP) of all registers.",
+    "shift.latch": "The pin at RCLK (ST_CP) of all registers. Frames are counted on it.",
+    "shift.data": "The pin at SER (DS) of the first register.",
+    "shift.enable": "The pin at OE of all registers; -1: OE is wired to ground.",
     "axes.name": "One letter. G-code wants `x`, `y`, `z` in this order.",
     "axes.pins": "STEP/DIR: `[STEP, DIR]`. Unipolar: the four transistors in the order of the coils. PBL3770A: `[PH, I0, I1]` "
     "of winding A, then of B.",

@@ -57,9 +57,9 @@ def board_keys():
 
 def all_rules(boardfile):
     """The whole schema, with the keys that few boards have."""
-    from passo.config import device_keys, motor_keys
+    from passo.config import device_keys, motor_keys, shift_keys
 
-    return device_keys.extended(motor_keys.extended(boardfile._BOARD))
+    return shift_keys.extended(device_keys.extended(motor_keys.extended(boardfile._BOARD)))
 
 
 def keys(rules, prefix=""):
@@ -125,12 +125,18 @@ def pins():
         esp32 = board["chip"].startswith("esp32")
         uses = sorted(_pins(board))
         picture = () if esp32 else _pico({pin: short for pin, short, _ in uses})
-        table = [f"| {'GPIO' if esp32 else 'GP'}{pin} | {short}{about} |" for pin, short, about in uses]
+        table = [f"| {_pin_name(pin, esp32)} | {short}{about} |" for pin, short, about in uses]
         found.setdefault((*picture, "| pin | goes to |", "| --- | --- |", *table), []).append(name)
     rows = []
     for lines, names in found.items():
         rows += ["", f"### {', '.join(names)}", "", *lines]
     return rows[1:]
+
+
+def _pin_name(pin, esp32):
+    if pin >= 100:
+        return f"{pin}: register {(pin - 100) // 8 + 1}, Q{'ABCDEFGH'[(pin - 100) % 8]}"
+    return f"{'GPIO' if esp32 else 'GP'}{pin}"
 
 
 def _pins(board):
@@ -142,6 +148,9 @@ def _pins(board):
         for pin, coil in zip(axis["pins"], coils):
             yield pin, f"motor {axis['name'].upper()} {coil.upper()}", ""
     yield board["tool"]["pin"], "tool", _active(board["tool"])
+    for key, pin in (board["shift"] or {}).items():
+        if pin >= 0:
+            yield pin, f"registers' {key}", ""
     if board["spindle"]["pwm"]:
         yield board["spindle"]["pin"], "tool PWM", f", {board['spindle']['pwm_hz']} Hz"
     for item in board["inputs"]:

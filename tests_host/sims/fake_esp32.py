@@ -34,6 +34,10 @@ class Chip:
         self.watchdog = None
         self.pwm = {}
         self.cause = 1
+        self.frames = 0  # latched by shift registers, ever
+        self.register = 0  # their outputs, QA of the first chip lowest
+        self.i2s = None
+        self.input_enabled = set()
         self._world = None
         self._inside = False
         self._inputs = {}
@@ -87,6 +91,25 @@ class Chip:
     def name_inputs(self, board):
         self._inputs = {item["pin"]: item["name"] for item in board["inputs"]}
 
+    def wire_register(self, world, outputs, layout):
+        """`outputs` of the shift registers, of the word's bits, go to the world's edges()."""
+        self._world, self._wired, self._outputs = world, (), outputs
+        self.edges = [(self.now * 25 // 2, 0)]
+        world.attach(0, layout.pin_names, 0)
+
+    def latch(self, tick, register):
+        """The registers show other levels from `tick` on."""
+        self.register = register & 0x7FFF
+        if self._world is None:
+            return
+        levels = 0
+        for bit in range(len(self._outputs)):
+            levels |= (register >> self._outputs[bit] & 1) << bit
+        before = self.edges[-1][1]
+        if levels != before:
+            self.edges.append((tick, levels))
+            self._world.edges(tick, levels, levels ^ before)
+
     def levels(self):
         levels = 0
         for bit in range(len(self._wired)):
@@ -98,7 +121,7 @@ class Chip:
         for pin, level in changes.items():
             if pin in self.out:
                 self.level[pin] = level
-        if self._world is None:
+        if self._world is None or not self._wired:
             return
         levels = self.levels()
         before = self.edges[-1][1]
@@ -107,6 +130,8 @@ class Chip:
             self._world.edges(self.now * 25 // 2, levels, levels ^ before)
 
     def read(self, pin):
+        if self.i2s is not None:
+            self.i2s.run()
         if pin in self.out:
             return self.level.get(pin, 0)
         if self._world is not None and pin in self._inputs:
@@ -143,13 +168,145 @@ class Pin:
 
 
 class Mem32:
+    """GPIO's set and clear registers; and IO_MUX, of which only the input's bit is there."""
+
+    def __getitem__(self, address):
+        return 1 << 9 if address in chip.input_enabled else 0
+
     def __setitem__(self, address, value):
+        if 0x3FF49000 <= address < 0x3FF49100:
+            chip.input_enabled.add(address) if value >> 9 & 1 else chip.input_enabled.discard(address)
+            return
         assert 0 <= value < 1 << 32
         register = address - _BASE
         assert register in (0x08, 0x0C, 0x14, 0x18), hex(address)
         first = 32 if register >= 0x14 else 0
         level = 1 if register in (0x08, 0x14) else 0
         chip.drive({first + bit: level for bit in range(32) if value >> bit & 1})
+
+
+class I2S:
+    """The transmitter as MicroPython 1.26 to 1.28 drive it: blocks of 256 frames in a ring, each sent, zeroed and queued to be
+    written again; of a full queue the oldest is forgotten. DMA reads 64 frames ahead of the pins.
+
+    Philips format: bits come a clock behind WS, whose rising edge, between the halves, latches the registers."""
+
+    TX, STEREO = 1, 1
+    BLOCK, AHEAD = 256, 64
+
+    def __init__(self, number, sck=None, ws=None, sd=None, mode=None, bits=0, format=None, rate=0, ibuf=0):
+        assert number == 0 and mode == I2S.TX and bits == 16 and format == I2S.STEREO and rate == 250_000
+        assert chip.i2s is None, "not closed"
+        self._blocks = [[0] * I2S.BLOCK for _ in range(max(2, ibuf // (4 * I2S.BLOCK)))]
+        self._queue = []
+        self._writing = None  # number of the block being written
+        self._at = 0
+        self._reading = 0  # count of the block that DMA has begun
+        self._sending = [self._blocks[0][:], None]  # as it was when DMA began it; the one before
+        self._sent = 0  # frames
+        self._last = None  # frame; the first is latched in any case: the registers kept what they had
+        self._opened = chip.now
+        self._asyncio = False
+        self.torn = 0  # writes into a block that DMA was reading
+        self._mux = 0x3FF49050 if ws.number == 17 else None
+        if self._mux in chip.input_enabled:
+            chip.input_enabled.discard(self._mux)  # the driver makes an output of the pin, and of nothing else
+        chip.i2s = self
+
+    def run(self):
+        """All frames whose time has come."""
+        end = (chip.now - self._opened) // 4
+        while self._sent < end:
+            turn = self._reading * I2S.BLOCK
+            # Up to where DMA begins another block, or to the end.
+            limit = turn + I2S.BLOCK - I2S.AHEAD
+            if self._sent >= limit:
+                self._next_block()
+                continue
+            self._show(min(end, limit))
+
+    def _show(self, until):
+        sent = self._sent
+        last = self._last
+        block = self._reading
+        while sent < until:
+            data = self._sending[0] if sent >= block * I2S.BLOCK else self._sending[1]
+            frame = data[sent % I2S.BLOCK]
+            sent += 1
+            if frame != last:
+                chip.latch((self._opened + sent * 4) * 25 // 2, ((last or 0) >> 16 & 0xFFFF) << 15 | (frame & 0xFFFF) >> 1)
+                last = frame
+                # Outputs from 15 on get this frame's right half with the next latch; none is in use.
+        chip.frames += until - self._sent
+        self._sent, self._last = until, last
+
+    def _next_block(self):
+        number = self._reading % len(self._blocks)
+        self._blocks[number] = [0] * I2S.BLOCK
+        if len(self._queue) == len(self._blocks) - 1:
+            self._queue.pop(0)
+        self._queue.append(number)
+        self._reading += 1
+        self._sending = [self._blocks[self._reading % len(self._blocks)][:], self._sending[0]]
+
+    def write(self, data):
+        assert self._asyncio, "it would wait"
+        assert chip.i2s is self, "closed"
+        self.run()
+        written = 0
+        while written < len(data):
+            if self._writing is None or self._at == I2S.BLOCK:
+                if not self._queue:
+                    break
+                self._writing = self._queue.pop(0)
+                self._at = 0
+            if self._writing == self._reading % len(self._blocks):
+                self.torn += 1
+            count = min(I2S.BLOCK - self._at, len(data) - written)
+            for i in range(count):
+                self._blocks[self._writing][self._at + i] = data[written + i] & 0xFFFFFFFF
+            self._at += count
+            written += count
+        return 4 * written
+
+    def deinit(self):
+        if chip.i2s is self:
+            self.run()
+            assert not self.torn
+            chip.i2s = None
+
+
+class PCNT:
+    INCREMENT = 1
+
+    def __init__(self, number, pin=None, rising=0, max=0, value=None):
+        assert rising == PCNT.INCREMENT and max == 32_000
+        self._from = chip.frames
+        self._on = False
+        self.wraps = max  # 65536: the limit's event is not enabled
+
+    def start(self):
+        self._on = True
+
+    def value(self, value=None):
+        if chip.i2s is not None:
+            chip.i2s.run()
+            assert self._on and chip.i2s._mux in chip.input_enabled, "nothing to count"
+        count = (chip.frames - self._from) % self.wraps
+        if value is not None:
+            self._from = chip.frames
+        return count - 65_536 if count >= 32_768 else count
+
+
+class Poll:
+    def register(self, stream, events):
+        self._stream = stream
+
+    def poll(self, timeout):
+        self._stream._asyncio = True
+
+    def unregister(self, stream):
+        self._stream = None
 
 
 class Timer:
@@ -237,14 +394,16 @@ def ticks_add(ticks, delta):
 def _import_port():
     """Import the ESP32's room with the fakes in the place of the chip's modules, and put back what was there."""
     machine = _module(
-        Pin=Pin, PWM=PWM, WDT=WDT, UART=UART, Timer=Timer, mem32=Mem32(), reset_cause=lambda: chip.cause, WDT_RESET=3,
+        I2S=I2S, Pin=Pin, PWM=PWM, WDT=WDT, UART=UART, Timer=Timer, mem32=Mem32(), reset_cause=lambda: chip.cause, WDT_RESET=3,
         idle=lambda: chip.sleep_ms(1), disable_irq=lambda: 1, enable_irq=lambda state: None,
     )
     clock = _module(
         ticks_us=lambda: chip.ticks_us(), ticks_ms=lambda: chip.ticks_ms(), sleep_ms=lambda ms: chip.sleep_ms(ms),
         ticks_diff=ticks_diff, ticks_add=ticks_add,
     )  # fmt: skip
-    fakes = {"machine": machine, "time": clock}
+    fakes = {
+        "machine": machine, "time": clock, "esp32": _module(PCNT=PCNT), "select": _module(poll=Poll, POLLOUT=4),
+    }  # fmt: skip
     if not hasattr(micropython, "alloc_emergency_exception_buf"):  # the unix port has none
         fakes["micropython"] = _module(
             const=micropython.const, kbd_intr=micropython.kbd_intr, alloc_emergency_exception_buf=lambda size: None
@@ -257,14 +416,14 @@ def _import_port():
         base = registers.gpio_base
         registers.gpio_base = lambda machine=_MACHINE: base(machine)
         from passo.ports import pin_interlock  # noqa: F401: the port asks for it later
-        from passo.ports.esp32 import port, start, timer_player
+        from passo.ports.esp32 import i2s_player, port, start, timer_player
     finally:
         for name in before:
             if before[name] is None:
                 del sys.modules[name]
             else:
                 sys.modules[name] = before[name]
-    return port, start, timer_player, fakes
+    return port, start, timer_player, i2s_player, fakes
 
 
-port, start, timer_player, fakes = _import_port()
+port, start, timer_player, i2s_player, fakes = _import_port()

@@ -122,6 +122,7 @@ _BOARD = {
     "name": (str, MUST, 1, 32),
     "chip": ("rp2040", "rp2350", "esp32", "esp32s2", "esp32s3", "esp32c3", "esp32c6"),
     "clock_mhz": (int, 0, 0, 400),  # rp2 chips: one of CLOCKS_MHZ; 0: its first
+    "shift": {},  # shift_keys.py
     "player": ("pio", "timer"),  # rp2 chips: PIO wants consecutive pins; an interrupt for every word serves any pins
     "drive": _DRIVE,
     "axes": [_AXIS, 1, 4],
@@ -148,8 +149,8 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-_OPTIONAL = ("homing", "gantry", "interlock", "inverter", "jog", "planning", "registers", "spindle", "step_program", "tool_change")
-_ABSENT = ("homing", "gantry", "interlock", "inverter", "registers", "step_program", "tool_change")  # None if the board file has none
+_ABSENT = ("homing", "gantry", "interlock", "inverter", "registers", "shift", "step_program", "tool_change")  # None if not there
+_OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
 PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
@@ -158,7 +159,7 @@ PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 def check(board):
     """The board with its defaults. Raises BoardError at the first thing wrong."""
     rules = _BOARD
-    more = devices = None
+    more = devices = shift = None
     if isinstance(board, dict) and (board.get("encoders") or board.get("gantry")):
         from passo.config import motor_keys as more  # most boards have neither; the machine builder forgets it
 
@@ -167,9 +168,15 @@ def check(board):
         from passo.config import device_keys as devices
 
         rules = devices.extended(rules)
+    if isinstance(board, dict) and board.get("shift") and str(board.get("chip")).startswith("esp32"):
+        from passo.config import shift_keys as shift
+
+        rules = shift.extended(rules)
     board = _section(_WHOLE, board, rules)
     _check_clock(board)
-    _check_pins(board)
+    if shift is not None:
+        shift.check(board)
+    _check_pins(board, shift)
     _check_order(board)
     _check_homing(board)
     if more is not None:
@@ -177,7 +184,7 @@ def check(board):
     _check_links(board)
     if devices is not None:
         devices.check(board)
-    elif [item for item in board["inputs"] + board["outputs"] if item["pin"] >= REGISTER_BIT]:
+    elif shift is None and [item for item in board["inputs"] + board["outputs"] if item["pin"] >= REGISTER_BIT]:
         raise BoardError("pins from %d on are bits of shift registers; there are none" % REGISTER_BIT)
     _check_step_program(board)
     _check_interlock(board)
@@ -283,7 +290,7 @@ def claimed_pins(board):
     return claims
 
 
-def _check_pins(board):
+def _check_pins(board, shift):
     kind = board["drive"]["kind"]
     most = (MOST_BITS - 1) // PINS_OF[kind] - (1 if board["gantry"] else 0)
     if len(board["axes"]) > most:
@@ -294,12 +301,15 @@ def _check_pins(board):
                 "axis %s: a %s drive has %d pins, not %d" % (axis["name"], kind, PINS_OF[kind], len(axis["pins"]))
             )
     owners = {}
-    for pin, who in claimed_pins(board):
-        if not isinstance(pin, int) or not 0 <= pin <= 48:
+    for pin, who in claimed_pins(board) + (shift.claims(board) if shift is not None else []):
+        outside = shift is not None and shift.shifted(pin)
+        if not outside and (not isinstance(pin, int) or not 0 <= pin <= 48):
             raise BoardError("%s: %r is no pin number" % (who, pin))
         if pin in owners:
             raise BoardError("pin %d is claimed by %s and by %s" % (pin, owners[pin], who))
         owners[pin] = who
+        if outside:
+            continue
         check_pin(board["chip"], pin, who, not who.startswith("input") and not who.endswith(" rx"))
     for link in board["links"]:
         check_link(board["chip"], link)

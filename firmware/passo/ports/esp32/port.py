@@ -9,6 +9,9 @@ All callbacks are soft here: see timer_player.py for what that costs. A halting 
 it, usually within a millisecond, within some tens where memory is being collected: an emergency stop belongs into the
 drivers' power or enable line. Words are made every 5 ms, 30 ms ahead. The watchdog of this chip cannot be stopped: after
 the app's end a timer feeds it.
+
+With shift registers (`shift` of the board file) words are made every 2 ms, 24 ms ahead, and i2s_player.py plays them: the
+limits above are then those of halting inputs only.
 """
 
 from machine import Timer
@@ -16,23 +19,45 @@ from micropython import const
 
 from passo.ports.chip_port import ChipPort
 from passo.ports.esp32.timer_player import TimerPlayer
-from passo.records import LEAD_TICKS
+from passo.records import LEAD_TICKS, REGISTER_BIT
 from passo.steps.wiring import inverted_pins, word_pins, word_times
 
 _FEED_MS = const(5)
 _PLAYER_TIMER = const(0)
 _FEED_TIMER = const(1)
 _KEEP_MS = const(300)
+_PUMP_MS = const(2)
+_SHIFT_LEAD_TICKS = const(24 * 12_500)  # 16.4 ms of frames, 2 to the next pump, and a segment of an arc, which counts whole
 
 
 class Port(ChipPort):
+    shift_player = None  # until there is one
+
     def __init__(self, board):
         """`board` is checked. Outputs go to their inactive level here."""
-        ChipPort.__init__(self, board, LEAD_TICKS, LEAD_TICKS)
+        self._shifted = []
+        if board["shift"]:
+            board = self._on_pins(board)
+        lead_ticks = _SHIFT_LEAD_TICKS if board["shift"] else LEAD_TICKS
+        ChipPort.__init__(self, board, lead_ticks, lead_ticks)
+        for entry in self._shifted:
+            self._outputs[entry["name"]] = (ShiftPin(self, entry["pin"] - REGISTER_BIT, 1 - entry["active"]), entry["active"])
         if board["encoders"]:
             from passo.ports.pin_encoders import PinEncoders
 
             self.encoders = PinEncoders(board, self, self._inputs)
+
+    def _on_pins(self, board):
+        """The board without the outputs of its register."""
+        global ShiftPin, I2sPlayer
+        from passo.ports.esp32.i2s_player import I2sPlayer, ShiftPin  # here: the firmware of plain pins has no PCNT to ask for
+
+        board = dict(board)
+        for entry in board["outputs"]:
+            if entry["pin"] >= REGISTER_BIT:
+                self._shifted.append(entry)
+        board["outputs"] = [entry for entry in board["outputs"] if entry["pin"] < REGISTER_BIT]
+        return board
 
     def watch(self, pin, handler, edge):
         """Call `handler(pin)` soon after an edge."""
@@ -42,6 +67,12 @@ class Port(ChipPort):
         """The player of `ring`. Once."""
         pulse_ticks, least = word_times(board)
         invert = inverted_pins(board, layout)
+        if board["shift"]:
+            outputs = [pin - REGISTER_BIT for pin in word_pins(board)]
+            self._player = self.shift_player = I2sPlayer(ring, layout, outputs, pulse_ticks, invert, board["shift"])
+            for entry in self._shifted:
+                self._outputs[entry["name"]][0].show()
+            return self._player
         self._player = TimerPlayer(ring, layout, word_pins(board), pulse_ticks, least, invert, _PLAYER_TIMER)
         return self._player
 
@@ -54,7 +85,7 @@ class Port(ChipPort):
         for latch in getattr(self, "latches", {}).values():
             latch.join(feeder, player)
         self._timer = Timer(_FEED_TIMER)
-        self._timer.init(mode=Timer.PERIODIC, period=_FEED_MS, callback=self._feed_and_look)
+        self._timer.init(mode=Timer.PERIODIC, period=_PUMP_MS if self.shift_player else _FEED_MS, callback=self._feed_and_look)
         return True
 
     def _feed_and_look(self, timer):
@@ -62,6 +93,18 @@ class Port(ChipPort):
             if self._trip is None and item.active():
                 self.trip(item)
         self._feed(timer)
+        if self.shift_player is not None and not self._aside:  # the main loop has not made all words of a beginning yet
+            self._pump()
+
+    def _pump(self):
+        try:
+            before = self.shift_player.under_runs
+            self.shift_player.pump()
+            if before != self.shift_player.under_runs and self._feeder.amid():
+                self._feeder.count_late()
+        except Exception as error:
+            self._failed = error
+            self.trip(None)
 
     def close(self):
         """Stop the callbacks; the watchdog, where it runs, is fed from now on. The outputs stay as they are."""

@@ -1,0 +1,78 @@
+"""The key `shift` of a board file: motors, tool and outputs on 74HC595 shift registers. Only boards that have them load
+this.
+
+    rules = extended(rules)         # those of boardfile.py, in whose notation they are
+    check(board)                    # raises BoardError
+
+Pin 100 of such a board is the first output of the register: QA of the chip whose SER is on `data`; 108 is QA of the next.
+"""
+
+from passo.config.board_error import BoardError
+from passo.records import REGISTER_BIT
+
+OUTPUTS = 15  # the 16th would follow the others a frame later
+FRAME_US = 4
+CHIPS = ("esp32", "esp32s3")  # I2S, and a pulse counter to count frames with
+
+SHIFT = {
+    "clock": (int, ..., 0, 48),
+    "latch": (int, ..., 0, 48),
+    "data": (int, ..., 0, 48),
+    "enable": (int, -1, -1, 48),
+}
+
+
+def extended(rules):
+    """A copy of the rules of a board file, with those of this key."""
+    rules = dict(rules)
+    rules["shift"] = SHIFT
+    last = REGISTER_BIT + OUTPUTS - 1
+    rules["tool"] = dict(rules["tool"], pin=(int, ..., 0, last))
+    for key, most in (("inputs", 48), ("outputs", last)):
+        section, least, longest = rules[key]
+        rules[key] = [dict(section, pin=(int, ..., 0, most)), least, longest]
+    return rules
+
+
+def shifted(pin):
+    """True for an output of the register."""
+    return isinstance(pin, int) and REGISTER_BIT <= pin < REGISTER_BIT + OUTPUTS
+
+
+def check(board):
+    """What cannot be shifted, or would step or switch the tool on in a frame of zeros, which is what the chip sends by itself
+    if nothing more is handed to it."""
+    if board["chip"] not in CHIPS:
+        raise BoardError("shift: an %s cannot; %s can" % (board["chip"], " and ".join(CHIPS)))
+    drive = board["drive"]
+    if drive["kind"] != "step_dir":
+        raise BoardError("shift: a frame of zeros would drop the coils; drive.kind has to be 'step_dir'")
+    if board["gantry"]:
+        raise BoardError("shift: no gantry; squaring it steps faster than frames follow")
+    for key in ("interlock", "encoders"):
+        if board[key]:
+            raise BoardError("shift: no %s yet; frames already on their way would not obey it" % key)
+    if board["registers"]:
+        raise BoardError("shift: no registers beside it; its own have outputs to spare")
+    if not drive["step_active"]:
+        raise BoardError("drive.step_active: a frame of zeros would step; it has to be 1 with shift")
+    if not board["tool"]["active"]:
+        raise BoardError("tool.active: a frame of zeros would switch the tool on; it has to be 1 with shift")
+    for axis in board["axes"]:
+        for pin in axis["pins"]:
+            _want(pin, "axis %s" % axis["name"])
+    _want(board["tool"]["pin"], "tool")
+    drive["setup_us"] = -(-drive["setup_us"] // FRAME_US) * FRAME_US  # whole frames: rounding shortens nothing
+
+
+def claims(board):
+    section = board["shift"]
+    pins = [(section[key], "shift.%s" % key) for key in ("clock", "latch", "data")]
+    pins += [(item["pin"], "output %s" % item["name"]) for item in board["outputs"] if shifted(item["pin"])]
+    return pins + ([(section["enable"], "shift.enable")] if section["enable"] >= 0 else [])
+
+
+def _want(pin, who):
+    if not shifted(pin):
+        last = REGISTER_BIT + OUTPUTS - 1
+        raise BoardError("%s: with shift it is on an output of the register, %d … %d, not %r" % (who, REGISTER_BIT, last, pin))

@@ -1,0 +1,380 @@
+"""The ESP32's player for shift registers, on a fake I2S with registers behind it: frames against words, bounds of buffers, stops,
+and whole jobs whose path is that of the virtual board."""
+
+import fake_esp32
+import router
+from boards.router_esp32 import BOARD as ROUTER
+from check_control import copy
+from fake_esp32 import chip
+from passo.app import App
+from passo.config.boardfile import BoardError, check
+from passo.ports.esp32 import frames_viper
+from passo.steps.ring import Ring
+from passo.steps.wiring import word_pins
+from passo.steps.word import Layout
+from plain import plain
+
+CASES = {
+    "check_edges": (("words", "list", 60, ("ticks", 100, 9000), ("levels", 0, 31)), ("late_us", 0, 10_000), ("pulse", 1, 150)),
+    "check_the_kernel_and_its_plain_twin": (("words", "list", 60, ("ticks", 1, 900), ("levels", 0, 31)), ("flip", 0, 1 << 14)),
+    "check_an_under_run": (("words", "list", 60, ("ticks", 100, 9000), ("levels", 0, 31)), ("at", 0, 30), ("stall_us", 11_000, 90_000)),
+    "check_halt_anywhere": (("words", "list", 60, ("ticks", 100, 9000), ("levels", 0, 31)), ("us", 0, 60_000)),
+}
+RUNS = {"check_edges": 60, "check_an_under_run": 60, "check_halt_anywhere": 200}
+OUTPUTS = (1, 3, 2, 4, 7)
+SECTION = {"clock": 16, "latch": 17, "data": 21, "enable": -1}
+SENT_US = 16_384 + 2048  # frames on their way, and time to the next pump
+FRAME = 50
+
+
+class Counting:
+    """Counts the steps of two axes as drivers would, and writes down each level."""
+
+    def attach(self, tick, names, levels):
+        self.place = [0, 0]
+        self.steps = 0
+
+    def edges(self, tick, levels, changed):
+        for axis in range(2):
+            if changed & levels & 1 << axis:
+                self.place[axis] += 1 if levels & 4 << axis else -1
+                self.steps += 1
+
+
+def bench(pulse_ticks=25, invert=0, enable=-1):
+    chip.reset()
+    layout = Layout("step_dir", 2, 4, ["x_step", "y_step", "x_dir", "y_dir"], 3)
+    ring = Ring()
+    player = fake_esp32.i2s_player.I2sPlayer(ring, layout, OUTPUTS, pulse_ticks, invert, dict(SECTION, enable=enable))
+    world = Counting()
+    chip.wire_register(world, OUTPUTS, layout)
+    return ring, player, layout, world
+
+
+def put(ring, layout, words):
+    for ticks, levels in words:
+        ring.words[ring.head & ring.mask] = ticks << layout.bits | levels
+        ring.publish(1)
+
+
+def run(player, us, late_us=0):
+    """Let time pass, with a pump() every 2 ms and `late_us`."""
+    while us > 0:
+        player.pump()
+        passed = min(us, 2000 + late_us)
+        chip.stall(passed)
+        us -= passed
+
+
+def play(player, late_us=0):
+    while player.busy():
+        run(player, 2000 + late_us, late_us)
+    run(player, 8000)
+
+
+def legal(player, words):
+    """Words as the feeder makes them: none shorter than the player allows, a wait as long as it is."""
+    return [(max(ticks, player.min_word_ticks), levels) for ticks, levels in words]
+
+
+def place_of(words):
+    place = [0, 0]
+    for _, levels in words:
+        for axis in range(2):
+            if levels & 1 << axis:
+                place[axis] += 1 if levels & 4 << axis else -1
+    return place
+
+
+def rises(edges, mask):
+    return [edges[i][0] for i in range(1, len(edges)) if edges[i][1] & ~edges[i - 1][1] & mask]
+
+
+def check_edges(words, late_us, pulse):
+    """Each word's levels appear within half a frame of its time, errors never add up; pulses last as long as they should, and as
+    long they are low; callbacks that come up to 10 ms late change nothing."""
+    ring, player, layout, world = bench(pulse)
+    words = legal(player, words)
+    put(ring, layout, words)
+    player.start()
+    play(player, late_us)
+    assert player.under_runs == 0 and chip.i2s.torn == 0
+    assert player.played() == len(words) == ring.head
+    assert world.place == place_of(words)
+    due = 0
+    wanted = []
+    for ticks, levels in words:
+        wanted.append((due, levels))
+        due += ticks
+    for axis in range(2):
+        at = [tick for tick, levels in wanted if levels & 1 << axis]
+        seen = rises(chip.edges, 1 << axis)
+        assert len(at) == len(seen)
+        if not at:
+            continue
+        # The stream begins on a frame: the first word is where it should be, all others are measured from there.
+        first = begin(words, chip.edges, layout)
+        for i in range(len(at)):
+            assert abs(seen[i] - first - at[i]) <= FRAME // 2, (i, seen[i] - first, at[i])
+            assert i == 0 or seen[i] - seen[i - 1] >= player.min_word_ticks
+        for i in range(1, len(chip.edges)):
+            tick, levels = chip.edges[i]
+            if levels & 1 << axis and not chip.edges[i - 1][1] & 1 << axis:
+                low = [at for at, rest in chip.edges[i:] if not rest & 1 << axis][0]
+                assert pulse <= low - tick < pulse + FRAME
+
+
+def begin(words, edges, layout):
+    """Tick at which the first word began: found by the first level that differs from those at rest."""
+    due = 0
+    for ticks, levels in words:
+        if levels:
+            # On the grid: rounded, half a frame up.
+            return edges[1][0] - (due + FRAME // 2) // FRAME * FRAME
+        due += ticks
+    return edges[0][0]
+
+
+def check_the_kernel_and_its_plain_twin(words, flip):
+    """The same frames, and the same counts, in blocks of any length; words shorter than a frame are seen too."""
+    twin = plain(frames_viper)
+    ring, player, layout, _ = bench()
+    put(ring, layout, words)
+    from array import array
+
+    results = []
+    for make, advance in ((frames_viper.make, frames_viper.advance), (twin["make"], twin["advance"])):
+        state = array("i", player._state)
+        state[frames_viper.FLIP] = flip << 1 & ~player_frames(player)
+        state[frames_viper.HEAD] = ring.head
+        starts = array("i", [0] * ring.size)
+        seen = []
+        for count in (1, 7, 256, 256, 256, 64, 256):
+            frames = array("i", [0] * 256)
+            make(state, ring.words, starts, player._table, frames, count)
+            advance(state, ring.words, starts, state[frames_viper.FRAME] - 100)
+            seen.append((list(frames), list(state), list(starts)[: len(words)]))
+        results.append(seen)
+    assert results[0] == results[1]
+    if words:
+        shown = results[0][-1][2]
+        made = results[0][-1][1][frames_viper.NEXT]
+        assert all([shown[i] < shown[i + 1] for i in range(made - 1)])
+
+
+def player_frames(player):
+    used = 0
+    for output in OUTPUTS:
+        used |= fake_esp32.i2s_player.frame_of(output)
+    return used
+
+
+def check_an_under_run(words, at, stall_us):
+    """What stops everything for longer than frames last: the registers get zeros, it is counted, no step is lost, none comes
+    earlier than asked after the one before."""
+    ring, player, layout, world = bench()
+    words = legal(player, words)
+    put(ring, layout, words)
+    player.start()
+    run(player, 2000 * at + 2000)
+    playing = player.busy()
+    last = player._state[frames_viper.ENDS]
+    chip.stall(stall_us)
+    play(player)
+    assert player.played() == len(words)
+    assert world.place == place_of(words)
+    assert world.steps == sum([1 for _, levels in words for axis in range(2) if levels & 1 << axis])
+    least = player.min_word_ticks
+    for axis in range(2):
+        seen = rises(chip.edges, 1 << axis)
+        assert all([seen[i + 1] - seen[i] >= least for i in range(len(seen) - 1)])
+    assert player.under_runs <= 1
+    assert not (playing or last) or player.under_runs == (1 if stall_us > 18_000 else player.under_runs)
+    assert stall_us > 12_000 or player.under_runs == 0
+
+
+def check_halt_anywhere(words, us):
+    """Words counted by the frames latched are those that the drivers have seen; nothing steps any more, tool and pulses are low;
+    the machine goes on from there."""
+    ring, player, layout, world = bench()
+    words = legal(player, words)
+    put(ring, layout, words)
+    player.start()
+    run(player, us)
+    player.halt()
+    played = player.played()
+    assert world.place == place_of(words[:played])
+    steps = world.steps
+    assert not player.busy()
+    run(player, 40_000)
+    assert world.steps == steps and player.played() == played
+    assert chip.edges[-1][1] & (layout.pulse_mask | layout.tool_mask) == 0
+    ring.head = played
+    put(ring, layout, words[played:])
+    player.start()
+    play(player)
+    assert world.place == place_of(words) and player.played() == len(words)
+    assert player.under_runs == 0
+
+
+def check_the_count_goes_round():
+    """The counter of pulses has 16 bits: back to zero at its limit, or round if that is not enabled. Minutes are the same."""
+    for wraps in (32_000, 65_536):
+        ring, player, layout, world = bench()
+        player._counter.wraps = wraps
+        words = [(60_000, 5 if i & 1 else 1) for i in range(400)]
+        put(ring, layout, words)
+        player.start()
+        play(player)
+        assert player.played() == 400 and world.place == [0, 0] and player.under_runs == 0
+
+
+def check_back_pressure():
+    """A block that the driver does not take yet waits; nothing is made twice or left out."""
+    ring, player, layout, world = bench()
+    words = [(100, 5)] * 3000
+    put(ring, layout, words)
+    player.start()
+    for _ in range(50):
+        player.pump()
+        player.pump()
+        chip.stall(300)
+    assert player.under_runs == 0
+    play(player)
+    assert world.place == [3000, 0]
+    seen = rises(chip.edges, 1)
+    assert [seen[i + 1] - seen[i] for i in range(len(seen) - 1)] == [100] * 2999
+
+
+def check_outputs_and_rest():
+    """Levels at rest and other outputs appear within the time of what is on its way; an output is not a motor's."""
+    ring, player, layout, world = bench(enable=13)
+    assert chip.level[13] == 1, "cut off until the registers hold zeros"
+    run(player, SENT_US)
+    assert chip.level[13] == 0
+    player.rest(0b10100)
+    player.output(0, 1)
+    run(player, SENT_US)
+    assert chip.edges[-1][1] == 0b10100 and chip.register == 1 | 1 << 2 | 1 << 7
+    player.output(0, 0)
+    run(player, SENT_US)
+    assert chip.register == 1 << 2 | 1 << 7
+    player.halt()
+    assert chip.level[13] == 1
+    run(player, 2 * SENT_US)
+    assert chip.level[13] == 0 and chip.edges[-1][1] == 0b00100
+    player.close()
+    chip.stall(2 * SENT_US)
+    chip.i2s.run()
+    assert chip.register == 0
+
+
+def check_what_zeros_would_step_is_refused():
+    for invert in (1, 2, 16):
+        try:
+            bench(invert=invert)
+        except ValueError:
+            continue
+        raise AssertionError("accepted")
+    ring, player, layout, world = bench(invert=4)
+    run(player, SENT_US)
+    assert chip.edges[-1][1] == 4
+
+
+def check_board_files_that_cannot_be_shifted():
+    """One clear line each."""
+    for path, value, words in (
+        (("chip",), "esp32c3", ("shift", "esp32c3")),
+        (("drive", "step_active"), 0, ("step_active", "zeros")),
+        (("tool", "active"), 0, ("tool.active", "zeros")),
+        (("tool", "pin"), 18, ("tool", "register", "100 … 114", "18")),
+        (("axes", 0, "pins"), [4, 101], ("axis x", "register", "4")),
+        (("axes", 0, "pins"), [102, 101], ("102", "axis x", "axis y")),
+        (("outputs", 0, "pin"), 115, ("outputs[0].pin", "115", "114")),
+        (("inputs", 0, "pin"), 111, ("inputs[0].pin", "111")),
+        (("shift", "latch"), 34, ("shift.latch", "only be an input")),
+        (("shift", "data"), 16, ("pin 16", "shift.clock", "shift.data")),
+        (("shift", "oe"), 16, ("shift", "unknown key 'oe'")),
+        (("shift",), None, ("tool.pin", "106", "48")),
+        (("interlock",), {"limits": {"x+": "limit_x"}}, ("shift", "interlock")),
+    ):
+        board = copy(ROUTER)
+        part = board
+        for key in path[:-1]:
+            part = part[key]
+        part[path[-1]] = value
+        try:
+            check(board)
+        except BoardError as error:
+            for word in words:
+                assert word in str(error), str(error)
+            assert "\n" not in str(error)
+            continue
+        raise AssertionError("accepted: %r %r" % (path, value))
+    assert check(dict(copy(ROUTER), drive={"kind": "step_dir", "setup_us": 9}))["drive"]["setup_us"] == 12
+
+
+class OnRegisters:
+    """The firmware on the fake chip, its motors on registers; driven as router.Machine is."""
+
+    def __init__(self, board=None):
+        chip.reset()
+        data = copy(board or ROUTER)
+        data["links"] = [{"name": "pc", "port": "uart2", "tx": 22, "rx": 23, "baud": 115200, "protocol": data["links"][0]["protocol"]}]
+        self.board = check(data)
+        self.port = fake_esp32.port.Port(self.board)
+        self.app = App(self.board, self.port)
+        self.player = self.app.player
+        self.world = router.World()
+        chip.name_inputs(self.board)
+        chip.wire_register(self.world, [pin - 100 for pin in word_pins(self.board)], self.app.layout)
+        self.uart = chip.uarts[2]
+
+    def ask(self, line):
+        self.uart.incoming += line.encode() + b"\n"
+        turns = 40_000
+        while turns and b"ok" not in self.uart.outgoing and b"error" not in self.uart.outgoing:
+            self.app.cycle()
+            turns -= 1
+        said = self.uart.outgoing
+        self.uart.outgoing = b""
+        return said
+
+    def settle(self):
+        turns = 200_000
+        while turns and (self.app.controller.busy() or self.player.busy()):
+            self.app.cycle()
+            turns -= 1
+        for _ in range(20):
+            self.app.cycle()
+
+
+JOBS = {
+    "lines": ("G1 X10 Y5 F3000", "X0 Y8", "X3 Y3 Z-1", "G0 X0 Y0 Z0"),
+    "arcs": ("G1 X5 F2500", "G2 X10 Y5 I5 J0", "G3 X5 Y0 I0 J-5", "G2 X5 Y0 I-2.5 J0", "G0 X0"),
+    "S-curves": ("$N", "G1 X12 F4000", "X0 Y4", "Y0"),
+    "tool": ("M3 S1000", "G1 X4 F2000", "M5", "G0 X0", "M3", "G1 Y3 F1500", "M5"),
+}
+
+
+def path_of(machine, lines):
+    machine.world.path = []
+    for line in lines:
+        said = machine.ask(line)
+        assert b"ok" in said if isinstance(said, bytes) else "ok" in said, (line, said)
+    machine.settle()
+    return [row[1:] for row in machine.world.path]
+
+
+def check_jobs_run_the_path_of_the_virtual_board():
+    """Lines, arcs and the tool, with an under-run in the middle of one: all steps in the same order, and the same place."""
+    for name in ("lines", "arcs", "tool"):
+        virtual = router.Machine()
+        virtual.ask("$X")
+        wanted = path_of(virtual, JOBS[name])
+        board = OnRegisters()
+        board.ask("$X")
+        found = path_of(board, JOBS[name])
+        assert found == wanted and len(found) > 1500, name
+        assert board.app.controller.position() == virtual.app.controller.position()
+        assert board.player.under_runs == 0 and board.app.feeder.late == 0, name
