@@ -62,6 +62,7 @@ COLD = (
     "passo/motion/steady.py",
     "passo/ports/encoders.py",
     "passo/ports/latch.py",
+    "passo/ports/chip_port.py",
     "passo/ports/rp2/console.py",
     "passo/ports/rp2/encoders.py",
     "passo/ports/rp2/flash_code.py",
