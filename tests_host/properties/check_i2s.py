@@ -15,15 +15,16 @@ from passo.steps.word import Layout
 from plain import plain
 
 CASES = {
-    "check_edges": (("words", "list", 60, ("ticks", 100, 9000), ("levels", 0, 31)), ("late_us", 0, 10_000), ("pulse", 1, 150)),
+    "check_edges": (("words", "list", 60, ("ticks", 100, 9000), ("levels", 0, 31)), ("late_us", 0, 11_000), ("pulse", 1, 150)),
     "check_the_kernel_and_its_plain_twin": (("words", "list", 60, ("ticks", 1, 900), ("levels", 0, 31)), ("flip", 0, 1 << 14)),
-    "check_an_under_run": (("words", "list", 60, ("ticks", 100, 9000), ("levels", 0, 31)), ("at", 0, 30), ("stall_us", 11_000, 90_000)),
+    "check_an_under_run": (("words", "list", 60, ("ticks", 100, 9000), ("levels", 0, 31)), ("at", 0, 30), ("stall_us", 9000, 90_000)),
     "check_halt_anywhere": (("words", "list", 60, ("ticks", 100, 9000), ("levels", 0, 31)), ("us", 0, 60_000)),
 }
 RUNS = {"check_edges": 60, "check_an_under_run": 60, "check_halt_anywhere": 200}
 OUTPUTS = (1, 3, 2, 4, 7)
 SECTION = {"clock": 16, "latch": 17, "data": 21, "enable": -1}
 SENT_US = 16_384 + 2048  # frames on their way, and time to the next pump
+LATE_US = 11_000  # a pump may come so much later than after 2 ms
 FRAME = 50
 
 
@@ -190,7 +191,7 @@ def check_an_under_run(words, at, stall_us):
         assert all([seen[i + 1] - seen[i] >= least for i in range(len(seen) - 1)])
     assert player.under_runs <= 1
     assert not (playing or last) or player.under_runs == (1 if stall_us > 18_000 else player.under_runs)
-    assert stall_us > 12_000 or player.under_runs == 0
+    assert stall_us > LATE_US or player.under_runs == 0
 
 
 def check_halt_anywhere(words, us):

@@ -12,7 +12,7 @@ The driver is in the mode that asyncio uses: write() copies a block or says that
 irq() a task of its own would copy later, and a block handed to a full queue would be lost without a word.
 Blocks are whole ones of the driver's: a part of one would be played with zeros behind it.
 
-16 blocks, 16.4 ms, are on their way: what stops Python for 13 ms delays nothing. If it takes longer, the driver
+16 blocks, 16.4 ms, are on their way: what keeps the next pump() off for 11 ms more than usual delays nothing. If it takes longer, the driver
 sends zeros: no step, tool off. Less than two blocks before that the I2S is closed and opened: the words not played by
 then begin again after 17 ms, at their speed, and `under_runs` counts one. No step is lost, no interval is shorter.
 

@@ -40,8 +40,11 @@ class Port(ChipPort):
             board = self._on_pins(board)
         lead_ticks = _SHIFT_LEAD_TICKS if board["shift"] else LEAD_TICKS
         ChipPort.__init__(self, board, lead_ticks, lead_ticks)
+        self._shift_pins = []
         for entry in self._shifted:
-            self._outputs[entry["name"]] = (ShiftPin(self, entry["pin"] - REGISTER_BIT, 1 - entry["active"]), entry["active"])
+            pin = ShiftPin(self, entry["pin"] - REGISTER_BIT, 1 - entry["active"])
+            self._shift_pins.append(pin)
+            self._outputs[entry["name"]] = pin, entry["active"]
         if board["encoders"]:
             from passo.ports.pin_encoders import PinEncoders
 
@@ -70,8 +73,8 @@ class Port(ChipPort):
         if board["shift"]:
             outputs = [pin - REGISTER_BIT for pin in word_pins(board)]
             self._player = self.shift_player = I2sPlayer(ring, layout, outputs, pulse_ticks, invert, board["shift"])
-            for entry in self._shifted:
-                self._outputs[entry["name"]][0].show()
+            for pin in self._shift_pins:
+                pin.show()
             return self._player
         self._player = TimerPlayer(ring, layout, word_pins(board), pulse_ticks, least, invert, _PLAYER_TIMER)
         return self._player
