@@ -1,7 +1,8 @@
 """Makerbase MKS DLC32 V2.x: an ESP32 with three drivers and a laser connector, as a laser engraver or a small router.
 
 Its 74HC595 holds STEP and DIR of all drivers, their common enable (its first output) and the buzzer (its last), which is the
-tool's bit here: it sounds while the laser, or the spindle, is on. Power goes by PWM on pin 32. Pins from the
+tool's bit here: it sounds while the laser, or the spindle, is on. Power goes by PWM on pin 32, within some 2 ms of its step,
+later while memory is collected; if the program hangs it stays until the watchdog's reset, a second later. Pins from the
 maker's firmware for V2.1, github.com/makerbase-mks/MKS-DLC32; V1.x has the laser on 22 and its SD card where V2 has the
 second screen plug: compare the print on the board. Steps, travel and speeds are those of a belt-driven engraver; change them.
 """

@@ -152,7 +152,7 @@ def check_the_kernel_and_its_plain_twin(words, flip):
         seen = []
         for count in (1, 7, 256, 256, 256, 64, 256):
             frames = array("i", [0] * 256)
-            make(state, ring.words, starts, player._table, frames, count)
+            make(frames, 0, 0, count, state, ring.words, starts, player._table)
             advance(state, ring.words, starts, state[frames_viper.FRAME] - 100)
             seen.append((list(frames), list(state), list(starts)[: len(words)]))
         results.append(seen)

@@ -28,6 +28,7 @@ SEQUENCES = {
     ("passo/protocols/pulses/protocol.py", "items"): "steps of a line, the last one",
     ("passo/ports/usb_line.py", "byte"): "room for one byte",
     ("passo/ports/usb_line.py", "self._said"): "the first bytes said",
+    ("passo/ports/esp32/frames_viper.py", "frames"): "the next frames",
     ("passo/ports/esp32/frames_viper.py", "table"): "frames of 128 levels, and of 128 behind them",
     ("passo/ports/esp32/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",
     ("passo/ports/rp2/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",

@@ -45,9 +45,9 @@ FIELDS = const(18)
 
 
 @micropython.viper
-def make(state: ptr32, words: ptr32, starts: ptr32, table: ptr32, frames: ptr32, count: int):
+def make(frames: ptr32, i: int, run: int, count: int, state: ptr32, words: ptr32, starts: ptr32, table: ptr32):
     """Write `count` frames. `table`: frames of the low seven bits of levels, then of the seven above. `starts`: for each
-    word of the ring the number of its first frame."""
+    word of the ring the number of its first frame. `i` and `run` are 0: locals that stand first, and so in registers."""
     mask = state[MASK]
     bits = state[BITS]
     next = state[NEXT]
@@ -58,25 +58,27 @@ def make(state: ptr32, words: ptr32, starts: ptr32, table: ptr32, frames: ptr32,
     levels = state[LEVELS]
     pulses = state[PULSES]
     first = state[FRAME]
+    idle = 0
     high = (table[levels & 127] | table[128 + ((levels >> 7) & 127)]) ^ state[FLIP]
     low = high & state[KEEP]
-    i = 0
     while i < count:
         if left == 0:
             if next == head:
                 levels = levels & (pulses ^ 0x3FFF)
-                while i < count:
-                    frames[i] = low
-                    i += 1
-                state[IDLE] = 1
+                if state[IDLE] == 0 or next != state[NEXT]:
+                    state[ENDS] = (first + i) & COUNT_MASK
+                idle = 1
                 rest = HALF_TICKS  # the next word begins on a frame
                 fall = 0
+                left = count - i
             else:
                 word = words[next & mask]
                 levels = word & ((1 << bits) - 1)
                 rest += word >> bits
                 if rest < FRAME_TICKS:
                     left = 1  # every word is seen; the next ones are so much shorter
+                elif rest < 0x8000:
+                    left = (rest * 5243) >> 18  # by FRAME_TICKS
                 else:
                     left = rest // FRAME_TICKS
                 rest -= left * FRAME_TICKS
@@ -85,25 +87,38 @@ def make(state: ptr32, words: ptr32, starts: ptr32, table: ptr32, frames: ptr32,
                 high = (table[levels & 127] | table[128 + ((levels >> 7) & 127)]) ^ state[FLIP]
                 low = high & state[KEEP]
                 fall = state[PULSE_FRAMES] if levels & pulses else 0
-                state[IDLE] = 0
-                state[ENDS] = (first + i + left) & COUNT_MASK
-                state[RUNS] = 1
         run = left
         if fall and fall < run:
             run = fall
         if run > count - i:
             run = count - i
         left -= run
-        run += i
         if fall:
-            fall -= run - i
+            fall -= run
+            run += i
             while i < run:
                 frames[i] = high
                 i += 1
         else:
+            run += i
+            while i + 8 <= run:
+                frames[i] = low
+                frames[i + 1] = low
+                frames[i + 2] = low
+                frames[i + 3] = low
+                frames[i + 4] = low
+                frames[i + 5] = low
+                frames[i + 6] = low
+                frames[i + 7] = low
+                i += 8
             while i < run:
                 frames[i] = low
                 i += 1
+    if not idle:
+        state[ENDS] = (first + count + left) & COUNT_MASK
+    if next != state[NEXT]:
+        state[RUNS] = 1
+    state[IDLE] = idle
     state[FRAME] = (first + count) & COUNT_MASK
     state[NEXT] = next
     state[LEFT] = left

@@ -121,7 +121,7 @@ class I2sPlayer:
         state = self._state
         state[frames_viper.FRAME] = self._frame + FIRST_FRAMES + BLOCK * BLOCKS & COUNT_MASK
         state[frames_viper.HEAD] = state[frames_viper.NEXT]
-        frames_viper.make(state, self._ring.words, self._starts, self._table, self._frames, BLOCK)
+        frames_viper.make(self._frames, 0, 0, BLOCK, state, self._ring.words, self._starts, self._table)
         self._pending = True
         self._running = True
 
@@ -173,7 +173,7 @@ class I2sPlayer:
         state[frames_viper.HEAD] = self._ring.head if self._playing else state[frames_viper.NEXT]
         while True:
             if not self._pending:
-                frames_viper.make(state, self._ring.words, self._starts, self._table, self._frames, BLOCK)
+                frames_viper.make(self._frames, 0, 0, BLOCK, state, self._ring.words, self._starts, self._table)
                 self._pending = True
             written = self._i2s.write(self._frames)
             if not written:
