@@ -36,6 +36,9 @@ class Input:
     def active(self):
         return self.pin.value() == self.level
 
+    def close(self):
+        self.pin.irq(None)
+
     def _tripped(self, pin):  # ISR: no allocation
         # A spike of noise is over by now: then nothing has happened.
         if pin.value() == self.level:
@@ -208,7 +211,7 @@ class ChipPort:
         if self._timer is not None:
             self._timer.deinit()
         for item in self._halting:
-            item.pin.irq(None)
+            item.close()
         if self.interlock is not None:
             self.interlock.close()
         if self.encoders is not None:

@@ -101,6 +101,9 @@ class RegisterInput:
     def active(self):  # ISR: no allocation
         return self._registers.inputs >> self._bit & 1 == self.level
 
+    def close(self):
+        """No interrupt is its own."""
+
 
 class RegisterOutput:
     """What machine.Pin is to an output."""

@@ -48,25 +48,18 @@ def load(board):
             from passo.ports.usb_line import UsbLine
 
             lines += (UsbLine, Console)
-    return player, lines, _more(board)
+    _more(board)
+    return player, lines
 
 
 def _more(board):
-    """What few boards ask for."""
-    found = []
+    """What few boards ask for: modules stay where they are once they are imported."""
     if board["encoders"]:
-        from passo.ports.rp2.encoders import PioEncoders
-
-        found.append(PioEncoders)
+        from passo.ports.rp2 import encoders  # noqa: F401
     if board["homing"] and board["homing"]["latch"]:
-        from passo.ports.latch import make
-
-        found.append(make)
+        from passo.ports import latch  # noqa: F401
     if board["gantry"]:
-        from passo.steps.gantry_wiring import second
-
-        found.append(second)
-    return found
+        from passo.steps import gantry_wiring  # noqa: F401
 
 
 class Guard:
