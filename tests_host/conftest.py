@@ -12,7 +12,7 @@ TESTS = Path(__file__).resolve().parent
 ROOT = TESTS.parent
 
 # Modules that several folders use are imported by their bare names, as under MicroPython.
-FOLDERS = [TESTS / name for name in ("properties", "sims", "tools", "pico", "rules")]
+FOLDERS = [TESTS / name for name in ("properties", "sims", "tools", "pico", "cores", "rules")]
 
 for folder in (ROOT, ROOT / "firmware", ROOT / "host_tools" / "shims", TESTS, *FOLDERS):
     if str(folder) not in sys.path:

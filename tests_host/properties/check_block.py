@@ -12,10 +12,10 @@ from passo.records import (
     ROW_TICKS_REST, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, SCRATCH_ASKED, SCRATCH_FEED, SCRATCH_FIELDS, SCRATCH_SIZE, SCRATCH_STRIDE,
 )  # fmt: skip
 from passo.steps.word import COUNT_MASK
+from plain import plain
 
 CASES = {"check_numbers": (("seed", "seed"),), "check_machine_code": (("seed", "seed"),)}
 RUNS = {"check_numbers": 200, "check_machine_code": 40}
-ANNOTATIONS = (": ptr32", ": ptr8", ": int", " -> int", "@micropython.viper\n")
 
 
 def machine(random):
@@ -130,18 +130,6 @@ def check_numbers(seed):
         before = heading
 
 
-def plain_text(path):
-    """The names of a module of the firmware that is written for viper, as bytecode."""
-    folder = __file__[: __file__.rfind("tests_host")] if "tests_host" in __file__ else "../"
-    with open(folder + "firmware/passo/" + path) as file:
-        text = file.read()
-    for annotation in ANNOTATIONS:
-        text = text.replace(annotation, "")
-    names = {}
-    exec(text, names)
-    return names
-
-
 def check_machine_code(seed):
     """Rows, work and counts of a whole look-ahead that the feeder takes from, bit for bit."""
     random = Random(seed)
@@ -149,10 +137,10 @@ def check_machine_code(seed):
     axes = len(limits.speeds)
     queues = []
     program = [(draw_line(random, axes), random.between(0, 400) * 1_000_000, random.between(0, 7)) for _ in range(20)]
-    plain = plain_text("motion/look_ahead_viper.py")
-    plain.update(plain_text("motion/block_viper.py"))
-    plain.update(plain_text("motion/row_viper.py"))
-    for plan, take in ((plain["plan_lines"], plain["take"]), (look_ahead_viper.plan_lines, row_viper.take)):
+    twin = plain(look_ahead_viper)
+    twin.update(plain(block_viper))
+    twin.update(plain(row_viper))
+    for plan, take in ((twin["plan_lines"], twin["take"]), (look_ahead_viper.plan_lines, row_viper.take)):
         rows, scratch = new(axes, 7)
         indices = array("i", [0] * QUEUE_FIELDS)
         results = []

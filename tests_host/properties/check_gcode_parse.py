@@ -12,6 +12,7 @@ from passo.records import (
     BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_ROWS, BATCH_STEPS, BATCH_TAG,
     PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LOW, PARSE_RELATIVE,
 )  # fmt: skip
+from plain import plain
 
 CASES = {
     "check_same_as_in_full": (("seed", "seed"),), "check_several_at_once": (("seed", "seed"),),
@@ -227,10 +228,9 @@ def check_several_at_once(seed):
 
 def check_machine_code(seed):
     """The same arrays from the same bytes, as machine code and as bytecode."""
-    from check_block import plain_text
     from passo.protocols.gcode import parse_viper as module
 
-    parse = plain_text("protocols/gcode/parse_viper.py")["parse"]
+    parse = plain(module)["parse"]
     random = Random(seed)
     place = array("i", [3, 0, 1, 10_000, 0, 0, 0, 0, -5_000_000, 9, 250_000, 83_333, 400_000] + [0] * (PARSE_FIELDS - 13))
     batch = array("i", [0] * (BATCH_FIELDS * BATCH_ROWS))

@@ -143,11 +143,11 @@ class Sink:
         self._ms = (self._ms + 1) & COUNT_MASK
 
 
-def digest(board, job):
-    """Play `job` (a file of packets, open for reading) on `board`; returns the Sink."""
+def digest(board, job, port=None):
+    """Play `job` (a file of packets, open for reading) on `board`; returns the Sink: `port`, if there is one."""
     from passo.protocols.plotter.protocol import PACKET
 
-    port = Sink()
+    port = port or Sink()
     app = App(checked(board), port)
     while True:
         port.incoming = job.read(PACKET)
@@ -160,12 +160,12 @@ def digest(board, job):
             silent = 0 if app.controller.busy() else silent + 1
 
 
-def digest_lines(board, job, counts=True):
-    """Carry out `job` (a file of G-code, open for reading) on `board`; returns the Sink and how many lines were refused.
+def digest_lines(board, job, port=None):
+    """Carry out `job` (a file of G-code, open for reading) on `board`; returns the Sink, and how many lines were refused.
 
     A line that has waited long enough is one for the operator: the pause is resumed.
     """
-    port = Sink(counts)
+    port = port or Sink()
     app = App(checked(board), port)
     refused = 0
     line = b"$X"
@@ -185,9 +185,9 @@ def digest_lines(board, job, counts=True):
     return port, refused
 
 
-def digest_hex(board, job):
+def digest_hex(board, job, port=None):
     """Send `job` (a file of lines, open for reading) to `board`; returns the Sink."""
-    port = Sink()
+    port = port or Sink()
     app = App(checked(board), port)
     for line in job:
         data, _, turns = line.partition("@")
@@ -217,7 +217,7 @@ def show_lines(path, name="router_3axis", steps_mm=None, counts=True):
     for axis in board["axes"] if steps_mm else ():
         axis["steps_per_m"] = int(steps_mm) * 1000
     with open(path, "rb") as job:
-        port, refused = digest_lines(board, job, counts)
+        port, refused = digest_lines(board, job, Sink(counts))
     print(port.hexdigest(), port.words, port.stepping, "%08x" % port.marks, refused)
 
 

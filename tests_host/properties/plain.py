@@ -8,7 +8,10 @@ MARKS = ("@micropython.viper\n", "@micropython.native\n")
 
 def plain(module):
     """{name: function} of a module's text without its marks of machine code."""
-    with open(module.__file__) as file:
+    path = module.__file__
+    if path.endswith(".mpy"):
+        path = path[:-3] + "txt"  # where modules are compiled, their texts lie beside them
+    with open(path) as file:
         text = file.read()
     for mark in MARKS:
         text = text.replace(mark, "")
