@@ -31,11 +31,12 @@ def board(encoders=("x", "x2", "y"), correct=True, **changes):
 class Router:
     """`board` as above."""
 
-    def __init__(self, board, **options):
+    def __init__(self, board, unlock=True, **options):
         self.machine = VirtualMachine(board, **{"start": START, "trace": None, **options})
         self.plant = self.machine.plant
         self.controller = self.machine.app.controller
-        self.ask("$X")
+        if unlock:
+            self.ask("$X")
         self.ask("G91")
 
     def ask(self, line):

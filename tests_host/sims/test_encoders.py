@@ -3,15 +3,14 @@
 import random
 import re
 
+import gantry
 import pytest
 
 from host_tools import boards
-from host_tools.sim.machine import VirtualMachine
 from passo import errors
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 
-START = (30_000, 20_000, -20_000)
 LIMIT = 8
 
 
@@ -25,35 +24,9 @@ def board(name="router_3axis", **changes):
     return board
 
 
-class Router:
+class Router(gantry.Router):
     def __init__(self, unlock=True, seed=1, made=None, **changes):
-        self.machine = VirtualMachine(made or board(**changes), start=START, seed=seed, trace=None)
-        self.plant = self.machine.plant
-        self.controller = self.machine.app.controller
-        if unlock:
-            self.ask("$X")
-        self.ask("G91")
-
-    def ask(self, line):
-        self.machine.take()
-        self.machine.send(line.encode() + b"\n")
-        self.machine.run_until(lambda: re.search(rb"^(ok|error:\d+)\r\n\Z", self.machine.received(), re.M), 600_000)
-        return self.machine.take().decode()
-
-    def go(self, line):
-        """A move to its end, and what encoders and motors do then."""
-        said = self.ask(line)
-        self.machine.settle()
-        self.machine.run_ms(150)
-        self.machine.settle()
-        return said + self.machine.take().decode()
-
-    def off(self):
-        """Steps that the machine is off by: where the carriages are, less where it says they are."""
-        return [at - start - said for at, start, said in zip(self.plant.position, START, self.controller.position())]
-
-    def noted(self, number):
-        return [who for _, noted, who in self.controller.machine.log.entries if noted == number]
+        gantry.Router.__init__(self, made or board(**changes), unlock, seed=seed)
 
 
 def test_what_is_lost_is_made_up_for_at_the_end_of_the_move():

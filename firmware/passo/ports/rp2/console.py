@@ -5,7 +5,7 @@
     console.taken(value)        # of each byte read, until it is
 
 They lie in a ring buffer of the interpreter, whose record (address, size, where the next byte is read, and written) is found
-in memory by its look. It counts only after PROOFS bytes have been read at that place, one after the other; after the first that
+in memory by its look. It counts only after _PROOFS bytes have been read at that place, one after the other; after the first that
 was not it never counts. Bytes taken in one go cost a tenth of those asked for one by one.
 """
 # ruff: noqa: F821
@@ -59,7 +59,7 @@ class Console:
         if left:
             self._next = record[_NEXT_READ]
             return 0
-        return (record[_NEXT_WRITTEN] - record[_NEXT_READ]) & 511
+        return (record[_NEXT_WRITTEN] - record[_NEXT_READ]) & _SIZE - 1
 
     @micropython.viper
     def taken(self, value: int):
@@ -70,7 +70,7 @@ class Console:
         at = 0x20000000 + int(self._at)
         here = int(self._next)
         there = int(ptr16(at)[_NEXT_READ])
-        if there == (here + 1) & 511 and int(ptr8(ptr32(at)[_ADDRESS])[here]) == value:
+        if there == (here + 1) & _SIZE - 1 and int(ptr8(ptr32(at)[_ADDRESS])[here]) == value:
             self._next = there
             self._left = left - 1
         else:
