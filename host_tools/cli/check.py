@@ -1,12 +1,11 @@
 """`passo check`: a job of G-code on the virtual board: errors by line, bounds, time, speeds, a picture."""
 
-import bisect
 import contextlib
 import itertools
 import sys
 import time
 from pathlib import Path
-from typing import Optional
+from typing import Annotated, Optional
 
 import typer
 
@@ -14,6 +13,7 @@ from host_tools.failure import Failure
 
 _MOST_SHOWN = 20  # errors
 _TELL_S = 0.2
+_PIECE = 4000  # places drawn as one line
 
 
 def check(
@@ -23,6 +23,10 @@ def check(
     at: Optional[str] = typer.Option(
         None, metavar="X,Y,Z", help="Where the program's zero (G54) lies, in mm of the homed machine: checks soft limits."
     ),
+    port: Annotated[
+        Optional[str], typer.Option(help="The machine's port: checks with its settings and offsets, from where it stands.")
+    ] = None,
+    baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 115200,
 ):
     """Run a job on the virtual board and say what it would do.
 
@@ -30,13 +34,19 @@ def check(
     the job is larger than the machine's travel.
 
     With --at the job starts on the homed machine, at machine zero, with soft limits on, and bounds are in machine
-    coordinates. Without it, the position of the job on the machine is not known, and only its size is checked.
+    coordinates. With --port it starts where the machine stands, with its offsets, speeds and soft limits: as `passo stream`
+    would find them. Without both, the position of the job on the machine is not known, and only its size is checked.
+
+    A million words take about a second if MicroPython is installed (pip install '.[check]', Linux), else three. Memory does not
+    grow with the file.
 
     Examples:
 
         passo check part.gcode
 
         passo check part.gcode --at 20,30,-35
+
+        passo check part.gcode --port /dev/ttyACM0
 
         passo check part.gcode --board boards/mine.py -o part.png
     """
@@ -45,11 +55,12 @@ def check(
 
     if out:
         import matplotlib  # noqa: F401  before the job runs, not after it
-
-    lines = gcode_file.read(file)
-    job = VirtualJob(board, zero=_zero(at))
-    with _shown(file, lines) as progress:
-        job.run(lines, progress)
+    if at and port:
+        raise Failure("--at says where the program's zero lies, and so does the machine at --port: give one of them")
+    changes, start = _machine(port, baud) if port else ((), None)
+    job = VirtualJob(board, changes, _zero(at), start, drawn=bool(out))
+    with _shown(file) as progress:
+        job.run(gcode_file.lines(file), progress)
     for line in summary(job):
         print(line)
     if out:
@@ -58,7 +69,7 @@ def check(
     for number, text, what in job.errors[:_MOST_SHOWN]:
         typer.echo(f"{file}:{number}: {text}: {what}", err=True)
     if job.errors:
-        raise Failure(f"{file}: {len(job.errors)} lines would be refused; the first is line {job.errors[0][0]}")
+        raise Failure(f"{file}: {job.error_count} lines would be refused; the first is line {job.errors[0][0]}")
     too_long = [text for text in map(_excess, range(len(job.steps_per_mm)), itertools.repeat(job)) if text]
     if too_long:
         raise Failure(f"{file} is larger than the machine: {', '.join(too_long)}")
@@ -74,6 +85,32 @@ def _zero(text):
         raise Failure(f"--at {text}: millimetres are wanted, one number an axis, for example 20,30,-35") from None
 
 
+def _machine(port, baud):
+    """(changes, start) of VirtualJob: the settings and work offsets of a machine, and where it stands. G92 and G43.1 end with the
+    reset by which a job begins. Raises Failure."""
+    from host_tools.cli.settings import backup
+    from host_tools.clients.grbl import GrblClient
+
+    with GrblClient(port, baud) as client:
+        client.connect()
+        status = client.ask_status()
+        if status["state"] == "Alarm":
+            raise Failure("the machine is in alarm, so its position is not known: home it first")
+        kept = backup(client)
+    inches = "$13=1" in kept
+    places = [float(place) * (25.4 if inches else 1.0) for place in status["MPos"].split(",")]
+    changes = ["G20" if inches else "G21"]
+    changes += [line for line in kept if line.startswith("G10") or line.startswith("$") and _bears_on_motion(line)]
+    return changes, places
+
+
+def _bears_on_motion(line):
+    """True of settings of path, soft limits, spindle's range, steps/mm, speeds, accelerations and the like; not of pins,
+    reports or homing, which the virtual board has no use for."""
+    number = line[1:].partition("=")[0]
+    return number.isdigit() and (int(number) in (11, 12, 20, 30, 31, 32) or int(number) >= 100)
+
+
 def _excess(number, job):
     """A text if the job is longer than the travel of an axis, else ""."""
     axis = job.board["axes"][number]
@@ -86,16 +123,15 @@ def _excess(number, job):
 
 
 @contextlib.contextmanager
-def _shown(file, lines):
+def _shown(file):
     """Shows progress and the current line at the terminal."""
     from host_tools.cli.stream import progress_bar
-    from host_tools.programs.gcode_time import Limits, Remaining, estimate
+    from host_tools.programs import gcode_file
 
     if not sys.stderr.isatty():
         yield None
         return
-    numbers = [number for number, _ in lines]
-    remaining = Remaining(estimate(lines, Limits.of_settings([])))
+    last = gcode_file.last_number(file)
     with progress_bar(transient=True) as bar:
         told = time.monotonic()
 
@@ -103,9 +139,9 @@ def _shown(file, lines):
             nonlocal told
             if time.monotonic() - told > _TELL_S:
                 told = time.monotonic()
-                remaining.at(bisect.bisect_left(numbers, number), 0.0)
-                text = f"{remaining.share:4.0%} checking {file}: line {number} of {numbers[-1]}"
-                bar.update(bar.task_ids[0], completed=remaining.share, description=text, refresh=True)
+                share = number / max(last, 1)
+                text = f"{share:4.0%} checking {file}: line {number} of {last}"
+                bar.update(bar.task_ids[0], completed=share, description=text, refresh=True)
 
         yield progress
 
@@ -145,10 +181,7 @@ def plot_accelerations(axes, job):
     """Each axis's acceleration over time, and its limit as a dashed line; steps are whole, so the lines tremble."""
     made = job.track.accelerations()
     for number, (axis, color) in enumerate(zip(job.board["axes"], ("#c0392b", "#1e8449", "#1f618d", "#7d3c98"))):
-        axes.plot(
-            [seconds for seconds, _ in made], [along[number] for _, along in made], color=color, linewidth=0.6,
-            label=axis["name"].upper(),
-        )  # fmt: skip
+        axes.plot(made[:, 0], made[:, 1 + number], color=color, linewidth=0.6, label=axis["name"].upper())
         for limit in (axis["accel_mm_s2"], -axis["accel_mm_s2"]):
             axes.axhline(limit, color=color, linewidth=0.5, linestyle=(0, (4, 6 + 2 * number)))
     axes.set_xlabel("s")
@@ -171,11 +204,17 @@ def _show_table(axes, job):
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), fontsize=7, frameon=False)
 
 
+def _parts(places):
+    """A long stroke in pieces: matplotlib needs memory for all the pixels of one."""
+    return [places[begun : begun + _PIECE + 1] for begun in range(0, max(1, len(places) - 1), _PIECE)]
+
+
 def picture(path, job, title):
     """The path seen from above, the speed along it and the axes' accelerations over time."""
     import matplotlib
 
     matplotlib.use("Agg")
+    matplotlib.rcParams["agg.path.chunksize"] = _PIECE
     import matplotlib.pyplot as plt
     from matplotlib.collections import LineCollection
 
@@ -187,7 +226,7 @@ def picture(path, job, title):
     )
     above, speed, acceleration = parts["above"], parts["speed"], parts["acceleration"]
     for lowered, color, width in ((False, "#9cc3e6", 0.6), (True, "#1a1a2e", 0.9)):
-        lines = [[place[:2] for place in places] for kind, places in job.track.strokes if kind == lowered]
+        lines = [part for kind, places in job.track.strokes if kind == lowered for part in _parts(places[:, :2])]
         labels = ("above Z0", "below Z0") if job.track.by_height else ("tool off", "tool on")
         label = labels[lowered]
         above.add_collection(LineCollection(lines, colors=color, linewidths=width, label=label))
@@ -202,8 +241,8 @@ def picture(path, job, title):
     above.set_ylabel("y in mm")
     above.grid(color="#e6e6e6", linewidth=0.5)
     above.legend(loc="upper right")
-    samples = job.track.samples or [(0, 0, ())]
-    speed.plot([sample[0] for sample in samples], [sample[1] for sample in samples], color="#1a1a2e", linewidth=0.7)
+    samples = job.track.samples
+    speed.plot(samples[:, 0], samples[:, 1], color="#1a1a2e", linewidth=0.7)
     speed.set_ylabel("mm/min along the path")
     speed.grid(color="#e6e6e6", linewidth=0.5)
     plot_accelerations(acceleration, job)

@@ -1,42 +1,53 @@
 """G-code files on the PC: the lines that a controller should get, with their numbers in the file."""
 
-from pathlib import Path
+import re
 
 from host_tools.failure import Failure
+
+_COMMENT = re.compile(rb"\([^)]*\)?|;.*", re.DOTALL)
+_DROPPED = bytes(byte for byte in range(256) if not 32 < byte < 127 or byte in b"?!~")
 
 
 def read(path):
     """[(number, bytes)] of the lines that are not empty, without comments and blanks. Raises Failure."""
+    return list(lines(path))
+
+
+def lines(path):
+    """The same one by one, for files that are too long to keep. Raises Failure as it comes to what is wrong."""
+    empty = True
     try:
-        data = Path(path).read_bytes()
+        with open(path, "rb") as file:
+            number = 0
+            for raw in file:
+                if b"\0" in raw:
+                    raise Failure(f"{path} is no text: there are zero bytes in it")
+                for line in raw.splitlines():
+                    number += 1
+                    stripped = strip(line)
+                    if stripped and stripped != b"%":
+                        empty = False
+                        yield number, stripped
     except OSError as error:
         raise Failure(f"cannot read {path}: {error.strerror}") from error
-    if b"\0" in data:
-        raise Failure(f"{path} is no text: there are zero bytes in it")
-    lines = []
-    for number, line in enumerate(data.splitlines(), 1):
-        stripped = strip(line)
-        if stripped and stripped != b"%":
-            lines.append((number, stripped))
-    if not lines:
+    if empty:
         raise Failure(f"{path} has no line of G-code")
-    return lines
+
+
+def last_number(path):
+    """How many lines a file has, of all kinds. Raises Failure."""
+    try:
+        with open(path, "rb") as file:
+            return sum(len(raw.splitlines()) for raw in file)
+    except OSError as error:
+        raise Failure(f"cannot read {path}: {error.strerror}") from error
 
 
 def strip(line):
     """`line` as the controller sees it: without comments, blanks and anything but printable ASCII."""
-    kept = bytearray()
-    inside = False
-    for byte in line:
-        if inside:
-            inside = byte != ord(")")
-        elif byte == ord("("):
-            inside = True
-        elif byte == ord(";"):
-            break
-        elif 32 < byte < 127 and byte not in b"?!~":
-            kept.append(byte)
-    return bytes(kept)
+    if b"(" in line or b";" in line:
+        line = _COMMENT.sub(b"", line)
+    return line.translate(None, _DROPPED)
 
 
 def clock(seconds):

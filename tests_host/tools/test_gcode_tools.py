@@ -210,7 +210,7 @@ def test_check_tells_which_line_it_is_at(job, monkeypatch):
     numbers = [int(re.search(r"line (\d+) of 300$", text)[1]) for _, text in told]
     shares = [share for share, _ in told]
     assert shares == sorted(shares) and shares[0] < 0.4 < 0.9 < shares[-1] <= 1
-    assert numbers == sorted(numbers) and len(set(numbers)) > 50 and numbers[0] < 100
+    assert numbers == sorted(numbers) and len(set(numbers)) > 20 and numbers[0] < 120
 
 
 @pytest.mark.parametrize("name, table", [("router_3axis", (0, 0, 300, 200)), ("laser_xy", None), ("plotter_2014", (0, 0, 400, 300))])
@@ -272,7 +272,7 @@ def test_check_blocks_time():
     assert job.low == [0, 0, 0] and job.high == [20, 0, 0]
     assert 590 <= job.track.fastest[0] <= 612
     assert job.pauses == [(3, "X20M0")]
-    assert 240 <= max(along[0] for _, along in job.track.accelerations()) <= 270  # $120 is 250
+    assert 240 <= job.track.accelerations()[:, 1].max() <= 270  # $120 is 250
     assert any("line 3: X20M0" in line for line in check.summary(job))
 
 

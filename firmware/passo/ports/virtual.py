@@ -48,10 +48,10 @@ class VirtualPort:
 
     `world` defaults to nothing at all wired. `lines` maps a link's name to an object with `read()` and `write(bytes)`;
     a link that is not in it gets a `MemoryLine`. `sleep(ms)` is called in real and fast time when a cycle has nothing
-    to do; it may return early, for example when a byte has come.
+    to do; it may return early, for example when a byte has come. `player`: the class of what plays the ring.
     """
 
-    def __init__(self, board, world=None, mode="stepped", lines=None, sleep=None):
+    def __init__(self, board, world=None, mode="stepped", lines=None, sleep=None, player=Player):
         if mode not in ("real", "fast", "stepped"):
             raise ValueError("time is real, fast or stepped, not " + repr(mode))
         self.world = world or Nothing()
@@ -59,6 +59,7 @@ class VirtualPort:
         self.now = 0
         self.lines = lines if lines is not None else {}
         self._sleep = sleep
+        self._player_class = player
         self._player = None
         self._inputs = {}
         self._halting = []
@@ -91,7 +92,7 @@ class VirtualPort:
     def player(self, ring, layout, board):
         """The player of `ring`. Once."""
         pulse_ticks, min_word_ticks = word_times(board)
-        self._player = Player(self, ring, layout, pulse_ticks, min_word_ticks, inverted_pins(board, layout))
+        self._player = self._player_class(self, ring, layout, pulse_ticks, min_word_ticks, inverted_pins(board, layout))
         return self._player
 
     def feed_from_interrupt(self, feeder, player):
