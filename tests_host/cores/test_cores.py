@@ -13,7 +13,7 @@ from test_digest import GOLDEN, HEX_JOBS, PICO_PULSES, PULSES, golden_of_gcode, 
 pytestmark = pytest.mark.unmeasured
 MODULES = sorted(path.stem for path in (TESTS / "properties").glob("check_*.py"))
 # Bytes of heap that what a check writes down wants, where it is more than 1.5 MB.
-HEAP = {"check_chords": 3_000_000, "check_feed": 3_000_000, "check_grbl_tool": 8_000_000, "check_hold": 8_000_000}
+HEAP = {"check_chords": 8_000_000, "check_feed": 3_000_000, "check_grbl_tool": 8_000_000, "check_hold": 8_000_000}
 HEAP.update({"check_motion": 8_000_000, "check_s_curve": 8_000_000})
 FRAMES_MODULE = "from passo.ports.esp32 import frames_viper as kernel\n"
 BLOCK, BLOCKS = 256, 4000
