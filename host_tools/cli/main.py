@@ -7,6 +7,7 @@ import typer
 
 from host_tools.cli.board import board
 from host_tools.cli.build import build
+from host_tools.cli.calibrate import calibrate
 from host_tools.cli.check import check
 from host_tools.cli.draw import draw
 from host_tools.cli.emulate import emulate
@@ -86,7 +87,7 @@ def explain_missing(name):
     return None
 
 
-for _verb in (board, emulate, draw, send, stream, keys, check, settings, link, log, interlock, plot, ports, build, flash):
+for _verb in (board, emulate, draw, send, stream, keys, check, calibrate, settings, link, log, interlock, plot, ports, build, flash):
     app.command()(_verb)
 app.add_typer(pulses, name="pulses")
 app.add_typer(torch, name="torch")

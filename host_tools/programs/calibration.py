@@ -1,0 +1,220 @@
+"""Finds steps/mm, backlash and squareness from measured lengths, and says whether scale or mechanics is at fault.
+
+    rows = read("table.txt")
+    fit = fit_axis([row for row in rows if row.axis == "x"], steps_per_mm=48)
+    fit.steps_per_mm, fit.u_steps_per_mm, fit.backlash, fit.verdict
+
+A table has a line for each length, or for each reading of it; # begins a comment, separators are blanks, tabs, commas or semicolons:
+
+    # axis  commanded  measured  sigma  readings  after
+    x       10         9.467     0.330  10        turn
+    x       20         18.078    0.167  10        turn
+    xy+     100x100    141.52    0.05   5
+
+`measured` is the mean of so many `readings` with the standard deviation `sigma`; without both it is one reading. `after` turn (what
+stands there by default): the axis had moved the other way before, so its backlash is missing in the length; same: it had not.
+xy+ and xy- are the two diagonals of a rectangle, from its lower left corner and from its lower right.
+
+The model of an axis is measured = scale · commanded − backlash (after a turn) + offset (of the readings, known only if both
+kinds are measured), fitted by least squares weighted by the means' uncertainties. Whether it explains the lengths is Pearson's
+χ² test on what is left; if it does not, uncertainties grow by √(χ²/degrees of freedom) (Birge). Uncertainties are standard ones.
+"""
+
+import math
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from host_tools.failure import Failure
+
+DOUBT = 0.01  # less likely than that by chance: the line does not explain the lengths
+SURE = 2.0  # standard uncertainties
+READING_MM = 0.02  # of a caliper
+_LONGEST_MM = 100_000.0
+_NUMBER = r"\d+(?:\.\d*)?|\.\d+"
+_FORM = "axis, commanded mm, measured mm, and if known: sigma, readings, turn or same"
+
+
+@dataclass
+class Row:
+    """One line of a table. `axis`: x, y, z, a, or a diagonal, xy+; `commanded`: a length, or the sides of a rectangle."""
+
+    axis: str
+    commanded: tuple
+    measured: float
+    sigma: float = 0.0
+    readings: int = 1
+    turn: bool = True
+
+
+@dataclass
+class Fit:
+    axis: str
+    steps_per_mm: float  # that would be right
+    u_steps_per_mm: float
+    scale: float  # measured / commanded mm
+    u_scale: float
+    backlash: float  # mm; with the readings' offset if `split` is False
+    u_backlash: float
+    split: bool  # backlash and the readings' offset are known apart
+    offset: float
+    left: list  # (commanded, measured, measured − model, uncertainty) in mm
+    chi2: float
+    freedom: int
+    chance: float  # that χ² comes out so large by chance; None without scatter or spare lengths
+    verdict: str  # "right", "scale", "mechanics" or "unknown"
+
+
+@dataclass
+class Square:
+    axes: str
+    mm_m: float  # how far the second axis leans towards the first: mm at 1 m
+    u_mm_m: float
+    degrees: float  # the angle between them is 90° less this
+
+
+def read(path):
+    """The rows of a table. Raises Failure with the line that is wrong."""
+    try:
+        text = open(path, encoding="utf-8", errors="replace").read()
+    except OSError as error:
+        raise Failure(f"cannot read {path}: {error.strerror}") from error
+    rows = []
+    for number, line in enumerate(text.splitlines(), 1):
+        fields = re.split(r"[\s,;]+", line.partition("#")[0].strip().lower())
+        if fields != [""] and fields[0] != "axis":
+            rows.append(_row(f"{path}:{number}", fields))
+    if not rows:
+        raise Failure(f"{path} has no line with a length: {_FORM}")
+    return rows
+
+
+def _row(where, fields):
+    axis, *rest = fields
+    diagonal = re.fullmatch(r"([xyza])([xyza])[+-]", axis)
+    if not (diagonal and diagonal[1] != diagonal[2]) and axis not in ("x", "y", "z", "a"):
+        raise Failure(f"{where}: {axis!r} is no axis; x, y, z, a, or a diagonal: xy+, xy-")
+    if len(rest) < 2 or len(rest) > 5:
+        raise Failure(f"{where}: a line has {_FORM}")
+    sides = rest[0].split("x") if diagonal else rest[:1]
+    if len(sides) != (2 if diagonal else 1):
+        raise Failure(f"{where}: a diagonal's commanded sides are written 100x80, not {rest[0]!r}")
+    for name, text in zip(("commanded", "commanded", "measured", "sigma")[2 - len(sides) :], (*sides, *rest[1:3])):
+        if not re.fullmatch(_NUMBER, text) or not (0 if name == "sigma" else 1e-6) <= float(text) <= _LONGEST_MM:
+            raise Failure(f"{where}: {name} {text!r} is no length in mm")
+    readings = rest[3] if len(rest) > 3 else "1"
+    if not re.fullmatch(r"[1-9]\d{0,5}", readings):
+        raise Failure(f"{where}: {readings!r} is no number of readings")
+    after = rest[4] if len(rest) > 4 else "turn"
+    if after not in ("turn", "same"):
+        raise Failure(f"{where}: after what? turn or same, not {after!r}")
+    sigma = float(rest[2]) if len(rest) > 2 else 0.0
+    return Row(axis, tuple(map(float, sides)), float(rest[1]), sigma, int(readings), after == "turn")
+
+
+def pooled(rows, reading=READING_MM):
+    """[(commanded, turn, mean, its standard uncertainty)] of equal lengths. `reading`: what a reading is uncertain by, in mm.
+    The uncertainty of what was read once, without sigma, is `reading` alone."""
+    groups = {}
+    for row in rows:
+        groups.setdefault((row.commanded, row.turn), []).append(row)
+    found = []
+    for (commanded, turn), same in groups.items():
+        count = sum(row.readings for row in same)
+        mean = sum(row.measured * row.readings for row in same) / count
+        spread = sum((row.readings - 1) * row.sigma**2 + row.readings * (row.measured - mean) ** 2 for row in same)
+        variance = spread / (count - 1) / count if count > 1 else same[0].sigma ** 2
+        found.append((commanded, turn, mean, math.sqrt(variance + reading**2)))
+    return found
+
+
+def fit_axis(rows, steps_per_mm, reading=READING_MM):
+    """The Fit of one axis's rows, measured at `steps_per_mm`. Raises Failure if there are too few lengths."""
+    points = pooled(rows, reading)
+    axis = rows[0].axis
+    lengths = np.array([commanded[0] for commanded, _, _, _ in points])
+    if len(set(lengths)) < 2:
+        raise Failure(f"{axis.upper()}: at least two different lengths are wanted, the longer the better")
+    measured, sigma = np.array([point[2] for point in points]), np.array([point[3] for point in points])
+    turned = np.array([1.0 if turn else 0.0 for _, turn, _, _ in points])
+    split = 0 < turned.sum() < len(points) and len(points) > 2
+    columns = [lengths, -turned, np.ones(len(points))] if split else [lengths, -np.ones(len(points))]
+    design = np.column_stack(columns)
+    weighted = design / sigma[:, None]
+    covariance = np.linalg.inv(weighted.T @ weighted)
+    solution = covariance @ weighted.T @ (measured / sigma)
+    rest = measured - design @ solution
+    chi2, freedom = float(((rest / sigma) ** 2).sum()), len(points) - len(columns)
+    scatter = any(row.sigma for row in rows) or len(rows) > len(points)
+    chance = chi2_above(chi2, freedom) if freedom and scatter else None
+    if freedom:
+        covariance = covariance * max(1.0, chi2 / freedom)
+    u_scale, u_backlash = (math.sqrt(covariance[index, index]) for index in range(2))
+    scale = float(solution[0])
+    right = steps_per_mm / scale
+    return Fit(
+        axis, right, right * u_scale / scale, scale, u_scale, float(solution[1]), u_backlash, split,
+        float(solution[2]) if split else 0.0, list(zip(lengths, measured, rest, sigma)), chi2, freedom, chance,
+        _verdict(scale, u_scale, chance),
+    )  # fmt: skip
+
+
+def _verdict(scale, u_scale, chance):
+    if chance is None:
+        return "unknown"
+    if chance < DOUBT:
+        return "mechanics"
+    return "scale" if abs(scale - 1) > SURE * u_scale else "right"
+
+
+def chi2_above(chi2, freedom):
+    """The chance that χ² of so many degrees of freedom is above `chi2` (Abramowitz and Stegun, 26.4.4 and 26.4.5)."""
+    half = chi2 / 2
+    tail = math.erfc(math.sqrt(half)) if freedom % 2 else math.exp(-half)
+    for degrees in range(freedom % 2 or 2, freedom, 2):
+        tail += math.exp(degrees / 2 * math.log(half) - half - math.lgamma(degrees / 2 + 1)) if half else 0.0
+    return tail
+
+
+def squareness(rows, scales, reading=READING_MM):
+    """The Square of each pair of axes whose two diagonals were measured on one rectangle. `scales`: {axis: measured / commanded}.
+
+    By the law of cosines d₊² − d₋² = 4 a b cos γ: sides of the wrong length have little say in it.
+    """
+    found = []
+    kinds = {}
+    for commanded, _, mean, sigma, axis in [
+        (*point, axis) for axis in sorted({row.axis for row in rows}) for point in pooled([row for row in rows if row.axis == axis], reading)
+    ]:
+        kinds.setdefault((axis[:2], commanded), {})[axis[2]] = mean, sigma
+    for (axes, (first, second)), both in kinds.items():
+        if len(both) < 2:
+            raise Failure(f"{axes}: the other diagonal of {first:g}x{second:g} is missing")
+        (plus, u_plus), (minus, u_minus) = both["+"], both["-"]
+        sides = 4 * first * scales.get(axes[0], 1.0) * second * scales.get(axes[1], 1.0)
+        cosine = (plus * plus - minus * minus) / sides
+        if abs(cosine) > 0.5:
+            raise Failure(f"{axes}: these are no diagonals of {first:g}x{second:g}: {plus:g} and {minus:g}")
+        uncertain = 2 * math.hypot(plus * u_plus, minus * u_minus) / sides
+        found.append(Square(axes, 1000 * cosine, 1000 * uncertain, math.degrees(math.asin(cosine))))
+    return found
+
+
+def pattern(axis, lengths, count, feed, spacing=4.0):
+    """The lines of G-code that draw the square waves of the document: `count` strokes to and fro along `axis` (x or y) for each length
+    in mm, `spacing` mm apart on the other axis, at `feed` mm/min; each stroke is after a turn. M3 lowers the pen, M5 lifts it."""
+    other = "Y" if axis == "x" else "X"
+    axis = axis.upper()
+    lines = ["G21 G90 G94", "M5"]
+    place = 0.0
+    for length in lengths:
+        lines += [f"G0 {axis}0 {other}{place:g}", "M3 S1000", "G4 P0.5", f"(strokes of {length:g} mm)"]
+        for stroke in range(count):
+            lines.append(f"G1 {axis}{length if stroke % 2 == 0 else 0:g} F{feed:g}")
+            if stroke < count - 1:
+                place += spacing
+                lines.append(f"G1 {other}{place:g}")
+        lines += ["M5", "G4 P0.5"]
+        place += 3 * spacing
+    return [*lines, "G0 X0 Y0", "M2"]
