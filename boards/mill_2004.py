@@ -1,46 +1,61 @@
-"""The XYZ milling table of 2004 (MIP806 drivers, 400 steps a turn) on a Pico, in the place of its PIC18F458 and CPLD.
+"""The XYZ milling table of 2004 (MIP806 drivers, 400 steps a turn) on a Pico, in the place of its PIC18F458 and CPLD: four motors,
+an encoder on each, the two of the gantry kept abreast.
 
 What the CPLD did is the interlock below, equation by equation, signals by their names of then: h step pulse, s direction,
 b?a and b?b the two limits of an axis, d drive good, urg emergency stop, pal tool sensor, sel source (1: this board, 0: the
 parallel port), ending in c from the controller, in p from or to the parallel port. The parallel port's own pulses reach the
 drivers through an external multiplexer that sel switches: they do not pass through this board.
 
-Steps, limits and emergency stop have pins of their own; the rest lies behind a 74HC165 and a 74HC595 (pins from 100 on). X1 and
-X2, the two motors of the gantry, hang on the same STEP and DIR: mill_pico_2.py has them apart. Pitch and travels are not in
-the document: ball screws of 5 mm a turn.
+Every pin of the Pico is in use; all that is slow lies behind two 74HC165 and a 74HC595 (pins from 100 on). Of each axis diodes lead
+from both limits to a pin whose edge has the 74HC165s read at once. The bit of the tool is the Pico's own GPIO23, which
+leads nowhere; s_tvt, the enable of the spindle's inverter, is an output that follows it within 3 ms, at once in a halt.
+Pitch and travels are not in the document: ball screws of 5 mm a turn.
 """
 
 BOARD = {
     "name": "mill_2004",
     "chip": "rp2040",
+    "memory": "lean",
     "drive": {"kind": "step_dir", "pulse_us": 10, "setup_us": 10},
     "axes": [
-        {"name": "x", "pins": [2, 5], "steps_per_m": 80000, "travel_steps": 48000, "max_mm_min": 3000, "accel_mm_s2": 150},
-        {"name": "y", "pins": [3, 6], "steps_per_m": 80000, "travel_steps": 32000, "max_mm_min": 3000, "accel_mm_s2": 150},
-        {"name": "z", "pins": [4, 7], "steps_per_m": 80000, "travel_steps": 12000, "max_mm_min": 1500, "accel_mm_s2": 100},
+        {"name": "x", "pins": [15, 19], "steps_per_m": 80000, "travel_steps": 48000, "max_mm_min": 3000, "accel_mm_s2": 150},
+        {"name": "y", "pins": [16, 20], "steps_per_m": 80000, "travel_steps": 32000, "max_mm_min": 3000, "accel_mm_s2": 150},
+        {"name": "z", "pins": [17, 21], "steps_per_m": 80000, "travel_steps": 12000, "max_mm_min": 1500, "accel_mm_s2": 100},
     ],
-    # s_tvt: enable of the spindle's inverter, which is told direction and speed over its own line.
-    "tool": {"pin": 8},
+    # X2, the second motor of the gantry.
+    "gantry": {"axis": "x", "pins": [18, 22], "wait_steps": 4, "limit_steps": 20},
+    "encoders": [
+        {"motor": "x", "pins": [2, 3], "pulses": 500, "steps": 400, "limit_steps": 40},
+        {"motor": "x2", "pins": [4, 5], "pulses": 500, "steps": 400, "limit_steps": 40},
+        {"motor": "y", "pins": [6, 7], "pulses": 500, "steps": 400, "limit_steps": 40},
+        {"motor": "z", "pins": [8, 9], "pulses": 1000, "steps": 400, "limit_steps": 40},
+    ],
+    "tool": {"pin": 23},
+    # The inverter is told direction and speed over its own line.
     "inverter": {"make": "delta", "port": "uart0", "tx": 0, "rx": 1, "baud": 9600},
-    "registers": {"clock": 22, "latch": 26, "in": 27, "out": 28, "inputs": 1, "outputs": 1},
+    "registers": {
+        "clock": 14, "latch": 26, "in": 27, "out": 28, "inputs": 2, "outputs": 1,
+        "tool": 104,  # s_tvt
+        "edges": [{"pin": 10, "inputs": "bxa bxb"}, {"pin": 11, "inputs": "bya byb"}, {"pin": 12, "inputs": "bza bzb"}],
+    },  # fmt: skip
     "inputs": [
-        # Contactors that open when hit: a broken wire reads as a hit.
-        {"name": "bxa", "pin": 11, "active": 1, "pull": "up", "filter_us": 100},
-        {"name": "bxb", "pin": 12, "active": 1, "pull": "up", "filter_us": 100},
-        {"name": "bya", "pin": 13, "active": 1, "pull": "up", "filter_us": 100},
-        {"name": "byb", "pin": 14, "active": 1, "pull": "up", "filter_us": 100},
-        {"name": "bza", "pin": 15, "active": 1, "pull": "up", "filter_us": 100},
-        {"name": "bzb", "pin": 16, "active": 1, "pull": "up", "filter_us": 100},
-        # Behind the register, with pull-down resistors (sel: pull-up). A good drive reads 1; a broken wire reads as a fault.
-        {"name": "dx1", "pin": 100, "active": 1, "filter_us": 100},
-        {"name": "dx2", "pin": 101, "active": 1, "filter_us": 100},
-        {"name": "dy", "pin": 102, "active": 1, "filter_us": 100},
-        {"name": "dz", "pin": 103, "active": 1, "filter_us": 100},
+        # Contactors that open when hit, with pull-up resistors: a broken wire reads as a hit.
+        {"name": "bxa", "pin": 100, "active": 1, "filter_us": 100},
+        {"name": "bxb", "pin": 101, "active": 1, "filter_us": 100},
+        {"name": "bya", "pin": 102, "active": 1, "filter_us": 100},
+        {"name": "byb", "pin": 103, "active": 1, "filter_us": 100},
+        {"name": "bza", "pin": 104, "active": 1, "filter_us": 100},
+        {"name": "bzb", "pin": 105, "active": 1, "filter_us": 100},
+        # With pull-down resistors (sel: pull-up). A good drive reads 1; a broken wire reads as a fault.
+        {"name": "dx1", "pin": 106, "active": 1, "filter_us": 100},
+        {"name": "dx2", "pin": 107, "active": 1, "filter_us": 100},
+        {"name": "dy", "pin": 108, "active": 1, "filter_us": 100},
+        {"name": "dz", "pin": 109, "active": 1, "filter_us": 100},
         # urg: not filtered, but by 1 kΩ and 10 nF at the pin. It ends the steps within microseconds.
-        {"name": "stop", "pin": 17, "active": 1, "pull": "up", "halt": True},
-        # pal, the tool sensor: it also probes. Read every 3 ms, as all behind the register.
-        {"name": "probe", "pin": 104, "active": 1},
-        {"name": "sel", "pin": 105, "active": 1, "filter_us": 1000},
+        {"name": "stop", "pin": 13, "active": 1, "pull": "up", "halt": True},
+        # pal, the tool sensor: it also probes. Read every 3 ms, as all of these but the limits.
+        {"name": "probe", "pin": 110, "active": 1},
+        {"name": "sel", "pin": 111, "active": 1, "filter_us": 1000},
     ],
     "outputs": [
         {"name": "enable", "pin": 100, "active": 1},  # enm

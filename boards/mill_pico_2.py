@@ -1,5 +1,5 @@
-"""The XYZ milling table of 2004 on a Pico 2: mill_2004.py with the gantry's motors apart, their encoders, and the inverter. They
-take more memory than a Pico has.
+"""The XYZ milling table of 2004 on a Pico 2: mill_2004.py with limits and tool on pins of their own, and encoders for the gantry's
+motors only.
 
 What the CPLD did is the interlock below, equation by equation, signals by their names of then: h step pulse, s direction,
 b?a and b?b the two limits of an axis, d drive good, urg emergency stop, pal tool sensor, sel source (1: this board, 0: the

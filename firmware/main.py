@@ -37,16 +37,16 @@ def main():
         forget("passo.config.chip_pins")
         if board["interlock"]:
             forget("passo.config.interlock_table")
+        from passo.app import App  # first: it is large
         from passo.machine_builder import load_all
 
         load_all(board, start.whole)
         start.load(board)
-        from passo.app import App
         from passo.config.journal import FileSlots
 
         said = start.loaded()
         port = start.port(board)
-        app = App(board, port, None, FileSlots("settings"), start.whole)
+        app = App(board, port, None, FileSlots("settings"), start.whole, start.rooms)
         forget("passo.machine_builder")
         if said:
             print(said)

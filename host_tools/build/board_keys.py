@@ -44,6 +44,7 @@ SECTIONS = {
         "74HC165 and 74HC595 on four pins. An input with pin 100 is input A of the first 74HC165, an output with pin 100 is "
         "output QA of the first 74HC595. See [wiring](wiring.md#shift-registers).",
     ),
+    "registers.edges": ("registers.edges", "A list of pins at whose edges the inputs behind registers are read at once."),
     "jog": ("jog", "Jogs of the plotter's and the torch's languages."),
     "step_program": ("step_program", "Needed by the language `pulses`: paths written down step by step."),
     "links": ("links", "A list of the board's serial lines, one entry a line. See [README](../README.md#languages)."),
@@ -53,6 +54,8 @@ MEANINGS = {
     "name": "Name of the machine.",
     "chip": "The board's chip. Decides which pins exist and what `passo build` compiles for.",
     "clock_mhz": "Processor clock. RP2040: 125, 150 or 200; RP2350: 150; 0: the first of these. Leave it out on an ESP32.",
+    "memory": "RP2040: with `lean` some 20 kB more are free, because more of the code runs from flash, and 15 % fewer lines of G-code "
+    "a second. What has a gantry and encoders beside an interlock wants it.",
     "player": "RP2040 and RP2350: `pio` steps without the processor and needs neighbouring pins; `timer` takes any pins and "
     "an interrupt for each step.",
     "changeover_by": "If outputs have roles: what takes the motors from the other controller, a command or the first motion.",
@@ -157,6 +160,9 @@ MEANINGS = {
     "registers.out": "SER of the first 74HC595.",
     "registers.inputs": "Chips 74HC165: eight inputs each.",
     "registers.outputs": "Chips 74HC595: eight outputs each.",
+    "registers.edges.pin": "The pin, at 1 while one of the inputs is.",
+    "registers.edges.inputs": "Names of inputs behind 74HC165, with blanks between them.",
+    "registers.tool": "The output, 100 … 123, that follows the tool's pin: within 3 ms, at once in a halt; -1: none.",
     "jog.steps": "Steps of a jog.",
     "jog.up": "Which way UP goes; DOWN is the opposite, LEFT and RIGHT the other axis.",
     "jog.ahead_ms": "A jog that is repeated asks for so much motion in advance, ms: the longest time that the axis runs on after "

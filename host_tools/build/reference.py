@@ -77,7 +77,10 @@ def _section(boardfile, name):
     rules = all_rules(boardfile)
     if not name:
         return rules, ""
-    rule = rules[name]
+    *sections, last = name.split(".")
+    for section in sections:
+        rules = rules[section]
+    rule = rules[last]
     optional = " May be left out."
     if isinstance(rule, list):
         return rule[0], f" {rule[1]} … {rule[2]} of them." + ("" if rule[1] else optional)
@@ -125,7 +128,7 @@ def pins():
         esp32 = board["chip"].startswith("esp32")
         uses = sorted(_pins(board))
         picture = () if esp32 else _pico({pin: short for pin, short, _ in uses})
-        table = [f"| {_pin_name(pin, esp32)} | {short}{about} |" for pin, short, about in uses]
+        table = [f"| {_pin_name(pin, esp32, short)} | {short}{about} |" for pin, short, about in uses]
         found.setdefault((*picture, "| pin | goes to |", "| --- | --- |", *table), []).append(name)
     rows = []
     for lines, names in found.items():
@@ -133,9 +136,10 @@ def pins():
     return rows[1:]
 
 
-def _pin_name(pin, esp32):
+def _pin_name(pin, esp32, short):
     if pin >= 100:
-        return f"{pin}: register {(pin - 100) // 8 + 1}, Q{'ABCDEFGH'[(pin - 100) % 8]}"
+        side = "" if short.startswith("in ") else "Q"
+        return f"{pin}: register {(pin - 100) // 8 + 1}, {side}{'ABCDEFGH'[(pin - 100) % 8]}"
     return f"{'GPIO' if esp32 else 'GP'}{pin}"
 
 
@@ -148,13 +152,30 @@ def _pins(board):
         for pin, coil in zip(axis["pins"], coils):
             yield pin, f"motor {axis['name'].upper()} {coil.upper()}", ""
     yield board["tool"]["pin"], "tool", _active(board["tool"])
+    if board["gantry"]:
+        for pin, coil in zip(board["gantry"]["pins"], coils):
+            yield pin, f"motor {board['gantry']['axis'].upper()}2 {coil.upper()}", ""
+    for item in board["encoders"]:
+        for pin, wire in zip(item["pins"], "AB"):
+            yield pin, f"encoder {item['motor'].upper()} {wire}", ", pull-up"
+    if board["registers"]:
+        for key in ("clock", "latch", "in", "out"):
+            yield board["registers"][key], f"registers' {key}", ""
+        for item in board["registers"]["edges"]:
+            yield item["pin"], f"edges of {item['inputs'].replace(' ', ', ')}", ""
+        if board["registers"]["tool"] >= 0:
+            yield board["registers"]["tool"], "out tool", _active(board["tool"])
+    if board["inverter"]:
+        yield board["inverter"]["tx"], "inverter TX", f", {board['inverter']['baud']} baud"
+        yield board["inverter"]["rx"], "inverter RX", ""
     for key, pin in (board["shift"] or {}).items():
         if pin >= 0:
             yield pin, f"registers' {key}", ""
     if board["spindle"]["pwm"]:
         yield board["spindle"]["pin"], "tool PWM", f", {board['spindle']['pwm_hz']} Hz"
     for item in board["inputs"]:
-        yield item["pin"], f"in {item['name']}", f"{_active(item)}, pull-{item['pull']}{', halts' if item['halt'] else ''}"
+        pull = "" if item["pin"] >= 100 else f", pull-{item['pull']}"
+        yield item["pin"], f"in {item['name']}", f"{_active(item)}{pull}{', halts' if item['halt'] else ''}"
     for item in board["outputs"]:
         yield item["pin"], f"out {item['name']}", _active(item)
     for link in board["links"]:

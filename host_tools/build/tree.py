@@ -73,6 +73,23 @@ COLD = (
     "passo/steps/following_viper.py",
     "passo/steps/position_viper.py",
 )
+# What runs from flash, too, if the board file says "memory": "lean": the road of lines and planner. Interrupts, and functions
+# longer than a block, stay in RAM.
+COLD_IF_LEAN = (
+    "passo/app.py",
+    "passo/control/line_batches.py",
+    "passo/control/queue.py",
+    "passo/motion/integers.py",
+    "passo/motion/line_viper.py",
+    "passo/motion/look_ahead_viper.py",
+    "passo/motion/planner.py",
+    "passo/motion/ramp_viper.py",
+    "passo/motion/row_viper.py",
+    "passo/ports/shift_registers.py",
+    "passo/protocols/gcode/parser.py",
+    "passo/protocols/grbl/lines.py",
+    "passo/protocols/grbl/protocol.py",
+)
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say
@@ -221,6 +238,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
     for stale in (out / "passo").rglob("*.mpy"):
         stale.unlink()
     rows = []
+    cold = COLD + COLD_IF_LEAN if board.get("memory") == "lean" else COLD
     texts = folded({path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files})
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "module.py"
@@ -231,7 +249,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
             compile_module(source, target, march or MARCH[board["chip"]], path.with_suffix(".mpy"))
             if board["chip"] == IN_PLACE:
                 try:
-                    target.write_bytes(mpy.in_place(target.read_bytes(), path.as_posix() in COLD))
+                    target.write_bytes(mpy.in_place(target.read_bytes(), path.as_posix() in cold))
                 except ValueError as error:
                     raise Failure(f"{path} cannot run from flash: {error}") from None
             rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))

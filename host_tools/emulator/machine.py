@@ -18,7 +18,9 @@ from host_tools.build.tree import build_tree
 from host_tools.emulator.cycles import CYCLES_PER_TICK
 from host_tools.emulator.filesystem import folder_files
 from host_tools.emulator.homing import HomingWatch
+from host_tools.emulator.inverter import WiredInverter
 from host_tools.emulator.pico import EmulatedPico
+from host_tools.emulator.wire import UsbWire
 from host_tools.emulator.wiring import Wiring
 from host_tools.failure import Failure
 from host_tools.sim.plant import Plant
@@ -61,6 +63,8 @@ class EmulatedMachine:
         self.wiring = Wiring(self.pico, self.board, files.world, self.plant)
         self._links = {link["name"]: link for link in self.board["links"]}
         self._first = self.board["links"][0]["name"]
+        self._usb = UsbWire(self.pico)
+        self.inverter = WiredInverter(self.pico, self.board["inverter"]) if self.board["inverter"] else None
         self._watches = {name: HomingWatch(link["protocol"], self._homed) for name, link in self._links.items()}
         for name in self.uart_links():
             self.wire(name).listeners.append(self._watches[name].answered)
@@ -70,7 +74,9 @@ class EmulatedMachine:
         return [name for name, link in self._links.items() if link["port"].startswith("uart")]
 
     def wire(self, link=None):
-        """The `Wire` of a link, the first one unless named."""
+        """The `Wire` of a link, the first one unless named; the `UsbWire` of one on USB."""
+        if self._links[link or self._first]["port"] == "usb":
+            return self._usb
         return self.pico.uart(self.uart_number(link or self._first))
 
     def listening(self):
@@ -112,7 +118,7 @@ class EmulatedMachine:
             self.run_ms(QUIET_MS)
 
     def _activity(self):
-        wires = [self.wire(name) for name in self.uart_links()]
+        wires = [self.wire(name) for name in self._links]
         return self.wiring.edge_count, [(wire.pending, wire.count) for wire in wires]
 
     # --- links

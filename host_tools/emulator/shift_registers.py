@@ -27,6 +27,9 @@ class Chains:
         if self._latch == 0:
             self._load()
 
+    def input(self, bit):
+        return self._inputs[bit]
+
     def _load(self):
         """H, the input of bit 7, is the first to come."""
         self._loaded = [self._inputs[at & ~7 | 7 - at & 7] for at in range(len(self._inputs))]

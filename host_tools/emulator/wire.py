@@ -69,3 +69,31 @@ class Wire:
         self.count += 1
         for heard in self.listeners:
             heard(value)
+
+
+class UsbWire:
+    """The same for the USB port, whose bytes have no time: they are there as the bus brings them."""
+
+    def __init__(self, pico):
+        self._pico = pico
+        self._drained = 0
+
+    @property
+    def sent(self):
+        return self._pico.console.text
+
+    @property
+    def count(self):
+        return self._drained + len(self.sent)
+
+    @property
+    def pending(self):
+        return self._pico.usb.unsent
+
+    def feed(self, data, baud):
+        self._pico.usb.write(data)
+
+    def drain(self):
+        said = self._pico.console.take()
+        self._drained += len(said)
+        return said

@@ -43,6 +43,7 @@ class Wiring:
         self.chains = None
         if board["registers"]:
             self.chains = Chains(pico, board["registers"], lambda bit, level: self._heard_output(REGISTER_BIT + bit, level))
+            self._edges = [(item["pin"], item["inputs"].split()) for item in board["registers"]["edges"]]
         self._inner = plant.pins  # told of changes before
         plant.pins = self
         for name, gpio in self._inputs.items():
@@ -69,6 +70,10 @@ class Wiring:
     def _drive(self, gpio, level):
         if gpio >= REGISTER_BIT:
             self.chains.set_input(gpio - REGISTER_BIT, level)
+            for pin, names in self._edges:  # diodes
+                bits = [self._inputs[name] - REGISTER_BIT for name in names]
+                if gpio - REGISTER_BIT in bits:
+                    self._pico.drive(pin, max(self.chains.input(bit) for bit in bits))
         else:
             self._pico.drive(gpio, level)
 

@@ -1,14 +1,12 @@
-"""The interlock on the emulated Pico: from a limit's edge to the last step, noise at speed, and the mill's own board file."""
+"""The interlock on the emulated Pico: from a limit's edge to the last step, and noise at speed."""
 
 from functools import lru_cache
 from random import Random
 
 import pytest
-from emulated import make_machine, uf2  # noqa: F401
+from emulated import uf2  # noqa: F401
 
-from host_tools import boards
 from host_tools.emulator.copies import on_a_copy
-from host_tools.emulator.heap import Heap
 from host_tools.emulator.halting import set_out, trial, trials
 from host_tools.emulator.rig import Rig, router
 
@@ -137,58 +135,3 @@ def test_nothing_is_allocated_in_the_interrupt(guarded):
     assert said[:2] == ["0", "True"], said
     trips, position = eval(said[2].replace("] [", "], ["))
     assert trips == [0, 0, 0, 1] and position == guarded.counted() and any(position)
-
-
-@pytest.mark.slow
-@pytest.mark.unmeasured
-def test_the_mill_boots_moves_and_stops_at_its_limit(make_machine, show):  # noqa: F811
-    """The board file's own firmware and table: refused towards a limit, allowed away from it, halted by one."""
-    board = boards.load("mill_2004")
-    board["links"] = [{"name": "serial", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl"}]
-    del board["inverter"]  # its serial line is this link's
-    machine = make_machine(board, start=(0, 200, -200))
-    machine.run_until(lambda: b"unlock" in machine.received(), 8000)
-    machine.run_ms(60)
-    heap = Heap(machine.pico)
-    assert heap.free > 4_000, "garbage included: none is collected before memory is used up"
-
-    def ask(line, ms=400):
-        machine.take()
-        machine.send(line)
-        machine.run_until(lambda: any(word in machine.received() for word in (b"ok", b"error", b"ALARM", b"Grbl")), 5000)
-        machine.run_ms(ms)
-        return machine.take()
-
-    assert b"ok" in ask(b"$X\n", 10)
-    said = ask(b"G91G1X-5F2400\n", 600)
-    assert b"ALARM:1" in said, said
-    limit = machine.plant.barriers["bxa"].last
-    assert limit - 12 <= machine.plant.position[0] <= limit, "4 kHz for 100 µs and an interrupt; 1 step, and some of bounce"
-    assert b"[LOG:" in (log := ask(b"$LOG\n", 20)) and b",201,bxa]" in log and b"[PIN:bxa,1,1," in log, log
-    ask(b"\x18", 50)
-    assert b"ok" in ask(b"$X\n", 10)
-    assert b"error:131" in ask(b"G91G1X-1F600\n", 10)
-    at = machine.plant.position[0]
-    assert b"ok" in ask(b"G91G1X1F600\n", 300)
-    assert machine.plant.position[0] == at + 80
-    chains = machine.wiring.chains
-    assert chains.outputs[:4] == [1, 0, 0, 0], "enable, behind the 74HC595"
-    assert b"ok" in ask(b"M8\n", 10) and chains.outputs[:4] == [1, 0, 1, 0]
-    machine.plant.set_input(machine.wiring.tick, "dy", False)
-    machine.run_ms(20)
-    assert b"error:131" in ask(b"G91G1Y1F600\n", 10), "a drive fault, behind the 74HC165"
-    assert b",131,dy]" in ask(b"$LOG\n", 20)
-    machine.plant.set_input(machine.wiring.tick, "dy", True)
-    machine.run_ms(60)
-    machine.send(b"G91G1Y20F2400\n")
-    machine.run_ms(100)
-    machine.plant.set_input(machine.wiring.tick, "dy", False)
-    begun = machine.plant.position[1]
-    machine.run_ms(30)
-    assert machine.plant.position[1] - begun <= 12, "3200 steps/s, seen by two readings, 3 ms apart"
-    machine.plant.set_input(machine.wiring.tick, "stop", True)
-    machine.run_ms(20)
-    assert chains.outputs[0] == 0
-    assert not machine.plant.enabled and machine.plant.errors == []
-    show("mill on the emulated Pico", f"stands {limit - at} steps behind its limit's edge; heap free {heap.free}, "
-         f"largest piece {heap.largest} bytes")  # fmt: skip

@@ -1,6 +1,7 @@
 """Shift registers: the chains' model edge by edge, the bits that the generic code puts on the wires, and what a board file may say."""
 
 import sys
+import time
 import types
 from random import Random
 
@@ -13,7 +14,7 @@ from passo.config.boardfile import BoardError, check
 
 pytestmark = pytest.mark.quick
 
-PINS = {"clock": 17, "latch": 18, "in": 19, "out": 20}
+PINS = {"clock": 17, "latch": 18, "in": 19, "out": 20, "tool": -1}
 
 
 class Pads:
@@ -46,9 +47,9 @@ def shifted(monkeypatch):
     pico = Pads()
 
     class Pin:
-        IN, OUT = 0, 1
+        IN, OUT, IRQ_RISING, IRQ_FALLING = 0, 1, 4, 8
 
-        def __init__(self, number, mode, value=None):
+        def __init__(self, number, mode=None, value=None):
             self.number = number
             if value is not None:
                 pico.write(number, value)
@@ -60,6 +61,8 @@ def shifted(monkeypatch):
 
     machine = types.SimpleNamespace(Pin=Pin, disable_irq=lambda: 1, enable_irq=lambda state: None)
     monkeypatch.setitem(sys.modules, "machine", machine)
+    monkeypatch.setattr(time, "ticks_us", lambda: time.perf_counter_ns() // 1000, raising=False)
+    monkeypatch.setattr(time, "ticks_diff", lambda end, begin: end - begin, raising=False)
     monkeypatch.delitem(sys.modules, "passo.ports.shift_registers", raising=False)
     import passo.ports.shift_registers as module
 
@@ -92,7 +95,7 @@ def test_an_output_and_an_input(shifted):
     pico, module = shifted
     config = {**PINS, "inputs": 1, "outputs": 1}
     chains = Chains(pico, config, lambda bit, level: None)
-    registers = module.ShiftRegisters(config, module.first_levels({"outputs": [{"pin": 103, "active": 0}, {"pin": 102, "active": 1}]}))
+    registers = module.ShiftRegisters(config, module.first_levels({"outputs": [{"pin": 103, "active": 0}, {"pin": 102, "active": 1}], "registers": config}))
     registers.exchange()
     assert chains.outputs == [0, 0, 0, 1, 0, 0, 0, 0]
     module.RegisterOutput({"pin": 105}, registers).value(1)
@@ -125,12 +128,70 @@ def test_what_a_board_file_may_say():
     refused("there are none", registers=None)
     refused("pin 17 is claimed", outputs=[{"name": "flood", "pin": 17}])
     inputs = boards.load("router_3axis")["inputs"]
-    for name, why in (("limit_x", "homing's sensor needs a pin of its own"), ("stop", "one that halts needs a pin of its own")):
+    for name, why in (("limit_x", "homing's sensor needs a pin of its own, or one of registers.edges"), ("stop", "one that halts needs a pin of its own")):
         refused(why, inputs=[{**item, "pin": 100} if item["name"] == name else item for item in inputs])
     refused("pin 23, 24 or 25", inputs=[{**item, "pin": 24} if item["name"] == "door" else item for item in inputs])
 
 
-# --- the whole mill on a Pico 2
+def test_an_edge_has_the_inputs_read_at_once(shifted):
+    """A limit behind a register, with a filter of two readings; its pin of registers.edges calls edge()."""
+    pico, module = shifted
+    config = {**PINS, "inputs": 1, "outputs": 1}
+    chains = Chains(pico, config, lambda bit, level: None)
+    registers = module.ShiftRegisters(config, 0)
+    limit = module.RegisterInput({"name": "limit", "pin": 101, "active": 1}, registers)
+    told = []
+    interlock = types.SimpleNamespace(
+        items=[limit], watched=1, rise=1, fall=0, states=0, filters_us=[100], glitches=[0], change=lambda *change: told.append(change)
+    )
+    watch = module.RegisterWatch(interlock, registers)
+    watched = []
+    port = types.SimpleNamespace(watch=lambda pin, handler, edge: watched.append((pin.number, handler)))
+    watch.watch(port, [{"pin": 7, "inputs": "limit"}], [{"name": "limit", "filter_us": 100}])
+    assert watched == [(7, watch.edge)]
+    chains.set_input(1, 1)
+    watch.edge(None)
+    assert told == [(0, 1)], "it has lasted for two readings"
+    interlock.states = 1
+    watch.edge(None)
+    assert told == [(0, 1)]
+    interlock.states = 0
+    chains.set_input(1, 0)
+    watch.edge(None)
+    chains.set_input(1, 1)
+    registers.exchange()
+    watch.look()  # the feeder's
+    chains.set_input(1, 0)
+    watch.edge(None)
+    assert told == [(0, 1)] and interlock.glitches == [1], "it was over at the second reading"
+
+
+def test_an_output_shows_the_tool(shifted):
+    pico, module = shifted
+    config = {**PINS, "inputs": 0, "outputs": 1, "tool": 106}
+    chains = Chains(pico, config, lambda bit, level: None)
+    registers = module.ShiftRegisters(config, module.first_levels({"outputs": [], "registers": config, "tool": {"active": 1}}))
+    registers.exchange()
+    registers.show_tool(23)
+    for level in (1, 0, 1):
+        pico.write(23, level)
+        registers.exchange()
+        assert chains.outputs[6] == level
+
+
+def test_limits_behind_registers_want_an_edge():
+    inputs = [{**item, "pin": 100} if item["name"] == "limit_x" else item for item in boards.load("router_3axis")["inputs"]]
+    edges = [{"pin": 22, "inputs": "limit_x"}]
+    registers = {**PINS, "inputs": 1, "outputs": 1}
+    assert check(router(inputs=inputs, registers={**registers, "edges": edges}))
+    refused("no input behind a 74HC165", registers={**registers, "edges": edges})
+    refused("pin 23, 24 or 25", inputs=inputs, registers={**registers, "edges": [{"pin": 24, "inputs": "limit_x"}]})
+    refused("pin 17 is claimed", inputs=inputs, registers={**registers, "edges": [{"pin": 17, "inputs": "limit_x"}]})
+    refused("claimed by tool and by flood", registers={**registers, "tool": 100})
+    refused("no bit of the 74HC595", registers={**registers, "tool": 108})
+
+
+# --- the whole mill
 
 
 def test_the_tables_of_both_mills_are_the_same():
@@ -139,9 +200,10 @@ def test_the_tables_of_both_mills_are_the_same():
         assert small[key] == large[key]
 
 
-def test_the_whole_mill_cuts():
+@pytest.mark.parametrize("name", ["mill_2004", "mill_pico_2"])
+def test_the_whole_mill_cuts(name):
     """Gantry, encoders, registers and inverter at once, on the virtual port."""
-    machine = VirtualMachine("mill_pico_2", start=(800, 800, -800), trace=None)
+    machine = VirtualMachine(name, start=(800, 800, -800), trace=None)
     machine.run_ms(100)
     machine.send(b"$X\nM3 S9000\nG91 G1 X10 Y5 F1200\nM5\nG4 P0.1\n")
     machine.run_until(lambda: machine.received().count(b"ok") >= 5, 20_000)

@@ -122,6 +122,7 @@ _BOARD = {
     "name": (str, MUST, 1, 32),
     "chip": ("rp2040", "rp2350", "esp32", "esp32s2", "esp32s3", "esp32c3", "esp32c6"),
     "clock_mhz": (int, 0, 0, 400),  # rp2 chips: one of CLOCKS_MHZ; 0: its first
+    "memory": ("fast", "lean"),  # RP2040: "lean" runs more of the code from flash, see host_tools/build/tree.py
     "shift": {},  # shift_keys.py
     "player": ("pio", "timer"),  # rp2 chips: PIO wants consecutive pins; an interrupt for every word serves any pins
     "drive": _DRIVE,
@@ -280,6 +281,8 @@ def claimed_pins(board):
     if board["registers"]:
         for key in ("clock", "latch", "in", "out"):
             claims.append((board["registers"][key], "input of the registers" if key == "in" else "registers' " + key))
+        for item in board["registers"]["edges"]:
+            claims.append((item["pin"], "input of the registers' edges of " + item["inputs"]))
     if board["inverter"]:
         claims.append((board["inverter"]["tx"], "inverter tx"))
         claims.append((board["inverter"]["rx"], "inverter rx"))

@@ -29,6 +29,10 @@ TOOL_CHANGE = {
     "seek_mm_min": (int, 200, 1, 10_000),
     "locate_mm_min": (int, 25, 1, 1000),
 }
+EDGES = {
+    "pin": (int, ..., 0, 48),
+    "inputs": (str, ..., 1, 100),  # names of inputs behind 74HC165; the pin is at 1 while one of them is
+}
 REGISTERS = {
     "clock": (int, ..., 0, 48),
     "latch": (int, ..., 0, 48),
@@ -36,6 +40,8 @@ REGISTERS = {
     "out": (int, ..., 0, 48),
     "inputs": (int, 1, 0, 3),  # chips: 74HC165
     "outputs": (int, 1, 0, 3),  # and 74HC595
+    "edges": [EDGES, 0, 4],  # pins whose edges have the inputs read at once
+    "tool": (int, -1, -1, REGISTER_BIT + 23),  # the output that shows the tool, too; -1: none
 }
 
 
@@ -72,8 +78,9 @@ def _check_tool_change(board):
 
 
 def _check_registers(board):
-    """Each bit once and within the chips; what has to act at once is on a pin of its own."""
+    """Each bit once and within the chips; what has to act at once is on a pin of its own, or has the registers read at once."""
     config = board["registers"]
+    prompt = _prompt(board, config)
     quick = {}  # name of an input: why not
     for name in (board["homing"]["sensors"].values() if board["homing"] else ()):
         quick[name] = "homing's sensor"
@@ -81,6 +88,10 @@ def _check_registers(board):
         quick[name] = "a limit"
     for key, what in (("inputs", "74HC165"), ("outputs", "74HC595")):
         owners = {}
+        if config and key == "outputs" and config["tool"] >= 0:
+            owners[config["tool"] - REGISTER_BIT] = "tool"
+            if not 0 <= config["tool"] - REGISTER_BIT < 8 * config["outputs"]:
+                raise BoardError("registers.tool: %d is no bit of the 74HC595" % config["tool"])
         for item in board[key]:
             bit = item["pin"] - REGISTER_BIT
             if bit < 0:
@@ -99,10 +110,26 @@ def _check_registers(board):
             owners[bit] = item["name"]
             if item.get("halt"):
                 raise BoardError("input %s: one that halts needs a pin of its own" % item["name"])
-            if item["name"] in quick and key == "inputs":
-                raise BoardError("input %s: %s needs a pin of its own" % (item["name"], quick[item["name"]]))
+            if item["name"] in quick and key == "inputs" and item["name"] not in prompt:
+                raise BoardError(
+                    "input %s: %s needs a pin of its own, or one of registers.edges" % (item["name"], quick[item["name"]])
+                )
             if item.get("role", "none") != "none":
                 raise BoardError("output %s: a relay of the change-over needs a pin of its own" % item["name"])
+
+
+def _prompt(board, config):
+    """Names of the inputs behind registers that have these read at once."""
+    names = []
+    behind = [item["name"] for item in board["inputs"] if item["pin"] >= REGISTER_BIT]
+    for item in config["edges"] if config else ():
+        if 23 <= item["pin"] <= 25:
+            raise BoardError("registers.edges: none can be on pin 23, 24 or 25")
+        for name in item["inputs"].split():
+            if name not in behind:
+                raise BoardError("registers.edges: %r is no input behind a 74HC165" % name)
+            names.append(name)
+    return names
 
 
 def _check_inverter(board):

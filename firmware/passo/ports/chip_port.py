@@ -52,6 +52,7 @@ class ChipPort:
         self._leads = lead_ticks, live_ticks
         self.lead_ticks = lead_ticks
         self.registers = self._watch = None
+        self._tool = board["tool"]["pin"]
         if board["registers"]:
             from passo.ports import shift_registers as shifted  # here: most boards have none
 
@@ -97,6 +98,7 @@ class ChipPort:
             self.interlock = PinInterlock(board, self, self._inputs, self._outputs)
             if self.registers is not None:
                 self._watch = shifted.RegisterWatch(self.interlock, self.registers)
+                self._watch.watch(self, board["registers"]["edges"], board["inputs"])
         self.encoders = None  # a chip's Port makes it, if the board file has any
         if board["homing"] and board["homing"]["latch"]:
             from passo.ports.latch import make
@@ -218,6 +220,8 @@ class ChipPort:
             self.encoders.close()
         for line in self._lines:
             line.close()
+        if self.registers is not None:
+            self.registers.exchange()
 
     # --- interrupts
 
@@ -279,5 +283,7 @@ class ChipPort:
             self._player.hold(True)
             self._player.halt()
             self.power(0)
+        if self.registers is not None:
+            self.registers.exchange()  # the tool may show there
         if self.interlock is not None and item is not None and item is not self.interlock and item is not self.encoders:
             self.interlock.halted(item)

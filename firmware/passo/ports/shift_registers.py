@@ -9,10 +9,13 @@
 
 Chips of a kind are chained: SER of a 165 to QH of the next, QH' of a 595 to SER of the next. Pin 100 is bit 0 of the first chip (input
 A, output QA), 108 that of the second. A low pulse of latch loads the inputs, its end shows what was shifted out: so all outputs
-change at once. Outputs go out when they change, inputs come in with the feeder's interrupt.
+change at once. Outputs go out when they change, inputs come in with the feeder's interrupt, every 3 ms; at an edge of a pin of
+`edges`, to which diodes lead from some of the inputs, they come in at once. An output may show the tool.
 
 An exchange runs with interrupts locked: an interrupt that switches an output off must not find it half done.
 """
+
+from time import ticks_diff, ticks_us
 
 import micropython
 from machine import Pin, disable_irq, enable_irq
@@ -33,6 +36,8 @@ class ShiftRegisters:
         self.changes = 0  # how often `inputs` has changed
         self.chips_in = config["inputs"]
         self.chips_out = config["outputs"]
+        self._tool = None  # the tool's pin, whose level an output shows: see show_tool()
+        self._tool_mask = 1 << config["tool"] - REGISTER_BIT if config["tool"] >= 0 else 0
         self.clock = Pin(config["clock"], Pin.OUT, value=0)
         self.latch = Pin(config["latch"], Pin.OUT, value=1)
         self.out = Pin(config["out"], Pin.OUT, value=0)
@@ -42,6 +47,11 @@ class ShiftRegisters:
     def exchange(self):  # ISR: no allocation
         """Show the outputs, read the inputs."""
         state = disable_irq()
+        if self._tool is not None:
+            if self._tool.value():
+                self.outputs |= self._tool_mask
+            else:
+                self.outputs &= ~self._tool_mask
         inputs = self._shift()
         if inputs != self.inputs:
             self.inputs = inputs
@@ -72,6 +82,11 @@ class ShiftRegisters:
         latch.value(0)
         latch.value(1)
         return inputs
+
+    def show_tool(self, number):
+        """From here on an output shows the level of pin `number`, if the board file says which. The player drives that pin by now."""
+        if self._tool_mask:
+            self._tool = Pin(number)
 
     @micropython.native
     def put(self, bit, level):  # ISR: no allocation
@@ -118,7 +133,8 @@ class RegisterOutput:
 
 
 class RegisterWatch:
-    """Tells the interlock of inputs behind registers. One with a filter has to be so in two readings."""
+    """Tells the interlock of inputs behind registers. One with a filter has to be so in two readings: those of the feeder's
+    interrupt, or the two of an edge's, as far apart as the longest filter of the inputs that have one."""
 
     def __init__(self, interlock, registers):
         self._interlock = interlock
@@ -131,11 +147,37 @@ class RegisterWatch:
                 self._items.append((item, number, 1 << number))
                 if interlock.filters_us[number]:
                     self._filtered |= 1 << number
+        self._inputs = self._states = -1  # as of the last look
+        self._wait_us = 0
+
+    def watch(self, port, edges, inputs):
+        """Read the registers at once at each edge of these pins. `edges`: the board file's registers.edges, `inputs` its inputs."""
+        for entry in edges:
+            names = entry["inputs"].split()
+            self._wait_us = max([self._wait_us] + [item["filter_us"] for item in inputs if item["name"] in names])
+            port.watch(Pin(entry["pin"], Pin.IN), self.edge, Pin.IRQ_RISING | Pin.IRQ_FALLING)
+
+    @micropython.native
+    def edge(self, pin):  # ISR: no allocation
+        registers = self._registers
+        registers.exchange()
+        self.look()
+        if self._pending:
+            begun = ticks_us()
+            while ticks_diff(ticks_us(), begun) < self._wait_us:
+                pass
+            registers.exchange()
+            self.look()
 
     @micropython.native
     def look(self):  # ISR: no allocation
-        """Called behind each exchange of the feeder's interrupt."""
+        """Called behind each exchange of the feeder's interrupt. If nothing has changed since the last call: 10 µs; else 0.3 ms
+        for twelve inputs."""
         interlock = self._interlock
+        inputs = self._registers.inputs
+        if inputs == self._inputs and interlock.states == self._states and not self._pending:
+            return
+        self._inputs = inputs
         for item, number, bit in self._items:
             active = item.active()
             if active == bool(interlock.states & bit):
@@ -148,6 +190,7 @@ class RegisterWatch:
                 else:
                     self._pending &= ~bit
                     interlock.change(number, active)
+        self._states = interlock.states
 
 
 def first_levels(board):
@@ -156,4 +199,7 @@ def first_levels(board):
     for entry in board["outputs"]:
         if entry["pin"] >= REGISTER_BIT and not entry["active"]:
             levels |= 1 << entry["pin"] - REGISTER_BIT
+    tool = board["registers"]["tool"]
+    if tool >= 0 and not board["tool"]["active"]:
+        levels |= 1 << tool - REGISTER_BIT
     return levels

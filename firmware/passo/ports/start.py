@@ -42,6 +42,7 @@ def _entries(board, key):
 
 class Start:
     whole = True  # False: arcs and S-curves do not fit
+    rooms = []  # what keeps memory free while the app is made
 
     def __init__(self, board):
         alloc_emergency_exception_buf(100)

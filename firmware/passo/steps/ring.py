@@ -8,8 +8,7 @@ any two statements sees a consistent ring. Nothing here allocates after the cons
                    ^played          ^head        both count for ever, modulo 2²⁹
 """
 
-from array import array
-
+from passo.motion.integers import numbers
 from passo.motion.line import MAX_RUN
 from passo.records import COUNT_MASK, TICKS_PER_MS
 from passo.steps.power import Power
@@ -31,7 +30,7 @@ class Ring:
             raise ValueError("the ring's size must be a power of two")
         self.size = size
         self.mask = size - 1
-        self.words = array("I", range(size))  # made in one piece: a board has no second room of this size to copy from
+        self.words = numbers(size)
         self.words[self.mask] = 0  # the levels before the first word
         self.head = 0
         self.power = Power()  # of the tool, by the words' numbers

@@ -54,6 +54,7 @@ _LITTLE = const(5_000)  # the same while less than _TIGHT bytes are free
 _TIGHT = const(56_000)
 _STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
 _PIECE = const(2_200)  # bytes: if no free piece is as large, a room that was kept is given back
+_FEW = const(8_000)  # the same if no more are free in all: the largest modules take as much
 _WORK_ROWS = const(96)
 
 
@@ -128,9 +129,9 @@ class FlashCode:
 
     def open(self, path):
         """An .mpy for the import: its functions are noted, those of earlier ones perhaps redirected."""
-        if self._rooms and self._largest() < _PIECE:
+        if self._rooms and self._is_short():
             self._round()
-            if self._largest() < _PIECE:
+            if self._is_short():
                 self._rooms.pop(0)
         if self._read > self._limit or self._read > self._look_at_read and self._is_tight():
             self._round()
@@ -237,6 +238,9 @@ class FlashCode:
         free = self._free()
         self._look_at_read = self._read + _STEP
         return free < _TIGHT and self._read > _LITTLE
+
+    def _is_short(self):
+        return self._largest() < _PIECE or self._words and self._words[FREE] < _FEW
 
     def _largest(self):
         if not self._words:

@@ -151,6 +151,8 @@ class Port(ChipPort):
 
     def feed_from_interrupt(self, feeder, player):
         self._feeder = feeder
+        if self.registers is not None:
+            self.registers.show_tool(self._tool)
         if self.interlock is not None:
             self.interlock.join(feeder, player)
         if self.encoders is not None:

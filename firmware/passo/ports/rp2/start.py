@@ -11,14 +11,14 @@ from passo.ports import start
 # Bytes, each kept free in one piece while code is loaded and moved to flash.
 _FOR_BLOCKS = const(27_500)  # for the arrays of planner, ring and feeder
 _BLOCKS = const(25_000)  # what these take: if no piece is as large, _FOR_WORK is given back, too
-_SHORT = const(58_000)  # free bytes then, with _BLOCKS and without _FOR_WORK, below which that is given back
+_SHORT = const(50_000)  # free bytes then, with _BLOCKS and without _FOR_WORK, below which that is given back
 _FOR_WORK = const(16_500)  # for what the main loop takes and gives back
 _COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
 
 
 class Start(start.Start):
     _code = None
-    _rooms = [bytearray(0)]  # what keeps memory free; nothing, until code has been found to run from flash
+    rooms = [bytearray(0)]  # nothing, until code has been found to run from flash
     _said = ""
 
     def loading(self):
@@ -40,10 +40,10 @@ class Start(start.Start):
         else:
             rooms.append(bytearray(_FOR_WORK))
             rooms.append(bytearray(_FOR_BLOCKS))
-            self._rooms = rooms
+            self.rooms = rooms
 
     def run(self, app, port):
-        self._rooms = []
+        self.rooms.clear()
         gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms
         start.Start.run(self, app, port)
 
@@ -71,14 +71,14 @@ class Start(start.Start):
         from passo.ports.rp2.port import Port
 
         made = Port(board)
-        if self._rooms:
-            self._rooms.pop()
+        if self.rooms:
+            self.rooms.pop()
             gc.collect()
             if gc.mem_free() < _SHORT:
-                self._rooms = []
+                self.rooms.clear()
             try:
                 bytearray(_BLOCKS)
             except MemoryError:  # memory is too short to keep _FOR_WORK free
-                self._rooms = []
+                self.rooms.clear()
         gc.collect()
         return made
