@@ -6,6 +6,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.build.tree import build_tree, default_out, write_package
+from host_tools.failure import Failure
 
 
 def print_sizes(title, rows):
@@ -23,12 +24,28 @@ def print_sizes(title, rows):
     Console().print(table)
 
 
+def print_budget(name):
+    """What a board file uses of its chip. Raises Failure if it is wrong."""
+    from host_tools import boards
+    from host_tools.build.budget import budget
+    from passo.config.board_error import BoardError
+    from passo.config.boardfile import check
+
+    try:
+        rows = budget(check(boards.load(name)))
+    except BoardError as error:
+        raise Failure(f"{name}: {error}") from None
+    width = max(len(title) for title, _ in rows)
+    for title, text in rows:
+        print(f"{title:<{width}}  {text}")
+
+
 def build(
     board: Annotated[str, typer.Option("--board", help="Name of a file of boards/, or the path of a board file.")],
     out: Annotated[Optional[Path], typer.Option("--out", help="Folder to build in; build/NAME unless given.")] = None,
     march: Annotated[Optional[str], typer.Option("--march", help="Instruction set, instead of the chip's own.")] = None,
 ):
-    """Compile the firmware of one board and show its sizes.
+    """Compile the firmware of one board; show its sizes, and what the board file uses of pins, PIO and shift registers.
 
     Example: passo build --board plotter_2014
 
@@ -38,3 +55,4 @@ def build(
     rows = build_tree(board, out, march)
     write_package(out)
     print_sizes(f"{board} in {out}", rows)
+    print_budget(board)

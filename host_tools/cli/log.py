@@ -33,12 +33,12 @@ def log(
         raise Failure(f"--protocol {protocol}: it has no word for the log; ask on a link that speaks {', '.join(BAUD)}")
     port = port or ports.only()
     baud = baud or BAUD[protocol or "grbl"]
-    protocol = protocol or _spoken(port, baud)
+    protocol = protocol or spoken(port, baud)
     for line in {"grbl": _grbl, "torch": _torch, "pulses": _pulses, "plotter": _plotter}[protocol](port, baud):
         print(line)
 
 
-def _spoken(port, baud):
+def spoken(port, baud):
     """Find the language of a link by its answer to `?`, which moves nothing in any: grbl answers with its status, pulses with an
     error; torch does not answer, and logs it."""
     import time
@@ -72,14 +72,14 @@ def _torch(port, baud):
         entries = client.log()
     if entries is None:
         raise Failure(f"{port}: no answer, or a board that keeps no log; is it one of --protocol {', '.join(BAUD)}?")
-    return _told(entries)
+    return told(entries)
 
 
 def _pulses(port, baud):
     from host_tools.clients.pulses import PulsesClient
 
     with PulsesClient(port, baud) as client:
-        return _told(client.log())
+        return told(client.log())
 
 
 def _plotter(port, baud):
@@ -91,7 +91,7 @@ def _plotter(port, baud):
     return [f"the last: {number:>3}  {error_texts.text(number)}" if number else "nothing since it was last asked"]
 
 
-def _told(entries):
+def told(entries):
     return [entry_text(*entry) for entry in entries] or ["nothing since the start"]
 
 

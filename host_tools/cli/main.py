@@ -21,6 +21,7 @@ from host_tools.cli.ports import ports
 from host_tools.cli.pulses import app as pulses
 from host_tools.cli.send import send
 from host_tools.cli.settings import settings
+from host_tools.cli.status import status
 from host_tools.cli.stream import stream
 from host_tools.cli.torch import app as torch
 from host_tools.failure import Failure
@@ -87,7 +88,7 @@ def explain_missing(name):
     return None
 
 
-for _verb in (board, emulate, draw, send, stream, keys, check, calibrate, settings, link, log, interlock, plot, ports, build, flash):
+for _verb in (board, emulate, draw, send, stream, keys, check, calibrate, settings, link, status, log, interlock, plot, ports, build, flash):
     app.command()(_verb)
 app.add_typer(pulses, name="pulses")
 app.add_typer(torch, name="torch")

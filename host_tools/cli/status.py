@@ -1,0 +1,117 @@
+"""`passo status`: how a board is now: state, places, inputs, encoders, what it has logged."""
+
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.cli.log import BAUD, shown, spoken
+from host_tools.failure import Failure
+
+_REPORTS = 40  # of grbl, until one has said what each says only now and then
+_PINS = {"P": "probe", "D": "door", "H": "hold", "R": "reset", "S": "resume"}
+_ACCESSORIES = {"S": "spindle clockwise", "C": "spindle counter-clockwise", "F": "flood", "M": "mist"}
+
+
+def status(
+    port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")] = None,
+    baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
+    protocol: Annotated[
+        Optional[str], typer.Option(help="Language of the link of --port: grbl, torch, pulses or plotter. Default: found by asking.")
+    ] = None,
+):
+    """Show state, position, inputs, encoders and the last errors and alarms. Nothing moves, and nothing is changed, but that a
+    plotter forgets its error once it is asked.
+
+    A grbl link tells all of it, with the glitches of each input of an interlock and the following errors of encoders; the other
+    languages tell what they have a word for.
+
+    Example: passo status --port /dev/ttyACM0
+
+    Example: passo status --port /dev/ttyUSB0 --protocol plotter
+    """
+    from host_tools.cli import ports
+
+    if protocol not in (None, *BAUD):
+        raise Failure(f"--protocol {protocol}: it has no word for the status; ask on a link that speaks {', '.join(BAUD)}")
+    port = port or ports.only()
+    baud = baud or BAUD[protocol or "grbl"]
+    protocol = protocol or spoken(port, baud)
+    rows = {"grbl": _grbl, "torch": _torch, "pulses": _pulses, "plotter": _plotter}[protocol](port, baud)
+    width = max(len(name) for name, _ in rows)
+    for name, text in rows:
+        print(f"{name:<{width}}  {text}".rstrip())
+
+
+def _grbl(port, baud):
+    from host_tools.clients.grbl import GrblClient, Refused
+
+    with GrblClient(port, baud) as client:
+        fields = {}
+        for _ in range(_REPORTS):
+            fields = {**fields, **client.ask_status()}
+            if "WCO" in fields and "Ov" in fields:
+                break
+        log = client.command("$LOG")
+        try:
+            encoders = [line for line in client.command("$ENC") if line.startswith("[ENC:")]
+        except Refused:
+            encoders = []  # the board has none
+    return grbl_rows(fields, encoders, log)
+
+
+def grbl_rows(fields, encoders, log):
+    """[(name, text)] of the fields of status reports, the lines of $ENC and those of $LOG."""
+    rows = [("state", fields["state"])]
+    offset = _numbers(fields.get("WCO", ""))
+    for name, key, other, sign in (("machine", "MPos", "WPos", 1), ("work", "WPos", "MPos", -1)):
+        place = _numbers(fields.get(key, ""))
+        if not place and key not in fields and offset and other in fields:
+            place = [at + sign * by for at, by in zip(_numbers(fields[other]), offset)]
+        if place:
+            rows.append((name, "  ".join(f"{axis} {at:.3f}" for axis, at in zip("XYZA", place))))
+    feed, rpm, *_ = (*fields.get("FS", "0,0").split(","), "0")
+    on = [_ACCESSORIES[letter] for letter in fields.get("A", "") if letter in _ACCESSORIES]
+    rows.append(("moves", ", ".join([f"{feed} mm/min", f"S {rpm}", *on])))
+    if "Ov" in fields:
+        rows.append(("overrides", "feed {} %, rapids {} %, spindle {} %".format(*fields["Ov"].split(","))))
+    active = [_PINS.get(letter, f"limit {letter}") for letter in fields.get("Pn", "")]
+    rows.append(("active", ", ".join(active) or "no input"))
+    for line in encoders:
+        motor, count, error, most = line[5:-1].split(",")
+        rows.append((f"encoder {motor}", f"{count} counts, {error} steps off, {most} at most"))
+    for text in map(shown, log):
+        if text:
+            rows.append(("", text))
+    return rows
+
+
+def _numbers(text):
+    return [float(part) for part in text.split(",") if part]
+
+
+def _torch(port, baud):
+    from host_tools.cli.log import told
+    from host_tools.clients.torch import TorchClient
+
+    with TorchClient(port, baud) as client:
+        fields, log = client.status(), client.log()
+    if fields is None:
+        raise Failure(f"{port}: no answer, or a board that has no word for its state; is it one of --protocol {', '.join(BAUD)}?")
+    rows = [(name, str(value)) for name, value in fields.items()]
+    return rows + [("", line) for line in told(log or [])]
+
+
+def _pulses(port, baud):
+    from host_tools.cli.log import told
+    from host_tools.clients.pulses import PulsesClient
+
+    with PulsesClient(port, baud) as client:
+        fields, log = client.status(), client.log()
+    return [(name, str(value)) for name, value in fields.items()] + [("", line) for line in told(log)]
+
+
+def _plotter(port, baud):
+    from host_tools.clients.plotter import PlotterClient
+
+    with PlotterClient(port, baud) as client:
+        return [(name, str(value)) for name, value in client.status().items()]

@@ -1,0 +1,64 @@
+"""`passo status`: what it makes of reports, and of boards of each language."""
+
+import pytest
+from typer.testing import CliRunner
+
+from host_tools.cli.main import app
+from host_tools.cli.status import grbl_rows
+from host_tools.clients.grbl import fields_of
+from host_tools.failure import Failure
+from test_board_command import Board
+
+REPORT = "<Run|WPos:1.000,-2.500,0.000|Bf:10,100|FS:600,9000|Pn:XP|WCO:10.000,0.000,-1.000|Ov:100,50,100|A:SF>"
+
+
+@pytest.mark.quick
+def test_rows_of_a_report():
+    rows = grbl_rows(fields_of(REPORT), ["[ENC:x,3200,-1,4]"], ["[PIN:bxb,1,2,7,1500,-1]", "[LOGGED:2x201]"])
+    assert dict(rows[:-2]) == {
+        "state": "Run",
+        "machine": "X 11.000  Y -2.500  Z -1.000",
+        "work": "X 1.000  Y -2.500  Z 0.000",
+        "moves": "600 mm/min, S 9000, spindle clockwise, flood",
+        "overrides": "feed 100 %, rapids 50 %, spindle 100 %",
+        "active": "limit X, probe",
+        "encoder x": "3200 counts, -1 steps off, 4 at most",
+    }
+    assert rows[-2][1].startswith("input bxb: active, stopped the machine 2 times, 7 glitches; last became active at 1.500 s")
+    assert rows[-1][1] == "since the start: 2 times 201"
+
+
+@pytest.mark.quick
+def test_the_other_way_round():
+    rows = dict(grbl_rows(fields_of("<Idle|MPos:1.000,2.000|FS:0,0|WCO:1.000,1.000>"), [], []))
+    assert rows["machine"] == "X 1.000  Y 2.000" and rows["work"] == "X 0.000  Y 1.000" and rows["active"] == "no input"
+
+
+def asked(port, *more):
+    result = CliRunner().invoke(app, ["status", "--port", port, *more])
+    assert result.exit_code == 0, result.output
+    return {line.split("  ")[0]: line for line in result.output.splitlines()}
+
+
+@pytest.mark.unmeasured
+@pytest.mark.parametrize(
+    "board, options, wanted",
+    [
+        ("mill_2004", (), {"state": "Alarm", "encoder x2": "0 counts"}),
+        ("plotter_2014", ("--protocol", "plotter"), {"state": "idle", "drawn": "0"}),
+        ("torch_manipulator", ("--protocol", "torch"), {"state": "idle", "ours": "False"}),
+        ("lpt_router", ("--protocol", "pulses"), {"state": "idle", "going": "+"}),
+    ],
+)
+def test_of_each_language(board, options, wanted):
+    with Board("--board", board, "--time", "fast") as running:
+        rows = asked(running.port, *options)
+        for name, text in wanted.items():
+            assert text in rows[name]
+        assert rows == asked(running.port, *options), "asking changes nothing"
+
+
+@pytest.mark.quick
+def test_a_language_without_a_word_for_it():
+    result = CliRunner().invoke(app, ["status", "--port", "/dev/nothing", "--protocol", "keys"])
+    assert isinstance(result.exception, Failure) and "no word for the status" in str(result.exception)
