@@ -34,6 +34,7 @@ _MOST = const(3)  # lines a cycle on a chip, where they take time
 _ALL = const(0x1FFFFFFF)
 _FULL = const(128)  # bytes of a read that left some in the line's buffer
 _MORE = const(8)  # such reads a cycle: the whole buffer
+_USB_BAUD = const(1_000_000)  # at least
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
 
@@ -93,7 +94,13 @@ class App:
         for config, language, serial in zip(board["links"], languages, serials):
             number = len(self.links)
             protocol = language.create(config, number, board, self.controller, shared, most)
-            self.links.append(Link(number, config, serial, protocol, self.controller))
+            made = Link(number, config, serial, protocol, self.controller)
+            if config["frames"]:
+                baud = config["baud"] if config["port"] != "usb" else _USB_BAUD
+                made.serial = machine_builder.framed_line()(made, serial, baud, port.link_ms)
+            if config["lost"] != "go_on":
+                made.serial = self.controller.features["host_watch"].watch(number, made.serial)
+            self.links.append(made)
         self.controller.start()
         self._answer()
 

@@ -61,6 +61,7 @@ TEXTS = {
     errors.GARBLED: "bytes that are no whole frame were dropped",
     errors.STOPPED: "dropped: the machine was stopped before its turn came",
     errors.NO_MOTORS: "the motors are the other controller's: connect them to this board first",
+    errors.HOST_LOST: "the host said nothing any more while its job was under way: the machine was held or stopped",
     errors.NO_CODE: "neither a pulse code nor a command of the language",
     errors.NUMBER_MISSING: "a number is missing, or unfinished",
     errors.NUMBER_RANGE: "the number is out of its range",
@@ -96,6 +97,7 @@ TEXTS = {
     errors.ALARM_INVERTER_FAULT: "the spindle's inverter has a fault: the log has its number; clear it there",
     errors.ALARM_INVERTER_REFUSED: "the spindle's inverter refused a request: check its make, and that it takes commands from its serial line",
     errors.ALARM_SPINDLE_SPEED: "the spindle did not come to its speed, or lost it",
+    errors.ALARM_HOST_LOST: "the host said nothing any more: its job was dropped at a stand; the position is kept",
 }
 
 

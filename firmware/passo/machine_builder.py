@@ -12,6 +12,12 @@ from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
 _PAUSING = ("hold", "resume", "door")
 
+
+def _lost(board, *ways):
+    """True if a link asks for one of these when its host is lost."""
+    return [link for link in board["links"] if link["lost"] in ways]
+
+
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue")
 _OF_WHOLE = ("motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")
@@ -38,12 +44,13 @@ FEATURES = (
     ("independent", "Independent", None),
     ("step_program", "StepProgramPlayer", None),
     ("program", "Program", None),
-    ("pauses", "Pauses", lambda board: [item for item in board["inputs"] if item["name"] in _PAUSING]),
+    ("pauses", "Pauses", lambda board: [item for item in board["inputs"] if item["name"] in _PAUSING] or _lost(board, "pause")),
     ("tools", "Tools", None),
     ("digital", "DigitalOutputs", lambda board: [item for item in board["outputs"] if item["name"][0] == "p" and item["name"][1:].isdigit()]),
     ("inverter", "Inverter", lambda board: board["inverter"]),
     ("pins", "Pins", None),
     ("links", "Links", lambda board: True),
+    ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop")),
     ("resets", "Resets", lambda board: True),
 )
 
@@ -69,6 +76,8 @@ def load_all(board, whole):
         modules += ("control.squaring",)
     if board["homing"] and board["homing"]["latch"]:
         modules += ("control.quality",)
+    if [link for link in board["links"] if link["frames"]]:
+        framed_line()
     for module in modules:
         __import__("passo." + module)
     make_drive(board)
@@ -93,6 +102,14 @@ def languages(board):
             raise BoardError("link %s: %s" % (link["name"], why))
         modules.append(language)
     return modules
+
+
+def framed_line():
+    """The class of lines that speak frames; only boards that have such a link load it. Raises BoardError."""
+    try:
+        return __import__("passo.protocols.frames", None, None, ("FramedLine",)).FramedLine
+    except ImportError as missing:
+        raise BoardError("frames are not on this board (%s): flash it anew" % missing)
 
 
 def wanted(board, languages):

@@ -92,6 +92,7 @@ COLD_IF_LEAN = (
 )
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
+FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key of this name
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say
 
 
@@ -158,6 +159,8 @@ def selected(board, firmware=FIRMWARE):
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"])]
     known = {language_name(path) for path in files} - {None}
     wanted = {link["protocol"] for link in board.get("links", [])}
+    if any(link.get("frames") for link in board.get("links", [])):
+        wanted.add(FRAMES)
     if wanted - known:
         raise Failure(f"there is no protocol {', '.join(sorted(wanted - known))} in {firmware / 'passo' / 'protocols'}")
     modules = {}  # name: path

@@ -1,7 +1,7 @@
 """The `passo` command: registers the verbs, each of which lives in its own module."""
 
 import sys
-from typing import Annotated
+from typing import Annotated, Optional
 
 import typer
 
@@ -46,6 +46,13 @@ passo VERB --help has examples. With a board: passo ports, then passo flash.\
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
 
 
+def _ask_for_frames(wanted: Optional[bool]):
+    if wanted is not None:
+        from host_tools.clients import serial_port
+
+        serial_port.frames = wanted
+
+
 def _show_version(wanted: bool):
     if wanted:
         print(f"passo {version()}")
@@ -58,6 +65,13 @@ def _passo(
     _version: Annotated[
         bool, typer.Option("--version", help="Show the version and end.", callback=_show_version, is_eager=True)
     ] = False,
+    _frames: Annotated[
+        Optional[bool],
+        typer.Option(
+            "--frames/--no-frames", callback=_ask_for_frames,
+            help="Ask the board for frames, which noise on the cable cannot change. By itself passo asks where grbl is spoken.",
+        ),
+    ] = None,
 ):
     """Passo: a motion controller for stepper machines. Draw, send, watch, and try it all on a virtual board."""
     if context.invoked_subcommand is None:

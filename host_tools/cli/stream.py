@@ -92,8 +92,10 @@ class Panel:
         self._paused_at = None
         self._asked = 0.0
         self._keys = contextlib.ExitStack()
+        self._asks = True  # for the status; else the board tells it unasked
 
     def __enter__(self):
+        self._asks = not self._client.report(int(1000 * _STATUS_S))
         if sys.stdin.isatty():
             import termios
             import tty
@@ -109,6 +111,8 @@ class Panel:
         if self._bar:
             self._show()
         self._keys.close()
+        if not self._asks and (kind is None or not issubclass(kind, LinkError)):
+            self._client.report(0)
         if kind is KeyboardInterrupt:
             self._client.halt()
             raise Aborted(f"aborted at line {self._line}") from None
@@ -136,7 +140,8 @@ class Panel:
             raise LinkError(f"port {self._client.port}: no answer any more, at line {self._line}")
         if now - self._asked >= _STATUS_S:
             self._asked = now
-            self._client.real_time(b"?")
+            if self._asks:
+                self._client.real_time(b"?")
             if self._bar:
                 self._show()
 

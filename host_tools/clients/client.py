@@ -10,9 +10,10 @@ from host_tools.clients.serial_port import LinkError
 
 class Client:
     def __init__(self, port, opened, log):
-        """`opened`: the pyserial port of the name `port`; `log`: path of a file that gets a line each way, or None."""
+        """`opened`: the pyserial port of the name `port`, or a FramedPort; `log`: path of a file that gets a line each way, or None."""
         self.port = port
         self._serial = opened
+        self.framed = hasattr(opened, "urgent")
         self._log = open(log, "a", encoding="utf-8", buffering=1) if log else None
 
     def __enter__(self):
@@ -29,6 +30,17 @@ class Client:
         try:
             self._serial.write(data)
         except (OSError, ValueError) as error:
+            raise LinkError(f"port {self.port} went away: {error}") from error
+
+    def _write_now(self, data, cut=False):
+        """Send real-time bytes; in frames they overtake what is written, or, if they `cut`, end it. Raises LinkError."""
+        if not self.framed:
+            self._write(data)
+            return
+        self._note(">", data)
+        try:
+            self._serial.urgent(data, cut)
+        except OSError as error:
             raise LinkError(f"port {self.port} went away: {error}") from error
 
     def _read(self):

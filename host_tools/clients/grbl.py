@@ -10,10 +10,11 @@ import re
 import time
 
 from host_tools.clients.client import Client
-from host_tools.clients.serial_port import LinkError, open_exclusively
+from host_tools.clients.serial_port import LinkError, open_link
 from host_tools.failure import Failure
 
 RX_BYTES = 128
+_FRAMED_BYTES = 900  # the same of a framed link, whose credit sees to the rest
 _LONGEST_TAGGED = 72  # characters, of 80 with the number
 _HIGHEST = 9_999_999
 _SLICE_S = 0.02
@@ -29,8 +30,9 @@ class Refused(Failure):
 
 
 class GrblClient(Client):
-    def __init__(self, port, baud=115200, timeout_s=5.0, log=None):
-        super().__init__(port, open_exclusively(port, baud, _SLICE_S), log)
+    def __init__(self, port, baud=115200, timeout_s=5.0, log=None, opened=None):
+        """`opened`: a port that is open already; `port` is only its name then."""
+        super().__init__(port, opened or open_link(port, baud, _SLICE_S, True), log)
         self.timeout_s = timeout_s
         self.status = {}  # fields of the last report; "state" is its first
         self.alarm = None
@@ -42,7 +44,13 @@ class GrblClient(Client):
 
     def real_time(self, data):
         """Send real-time bytes at once."""
-        self._write(data)
+        self._write_now(data, RESET in data)
+
+    def report(self, every_ms):
+        """Have the board report its status by itself every so many ms; 0: not any more. False if it cannot."""
+        if self.framed:
+            self._serial.report(every_ms, b"?")
+        return self.framed
 
     def lines(self):
         """Whole lines received; notes status, alarms and banners."""
@@ -83,7 +91,7 @@ class GrblClient(Client):
 
     def reset(self):
         before = self.banners
-        self._write(RESET)
+        self.real_time(RESET)
         deadline = time.monotonic() + self.timeout_s
         said = []
         while self.banners == before:
@@ -115,7 +123,7 @@ class GrblClient(Client):
     def ask_status(self):
         """The fields of a fresh report."""
         self.status = {}
-        self._write(b"?")
+        self.real_time(b"?")
         deadline = time.monotonic() + self.timeout_s
         while not self.status:
             self.lines()
@@ -126,7 +134,7 @@ class GrblClient(Client):
     def stream(self, lines, count=True, idle=None, numbered=False):
         """Send [(number, bytes)]; yields each number as its line is answered.
 
-        `count`: keep up to 128 bytes under way; otherwise each line waits for the answer to the previous one. Calls `idle()`
+        `count`: keep up to 128 bytes under way, 900 in frames; otherwise each line waits for the answer to the previous one. Calls `idle()`
         while waiting. `numbered`: add N words, so that `Ln` of a status report names the line being executed. At the first
         error holds the machine, drops what is under way and raises Refused.
         """
@@ -155,11 +163,11 @@ class GrblClient(Client):
     def _room(self, under_way, line, count):
         if not count:
             return not under_way
-        return sum(len(sent) + 1 for _, _, sent in under_way) + len(line) + 1 <= RX_BYTES
+        return sum(len(sent) + 1 for _, _, sent in under_way) + len(line) + 1 <= (_FRAMED_BYTES if self.framed else RX_BYTES)
 
     def halt(self):
         """Stop on the path and drop everything that is queued; the position is kept."""
-        self._write(b"!")
+        self.real_time(b"!")
         deadline = time.monotonic() + self.timeout_s
         while time.monotonic() < deadline and self.ask_status()["state"] not in ("Hold:0", "Idle", "Alarm", "Check"):
             time.sleep(0.05)

@@ -1,6 +1,7 @@
 """Opens a serial port for one program only.
 
     opened = open_exclusively("/dev/ttyACM0", 57600, 0.05)      # a pyserial port
+    opened = open_link("/dev/ttyACM0", 57600, 0.05, True)       # the same, or frames on it if the board has them
 
 A port is locked with flock, as pyserial and mpremote do. A real serial device is also locked with TIOCEXCL, which stops
 programs that do not use flock; flock also stops root, whom TIOCEXCL does not. A URL such as socket://host:port is locked by a
@@ -16,8 +17,28 @@ from pathlib import Path
 from host_tools.failure import Failure
 
 
+frames = None  # `passo --frames`, `--no-frames`: ask every board for frames, or none
+
+
 class LinkError(Failure):
     """The port, the wire or the device at its other end failed."""
+
+
+def open_link(port, baud, slice_s, text):
+    """As open_exclusively(), without old input; a FramedPort if the board has frames. It is asked if the language is of lines, each answered
+    by one (`text`), or if `frames` says so."""
+    from host_tools.clients.frames import offered
+
+    opened = open_exclusively(port, baud, slice_s)
+    try:
+        opened.reset_input_buffer()
+        if text if frames is None else frames:
+            opened = offered(opened, text=text)
+            opened.reset_input_buffer()
+        return opened
+    except OSError as error:
+        opened.close()
+        raise LinkError(f"port {port} went away: {error}") from error
 
 
 def open_exclusively(port, baud, slice_s):

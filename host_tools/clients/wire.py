@@ -9,7 +9,7 @@ A STATUS answer is twelve bytes and every other answer one, so a `?` makes the r
 
 import time
 
-from host_tools.clients.serial_port import LinkError, open_exclusively
+from host_tools.clients.serial_port import LinkError, open_link
 from passo.protocols.plotter import host as plotter
 
 _SLICE_S = 0.05  # how long one read waits: the finest grain of every time-out
@@ -43,14 +43,9 @@ def answer_text(data):
 
 
 def open_port(port, baud):
-    """Open a pyserial port for this program only and discard old input. Raises LinkError."""
-    opened = open_exclusively(port, baud, _SLICE_S)
-    try:
-        opened.reset_input_buffer()
-    except OSError as error:
-        opened.close()
-        raise LinkError(f"port {port} went away: {error}") from error
-    return opened
+    """Open a port for this program only. Frames are not asked for by itself: controllers older than Passo take any bytes for packets.
+    Raises LinkError."""
+    return open_link(port, baud, _SLICE_S, False)
 
 
 class Wire:

@@ -88,6 +88,10 @@ class Lines:
         """True if a line has begun and not ended."""
         return self._spoilt or self._end > self.whole
 
+    def free(self):
+        """Bytes that can be kept."""
+        return ROOM - self._end + self.at
+
     def room(self):
         """Of the bytes that a sender may have under way, those that are not kept."""
         return max(0, RX_BYTES - self._end + self.at)

@@ -176,6 +176,10 @@ class Grbl:
             return False
         return self._lines.asked or self._waiting()
 
+    def space(self):
+        """Bytes that feed() and collect() can keep."""
+        return self._lines.free()
+
     def _waiting(self):
         return self._rest or self._start_lines or self._lines.waiting()
 

@@ -1,0 +1,292 @@
+"""A serial line that speaks frames once a host has asked for it, and is as it was until then.
+
+    link.serial = FramedLine(link, link.serial, baud, clock)
+
+To the app it is a serial line like the one below it; to the link's language nothing changes: it reads and writes the
+bytes inside the frames. What they look like, and what each end does: docs/languages/frames.md.
+"""
+
+from micropython import const
+
+from passo.protocols.frames.codec import (
+    ACK, AGAIN, CHECK, CLOSED, CREDIT_BYTES, CUT, DATA, HEAD, FRAME_HELLO, HELLO_WIRE, LEAVE, LONGEST, MOST, MOST_CREDIT, NEW, NUMBERS,
+    REPORT, TAKEN, URGENT, VERSION, WELCOME, delimited, frame, header, sound,
+)  # fmt: skip
+from passo.protocols.frames.sender import Sender
+from passo.records import COUNT_MASK
+
+_PLAIN = const(0)
+_OPEN = const(1)
+_CLOSED = const(2)  # framed, but answers were lost: the host has to begin anew
+_BUFFER = const(512)
+_HOLD_MS = const(20)  # what could be the beginning of HELLO is kept so long
+_AGAIN_MS = const(30)  # between two requests for the same bytes
+_ANSWERS = const(48)  # bytes of answers that go out at once
+_ANSWER_MS = const(8)  # that fewer of them may wait
+_KEPT = const(4000)  # bytes of answers that nobody takes
+_PIECE = const(48)  # of a long answer
+_CONFIRM_MS = const(1000)  # a host says something in frames after WELCOME, or the link is plain again
+_FEW = const(4)  # credits of a language that does not say how much it takes
+
+
+class FramedLine:
+    def __init__(self, link, serial, baud, clock):
+        """`link`: has protocol and waiting; `baud`: of a UART, or any large number; `clock()`: milliseconds."""
+        self._link = link
+        self._serial = serial
+        self._clock = clock
+        self._space = getattr(link.protocol, "space", None)  # tells how many bytes the language can keep
+        self._unfinished = getattr(link.protocol, "pending", None)
+        self._sender = Sender(baud, _PIECE, True)
+        self._state = _PLAIN
+        self._held = b""  # plain: what could be the beginning of HELLO
+        self._held_ms = 0
+        self._buffer = self._view = b""  # made by the first HELLO
+        self._left = b""  # of what was read and found no room in the buffer
+        self.heard = False  # something sound has come; it is the reader's to clear
+        self._confirmed = True  # the host has understood WELCOME
+        self._begun_ms = 0
+        self._clear()
+
+    def _clear(self):
+        self._at = self._end = 0  # of the buffer: what has not been looked at
+        self._next = 0  # number of the byte wanted next
+        self._urgent = 0  # number of the urgent frame wanted next
+        self._new = True
+        self._owes = False  # an acknowledgement
+        self._told = 0  # credits, by the last one
+        self._asked = -1  # the byte that was asked for again
+        self._asked_ms = 0
+        self._answer_ms = 0  # since when answers wait
+        self._every_ms = 0
+        self._reported_ms = 0
+        self._question = b""
+        self._sender.clear(0)
+
+    # --- the face of a serial line
+
+    def any(self):
+        return self._at < self._end and self._buffer.find(b"\0", self._at, self._end) >= 0 or self._serial.any()
+
+    def read(self):
+        """Bytes for the language, good until the next read; b"" if none."""
+        if self._state == _PLAIN:
+            return self._plain()
+        while True:
+            end = self._buffer.find(b"\0", self._at, self._end)
+            if end < 0:
+                if not self._fill():
+                    return self._rest()
+                continue
+            begin = self._at
+            self._at = end + 1
+            if end - begin >= HEAD + CHECK:
+                data = self._understand(begin, end)
+                if data:
+                    return data
+                if self._state == _PLAIN:
+                    return b""
+
+    def write(self, data):
+        if self._state == _PLAIN:
+            self._serial.write(data)
+            return
+        sender = self._sender
+        if self._state == _CLOSED:
+            return
+        if sender.kept + len(data) > _KEPT:
+            self._state = _CLOSED
+            return
+        if sender.kept == sender.flying:
+            self._answer_ms = self._clock()
+        sender.put(data)
+        if sender.kept - sender.flying >= _ANSWERS or not (self._unfinished and self._unfinished()):
+            self._send()
+
+    def close(self):
+        self._serial.close()
+
+    # --- until a host asks for frames
+
+    def _plain(self):
+        data = self._serial.read()
+        if not data:
+            if self._held and (self._clock() - self._held_ms) & COUNT_MASK >= _HOLD_MS:
+                data = self._held
+                self._held = b""
+                return data
+            return b""
+        self.heard = True
+        text = self._held + bytes(data)
+        at = text.find(b"\0")
+        if at < 0:
+            return data
+        self._held = b""
+        at = text.find(HELLO_WIRE)
+        if at >= 0:
+            self._begin(text[at + len(HELLO_WIRE) :])
+            return text[:at]
+        at = text.rfind(b"\0")
+        if HELLO_WIRE.startswith(text[at:]):
+            self._held = text[at:]
+            self._held_ms = self._clock()
+            return text[:at]
+        return text
+
+    def _begin(self, rest):
+        if not self._buffer:
+            self._buffer = bytearray(_BUFFER)
+            self._view = memoryview(self._buffer)
+        self._clear()
+        self._state = _OPEN
+        self._left = rest
+        self._confirmed = False
+        self._begun_ms = self._clock()
+        self._welcome()
+
+    # --- bytes to frames
+
+    def _fill(self):
+        """Put what has come behind what is kept. False if there is nothing."""
+        data = self._left or self._serial.read()
+        if not data:
+            return False
+        at = self._at
+        held = self._end - at
+        if held > LONGEST:
+            at += held  # noise without a delimiter
+            held = 0
+        if at:
+            self._buffer[:held] = self._buffer[at : at + held]
+            self._at = 0
+        room = _BUFFER - held
+        self._left = bytes(data[room:]) if len(data) > room else b""
+        count = min(len(data), room)
+        self._buffer[held : held + count] = data[:count]
+        self._end = held + count
+        return True
+
+    def _understand(self, begin, end):
+        """Do what a frame asks for. Returns the bytes in it that are for the language, or None."""
+        if not sound(self._buffer, begin, end):
+            self._ask_again()
+            return None
+        self.heard = True
+        kind, number, ack, credit = header(self._buffer, begin)
+        if kind == FRAME_HELLO:
+            if self._state == _CLOSED:
+                self._clear()
+                self._state = _OPEN
+            self._welcome()
+            return None
+        if self._state == _CLOSED:
+            self._serial.write(delimited(frame(CLOSED)))
+            return None
+        self._confirmed = True
+        data = self._view[begin + HEAD : end - CHECK]
+        if kind == DATA:
+            self._sender.acknowledged(ack, credit, self._clock())
+            return self._take(number, data)
+        if kind == ACK or kind == AGAIN:
+            self._sender.acknowledged(ack, credit, self._clock())
+            if kind == AGAIN:
+                self._sender.again()
+            self._send()
+            return None
+        return self._take_urgent(kind, number, data)
+
+    def _take(self, number, data):
+        """What is new of bytes from `number` on."""
+        known = (self._next - number) % NUMBERS
+        if known > NUMBERS >> 1:
+            self._ask_again()
+            return None
+        self._owes = True
+        if known >= len(data):
+            return None
+        self._new = False
+        self._next = (number + len(data)) % NUMBERS
+        return data[known:] if known else data
+
+    def _take_urgent(self, kind, number, data):
+        if not URGENT <= kind <= LEAVE:
+            return None
+        fresh = number == self._urgent
+        if fresh:
+            if kind != URGENT and kind != LEAVE and len(data) < 2:
+                return None
+            self._new = False
+            self._urgent = (number + 1) % NUMBERS
+            if kind == CUT:
+                behind = data[0] << 8 | data[1]
+                if (behind - self._next) % NUMBERS < NUMBERS >> 1:
+                    self._next = behind
+                data = data[2:]
+            elif kind == REPORT:
+                self._every_ms = data[0] << 8 | data[1]
+                self._question = bytes(data[2:])
+                self._reported_ms = self._clock()
+        elif (number + 1) % NUMBERS != self._urgent:
+            return None
+        self._serial.write(delimited(self._frame(TAKEN, number)))
+        if kind == LEAVE:
+            self._state = _PLAIN
+            self._at = self._end = 0
+            return None
+        return data if fresh and kind != REPORT else None
+
+    # --- frames to bytes
+
+    def _credit(self):
+        if self._space:
+            return min(MOST_CREDIT, self._space() // CREDIT_BYTES)
+        return 0 if self._link.waiting else _FEW
+
+    def _frame(self, kind, number=0, data=b""):
+        """A frame with the newest acknowledgement."""
+        self._owes = False
+        self._told = self._credit()
+        return frame(kind, number, self._next, self._told, data)
+
+    def _welcome(self):
+        about = bytes((VERSION, NEW if self._new else 0, MOST, self._urgent >> 8, self._urgent & 255))
+        self._serial.write(delimited(self._frame(WELCOME, self._sender.end(), about)))
+
+    def _ask_again(self):
+        now_ms = self._clock()
+        if self._state == _OPEN and (self._asked != self._next or (now_ms - self._asked_ms) & COUNT_MASK >= _AGAIN_MS):
+            self._asked = self._next
+            self._asked_ms = now_ms
+            self._serial.write(delimited(self._frame(AGAIN)))
+
+    def _send(self):
+        """Send what may be sent of the answers."""
+        sender = self._sender
+        now_ms = self._clock()
+        data = sender.next(now_ms)
+        while data is not None:
+            self._serial.write(delimited(self._frame(DATA, sender.number, data)))
+            data = sender.next(now_ms)
+
+    def _rest(self):
+        """Nothing more has come: send what waits, ask what is to be asked. Returns the question, or b""."""
+        if self._state == _CLOSED:
+            return b""
+        sender = self._sender
+        if not self._confirmed and (self._clock() - self._begun_ms) & COUNT_MASK >= _CONFIRM_MS:
+            self._state = _PLAIN
+            self._at = self._end = 0
+            self._serial.write(b"".join(sender.messages))
+            return b""
+        if sender.kept:
+            now_ms = self._clock()
+            if sender.late(now_ms) or sender.kept > sender.flying and (now_ms - self._answer_ms) & COUNT_MASK >= _ANSWER_MS:
+                self._send()
+        if self._owes or self._told < _FEW and self._credit() > self._told:
+            self._serial.write(delimited(self._frame(ACK)))
+        if self._every_ms and not sender.kept:
+            now_ms = self._clock()
+            if (now_ms - self._reported_ms) & COUNT_MASK >= self._every_ms:
+                self._reported_ms = now_ms
+                return self._question
+        return b""

@@ -1,0 +1,229 @@
+"""The reference client of docs/languages/frames.md: a serial port whose bytes go in frames, so that none is lost, doubled or changed.
+
+    opened = offered(serial.Serial("/dev/ttyACM0", 115200, timeout=0.05))    # a FramedPort, or the same port if the board has no frames
+    opened.write(b"G1X1\\n")                # one message: a line, a packet, a command
+    opened.read(100)                        # what the board says, as from a serial port
+    opened.urgent(b"!")                     # ahead of all that is written
+    opened.urgent(b"\\x18", cut=True)        # and what has been written and has not come is dropped
+    opened.report(250, b"?")                # the board asks itself every 250 ms
+    opened.close()
+
+It works while it is called: read(), write(), in_waiting. Raises OSError if the board does not answer, or has been reset.
+"""
+
+import time
+
+from passo.protocols.frames import codec
+from passo.protocols.frames.codec import ACK, AGAIN, CUT, DATA, HELLO_WIRE, LEAVE, NUMBERS, REPORT, TAKEN, URGENT, WELCOME
+from passo.protocols.frames.sender import Sender
+
+SLICE_S = 0.004  # a look at the wire
+OFFER_S = 0.25  # after which a board without frames is one
+_OFFER_AGAIN_MS = 80
+_SILENT_MS = 250  # then nothing but HELLO is sent
+_LOST_MS = 5000
+_URGENT_MS = 60
+_SILENCE_MS = 60  # before the next frame a delimiter cuts off what noise has left
+_ACK_MS = 40  # an acknowledgement waits for bytes to go with
+_USB_BAUD = 1_000_000
+
+
+def offered(port, wait_s=OFFER_S, text=False):
+    """`port`, an open pyserial port, or a FramedPort on it if the board answers HELLO within `wait_s`. `text`: the link's language has
+    lines, each of which is answered by one; then a board without frames is found out at once."""
+    framed = FramedPort(port)
+    if framed.begin(wait_s, text):
+        return framed
+    port.timeout = framed.timeout
+    if text:
+        port.write(b"\n")  # so that what came of HELLO ends
+        while port.read(1) not in (b"\n", b""):
+            pass
+    return port
+
+
+def _milliseconds():
+    return time.monotonic_ns() // 1_000_000
+
+
+class FramedPort:
+    def __init__(self, port, clock=_milliseconds):
+        """`clock()`: milliseconds."""
+        self._port, self._clock = port, clock
+        self.timeout, port.timeout = port.timeout, SLICE_S
+        self._sender = Sender(port.baudrate or _USB_BAUD)
+        self._wire = bytearray()  # of frames that have not ended
+        self._received = bytearray()
+        self._urgents = []  # (kind, bytes) not yet taken
+        self._urgent = 0  # number of the first of them
+        self._urgent_ms = None  # when it was sent
+        self._next = 0  # number of the byte wanted next
+        self._asked_ms = 0
+        self._owes_ms = None  # since when an acknowledgement is owed
+        self._new = self._open = False
+        self._heard_ms = self._said_ms = self._sent_ms = clock()
+
+    def begin(self, wait_s, text=False):
+        """Open a new session. False if nobody answers HELLO within `wait_s`, or, with `text`, something else answers a line."""
+        for _ in range(2):
+            end_ms = self._clock() + 1000 * wait_s
+            self._open = False
+            while not self._open:
+                if self._clock() >= end_ms or text and (b"ok\r\n" in self._wire or b"error:" in self._wire):
+                    return False
+                if self._offer() and text:
+                    self._port.write(b"\n")
+                self._poll()
+            if self._new:
+                return True
+            self._leave()  # another program's session: end it, and begin anew
+        return False
+
+    # --- the face of a serial port
+
+    @property
+    def in_waiting(self):
+        self._poll()
+        return len(self._received)
+
+    def read(self, size=1):
+        end_ms = self._clock() + 1000 * (self.timeout or 0)
+        self._poll()
+        while not self._received and self._clock() < end_ms:
+            self._poll()
+        data = bytes(self._received[:size])
+        del self._received[:size]
+        return data
+
+    def write(self, data):
+        self._sender.put(data)
+        self._pump()
+
+    def urgent(self, data, cut=False):
+        """Real-time bytes, ahead of what is written. `cut`: the board drops what was written before and has not come."""
+        if cut:
+            behind = self._sender.end()
+            self._sender.clear(behind)
+            data = behind.to_bytes(2, "big") + data
+        self._urgents.append((CUT if cut else URGENT, data))
+        self._pump()
+
+    def report(self, every_ms, question):
+        """Have the board ask itself `question`, and answer here, every so many ms; 0: not any more."""
+        self._urgents.append((REPORT, every_ms.to_bytes(2, "big") + question))
+        self._pump()
+
+    def reset_input_buffer(self):
+        self._poll()
+        self._received.clear()
+
+    def close(self):
+        try:
+            end_ms = self._clock() + 1000
+            while (self._sender.kept or self._urgents) and self._clock() < end_ms:
+                self._poll()
+            self._leave()
+        except OSError:
+            pass
+        self._port.close()
+
+    # --- frames
+
+    def _send(self, kind, number=0, data=b""):
+        now_ms, self._owes_ms = self._clock(), None
+        wire = codec.delimited(codec.frame(kind, number, self._next, codec.MOST_CREDIT, data))
+        follows = self._sender.size == codec.MOST and now_ms - self._sent_ms < _SILENCE_MS
+        self._port.write(wire[1:] if follows else wire)
+        self._sent_ms = now_ms
+
+    def _offer(self):
+        """Send HELLO, if it is time; True if it is."""
+        if self._said_ms and self._clock() - self._said_ms < _OFFER_AGAIN_MS:
+            return False
+        self._said_ms = self._clock()
+        self._port.write(HELLO_WIRE)
+        return True
+
+    def _leave(self):
+        self._urgents = [(LEAVE, b"")]
+        self._urgent_ms = None
+        end_ms = self._clock() + _URGENT_MS - 10  # it is not repeated
+        while self._urgents and self._clock() < end_ms:
+            self._poll()
+        self._urgents, self._said_ms = [], 0
+
+    def _pump(self):
+        """Send what may be sent now."""
+        if not self._open:
+            return
+        now_ms, sender = self._clock(), self._sender
+        if not sender.flying and self._urgent_ms is None:
+            self._heard_ms = now_ms  # nothing is expected
+        elif now_ms - self._heard_ms > _SILENT_MS:
+            if now_ms - self._heard_ms > _LOST_MS:
+                raise OSError("the board does not answer any more")
+            self._offer()
+            return
+        if self._urgents and (self._urgent_ms is None or now_ms - self._urgent_ms >= _URGENT_MS):
+            self._urgent_ms = now_ms
+            self._send(self._urgents[0][0], self._urgent, self._urgents[0][1])
+        sender.late(now_ms)
+        if not any(kind == CUT for kind, _ in self._urgents):
+            while (data := sender.next(now_ms)) is not None:
+                self._send(DATA, sender.number, data)
+
+    def _poll(self):
+        data = self._port.read(max(1, self._port.in_waiting))
+        *whole, self._wire = (self._wire + data).split(b"\0")
+        for chunk in whole:
+            if len(chunk) >= codec.HEAD + codec.CHECK:
+                self._understand(bytearray(chunk))
+        self._pump()
+        if self._owes_ms is not None and self._clock() - self._owes_ms >= _ACK_MS:
+            self._send(ACK)
+
+    def _understand(self, chunk):
+        if not codec.sound(chunk, 0, len(chunk)):
+            return self._ask_again()
+        self._heard_ms = self._clock()
+        kind, number, ack, credit = codec.header(chunk, 0)
+        data = chunk[codec.HEAD : -codec.CHECK]
+        if kind == WELCOME:
+            self._welcome(data, number, ack, credit)
+        elif self._open and kind == codec.CLOSED:
+            raise OSError("answers of the board were lost")
+        elif self._open:
+            self._sender.acknowledged(ack, credit, self._heard_ms)
+            if kind == DATA:
+                self._take(number, data)
+            elif kind == AGAIN:
+                self._sender.again()
+            elif kind == TAKEN and self._urgents and number == self._urgent:
+                self._urgents.pop(0)
+                self._urgent, self._urgent_ms = (self._urgent + 1) % NUMBERS, None
+
+    def _welcome(self, about, number, ack, credit):
+        new = bool(about[1] & codec.NEW)
+        if not self._open:
+            self._open, self._new = True, new
+            self._next, self._urgent = number, about[3] << 8 | about[4]
+            self._sender.clear(ack)
+            self._send(ACK)
+        elif new and (self._sender.first or self._urgent):
+            raise OSError("the board has been reset")
+        self._sender.acknowledged(ack, credit, self._heard_ms)
+
+    def _take(self, number, data):
+        known = (self._next - number) % NUMBERS
+        if known > NUMBERS // 2:
+            return self._ask_again()
+        if self._owes_ms is None:
+            self._owes_ms = self._clock()
+        if known < len(data):
+            self._received += data[known:]
+            self._next = (number + len(data)) % NUMBERS
+
+    def _ask_again(self):
+        if self._open and self._clock() - self._asked_ms >= 30:
+            self._asked_ms = self._clock()
+            self._send(AGAIN)

@@ -1,0 +1,245 @@
+"""Frames: what they hold comes once, in order, unchanged or not at all; and a link without them is as it always was."""
+
+from draws import Random
+from passo.protocols.frames import codec
+from passo.protocols.frames.codec import ACK, AGAIN, CHECK, CLOSED, CUT, DATA, HEAD, FRAME_HELLO, LEAVE, REPORT, TAKEN, URGENT, WELCOME
+from passo.protocols.frames.line import FramedLine
+
+CASES = {
+    "check_frames_hold_any_bytes": (("seed", "seed"),),
+    "check_no_damaged_frame_is_sound": (("seed", "seed"),),
+    "check_plain_bytes_pass": (("seed", "seed"),),
+    "check_bytes_come_once": (("seed", "seed"),),
+    "check_any_bytes_are_survived": (("seed", "seed"),),
+}
+RUNS = {"check_any_bytes_are_survived": 30}
+
+
+class Wire:
+    """The board's end of a serial line, with `clock` and a language that takes all."""
+
+    def __init__(self):
+        self.incoming = []
+        self.sent = b""
+        self.now_ms = 0
+        self.protocol = self
+        self.waiting = []
+        self.line = FramedLine(self, self, 115_200, lambda: self.now_ms)
+
+    def any(self):
+        return bool(self.incoming)
+
+    def read(self):
+        return self.incoming.pop(0) if self.incoming else b""
+
+    def write(self, data):
+        self.sent += data
+
+    def put(self, *frames):
+        """What the language reads of these frames."""
+        return self.hear(codec.delimited(*frames))
+
+    def hear(self, data, piece=50):
+        for at in range(0, len(data), piece):
+            self.incoming.append(data[at : at + piece])
+        heard = b""
+        while True:
+            data = self.line.read()
+            heard += bytes(data)
+            if not data and not self.incoming:
+                return heard
+
+    def said(self):
+        """[(kind, number, ack, credit, data)] of what has been sent."""
+        sent, self.sent = self.sent, b""
+        return [frame_of(chunk) for chunk in sent.split(b"\0") if chunk]
+
+    def opened(self):
+        assert self.hear(codec.HELLO_WIRE) == b""
+        assert [frame[0] for frame in self.said()] == [WELCOME]
+        return self
+
+
+def frame_of(chunk):
+    data = bytearray(chunk)
+    assert codec.sound(data, 0, len(data)), chunk
+    return codec.header(data, 0) + (bytes(data[HEAD : len(data) - CHECK]),)
+
+
+def check_frames_hold_any_bytes(seed):
+    random = Random(seed)
+    data = random.bytes(random.between(0, codec.MOST))
+    if random.between(0, 1):
+        data = bytes([byte & 1 for byte in data])
+    fields = random.between(1, 15), random.between(0, 4095), random.between(0, 4095), random.between(0, 15)
+    made = codec.frame(fields[0], fields[1], fields[2], fields[3], data)
+    assert b"\0" not in made and len(made) <= codec.LONGEST
+    assert frame_of(made) == fields + (data,)
+
+
+def check_no_damaged_frame_is_sound(seed):
+    """One to three bytes lost, doubled or flipped."""
+    random = Random(seed)
+    made = codec.frame(DATA, random.between(0, 4095), 0, 15, random.bytes(random.between(0, codec.MOST)))
+    damaged = made
+    for _ in range(random.between(1, 3)):
+        at = random.between(0, len(damaged) - 1)
+        middle = random.choice((b"", damaged[at : at + 1] * 2, bytes((damaged[at] ^ 1 << random.between(0, 7),))))
+        damaged = damaged[:at] + middle + damaged[at + 1 :]
+    for chunk in damaged.split(b"\0"):
+        assert chunk == made or not codec.sound(bytearray(chunk), 0, len(chunk))
+
+
+def check_hello():
+    """The bytes of HELLO are a frame, and none of them is anything to any language."""
+    assert frame_of(codec.HELLO_WIRE[1:-1])[0] == FRAME_HELLO
+    for byte in codec.HELLO_WIRE:
+        assert byte < 0x20 and byte not in (3, 6, 9, 10, 13, 0x11, 0x13, 0x18, 0x1B)
+
+
+def check_plain_bytes_pass(seed):
+    """Until HELLO comes whole a link is what it was: all bytes pass, in order, and answers go out as they are."""
+    random = Random(seed)
+    wire = Wire()
+    data = b""
+    for _ in range(random.between(1, 8)):
+        data += random.choice((random.bytes(random.between(0, 40)), codec.HELLO_WIRE[: random.between(1, 15)], b"\0"))
+    at = data.find(codec.HELLO_WIRE)
+    data = data if at < 0 else data[:at]
+    heard = wire.hear(data, random.between(1, 60))
+    wire.now_ms += 20
+    assert heard + bytes(wire.line.read()) == data
+    wire.line.write(b"ok\r\n")
+    assert wire.sent == b"ok\r\n"
+
+
+def check_hello_in_the_middle():
+    """What came before it is the language's; what comes behind it, only in frames."""
+    for piece in (1, 7, 60):
+        wire = Wire()
+        assert wire.hear(b"G1X1\n" + codec.HELLO_WIRE + b"~!G1X9\n" + codec.delimited(codec.frame(DATA, 0, 0, 15, b"M3\n")), piece) == b"G1X1\nM3\n"
+        assert wire.said()[0][0] == WELCOME
+
+
+def check_bytes_come_once(seed):
+    """Frames repeated, missing, overlapping: what is read is what was sent, and no more."""
+    random = Random(seed)
+    wire = Wire().opened()
+    text = random.bytes(3000)
+    heard = b""
+    known = 0  # the board has everything before
+    while known < len(text):
+        at = max(0, known - random.between(0, 300)) if random.between(0, 3) else known + random.between(0, 200)
+        data = text[at : at + random.between(1, codec.MOST)]
+        heard += wire.put(codec.frame(DATA, at % 4096, 0, 15, data))
+        if at <= known:
+            known = max(known, at + len(data))
+        wire.now_ms += 30
+        answers = wire.said()
+        assert [frame[0] for frame in answers] == [AGAIN if at > known else ACK] or not data
+        assert all([frame[2] == known % 4096 for frame in answers])
+    assert heard == text
+
+
+def check_urgent_frames_count_once():
+    wire = Wire().opened()
+    toggle = codec.frame(URGENT, 0, 0, 15, b"\x9e")
+    assert wire.put(toggle, toggle) == b"\x9e" and wire.put(toggle) == b""
+    assert [(frame[0], frame[1]) for frame in wire.said()] == [(TAKEN, 0)] * 3
+    assert wire.put(codec.frame(URGENT, 2, 0, 15, b"~")) == b"", "one is missing"
+    assert wire.put(codec.frame(URGENT, 1, 0, 15, b"!")) == b"!"
+
+
+def check_cut():
+    """What was sent before a CUT and comes behind it is not read."""
+    wire = Wire().opened()
+    assert wire.put(codec.frame(DATA, 0, 0, 15, b"G1X1\n")) == b"G1X1\n"
+    assert wire.put(codec.frame(CUT, 0, 0, 15, bytes((0, 15)) + b"\x18")) == b"\x18"
+    assert wire.put(codec.frame(DATA, 5, 0, 15, b"G1X2\nG1X3\n")) == b""
+    assert wire.put(codec.frame(DATA, 15, 0, 15, b"G1X4\n")) == b"G1X4\n"
+    assert wire.put(codec.frame(CUT, 1, 0, 15, b"")) == b"", "it has no number"
+
+
+def check_reports():
+    """The board asks itself, as often as it was told, only while answers are taken."""
+    wire = Wire().opened()
+    wire.put(codec.frame(REPORT, 0, 0, 15, bytes((0, 250)) + b"?"))
+    asked = 0
+    for _ in range(1000):
+        wire.now_ms += 1
+        asked += bytes(wire.line.read()) == b"?"
+    assert asked == 4
+    wire.put(codec.frame(REPORT, 1, 0, 15, bytes((0, 0))))
+    wire.now_ms += 1000
+    assert wire.line.read() == b""
+
+
+def check_answers_are_repeated():
+    """Until they are acknowledged: asked for, or late; then no more."""
+    wire = Wire().opened()
+    wire.line.write(b"ok\r\n")
+    first = wire.said()
+    assert first == [(DATA, 0, 0, 4, b"ok\r\n")]
+    wire.put(codec.frame(AGAIN, 0, 0, 15))
+    assert wire.said() == first
+    wire.now_ms += 100
+    wire.line.read()
+    assert wire.said() == first
+    wire.put(codec.frame(ACK, 0, 4, 15))
+    wire.now_ms += 1000
+    wire.line.read()
+    assert wire.said() == []
+
+
+def check_lost_answers_end_the_session():
+    """A host that takes no answers costs some memory, not all of it; it is told, and moves nothing until it begins anew."""
+    wire = Wire().opened()
+    for _ in range(2000):
+        wire.line.write(b"ok\r\n")
+    wire.said()
+    assert wire.put(codec.frame(DATA, 0, 0, 15, b"G1X1\n")) == b""
+    assert [frame[0] for frame in wire.said()] == [CLOSED]
+    wire.opened()
+    assert wire.put(codec.frame(DATA, 0, 0, 15, b"G1X1\n")) == b"G1X1\n"
+
+
+def check_credit_follows_what_waits():
+    """A language that cannot take more gives no credit, and gives it back unasked."""
+    wire = Wire().opened()
+    wire.waiting.append(1)
+    wire.put(codec.frame(DATA, 0, 0, 15, b"a"))
+    assert wire.said()[-1][3] == 0
+    wire.waiting.pop()
+    wire.line.read()
+    assert [(frame[0], frame[3]) for frame in wire.said()] == [(ACK, 4)]
+
+
+def check_leave():
+    """The host takes its leave: the link is plain again, and may be asked again."""
+    wire = Wire().opened()
+    wire.put(codec.frame(LEAVE, 0, 0, 15))
+    assert [frame[0] for frame in wire.said()] == [TAKEN]
+    assert wire.hear(b"?") == b"?"
+    wire.line.write(b"<Idle>")
+    assert wire.sent == b"<Idle>"
+    wire.sent = b""
+    wire.opened()
+
+
+def check_any_bytes_are_survived(seed):
+    """Noise, damaged frames and frames of any kind and number: nothing is raised, what is read lay in a sound frame, and the
+    session goes on."""
+    random = Random(seed)
+    wire = Wire().opened()
+    for _ in range(60):
+        made = codec.frame(random.between(1, 15), random.between(0, 4095), random.between(0, 4095), random.between(0, 15), random.bytes(random.between(0, 30)))
+        wire.put(made)
+        wire.hear(random.bytes(random.between(0, 300)), random.between(1, 128))
+        wire.now_ms += random.between(0, 100)
+        wire.line.write(random.bytes(random.between(0, 20)))
+    wire.sent = b""
+    if wire.hear(codec.HELLO_WIRE) == b"" and wire.sent[:1] == b"\0":
+        welcome = [frame for frame in wire.said() if frame[0] == WELCOME][0]
+        wire.said()
+        heard = wire.put(codec.frame(DATA, welcome[2], 0, 15, b"G1X1\n"))
+        assert heard == b"G1X1\n", heard

@@ -1,0 +1,123 @@
+"""The watchdog of the links: what a machine does whose host says nothing any more."""
+
+from boards.router_3axis import BOARD
+from passo import errors
+from passo.protocols.frames import codec
+from router import Machine
+
+LOST_MS = 500
+
+
+def machine_with(lost, frames=False):
+    """A router that stands unlocked, feed 600 mm/min; its first link is watched."""
+    links = [dict(link, lost=lost, lost_ms=LOST_MS, frames=frames) for link in BOARD["links"]]
+    machine = Machine(links=links)
+    for line in ("$X", "G21G91F600"):
+        assert machine.ask(line)[-1] == "ok"
+    return machine
+
+
+def run_ms(machine, milliseconds, every=None):
+    """Let time pass; the host says `every[1]` each `every[0]` ms."""
+    end = machine.port.machine_ms() + milliseconds
+    told = machine.port.machine_ms()
+    while machine.port.machine_ms() < end:
+        if every and machine.port.machine_ms() - told >= every[0]:
+            told = machine.port.machine_ms()
+            machine.put(every[1])
+        machine.app.cycle()
+
+
+def check_pause():
+    """It comes to its stand on the path, says why in the log, goes on at a word, and is held again if no other follows."""
+    machine = machine_with("pause")
+    machine.put("G1X20\n")
+    run_ms(machine, LOST_MS - 100)
+    assert machine.controller.state == "run"
+    run_ms(machine, 600)
+    assert machine.controller.state == "hold" and 0 < machine.world.place[0] - 3000 < 6400
+    assert machine.controller.machine.log.entries[-1][1:] == (errors.HOST_LOST, "pc")
+    held = list(machine.world.place)
+    run_ms(machine, 3000)
+    assert machine.world.place == held and len(machine.controller.machine.log.entries) == 1
+    machine.put("~")
+    run_ms(machine, 300)
+    assert machine.controller.state == "run"
+    run_ms(machine, 700)
+    assert machine.controller.state == "hold"
+    machine.put("~")
+    run_ms(machine, 3000, (100, "?"))
+    assert machine.controller.state == "idle" and machine.world.place[0] == 3000 + 6400
+
+
+def check_stop():
+    """It comes to its stand, knows where it is, tool off, the rest dropped."""
+    machine = machine_with("stop")
+    machine.put("M3S1000\nG1X20\nG1Y20\n")
+    run_ms(machine, 2000)
+    assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST and machine.world.tool == 0
+    place = machine.world.place
+    assert 0 < place[0] - 3000 < 6400 and place[1] == 2500
+    assert list(machine.controller.position()) == [place[0] - 3000, 0, 0]
+    assert "ALARM:50" in machine.said()
+    assert machine.ask("$X")[-1] == "ok" and machine.ask("G1X1")[-1] == "ok"
+    assert machine.controller.machine.spindle == 5
+
+
+def check_spindle_at_rest():
+    """A spindle that turns while nothing moves is under way too."""
+    machine = machine_with("stop")
+    machine.put("M3S1000\n")
+    run_ms(machine, 2 * LOST_MS)
+    assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST and machine.world.tool == 0
+
+
+def check_a_word_in_time_is_enough():
+    for lost in ("pause", "stop"):
+        machine = machine_with(lost)
+        machine.put("G1X20\n")
+        run_ms(machine, 3000, (LOST_MS - 100, "?"))
+        assert machine.world.place[0] == 3000 + 6400 and machine.controller.state == "idle"
+
+
+def check_go_on():
+    machine = machine_with("go_on")
+    machine.put("G1X20\n")
+    run_ms(machine, 3000)
+    assert machine.world.place[0] == 3000 + 6400
+    assert "host_watch" not in machine.controller.features
+
+
+def check_a_standing_machine_misses_nobody():
+    machine = machine_with("stop")
+    run_ms(machine, 10 * LOST_MS)
+    assert not machine.controller.machine.alarm
+
+
+def check_what_needs_no_host():
+    machine = machine_with("stop")
+    machine.controller.machine.unattended = True
+    machine.put("G1X20\n")
+    run_ms(machine, 3000)
+    assert machine.world.place[0] == 3000 + 6400
+
+
+def check_noise_is_no_host():
+    """On a framed link only a sound frame is a sign of life."""
+    for sign, state in ((b"?~!G1X1\n\0\1\2\0", "hold"), (codec.delimited(codec.frame(codec.ACK, 0, 0, 15)), "idle")):
+        machine = machine_with("pause", True)
+        machine.put(codec.HELLO_WIRE)
+        machine.put(codec.delimited(codec.frame(codec.DATA, 0, 0, 15, b"G1X20\n")))
+        run_ms(machine, 3000, (100, sign))
+        assert machine.controller.state == state, sign
+
+
+def check_the_link_that_commands():
+    """Only its host counts."""
+    machine = machine_with("pause")
+    machine.put("G1X20\n")
+    other = machine.port.lines["serial"]
+    for _ in range(10):
+        other.incoming += b"?"
+        run_ms(machine, 100)
+    assert machine.controller.state == "hold"

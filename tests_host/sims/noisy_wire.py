@@ -1,0 +1,207 @@
+"""Two directions of a wire that loses, doubles and flips bytes, one at a time and in bursts, and what both its ends say.
+
+    pair = Pair(seed, 0.01)                 # a FramedLine with a language of lines, and a FramedPort, at 115 200 baud
+    pair.stream(10_000)                     # raises AssertionError if a line is lost, doubled, changed or out of order
+    pair.wires[0].faults, pair.recoveries, pair.now_ms
+
+Time is virtual: a tick is a millisecond.
+"""
+
+import random
+
+from host_tools.clients.frames import FramedPort
+from passo.protocols.frames.codec import NUMBERS
+from passo.protocols.frames.line import FramedLine
+
+BAUD = 115_200
+_BYTES_MS = BAUD / 10_000
+_BURST = 20  # bytes, on average
+_UNDER_WAY = 900  # bytes of lines that are not answered
+
+
+class NoisyWire:
+    """One direction: bytes come a while after they have been put, in order."""
+
+    def __init__(self, seed, share):
+        """`share` of the bytes get a fault: half of them alone, half in bursts."""
+        self.random = random.Random(seed)
+        self.share = share
+        self.faults = 0
+        self.sent = 0
+        self.fault_ms = None  # of the last one that nobody has recovered from
+        self._waiting = bytearray()
+        self._free = 0.0
+        self._burst = 0
+        self._next = self._gap()
+
+    def _gap(self):
+        """Bytes to the next single fault or burst."""
+        return int(self.random.expovariate(self.share * (0.5 + 0.5 / _BURST))) if self.share else 1 << 60
+
+    def set(self, share):
+        """From now on."""
+        self.share = share
+        self._next = self._gap()
+
+    def put(self, data):
+        self.sent += len(data)
+        self._waiting += data
+
+    def take(self, now_ms):
+        """What comes within this millisecond."""
+        if not self._waiting:
+            self._free = 0.0
+            return b""
+        self._free += _BYTES_MS
+        count = min(int(self._free), len(self._waiting))
+        self._free -= count
+        data = self._waiting[:count]
+        del self._waiting[:count]
+        if self._next >= count and not self._burst:
+            self._next -= count
+            return bytes(data)
+        return self._damaged(data, now_ms)
+
+    def _damaged(self, data, now_ms):
+        out = bytearray()
+        for byte in data:
+            if self._burst:
+                self._burst -= 1
+            elif self._next:
+                self._next -= 1
+                out.append(byte)
+                continue
+            else:
+                self._next = self._gap()
+                if self.random.random() < 1 / (_BURST + 1):
+                    self._burst = int(self.random.expovariate(1 / _BURST))
+            self.faults += 1
+            self.fault_ms = now_ms
+            kind = self.random.randrange(3)
+            if kind == 1:
+                out += bytes((byte, byte))
+            elif kind == 2:
+                out.append(byte ^ 1 << self.random.randrange(8))
+        return bytes(out)
+
+
+class _Language:
+    """Answers each line, by its own text unless `answer` is another."""
+
+    waiting = ()
+
+    def __init__(self, answer):
+        self.protocol = self
+        self.part = b""
+        self.lines = []
+        self._answer = answer
+
+    def space(self):
+        return 1024 - len(self.part)
+
+    def feed(self, data):
+        *lines, self.part = (self.part + bytes(data)).split(b"\n")
+        self.lines += lines
+        return b"".join([(self._answer or line) + b"\n" for line in lines])
+
+
+class _Board:
+    """The board's end of the wires, as a serial line."""
+
+    def __init__(self, pair):
+        self._pair = pair
+
+    def read(self):
+        data, self._pair.arrived[0] = self._pair.arrived[0], b""
+        return data
+
+    def any(self):
+        return bool(self._pair.arrived[0])
+
+    def write(self, data):
+        self._pair.wires[1].put(data)
+
+
+class _Host:
+    """The PC's end, as a pyserial port: while it waits for bytes a millisecond passes."""
+
+    baudrate = BAUD
+    timeout = 0.05
+
+    def __init__(self, pair):
+        self._pair = pair
+
+    @property
+    def in_waiting(self):
+        return len(self._pair.arrived[1])
+
+    def read(self, size):
+        if not self.in_waiting:
+            self._pair.tick()
+        data, self._pair.arrived[1] = self._pair.arrived[1], b""
+        return data
+
+    def write(self, data):
+        self._pair.wires[0].put(data)
+
+
+class Pair:
+    def __init__(self, seed=0, share=0.0, answer=b""):
+        self.now_ms = 0
+        self.wires = [NoisyWire(seed, 0), NoisyWire(seed + 1, 0)]
+        self.arrived = [b"", b""]
+        self.recoveries = []  # ms from the end of a fault to the next new byte in order
+        self.frames = 0  # that have come whole, at the board
+        self._language = _Language(answer)
+        self._line = FramedLine(self._language, _Board(self), BAUD, lambda: self.now_ms)
+        self._count_frames()
+        self.port = FramedPort(_Host(self), lambda: self.now_ms)
+        assert self.port.begin(1)
+        for wire in self.wires:
+            wire.set(share)
+
+    def _count_frames(self):
+        understand = self._line._understand
+
+        def counted(begin, end):
+            self.frames += 1
+            return understand(begin, end)
+
+        self._line._understand = counted
+
+    def tick(self):
+        self.now_ms += 1
+        for side in (0, 1):
+            self.arrived[side] += self.wires[side].take(self.now_ms)
+        while True:
+            data = self._line.read()
+            if not data:
+                return
+            wire = self.wires[0]
+            if wire.fault_ms is not None:
+                self.recoveries.append(self.now_ms - wire.fault_ms)
+                wire.fault_ms = None
+            self._line.write(self._language.feed(data))
+
+    def stream(self, frames, limit_ms=1 << 40):
+        """Send lines until so many frames have come to the board, all told."""
+        wanted, port = [], self.port
+        sent = under_way = heard = 0
+        text = b""
+        end_ms = self.now_ms + limit_ms
+        self._language.lines.clear()
+        while self.frames < frames or heard < sent:
+            assert self.now_ms < end_ms, "no end"
+            while under_way < _UNDER_WAY and self.frames < frames:
+                line = b"G1X%d.%03dY%d" % (sent % 300, sent % 1000, sent * 7919 % 100_003)
+                wanted.append(line)
+                port.write(line + b"\n")
+                under_way += len(line) + 1
+                sent += 1
+            *lines, text = (text + port.read(4096)).split(b"\n")
+            for line in lines:
+                assert line == (self._language._answer or wanted[heard]), (line, wanted[heard])
+                under_way -= len(wanted[heard]) + 1
+                heard += 1
+        assert self._language.lines == wanted
+        return sum(len(line) + 1 for line in wanted)

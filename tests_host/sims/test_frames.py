@@ -1,0 +1,164 @@
+"""Frames over a wire that damages them, the page that tells of them, and programs written from it."""
+
+import re
+import subprocess
+import sys
+
+import pytest
+
+from framed_job import MachineAndClient
+from host_tools.resources import ROOT
+from noisy_wire import Pair
+from passo.protocols.frames import codec
+
+PAGE = ROOT / "docs" / "languages" / "frames.md"
+REFERENCE = ROOT / "docs" / "languages" / "frames_client.py"
+RECOVERY_MS = 100
+MILLION = 1_000_000
+
+
+def vectors():
+    rows = re.findall(r"^\| `([0-9a-f ]+)` \| (\w+) \| (\d+) \| (\d+) \| (\d+) \| (?:`([0-9a-f ]+)`)? ", PAGE.read_text(), re.MULTILINE)
+    return [(bytes.fromhex(wire), kind, int(number), int(ack), int(credit), bytes.fromhex(data)) for wire, kind, number, ack, credit, data in rows]
+
+
+def test_the_page_has_the_frames():
+    kinds = {getattr(codec, kind) for _, kind, *_ in vectors()}
+    assert len(vectors()) == 12 and kinds == set(range(codec.WELCOME, codec.CLOSED + 1))
+    for wire, kind, number, ack, credit, data in vectors():
+        assert codec.delimited(codec.frame(getattr(codec, kind), number, ack, credit, data)) == wire
+        chunk = bytearray(wire[1:-1])
+        assert codec.sound(chunk, 0, len(chunk))
+        assert codec.header(chunk, 0) == (getattr(codec, kind), number, ack, credit)
+        assert bytes(chunk[codec.HEAD : -codec.CHECK]) == data
+    assert codec.HELLO_WIRE.hex(" ") in PAGE.read_text()
+
+
+def test_the_reference_client_is_short():
+    assert len(REFERENCE.read_text().splitlines()) <= 150
+
+
+def percentile(values, share):
+    return sorted(values)[int(share * len(values))]
+
+
+def test_a_noisy_wire_loses_no_line():
+    pair = Pair(seed=11, share=0.01)
+    pair.stream(20_000)
+    assert pair.wires[0].faults > 3000 and pair.wires[1].faults > 3000
+    assert percentile(pair.recoveries, 0.99) <= RECOVERY_MS
+
+
+@pytest.mark.slow
+def test_a_million_frames():
+    pair = Pair(seed=7, share=0.01)
+    pair.stream(MILLION)
+    assert pair.frames >= MILLION and pair.wires[0].faults > 200_000
+    assert percentile(pair.recoveries, 0.99) <= RECOVERY_MS
+
+
+def test_a_clean_wire_is_used_well():
+    """Of what plain text takes: lines of a laser's picture, in check mode, so that the wire is the limit."""
+    took = []
+    for frames in (False, True):
+        joined = MachineAndClient(frames=frames)
+        for line in ("$X", "G21G91", "G1F3000", "$C"):
+            joined.client.command(line)
+        before = joined.machine.now_ms()
+        lines = [(number, b"G1X0.%dY0.%dS%d" % (1 + number % 9, number * 7 % 10, 100 + number * 97 % 900)) for number in range(3000)]
+        assert [number for number, _ in lines] == list(joined.client.stream(lines))
+        took.append(joined.machine.now_ms() - before)
+    plain, framed = took
+    assert framed <= plain / 0.95, f"{framed} ms in frames, {plain} in plain text"
+
+
+def path_of(machine):
+    """Where it went, step by step, and the tool."""
+    machine.settle()
+    return [row[1:] for row in machine.trace.rows()]
+
+
+def test_noise_moves_nothing_else():
+    """The same path, step by step, over a clean wire in plain text and over a noisy one in frames."""
+    lines = [(number, b"G1X%d.%dY%d.%d" % (number % 4, number * 7 % 10, number % 3, number * 3 % 10)) for number in range(150)]
+    paths = []
+    for frames, share in ((False, 0), (True, 0.01)):
+        joined = MachineAndClient(21, share, frames)
+        for line in ("$X", "G21G90", "F4000"):
+            joined.client.command(line)
+        assert [number for number, _ in lines] == list(joined.client.stream(lines))
+        paths.append(path_of(joined.machine))
+    assert len(paths[0]) > 5000 and paths[0] == paths[1]
+
+
+def test_a_reset_drops_what_was_sent_before_it():
+    """Lines that have not come move nothing after a reset, however late they would come; nothing else is lost."""
+    joined = MachineAndClient(5, 0.02)
+    client, port = joined.client, joined.client._serial
+    for line in ("$X", "G21G90", "F6000"):
+        client.command(line)
+    for number in range(40):
+        port.write(b"G1X%d\n" % (number % 2 * 5))
+    client.real_time(b"\x18")
+    banners = client.banners
+    joined.machine.run_ms(1)
+    while client.banners == banners:
+        client.lines()
+    joined.machine.settle()
+    there = list(joined.machine.plant.position)
+    end = joined.machine.now_ms() + 3000
+    while joined.machine.now_ms() < end:
+        client.lines()
+    assert joined.machine.plant.position == there
+    client.command("$X")
+    client.command("G1Y0.5F6000")
+    joined.machine.settle()
+    assert joined.machine.plant.position != there
+
+
+def test_a_board_that_was_reset_is_noticed():
+    """The link is plain again and the client says so; nothing moves of what it had under way."""
+    joined = MachineAndClient()
+    client, port = joined.client, joined.client._serial
+    client.command("$X")
+    line = joined.machine.app.links[0].serial
+    fresh = type(line)(joined.machine.app.links[0], line._serial, 115_200, line._clock)
+    joined.machine.app.links[0].serial = fresh
+    port.write(b"G1X5F600\n")
+    with pytest.raises(OSError, match="reset"):
+        for _ in range(2000):
+            port.read(1)
+
+
+def virtual_board(tmp_path):
+    """(process, path of its pty) of a router whose first link has frames."""
+    text = (ROOT / "boards" / "router_3axis.py").read_text()
+    path = tmp_path / "framed_router.py"
+    path.write_text(text.replace('"port": "usb", "protocol": "grbl"', '"port": "usb", "protocol": "grbl", "frames": True'))
+    link = tmp_path / "port"
+    process = subprocess.Popen(
+        [sys.executable, "-m", "host_tools.cli", "board", "--board", str(path), "--time", "fast", "--link", str(link), "--trace", str(tmp_path / "trace.csv")],
+        stdout=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    assert process.stdout.readline().startswith("port:")
+    return process, link
+
+
+def last_place(tmp_path):
+    x, y = (tmp_path / "trace.csv").read_text().splitlines()[-1].split(",")[1:3]
+    return int(x), int(y)
+
+
+@pytest.mark.unmeasured
+def test_the_reference_client_moves_a_board(tmp_path):
+    process, link = virtual_board(tmp_path)
+    try:
+        job = tmp_path / "job.gcode"
+        job.write_bytes(b"$X\nG21G91\nG1X1F6000\nG1Y2\nG4P0\nG1XY\n")
+        for _ in range(2):
+            said = subprocess.run([sys.executable, str(REFERENCE), str(link), str(job)], stdout=subprocess.PIPE, check=True, text=True, timeout=60).stdout
+            assert re.findall(r"ok|error:\d+", said) == ["ok"] * 5 + ["error:2"]
+    finally:
+        process.terminate()
+        process.wait(20)
+    assert last_place(tmp_path) == (640, 1280)
