@@ -9,6 +9,7 @@ from host_tools.cli.board import board
 from host_tools.cli.build import build
 from host_tools.cli.calibrate import calibrate
 from host_tools.cli.check import check
+from host_tools.cli.compile import compile_
 from host_tools.cli.draw import draw
 from host_tools.cli.emulate import emulate
 from host_tools.cli.flash import flash
@@ -104,6 +105,7 @@ def explain_missing(name):
 
 for _verb in (board, emulate, draw, send, stream, keys, check, calibrate, settings, link, status, log, interlock, plot, ports, build, flash):
     app.command()(_verb)
+app.command("compile")(compile_)
 app.add_typer(pulses, name="pulses")
 app.add_typer(torch, name="torch")
 

@@ -7,7 +7,7 @@ import select
 import sys
 import time
 from pathlib import Path
-from typing import Optional
+from typing import Annotated, Optional
 
 import typer
 
@@ -27,11 +27,16 @@ def stream(
     unlock: bool = typer.Option(False, help="Leave an alarm without homing first."),
     log: Optional[Path] = typer.Option(None, help="Save the conversation on the wire to this file."),
     timeout: float = typer.Option(5.0, min=0.1, help="Seconds an answer may take."),
+    dialect: Annotated[Optional[str], typer.Option(help="num, ngc, or plain: as it is; default: by what stands in the file.")] = None,
+    tools: Annotated[Optional[Path], typer.Option(help="The tool table of a program that is compiled; see passo compile.")] = None,
 ):
     """Send a G-code file and show progress. Stops at the first error and names its line.
 
     It shows the line that moves the machine: lines get their numbers in the file as N words, unless the file has N words of
     its own.
+
+    A program in a dialect of its own, with parameters, subprograms or radius compensation, is compiled first (passo compile); errors
+    and progress name the program's lines.
 
     Keys: p pause, r resume (also after M0, M1 and M6), a abort (also Ctrl-C). An abort first comes to a stand on the path.
 
@@ -40,14 +45,18 @@ def stream(
         passo stream part.gcode --home
 
         passo stream part.gcode --port /dev/ttyACM0 --flow ok --log wire.log
+
+        passo stream pocket.ngc --tools tools.tbl --home
     """
     from host_tools.cli import ports
     from host_tools.clients.grbl import GrblClient
-    from host_tools.programs import gcode_file, gcode_time
+    from host_tools.programs import compiler, gcode_file, gcode_time
 
     if flow not in ("count", "ok"):
         raise Failure(f"--flow is count or ok, not {flow!r}")
-    lines = gcode_file.read(file)
+    program = compiler.read(file, dialect, tools)
+    compiler.tell(program)
+    lines = program.lines
     with GrblClient(port or ports.only(), baud, timeout, log) as client:
         client.connect()
         if home:
@@ -57,8 +66,8 @@ def stream(
         if client.ask_status()["state"] == "Alarm":
             raise Failure("the machine is in alarm; give --home or --unlock")
         limits = gcode_time.Limits.of_settings(client.command("$$"))
-        with Panel(client, lines, gcode_time.estimate(lines, limits)) as panel:
-            for number in client.stream(lines, flow == "count", panel.cycle, panel.numbered):
+        with Panel(client, lines, gcode_time.estimate(lines, limits), program.origin) as panel:
+            for number in client.stream(lines, flow == "count", panel.cycle, panel.numbered, program.origin):
                 panel.done(number)
             client.wait_idle(panel.cycle)
         print(f"{file}: {len(lines)} lines in {gcode_file.clock(panel.seconds())}")
@@ -77,10 +86,11 @@ class Aborted(Failure):
 
 
 class Panel:
-    """The progress bar and the keys. `seconds`: estimated time of each line."""
+    """The progress bar and the keys. `seconds`: estimated time of each line; `origin(number)`: what a line is called."""
 
-    def __init__(self, client, lines, seconds=None):
+    def __init__(self, client, lines, seconds=None, origin="line {}".format):
         self._client = client
+        self._origin = origin
         self._remaining = Remaining(seconds or [1.0] * len(lines))
         self._bar = None
         self._numbers = [number for number, _ in lines]
@@ -115,7 +125,7 @@ class Panel:
             self._client.report(0)
         if kind is KeyboardInterrupt:
             self._client.halt()
-            raise Aborted(f"aborted at line {self._line}") from None
+            raise Aborted(f"aborted at {self._origin(self._line)}") from None
 
     def seconds(self):
         """How long the job has been moving."""
@@ -137,7 +147,7 @@ class Panel:
         now = time.monotonic()
         self._pause(self._client.status.get("state", "").startswith(("Hold", "Door")), now)
         if self._asked and self._client.silent():
-            raise LinkError(f"port {self._client.port}: no answer any more, at line {self._line}")
+            raise LinkError(f"port {self._client.port}: no answer any more, at {self._origin(self._line)}")
         if now - self._asked >= _STATUS_S:
             self._asked = now
             if self._asks:
@@ -160,7 +170,7 @@ class Panel:
             self._client.real_time(b"~")
         elif key == "a":
             self._client.halt()
-            raise Aborted(f"aborted at line {self._line}")
+            raise Aborted(f"aborted at {self._origin(self._line)}")
 
     def _show(self):
         text = self.text()
@@ -176,7 +186,7 @@ class Panel:
         place = status.get("MPos") or status.get("WPos") or ""
         keys = "PAUSED: r resumes, a aborts" if self._paused_at is not None else "p pause, a abort"
         return (
-            f"{self._remaining.share:4.0%} line {self._line}  {status.get('state', '')} {place}  "
+            f"{self._remaining.share:4.0%} {self._origin(self._line)}  {status.get('state', '')} {place}  "
             f"{clock(gone)} gone, {left} left  ({keys})"
         )
 

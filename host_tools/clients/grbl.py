@@ -131,12 +131,12 @@ class GrblClient(Client):
                 raise LinkError(f"{self.port}: no status report")
         return self.status
 
-    def stream(self, lines, count=True, idle=None, numbered=False):
+    def stream(self, lines, count=True, idle=None, numbered=False, origin="line {}".format):
         """Send [(number, bytes)]; yields each number as its line is answered.
 
         `count`: keep up to 128 bytes under way, 900 in frames; otherwise each line waits for the answer to the previous one. Calls `idle()`
         while waiting. `numbered`: add N words, so that `Ln` of a status report names the line being executed. At the first
-        error holds the machine, drops what is under way and raises Refused.
+        error holds the machine, drops what is under way and raises Refused; `origin(number)` is what it calls a line.
         """
         waiting = [(number, line, tagged(number, line) if numbered else line) for number, line in reversed(lines)]
         under_way = []
@@ -147,7 +147,7 @@ class GrblClient(Client):
                 self._write(under_way[-1][-1] + b"\n")
             for answer in self.lines():
                 number, line, _ = under_way[0] if under_way else (None, b"", b"")
-                where = f"line {number}, {line.decode('ascii', 'replace')}" if under_way else "after the last line"
+                where = f"{origin(number)}, {line.decode('ascii', 'replace')}" if under_way else "after the last line"
                 if answer.startswith("ALARM:"):
                     raise Refused(f"{where}: alarm {self.alarm}: {alarm_text(self.alarm)}", number)
                 if answer.startswith("error:") and under_way:

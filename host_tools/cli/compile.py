@@ -1,0 +1,127 @@
+"""`passo compile`: a program in NUM's or LinuxCNC's dialect to plain G-code."""
+
+from pathlib import Path
+from typing import Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+_MOST_LABELS = 60  # of a picture
+
+
+def compile_(
+    file: Path = typer.Argument(..., help="The program."),
+    dialect: Optional[str] = typer.Option(None, help="num or ngc; default: by what stands in the file."),
+    out: Optional[Path] = typer.Option(None, "-o", "--out", help="Where the listing goes; default: the screen. - is the screen too."),
+    picture: Optional[Path] = typer.Option(None, help="A picture (.png, .svg) of the path, with the lines of the program."),
+    tools: Optional[Path] = typer.Option(None, help="The tool table, a tool a line: T1 P1 D6.0 Z42.5 (diameter, length in mm)."),
+    start: Optional[str] = typer.Option(
+        None, metavar="X,Y,Z", help="Where the machine stands at first, mm of the program: for programs that begin with G91."
+    ),
+    skip: bool = typer.Option(False, "--skip", help="Leave out lines that begin with /."),
+    bound: int = typer.Option(1_000_000, min=1, help="Stop a program that carries out, or makes, more lines than this."),
+):
+    """Compile a program to plain G-code: parameters, subprograms, loops, radius compensation and canned cycles become lines and arcs.
+
+    Dialects: ngc is RS274/NGC as LinuxCNC has it, num the NUM dialect; docs/programs.md lists their words. Each line of the listing
+    names the program's line that it came from, behind a semicolon. Errors have numbers, and the line.
+
+    passo stream and passo check compile by themselves; this is to look at the result, or to keep it.
+
+    Examples:
+
+        passo compile part.ngc
+
+        passo compile part.ngc --tools tools.tbl -o part.gcode --picture part.png
+
+        passo compile pocket.num --dialect num --tools tools.tbl -o pocket.gcode
+    """
+    from host_tools.programs.compiler import compile_file
+
+    if out and out != Path("-") and out.exists() and out.resolve() == file.resolve():
+        raise Failure(f"{out} is the program itself")
+    program = compile_file(file, dialect, tools, _place(start), bound, skip)
+    for warning in program.listing.warnings:
+        typer.echo(f"warning: {warning}", err=True)
+    text = program.listing.text(program.texts)
+    if out and out != Path("-"):
+        out.write_text(text, encoding="ascii")
+        typer.echo(f"{out}: {len(program.lines)} lines of G-code, of {file} as {program.dialect}", err=True)
+    elif not picture or out:
+        typer.echo(text, nl=False)
+    if picture:
+        save_picture(picture, program)
+        typer.echo(str(picture), err=True)
+
+
+def _place(text):
+    """The places of --start, or None. Raises Failure."""
+    if text is None:
+        return None
+    try:
+        x, y, z = (float(part) for part in text.split(","))
+    except ValueError:
+        raise Failure(f"--start {text}: three numbers are wanted, mm of X, Y and Z: --start 0,0,5") from None
+    return x, y, z
+
+
+def save_picture(path, program):
+    """The path from above, each program line in a colour and with its number. Raises Failure if it cannot be written."""
+    import matplotlib
+
+    matplotlib.use("Agg")
+    import matplotlib.pyplot as plt
+    from matplotlib.collections import LineCollection
+
+    strokes = program.listing.strokes
+    if not strokes:
+        raise Failure("a program that moves nothing has no picture")
+    order = {source: at for at, source in enumerate(sorted({stroke.source for stroke in strokes}))}
+    figure, axes = plt.subplots(figsize=(10, 9), layout="constrained")
+    colors = plt.get_cmap("turbo")
+    rapids = [[point[:2] for point in stroke.points] for stroke in strokes if stroke.rapid]
+    cuts = [stroke for stroke in strokes if not stroke.rapid]
+    axes.add_collection(LineCollection(rapids, colors="#9cc3e6", linewidths=0.7, linestyles="dashed", label="rapid"))
+    axes.add_collection(
+        LineCollection(
+            [[point[:2] for point in stroke.points] for stroke in cuts], linewidths=1.2,
+            colors=[colors(order[stroke.source] / max(1, len(order) - 1)) for stroke in cuts], label="feed, by line of the program",
+        )
+    )  # fmt: skip
+    holes = [stroke.points[-1] for stroke in cuts if stroke.points[0][:2] == stroke.points[-1][:2] and len(stroke.points) == 2]
+    if holes:
+        axes.plot([point[0] for point in holes], [point[1] for point in holes], "o", color="#d03030", markersize=4, label="down")
+    _label(axes, cuts or strokes, len(program.texts) > 1)
+    axes.autoscale()
+    axes.margins(0.05)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("x in mm")
+    axes.set_ylabel("y in mm")
+    axes.set_title(f"{program.name} ({program.dialect}): {len(program.lines)} lines of G-code")
+    axes.grid(color="#e6e6e6", linewidth=0.5)
+    axes.set_axisbelow(True)
+    figure.legend(loc="outside lower center", ncols=3, frameon=False)
+    try:
+        figure.savefig(path, dpi=130)
+    except (OSError, ValueError) as error:
+        raise Failure(f"cannot write {path}: {error}") from error
+    finally:
+        plt.close(figure)
+
+
+def _label(axes, strokes, files):
+    """Numbers of the program's lines beside their longest strokes, where there is room for them."""
+    longest = {}
+    for stroke in strokes:
+        box = [max(point[axis] for point in stroke.points) - min(point[axis] for point in stroke.points) for axis in (0, 1)]
+        if max(box) > longest.get(stroke.source, (0, None))[0]:
+            longest[stroke.source] = max(box), stroke
+    shown = sorted(longest.values(), key=lambda each: -each[0])[:_MOST_LABELS]
+    for _, stroke in shown:
+        points = stroke.points
+        middle = points[len(points) // 2]
+        if len(points) == 2:
+            middle = [(a + b) / 2 for a, b in zip(*points)]
+        text = str(stroke.source) if files else str(stroke.source.line)
+        axes.annotate(text, middle[:2], fontsize=7, xytext=(2, 2), textcoords="offset points", color="#333333")

@@ -1,0 +1,245 @@
+"""The path of a tool's centre beside a contour of lines and arcs: radius compensation.
+
+    contour = [Piece(0, 10), Piece(10, 10 + 5j, …)]
+    for piece, number in offset(contour, LEFT, 3.0): …        # `number` of the contour's piece that it belongs to
+
+Points are complex numbers, x + y·j, in mm. Outside corners get an arc around the corner, at inside corners the tool turns where
+it touches both sides. An inside corner or arc that the tool does not fit into is refused, never rounded over.
+
+`gouges` says where a path comes nearer to the contour than the radius: at places that are no neighbours, on the way in or out.
+"""
+
+import cmath
+import math
+from dataclasses import dataclass
+
+from host_tools.programs.program_errors import DOES_NOT_FIT, ProgramError
+
+LEFT, RIGHT = 1, -1
+SMALL = 1e-6  # mm: less is no distance
+_SMOOTH = 1e-4  # sine of a corner that is none
+TOUCH = 0.005  # mm that a path may come nearer than the radius: what arcs of a program are inexact by
+_SAG = 0.0005  # mm between an arc and the chords that it is checked by
+
+
+@dataclass
+class Piece:
+    """A line, or an arc of less than a turn or a whole one, of which start and end are the same."""
+
+    start: complex
+    end: complex
+    centre: complex | None = None
+    clockwise: bool = False
+
+    def __post_init__(self):
+        self.start, self.end = complex(self.start), complex(self.end)
+        if self.centre is not None:
+            self.centre = _on_bisector(self.start, self.end, complex(self.centre))
+
+    @property
+    def radius(self):
+        return abs(self.start - self.centre)
+
+    @property
+    def sweep(self):
+        """Radians, positive in either direction."""
+        if abs(self.start - self.end) < SMALL:
+            return math.tau
+        return self.angle_to(self.end)
+
+    def angle_to(self, point):
+        """Radians from the start to `point`, in the arc's direction, 0 … 2π."""
+        ratio = (point - self.centre) / (self.start - self.centre)
+        return (-cmath.phase(ratio) if self.clockwise else cmath.phase(ratio)) % math.tau
+
+    @property
+    def length(self):
+        return abs(self.end - self.start) if self.centre is None else self.radius * self.sweep
+
+    def direction(self, at):
+        """The unit vector along the piece at its point `at`."""
+        if self.centre is None:
+            return (self.end - self.start) / abs(self.end - self.start)
+        return (at - self.centre) / abs(at - self.centre) * (-1j if self.clockwise else 1j)
+
+    def beside(self, at, distance):
+        """The point `distance` to the left of the piece at its point `at`."""
+        return at + 1j * self.direction(at) * distance
+
+    def points(self, sag=_SAG):
+        """Points on the piece, whose chords are at most `sag` away from it."""
+        if self.centre is None:
+            return [self.start, self.end]
+        step = 2 * math.acos(max(0.0, 1 - sag / self.radius)) if self.radius > sag else math.pi / 4
+        count = max(1, math.ceil(self.sweep / step))
+        turn = self.sweep / count * (-1 if self.clockwise else 1)
+        spoke = self.start - self.centre
+        return [self.centre + spoke * cmath.rect(1, turn * each) for each in range(count)] + [self.end]
+
+
+def _on_bisector(start, end, centre):
+    """The centre with the same distance from both ends: programs round theirs."""
+    chord = end - start
+    if abs(chord) < SMALL:
+        return centre
+    along = chord / abs(chord)
+    middle = (start + end) / 2
+    return centre - along * ((centre - middle) * along.conjugate()).real
+
+
+def _cross(a, b):
+    return (a.conjugate() * b).imag
+
+
+def _dot(a, b):
+    return (a.conjugate() * b).real
+
+
+def offset(contour, side, radius):
+    """[(piece, number in the contour)] beside the contour; its first begins, and its last ends, square to the contour. Raises
+    ProgramError with `detail` of the pair of pieces; its `pieces` are their numbers."""
+    path = []
+    for number, piece in enumerate(contour):
+        beside = _beside(piece, side * radius)
+        if beside is None:
+            if piece.radius < radius - SMALL:
+                raise _misfit(f"radius {piece.radius:.3f} of the arc, {radius:.3f} of the tool", number, number)
+            continue  # the tool turns on the spot: it has the arc's own radius
+        if path:
+            before, origin = path[-1]
+            corner = contour[number - 1].end
+            turn = side * _turn(contour[number - 1], piece)
+            if turn < -_SMOOTH or math.isnan(turn):
+                path.append((Piece(before.end, beside.start, corner, side == LEFT), number))
+            elif turn > _SMOOTH or origin != number - 1:
+                path[-1], beside = _meet(path[-1], beside, number)
+            else:
+                beside = _shortened(beside, before.end, beside.end)
+        path.append((beside, number))
+    return path
+
+
+def _turn(before, piece):
+    """Sine of the angle by which the contour turns left between two pieces; -2 or 2 if it turns back, by what lies between them."""
+    into, out = before.direction(before.end), piece.direction(piece.start)
+    sine = _cross(into, out)
+    if abs(sine) > _SMOOTH or _dot(into, out) > 0:
+        return sine
+    # Back along a line: around its end, on either side. Two arcs that meet in a cusp have it on one side only.
+    behind, ahead = (each.points()[at] - before.end for each, at in ((before, -2), (piece, 1)))
+    between = _cross(-behind / abs(behind), ahead / abs(ahead))
+    return math.copysign(2, between) if abs(between) > SMALL else math.nan
+
+
+def lead(place, corner, start, side, radius):
+    """The way from `place` to `start`, which lies a radius beside `corner`, that never comes nearer to the corner: a line that
+    touches the circle around it, then along the circle. None if `place` is too near."""
+    away = place - corner
+    if abs(away) < radius:
+        return None
+    if _dot(start - place, start - corner) <= 0:
+        return [Piece(place, start)]
+    touch = corner + cmath.rect(radius, cmath.phase(away) - side * math.acos(radius / abs(away)))
+    return [Piece(place, touch), Piece(touch, start, corner, side == LEFT)]
+
+
+def _misfit(detail, first, second):
+    error = ProgramError(DOES_NOT_FIT, detail)
+    error.pieces = (first, second)
+    return error
+
+
+def _beside(piece, left):
+    """The piece moved `left` mm to its left; None if nothing is left of an arc."""
+    if piece.centre is not None:
+        if piece.radius + (left if piece.clockwise else -left) < SMALL:
+            return None
+    return _shortened(piece, piece.beside(piece.start, left), piece.beside(piece.end, left))
+
+
+def _shortened(piece, start, end):
+    moved = Piece.__new__(Piece)
+    moved.start, moved.end, moved.centre, moved.clockwise = start, end, piece.centre, piece.clockwise
+    return moved
+
+
+def _meet(before, beside, number):
+    """Two offset pieces around an inside corner, both cut off where they cross."""
+    first, origin = before
+    if abs(first.end - beside.start) < 10 * SMALL:
+        return before, beside
+    found = [point for point in crossings(first, beside) if _within(first, point) and _within(beside, point)]
+    if not found:
+        raise _misfit("between", origin, number)
+    # Of two crossings the first one on the way: what lies behind it would be cut into.
+    point = min(found, key=lambda point: _along(beside, point) - _along(first, point))
+    whole = first.centre is not None and abs(first.start - first.end) < SMALL
+    cut = _shortened(first, first.start, point)
+    if abs(cut.start - cut.end) < SMALL and whole:
+        raise _misfit("between", origin, number)
+    return (cut, origin), _shortened(beside, point, beside.end)
+
+
+def _along(piece, point):
+    if piece.centre is None:
+        return _dot(piece.direction(piece.start), point - piece.start)
+    return piece.angle_to(point) * piece.radius
+
+
+def _within(piece, point):
+    """True if `point`, which lies on the line or circle of the piece, lies on the piece."""
+    if min(abs(point - piece.start), abs(point - piece.end)) < SMALL:
+        return True
+    if piece.centre is None:
+        return abs(piece.end - piece.start) > SMALL and 0 < _along(piece, point) < piece.length
+    return piece.angle_to(point) <= piece.sweep
+
+
+def crossings(a, b):
+    """The points where the lines and circles of two pieces cross; one for circles that touch."""
+    if a.centre is None and b.centre is None:
+        across = _cross(a.end - a.start, b.end - b.start)
+        if abs(across) < SMALL * SMALL:
+            return []
+        return [a.start + (a.end - a.start) * (_cross(b.start - a.start, b.end - b.start) / across)]
+    if a.centre is None:
+        return _line_and_circle(a, b)
+    if b.centre is None:
+        return _line_and_circle(b, a)
+    apart = b.centre - a.centre
+    distance = abs(apart)
+    if distance < SMALL:
+        return []
+    along = (distance * distance + a.radius**2 - b.radius**2) / (2 * distance)
+    return _pair(a.centre + apart / distance * along, apart / distance * 1j, a.radius, along)
+
+
+def _line_and_circle(line, arc):
+    if abs(line.end - line.start) < SMALL:
+        return []
+    way = line.direction(line.start)
+    foot = line.start + way * _dot(way, arc.centre - line.start)
+    return _pair(foot, way, arc.radius, abs(foot - arc.centre))
+
+
+def _pair(middle, way, radius, height):
+    square = radius * radius - height * height
+    if square < -2 * radius * SMALL:
+        return []
+    reach = math.sqrt(max(0.0, square))
+    return [middle - way * reach, middle + way * reach]
+
+
+def gouges(path, contour, radius):
+    """[(number in `path`, number in `contour`, distance)] of pieces that come nearer than the radius. Needs shapely."""
+    import numpy
+    from shapely import LineString, STRtree, distance
+
+    if not path or not contour:
+        return []
+    told = [LineString([(point.real, point.imag) for point in piece.points()]) for piece in contour]
+    ways = [LineString([(point.real, point.imag) for point in piece.points()]) for piece in path]
+    least = radius - TOUCH
+    of_path, of_contour = STRtree(told).query(ways, predicate="dwithin", distance=least)
+    apart = distance(numpy.array(ways)[of_path], numpy.array(told)[of_contour])
+    return [(int(one), int(other), float(far)) for one, other, far in zip(of_path, of_contour, apart) if far < least]

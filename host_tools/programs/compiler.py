@@ -1,0 +1,131 @@
+"""Programs of any dialect to plain G-code: finds out what a file is, compiles it, and reads it for a sender.
+
+    program = compile_file("part.ngc", "ngc", tools="tools.tbl")
+    program.lines, program.origin(number)
+
+    program = read("part.gcode")        # as it is, or compiled if its words need that
+"""
+
+import re
+import sys
+from pathlib import Path
+
+from host_tools.failure import Failure
+from host_tools.programs import gcode_file, tool_table
+from host_tools.programs.listing import Listing
+
+DIALECTS = ("num", "ngc")
+BOUND = 1_000_000
+HEADER = "G21 G17 G90 G94 G40 G80"
+_SUFFIXES = {".num": "num"}
+
+# What no controller of plain G-code understands. The first that is met decides.
+_SIGNS = {
+    "ngc": re.compile(r"#|\[|^(N\d+)?O\S*(SUB|CALL|IF|WHILE|DO|REPEAT)|G4[12](?![\d.]*\d)|G4[12]\.1|G(74|8[4-9])(?!\d)|[@^]"),
+    "num": re.compile(r"G(77|79)(?!\d)|G45(?!\d)|^(N\d+)?L\d+=|[A-Z]L\d|(?<![A-Z])E[RHXYBPQIJ]-?[\d.]"),
+}
+
+
+class Program:
+    """Lines for a sender. `dialect`: "plain" if it is the file as it is."""
+
+    def __init__(self, name, dialect, lines, listing=None, texts=None):
+        self.name, self.dialect = name, dialect
+        self.lines = lines  # [(number, bytes)]: of the file, or of the listing
+        self.listing, self.texts = listing, texts
+        self.reason = ""  # why it was compiled, if nobody asked for it
+
+    def origin(self, number):
+        """Where line `number` comes from, as text: "line 12", of a compiled program "part.ngc:12, listing line 40"."""
+        if self.listing is None:
+            return f"line {number}"
+        return f"{self.listing.origin(number) or self.name}, listing line {number}"
+
+
+def text_of(path):
+    """The text of a program. Raises Failure if there is none."""
+    try:
+        data = Path(path).read_bytes()
+    except OSError as error:
+        raise Failure(f"cannot read {path}: {error.strerror}") from error
+    if b"\0" in data:
+        raise Failure(f"{path} is no text: there are zero bytes in it")
+    return data.decode("utf-8", "replace")
+
+
+def detect(name, text):
+    """(dialect, why): "plain" if no word needs a compiler. A suffix .num decides; else the first line that says more. Raises
+    Failure if there are words of both dialects."""
+    found = {}
+    for number, line in enumerate(text.splitlines(), 1):
+        words = gcode_file.strip(line.encode()).decode().upper()
+        if words.startswith("$"):
+            continue
+        for dialect, sign in _SIGNS.items():
+            match = sign.search(words)
+            if match and dialect not in found:
+                found[dialect] = f"line {number} has {match[0]}"
+    suffix = _SUFFIXES.get(Path(name).suffix.lower())
+    if suffix:
+        return suffix, f"its name ends in {Path(name).suffix}"
+    if len(found) > 1:
+        raise Failure(f"{name}: words of two dialects, num ({found['num']}) and ngc ({found['ngc']}): give --dialect num or ngc")
+    return next(iter(found.items()), ("plain", ""))
+
+
+def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False):
+    """A compiled Program. `dialect`: one of DIALECTS, or None: by the file; `tools`: a table's path; `start`: where X, Y and Z
+    stand at first, mm of the program; `bound`: the most lines to carry out, and to make; `skip`: leave out lines that begin with
+    /. Raises Failure."""
+    path = Path(path)
+    text = text_of(path)
+    if dialect is None:
+        dialect, _ = detect(path.name, text)
+        if dialect == "plain":
+            raise Failure(f"{path} has no word of num or ngc: it can be sent as it is; --dialect compiles it all the same")
+    if dialect not in DIALECTS:
+        raise Failure(f"--dialect is {' or '.join(DIALECTS)}, not {dialect!r}")
+    table = tool_table.read(tools) if tools else {}
+    listing = Listing(bound)
+    if dialect == "ngc":
+        from host_tools.programs.ngc.interpreter import compile_program
+    else:
+        from host_tools.programs.num.interpreter import compile_program
+
+    def find(label):
+        """A subroutine's file beside the program."""
+        for other in (path.with_name(f"{label}.ngc"), path.with_name(f"{label.lower()}.ngc")):
+            if other.is_file():
+                return other.name, text_of(other)
+        return None
+
+    texts = compile_program(path.name, text, listing, table, start or (None, None, None), bound, find, skip)
+    if not listing.codes:
+        raise Failure(f"{path} does nothing")
+    listing.begin(HEADER)
+    return Program(path.name, dialect, listing.lines(), listing, texts)
+
+
+def read(path, dialect=None, tools=None):
+    """A Program for a sender: compiled if `dialect` says so or its words need it; "plain" keeps it as it is. Raises Failure."""
+    path = Path(path)
+    reason = ""
+    if dialect is None:
+        dialect, reason = detect(path.name, text_of(path))
+    if dialect == "plain":
+        return Program(path.name, dialect, gcode_file.read(path))
+    program = compile_file(path, dialect, tools)
+    program.reason = reason
+    return program
+
+
+def tell(program):
+    """Say on stderr that a program was compiled, if nobody asked for it, and what its compiler warns of."""
+    if program.reason:
+        print(
+            f"{program.name}: compiled as {program.dialect}, because {program.reason}: {len(program.lines)} lines; "
+            "--dialect plain sends it as it is",
+            file=sys.stderr,
+        )
+    for warning in program.listing.warnings if program.listing else ():
+        print(f"warning: {warning}", file=sys.stderr)

@@ -1,0 +1,183 @@
+"""The motions between G41 or G42 and G40: collected, moved aside as a whole, then handed to the Toolpath.
+
+The way in is the first straight motion. It ends square to the contour's start, a radius away: straight, or if that would cut into
+the contour, around its start. The way out is the first motion in X or Y behind G40, in the same way. Both are checked against the
+contour, and so is the path against the ten pieces before and behind, as controllers look ahead; what comes too near further
+away is a warning, because several passes of a pocket may overlap.
+"""
+
+from host_tools.programs.compensation import SMALL, Piece, gouges, lead, offset
+from host_tools.programs.program_errors import (
+    COMPENSATED, DOES_NOT_FIT, ENTRY, ENTRY_GOUGES, EXIT_GOUGES, GOUGES, PLANE, ProgramError,
+)  # fmt: skip
+
+LOOK_AHEAD = 10
+_RAPID_SAG = 0.001  # mm: arcs of a rapid are lines
+_SHORTEST_ARC = 1e-4  # mm
+
+
+class _Motion:
+    """A piece of the contour, or a motion of Z alone, or a word: `piece` is None then."""
+
+    def __init__(self, source, piece=None, heights=(None, None), rapid=False, feed=0.0, code=None):
+        self.source, self.piece, self.heights = source, piece, heights
+        self.rapid, self.feed, self.code = rapid, feed, code
+
+
+class Contour:
+    def __init__(self, path, side, radius, source):
+        self.side, self.radius = side, radius
+        self._path = path
+        self._source = source
+        self._motions = []
+        self._told = []  # of them, the pieces of the contour itself
+        self._end = None  # of the contour
+
+    def word(self, code, source):
+        self._motions.append(_Motion(source, code=code))
+
+    def line(self, begin, end, target, rapid, feed, source):
+        """A straight motion of the program, from `begin` to `end`."""
+        heights = begin[2], end[2]
+        moves = (target[0] is not None or target[1] is not None) and begin[:2] != end[:2]
+        if not moves:
+            if target[2] is not None:
+                self._motions.append(_Motion(source, None, heights, rapid, feed))
+            return
+        if None in (*begin[:2], *end[:2]):
+            self._path.place = begin
+            self._path.known(0), self._path.known(1)
+        piece = Piece(complex(*begin[:2]), complex(*end[:2]))
+        if piece.length > SMALL:
+            self._motions.append(_Motion(source, piece, heights, rapid, feed))
+
+    def arc(self, begin, end, plane, clockwise, centre, feed, turns, source):
+        if plane != 17:
+            raise ProgramError(PLANE, "radius compensation")
+        if turns > 1:
+            raise ProgramError(COMPENSATED, "arcs of several turns")
+        if not any(motion.piece for motion in self._motions):
+            raise ProgramError(ENTRY, "an arc")
+        start = complex(*begin[:2])
+        piece = Piece(start, complex(*end[:2]), start + complex(*centre), clockwise)
+        self._motions.append(_Motion(source, piece, (begin[2], end[2]), False, feed))
+
+    # --- the end
+
+    def flush(self):
+        """Append all to the listing. False if nothing was moved in X or Y."""
+        pieces = [motion for motion in self._motions if motion.piece]
+        if not pieces:
+            for motion in self._motions:
+                self._still(motion)
+            return False
+        entry, told = pieces[0], pieces[1:]
+        if entry.piece.centre is not None:
+            raise ProgramError(ENTRY, place=entry.source)
+        self._told = told
+        contour = [motion.piece for motion in told]
+        path = []
+        try:
+            path = offset(contour, self.side, self.radius)
+        except ProgramError as error:
+            first, second = (told[number].source for number in error.pieces)
+            if error.detail == "between":
+                error.detail = f"a tool of radius {self.radius:g} between lines {first.line} and {second.line}"
+            raise error.at(second) from None
+        if contour and not path:
+            raise ProgramError(DOES_NOT_FIT, "a hole of the tool's own radius", told[0].source)
+        if contour:
+            way_in = self._lead(entry.piece.start, contour[0].start, path[0][0].start, self.side, entry, ENTRY_GOUGES)
+            self._end = contour[-1].end
+        else:
+            way_in = [Piece(entry.piece.start, entry.piece.beside(entry.piece.end, self.side * self.radius))]
+            self._end = entry.piece.end
+        self._check(path, None, GOUGES)
+        self._put(entry, way_in, path)
+        return True
+
+    def _lead(self, place, corner, start, side, motion, error):
+        """The pieces from `place` to `start`: a straight line if that cuts nothing, else around the contour's end. Raises ProgramError
+        with the number `error`."""
+        straight = [Piece(place, start)]
+        around = lead(place, corner, start, side, self.radius)
+        try:
+            self._check([(straight[0], None)], motion, error)
+            return straight
+        except ProgramError:
+            if around is None or len(around) == 1:
+                raise
+        self._check([(piece, None) for piece in around], motion, error)
+        return around
+
+    def _check(self, path, entry, error):
+        """Raises ProgramError if the tool cuts into the contour."""
+        contour = [motion.piece for motion in self._told]
+        warned = set()
+        for at, against, far in gouges([piece for piece, _ in path], contour, self.radius):
+            number = path[at][1]
+            motion = entry or self._told[number]
+            if _above(motion, self._told[against]):
+                continue
+            detail = f"{far:.3f} mm from line {self._told[against].source.line}, with a tool of radius {self.radius:g}"
+            if entry or abs(number - against) <= LOOK_AHEAD:
+                raise ProgramError(error, detail, motion.source)
+            if (motion.source, self._told[against].source) not in warned:
+                warned.add((motion.source, self._told[against].source))
+                self._path.listing.warnings.append(f"{motion.source}: the tool comes to {detail}")
+
+    def leave(self, begin, place, rapid, feed, source):
+        """Append what comes before the straight way out from `begin` to `place`. Raises ProgramError if the way cuts into the contour."""
+        here, there = complex(*begin[:2]), complex(*place[:2])
+        if abs(here - there) < SMALL:
+            return
+        motion = _Motion(source, None, (begin[2], place[2]), rapid, feed)
+        pieces = self._lead(there, self._end, here, -self.side, motion, EXIT_GOUGES)
+        if len(pieces) == 2:
+            arc = pieces[1]
+            self._go(Piece(arc.end, arc.start, arc.centre, not arc.clockwise), motion, begin[2])
+
+    def _put(self, entry, way_in, path):
+        at = 0
+        number = -1  # of the contour's piece under way
+        for motion in self._motions:
+            if not motion.piece:
+                self._still(motion)
+                continue
+            if motion is entry:
+                for piece in way_in:
+                    self._go(piece, motion, motion.heights[1])
+                continue
+            number += 1
+            while at < len(path) and path[at][1] == number:
+                piece, _ = path[at]
+                last = at + 1 == len(path) or path[at + 1][1] != number
+                self._go(piece, motion, motion.heights[1] if last else motion.heights[0])
+                at += 1
+            self._path.put_line([None, None, motion.heights[1]], motion.rapid, motion.feed, motion.source)
+
+    def _go(self, piece, motion, height):
+        """One piece of the path, at its end at `height`."""
+        end = [piece.end.real, piece.end.imag, height]
+        if piece.centre is None:
+            self._path.put_line(end, motion.rapid, motion.feed, motion.source)
+        elif motion.rapid:
+            for point in piece.points(_RAPID_SAG)[1:]:
+                self._path.put_line([point.real, point.imag, height], True, 0.0, motion.source)
+        elif piece.length > _SHORTEST_ARC:
+            centre = piece.centre - piece.start
+            self._path.put_arc(17, piece.clockwise, end, (centre.real, centre.imag), motion.feed, 1, motion.source)
+
+    def _still(self, motion):
+        """A motion of Z alone, or a word."""
+        if motion.code:
+            self._path.listing.add(motion.code, motion.source)
+        else:
+            self._path.put_line([None, None, motion.heights[1]], motion.rapid, motion.feed, motion.source)
+
+
+def _above(motion, told):
+    """True if the whole motion is above the contour's piece."""
+    heights = [height for height in motion.heights if height is not None]
+    below = [height for height in told.heights if height is not None]
+    return len(heights) == len(below) == 2 and min(heights) > max(below) + SMALL

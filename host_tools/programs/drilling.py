@@ -1,0 +1,67 @@
+"""Canned cycles, drawn out into plain motions: what all dialects, by their numbers of RS274/NGC, mean by them.
+
+    cycle = Cycle(83, above=2.0, bottom=-10.0, feed=100.0, peck=3.0)
+    cycle.hole(path, [5.0, 5.0])        # the tool is above that place, at `above` or higher; ends at `back`
+"""
+
+from dataclasses import dataclass
+
+BACK_OFF_MM = 0.254  # of G73, and what G83 stays above the bottom so far: 0.01 inch
+
+
+@dataclass
+class Cycle:
+    """Heights in mm of the program. `back`: where Z ends; default `above`."""
+
+    code: int
+    above: float
+    bottom: float
+    feed: float
+    dwell: float = 0.0  # seconds
+    peck: float = 0.0
+    back: float | None = None
+    spindle: str = ""  # M3 or M4, what it turns by
+
+    def hole(self, path, place):
+        """One hole at X, Y."""
+        self._rapid(path, place)
+        self._z(path, self.above, True)
+        if self.code in (73, 83):
+            self._pecks(path)
+        else:
+            self._z(path, self.bottom, False)
+        turned = {"M3": "M4", "M4": "M3"}.get(self.spindle, "")
+        if self.code in (74, 84):  # a tap turns back before it dwells, others dwell before the spindle stops
+            path.word("M5")
+            path.word(turned)
+        if self.dwell:
+            path.word(f"G4 P{self.dwell:g}")
+        if self.code in (86, 88):
+            path.word("M5")
+        if self.code == 88:
+            path.word("M0")
+        if self.code in (74, 84, 85, 89):
+            self._z(path, self.above, False)
+        self._z(path, self.above if self.back is None else self.back, True)
+        if self.code in (74, 84):
+            path.word("M5")
+        if self.code in (74, 84, 86, 88):
+            path.word(self.spindle)
+
+    def _pecks(self, path):
+        reached = self.above
+        while reached - self.peck > self.bottom + 1e-9:
+            reached -= self.peck
+            self._z(path, reached, False)
+            if self.code == 73:
+                self._z(path, reached + BACK_OFF_MM, True)
+            else:
+                self._z(path, self.above, True)
+                self._z(path, min(self.above, reached + BACK_OFF_MM), True)
+        self._z(path, self.bottom, False)
+
+    def _rapid(self, path, place):
+        path.move([*place, None], True)
+
+    def _z(self, path, height, rapid):
+        path.move([None, None, height], rapid, 0.0 if rapid else self.feed)

@@ -1,0 +1,87 @@
+"""One line of RS274/NGC: its words, codes and assignments.
+
+    block = read("g1 x[#1*2] f100", values)
+    block.words["x"], block.codes("g")
+"""
+
+from host_tools.programs.ngc.expressions import EQUAL, Cursor, half_away
+from host_tools.programs.program_errors import (
+    BRACKETS, NOT_IN_DIALECT, RANGE, REPEATED, SYNTAX, WHOLE, ProgramError,
+)  # fmt: skip
+
+LETTERS = "dfhijklpqrstxyz@^"
+ELSEWHERE = "abcuvwe$"  # axes and words that LinuxCNC has, and no Passo machine
+
+
+class Block:
+    def __init__(self):
+        self.words = {}  # letter: value
+        self.g = []  # in tenths: 431 is G43.1
+        self.m = []
+        self.settings = []  # (parameter, value)
+
+
+def clean(line):
+    """(text without blanks and comments in small letters, True if the line begins with /). Raises ProgramError."""
+    kept = []
+    inside = False
+    for char in line:
+        if inside:
+            inside = char != ")"
+        elif char == "(":
+            inside = True
+        elif char == ";":
+            break
+        elif char == ")":
+            raise ProgramError(BRACKETS, ")")
+        elif not char.isspace():
+            kept.append(char.lower())
+    if inside:
+        raise ProgramError(BRACKETS, "a comment begins with ( and does not end")
+    text = "".join(kept)
+    return text.lstrip("/"), text.startswith("/")
+
+
+def read(text, values):
+    """The Block of a cleaned line. Raises ProgramError."""
+    block = Block()
+    cursor = Cursor(text, values)
+    if cursor.take("n"):
+        cursor.value()
+    while not cursor.ends():
+        letter = cursor.peek()
+        cursor.at += 1
+        if letter == "#":
+            name = cursor.name()
+            if not cursor.take("="):
+                raise ProgramError(SYNTAX, f"= before {cursor.rest()}")
+            block.settings.append((name, cursor.value()))
+        elif letter in "gm":
+            (block.g if letter == "g" else block.m).append(_code(letter, cursor.value()))
+        elif letter in LETTERS:
+            if letter in block.words:
+                raise ProgramError(REPEATED, letter.upper())
+            block.words[letter] = cursor.value()
+        elif letter in ELSEWHERE:
+            raise ProgramError(NOT_IN_DIALECT, f"{letter.upper()}: machines have X, Y and Z")
+        else:
+            raise ProgramError(SYNTAX, f"{letter}{cursor.rest()}")
+    return block
+
+
+def _code(letter, value):
+    """The code in tenths."""
+    tenths = half_away(value * 10)
+    if abs(value * 10 - tenths) > EQUAL * 10 or value < 0:
+        raise ProgramError(NOT_IN_DIALECT, f"{letter.upper()}{value:g}")
+    return int(tenths)
+
+
+def whole(words, letter, low=0, high=1_000_000):
+    """The value of a word that is a whole number within `low` … `high`. Raises ProgramError."""
+    value = words[letter]
+    if abs(value - half_away(value)) > EQUAL:
+        raise ProgramError(WHOLE, f"{letter.upper()}{value:g}")
+    if not low <= half_away(value) <= high:
+        raise ProgramError(RANGE, f"{letter.upper()}{value:g} is not within {low} … {high}")
+    return int(half_away(value))

@@ -1,0 +1,200 @@
+"""Numbers, parameters and expressions of RS274/NGC.
+
+    cursor = Cursor("[#1+2]*3", values)
+    cursor.value()          # one value: a number, a parameter, an expression in brackets, a function
+
+Blanks and comments must have been removed, letters be small. Angles are degrees. Values that differ by less than 1e-6 are equal.
+`values` has get(name) and has(name); a name is a whole number, or a text.
+"""
+
+import math
+
+from host_tools.programs.program_errors import (
+    BRACKETS, DIVISION, DOMAIN, PARAMETER, SYNTAX, UNKNOWN_NAME, WHOLE, ProgramError,
+)  # fmt: skip
+
+EQUAL = 1e-6
+_DIGITS = "0123456789"
+
+
+def _divide(a, b):
+    if b == 0:
+        raise ProgramError(DIVISION)
+    return a / b
+
+
+def _modulo(a, b):
+    if b == 0:
+        raise ProgramError(DIVISION, "MOD 0")
+    return a % abs(b)
+
+
+def _power(a, b):
+    if a < 0 and b % 1 or a == 0 and b < 0:
+        raise ProgramError(DOMAIN, f"{a:g} ** {b:g}")
+    try:
+        return float(a**b)
+    except OverflowError:
+        raise ProgramError(DOMAIN, f"{a:g} ** {b:g}") from None
+
+
+# By precedence, the first binds most.
+OPERATORS = (
+    {"**": _power},
+    {"*": lambda a, b: a * b, "/": _divide, "mod": _modulo},
+    {"+": lambda a, b: a + b, "-": lambda a, b: a - b},
+    {
+        "eq": lambda a, b: abs(a - b) < EQUAL,
+        "ne": lambda a, b: abs(a - b) >= EQUAL,
+        "gt": lambda a, b: a > b,
+        "ge": lambda a, b: a >= b or abs(a - b) < EQUAL,
+        "lt": lambda a, b: a < b,
+        "le": lambda a, b: a <= b or abs(a - b) < EQUAL,
+    },
+    {
+        "and": lambda a, b: bool(a) and bool(b),
+        "or": lambda a, b: bool(a) or bool(b),
+        "xor": lambda a, b: bool(a) != bool(b),
+    },
+)
+_SPELLINGS = sorted((name for group in OPERATORS for name in group), key=len, reverse=True)
+_LEVELS = {name: level for level, group in enumerate(OPERATORS) for name in group}
+
+
+def half_away(value):
+    """Rounded to the nearest whole number, halves away from zero."""
+    return math.floor(abs(value) + 0.5) * (1 if value >= 0 else -1)
+
+
+FUNCTIONS = {
+    "abs": abs,
+    "acos": lambda a: math.degrees(math.acos(a)),
+    "asin": lambda a: math.degrees(math.asin(a)),
+    "cos": lambda a: math.cos(math.radians(a)),
+    "exp": math.exp,
+    "fix": math.floor,
+    "fup": math.ceil,
+    "ln": math.log,
+    "round": half_away,
+    "sin": lambda a: math.sin(math.radians(a)),
+    "sqrt": math.sqrt,
+    "tan": lambda a: math.tan(math.radians(a)),
+}
+
+
+class Cursor:
+    def __init__(self, text, values, at=0):
+        self.text = text
+        self.at = at
+        self._values = values
+
+    def ends(self):
+        return self.at >= len(self.text)
+
+    def peek(self):
+        """The next character, "" at the end."""
+        return self.text[self.at : self.at + 1]
+
+    def take(self, text):
+        """Step over `text` if it comes next, and say whether it did."""
+        if not self.text.startswith(text, self.at):
+            return False
+        self.at += len(text)
+        return True
+
+    def rest(self):
+        """What comes next, for an error."""
+        return self.text[self.at : self.at + 12] or "the line ends"
+
+    def value(self):
+        """One value. Raises ProgramError."""
+        char = self.peek()
+        if char in ("+", "-") and self.text[self.at + 1 : self.at + 2] not in (*_DIGITS, ".", ""):
+            self.at += 1
+            return -self.value() if char == "-" else self.value()
+        if char == "[":
+            return self.expression()
+        if char == "#":
+            return self._parameter()
+        if char.isalpha():
+            return self._function()
+        return self._number()
+
+    def expression(self):
+        """`[…]`"""
+        if not self.take("["):
+            raise ProgramError(SYNTAX, f"[ before {self.rest()}")
+        values = [self.value()]
+        operators = []
+        while not self.take("]"):
+            if self.ends():
+                raise ProgramError(BRACKETS, self.text)
+            operator = next((name for name in _SPELLINGS if self.take(name)), None)
+            if operator is None:
+                raise ProgramError(UNKNOWN_NAME, self.rest())
+            # What binds at least as much as the new operator is worked out first: all go from left to right.
+            while operators and _LEVELS[operators[-1]] <= _LEVELS[operator]:
+                _reduce(values, operators)
+            operators.append(operator)
+            values.append(self.value())
+        while operators:
+            _reduce(values, operators)
+        return values[0]
+
+    def _number(self):
+        begin = self.at
+        if self.peek() in ("+", "-") and not self.ends():
+            self.at += 1
+        while not self.ends() and self.peek() in _DIGITS + ".":
+            self.at += 1
+        try:
+            return float(self.text[begin : self.at])
+        except ValueError:
+            self.at = begin
+            raise ProgramError(SYNTAX, self.rest()) from None
+
+    def name(self):
+        """A parameter's number or name, behind its #."""
+        if not self.take("<"):
+            number = self.value()
+            if abs(number - half_away(number)) > EQUAL:
+                raise ProgramError(WHOLE, f"#{number:g}")
+            return int(half_away(number))
+        end = self.text.find(">", self.at)
+        if end <= self.at:
+            raise ProgramError(BRACKETS, f"<{self.rest()}")
+        name = self.text[self.at : end]
+        self.at = end + 1
+        return name
+
+    def _parameter(self):
+        self.at += 1
+        return self._values.get(self.name())
+
+    def _function(self):
+        if self.take("exists["):
+            if not self.take("#"):
+                raise ProgramError(PARAMETER, "EXISTS[#<name>]")
+            known = self._values.has(self.name())
+            if not self.take("]"):
+                raise ProgramError(BRACKETS, self.text)
+            return float(known)
+        if self.take("atan"):
+            y = self.expression()
+            if not self.take("/"):
+                raise ProgramError(SYNTAX, "ATAN[y]/[x]")
+            return math.degrees(math.atan2(y, self.expression()))
+        name = next((name for name in FUNCTIONS if self.take(name)), None)
+        if name is None:
+            raise ProgramError(UNKNOWN_NAME, self.rest())
+        argument = self.expression()
+        try:
+            return float(FUNCTIONS[name](argument))
+        except (ValueError, OverflowError):
+            raise ProgramError(DOMAIN, f"{name.upper()}[{argument:g}]") from None
+
+
+def _reduce(values, operators):
+    operator = operators.pop()
+    right = values.pop()
+    values[-1] = float(OPERATORS[_LEVELS[operator]][operator](values[-1], right))

@@ -1,0 +1,258 @@
+"""The order in which the lines of an NGC program are carried out: subroutines, loops and conditions by O words.
+
+    flow = Flow(files, values, bound)
+    for line in flow: …         # a Line to carry out; flow.end() ends the program
+
+Labels are matched before anything runs, each within its file. `values` has enter(arguments) and leave(value) for calls.
+"""
+
+import re
+from typing import NamedTuple
+
+from host_tools.programs.listing import Source
+from host_tools.programs.ngc.blocks import clean
+from host_tools.programs.ngc.expressions import Cursor, half_away
+from host_tools.programs.program_errors import (
+    DEPTH, ENDLESS, LABEL, NO_END, NO_PROGRAM, SYNTAX, UNKNOWN_NAME, ProgramError,
+)  # fmt: skip
+
+DEEPEST = 10  # calls
+KEYWORDS = (
+    "endsub", "sub", "call", "return", "endif", "elseif", "else", "if", "endwhile", "while", "do", "endrepeat", "repeat", "break", "continue",
+)  # fmt: skip
+_LABEL = re.compile(r"(?:n\d+)?o(<[^<>]+>|\d+|(?=[\[#]))")
+_OPENERS = {"endsub": ("sub",), "endif": ("if",), "endwhile": ("while",), "endrepeat": ("repeat",)}
+_LOOPS = ("while", "do", "repeat")
+
+
+class Line(NamedTuple):
+    """A line that is not empty; `label` and `keyword` of an O word, `rest` behind it, or all of the line."""
+
+    source: Source
+    rest: str
+    label: str
+    keyword: str
+
+
+class _Part:
+    """A block of lines between O words: numbers of its lines in the program."""
+
+    def __init__(self, kind, label, begin):
+        self.kind, self.label, self.begin = kind, label, begin
+        self.branches = []  # elseif and else
+        self.end = None
+
+
+class Flow:
+    def __init__(self, name, text, values, bound, find=None, skip=False):
+        """`find(label)`: (name, text) of the file with a subroutine, or None; `skip`: leave out lines that begin with /."""
+        self._values = values
+        self._bound = bound
+        self._find = find or (lambda label: None)
+        self._skip = skip
+        self.texts = {}  # of files
+        self._lines = []
+        self._ends = []  # for each line, where its file ends
+        self._parts = {}  # number of a line: its _Part
+        self._subs = {}
+        self._load(name, text)
+        self._at = 0
+        self._calls = []  # (number of the line behind the call, counts of its loops)
+        self._counts = {}  # of repeat, by the number of its line
+        self._done = 0
+
+    # --- reading
+
+    def _load(self, name, text):
+        self.texts[name] = rows = text.splitlines()
+        begin = len(self._lines)
+        percent = False
+        for number, row in enumerate(rows, 1):
+            source = Source(name, number)
+            try:
+                words, slash = clean(row)
+                if words == "%":
+                    if percent:
+                        break
+                    percent = True
+                elif words and not (slash and self._skip):
+                    self._lines.append(self._line(source, words))
+            except ProgramError as error:
+                raise error.at(source) from None
+        self._ends += [len(self._lines)] * (len(self._lines) - begin)
+        self._match(begin)
+
+    def _line(self, source, words):
+        found = _LABEL.match(words)
+        if not found:
+            return Line(source, words, "", "")
+        label, rest = found[1], words[found.end() :]
+        if not label:  # o[#1+2] call: worked out when it is called
+            label, call, rest = rest.partition("call")
+            if not call:
+                raise ProgramError(LABEL, "only calls may work out their label")
+            return Line(source, rest, label, call)
+        if not rest and label.isdigit():
+            return Line(source, "", "", "")  # a program's number
+        keyword = next((word for word in KEYWORDS if rest.startswith(word)), "")
+        if not keyword:
+            raise ProgramError(UNKNOWN_NAME, rest or "an O word without a keyword")
+        return Line(source, rest[len(keyword) :], label, keyword)
+
+    def _match(self, begin):
+        open_parts = []
+        for number in range(begin, len(self._lines)):
+            line = self._lines[number]
+            if line.keyword:
+                try:
+                    self._match_line(number, line, open_parts)
+                except ProgramError as error:
+                    raise error.at(line.source) from None
+        for part in open_parts:
+            raise ProgramError(NO_END, f"o{part.label} {part.kind}", self._lines[part.begin].source)
+
+    def _match_line(self, number, line, open_parts):
+        keyword, label = line.keyword, line.label
+        last = open_parts[-1] if open_parts else None
+        fits = last is not None and last.label == label
+        if keyword == "while" and fits and last.kind == "do":
+            last.end = number
+            self._parts[number] = open_parts.pop()
+        elif keyword in ("sub", "if", "repeat", *_LOOPS):
+            if any(part.label == label for part in open_parts) or keyword == "sub" and label in self._subs:
+                raise ProgramError(LABEL, f"o{label}")
+            if keyword == "sub" and any(part.kind == "sub" for part in open_parts):
+                raise ProgramError(LABEL, "a subroutine inside another")
+            open_parts.append(_Part(keyword, label, number))
+            self._parts[number] = last = open_parts[-1]
+            if keyword == "sub":
+                self._subs[label] = last
+        elif keyword in _OPENERS or keyword in ("else", "elseif"):
+            if not fits or last.kind not in _OPENERS.get(keyword, ("if",)):
+                raise ProgramError(LABEL, f"o{label} {keyword}")
+            self._parts[number] = last
+            if keyword in _OPENERS:
+                last.end = number
+                open_parts.pop()
+            else:
+                last.branches.append(number)
+        elif keyword in ("break", "continue", "return"):
+            kinds = ("sub",) if keyword == "return" else _LOOPS
+            part = next((part for part in open_parts if part.label == label and part.kind in kinds), None)
+            if part is None:
+                raise ProgramError(LABEL, f"o{label} {keyword}")
+            self._parts[number] = part
+
+    # --- running
+
+    def __iter__(self):
+        first_end = self._ends[0] if self._ends else 0
+        while self._at is not None and self._at < (len(self._lines) if self._calls else first_end):
+            number = self._at
+            line = self._lines[number]
+            self._done += 1
+            if self._done > self._bound:
+                raise ProgramError(ENDLESS, f"{self._bound} lines have been carried out", line.source)
+            self._at = number + 1
+            if not line.keyword:
+                yield line
+                continue
+            try:
+                getattr(self, "_do_" + line.keyword)(number, line, self._parts.get(number))
+            except ProgramError as error:
+                raise error.at(line.source) from None
+
+    def end(self):
+        """The program ends here."""
+        self._at = None
+
+    def _value(self, line):
+        cursor = Cursor(line.rest, self._values)
+        value = cursor.value()
+        if not cursor.ends():
+            raise ProgramError(SYNTAX, cursor.rest())
+        return value
+
+    def _do_sub(self, number, line, part):
+        self._at = part.end + 1
+
+    def _do_call(self, number, line, part):
+        label = line.label
+        if label[0] in "[#":
+            label = f"{half_away(Cursor(label, self._values).value()):d}"
+        cursor = Cursor(line.rest, self._values)
+        arguments = []
+        while not cursor.ends():
+            arguments.append(cursor.expression())
+        if label not in self._subs:
+            found = self._find(label.strip("<>"))
+            if found and found[0] not in self.texts:
+                self._load(*found)
+        if label not in self._subs:
+            raise ProgramError(NO_PROGRAM, f"o{label}")
+        if len(self._calls) >= DEEPEST:
+            raise ProgramError(DEPTH, f"{DEEPEST} at most")
+        self._values.enter(arguments)
+        self._calls.append((self._at, self._counts))
+        self._counts = {}
+        self._at = self._subs[label].begin + 1
+
+    def _do_return(self, number, line, part):
+        value = self._value(line) if line.rest else None
+        if not self._calls:
+            raise ProgramError(LABEL, f"o{line.label} {line.keyword} and no call")
+        self._at, self._counts = self._calls.pop()
+        self._values.leave(value)
+
+    _do_endsub = _do_return
+
+    def _do_if(self, number, line, part):
+        if self._value(line):
+            return
+        for branch in part.branches:
+            other = self._lines[branch]
+            try:
+                if other.keyword == "else" or self._value(other):
+                    self._at = branch + 1
+                    return
+            except ProgramError as error:
+                raise error.at(other.source) from None
+        self._at = part.end + 1
+
+    def _do_else(self, number, line, part):
+        self._at = part.end + 1
+
+    _do_elseif = _do_else
+
+    def _do_endif(self, number, line, part):
+        pass
+
+    _do_do = _do_endif
+
+    def _do_while(self, number, line, part):
+        goes_on = self._value(line)
+        if part.kind == "do":
+            if goes_on:
+                self._at = part.begin + 1
+        elif not goes_on:
+            self._at = part.end + 1
+
+    def _do_endwhile(self, number, line, part):
+        self._at = part.begin
+
+    def _do_repeat(self, number, line, part):
+        count = half_away(self._value(line))
+        self._counts[number] = count
+        if count <= 0:
+            self._at = part.end + 1
+
+    def _do_endrepeat(self, number, line, part):
+        self._counts[part.begin] -= 1
+        if self._counts[part.begin] > 0:
+            self._at = part.begin + 1
+
+    def _do_break(self, number, line, part):
+        self._at = part.end + 1
+
+    def _do_continue(self, number, line, part):
+        self._at = part.begin if part.kind == "while" else part.end

@@ -1,0 +1,205 @@
+"""Carries out an NGC program, line by line: modal state and motions, in the order of RS274/NGC (NIST IR 6556, table 8).
+
+    compile_program("part.ngc", text, listing, tools={})
+
+Lengths are mm inside. G20 and G21 hold for their whole line, its F too.
+"""
+
+from host_tools.programs.ngc.blocks import read, whole
+from host_tools.programs.ngc.codes import (
+    ARC_DISTANCE, AXIS_COMMANDS, CHANGE, COOLING, CUTTER, CYCLES, DISTANCE, FEED_MODE, G_GROUPS, LENGTH, M_GROUPS, MOTION,
+    NON_MODAL, NOT_ON_BOARD, OVERRIDES, PATH, PLANE, PROBES, RETURN, STOPPING, SWITCHING, SYSTEM, TURNING, UNITS,
+)  # fmt: skip
+from host_tools.programs.ngc.flow import Flow
+from host_tools.programs.ngc.modes import Modes
+from host_tools.programs.ngc.motions import Motions
+from host_tools.programs.ngc.state import State
+from host_tools.programs.program_errors import (
+    COMPENSATED, MISSING, NO_FEED, NOT_IN_DIALECT, NOT_ON_BOARD as UNABLE, SAME_GROUP, TWO_COMMANDS, UNUSED, ProgramError,
+)  # fmt: skip
+from host_tools.programs.toolpath import Toolpath, number
+
+INCH_MM = 25.4
+
+
+def compile_program(name, text, listing, tools=None, start=(None, None, None), bound=1_000_000, find=None, skip=False):
+    """Carry out a program into `listing`. Returns {file: its lines}. `tools`: {number: tool_table.Tool}; `start`: where the
+    machine stands, mm of the program; `bound`: the most lines that are carried out; `find`: see Flow. Raises ProgramError with
+    file and line."""
+    path = Toolpath(listing, start)
+    interpreter = Interpreter(path, dict(tools or {}))
+    flow = Flow(name, text, interpreter.values, bound, find, skip)
+    for line in flow:
+        path.source = line.source
+        try:
+            if interpreter.carry_out(line.rest):
+                flow.end()
+        except ProgramError as error:
+            raise error.at(line.source) from None
+    try:
+        path.uncompensate()
+    except ProgramError as error:
+        raise error.at(path.source) from None
+    return flow.texts
+
+
+class Interpreter(Modes, Motions):
+    def __init__(self, path, tools):
+        self.path = path
+        self.tools = tools
+        self.motion = 800
+        self.plane = 17
+        self.scale = 1.0  # mm a unit
+        self.absolute = True
+        self.arc_absolute = False
+        self.feed_mode = 940
+        self.feed = 0.0  # mm/min; mm a turn with G95
+        self.rpm = 0.0
+        self.spindle = ""
+        self.tool = self.chosen = 0
+        self.length_mm = None  # of the tool, as G43 has set it
+        self.initial = True  # G98
+        self.system = 1
+        self.cycle = None  # words of the cycle that holds
+        self.values = State(self._told())
+
+    def _told(self):
+        """Parameters by which the program can ask for its state."""
+        told = {5220: lambda: self.system, 5400: lambda: self.tool, 5403: lambda: self.length_mm or 0.0}
+        told[5410] = lambda: self.tools[self.tool].diameter / self.scale if self.tool in self.tools else 0.0
+        for axis, name in enumerate("xyz"):
+            told[5420 + axis] = told["_" + name] = lambda axis=axis: self.path.known(axis) / self.scale
+        told.update(
+            _feed=lambda: self.feed / self.scale,
+            _rpm=lambda: self.rpm,
+            _metric=lambda: self.scale == 1,
+            _imperial=lambda: self.scale != 1,
+            _absolute=lambda: self.absolute,
+            _incremental=lambda: not self.absolute,
+            _current_tool=lambda: self.tool,
+            _selected_tool=lambda: self.chosen,
+            _coord_system=lambda: 530 + 10 * self.system,
+            _plane=lambda: self.plane * 10,
+            _line=lambda: self.path.source.line,
+            _spindle_on=lambda: bool(self.spindle),
+        )
+        return told
+
+    def carry_out(self, text):
+        """One line; True if it ends the program. Raises ProgramError."""
+        block = read(text, self.values)
+        words = self.words = block.words
+        g, m = self._groups(block)
+        for name, value in block.settings:
+            self.values.set(name, value)
+        if UNITS in g:
+            self.scale = INCH_MM if g[UNITS] == 200 else 1.0
+        non_modal = g.get(NON_MODAL)
+        motion = self._motion_of(g, non_modal)
+        if FEED_MODE in g:
+            if g[FEED_MODE] != self.feed_mode:
+                self.feed = 0.0
+            self.feed_mode = g[FEED_MODE]
+        self.set_feed(motion)
+        self.set_spindle(m.get(TURNING))
+        self.set_tool(m.get(CHANGE))
+        self.set_coolant(m.get(COOLING), m.get(SWITCHING))
+        if non_modal == 40:
+            self.dwell()
+        if PLANE in g:
+            self.plane = g[PLANE] // 10
+        if ARC_DISTANCE in g:
+            self.arc_absolute = g[ARC_DISTANCE] == 901
+        if DISTANCE in g:
+            self.absolute = g[DISTANCE] == 900
+        if CUTTER in g:
+            self.set_cutter(g[CUTTER])
+        if LENGTH in g:
+            self.set_length(g[LENGTH])
+        if SYSTEM in g:
+            self.set_system(g[SYSTEM] // 10)
+        for letter in "pq" if PATH in g else "":
+            words.pop(letter, None)  # G64 P Q: how far corners may be rounded; the board keeps to the path
+        if RETURN in g:
+            self.initial = g[RETURN] == 980
+        if non_modal not in (None, 40, 530):
+            self.offsets(non_modal)
+        elif motion is not None:
+            self.move(motion, non_modal == 530)
+        if self.words:
+            raise ProgramError(UNUSED, " ".join(letter.upper() + number(value) for letter, value in self.words.items()))
+        return self._stops(m.get(STOPPING))
+
+    def _groups(self, block):
+        """({group: code} of the G codes, the same of the M codes). Raises ProgramError."""
+        found = {}, {}
+        for letter, codes, groups, kept in (("g", block.g, G_GROUPS, found[0]), ("m", block.m, M_GROUPS, found[1])):
+            for code in codes:
+                text = f"{letter.upper()}{number(code / 10, 1)}"
+                if code not in groups:
+                    why = NOT_ON_BOARD[letter].get(code)
+                    raise ProgramError(UNABLE, f"{text}: {why}") if why else ProgramError(NOT_IN_DIALECT, text)
+                if groups[code] in kept and groups[code] != OVERRIDES:
+                    raise ProgramError(SAME_GROUP, text)
+                kept[groups[code]] = code
+        return found
+
+    def _motion_of(self, g, non_modal):
+        """The motion that the line's axis words are for; None: nothing moves. Keeps the modal one."""
+        commands = [code for code in g.values() if code in AXIS_COMMANDS]
+        if len(commands) > 1:
+            raise ProgramError(TWO_COMMANDS, " ".join(f"G{number(code / 10, 1)}" for code in commands))
+        if MOTION in g:
+            if g[MOTION] not in CYCLES or g[MOTION] != self.motion:
+                self.cycle = None
+            self.motion = g[MOTION]
+        other = commands and commands[0] not in MOTIONS_WITH_AXES
+        axes = any(letter in self.words for letter in "xyz@^")
+        if other or self.motion == 800 or MOTION not in g and not axes:
+            if axes and not other and non_modal != 40 and self.motion == 800:
+                raise ProgramError(UNUSED, "axis words, and no motion holds")
+            return None
+        return self.motion
+
+    def set_feed(self, motion):
+        """F in mm/min; of G93 and G95 as it stands."""
+        if "f" in self.words:
+            value = self.words.pop("f")
+            if value < 0:
+                raise ProgramError(NO_FEED, f"F{value:g}")
+            self.feed = value if self.feed_mode == 930 else value * self.scale
+        elif self.feed_mode == 930 and motion in (10, 20, 30):
+            raise ProgramError(NO_FEED, "with G93 each line has an F")
+
+    def _stops(self, code):
+        """M0, M1, M2, M30, M60. True at the program's end."""
+        if code is None:
+            return False
+        if code in (0, 10, 600):
+            self.path.word("M1" if code == 10 else "M0")
+            return False
+        self.path.uncompensate()
+        self.path.word("M30" if code == 300 else "M2")
+        return True
+
+    def not_compensated(self, what):
+        """Raises ProgramError while the radius is compensated."""
+        if self.path.contour:
+            raise ProgramError(COMPENSATED, what)
+
+    def take(self, letter):
+        """The value of a word that the command needs. Raises ProgramError if it is missing."""
+        if letter not in self.words:
+            raise ProgramError(MISSING, letter.upper())
+        return self.words.pop(letter)
+
+    def whole(self, letter, low=0, high=1_000_000):
+        """The same of a whole number."""
+        if letter not in self.words:
+            raise ProgramError(MISSING, letter.upper())
+        value = whole(self.words, letter, low, high)
+        del self.words[letter]
+        return value
+
+
+MOTIONS_WITH_AXES = {0, 10, 20, 30, *PROBES, *CYCLES}

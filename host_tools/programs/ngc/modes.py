@@ -1,0 +1,161 @@
+"""What an NGC line sets: spindle, tool, coolant, outputs, offsets, compensation; much of it goes to the board as it is."""
+
+from host_tools.programs.compensation import LEFT, RIGHT
+from host_tools.programs.program_errors import NOT_ON_BOARD, PLANE, RANGE, TOOL, ProgramError
+from host_tools.programs.tool_table import Tool
+from host_tools.programs.toolpath import AXES, number
+
+
+class Modes:
+    """Part of Interpreter."""
+
+    def set_spindle(self, code):
+        turned = self.words.pop("s", None)
+        if turned is not None and turned < 0:
+            raise ProgramError(RANGE, f"S{turned:g}")
+        rpm = self.rpm if turned is None else turned
+        if code is not None:
+            self.spindle = {30: "M3", 40: "M4", 50: ""}[code]
+        if rpm != self.rpm or code is not None:
+            self.rpm = rpm
+            words = [f"S{number(rpm, 3)}"] if turned is not None else []
+            self.path.word(" ".join(words + ([f"M{code // 10}"] if code is not None else [])))
+
+    def set_tool(self, code):
+        if "t" in self.words:
+            self.chosen = self.whole("t", 0, 255)
+        if code == 60:
+            self.not_compensated("M6")
+            self.tool = self.chosen
+            self.path.word(f"M6 T{self.tool}")
+        elif code == 610:
+            self.tool = self.whole("q", 0, 255)
+
+    def set_coolant(self, code, output):
+        if code is not None:
+            self.path.word(f"M{code // 10}")
+        if output is not None:
+            self.path.word(f"M{output // 10} P{self.whole('p', 0, 9)}")
+
+    def dwell(self):
+        seconds = self.take("p")
+        if seconds < 0:
+            raise ProgramError(RANGE, f"P{seconds:g}")
+        self.path.word(f"G4 P{number(seconds)}")
+
+    def set_cutter(self, code):
+        if code == 400:
+            self.path.uncompensate()
+            return
+        if self.plane != 17:
+            raise ProgramError(PLANE, "radius compensation")
+        if code in (411, 421):
+            diameter = self.take("d") * self.scale
+            self.words.pop("l", None)
+        else:
+            none = self.words.get("d") == 0
+            tool = self.whole("d", 0, 255) if "d" in self.words else self.tool
+            if tool not in self.tools and not none:
+                raise ProgramError(TOOL, f"D{tool}")
+            diameter = 0.0 if none else self.tools[tool].diameter
+        side = LEFT if code in (410, 411) else RIGHT
+        # A negative radius, of a tool that is smaller than the one the path was made for, goes to the other side.
+        self.path.compensate(side if diameter >= 0 else -side, abs(diameter) / 2)
+
+    def set_length(self, code):
+        if code == 490:
+            self.length_mm = 0.0
+            self.path.word("G49")
+        elif code == 430:
+            tool = self.whole("h", 0, 255) if "h" in self.words else self.tool
+            if tool in self.tools:
+                self.length_mm = self.tools[tool].length
+                self.path.word(f"G43.1 Z{number(self.length_mm)}")
+            else:
+                self.length_mm = None
+                self.path.word(f"G43 H{tool}")
+        elif code == 431:
+            self.length_mm = self.take("z") * self.scale
+            self.path.word(f"G43.1 Z{number(self.length_mm)}")
+        else:
+            tool = self.whole("h", 0, 255)
+            if self.length_mm is None or tool not in self.tools:
+                raise ProgramError(TOOL, f"H{tool}")
+            self.length_mm += self.tools[tool].length
+            self.path.word(f"G43.1 Z{number(self.length_mm)}")
+        self.path.forget((2,))
+
+    def set_system(self, system):
+        self.not_compensated(f"G{system}")
+        self.path.word(f"G{system}")
+        if system - 53 != self.system:
+            self.path.forget()
+        self.system = system - 53
+
+    def offsets(self, code):
+        """G10, G28, G30, G92 and what belongs to them."""
+        self.not_compensated(f"G{number(code / 10, 1)}")
+        if code == 100:
+            self._set_table()
+        elif code in (281, 301):
+            self.path.word(f"G{number(code / 10, 1)}")
+        elif code in (280, 300):
+            self._go_home(code // 10)
+        elif code == 920:
+            places = self._axes()
+            self.path.word("G92 " + self._text(places))
+            for axis, value in places.items():
+                self.path.now_at(axis, value)
+        else:
+            self.path.word("G92.1")
+            self.path.forget()
+
+    def _axes(self):
+        """{axis: mm} of the axis words."""
+        found = {axis: self.words.pop(name.lower()) * self.scale for axis, name in enumerate(AXES) if name.lower() in self.words}
+        if not found:
+            self.take("x")
+        return found
+
+    @staticmethod
+    def _text(places):
+        return " ".join(AXES[axis] + number(value) for axis, value in places.items())
+
+    def _go_home(self, code):
+        if not any(letter in self.words for letter in "xyz"):
+            self.path.word(f"G{code}")
+            self.path.forget()
+            return
+        between = self.target()
+        self.path.move(between, True)
+        axes = [axis for axis, value in enumerate(between) if value is not None]
+        self.path.word(f"G91 G{code} " + " ".join(AXES[axis] + "0" for axis in axes))
+        self.path.word("G90")
+        self.path.forget(axes)
+
+    def _set_table(self):
+        table = self.whole("l")
+        if table in (1, 10, 11):
+            self._set_tool_table(self.whole("p", 1, 255), table)
+            return
+        if table not in (2, 20):
+            raise ProgramError(NOT_ON_BOARD, f"G10 L{table}")
+        system = self.whole("p", 0, 6)
+        if self.words.pop("r", 0.0):
+            raise ProgramError(NOT_ON_BOARD, "G10 R: a turned coordinate system")
+        places = self._axes()
+        self.path.word(f"G10 L{table} P{system} {self._text(places)}")
+        if system in (0, self.system):
+            for axis, value in places.items():
+                if table == 20:
+                    self.path.now_at(axis, value)
+                else:
+                    self.path.forget((axis,))
+
+    def _set_tool_table(self, tool, table):
+        if table != 1:
+            raise ProgramError(NOT_ON_BOARD, f"G10 L{table}: only the machine knows where it touches")
+        old = self.tools.get(tool, Tool())
+        length = self.words.pop("z") * self.scale if "z" in self.words else old.length
+        diameter = 2 * self.words.pop("r") * self.scale if "r" in self.words else old.diameter
+        self.tools[tool] = Tool(diameter, length)

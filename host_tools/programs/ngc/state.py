@@ -1,0 +1,73 @@
+"""What an NGC program can ask about: its parameters, and those by which the interpreter tells its state.
+
+Parameters 1 to 30 and named ones without an underscore belong to a subroutine; a call saves and restores them. Numbered
+parameters are 0 until they are set. What only the machine knows (probed places, work offsets that the program does not set) is refused.
+"""
+
+from host_tools.programs.program_errors import MACHINE_ONLY, PARAMETER, ProgramError
+
+LOCALS = range(1, 31)
+MOST = 5602
+_MACHINE = ((5061, 5070), (5161, 5169), (5181, 5189), (5210, 5219), (5221, 5390), (5399, 5399))
+
+
+class State:
+    """`told`: {number or name: function that returns its value}."""
+
+    def __init__(self, told):
+        self._told = told
+        self._numbered = {}
+        self._names = [{}]
+        self._globals = {"_value": 0.0, "_value_returned": 0.0}
+        self._saved = []
+
+    def has(self, name):
+        if isinstance(name, int):
+            return name in self._told or 0 < name <= MOST
+        return name in self._told or name in self._home(name)
+
+    def get(self, name):
+        """The value of a parameter: a number, or a name without its brackets. Raises ProgramError."""
+        if name in self._told:
+            return float(self._told[name]())
+        if not isinstance(name, int):
+            if name not in self._home(name):
+                raise ProgramError(PARAMETER, f"#<{name}>")
+            return self._home(name)[name]
+        self._check(name)
+        if name not in self._numbered and any(low <= name <= high for low, high in _MACHINE):
+            raise ProgramError(MACHINE_ONLY, f"#{name}")
+        return self._numbered.get(name, 0.0)
+
+    def set(self, name, value):
+        if name in self._told:
+            raise ProgramError(PARAMETER, f"#{name if isinstance(name, int) else '<' + name + '>'} cannot be set")
+        if isinstance(name, int):
+            self._check(name)
+            self._numbered[name] = value
+        else:
+            self._home(name)[name] = value
+
+    def _home(self, name):
+        return self._globals if name.startswith("_") else self._names[-1]
+
+    @staticmethod
+    def _check(number):
+        if not 0 < number <= MOST:
+            raise ProgramError(PARAMETER, f"#{number}")
+
+    def enter(self, arguments):
+        """A subroutine is called."""
+        self._saved.append([self._numbered.get(number, 0.0) for number in LOCALS])
+        self._names.append({})
+        if len(arguments) > len(LOCALS):
+            raise ProgramError(PARAMETER, f"{len(LOCALS)} arguments at most")
+        self._numbered.update(enumerate(arguments, 1))
+        self._globals.update(_value=0.0, _value_returned=0.0)
+
+    def leave(self, value):
+        """It returns, with a value or None."""
+        self._numbered.update(zip(LOCALS, self._saved.pop()))
+        self._names.pop()
+        if value is not None:
+            self._globals.update(_value=value, _value_returned=1.0)

@@ -1,0 +1,45 @@
+"""A tool table: lengths and diameters in mm, in LinuxCNC's format: `T1 P1 D6.0 Z42.5 ;end mill`, a tool a line.
+
+    tools = read("tools.tbl")
+    tools[1].radius, tools[1].length
+"""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+
+from host_tools.failure import Failure
+
+_WORD = re.compile(r"([A-Z])\s*([-+]?\d*\.?\d+)", re.IGNORECASE)
+
+
+@dataclass
+class Tool:
+    diameter: float = 0.0
+    length: float = 0.0
+
+    @property
+    def radius(self):
+        return self.diameter / 2
+
+
+def read(path):
+    """{number: Tool}. Raises Failure with the line that is wrong."""
+    tools = {}
+    try:
+        lines = Path(path).read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError as error:
+        raise Failure(f"cannot read {path}: {error.strerror}") from error
+    for number, line in enumerate(lines, 1):
+        told = line.partition(";")[0].strip()
+        if not told:
+            continue
+        words = {letter.upper(): float(value) for letter, value in _WORD.findall(told)}
+        if _WORD.sub("", told).strip() or not words.get("T", 0) > 0 or words["T"] % 1:
+            raise Failure(f"{path}:{number}: a tool is written like this: T1 P1 D6.0 Z42.5 ;end mill")
+        if words.get("D", 0.0) < 0:
+            raise Failure(f"{path}:{number}: the diameter is negative")
+        if int(words["T"]) in tools:
+            raise Failure(f"{path}:{number}: tool {int(words['T'])} stands twice")
+        tools[int(words["T"])] = Tool(words.get("D", 0.0), words.get("Z", 0.0))
+    return tools

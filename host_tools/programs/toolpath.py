@@ -1,0 +1,213 @@
+"""Motions of a program, in mm, to lines of plain G-code; radius compensation between the two.
+
+    path = Toolpath(listing)
+    path.source = Source("part.ngc", 3)
+    path.move([1.0, 2.0, None], True)               # a rapid; None: the axis stays
+    path.move([5.0, None, None], False, 600.0)
+    path.arc(17, True, [5.0, 4.0, None], (0.0, 2.0), 600.0)
+    path.word("M8")
+
+An axis is not known (None) until a program moves it in its own coordinates: who wrote the program does not know where the machine
+stands. The listing says each axis that changes, absolute, in mm to five decimals.
+"""
+
+import math
+
+from host_tools.programs.contour import Contour
+from host_tools.programs.listing import Stroke
+from host_tools.programs.program_errors import ARC, UNKNOWN_PLACE, ProgramError
+
+PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
+AXES = "XYZ"
+_CENTRES = "IJK"
+_RADIUS_MM = 0.005  # an arc's ends may differ so much from its radius, or by a thousandth of it, but never
+_MOST_RADIUS_MM = 0.5
+
+
+class Toolpath:
+    def __init__(self, listing, start=(None, None, None)):
+        self.listing = listing
+        self.source = None  # the program's line under way
+        self.place = list(start)  # of the program
+        self.contour = None  # while the radius is compensated
+        self._there = [_rounded(value) for value in start]  # of the machine, as the listing has it
+        self._feed = None
+        self._beside = None  # behind G40: the contour that the tool is still beside
+
+    # --- what programs ask for
+
+    def known(self, axis):
+        """Where an axis stands, in mm. Raises ProgramError if that is not known."""
+        if self.place[axis] is None:
+            raise ProgramError(UNKNOWN_PLACE, AXES[axis])
+        return self.place[axis]
+
+    def forget(self, axes=(0, 1, 2)):
+        """These axes have been moved to where the program cannot know."""
+        for axis in axes:
+            self.place[axis] = self._there[axis] = None
+
+    def now_at(self, axis, value):
+        """The axis has not moved, but its coordinate is `value` from now on: an offset changed."""
+        self.place[axis] = value
+        self._there[axis] = _rounded(value)
+
+    def word(self, code):
+        """A line that moves nothing."""
+        if self.contour:
+            self.contour.word(code, self.source)
+        else:
+            self.listing.add(code, self.source)
+
+    def move(self, target, rapid, feed=0.0):
+        """A straight line; axes that are None stay."""
+        before = self.place[:]
+        self.place = [old if new is None else new for old, new in zip(self.place, target)]
+        if self.contour:
+            self.contour.line(before, self.place, target, rapid, feed, self.source)
+            return
+        if self._beside and (target[0] is not None or target[1] is not None):
+            self._leave(rapid, feed)
+        self.put_line(target, rapid, feed)
+
+    def arc(self, plane, clockwise, target, centre, feed, turns=1):
+        """An arc to `target` around `centre`, (first, second axis of the plane) in mm from its start, as a helix if the third axis
+        changes. Raises ProgramError if the ends do not lie on one circle."""
+        first, second, _ = PLANES[plane]
+        begin = [self.known(first), self.known(second)]
+        end = [old if new is None else new for old, new in zip(self.place, target)]
+        check_arc(begin, (end[first], end[second]), centre)
+        before, self.place = self.place, end
+        if self.contour:
+            self.contour.arc(before, end, plane, clockwise, centre, feed, turns, self.source)
+            return
+        if self._beside:
+            raise ProgramError(ARC, "the first motion behind G40 is straight")
+        self.put_arc(plane, clockwise, end, centre, feed, turns)
+
+    def compensate(self, side, radius):
+        """Go beside the contour from the next motion on. `side`: compensation.LEFT or RIGHT."""
+        if self.contour and (self.contour.side, self.contour.radius) == (side, radius):
+            return
+        self.uncompensate()
+        if radius:
+            self.contour = Contour(self, side, radius, self.source)
+
+    def uncompensate(self):
+        """The contour has ended. The tool stays beside it until the next motion in X or Y."""
+        contour, self.contour = self.contour, None
+        if contour and contour.flush():
+            self._beside = contour
+            # G91 counts on from where the tool is, and a motion of Z alone leaves it there.
+            self.place[:2] = [each / 1e5 for each in self._there[:2]]
+
+    def _leave(self, rapid, feed):
+        contour, self._beside = self._beside, None
+        here = [None if each is None else each / 1e5 for each in self._there]
+        contour.leave(here, self.place, rapid, feed, self.source)
+
+    # --- to the listing
+
+    def put_line(self, target, rapid, feed, source=None):
+        """Append a line to `target`; axes that are None stay."""
+        begin = self._there[:]
+        words = []
+        for axis, value in enumerate(target):
+            if value is not None and _rounded(value) != self._there[axis]:
+                self._there[axis] = _rounded(value)
+                words.append(AXES[axis] + number(value))
+        if words:
+            code = f"G{0 if rapid else 1} {' '.join(words)}" + ("" if rapid else self._feed_word(feed))
+            points = [_shown(begin, self._there), _shown(self._there, self._there)]
+            self._add(code, source, rapid, points)
+
+    def put_arc(self, plane, clockwise, end, centre, feed, turns=1, source=None):
+        """Append an arc."""
+        first, second, third = PLANES[plane]
+        begin = self._there[:]
+        middle = [begin[first] + _rounded(centre[0]), begin[second] + _rounded(centre[1])]
+        words = []
+        for axis in range(3):
+            if axis in (first, second) or end[axis] is not None and _rounded(end[axis]) != self._there[axis]:
+                self._there[axis] = _rounded(end[axis])
+                words.append(AXES[axis] + number(end[axis]))
+        words += [_CENTRES[first] + number(centre[0]), _CENTRES[second] + number(centre[1])]
+        if turns > 1:
+            words.append(f"P{turns}")
+        if plane != self.listing.plane:
+            self.listing.plane = plane
+            words.insert(0, f"G{plane}")
+        code = f"G{2 if clockwise else 3} {' '.join(words)}" + self._feed_word(feed)
+        points = arc_points(_shown(begin, self._there), _shown(self._there, self._there), plane, clockwise,
+                            [each / 1e5 for each in middle], turns)  # fmt: skip
+        self._add(code, source, False, points)
+
+    def _feed_word(self, feed):
+        if feed == self._feed:
+            return ""
+        self._feed = feed
+        return f" F{number(feed, 3)}"
+
+    def _add(self, code, source, rapid, points):
+        source = source or self.source
+        self.listing.add(code, source, Stroke(source, rapid, points))
+
+
+def check_arc(begin, end, centre):
+    """Raises ProgramError if an arc's start and end are not equally far from its centre, by the rule of LinuxCNC and grbl."""
+    radius = math.hypot(*centre)
+    other = math.hypot(end[0] - begin[0] - centre[0], end[1] - begin[1] - centre[1])
+    wrong = abs(other - radius)
+    if radius < 1e-5 or wrong > _MOST_RADIUS_MM or wrong > _RADIUS_MM and wrong > radius / 1000:
+        raise ProgramError(ARC, f"radius {radius:.4f} at its start, {other:.4f} at its end")
+
+
+def centre_of(begin, end, radius, clockwise):
+    """The centre, from the start, of an arc of this radius; a negative one means the longer way. Raises ProgramError."""
+    across, along = end[0] - begin[0], end[1] - begin[1]
+    chord = math.hypot(across, along)
+    if chord < 1e-9 or chord / 2 > abs(radius) + _RADIUS_MM:
+        raise ProgramError(ARC, f"radius {abs(radius):g} between places {chord:.4f} mm apart")
+    height = math.sqrt(max(0.0, radius * radius - chord * chord / 4)) / chord
+    if clockwise != (radius < 0):
+        height = -height
+    return across / 2 - along * height, along / 2 + across * height
+
+
+def arc_points(begin, end, plane, clockwise, middle, turns=1, sag=0.01):
+    """Points on an arc or helix, for a picture or a check; chords are at most `sag` mm from it."""
+    first, second, third = PLANES[plane]
+    spoke = begin[first] - middle[0], begin[second] - middle[1]
+    radius = math.hypot(*spoke)
+    start = math.atan2(spoke[1], spoke[0])
+    sweep = math.atan2(end[second] - middle[1], end[first] - middle[0]) - start
+    sweep = (-sweep if clockwise else sweep) % math.tau
+    if sweep < 1e-6:
+        sweep = math.tau
+    sweep += math.tau * (turns - 1)
+    count = max(2, math.ceil(sweep / max(0.02, 2 * math.acos(max(-1.0, 1 - sag / max(radius, sag))))))
+    points = []
+    for each in range(count + 1):
+        angle = start + (-1 if clockwise else 1) * sweep * each / count
+        point = list(begin)
+        point[first], point[second] = middle[0] + radius * math.cos(angle), middle[1] + radius * math.sin(angle)
+        point[third] = begin[third] + (end[third] - begin[third]) * each / count
+        points.append(tuple(point))
+    points[-1] = tuple(end)
+    return points
+
+
+def number(value, decimals=5):
+    """A value as G-code has it, without zeros that say nothing."""
+    text = f"{value:.{decimals}f}".rstrip("0").rstrip(".")
+    return "0" if text in ("-0", "") else text
+
+
+def _rounded(value):
+    return None if value is None else round(value * 1e5)
+
+
+def _shown(place, otherwise):
+    """In mm; axes that are not known do not change in a picture."""
+    return tuple((next_ if here is None else here) / 1e5 if (here, next_) != (None, None) else 0.0
+                 for here, next_ in zip(place, otherwise))  # fmt: skip
