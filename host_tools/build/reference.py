@@ -230,10 +230,12 @@ def settings():
 
 
 def errors():
-    """A row a number."""
+    """A row a number; those of the compiler behind the firmware's."""
+    from host_tools.programs import program_errors
     from passo import error_texts as table
 
-    return ["| number | meaning |", "| ---: | --- |", *[f"| {number} | {table.text(number)} |" for number in table.numbers()]]
+    texts = [(number, table.text(number)) for number in table.numbers()] + sorted(program_errors.TEXTS.items())
+    return ["| number | meaning |", "| ---: | --- |", *[f"| {number} | {text} |" for number, text in texts]]
 
 
 PAGES = {"board-file.md": board_keys, "wiring.md": pins, "settings.md": settings, "errors.md": errors}

@@ -2,6 +2,7 @@
 
 import contextlib
 import itertools
+import re
 import sys
 import time
 from pathlib import Path
@@ -27,6 +28,8 @@ def check(
         Optional[str], typer.Option(help="The machine's port: checks with its settings and offsets, from where it stands.")
     ] = None,
     baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 115200,
+    dialect: Annotated[Optional[str], typer.Option(help="num, ngc, or plain: as it is; default: by what stands in the file.")] = None,
+    tools: Annotated[Optional[Path], typer.Option(help="The tool table of a program that is compiled; see passo compile.")] = None,
 ):
     """Run a job on the virtual board and say what it would do.
 
@@ -36,6 +39,8 @@ def check(
     With --at the job starts on the homed machine, at machine zero, with soft limits on, and bounds are in machine
     coordinates. With --port it starts where the machine stands, with its offsets, speeds and soft limits: as `passo stream`
     would find them. Without both, the position of the job on the machine is not known, and only its size is checked.
+
+    A program in a dialect of its own is compiled first (passo compile); errors name the program's lines.
 
     A million words take about a second if MicroPython is installed (pip install '.[check]', Linux), else three. Memory does not
     grow with the file.
@@ -50,7 +55,7 @@ def check(
 
         passo check part.gcode --board boards/mine.py -o part.png
     """
-    from host_tools.programs import gcode_file
+    from host_tools.programs import compiler
     from host_tools.sim.job import VirtualJob
 
     if out:
@@ -58,21 +63,36 @@ def check(
     if at and port:
         raise Failure("--at says where the program's zero lies, and so does the machine at --port: give one of them")
     changes, start = _machine(port, baud) if port else ((), None)
+    program = compiler.read(file, dialect, tools)
+    compiler.tell(program)
     job = VirtualJob(board, changes, _zero(at), start, drawn=bool(out))
-    with _shown(file) as progress:
-        job.run(gcode_file.lines(file), progress)
-    for line in summary(job):
+    _run(job, program)
+    for line in summary(job, program.origin):
         print(line)
     if out:
         picture(out, job, file.name)
         print(out)
+    _judge(job, program)
+
+
+def _judge(job, program):
+    """Raises Failure if lines were refused, which it shows, or if the job is larger than the machine."""
     for number, text, what in job.errors[:_MOST_SHOWN]:
-        typer.echo(f"{file}:{number}: {text}: {what}", err=True)
+        typer.echo(f"{program.place(number)}: {text}: {what}", err=True)
     if job.errors:
-        raise Failure(f"{file}: {job.error_count} lines would be refused; the first is line {job.errors[0][0]}")
+        raise Failure(f"{program.path}: {job.error_count} lines would be refused; the first is {program.origin(job.errors[0][0])}")
     too_long = [text for text in map(_excess, range(len(job.steps_per_mm)), itertools.repeat(job)) if text]
     if too_long:
-        raise Failure(f"{file} is larger than the machine: {', '.join(too_long)}")
+        raise Failure(f"{program.path} is larger than the machine: {', '.join(too_long)}")
+
+
+def _run(job, program):
+    """Run all lines, with progress. Raises Failure if the job cannot go on; it names the program's line."""
+    try:
+        with _shown(program) as progress:
+            job.run(program.rows(), progress)
+    except Failure as failure:
+        raise Failure(re.sub(r"^line (\d+)", lambda found: program.origin(int(found[1])), str(failure))) from None
 
 
 def _zero(text):
@@ -123,15 +143,14 @@ def _excess(number, job):
 
 
 @contextlib.contextmanager
-def _shown(file):
+def _shown(program):
     """Shows progress and the current line at the terminal."""
     from host_tools.cli.stream import progress_bar
-    from host_tools.programs import gcode_file
 
     if not sys.stderr.isatty():
         yield None
         return
-    last = gcode_file.last_number(file)
+    last = program.last_number()
     with progress_bar(transient=True) as bar:
         told = time.monotonic()
 
@@ -140,7 +159,7 @@ def _shown(file):
             if time.monotonic() - told > _TELL_S:
                 told = time.monotonic()
                 share = number / max(last, 1)
-                text = f"{share:4.0%} checking {file}: line {number} of {last}"
+                text = f"{share:4.0%} checking {program.name}: line {number} of {last}"
                 bar.update(bar.task_ids[0], completed=share, description=text, refresh=True)
 
         yield progress
@@ -157,8 +176,8 @@ def table_mm(board):
     return left, bottom, right, top
 
 
-def summary(job):
-    """What the job would do, in lines of text."""
+def summary(job, origin="line {}".format):
+    """What the job would do, in lines of text; `origin(number)`: what a line is called."""
     from host_tools.programs.gcode_file import clock
 
     yield f"time    {clock(job.seconds)} ({job.seconds:.1f} s), {job.track.steps} words with a step"
@@ -168,13 +187,13 @@ def summary(job):
         fastest = job.track.fastest[number]
         yield f"{axis['name'].upper()}       {low:9.3f} … {high:9.3f} mm, up to {fastest:.0f} mm/min{note}"
     for number, text in job.pauses[:_MOST_SHOWN]:
-        yield f"pause   line {number}: {text}: it goes on when the operator resumes"
+        yield f"pause   {origin(number)}: {text}: it goes on when the operator resumes"
     if len(job.pauses) > _MOST_SHOWN:
         yield f"        and {len(job.pauses) - _MOST_SHOWN} more pauses"
     for number, text in job.skipped[:_MOST_SHOWN]:
-        yield f"skipped line {number}: {text}: no part of a job"
+        yield f"skipped {origin(number)}: {text}: no part of a job"
     for number, text in job.probes[:_MOST_SHOWN]:
-        yield f"probe   line {number}: {text}: nothing is touched here, it goes its whole way"
+        yield f"probe   {origin(number)}: {text}: nothing is touched here, it goes its whole way"
 
 
 def plot_accelerations(axes, job):

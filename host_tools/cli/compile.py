@@ -47,7 +47,7 @@ def compile_(
     text = program.listing.text(program.texts)
     if out and out != Path("-"):
         out.write_text(text, encoding="ascii")
-        typer.echo(f"{out}: {len(program.lines)} lines of G-code, of {file} as {program.dialect}", err=True)
+        typer.echo(f"{out}: {len(program.listing.codes)} lines of G-code, of {file} as {program.dialect}", err=True)
     elif not picture or out:
         typer.echo(text, nl=False)
     if picture:
@@ -98,7 +98,7 @@ def save_picture(path, program):
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x in mm")
     axes.set_ylabel("y in mm")
-    axes.set_title(f"{program.name} ({program.dialect}): {len(program.lines)} lines of G-code")
+    axes.set_title(f"{program.name} ({program.dialect}): {len(program.listing.codes)} lines of G-code")
     axes.grid(color="#e6e6e6", linewidth=0.5)
     axes.set_axisbelow(True)
     figure.legend(loc="outside lower center", ncols=3, frameon=False)

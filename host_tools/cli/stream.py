@@ -56,7 +56,7 @@ def stream(
         raise Failure(f"--flow is count or ok, not {flow!r}")
     program = compiler.read(file, dialect, tools)
     compiler.tell(program)
-    lines = program.lines
+    lines = list(program.rows())
     with GrblClient(port or ports.only(), baud, timeout, log) as client:
         client.connect()
         if home:

@@ -19,6 +19,7 @@ BOUND = 1_000_000
 HEADER = "G21 G17 G90 G94 G40 G80"
 _SUFFIXES = {".num": "num"}
 
+_NAMES = re.compile(r"<[^<>]*>")
 # What no controller of plain G-code understands. The first that is met decides.
 _SIGNS = {
     "ngc": re.compile(r"#|\[|^(N\d+)?O\S*(SUB|CALL|IF|WHILE|DO|REPEAT)|G4[12](?![\d.]*\d)|G4[12]\.1|G(74|8[4-9])(?!\d)|[@^]"),
@@ -29,17 +30,30 @@ _SIGNS = {
 class Program:
     """Lines for a sender. `dialect`: "plain" if it is the file as it is."""
 
-    def __init__(self, name, dialect, lines, listing=None, texts=None):
-        self.name, self.dialect = name, dialect
-        self.lines = lines  # [(number, bytes)]: of the file, or of the listing
+    def __init__(self, path, dialect, listing=None, texts=None, reason=""):
+        """`reason`: why it is compiled, if nobody asked for that."""
+        self.path, self.name = path, path.name
+        self.dialect, self.reason = dialect, reason
         self.listing, self.texts = listing, texts
-        self.reason = ""  # why it was compiled, if nobody asked for it
+
+    def rows(self):
+        """(number, bytes) one by one: of the file, or of the listing. Raises Failure as it comes to what is wrong."""
+        return gcode_file.lines(self.path) if self.listing is None else iter(self.listing.lines())
+
+    def last_number(self):
+        return gcode_file.last_number(self.path) if self.listing is None else len(self.listing.codes)
 
     def origin(self, number):
         """Where line `number` comes from, as text: "line 12", of a compiled program "part.ngc:12, listing line 40"."""
         if self.listing is None:
             return f"line {number}"
         return f"{self.listing.origin(number) or self.name}, listing line {number}"
+
+    def place(self, number):
+        """The same for the beginning of an error: "path/part.ngc:12"."""
+        if self.listing is None:
+            return f"{self.path}:{number}"
+        return f"{self.path.parent / self.listing.origin(number)}: listing line {number}"
 
 
 def text_of(path):
@@ -53,23 +67,23 @@ def text_of(path):
     return data.decode("utf-8", "replace")
 
 
-def detect(name, text):
+def detect(path):
     """(dialect, why): "plain" if no word needs a compiler. A suffix .num decides; else the first line that says more. Raises
     Failure if there are words of both dialects."""
+    suffix = path.suffix.lower()
+    if suffix in _SUFFIXES:
+        return _SUFFIXES[suffix], f"its name ends in {path.suffix}"
     found = {}
-    for number, line in enumerate(text.splitlines(), 1):
-        words = gcode_file.strip(line.encode()).decode().upper()
-        if words.startswith("$"):
+    for number, line in gcode_file.lines(path):
+        if line.startswith(b"$"):
             continue
+        words = line.decode("ascii").upper()
         for dialect, sign in _SIGNS.items():
-            match = sign.search(words)
-            if match and dialect not in found:
+            match = dialect not in found and sign.search(words if dialect == "ngc" else _NAMES.sub("", words))
+            if match:
                 found[dialect] = f"line {number} has {match[0]}"
-    suffix = _SUFFIXES.get(Path(name).suffix.lower())
-    if suffix:
-        return suffix, f"its name ends in {Path(name).suffix}"
     if len(found) > 1:
-        raise Failure(f"{name}: words of two dialects, num ({found['num']}) and ngc ({found['ngc']}): give --dialect num or ngc")
+        raise Failure(f"{path}: words of two dialects, num ({found['num']}) and ngc ({found['ngc']}): give --dialect num or ngc")
     return next(iter(found.items()), ("plain", ""))
 
 
@@ -78,13 +92,13 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
     stand at first, mm of the program; `bound`: the most lines to carry out, and to make; `skip`: leave out lines that begin with
     /. Raises Failure."""
     path = Path(path)
-    text = text_of(path)
     if dialect is None:
-        dialect, _ = detect(path.name, text)
+        dialect, _ = detect(path)
         if dialect == "plain":
             raise Failure(f"{path} has no word of num or ngc: it can be sent as it is; --dialect compiles it all the same")
     if dialect not in DIALECTS:
         raise Failure(f"--dialect is {' or '.join(DIALECTS)}, not {dialect!r}")
+    text = text_of(path)
     table = tool_table.read(tools) if tools else {}
     listing = Listing(bound)
     if dialect == "ngc":
@@ -103,17 +117,20 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
     if not listing.codes:
         raise Failure(f"{path} does nothing")
     listing.begin(HEADER)
-    return Program(path.name, dialect, listing.lines(), listing, texts)
+    return Program(path, dialect, listing, texts)
 
 
 def read(path, dialect=None, tools=None):
-    """A Program for a sender: compiled if `dialect` says so or its words need it; "plain" keeps it as it is. Raises Failure."""
+    """A Program for a sender: compiled if `dialect` says so, or its words need it, or a tool table is given; "plain" keeps it as it
+    is. Raises Failure."""
     path = Path(path)
     reason = ""
     if dialect is None:
-        dialect, reason = detect(path.name, text_of(path))
+        dialect, reason = detect(path)
+        if dialect == "plain" and tools:
+            dialect, reason = "ngc", "there is a tool table"
     if dialect == "plain":
-        return Program(path.name, dialect, gcode_file.read(path))
+        return Program(path, dialect)
     program = compile_file(path, dialect, tools)
     program.reason = reason
     return program
@@ -123,7 +140,7 @@ def tell(program):
     """Say on stderr that a program was compiled, if nobody asked for it, and what its compiler warns of."""
     if program.reason:
         print(
-            f"{program.name}: compiled as {program.dialect}, because {program.reason}: {len(program.lines)} lines; "
+            f"{program.name}: compiled as {program.dialect}, because {program.reason}: {program.last_number()} lines; "
             "--dialect plain sends it as it is",
             file=sys.stderr,
         )

@@ -1,0 +1,195 @@
+"""One block of a NUM program: its words, codes, assignments and condition.
+
+    block = read("N10 G01 XL1 Y-5 ER2", variables)
+    block.words["X"], block.words["ER"], block.codes
+
+Variables are L0 … L19, L100 … L199, L900 … L959, and 0 until they are set. Expressions go from left to right; one in which
+* or / follows + or - is refused, because controllers differ about it.
+"""
+
+import math
+import re
+
+from host_tools.programs.program_errors import (
+    DIVISION, DOMAIN, NOT_IN_DIALECT, PARAMETER, REPEATED, SYNTAX, ProgramError,
+)  # fmt: skip
+
+_LETTERS = "DFHIJKPQRSTXYZ"
+_PAIRS = ("ER", "EX", "EY", "EB", "EP", "EQ", "EI", "EJ")
+_NUMBER = re.compile(r"\d+\.?\d*|\.\d+")
+_WHOLE = re.compile(r"\d+")
+_COMPARISONS = {
+    ">=": lambda a, b: a >= b, "<=": lambda a, b: a <= b, "<>": lambda a, b: a != b, "=": lambda a, b: a == b,
+    "<": lambda a, b: a < b, ">": lambda a, b: a > b,
+}  # fmt: skip
+_FUNCTIONS = {
+    "S": lambda a: math.sin(math.radians(a)), "C": lambda a: math.cos(math.radians(a)), "A": lambda a: math.degrees(math.atan(a)),
+    "R": math.sqrt, "T": math.trunc,
+}  # fmt: skip
+VARIABLES = (range(0, 20), range(100, 200), range(900, 960))
+
+
+class Variables:
+    def __init__(self):
+        self._values = {}
+
+    def get(self, number):
+        self._check(number)
+        return self._values.get(number, 0.0)
+
+    def set(self, number, value):
+        self._check(number)
+        self._values[number] = value
+
+    @staticmethod
+    def _check(number):
+        if not any(number in each for each in VARIABLES):
+            raise ProgramError(PARAMETER, f"L{number}: L0 to L19, L100 to L199, L900 to L959")
+
+
+class Block:
+    def __init__(self):
+        self.words = {}
+        self.g = []
+        self.m = []
+        self.targets = []  # N words behind G77 and G79
+        self.condition = None  # of G79: True or False; None if there is none
+
+
+def clean(line):
+    """A line without comments and blanks, in capitals."""
+    return re.sub(r"\s", "", re.sub(r"\([^)]*\)?", "", line)).upper()
+
+
+def number_of(text):
+    """The N of a cleaned line, or None."""
+    found = re.match(r"/?N(\d+)", text)
+    return int(found[1]) if found else None
+
+
+def read(text, variables):
+    """The Block of a cleaned line. Raises ProgramError."""
+    return _Reader(text.lstrip("/"), variables).block()
+
+
+class _Reader:
+    def __init__(self, text, variables):
+        self._text = text
+        self._variables = variables
+        self._at = 0
+
+    def block(self):
+        block = Block()
+        assigned = []
+        while self._at < len(self._text):
+            letter = self._text[self._at]
+            pair = self._text[self._at : self._at + 2]
+            if letter == "N":
+                labels = self._at == 0
+                number = self._code()
+                if not labels:
+                    block.targets.append(number)
+            elif letter in "GM":
+                (block.g if letter == "G" else block.m).append(self._code())
+            elif letter == "L":
+                self._variable(block, assigned)
+            elif pair in _PAIRS or letter in _LETTERS:
+                name = pair if pair in _PAIRS else letter
+                self._at += len(name)
+                if name in block.words:
+                    raise ProgramError(REPEATED, name)
+                block.words[name] = self._signed()
+            else:
+                raise ProgramError(NOT_IN_DIALECT if letter.isalpha() else SYNTAX, self._rest())
+        for number, value in assigned:
+            self._variables.set(number, value)
+        return block
+
+    def _variable(self, block, assigned):
+        """`L1=…`, or a condition behind G79."""
+        if 79 in block.g:
+            block.condition = self._condition()
+            return
+        self._at += 1
+        number = self._whole()
+        if not self._take("="):
+            raise ProgramError(SYNTAX, f"= before {self._rest()}")
+        assigned.append((number, self._expression()))
+
+    def _condition(self):
+        truth = self._comparison()
+        while True:
+            if self._take("&"):
+                truth = self._comparison() and truth
+            elif self._take("!"):
+                truth = self._comparison() or truth
+            else:
+                return truth
+
+    def _comparison(self):
+        left = self._expression()
+        for name, compare in _COMPARISONS.items():
+            if self._take(name):
+                return compare(left, self._expression())
+        raise ProgramError(SYNTAX, f"= < > <= >= or <> before {self._rest()}")
+
+    def _expression(self):
+        value = self._signed()
+        added = False
+        while True:
+            if self._take("+"):
+                value, added = value + self._term(), True
+            elif self._take("-"):
+                value, added = value - self._term(), True
+            elif added and self._rest()[0] in "*/":
+                raise ProgramError(SYNTAX, "* or / behind + or -: make two assignments of it")
+            elif self._take("*"):
+                value *= self._term()
+            elif self._take("/"):
+                divisor = self._term()
+                if divisor == 0:
+                    raise ProgramError(DIVISION)
+                value /= divisor
+            else:
+                return value
+
+    def _signed(self):
+        if self._take("-"):
+            return -self._term()
+        self._take("+")
+        return self._term()
+
+    def _term(self):
+        if self._take("L"):
+            return self._variables.get(self._whole())
+        letter = self._rest()[0]
+        if letter in _FUNCTIONS:
+            self._at += 1
+            argument = self._signed()
+            if letter == "R" and argument < 0:
+                raise ProgramError(DOMAIN, f"R{argument:g}")
+            return float(_FUNCTIONS[letter](argument))
+        return float(self._match(_NUMBER))
+
+    def _code(self):
+        self._at += 1
+        return self._whole()
+
+    def _whole(self):
+        return int(self._match(_WHOLE))
+
+    def _match(self, pattern):
+        found = pattern.match(self._text, self._at)
+        if not found:
+            raise ProgramError(SYNTAX, f"a number before {self._rest()}")
+        self._at = found.end()
+        return found[0]
+
+    def _take(self, text):
+        if not self._text.startswith(text, self._at):
+            return False
+        self._at += len(text)
+        return True
+
+    def _rest(self):
+        return self._text[self._at : self._at + 12] or "the end of the block"

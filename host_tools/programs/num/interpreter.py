@@ -1,0 +1,323 @@
+"""Carries out a NUM program, block by block.
+
+    compile_program("part.num", text, listing, tools={})
+
+Places are those of the program plus the offset of G59. Arcs have their centre, I and J, as a place with G90 and from the start with
+G91, or a radius.
+"""
+
+import math
+
+from host_tools.programs.compensation import LEFT, RIGHT
+from host_tools.programs.drilling import Cycle
+from host_tools.programs.num.blocks import Variables, read
+from host_tools.programs.num.flow import Flow
+from host_tools.programs.num.pocket import Pocket
+from host_tools.programs.program_errors import (
+    ARC, COMPENSATED, MISSING, NO_FEED, NOT_IN_DIALECT, PLANE, POCKET, RANGE, SAME_GROUP, TOOL, TWO_COMMANDS, UNUSED, WHOLE, ProgramError,
+)  # fmt: skip
+from host_tools.programs.toolpath import AXES, PLANES, Toolpath, centre_of, number
+
+_INCH_MM = 25.4
+_GROUPS = (
+    (0, 1, 2, 3), (17, 18, 19), (40, 41, 42), (45, 80, 81), (70, 71), (90, 91), (4, 59, 77, 79), (9,), (94,), (97,),
+)  # fmt: skip
+_M = ((0, 1, 2), (3, 4, 5), (6,), (7, 8, 9))
+
+
+def compile_program(name, text, listing, tools=None, start=(None, None, None), bound=1_000_000, find=None, skip=False):
+    """Carry out a program into `listing`. Returns {file: its lines}. As that of ngc.interpreter; subprograms are in the file."""
+    flow = Flow(name, text, bound, skip)
+    path = Toolpath(listing, start)
+    interpreter = Interpreter(path, flow, tools or {})
+    for source, row in flow:
+        path.source = source
+        try:
+            interpreter.carry_out(row)
+        except ProgramError as error:
+            raise error.at(source) from None
+    try:
+        path.uncompensate()
+    except ProgramError as error:
+        raise error.at(path.source) from None
+    return flow.texts
+
+
+class Interpreter:
+    def __init__(self, path, flow, tools):
+        self.path = path
+        self._flow = flow
+        self._tools = tools
+        self._variables = Variables()
+        self._motion = 0
+        self._plane = 17
+        self._scale = 1.0
+        self._absolute = True
+        self._feed = 0.0
+        self._rpm = None
+        self._tool = None  # D
+        self._chosen = 0  # T
+        self._offset = [0.0, 0.0, 0.0]  # G59
+        self._cycle = None  # (code, words)
+        self._words = {}
+
+    def carry_out(self, text):
+        """One block. Raises ProgramError."""
+        block = read(text, self._variables)
+        words = self._words = block.words
+        g, m = self._grouped(block.g, _GROUPS, "G"), self._grouped(block.m, _M, "M")
+        if 77 in g or 79 in g:
+            self._branch(g, m, block)
+            return
+        if block.targets:
+            raise ProgramError(UNUSED, f"N{block.targets[0]}")
+        self._modes(g)
+        if 4 in g:
+            self._dwell()
+        self._set_machine(m)
+        if "F" in words:
+            self._feed = self._take("F") * self._scale
+            if self._feed <= 0:
+                raise ProgramError(NO_FEED, "F0")
+        if 59 in g:
+            self._set_offset()
+        else:
+            self._move(g)
+        if words:
+            raise ProgramError(UNUSED, " ".join(f"{name}{number(value)}" for name, value in words.items()))
+        self._stop(m)
+
+    @staticmethod
+    def _grouped(codes, groups, letter):
+        """The codes as a set. Raises ProgramError if one is not known, or two exclude each other."""
+        taken = set()
+        for code in codes:
+            group = next((group for group in groups if code in group), None)
+            if group is None:
+                raise ProgramError(NOT_IN_DIALECT, f"{letter}{code:02}")
+            if taken & set(group):
+                raise ProgramError(SAME_GROUP, f"{letter}{code:02}")
+            taken.add(code)
+        return taken
+
+    def _take(self, name, default=None):
+        """The value of a word. Raises ProgramError if it is missing and there is no default."""
+        if name not in self._words and default is None:
+            raise ProgramError(MISSING, name)
+        return self._words.pop(name, default)
+
+    def _whole(self, name, default=None, most=99999):
+        value = self._take(name, default)
+        if value % 1:
+            raise ProgramError(WHOLE, f"{name}{value:g}")
+        if not 0 <= value <= most:
+            raise ProgramError(RANGE, f"{name}{value:g}")
+        return int(value)
+
+    # --- what comes next
+
+    def _branch(self, g, m, block):
+        """G77 and G79."""
+        if g - {77, 79} or m or len(g) > 1:
+            raise ProgramError(TWO_COMMANDS, "G77 and G79 stand alone")
+        if 79 in g:
+            if self._words:
+                raise ProgramError(UNUSED, next(iter(self._words)))
+            if len(block.targets) != 1:
+                raise ProgramError(MISSING, "N")
+            if block.condition is not False:
+                self._flow.jump(block.targets[0])
+            return
+        program = self._whole("H") if "H" in self._words else None
+        times = self._whole("S", 1, 9999)
+        if program is None and not block.targets or len(block.targets) > 2:
+            raise ProgramError(MISSING, "H, or N and N")
+        if self._words:
+            raise ProgramError(UNUSED, next(iter(self._words)))
+        if times:
+            self._flow.call(program, block.targets, times)
+
+    def _stop(self, m):
+        if m & {0, 1}:
+            self.path.word("M0" if 0 in m else "M1")
+        if 2 in m:
+            self.path.uncompensate()
+            self.path.word("M2")
+            self._flow.end()
+
+    # --- modes
+
+    def _modes(self, g):
+        for code in g & {17, 18, 19}:
+            self._plane = code
+        for code in g & {70, 71}:
+            self._scale = _INCH_MM if code == 70 else 1.0
+        for code in g & {90, 91}:
+            self._absolute = code == 90
+        for code in g & {0, 1, 2, 3} if 45 not in g else ():  # of a pocket it is the direction
+            self._motion = code
+        if "D" in self._words:
+            self._tool = self._whole("D", most=255)
+        if 80 in g or g & {0, 1, 2, 3}:
+            self._cycle = None
+        if 40 in g:
+            self.path.uncompensate()
+        elif g & {41, 42}:
+            if self._plane != 17:
+                raise ProgramError(PLANE, "radius compensation")
+            self.path.compensate(LEFT if 41 in g else RIGHT, self._radius())
+
+    def _radius(self):
+        """The radius of the tool that D names. Raises ProgramError."""
+        if self._tool == 0:
+            return 0.0
+        if self._tool not in self._tools:
+            raise ProgramError(TOOL, "D" if self._tool is None else f"D{self._tool}")
+        return self._tools[self._tool].radius
+
+    def _dwell(self):
+        seconds = self._take("F")
+        if not 0 <= seconds <= 99.99:
+            raise ProgramError(RANGE, f"F{seconds:g}: seconds, 99.99 at most")
+        self.path.word(f"G4 P{number(seconds)}")
+
+    def _set_machine(self, m):
+        if "T" in self._words:
+            self._chosen = self._whole("T", most=255)
+        if 6 in m:
+            self._not_compensated("M06")
+            self.path.word(f"M6 T{self._chosen}")
+        said = []
+        if "S" in self._words:
+            rpm = self._take("S")
+            if rpm < 0:
+                raise ProgramError(RANGE, f"S{rpm:g}")
+            said.append(f"S{number(rpm, 3)}")
+        said += [f"M{code}" for code in sorted(m & {3, 4, 5})]
+        if said:
+            self.path.word(" ".join(said))
+        for code in m & {7, 8, 9}:
+            self.path.word(f"M{code}")
+
+    def _not_compensated(self, what):
+        if self.path.contour:
+            raise ProgramError(COMPENSATED, what)
+
+    def _set_offset(self):
+        """G59: with G90 in place of the offset before, with G91 in addition to it."""
+        self._not_compensated("G59")
+        found = [(axis, name) for axis, name in enumerate(AXES) if name in self._words]
+        if not found:
+            raise ProgramError(MISSING, "X, Y or Z")
+        for axis, name in found:
+            value = self._take(name) * self._scale
+            self._offset[axis] = value + (0.0 if self._absolute else self._offset[axis])
+
+    # --- motions
+
+    def _move(self, g):
+        words = self._words
+        places = any(name in words for name in AXES)
+        if g & {45, 81}:
+            self._not_compensated("a cycle")
+            self._cycle = (min(g & {45, 81}), {})
+        if self._cycle and (places or g & {45, 81}):
+            self._carry_out_cycle(2 in g)
+        elif self._motion in (2, 3) and (places or "I" in words or "J" in words or "K" in words):
+            self._arc(self._motion == 2)
+        elif places:
+            if self._motion and not self._feed:
+                raise ProgramError(NO_FEED)
+            self.path.move(self._target(), not self._motion, self._feed if self._motion else 0.0)
+
+    def _target(self):
+        """The place that the axis words name, mm; None where there is no word. Takes the words."""
+        place = []
+        for axis, name in enumerate(AXES):
+            value = self._words.pop(name, None)
+            if value is not None:
+                value = value * self._scale + (self._offset[axis] if self._absolute else self.path.known(axis))
+            place.append(value)
+        return place
+
+    def _arc(self, clockwise):
+        if not self._feed:
+            raise ProgramError(NO_FEED)
+        first, second, _ = PLANES[self._plane]
+        begin = [self.path.known(first), self.path.known(second)]
+        target = self._target()
+        end = [begin[0] if target[first] is None else target[first], begin[1] if target[second] is None else target[second]]
+        if "R" in self._words:
+            radius = self._take("R") * self._scale
+            if radius <= 0:
+                raise ProgramError(RANGE, f"R{radius:g}")
+            centre = centre_of(begin, end, radius, clockwise)
+        else:
+            names = "IJK"[first], "IJK"[second]
+            if not any(name in self._words for name in names):
+                raise ProgramError(ARC, f"R, or {names[0]} and {names[1]}")
+            if self._absolute:
+                middle = [self._take(name) * self._scale + self._offset[axis] for name, axis in zip(names, (first, second))]
+                centre = [middle[0] - begin[0], middle[1] - begin[1]]
+            else:
+                centre = [self._take(name, 0.0) * self._scale for name in names]
+        target[first], target[second] = end
+        self.path.arc(self._plane, clockwise, target, centre, self._feed)
+
+    # --- cycles
+
+    def _carry_out_cycle(self, clockwise):
+        if self._plane != 17:
+            raise ProgramError(PLANE, "cycles")
+        code, kept = self._cycle
+        for name in ("EX", "EY", "EB", "P", "Q", "I", "J", "EP", "EQ", "EI", "EJ") if code == 45 else ():
+            if name in self._words:
+                kept[name] = self._take(name) * self._scale
+        if "ER" in self._words:
+            value = self._take("ER") * self._scale
+            kept["above"] = value + (self._offset[2] if self._absolute else self.path.known(2))
+        above = kept.setdefault("above", self.path.place[2])
+        if above is None:
+            self.path.known(2)
+        if "Z" in self._words:
+            value = self._take("Z") * self._scale
+            kept["bottom"] = value + (self._offset[2] if self._absolute else above)
+        if "bottom" not in kept:
+            raise ProgramError(MISSING, "Z")
+        target = self._target()
+        place = [self.path.known(axis) if target[axis] is None else target[axis] for axis in (0, 1)]
+        if kept["bottom"] >= above:
+            raise ProgramError(RANGE, f"Z{number(kept['bottom'])} is above ER{number(above)}")
+        if self.path.place[2] is not None and self.path.place[2] < above:
+            self.path.move([None, None, above], True)
+        if code == 81:
+            if not self._feed:
+                raise ProgramError(NO_FEED)
+            Cycle(81, above, kept["bottom"], self._feed).hole(self.path, place)
+        else:
+            if clockwise:
+                kept["clockwise"] = True
+            self._pocket(kept, place, above)
+
+    def _pocket(self, kept, place, above):
+        length, width, corner = (kept.get(name) for name in ("EX", "EY", "EB"))
+        radius = self._radius()
+        if any(value is not None and value <= 0 for value in (length, width, corner)):
+            raise ProgramError(POCKET, "EX, EY or EB")
+        if length and width:
+            half, corner = (length / 2, width / 2), radius if corner is None else corner
+        elif corner:
+            half = (length / 2 if length else corner, width / 2 if width else corner)
+        else:
+            raise ProgramError(MISSING, "EX and EY, or EB")
+        if min(half) < corner - 1e-9:
+            raise ProgramError(POCKET, f"corners of radius EB{corner:g} in {2 * half[0]:g} × {2 * half[1]:g} mm")
+        feeds = [kept.get("EP", self._feed), kept.get("EQ", self._feed)]
+        feeds += [kept.get("EI", feeds[0]), kept.get("EJ", feeds[1])]
+        if min(feeds) <= 0:
+            raise ProgramError(NO_FEED, "EP and EQ, or F")
+        depth = kept.get("P", math.inf)
+        Pocket(
+            tuple(place), half, corner, above, kept["bottom"], depth, kept.get("Q", radius), kept.get("I", 0.0), kept.get("J", 0.0),
+            kept.get("clockwise", False), tuple(feeds),
+        ).cut(self.path, radius)

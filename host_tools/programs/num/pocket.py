@@ -1,0 +1,93 @@
+"""G45: clears a pocket, rectangular, round or oblong, from its middle outwards, in layers.
+
+    Pocket(centre, half, corner, …).cut(path, radius)
+
+The tool goes down in the middle, along the middle line, then around in loops that lie `step` apart; the last one keeps `stock` from
+the wall. What is left on floor and wall is taken off at the end.
+"""
+
+import math
+from dataclasses import dataclass
+
+from host_tools.programs.program_errors import POCKET, ProgramError
+
+_WIDEST_STEP = math.sqrt(2)  # times the radius: more leaves ridges in the corners between two loops
+
+
+@dataclass
+class Pocket:
+    """Lengths in mm, feeds in mm/min. `half`: half of its length and width; `corner`: radius of its corners."""
+
+    centre: tuple
+    half: tuple
+    corner: float
+    above: float
+    bottom: float
+    depth: float  # of a layer
+    step: float
+    floor: float  # left for the finish, as `stock` on the wall
+    stock: float
+    clockwise: bool
+    feeds: tuple  # down and sideways, and the same of the finish
+
+    def cut(self, path, radius):
+        """Append all motions. Raises ProgramError if the tool does not fit."""
+        room = min(self.half) - radius - self.stock
+        if radius <= 0 or room < 0:
+            raise ProgramError(POCKET, f"a tool of radius {radius:g} in {2 * self.half[0]:g} × {2 * self.half[1]:g} mm")
+        if self.corner < radius - 1e-6:
+            raise ProgramError(POCKET, f"corners of radius {self.corner:g} for a tool of radius {radius:g}")
+        if not 0 < self.step <= _WIDEST_STEP * radius + 1e-9:
+            raise ProgramError(POCKET, f"steps of Q{self.step:g}: {_WIDEST_STEP * radius:.3f} at most with this tool")
+        if self.depth <= 0 or self.bottom >= self.above or self.floor < 0 or self.stock < 0:
+            raise ProgramError(POCKET, "P, I, J or Z")
+        down, along, down_finish, along_finish = self.feeds
+        start = [self.centre[0] + self._reach(min(self.half))[0], self.centre[1], None]
+        path.move(start, True)
+        path.move([None, None, self.above], True)
+        loops = self._loops(radius + self.stock)
+        level = self.above
+        lowest = self.bottom + self.floor
+        while level > lowest + 1e-9:
+            level = max(level - self.depth, lowest)
+            self._layer(path, start, level, loops, down, along)
+        if self.floor:
+            self._layer(path, start, self.bottom, loops, down_finish, along_finish)
+        if self.stock:
+            self._layer(path, start, self.bottom, [radius], down_finish, along_finish)
+        path.move([None, None, self.above], True)
+
+    def _reach(self, inset):
+        return max(0.0, self.half[0] - inset), max(0.0, self.half[1] - inset)
+
+    def _loops(self, least):
+        """Insets of the loops from the wall, from the inside out."""
+        count = math.ceil((min(self.half) - least) / self.step - 1e-9)
+        return [min(self.half)] + [least + self.step * each for each in range(count - 1, -1, -1)]
+
+    def _layer(self, path, start, level, loops, down, along):
+        path.move([None, None, level], False, down)
+        for inset in loops:
+            self._loop(path, inset, along)
+        path.move(start, False, along)
+
+    def _loop(self, path, inset, feed):
+        """Once around, from the middle of the right side; the middle line if the loop has no width."""
+        width, height = self._reach(inset)
+        x, y = self.centre
+        path.move([x + width, y, None], False, feed)
+        corner = min(max(0.0, self.corner - inset), width, height)
+        if not height or not width:
+            for end in ((x - width, y - height), (x + width, y + height), (x + width, y)):
+                path.move([*end, None], False, feed)
+            return
+        turn = -1 if self.clockwise else 1
+        # Corners in their order, each as (its sides' signs); a side leads to the start of the corner's arc.
+        for right, up in ((1, turn), (-1, turn), (-1, -turn), (1, -turn)):
+            centre = x + right * (width - corner), y + up * (height - corner)
+            ends = (centre[0] + right * corner, centre[1]), (centre[0], centre[1] + up * corner)
+            first, last = ends if right * up == turn else ends[::-1]
+            path.move([*first, None], False, feed)
+            if corner:
+                path.arc(17, self.clockwise, [*last, None], (centre[0] - first[0], centre[1] - first[1]), feed)
+        path.move([x + width, y, None], False, feed)
