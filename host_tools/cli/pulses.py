@@ -76,6 +76,10 @@ def play(
     repeat: Annotated[int, typer.Option(min=1, max=100, help="How many times.")] = 1,
     speed: Annotated[Optional[int], typer.Option(min=1, help="mm/min to begin with, up to the file's own.")] = None,
     stream: Annotated[bool, typer.Option("--stream", help="Play it as it is sent; for what is too long to store.")] = False,
+    begin: Annotated[
+        Optional[int], typer.Option("--from", min=0, help="Go to where this command of the file begins, and stream from there.")
+    ] = None,
+    back: Annotated[bool, typer.Option("--back", help="Stream it backward: from its end, where the head stands, or --from.")] = False,
     port: Port = None, baud: Baud = 115200, wait: Wait = True, log: Log = None,
 ):  # fmt: skip
     """Send a file and play it. The board checks and stores it first, unless it is streamed.
@@ -91,31 +95,54 @@ def play(
 
         passo pulses play hexagon.txt --repeat 100 --speed 800 --no-wait
 
-        passo pulses play engraving.txt --stream
+        passo pulses play engraving.txt --stream --repeat 3
+
+        passo pulses play engraving.txt --from 250000 --back
     """
     from host_tools.programs import pulse_file
 
+    if stream or back or begin is not None:
+        _stream(file, repeat, speed, begin, back, port, baud, wait, log)
+        return
     data = pulse_file.load(file)
-    if stream and repeat > 1:
-        raise Failure("a file that is streamed is played once; leave out --stream or --repeat")
-    if stream and not wait:
-        raise Failure("to stream a file takes as long as it plays; leave out --no-wait")
     from host_tools.cli.pulses_panel import Panel
 
     with _client(port, baud, log) as client:
         try:
-            if stream and speed:
-                client.command("speed", speed)
-            with Panel(client) as panel:
-                count = client.send_file(data, stream, idle=panel.cycle if stream else None)
+            with Panel(client):
+                count = client.send_file(data)
         except KeyboardInterrupt:
             client.command("stop")
             raise Failure("stopped by Ctrl-C") from None
         print(f"{file}: {count} commands")
-        if not stream:
-            if speed:
-                client.command("speed", speed)
-            client.command("run", repeat)
+        if speed:
+            client.command("speed", speed)
+        client.command("run", repeat)
+        _follow(client, wait, playing=True)
+
+
+def _stream(file, repeat, speed, begin, back, port, baud, wait, log):
+    """Play a file of any length as it is sent."""
+    from host_tools.cli.pulses_stream import go_to, play_long
+    from host_tools.programs.long_pulses import LongFile
+
+    if not wait:
+        raise Failure("to stream a file takes as long as it plays; leave out --no-wait")
+    if back and repeat > 1:
+        raise Failure("backward a file is played once: it ends at its start")
+    with _client(port, baud, log) as client:
+        axes = "xyz"[: len(client.status()["place"].split(","))]
+        source = LongFile(file, axes)
+        number = source.total if back and begin is None else begin or 0
+        source.seek(number)
+        print(f"{file}: {source.total} commands")
+        try:
+            if begin is not None:
+                go_to(client, source, number)
+            play_long(client, source, number, back, repeat, speed)
+        except KeyboardInterrupt:
+            client.command("stop")
+            raise Failure("stopped by Ctrl-C") from None
         _follow(client, wait, playing=True)
 
 

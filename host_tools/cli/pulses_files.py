@@ -11,6 +11,7 @@ BoardName = Annotated[str, typer.Option("--board", help="Board file: a name of b
 PulseFile = Annotated[Path, typer.Argument(help="The pulse file.")]
 Out = Annotated[Optional[Path], typer.Option("-o", "--out", help="The file to write.")]
 BOARD = "lpt_router"
+GCODE = (".gcode", ".nc", ".ngc", ".tap", ".g")
 
 
 def _board(name):
@@ -50,9 +51,10 @@ def convert(
     out: Out = None,
     board: BoardName = BOARD,
 ):
-    """Convert a pulse file to a picture, or G-code to a pulse file.
+    """Convert a pulse file to a picture or to G-code, or G-code to a pulse file.
 
-    The picture is a .png, .svg or .pdf, dark where the tool is on. Lines and arcs of G-code become the steps that the firmware
+    The picture is a .png, .svg or .pdf, dark where the tool is on. -o NAME.gcode makes G-code: straight runs and arcs are recognised,
+    and it makes the same steps. Lines and arcs of G-code become the steps that the firmware
     makes. M3 and M5 switch the tool, G4 waits, M0 asks the operator for the speed, M2 and M30 end it. If the program has no S
     at all, M3 needs none; otherwise S0 is off.
 
@@ -60,24 +62,37 @@ def convert(
 
         passo pulses convert hexagon.txt -o hexagon.png
 
+        passo pulses convert taught.txt -o taught.gcode
+
         passo pulses convert part.gcode -o part.txt
     """
     from host_tools.drawings import plot
     from host_tools.programs import gcode_file, pulse_file
 
     config, axes = _board(board)
-    if file.suffix.lower() in (".gcode", ".nc", ".ngc", ".tap", ".g"):
-        text = pulse_file.Converter(config).convert(gcode_file.read(file))
+    if file.suffix.lower() in GCODE:
         target = out or file.with_suffix(".txt")
-        try:
-            target.write_text(text, encoding="ascii")
-        except OSError as error:
-            raise Failure(f"cannot write {target}: {error.strerror}") from error
+        _write(target, pulse_file.Converter(config).convert(gcode_file.read(file)))
+    elif out and out.suffix.lower() in GCODE:
+        from host_tools.programs import pulse_gcode
+
+        target = out
+        found = pulse_file.items(pulse_file.load(file), axes, config["step_program"], file)
+        text, counts = pulse_gcode.to_gcode(found, config)
+        _write(target, text)
+        print(f"{counts['lines']} lines and {counts['arcs']} arcs of {counts['steps']} steps")
     else:
         course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["step_program"], file), config)
         target = out or file.with_suffix(".png")
         plot.save(target, course.strokes, file.stem)
     print(target)
+
+
+def _write(target, text):
+    try:
+        target.write_text(text, encoding="ascii")
+    except OSError as error:
+        raise Failure(f"cannot write {target}: {error.strerror}") from error
 
 
 def image(file: PulseFile, board: BoardName = BOARD):
@@ -130,8 +145,5 @@ def example(
     per_mm = scale.pop() / 1000
     z_per_mm = config["axes"][-1]["steps_per_m"] / 1000
     target = out or Path(f"{shape}.txt")
-    try:
-        target.write_text(pulse_shapes.text(shape, per_mm, speed, round(down * z_per_mm)), encoding="ascii")
-    except OSError as error:
-        raise Failure(f"cannot write {target}: {error.strerror}") from error
+    _write(target, pulse_shapes.text(shape, per_mm, speed, round(down * z_per_mm)))
     print(target)

@@ -81,18 +81,27 @@ class PulsesClient(Client):
         return [(int(ms), int(number), who) for ms, number, who in lines]
 
     def send_file(self, data, stream=False, show=None, idle=None):
-        """Send a file to be stored, or to be played as it comes; returns its number of commands. Calls `show(part)`, 0…1, and
-        `idle()` while waiting, which may send commands."""
-        self.command("stream" if stream else "load", len(data))
+        """Send a file to be stored, or to be played as it comes; returns its number of commands. `data`: its bytes, or, for a stream,
+        an iterable of pieces of them. Calls `show(part)`, 0…1, and `idle()` while waiting, which may send commands."""
+        whole = isinstance(data, bytes)
+        pieces = iter([data] if whole else data)
+        self.command("stream" if stream else "load", *([len(data)] if whole else []))
         self.send(b"\n")
         self.acks = 0
         sent = 0
+        piece, at = b"", 0  # what is being sent, and how much of it is
         latest = time.monotonic()
-        while sent < len(data):
+        while True:
+            if at == len(piece):
+                piece, at = next(pieces, None), 0
+                if piece is None:
+                    break
             room = WINDOW + self.acks * CREDIT - sent
             if room > 0:
-                self.send(data[sent : sent + room])
-                sent += len(data[sent : sent + room])
+                part = piece[at : at + room]
+                self.send(part)
+                at += len(part)
+                sent += len(part)
                 latest = time.monotonic()
                 if show:
                     show(sent / len(data))

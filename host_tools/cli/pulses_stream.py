@@ -1,0 +1,69 @@
+"""Plays a pulse file that is longer than a board's memory: from any command, backward, and repeated, streamed by this PC.
+
+The board remembers the last of what was streamed and can go back so far by itself; when it has come to the oldest of that, it is
+stopped there and gets the rest of the way as a new stream.
+"""
+
+from host_tools.cli.pulses_panel import Panel, status_text
+from host_tools.failure import Failure
+
+_JOG = 999_999  # steps in one order
+
+
+class _Oldest(Exception):
+    """The board has gone back as far as it remembers."""
+
+
+def play_long(client, file, number=0, backward=False, times=1, speed=None, show=None):
+    """Play a LongFile from command `number`, where the head stands before it; returns the last status. Calls
+    `show(panel, status)` each cycle."""
+    from host_tools.clients.pulses import check
+
+    if speed:
+        client.command("speed", speed)
+    while True:
+        chunks = file.backward(number) if backward else file.forward(number, times)
+        lead = file.lead_of(number, backward)
+        with Panel(client) as panel:
+
+            def idle():
+                if "oldest" in client.said:
+                    raise _Oldest
+                panel.cycle()
+                if show:
+                    show(panel, client.status())
+
+            try:
+                client.send_file(chunks, True, idle=idle)
+                status = panel.follow(True)
+                if "oldest" not in client.said:
+                    for line in client.said:
+                        check(line, "the run")
+                    return status
+            except _Oldest:
+                pass
+        status = client.status()
+        client.said = [line for line in client.said if line != "oldest"]
+        done = max(int(status["at"]) - lead, 0)
+        number = number - done if backward else (number + done) % file.total
+        if not number and not backward:
+            return status
+        client.command("stop")
+        backward, times = not backward, 1
+
+
+def go_to(client, file, number):
+    """Move by hand, tool off, from the start of the file to where command `number` begins."""
+    place = list(file.seek(number).place)
+    while any(place):
+        words = ["jog"]
+        for axis, steps in enumerate(place):
+            part = max(-_JOG, min(steps, _JOG))
+            if part:
+                words += ["xyz"[axis], part]
+                place[axis] -= part
+        client.command(*words)
+        with Panel(client) as panel:
+            status = panel.follow(False)
+        if status["state"] not in ("idle", "hold"):
+            raise Failure(f"not at command {number}: {status_text(status)}")

@@ -1,0 +1,217 @@
+"""Pulse files of any length on the PC: played from any command, backward, and repeated, as bytes to be streamed.
+
+    file = LongFile("relief.txt", "xyz")
+    file.total, file.seek(500_000).place        # commands; where the head is before one of them
+    for chunk in file.forward(500_000): …       # bytes of a pulse file: the state there, then the rest
+    for chunk in file.backward(500_000): …      # from there to the start: directions inverted, tool and speeds as they were
+
+The file is read block by block; an index keeps the state at each block's beginning. What is streamed has one command for each of the
+file, in its order, after `lead_of()` of them that only make the state: so a place in the stream is a place in the file. Backward a wait,
+and a question for the speed, become `*0`.
+"""
+
+import re
+from dataclasses import dataclass
+
+import numpy as np
+
+from host_tools.failure import Failure
+
+BLOCK = 1 << 18
+_TOKEN = re.compile(rb"[A-Z\s]+|[*+]\d+|[\[\]()$@]")
+_BLANK = b" \t\r\n"
+
+
+@dataclass
+class State:
+    """Before a command of a file. `at`: its byte; `number`: commands before it; `place`: steps from the file's start."""
+
+    at: int
+    number: int
+    place: tuple
+    tool: bytes = b")"
+    speed: bytes = b"@"
+    drives: bytes = b""
+
+
+class LongFile:
+    def __init__(self, path, axes):
+        """`axes`: names of those that the machine has. Raises Failure with line and column of what is wrong."""
+        self._path = path
+        self._axes = len(axes[:3])
+        self._vectors = _vectors(self._axes)
+        self._mirror = _mirror()
+        self._index = []
+        self.powers = False  # it has a [
+        state = State(0, 0, (0,) * self._axes)
+        for state_before, block in self._blocks(state):
+            self._check(state_before, block)
+            self._index.append(state_before)
+            state = self._after(state_before, block)
+            self.powers = self.powers or b"[" in block
+        self._end = state
+        self.total = state.number
+        if not self.total:
+            raise Failure(f"{path} has no command")
+
+    def _blocks(self, state):
+        """(state, bytes) of each block from `state` on; none ends amid a number."""
+        at = state.at
+        try:
+            with open(self._path, "rb") as file:
+                file.seek(at)
+                while True:
+                    block = file.read(BLOCK)
+                    if not block:
+                        return
+                    while block[-1:] in b"*+0123456789" and (more := file.read(1)):
+                        block += more
+                    yield state, block
+                    state = self._after(state, block)
+        except OSError as error:
+            raise Failure(f"cannot read {self._path}: {error.strerror}") from error
+
+    def _check(self, state, block):
+        from passo import error_texts, errors
+        from passo.protocols.pulses.codes import SPEED_MM_MIN, WAIT_MS
+
+        at, error = 0, None
+        for token in _TOKEN.finditer(block):
+            text = token.group()
+            if token.start() != at:
+                break
+            if text[:1] in b"*+" and int(text[1:]) > (WAIT_MS if text[:1] == b"*" else SPEED_MM_MIN)[1]:
+                error = errors.NUMBER_RANGE
+                break
+            if not text[:1] in b"*+[]()$@":
+                wrong = text.translate(None, self._vectors[0])
+                if wrong:
+                    at += text.index(wrong[:1])
+                    break
+            at = token.end()
+        if at == len(block):
+            return
+        if error is None:
+            error = errors.NUMBER_MISSING if block[at : at + 1] in b"*+" else errors.NO_CODE
+        before = self._read(0, state.at) + block[:at]
+        line, column = before.count(b"\n") + 1, at + state.at - (before.rfind(b"\n") + 1) + 1
+        raise Failure(f"{self._path}:{line}:{column}: error {error}: {error_texts.text(error)}")
+
+    def _read(self, begin, end):
+        with open(self._path, "rb") as file:
+            file.seek(begin)
+            return file.read(end - begin)
+
+    def _after(self, state, block):
+        """The state behind `block`."""
+        codes = np.frombuffer(block, np.uint8)
+        counts = np.bincount(codes, minlength=256)
+        place = tuple(int(here + counts @ self._vectors[1][axis]) for axis, here in enumerate(state.place))
+        number = state.number + int(counts[_COMMANDS].sum())
+        found = State(state.at + len(block), number, place, state.tool, state.speed, state.drives)
+        for token in re.finditer(rb"\+\d+|[$@()\[\]]", block):
+            _note(found, token.group())
+        return found
+
+    # --- what can be asked
+
+    def seek(self, number):
+        """The State before command `number`, 0 … total. Raises Failure."""
+        if not 0 <= number <= self.total:
+            raise Failure(f"{self._path} has {self.total} commands: there is no place {number}")
+        if number == self.total:
+            return self._end
+        low = [state.number for state in self._index]
+        state = self._index[int(np.searchsorted(low, number, "right")) - 1]
+        block = next(self._blocks(state))[1]
+        is_command = np.isin(np.frombuffer(block, np.uint8), _COMMANDS)
+        at = int(np.searchsorted(np.cumsum(is_command), number - state.number + 1))
+        return self._after(state, block[:at])
+
+    def forward(self, number=0, times=1):
+        """Chunks of bytes from command `number` to the end, and `times` − 1 times the whole file behind that."""
+        state = self.seek(number)
+        yield self._lead(state, False)
+        for _ in range(times):
+            for _, block in self._blocks(state):
+                yield block
+            state = self._index[0]
+
+    def backward(self, number=None):
+        """Chunks of bytes that lead back from command `number`, by default the end, to the start."""
+        state = self.seek(self.total if number is None else number)
+        yield self._lead(state, True)
+        for index in range(len(self._index) - 1, -1, -1):
+            begin = self._index[index]
+            if begin.at < state.at:
+                end = min(state.at, self._index[index + 1].at if index + 1 < len(self._index) else self._end.at)
+                yield self._turned(begin, self._read(begin.at, end))
+
+    def lead_of(self, number, backward):
+        """How many commands make the state at `number`, in front of those of the file."""
+        codes = self._lead(self.seek(number), backward)
+        return int(np.isin(np.frombuffer(codes, np.uint8), _COMMANDS).sum())
+
+    def _lead(self, state, backward):
+        """The codes that make a state. Backward the drives are on, as they were on the way forward."""
+        if not state.number:
+            return b""
+        drives = b"[" if backward and self.powers and state.drives else state.drives
+        return drives + state.speed + state.tool
+
+    def _turned(self, begin, block):
+        """A block played backward."""
+        state = State(begin.at, 0, begin.place, begin.tool, begin.speed, begin.drives)
+        parts = []
+        for token in _TOKEN.finditer(block):
+            text = token.group()
+            if text[:1] in b"()":
+                parts.append(state.tool)
+            elif text[:1] in b"+$@" and text.strip(b"+0") != b"":
+                parts.append(state.speed)
+            elif text[:1] in b"*+[]":
+                parts.append(b"*0")
+            else:
+                parts.append(text.translate(self._mirror)[::-1])
+            _note(state, text)
+        return b"".join(reversed(parts))
+
+
+def _note(state, text):
+    """A code that makes state. `+0` leaves the speed to the operator: the one before it is the best guess."""
+    if text in (b"(", b")"):
+        state.tool = text
+    elif text in (b"[", b"]"):
+        state.drives = text
+    elif text[:1] in b"+$@" and text.strip(b"+0") != b"":
+        state.speed = text
+
+
+def _vectors(axes):
+    """(the codes and blanks that are allowed, the steps of each axis by byte)."""
+    from passo.protocols.pulses.codes import CODES
+
+    steps = np.zeros((axes, 256), np.int64)
+    allowed = bytearray(_BLANK)
+    for letter, code in enumerate(CODES):
+        if not (code & 7) >> axes:
+            allowed.append(65 + letter)
+            for axis in range(axes):
+                if code >> axis & 1:
+                    steps[axis, 65 + letter] = -1 if code >> 4 + axis & 1 else 1
+    return bytes(allowed), steps
+
+
+def _mirror():
+    """Each letter's opposite."""
+    from host_tools.programs.pulse_file import letter_of
+    from passo.protocols.pulses.codes import CODES
+
+    table = bytearray(range(256))
+    for letter, code in enumerate(CODES):
+        mask = code & 7
+        table[65 + letter] = ord(letter_of(mask, (code >> 4 & 7) ^ mask))
+    return bytes(table)
+
+
+_COMMANDS = np.frombuffer(b"ABCDEFGHIJKLMNOPQRSTUVWXYZ[]()$@*+", np.uint8)

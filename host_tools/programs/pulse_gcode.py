@@ -1,0 +1,140 @@
+"""A pulse file as G-code: straight runs and arcs recognised, waits, speeds and the tool in their places.
+
+    text, counts = to_gcode(items, board)       # items as pulse_file.items() gives them
+
+What pulse_file.Converter makes of it has the same steps: to_gcode() checks that itself.
+
+`+2000` becomes F2000, `$` rapid moves (G0), `@` the board file's speed, `*5000` G4 P5, `+0` M0, `(` and `)` M3 and M5. G-code
+has no word for the drives: `[` and `]` become comments.
+"""
+
+import numpy as np
+
+from host_tools.failure import Failure
+from host_tools.programs import pulse_file
+from host_tools.programs.recognition import pieces
+
+
+def to_gcode(found, board):
+    """(text, {"lines": …, "arcs": …, "steps": …}) of a file's items. Raises Failure if there is not a step in it."""
+    writer = _Writer(board)
+    for kind, value in _runs(found, len(board["axes"][:3])):
+        writer.take(kind, value)
+    if not writer.counts["steps"]:
+        raise Failure("the file has no step")
+    text = writer.text()
+    _prove(text, found, board)
+    return text, writer.counts
+
+
+def moves_of(items, axes):
+    """The steps of items (of runs only) as an array of steps × axes."""
+    items = np.array(items, np.int64)
+    counts = items >> 8
+    rows = np.stack([((items >> axis) & 1) * (1 - 2 * ((items >> (4 + axis)) & 1)) for axis in range(axes)], axis=1)
+    return np.repeat(rows.astype(np.int8), counts, axis=0)
+
+
+def _runs(found, axes):
+    """("steps", moves) and (kind, value) of marks, in their order. What changes no step's speed nor the tool does not part steps."""
+    steps = []
+    for item in found:
+        if item & 15:
+            steps.append(item)
+            continue
+        if steps:
+            yield "steps", moves_of(steps, axes)
+            steps = []
+        yield item >> 4 & 15, item >> 8
+    if steps:
+        yield "steps", moves_of(steps, axes)
+
+
+class _Writer:
+    def __init__(self, board):
+        axes = board["axes"][:3]
+        self._names = "XYZ"[: len(axes)]
+        self._scale = [axis["steps_per_m"] / 1000 for axis in axes]
+        self._equal = len({axis["steps_per_m"] for axis in axes[:2]}) == 1
+        self._default = board["step_program"]["default_mm_min"]
+        self._speed = self._default  # None: as fast as it goes
+        self._written = None  # F
+        self._at = [0] * len(axes)
+        self._lines = ["G21 G90 G94 G17"]
+        self._plane = (0, 1)
+        self.counts = {"lines": 0, "arcs": 0, "steps": 0}
+
+    def take(self, kind, value):
+        from passo import commands
+
+        if kind == "steps":
+            for piece in pieces(value, self._equal):
+                self._piece(piece)
+        elif kind == commands.STEPS_TOOL:
+            self._lines.append("M3 S1000" if value else "M5")
+        elif kind == commands.STEPS_WAIT:
+            self._lines.append(f"G4 P{value / 1000:g}")
+        elif kind == commands.STEPS_DRIVES:
+            self._lines.append("(drives on)" if value else "(drives off)")
+        elif kind == commands.STEPS_ASK:
+            self._lines.append("M0")
+        else:
+            self._speed = {commands.STEPS_SPEED: value, commands.STEPS_DEFAULT: self._default}.get(kind)
+
+    def _piece(self, piece):
+        self._at = [at + delta for at, delta in zip(self._at, piece.deltas)]
+        self.counts["steps"] += piece.count
+        self.counts["arcs" if piece.centre else "lines"] += 1
+        if piece.centre:
+            self._arc(piece)
+            return
+        words = "".join(f" {name}{self._mm(axis)}" for axis, name in enumerate(self._names) if piece.deltas[axis])
+        if self._speed is None:
+            self._lines.append("G0" + words)
+        else:
+            self._lines.append("G1" + words + self._feed(self._speed))
+
+    def _arc(self, piece):
+        if piece.plane != self._plane:
+            self._plane = piece.plane
+            self._lines.append({(0, 1): "G17", (2, 0): "G18", (1, 2): "G19"}[piece.plane])
+        words = "".join(f" {self._names[axis]}{self._mm(axis)}" for axis in sorted(piece.plane))
+        centre = "".join(
+            f" {'IJK'[axis]}{_text(steps / self._scale[axis])}" for axis, steps in sorted(zip(piece.plane, piece.centre))
+        )
+        speed = self._speed or 900_000  # there are no rapid arcs: the fastest that a file can ask for
+        self._lines.append(("G2" if piece.clockwise else "G3") + words + centre + self._feed(speed))
+
+    def _feed(self, speed):
+        if speed == self._written:
+            return ""
+        self._written = speed
+        return f" F{speed}"
+
+    def _mm(self, axis):
+        return _text(self._at[axis] / self._scale[axis])
+
+    def text(self):
+        return "\n".join([*self._lines, "M2"]) + "\n"
+
+
+def _text(mm):
+    return f"{round(mm, 5) + 0.0:.5f}".rstrip("0").rstrip(".")
+
+
+def _prove(text, found, board):
+    """Raise Failure if the G-code would not make the same steps."""
+    from host_tools.programs.gcode_file import strip
+
+    lines = [(number, strip(line)) for number, line in enumerate(text.encode().splitlines(), 1)]
+    back = pulse_file.Converter(board).convert([row for row in lines if row[1]])
+    axes = "xyz"[: len(board["axes"][:3])]
+    made = pulse_file.items(back.encode(), axes, board["step_program"])
+    if not same_steps(found, made, len(axes)):
+        raise Failure("the G-code would not make the same steps: this is a fault of passo")
+
+
+def same_steps(one, other, axes):
+    """True if two files' items make the same steps in the same order."""
+    one, other = (moves_of([item for item in items if item & 15], axes) for items in (one, other))
+    return np.array_equal(one, other)
