@@ -14,6 +14,7 @@ once, or the selector's wire breaks; then all is mended, and the operator goes o
 - when the inputs are mended, reset and unlock lead out, and the axes move wherever the equations let them.
 """
 
+import math
 import random
 
 from mill_equations import allowed
@@ -28,11 +29,16 @@ OFF_TICKS = 25 * 12.5  # from the emergency stop to the spindle's pin: a pulse i
 CUT_SHORT = "STEP pulse too short"  # by a reset, which the main loop carries out at any time; the step counts
 KINDS = ("bounce", "burst", "burst", "stuck", "late", "two", "selector", "none")
 STEPS_MM = 80
+MENDED_MS = 26  # after which what forbade allows again: release_ms, the longest filter, and some cycles
 
 
-def small_mill():
-    """The mill with short axes: their ends are often reached."""
+def small_mill(whole=False):
+    """The mill with short axes: their ends are often reached. `whole`: with all that has no say in the interlock, too."""
     board = boards.load("mill_2004")
+    if not whole:
+        for key in ("gantry", "encoders", "inverter"):
+            del board[key]
+        board["player"] = "timer"  # whose pins need not be neighbours
     board["axes"] = [{**axis, "travel_steps": steps} for axis, steps in zip(board["axes"], (900, 700, 500))]
     return board
 
@@ -50,6 +56,7 @@ class Witness:
         self.actives = {item["name"]: item["active"] for item in machine.board["inputs"]}
         self.active = {name: plant.input(0, name) == self.actives[name] for name in self.filters}
         self.since = dict.fromkeys(self.filters, 0)
+        self._states, self._until = None, 0  # what states() has said, and the tick from which it is another
         self.position = list(plant.position)
         self.lasted = set()  # inputs that have forbidden for their filter's time, in this sequence
         self.over = {}  # (axis, forward): steps made though forbidden
@@ -70,6 +77,7 @@ class Witness:
             self.blind = self.blind or name in self.machine.plant.noise and self.machine.plant.noise[name].flipped and not active
             self.active[name] = active
             self.since[name] = tick
+            self._states = None
             self.over.clear()
         if self.tool and name == "stop" and active:
             self.pressed = tick
@@ -84,10 +92,14 @@ class Witness:
 
     def states(self, tick):
         """The inputs as they count: what has not lasted yet does not forbid."""
-        return {
-            CALLED.get(name, name): int(self.active[name] if self.forbids(name, tick) else self.rests[name])
-            for name in self.filters
-        }
+        if self._states is None or tick >= self._until:
+            self._states = {
+                CALLED.get(name, name): int(self.active[name] if self.forbids(name, tick) else self.rests[name])
+                for name in self.filters
+            }
+            ends = [self.since[name] + self.filters[name] for name in self.filters if self.active[name] != self.rests[name]]
+            self._until = min([end for end in ends if end > tick], default=math.inf)
+        return self._states
 
     def row(self, tick, position, tool):
         homing = self.machine.app.controller.state == "home"
@@ -96,7 +108,7 @@ class Witness:
                 self.steps += 1
                 states = self.states(tick)
                 if homing:
-                    states.update(bxa=0, bya=0, bza=0)
+                    states = {**states, "bxa": 0, "bya": 0, "bza": 0}
                 forward = now > before
                 if states["urg"] or not allowed("xyz"[axis], forward, states):
                     key = axis, forward
@@ -122,9 +134,9 @@ class Witness:
 
 
 class Session:
-    def __init__(self, seed):
+    def __init__(self, seed, whole=False):
         self.random = random.Random(seed)
-        self.machine = VirtualMachine(small_mill(), start=(450, 350, -250), trace=None, seed=seed)
+        self.machine = VirtualMachine(small_mill(whole), start=(450, 350, -250), trace=None, seed=seed)
         self.witness = Witness(self.machine)
         self.names = [item["name"] for item in self.machine.board["inputs"]]
         self.state = self.machine.app.controller.machine
@@ -238,7 +250,7 @@ class Session:
         for name in flipped:
             if self.machine.plant.noise[name].flipped:
                 self.machine.plant.inject(name, [now + 10])
-        self.machine.run_ms(60)
+        self.machine.run_ms(MENDED_MS)
         for name in self.names:
             assert not self.machine.plant.noise.get(name) or not self.machine.plant.noise[name].flipped
 
