@@ -48,6 +48,7 @@ FEATURES = (
     ("tools", "Tools", None),
     ("digital", "DigitalOutputs", lambda board: [item for item in board["outputs"] if item["name"][0] == "p" and item["name"][1:].isdigit()]),
     ("inverter", "Inverter", lambda board: board["inverter"]),
+    ("tachometer", "Tachometer", lambda board: board["tachometer"]),
     ("pins", "Pins", None),
     ("links", "Links", lambda board: True),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop")),
@@ -57,13 +58,11 @@ FEATURES = (
 
 def load_all(board, whole):
     """Import what App will ask for, so that all code is there before there is anything else. `whole`: as App's."""
-    if board["encoders"] or board["gantry"]:
-        forget("motor_keys")
+    forget("motor_keys")
     if board["gantry"]:
         from passo.drives import gantry
         from passo.steps import gantry_wiring
-    if board["inverter"] or board["registers"] or board["tool_change"]:
-        forget("device_keys")
+    forget("device_keys")
     if board["shift"]:
         forget("shift_keys")
     names = wanted(board, languages(board))

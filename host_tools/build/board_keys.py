@@ -39,6 +39,10 @@ SECTIONS = {
         "M6 at a place of its own, and the new tool's length. See [spindle](spindle.md#tool-change). Without it M6 is a pause where "
         "the head stands.",
     ),
+    "tachometer": (
+        "tachometer",
+        "The spindle's speed by pulses: no cut begins before it is reached, and none goes on without. See [spindle](spindle.md#tachometer).",
+    ),
     "registers": (
         "registers",
         "74HC165 and 74HC595 on four pins. An input with pin 100 is input A of the first 74HC165, an output with pin 100 is "
@@ -149,6 +153,10 @@ MEANINGS = {
     "inverter.timeout_ms": "Without an answer for so long, ms, a request is sent again; thrice in all.",
     "inverter.at_speed_percent": "So near to S it is at speed.",
     "inverter.spin_up_ms": "If it is not at speed by then, ms: alarm 244.",
+    "tachometer.input": "The input of its pulses, on a pin of its own.",
+    "tachometer.pulses": "Pulses a turn; 5000 a second at most.",
+    "tachometer.at_speed_percent": "So near to the speed that is asked it is at speed.",
+    "tachometer.spin_up_ms": "If it is not at speed by then, ms: alarm 244.",
     "tool_change.at": "Where tools are changed: machine coordinates of X and Y, whole mm.",
     "tool_change.sensor": "Where the tool sensor stands, which is the input `probe`.",
     "tool_change.distance_mm": "So far below the top of Z at most a tool touches the sensor, mm; else alarm 205.",

@@ -1,8 +1,9 @@
-"""Parts of the plant: a carriage between hard ends, a slotted barrier, a pen solenoid.
+"""Parts of the plant: a carriage between hard ends, a slotted barrier, a pen solenoid, a spindle.
 
 Parts with events of their own have `due`, the tick of the next event or NEVER, and `run()`, which carries it out.
 """
 
+import math
 import re
 
 NEVER = float("inf")
@@ -158,3 +159,45 @@ class Solenoid:
         """The pen arrives."""
         self.value = self._wanted
         self.due = NEVER
+
+
+class Spindle:
+    """A spindle that follows its speed by a ramp, and gives so many pulses a turn. `held`: it does not get beyond that, rpm."""
+
+    RAMP_RPM_S = 20_000
+
+    def __init__(self, pulses, max_rpm):
+        self._per_turn = pulses
+        self._max_rpm = max_rpm
+        self._tick = 0
+        self._asked = 0.0
+        self._turns = 0.0
+        self.rpm = 0.0
+        self.held = math.inf
+        self.unplugged = False  # the wire of the pulses: none come
+        self._count, self._last = 0, 0  # pulses, and the tick of the last
+
+    def drive(self, tick, level):
+        """From `tick` on it is asked for `level` of 1000 of its speed."""
+        self.run(tick)
+        self._asked = self._max_rpm * level / 1000
+
+    def run(self, tick):
+        seconds = (tick - self._tick) / 12_500_000
+        self._tick = tick
+        target = min(self._asked, self.held)
+        before = self.rpm
+        step = self.RAMP_RPM_S * seconds
+        self.rpm = min(target, before + step) if before < target else max(target, before - step)
+        ramp_s = abs(self.rpm - before) / self.RAMP_RPM_S
+        self._turns += ((before + self.rpm) / 2 * ramp_s + self.rpm * (seconds - ramp_s)) / 60
+
+    def pulses(self, tick):
+        """(pulses since the start, tick of the last)."""
+        self.run(tick)
+        count = int(self._turns * self._per_turn)
+        if count != self._count and not self.unplugged:
+            self._count = count
+            beyond = self._turns * self._per_turn - count
+            self._last = tick - int(beyond / (self.rpm * self._per_turn / 60) * 12_500_000) if self.rpm else tick
+        return self._count, self._last

@@ -23,7 +23,7 @@ import random
 
 from host_tools.sim.decoders import Pbl3770a, StepDir, Unipolar
 from host_tools.sim.faults import Faults
-from host_tools.sim.parts import NEVER, Barrier, Carriage, Encoder, Noise, Solenoid
+from host_tools.sim.parts import NEVER, Barrier, Carriage, Encoder, Noise, Solenoid, Spindle
 
 TICKS_PER_MS = 12_500
 MARGIN_MM = 10  # from the end of the travel, and from the barrier's edge, to the hard end
@@ -73,6 +73,8 @@ class Plant(Faults):
         self._solenoid = Solenoid(
             board["tool"].get("on_ms", 0) * TICKS_PER_MS, board["tool"].get("off_ms", 0) * TICKS_PER_MS
         )
+        tachometer = board.get("tachometer")
+        self.spindle = Spindle(tachometer["pulses"], board["spindle"]["max_rpm"]) if tachometer else None
         self._parts = [*self.barriers.values(), self._solenoid]
         self._decoders = []
         self._tool_mask = 0
@@ -280,6 +282,10 @@ class Plant(Faults):
         if self._solenoid.value:
             self._arrive(tick)
 
+    def pulses(self, tick):
+        """What the spindle's tachometer has given: (pulses, tick of the last)."""
+        return self.spindle.pulses(tick)
+
     def output(self, tick, name, level):
         if name == "enable":
             self.enabled = level == self._enable
@@ -363,6 +369,8 @@ class Plant(Faults):
 
     def _arrive(self, tick):
         self.tool = self._solenoid.value * self._power // 1000
+        if self.spindle is not None:
+            self.spindle.drive(tick, self.tool if self._board["spindle"]["pwm"] else self._solenoid.value)
         if self.trace is not None:
             self.trace.row(tick, self.position, self.tool)
 

@@ -35,6 +35,7 @@ class VcdTap:
         self.next_event = plant.next_event
         self.listen = plant.listen
         self.encoder = plant.encoder
+        self.pulses = plant.pulses
         self._pass_edges = plant.edges
 
     def attach(self, tick, names, levels):

@@ -142,6 +142,7 @@ _BOARD = {
     "spindle": _SPINDLE,
     "tool_change": {},  # of these: device_keys.py
     "inverter": {},
+    "tachometer": {},
     "registers": {},
     "jog": _JOG,
     "changeover_by": ("command", "motion"),  # what takes the motors from the other controller
@@ -153,7 +154,8 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-_ABSENT = ("homing", "gantry", "interlock", "inverter", "registers", "shift", "step_program", "tool_change")  # None if not there
+DEVICES = ("inverter", "registers", "tachometer", "tool_change")  # device_keys.py
+_ABSENT = ("homing", "gantry", "interlock", "shift", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
 MOST_BITS = 13  # of a word's levels, so that 10 ms of ticks fit above them below 2³⁰
@@ -168,7 +170,7 @@ def check(board):
         from passo.config import motor_keys as more  # most boards have neither; the machine builder forgets it
 
         rules = more.extended(rules)
-    if isinstance(board, dict) and (board.get("inverter") or board.get("registers") or board.get("tool_change")):
+    if isinstance(board, dict) and [key for key in DEVICES if board.get(key)]:
         from passo.config import device_keys as devices
 
         rules = devices.extended(rules)

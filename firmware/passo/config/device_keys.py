@@ -1,4 +1,4 @@
-"""The keys `inverter`, `registers` and `tool_change` of a board file: only boards that have one of them load this.
+"""The keys `inverter`, `registers`, `tachometer` and `tool_change` of a board file: only boards that have one of them load this.
 
     rules = extended(rules)         # those of boardfile.py, in whose notation they are
     check(board)                    # raises BoardError
@@ -29,6 +29,12 @@ TOOL_CHANGE = {
     "seek_mm_min": (int, 200, 1, 10_000),
     "locate_mm_min": (int, 25, 1, 1000),
 }
+TACHOMETER = {
+    "input": (str, ..., 1, 16),  # that its pulses come on
+    "pulses": (int, 1, 1, 1000),  # a turn
+    "at_speed_percent": (int, 10, 1, 50),
+    "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
+}
 EDGES = {
     "pin": (int, ..., 0, 48),
     "inputs": (str, ..., 1, 100),  # names of inputs behind 74HC165; the pin is at 1 while one of them is
@@ -50,6 +56,7 @@ def extended(rules):
     rules = dict(rules)
     rules["inverter"] = INVERTER
     rules["registers"] = REGISTERS
+    rules["tachometer"] = TACHOMETER
     rules["tool_change"] = TOOL_CHANGE
     return rules
 
@@ -58,6 +65,7 @@ def check(board):
     _check_inverter(board)
     _check_registers(board)
     _check_tool_change(board)
+    _check_tachometer(board)
 
 
 def _check_tool_change(board):
@@ -116,6 +124,23 @@ def _check_registers(board):
                 )
             if item.get("role", "none") != "none":
                 raise BoardError("output %s: a relay of the change-over needs a pin of its own" % item["name"])
+
+
+def _check_tachometer(board):
+    config = board["tachometer"]
+    if config is None:
+        return
+    name = config["input"]
+    items = [item for item in board["inputs"] if item["name"] == name]
+    if not items:
+        raise BoardError("tachometer.input: there is no input %r" % name)
+    named = str(board["homing"]) + str(board["interlock"])
+    if items[0]["pin"] >= REGISTER_BIT or items[0]["halt"] or name in named or name in ("probe", "door", "hold", "reset", "resume"):
+        raise BoardError("tachometer.input: %s needs a pin of its own, and no other use" % name)
+    if board["inverter"] or board["spindle"]["laser"]:
+        raise BoardError("tachometer: the inverter says the speed itself; a laser has none")
+    if config["pulses"] * board["spindle"]["max_rpm"] > 300_000:
+        raise BoardError("tachometer.pulses: no more than 5000 a second: %d a turn" % (300_000 // board["spindle"]["max_rpm"]))
 
 
 def _prompt(board, config):

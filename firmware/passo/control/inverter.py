@@ -19,18 +19,16 @@ from micropython import const
 
 from passo import errors
 from passo.commands import SPINDLE_OFF
-from passo.config import setting_numbers as table
 from passo.config.inverter_makes import MAKES
 from passo.control import modbus
+from passo.control.spindle_speed import PERIOD_MS, SLOW, AskedSpeed
 from passo.records import COUNT_HALF, COUNT_MASK
 
 _UNKNOWN = const(-1)
 _ATTEMPTS = const(3)
 _QUIET_MS = const(5)  # between two frames: 3.5 characters at 9600 baud are 4 ms
-_PERIOD_MS = const(100)  # between two questions while it turns
 _AGAIN_MS = const(1000)  # to the next try, after the last of _ATTEMPTS
 _FRAMES_BITS = const(20 * 11)  # of a request and its reply, at most
-_SLOW = const(3)  # readings below half the speed that are no accident
 _STANDING = const(200)  # hundredths of a hertz: the other way round only below it
 # What a request is about.
 _STOP = const(0)
@@ -54,14 +52,13 @@ class Inverter:
         line = dict(config)
         line["name"] = "inverter"
         self._line = machine.port.serial(line)
-        machine.waits_for_speed = True
         self._way = 0  # wanted: 3 clockwise, 4 counter-clockwise, 0 stop
         self._hz = 0  # and hundredths of a hertz
         self._told_way = self._told_hz = _UNKNOWN  # as the inverter has confirmed
         self._turned = 0  # the way it turned last
         self.output = 0  # hundredths of a hertz, as it said last
-        self._speed_of = None  # what `_speed` was computed of
-        self._speed = 0
+        self._asked_speed = AskedSpeed(machine, queue)
+        self.ready = self._asked_speed.ready
         self._since_ms = 0  # since when it is wanted
         self._reached = False
         self._slow = 0
@@ -82,10 +79,6 @@ class Inverter:
             self._choose(now_ms)
         if self._way and not self._reached and (now_ms - self._since_ms) & COUNT_MASK > self._spin_up_ms:
             self._fail(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
-
-    def ready(self):
-        """Nothing sets out with a spindle that is not at speed. What moves already goes on."""
-        return self._machine.at_speed or not self._queue.silent() or not self._queue.lit()
 
     # --- what it is to do
 
@@ -109,19 +102,8 @@ class Inverter:
                 self._due_ms = (now_ms + _QUIET_MS) & COUNT_MASK
 
     def _asked(self):
-        """Hundredths of a hertz that S asks for. Computed anew only when it changes: that allocates."""
-        machine = self._machine
-        percent = machine.overrides[2]
-        of = self._speed_of
-        if of is None or of != (machine.power, percent, machine.settings.version):
-            settings = machine.settings
-            self._speed_of = machine.power, percent, settings.version
-            most = settings.value(table.MAX_RPM)  # in thousandths, as the others
-            rpm = min(machine.power * most * percent // 100_000_000, most)
-            if rpm:
-                rpm = max(rpm, settings.value(table.MIN_RPM))
-            self._speed = min(rpm * self._poles // 1200, 0xFFFF)
-        return self._speed
+        """Hundredths of a hertz that S asks for."""
+        return min(self._asked_speed.rpm() * self._poles // 1200, 0xFFFF)
 
     def _choose(self, now_ms):
         """Send what matters most now, if anything does."""
@@ -194,7 +176,7 @@ class Inverter:
         elif about == _START:
             self._told_way = self._turned = way
         else:
-            self._due_ms = (now_ms + _PERIOD_MS) & COUNT_MASK
+            self._due_ms = (now_ms + PERIOD_MS) & COUNT_MASK
             value = modbus.value_of(self._reply)
             if about == _OUTPUT:
                 self.output = value * 100 // self._make["output"][3]
@@ -214,7 +196,7 @@ class Inverter:
             self._machine.at_speed = True
         elif self._reached and self.output * 2 < self._hz:
             self._slow += 1
-            if self._slow >= _SLOW:
+            if self._slow >= SLOW:
                 self._fail(errors.ALARM_SPINDLE_SPEED, "inverter at %d.%02d Hz" % divmod(self.output, 100))
 
     def _failed(self, now_ms, number, who):

@@ -201,6 +201,12 @@ class ChipPort:
                 self.power(0)
         self._aside = False
 
+    def pulses(self, name, least_us=50):
+        """What counts the pulses of an input from now on; edges closer than `least_us` are noise."""
+        from passo.ports.pulses import PinPulses  # here: most boards have none
+
+        return PinPulses(self._inputs[name], self, least_us)
+
     # --- what start.py asks for
 
     def guard(self):

@@ -20,6 +20,7 @@ The world sees electrical pin levels, polarity included, and each change with it
     input(tick, name) -> level      what an input reads
     listen(callback)                call callback(tick, name, level) as an input changes; only where the world has this method
     encoder(number) -> count        what an encoder has counted, of those of the board file; only if that names any
+    pulses(tick) -> (count, tick of the last)   of the spindle; only if the board file has a tachometer
     power(tick, level)              the tool's analogue power changed, 0 … 1000; only where the world has this method
     run(tick)                       let the world's own events up to `tick` happen
     next_event() -> tick or None    when the next of them is due
@@ -115,6 +116,10 @@ class VirtualPort:
         """True while the input is in its active state."""
         return self.world.input(self.now, name) == self._inputs[name]
 
+    def pulses(self, name):
+        """What counts the pulses of an input. The world knows of the spindle's only."""
+        return _Pulses(self)
+
     def tripped(self):
         """The name of a halting input that is active, or of what the interlock has stopped the player for; or None. Halting
         inputs are looked at once a cycle."""
@@ -198,6 +203,19 @@ class VirtualPort:
             self.advance(min(behind, quantum) if pending else behind - behind % TICKS_PER_MS)
         if self._sleep and (not pending or behind < quantum):
             self._sleep(max(1, quantum // (2 * TICKS_PER_MS)) if pending else IDLE_MS)
+
+
+class _Pulses:
+    """As ports/pulses.py."""
+
+    def __init__(self, port):
+        self._port = port
+        self.us = 0
+
+    def count(self):
+        count, tick = self._port.world.pulses(self._port.now)
+        self.us = tick * 2 // 25 & COUNT_MASK
+        return count & COUNT_MASK
 
 
 class MemoryLine:

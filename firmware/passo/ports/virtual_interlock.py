@@ -25,6 +25,8 @@ class VirtualInterlock(Interlock):
         self._switch = world.output
         if hasattr(world, "power"):
             self.power = world.power
+        if hasattr(world, "pulses"):
+            self.pulses = world.pulses
         self._pass_edges = world.edges
         self._hears = hasattr(world, "listen")
         if self._hears:

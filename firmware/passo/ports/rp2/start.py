@@ -9,9 +9,10 @@ from micropython import const
 from passo.ports import start
 
 # Bytes, each kept free in one piece while code is loaded and moved to flash.
-_FOR_BLOCKS = const(27_500)  # for the arrays of planner, ring and feeder
-_BLOCKS = const(25_000)  # what these take: if no piece is as large, _FOR_WORK is given back, too
-_SHORT = const(50_000)  # free bytes then, with _BLOCKS and without _FOR_WORK, below which that is given back
+_FOR_BLOCKS = const(17_500)  # for the arrays of the planner
+_BLOCKS = const(16_200)  # what these take: if no piece is as large, _FOR_WORK is given back, too
+_FOR_WORDS = const(10_000)  # for those of ring and feeder, which come later
+_SHORT = const(36_000)  # free bytes then, with _FOR_BLOCKS and without the others, below which these are given back
 _FOR_WORK = const(16_500)  # for what the main loop takes and gives back
 _COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
 
@@ -39,6 +40,7 @@ class Start(start.Start):
             gc.collect()
         else:
             rooms.append(bytearray(_FOR_WORK))
+            rooms.append(bytearray(_FOR_WORDS))
             rooms.append(bytearray(_FOR_BLOCKS))
             self.rooms = rooms
 

@@ -253,6 +253,8 @@ class Status:
             at = tell(out, at, ("|A:%s\0" % accessories).encode(), fields)
         if "counts" in report:
             at = tell(out, at, ("|En:%s\0" % report["counts"]).encode(), fields)
+        if "rpm" in report:
+            at = tell(out, at, ("|RPM:%d\0" % report["rpm"]).encode(), fields)
         if "glitches" in report and report["glitches"]:
             at = tell(out, at, ("|Gl:%d\0" % report["glitches"]).encode(), fields)
         return at

@@ -1,0 +1,95 @@
+"""The spindle's speed by its pulses: no cut begins before it is reached, and a spindle that falls behind is an alarm.
+
+    "tachometer": {"input": "turns", "pulses": 1}
+
+While the tool is on, the speed measured has to come within at_speed_percent of what is asked, in spin_up_ms, and then must not
+fall below half of it: else alarm 244, which brings the axes to a stand, the position kept, and switches the tool off. Asked is
+S if `spindle.pwm` sets the speed; a spindle on a relay turns at $30. A lost wire is a spindle at 0: noticed after four turns and
+half a second. Override and S may change while it turns; from then on spin_up_ms count anew.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.commands import SPINDLE_OFF
+from passo.config import setting_numbers as table
+from passo.control.spindle_speed import PERIOD_MS, SLOW, AskedSpeed
+from passo.records import COUNT_MASK
+
+_QUIET_TURNS = const(4)  # without a pulse for so many turns at the speed that is asked it stands
+
+
+class Tachometer:
+    def __init__(self, board, machine, queue):
+        config = board["tachometer"]
+        self._machine = machine
+        self._queue = queue
+        self._per_turn = config["pulses"]
+        self._percent = config["at_speed_percent"]
+        self._spin_up_ms = config["spin_up_ms"]
+        self._pulses = machine.port.pulses(config["input"])
+        self._asked = AskedSpeed(machine, queue)
+        self.ready = self._asked.ready
+        self._by_s = board["spindle"]["pwm"]
+        self.rpm = 0  # as measured
+        self._wanted = 0  # thousandths of a turn a minute
+        self._since_ms = self._looked_ms = machine.port.machine_ms()
+        self._came_ms = self._looked_ms  # when the last look found a pulse
+        self._count = self._pulses.count()
+        self._us = self._pulses.us
+        self._reached = False
+        self._slow = 0
+
+    def report(self, report):
+        report["rpm"] = self.rpm
+
+    def poll(self, now_ms):
+        machine = self._machine
+        if machine.spindle == SPINDLE_OFF or machine.alarm or not self._queue.lit():
+            wanted = 0
+        else:
+            wanted = self._asked.rpm() if self._by_s else machine.settings.value(table.MAX_RPM)
+            if not wanted:
+                machine.at_speed = True
+        if wanted != self._wanted:
+            self._wanted = wanted
+            self._since_ms = now_ms
+            self._reached = False
+            self._slow = 0
+        if (now_ms - self._looked_ms) & COUNT_MASK < PERIOD_MS:
+            return
+        self._looked_ms = now_ms
+        self._measure(now_ms)
+        if wanted:
+            self._judge(now_ms)
+
+    def _measure(self, now_ms):
+        count = self._pulses.count()
+        came = (count - self._count) & COUNT_MASK
+        if came:
+            us = self._pulses.us
+            passed_us = (us - self._us) & COUNT_MASK
+            if (now_ms - self._came_ms) & COUNT_MASK < 100_000 and passed_us:
+                self.rpm = came * 60_000 // self._per_turn * 1000 // passed_us
+            self._count = count
+            self._us = us
+            self._came_ms = now_ms
+        elif (now_ms - self._came_ms) & COUNT_MASK > 2 * PERIOD_MS + _QUIET_TURNS * 60_000_000 // max(self._wanted, 60_000):
+            self.rpm = 0
+
+    def _judge(self, now_ms):
+        wanted = self._wanted
+        rpm = 1000 * self.rpm
+        if abs(rpm - wanted) <= wanted // 100 * self._percent:
+            self._reached = True
+            self._slow = 0
+            self._machine.at_speed = True
+        elif self._reached and 2 * rpm < wanted:
+            self._slow += 1
+            if self._slow >= SLOW:
+                self._fail()
+        if not self._reached and (now_ms - self._since_ms) & COUNT_MASK > self._spin_up_ms:
+            self._fail()
+
+    def _fail(self):
+        self._machine.raise_alarm(errors.ALARM_SPINDLE_SPEED, "spindle at %d rpm" % self.rpm)

@@ -1,0 +1,32 @@
+"""Counts the pulses of an input in its interrupt, and when the last one came.
+
+    pulses = PinPulses(item, port, least_us=100)    # an Input of the port; edges closer than that are noise
+    pulses.count(), pulses.us                       # modulo 2²⁹ both; in this order, so that `us` is not older
+
+An edge takes about 20 µs of an RP2040.
+"""
+
+from time import ticks_us
+
+import micropython
+from machine import Pin
+
+from passo.records import COUNT_MASK
+
+
+class PinPulses:
+    def __init__(self, item, port, least_us):
+        self._least_us = least_us
+        self._count = 0
+        self.us = ticks_us() & COUNT_MASK
+        port.watch(item.pin, self.edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
+
+    @micropython.native
+    def edge(self, pin):  # ISR: no allocation
+        now = ticks_us() & COUNT_MASK
+        if (now - self.us) & COUNT_MASK >= self._least_us:
+            self.us = now
+            self._count = (self._count + 1) & COUNT_MASK
+
+    def count(self):
+        return self._count
