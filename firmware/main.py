@@ -17,13 +17,25 @@ def checked(board):
     return check(board)
 
 
+def by_lines(board):
+    """A raw board file with the pins that it has by the lines of a parallel port, if it is one of these."""
+    try:
+        if "port_pins" in board["step_program"]:
+            from passo.config.port_pins import applied
+
+            return applied(board)[0]
+    except Exception:  # its check will say what is wrong
+        pass
+    return board
+
+
 def main():
     try:
         from board import BOARD
     except Exception as error:
         print("board.py cannot be read: %s: %s" % (type(error).__name__, error))
         BOARD = None
-    start = Start(BOARD)  # safe outputs first: the rest takes a second or two to load
+    start = Start(by_lines(BOARD))  # safe outputs first: the rest takes a second or two to load
     start.history()
     if BOARD is None or not start.wanted():
         return

@@ -179,9 +179,9 @@ MEANINGS = {
     "step_program.default_mm_min": "Speed until the file sets one, mm/min, and of moves by hand.",
     "step_program.cells": "Memory for the file, four bytes each: one for a run of equal steps.",
     "step_program.dry_run": "The tool stays off.",
-    "step_program.port_bits": "Status report only: at which bit of the image of the parallel port drives, Z pulse, Z dir, Y pulse, Y dir, "
+    "step_program.port_bits": "At which bit of the image of the parallel port, and with `port_pins` on which line, drives, Z pulse, Z dir, Y pulse, Y dir, "
     "X pulse, X dir and tool appear; `-`: nowhere.",
-    "step_program.port_invert": "Status report only: mask of the bits that appear inverted.",
+    "step_program.port_invert": "Mask of the bits that appear inverted.",
     "gantry.axis": "Name of the axis. Its second motor is called by that name and `2`: `x2`.",
     "gantry.pins": "`[STEP, DIR]` of the second motor: STEP behind the STEPs of the axes, DIR behind the DIRs.",
     "gantry.opposite": "The second motor turns the other way round.",

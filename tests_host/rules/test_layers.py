@@ -37,7 +37,7 @@ MAY_IMPORT = {
     "app": ("passo",),
     "machine_builder": ("passo",),
     "main": (
-        "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.board_error", "passo.config.journal", "passo.ports", "board",
+        "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.port_pins", "passo.config.board_error", "passo.config.journal", "passo.ports", "board",
     ),
 }
 

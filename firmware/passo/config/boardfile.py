@@ -165,7 +165,11 @@ PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 def check(board):
     """The board with its defaults. Raises BoardError at the first thing wrong."""
     rules = _BOARD
-    more = devices = shift = None
+    more = devices = shift = lines = None
+    if isinstance(board, dict) and "port_pins" in (board.get("step_program") or ()):
+        from passo.config import port_pins
+
+        board, lines = port_pins.applied(board)
     if isinstance(board, dict) and (board.get("encoders") or board.get("gantry")):
         from passo.config import motor_keys as more  # most boards have neither; the machine builder forgets it
 
@@ -179,6 +183,8 @@ def check(board):
 
         rules = shift.extended(rules)
     board = _section(_WHOLE, board, rules)
+    if lines:
+        board["step_program"].update(lines)
     _check_clock(board)
     if shift is not None:
         shift.check(board)
@@ -344,14 +350,13 @@ def _check_links(board):
 
 def _check_step_program(board):
     config = board["step_program"]
-    if config is None:
-        return
-    for axis in board["axes"]:
-        if axis["steps_per_m"] < 100:
-            raise BoardError("axis %s: a step program wants 100 steps/m or more" % axis["name"])
-    bits = config["port_bits"].replace("-", "")
-    if len(set(bits)) != len(bits) or set(bits) - set("01234567"):
-        raise BoardError("step_program.port_bits: each of 0 … 7 once at most, and - for none, not %r" % config["port_bits"])
+    if config is not None:
+        for axis in board["axes"]:
+            if axis["steps_per_m"] < 100:
+                raise BoardError("axis %s: a step program wants 100 steps/m or more" % axis["name"])
+        bits = config["port_bits"].replace("-", "")
+        if len(set(bits)) != len(bits) or set(bits) - set("01234567"):
+            raise BoardError("step_program.port_bits: each of 0 … 7 once at most, and - for none, not %r" % config["port_bits"])
 
 
 def _check_interlock(board):

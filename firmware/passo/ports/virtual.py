@@ -35,7 +35,7 @@ except ImportError:  # MicroPython's clock is monotonic only as far as the syste
 
 from passo.ports.virtual_player import Player
 from passo.records import COUNT_MASK, TICKS_PER_MS
-from passo.steps.wiring import inverted_pins, word_times
+from passo.steps.wiring import inverted_pins, muted_pins, word_times
 
 TICK_NS = 80
 COARSE_TICKS = 8 * TICKS_PER_MS  # a cycle in motion: well inside the 30 ms that the feeder keeps ahead
@@ -93,6 +93,9 @@ class VirtualPort:
     def player(self, ring, layout, board):
         """The player of `ring`. Once."""
         pulse_ticks, min_word_ticks = word_times(board)
+        muted = muted_pins(board)
+        if muted:
+            self.world = MutedWorld(self.world, muted)
         self._player = self._player_class(self, ring, layout, pulse_ticks, min_word_ticks, inverted_pins(board, layout))
         return self._player
 
@@ -239,6 +242,26 @@ class MemoryLine:
 
     def write(self, data):
         self.outgoing += bytes(data)
+
+
+class MutedWorld:
+    """A world some of whose pins are cut off, and stay low."""
+
+    def __init__(self, world, muted):
+        """`muted`: mask of the player's pins."""
+        self._world = world
+        self._muted = muted
+        for name in ("output", "input", "run", "next_event", "power", "listen", "encoder"):
+            if hasattr(world, name):
+                setattr(self, name, getattr(world, name))
+
+    def attach(self, tick, names, levels):
+        self._world.attach(tick, names, levels & ~self._muted)
+
+    def edges(self, tick, levels, changed):
+        changed &= ~self._muted
+        if changed:
+            self._world.edges(tick, levels & ~self._muted, changed)
 
 
 class Nothing:

@@ -42,4 +42,16 @@ def inverted_pins(board, layout):
             from passo.steps.gantry_wiring import second  # most machines have none
 
             mask ^= second(board, layout)
+        mask ^= _of_lines(board, "inverted")
     return mask
+
+
+def muted_pins(board):
+    """Mask of the player's pins that stay low, whatever a word says."""
+    return _of_lines(board, "muted")
+
+
+def _of_lines(board, key):
+    """What the lines of a parallel port say: config/port_pins.py."""
+    section = board.get("step_program")
+    return section.get(key, 0) if section else 0

@@ -28,6 +28,7 @@ BUSY = 1 << (26 if RP2350 else 24)  # of a DMA channel's control register
 _OUT_OVER = 12 if RP2350 else 8
 _IN_OVER = 16
 _INVERT = 1
+_LOW = 2
 _NVIC_PRIORITY = 0xE000E400
 _TIMER_IRQ_3 = 3  # what machine.Timer runs in
 
@@ -44,6 +45,11 @@ def give_to_pio(pin, block, invert):
     """Connect `pin` to PIO `block`, its output inverted if asked, in one write: it sees no level in between."""
     Pin(pin, Pin.IN)
     mem32[IO_BANK0 + 8 * pin + 4] = 6 + block | (_INVERT << _OUT_OVER if invert else 0)
+
+
+def mute(pin):
+    """Hold an output low from here on, whatever drives it."""
+    mem32[IO_BANK0 + 8 * pin + 4] = mem32[IO_BANK0 + 8 * pin + 4] & ~(3 << _OUT_OVER) | _LOW << _OUT_OVER
 
 
 def invert_input(pin):

@@ -19,7 +19,7 @@ from passo.ports.rp2 import chip
 from passo.ports.rp2 import kernels
 from passo.ports.rp2.registers import BLOCK_CTRL
 from passo.steps import pace_viper
-from passo.steps.wiring import inverted_pins, word_pins, word_times
+from passo.steps.wiring import inverted_pins, muted_pins, word_pins, word_times
 
 _FEED_MS = const(3)  # every 2 ms, its calls alone would cost a stream of lines a fifth of its speed
 _LEAD_TICKS = const(12 * 12_500)  # an arc's segment of 6 ms counts whole until it has been played
@@ -111,6 +111,16 @@ class Port(ChipPort):
 
     def player(self, ring, layout, board):
         """The player of `ring`. Once."""
+        self._make_player(ring, layout, board)
+        muted = muted_pins(board)
+        if muted:
+            pins = word_pins(board)
+            for bit in range(layout.bits):
+                if muted >> bit & 1:
+                    chip.mute(pins[bit])
+        return self._player
+
+    def _make_player(self, ring, layout, board):
         for item in self._halting:
             self.watch(item.pin, Guard(item, self).edge, Pin.IRQ_RISING if item.level else Pin.IRQ_FALLING)
         pulse_ticks, least = word_times(board)
@@ -120,7 +130,7 @@ class Port(ChipPort):
             from passo.ports.rp2.timer_player import SHORTEST_TICKS, TimerPlayer
 
             self._player = TimerPlayer(ring, layout, pins, pulse_ticks, max(least, SHORTEST_TICKS), invert)
-            return self._player
+            return
         halt_pin = None
         if self._halting:
             item = self._halting[0]
@@ -137,7 +147,6 @@ class Port(ChipPort):
             from passo.ports.rp2.laser_player import LaserPlayer
 
             self._player = self._laser = LaserPlayer(board["spindle"]["pin"], *rest)
-        return self._player
 
     def _registers(self, board, shifted):
         from passo.ports.rp2.shift_registers import SioRegisters
