@@ -80,7 +80,7 @@ class App:
         coils = None if self.layout.kind == "step_dir" else self._drive
         self._motors = Motors(port, self.player, self.layout, coils, off_levels, board, inverted)
         queue = self._make_queue(machine_builder, settings, "program" in names)
-        serials = [port.serial(link) for link in board["links"]]
+        serials = machine_builder.serials(board, port)
         kinds = machine_builder.load(names)
         self._make_controller(settings, queue, machine_builder.guarded(board, languages, settings), kinds)
         self._looked_ms = port.machine_ms()
@@ -101,6 +101,8 @@ class App:
             if config["lost"] != "go_on":
                 made.serial = self.controller.features["host_watch"].watch(number, made.serial)
             self.links.append(made)
+        if board["network"]:
+            machine_builder.join(self.links, self.controller)
         self.controller.start()
         self._answer()
 

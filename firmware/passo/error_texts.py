@@ -77,6 +77,7 @@ TEXTS = {
     errors.POSITION_VERIFIED: "after a halt the encoders have told the position: it is known again",
     errors.SQUARED: "a motor of the gantry was behind, and was stepped alone: the log says which, and by how many steps",
     errors.COUNTS_LOST: "an encoder's index pulse came elsewhere than whole turns from the first: the encoder lost counts, or counted noise",
+    errors.NOT_ADMITTED: "over the network this needs the key, or to be admitted at the machine first",
     errors.NO_MEMORY: "no memory is left for arcs: the board file's speeds take it",
     errors.ALARM_LOCKED: "locked: where the machine stands is not known until it is homed",
     errors.ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit: the position may be lost",

@@ -7,6 +7,7 @@ import sys
 
 from passo.config.board_error import BoardError
 from passo.config.setting_numbers import HOMING, SPEED, STEPS
+from passo.records import NETWORK_PORTS
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
@@ -51,6 +52,7 @@ FEATURES = (
     ("tachometer", "Tachometer", lambda board: board["tachometer"]),
     ("pins", "Pins", None),
     ("links", "Links", lambda board: True),
+    ("admission", "Admission", lambda board: board["network"]),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop")),
     ("resets", "Resets", lambda board: True),
 )
@@ -65,6 +67,9 @@ def load_all(board, whole):
     forget("device_keys")
     if board["shift"]:
         forget("shift_keys")
+    if board["network"]:
+        forget("network_keys")
+        network_line()
     names = wanted(board, languages(board))
     modules = _OF_ALL
     if "program" in names:
@@ -109,6 +114,42 @@ def framed_line():
         return __import__("passo.protocols.frames", None, None, ("FramedLine",)).FramedLine
     except ImportError as missing:
         raise BoardError("frames are not on this board (%s): flash it anew" % missing)
+
+
+def network_line():
+    """The class of links over the network; only boards that have a network load it. Raises BoardError."""
+    try:
+        return __import__("passo.web.lines", None, None, ("NetworkLine",)).NetworkLine
+    except ImportError as missing:
+        raise BoardError("network: it is not on this board (%s): flash it anew" % missing)
+
+
+def serials(board, port):
+    """The serial line of each link of the board file."""
+    lines = []
+    radio = None
+    for link in board["links"]:
+        if not board["network"] or link["port"] not in NETWORK_PORTS:
+            lines.append(port.serial(link))
+            continue
+        line = network_line()
+        if radio is None:
+            radio = port.radio if hasattr(port, "radio") else _radio(board)
+        lines.append(line(board, link, radio, port.link_ms))
+    return lines
+
+
+def _radio(board):
+    from passo.web.radio import Radio
+
+    return Radio(board["network"])
+
+
+def join(links, controller):
+    """Tell the links over the network whom they serve."""
+    for link in links:
+        if hasattr(link.serial, "join"):
+            link.serial.join(controller, link.protocol)
 
 
 def wanted(board, languages):

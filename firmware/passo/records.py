@@ -22,6 +22,9 @@ FEED_LEAST = const(50_000)  # 4 ms: more than two calls of a feeder are apart
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
 REGISTER_BIT = const(100)  # pins from here on are bits of shift registers: of the 74HC165 if inputs, of the 74HC595 if outputs
+REQUEST_PROVEN = const(1)  # flags of a request over the network: its sender may move the machine
+REQUEST_JSON = const(2)  # the answer shall be JSON
+NETWORK_PORTS = ("http", "tcp")  # ports of links that are no cable
 
 # Numbers of settings that languages ask for too; the others stand in config/setting_numbers.py.
 SETTING_REPORT = const(10)

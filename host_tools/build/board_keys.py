@@ -43,6 +43,11 @@ SECTIONS = {
         "tachometer",
         "The spindle's speed by pulses: no cut begins before it is reached, and none goes on without. See [spindle](spindle.md#tachometer).",
     ),
+    "network": (
+        "network",
+        "Wi-Fi of a Pico W or an ESP32: links with the port `http`. The radio is off until `passo wifi` has given it a name and a "
+        "passphrase. See [network](network.md).",
+    ),
     "registers": (
         "registers",
         "74HC165 and 74HC595 on four pins. An input with pin 100 is input A of the first 74HC165, an output with pin 100 is "
@@ -171,6 +176,13 @@ MEANINGS = {
     "registers.edges.pin": "The pin, at 1 while one of the inputs is.",
     "registers.edges.inputs": "Names of inputs behind 74HC165, with blanks between them.",
     "registers.tool": "The output, 100 … 123, that follows the tool's pin: within 3 ms, at once in a halt; -1: none.",
+    "network.host": "The board's name in the network: `http://passo.local/`.",
+    "network.http_port": "TCP port of the links with the port `http`.",
+    "network.tcp_port": "TCP port of the links with the port `tcp`.",
+    "network.legacy_http": "Torch: who sends no key may move the machine, from the board's own access point only, and only for the minutes "
+    "that somebody at the machine gives.",
+    "network.button": "Name of the input of the button that gives `minutes`; empty: there is none, only `passo torch admit`.",
+    "network.minutes": "What the button gives, minutes.",
     "jog.steps": "Steps of a jog.",
     "jog.up": "Which way UP goes; DOWN is the opposite, LEFT and RIGHT the other axis.",
     "jog.ahead_ms": "A jog that is repeated asks for so much motion in advance, ms: the longest time that the axis runs on after "
@@ -201,7 +213,7 @@ MEANINGS = {
     "encoders.index": "Name of the input of its index pulse, if it has one: log entry 143 if the encoder itself loses counts.",
     "encoders.settle_ms": "So long behind the last step a motor has come to rest, and its error is exact, ms. The largest counts for all.",
     "links.name": "Its name: `passo board --link NAME=PATH`, the log.",
-    "links.port": "`usb`, or `uart0` … See the pins a UART may use in [wiring](wiring.md#serial-lines).",
+    "links.port": "`usb`, or `uart0` …; with a [network](#network) also `http`. See the pins a UART may use in [wiring](wiring.md#serial-lines).",
     "links.tx": "UART: the pin that sends.",
     "links.rx": "UART: the pin that receives.",
     "links.baud": "UART: bits a second.",

@@ -1,5 +1,6 @@
 """`passo board`: the firmware on the virtual port, on serial lines that any program can open."""
 
+import os
 import signal
 import time
 from pathlib import Path
@@ -23,20 +24,24 @@ Faults = Annotated[
 ]
 Seed = Annotated[int, typer.Option(help="Of all that is random: start and chatter.")]
 
+TcpPort = Annotated[Optional[int], typer.Option(min=0, max=65535, help="Serve a TCP socket, not a pty. 0: any free port.")]
+HttpPort = Annotated[
+    Optional[int], typer.Option(min=0, max=65535, help="Serve the board's HTTP on 127.0.0.1, as its Wi-Fi would. 0: any free port.")
+]
+Key = Annotated[Optional[str], typer.Option(help="The network's key (a new one).")]
+
 
 def board(
-    board: Annotated[
-        str, typer.Option(help="Board file: a name of boards/, or the path of a .py file.")
-    ] = "plotter_2014",
+    board: Annotated[str, typer.Option(help="Board file: a name of boards/, or the path of a .py file.")] = "plotter_2014",
     protocol: Annotated[
         Optional[List[str]], typer.Option(metavar="[LINK=]NAME", help="Another protocol for a link (the first).")
     ] = None,
     link: Annotated[
         Optional[List[str]], typer.Option(metavar="[LINK=]PATH", help="A symlink to the pty of a link (the first).")
     ] = None,
-    tcp: Annotated[
-        Optional[int], typer.Option(min=0, max=65535, help="Serve a TCP socket, not a pty. 0: any free port.")
-    ] = None,
+    tcp: TcpPort = None,
+    http: HttpPort = None,
+    key: Key = None,
     time_: Annotated[str, typer.Option("--time", metavar="real|fast", help="Fast jumps through motion.")] = "real",
     trace: TraceFile = None,
     idle: Annotated[
@@ -62,6 +67,8 @@ def board(
         passo board --link /tmp/plotter --bounce-ms 4 --fault barrier_x=dead
 
         passo board --board boards/mine.py --tcp 5000 --vcd pins.vcd
+
+        passo board --board torch_pico_w --http 8080
     """
     from host_tools import boards
     from passo.config.boardfile import BoardError, check
@@ -79,6 +86,7 @@ def board(
         "faults": _pairs("--fault", fault, None),
         "seed": seed,
         "idle": idle,
+        "radio": _radio(config, {"http": http}, key),
     }
     names = [entry["name"] for entry in config["links"]]
     serve(config, time_, _pairs("--protocol", protocol, names), _pairs("--link", link, names), tcp, trace, vcd, options)
@@ -89,20 +97,23 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
     from host_tools.sim.machine import Machine
     from host_tools.sim.serial_line import PtyLine, TcpLine, wait
     from passo.config.boardfile import BoardError
+    from passo.records import NETWORK_PORTS
 
     stopped = []
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stopped.append(True))
     lines = {}
     try:
-        for index, name in enumerate([entry["name"] for entry in config["links"]]):
+        cables = [entry["name"] for entry in config["links"] if not (config.get("network") and entry["port"] in NETWORK_PORTS)]
+        for index, name in enumerate(cables):
             lines[name] = PtyLine(links.get(name)) if tcp is None else TcpLine(tcp and tcp + index)
+        watched = list(lines.values())
         try:
             machine = Machine(
                 config,
                 lines,
                 mode,
-                lambda milliseconds: wait(lines.values(), milliseconds),
+                lambda milliseconds: wait(watched, milliseconds),
                 protocols,
                 trace,
                 vcd,
@@ -112,9 +123,11 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
             raise Failure(str(error)) from error
         except OSError as error:
             raise Failure(f"cannot write {error.filename}: {error.strerror}") from error
+        watched += [link.serial for link in machine.app.links if link.name not in lines]
         try:
             for index, line in enumerate(lines.values()):
                 print(f"port: {line.name}" if index == 0 else f"port {list(lines)[index]}: {line.name}", flush=True)
+            _tell(options["radio"])
             _loop(machine, stopped)
         finally:
             machine.close()
@@ -122,6 +135,26 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
     finally:
         for line in lines.values():
             line.close()
+
+
+def _radio(config, ports, key):
+    """The network that was asked for by {kind: port or None}, or None. Raises Failure if the board file has none."""
+    from host_tools.sim.radio import LoopbackRadio
+    from passo.web import session
+
+    wanted = {kind: port for kind, port in ports.items() if port is not None}
+    for kind in wanted:
+        if not config.get("network") or kind not in [entry["port"] for entry in config["links"]]:
+            raise Failure(f"--{kind}: no link of the board file {config['name']} has the port {kind}; torch_pico_w has one")
+    return LoopbackRadio(wanted, session.read_key(key) if key else session.make_key(os.urandom)) if wanted else None
+
+
+def _tell(radio):
+    if radio is not None:
+        from passo.web.session import shown
+
+        print(f"http: http://127.0.0.1:{radio.port('http')}/#key={radio.key}")
+        print(f"key: {shown(radio.key)}", flush=True)
 
 
 def _loop(machine, stopped):

@@ -25,6 +25,7 @@ from host_tools.cli.settings import settings
 from host_tools.cli.status import status
 from host_tools.cli.stream import stream
 from host_tools.cli.torch import app as torch
+from host_tools.cli.wifi import app as wifi
 from host_tools.failure import Failure
 from host_tools.resources import ROOT
 
@@ -108,6 +109,7 @@ for _verb in (board, emulate, draw, send, stream, keys, check, calibrate, settin
 app.command("compile")(compile_)
 app.add_typer(pulses, name="pulses")
 app.add_typer(torch, name="torch")
+app.add_typer(wifi, name="wifi")
 
 
 def main():

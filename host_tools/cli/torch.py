@@ -308,6 +308,26 @@ def unlock(port: Port = None, baud: Baud = 115200, log: Log = None):
     print("unlocked")
 
 
+@app.command()
+def admit(
+    minutes: Annotated[int, typer.Argument(min=0, max=60, help="For so long; 0: no longer.")],
+    port: Port = None, baud: Baud = 115200, log: Log = None,
+):  # fmt: skip
+    """Let the program of 2020, which has no key, move the machine over the board's Wi-Fi for some minutes.
+
+    The board file has to allow it: "network": {"legacy_http": True}. A restart of the board or an alarm ends it.
+
+    Examples:
+
+        passo torch admit 30 --port /dev/ttyUSB0
+    """
+    from passo.protocols.torch import protocol as torch
+
+    with _client(port, baud, log) as client:
+        client.order(torch.passo(torch.ADMIT_OF, minutes))
+    print(f"admitted for {minutes} minutes" if minutes else "no longer admitted")
+
+
 def _plain(name, port, baud, log):
     from passo.protocols.torch import protocol as torch
 

@@ -23,11 +23,12 @@ LAST_TICKS = 12_500_000  # the machine is watched for another second after the b
 class Machine:
     """The firmware on a virtual port. `board` is a board's name or dict, `lines` maps link names to serial lines,
     `trace` and `vcd` are files' paths (None: none; True: the trace is kept in memory), `plant_options` go to Plant.
+    `radio`: the network of a board file that has one, as host_tools.sim.radio; None: it is off.
     `inverter`: who plays the spindle's inverter, if the board file has one.
     `idle`: False leaves the time in which nothing is under way out of the trace: how long the PC thinks is never twice the
     same, all else is."""
 
-    def __init__(self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, **plant_options):
+    def __init__(self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, radio=None, **plant_options):
         loaded = boards.load(board) if isinstance(board, str) else board
         self.board = check(loaded)
         self.plant = Plant(self.board, **plant_options)
@@ -38,7 +39,7 @@ class Machine:
         if self.board["inverter"]:
             self.inverter = inverter or SimInverter(self.board["inverter"], self.now_ms)
             lines = {**lines, "inverter": self.inverter}
-        self.port = VirtualPort(self.board, files.world, mode, lines, sleep)
+        self.port = VirtualPort(self.board, files.world, mode, lines, sleep, radio=radio)
         self.app = App(check(loaded), self.port, protocols)
         self._homing = False
         self._idle = idle

@@ -33,7 +33,7 @@ MAY_IMPORT = {
     "config": VOCABULARY + ("passo.steps",),  # a board file's pins and interlock become those of the words
     "control": VOCABULARY + ("passo.config", "passo.motion", "passo.steps"),
     "ports": VOCABULARY + ("passo.steps", "passo.drives"),
-    "web": ("passo.control",),
+    "web": VOCABULARY + ("passo.control",),
     "app": ("passo",),
     "machine_builder": ("passo",),
     "main": (

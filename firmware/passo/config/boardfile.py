@@ -144,6 +144,7 @@ _BOARD = {
     "inverter": {},
     "tachometer": {},
     "registers": {},
+    "network": {},
     "jog": _JOG,
     "changeover_by": ("command", "motion"),  # what takes the motors from the other controller
     "changeover_ms": (int, 20, 0, 10_000),  # between releasing the relays of one controller and closing the other's
@@ -154,7 +155,7 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-DEVICES = ("inverter", "registers", "tachometer", "tool_change")  # device_keys.py
+DEVICES = ("inverter", "network", "registers", "tachometer", "tool_change")  # device_keys.py
 _ABSENT = ("homing", "gantry", "interlock", "shift", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
@@ -326,7 +327,7 @@ def _check_pins(board, shift):
             continue
         check_pin(board["chip"], pin, who, not who.startswith("input") and not who.endswith(" rx"))
     for link in board["links"]:
-        check_link(board["chip"], link)
+        check_link(board["chip"], link, board["network"])
 
 
 def _check_order(board):

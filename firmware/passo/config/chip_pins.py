@@ -5,6 +5,7 @@ the flash memory takes are left out.
 """
 
 from passo.config.board_error import BoardError
+from passo.records import NETWORK_PORTS
 
 # (first, last) of each run of pins, and the first of those at the end that can only be inputs
 _PINS = {
@@ -29,11 +30,11 @@ def check_pin(chip, pin, who, output):
         raise BoardError("%s: pin %d of an %s can only be an input" % (who, pin, chip))
 
 
-def check_link(chip, link):
-    """Raises BoardError where `chip` has no such port, or not on these pins."""
+def check_link(chip, link, network=None):
+    """Raises BoardError where `chip` has no such port, or not on these pins. `network`: of the board file."""
     port = link["port"]
     where = "link %s: " % link["name"]
-    if port == "usb":
+    if port == "usb" or network and port in NETWORK_PORTS:
         return
     count = _UARTS.get(chip, 2)
     if port not in ["uart%d" % number for number in range(count)]:

@@ -1,4 +1,5 @@
-"""The keys `inverter`, `registers`, `tachometer` and `tool_change` of a board file: only boards that have one of them load this.
+"""The keys `inverter`, `network`, `registers`, `tachometer` and `tool_change` of a board file: only boards that have one of them
+load this.
 
     rules = extended(rules)         # those of boardfile.py, in whose notation they are
     check(board)                    # raises BoardError
@@ -39,6 +40,14 @@ EDGES = {
     "pin": (int, ..., 0, 48),
     "inputs": (str, ..., 1, 100),  # names of inputs behind 74HC165; the pin is at 1 while one of them is
 }
+NETWORK = {
+    "host": (str, "passo", 1, 32),
+    "http_port": (int, 80, 1, 65_535),
+    "tcp_port": (int, 23, 1, 65_535),
+    "legacy_http": (bool, False, 0, 1),
+    "button": (str, "", 0, 16),
+    "minutes": (int, 10, 1, 60),
+}
 REGISTERS = {
     "clock": (int, ..., 0, 48),
     "latch": (int, ..., 0, 48),
@@ -55,6 +64,7 @@ def extended(rules):
     """A copy of the rules of a board file, with those of these keys."""
     rules = dict(rules)
     rules["inverter"] = INVERTER
+    rules["network"] = NETWORK
     rules["registers"] = REGISTERS
     rules["tachometer"] = TACHOMETER
     rules["tool_change"] = TOOL_CHANGE
@@ -66,6 +76,10 @@ def check(board):
     _check_registers(board)
     _check_tool_change(board)
     _check_tachometer(board)
+    if board["network"]:
+        from passo.config import network_keys  # most boards have none
+
+        network_keys.check(board)
 
 
 def _check_tool_change(board):

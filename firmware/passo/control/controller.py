@@ -11,7 +11,7 @@ rest is the features', which the board file and the languages of its links have 
 
 from passo import commands, errors
 from passo.commands import ACCEPTED, DROPPED, REFUSED, Event
-from passo.control.links import HARMLESS
+from passo.control.links import OF_ANY_LINK
 from passo.control.state import hooks
 
 
@@ -98,7 +98,7 @@ class Controller:
         """0, or why the command's link may not say this now."""
         link = command.link
         kind = command.kind
-        if link is None or link.number == self.machine.commander or kind in HARMLESS or kind == commands.HAND_OVER:
+        if link is None or link.number == self.machine.commander or kind in OF_ANY_LINK:
             return 0
         return errors.COMMANDED_ELSEWHERE
 

@@ -12,6 +12,7 @@ HARMLESS = (
     commands.BAD, commands.HELLO, commands.STATUS, commands.SYNC,
     commands.STOP, commands.HOLD, commands.DOOR, commands.JOG_CANCEL, commands.REST, commands.RESET,
 )  # fmt: skip
+OF_ANY_LINK = HARMLESS + (commands.HAND_OVER, commands.ADMIT)
 
 
 class Links:

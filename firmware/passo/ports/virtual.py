@@ -50,9 +50,10 @@ class VirtualPort:
     `world` defaults to nothing at all wired. `lines` maps a link's name to an object with `read()` and `write(bytes)`;
     a link that is not in it gets a `MemoryLine`. `sleep(ms)` is called in real and fast time when a cycle has nothing
     to do; it may return early, for example when a byte has come. `player`: the class of what plays the ring.
+    `radio`: the network, if the board file has one; None: it is off.
     """
 
-    def __init__(self, board, world=None, mode="stepped", lines=None, sleep=None, player=Player):
+    def __init__(self, board, world=None, mode="stepped", lines=None, sleep=None, player=Player, radio=None):
         if mode not in ("real", "fast", "stepped"):
             raise ValueError("time is real, fast or stepped, not " + repr(mode))
         self.world = world or Nothing()
@@ -60,6 +61,7 @@ class VirtualPort:
         self.now = 0
         self.lines = lines if lines is not None else {}
         self._sleep = sleep
+        self.radio = radio
         self._player_class = player
         self._player = None
         self._inputs = {}

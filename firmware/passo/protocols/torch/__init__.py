@@ -1,4 +1,4 @@
-"""The torch manipulator's frames on a link."""
+"""The torch manipulator's language on a link: frames, or its HTTP table if the link's port is "http"."""
 
 from passo.protocols.torch.protocol import Torch
 
@@ -13,4 +13,8 @@ def create(link, number, board, controller, shared, most):
     axes = board["axes"][:2]
     steps = [axis["jog_steps"] or board["jog"]["steps"] for axis in axes]
     speeds = [axis["jog_steps_s"] or board["speed"]["default"] for axis in axes]
+    if link["port"] == "http":
+        from passo.protocols.torch.forms import Forms  # here: few boards have a radio
+
+        return Forms(controller.machine, [axis["steps_per_m"] for axis in axes], steps, speeds)
     return Torch(steps, speeds, link["idle_gap_ms"], link["tell_end"])

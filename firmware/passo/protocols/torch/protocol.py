@@ -10,7 +10,7 @@ jog; the board says FINISHED when a move has ended, if it is asked to. A jog tha
 without a gap, as one jog, but asks for no more than the board file's jog.ahead_ms in advance. What comes while the
 machine moves and is no such jog, stop or question is dropped: `dropped` counts it, and the event log has the reason.
 
-PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, LOG, and a jog's code for so
+PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, LOG, ADMIT, and a jog's code for so
 many whole jogs as one. What the frames'
 cutting (frames.py) cannot see is a frame that lost bytes and was filled up by those of the next one, without a silence
 between them: there is no checksum. Counts and speeds out of reach are refused, which finds most of these.
@@ -23,7 +23,7 @@ from micropython import const
 
 from passo import errors
 from passo.commands import (
-    ACCEPTED, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, FOREVER, HAND_OVER, REFUSED, RESET, RUN, STATUS, STILL, STOP,
+    ACCEPTED, ADMIT, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, FOREVER, HAND_OVER, REFUSED, RESET, RUN, STATUS, STILL, STOP,
     UNLOCK, ZERO, Command, Run,
 )  # fmt: skip
 from passo.protocols.torch.frames import END, Cutter
@@ -59,6 +59,7 @@ ANSWER_LENGTHS = {_STOP: 10, _INFO: 10, _FINISHED: 2, _PASSO: 17}
 STATUS_OF = const(0x3F)  # what the frame PASSO asks for: `?`
 UNLOCK_OF = const(0x75)  # leave an alarm: `u`
 LOG_OF = const(0x6C)  # the event log: its newest entry but `value` of them: `l`
+ADMIT_OF = const(0x68)  # for `value` minutes who sends no key may move it over the network: `h`
 LINK_OF = const(0x74)  # link `value` commands from now on, 0: this one: `t`
 _CHECK = const(0x55)
 STATES = ("idle", "run", "home", "jog", "alarm", "hold", "door", "check", "sleep")
@@ -232,6 +233,8 @@ class Torch:
             return Command(RESET if value else UNLOCK)
         if what == LINK_OF:
             return Command(HAND_OVER, value=value)
+        if what == ADMIT_OF:
+            return Command(ADMIT, value=value)
         if what == LOG_OF:
             command = Command(STATUS, value=LOG_OF)
             command.power = value

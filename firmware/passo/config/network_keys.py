@@ -1,0 +1,24 @@
+"""The check of a board file's `network`, and of links over it: only boards that have it load this."""
+
+from passo.config.board_error import BoardError
+from passo.records import NETWORK_PORTS as PORTS
+
+
+def check(board):
+    """Raises BoardError."""
+    config = board["network"]
+    for letter in config["host"]:
+        if letter not in "abcdefghijklmnopqrstuvwxyz0123456789-":
+            raise BoardError("network.host: small letters, digits and - only, not %r" % config["host"])
+    if config["button"] and config["button"] not in [item["name"] for item in board["inputs"]]:
+        raise BoardError("network.button: there is no input %r" % config["button"])
+    ports = [link["port"] for link in board["links"] if link["port"] in PORTS]
+    if len(set(ports)) != len(ports):
+        raise BoardError("network: one link on http, and one on tcp, at most")
+    if board["links"][0]["port"] in PORTS:
+        raise BoardError("network: the first link is a cable")
+    for link in board["links"]:
+        if link["port"] == "http" and link["protocol"] != "torch":
+            raise BoardError("link %s: http is for the protocol torch" % link["name"])
+        if link["port"] in PORTS and (link["frames"] or link["lost"] != "go_on"):
+            raise BoardError("link %s: frames and lost are for cables" % link["name"])

@@ -1,0 +1,54 @@
+"""Who may move the machine over the network without a key: somebody at the machine admits it, for some minutes.
+
+ADMIT on any cable says for how long, 0 ends it; or the input that the board file names in network.button, for network.minutes. It
+ends by itself, with a reset of the board, and with an alarm.
+"""
+
+from micropython import const
+
+from passo import commands, errors
+from passo.records import COUNT_MASK, NETWORK_PORTS
+
+_MINUTE_MS = const(60_000)
+_MOST_MINUTES = const(60)
+
+
+class Admission:
+    def __init__(self, board, machine, queue):
+        config = board["network"]
+        self._machine = machine
+        self._networked = [number for number, link in enumerate(board["links"]) if link["port"] in NETWORK_PORTS]
+        self._legacy = config["legacy_http"]
+        self._button = config["button"]
+        self._minutes = config["minutes"]
+        self._pressed = True  # one that is held at the start admits nobody
+        self._since_ms = 0
+        self._length_ms = 0
+
+    def handlers(self):
+        return {commands.ADMIT: self._admit}
+
+    def admitted(self):
+        """True while who sends no proof is admitted."""
+        return self._length_ms > 0
+
+    def poll(self, now_ms):
+        if self._button:
+            pressed = self._machine.port.input(self._button)
+            if pressed and not self._pressed and not self._machine.alarm:
+                self._open(self._minutes)
+            self._pressed = pressed
+        if self._length_ms and ((now_ms - self._since_ms) & COUNT_MASK >= self._length_ms or self._machine.alarm):
+            self._length_ms = 0
+
+    def _open(self, minutes):
+        self._since_ms = self._machine.port.machine_ms()
+        self._length_ms = minutes * _MINUTE_MS
+
+    def _admit(self, command):
+        if not self._legacy or command.link is not None and command.link.number in self._networked:
+            return errors.NOT_ADMITTED
+        if not 0 <= command.value <= _MOST_MINUTES:
+            return errors.SETTING_RANGE
+        self._open(command.value)
+        return self._machine.accepted(command)

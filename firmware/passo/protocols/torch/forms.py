@@ -1,0 +1,181 @@
+"""The torch manipulator's HTTP table of 2020: one request in, the fields of its answer out. The server is web/http.py.
+
+A request is a byte that the answer begins with, a byte of flags (REQUEST_PROVEN, REQUEST_JSON), then path, blank and body:
+`/COMMAND x=100&y=100&xv=100&yv=100`. An answer is that byte and `code=254&state=running&error=0&…`, or the same as JSON.
+
+Each request becomes the frame of the same name, so that both links do the same. `code` is the frame's code, `state` what the
+machine does: stopped, running, finished, alarm … COMMAND and CONFIG repeat their numbers. INFO and HALT tell `x` and `y`, the
+signed steps since the last move or jog as the frames do, and `px` and `py`, the place in steps from the origin. What is refused
+moves nothing: `error` is its number. ON takes the command too if nothing moves, because the program of 2020 has no word for that.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.commands import ACCEPTED, BAD, FINISHED, HAND_OVER, REFUSED, RUN, STATUS, STILL, STOP, Command
+from passo.protocols.torch.protocol import CODES, Torch, configure, frame, move
+from passo.records import REQUEST_JSON, REQUEST_PROVEN
+
+_MOST_BODY = const(200)
+_FREE = (b"/HALT", b"/INFO")  # without a proof
+_NAMES = {
+    b"/ON": "CONNECT", b"/OFF": "DISCONNECT", b"/HALT": "STOP", b"/INFO": "INFO", b"/ORIGIN": "ORIGIN",
+    b"/JOGX+": "JOG_X+", b"/JOGX-": "JOG_X-", b"/JOGY+": "JOG_Y+", b"/JOGY-": "JOG_Y-",
+}  # fmt: skip
+_FIELDS = {b"/COMMAND": ("x", "xv", "y", "yv"), b"/CONFIG": ("jogx", "jogy", "xv", "yv")}
+_FRAMES = {b"/COMMAND": ("MOVE", move), b"/CONFIG": ("CONFIGURE", configure)}
+PATHS = tuple(_NAMES) + tuple(_FIELDS)
+_UNSIGNED = ("x", "y", "jogx", "jogy")
+_HALF = 0x80000000
+_OPEN = const(8)
+
+
+def whole(text, least, most):
+    """The whole number of a text of ASCII digits, with a sign or not; None if it is none, or not within least … most."""
+    digits = text[1:] if text[:1] in ("-", "+") else text
+    if not digits or len(digits) > 10:
+        return None
+    for digit in digits:
+        if not "0" <= digit <= "9":
+            return None
+    value = -int(digits) if text[0] == "-" else int(digits)
+    return value if least <= value <= most else None
+
+
+def form(body):
+    """{key: text} of `key=value&key=value`; None if a key occurs twice, or it is no such text."""
+    found = {}
+    for part in body.split("&") if body else ():
+        key, equals, value = part.partition("=")
+        if not equals or key in found:
+            return None
+        found[key] = value
+    return found
+
+
+class Forms(Torch):
+    POSTS = tuple([path for path in PATHS if path != b"/INFO"])
+    GETS = (b"/INFO",)  # what a page is told, too
+    FREE = _FREE
+    PAGE = "torch.html"
+
+    def __init__(self, machine, steps_per_m, jog_steps, jog_speeds):
+        """`machine`: the machine's state; `steps_per_m` of X and Y, which INFO tells; the others as Torch's."""
+        Torch.__init__(self, jog_steps, jog_speeds)
+        self._machine = machine
+        self._steps_per_m = steps_per_m
+        self._ended = False  # the last move or jog has come to its end
+        self._open = []  # (command, number, JSON, path, fields) of requests without an answer
+
+    def feed(self, data, now_ms):
+        """The commands of one request."""
+        if len(data) < 2:
+            return ()
+        path, _, body = bytes(data[2:]).partition(b" ")
+        commands = self._commands(path, body, data[1])
+        command = commands[-1]  # the one that is answered
+        fields = body if command.kind != BAD and path in _FIELDS else b""
+        if len(self._open) >= _OPEN:
+            self._open.pop(0)
+        self._open.append((command, data[0], data[1] & REQUEST_JSON, path, fields))
+        return commands
+
+    def _commands(self, path, body, flags):
+        if path not in PATHS:
+            return (Command(BAD, error=errors.UNKNOWN_COMMAND),)
+        if not flags & REQUEST_PROVEN and path not in _FREE:
+            return (Command(BAD, error=errors.NOT_ADMITTED),)
+        if path in _FIELDS:
+            frame_bytes = self._framed(path, body)
+            if frame_bytes is None:
+                return (Command(BAD, error=errors.GARBLED),)
+        else:
+            frame_bytes = frame(_NAMES[path])
+        command = self._command(frame_bytes)
+        self._asked = None  # the server hands over one request at a time
+        return (Command(HAND_OVER), command) if path == b"/ON" else (command,)
+
+    def _framed(self, path, body):
+        """The frame of a request with fields; None if one is missing, too many or out of its range."""
+        if len(body) > _MOST_BODY:
+            return None
+        try:
+            found = form(body.decode())
+        except ValueError:
+            return None
+        names = _FIELDS[path]
+        if found is None or len(found) != len(names):
+            return None
+        values = []
+        for name in names:
+            unsigned = name in _UNSIGNED
+            least = 0 if unsigned else -_HALF
+            value = whole(found.get(name, ""), least, 2 * _HALF - 1 if unsigned else _HALF - 1)
+            if value is None:
+                return None
+            values.append(value)
+        return _FRAMES[path][1](*values)
+
+    # --- answers
+
+    def reply(self, event):
+        """The answer to the request that `event` is about; b"" if another event is."""
+        command = event.command
+        if event.kind == REFUSED:
+            self.dropped = (self.dropped + 1) & 0x1FFFFFFF
+        elif event.kind == FINISHED and command.kind == RUN:
+            self._ended = True
+            return b""
+        for request in self._open:
+            if request[0] is command:
+                self._open.remove(request)
+                return self._answer(event, *request)
+        return b""
+
+    def _answer(self, event, command, number, as_json, path, fields):
+        if command.kind == STOP or command.kind == RUN and event.kind == ACCEPTED:
+            self._ended = False
+        if command.kind == STILL and event.kind == ACCEPTED:
+            self._jogs, self._speeds = command.value
+        told = [("code", self._code(path)), ("state", self._state()), ("error", event.error)]
+        if event.kind != REFUSED:
+            if command.kind == STATUS or command.kind == STOP:
+                told += self._places(event.value)
+            if command.kind == STATUS:
+                told += self._more(event.value)
+            if fields:
+                found = form(fields.decode())
+                told += [(name, int(found[name])) for name in _FIELDS[path]]
+        return bytes((number,)) + _text(told, as_json).encode()
+
+    def _places(self, report):
+        made, place = report["made"], self._machine.queue.found()
+        return [("x", made[0]), ("y", made[1]), ("px", place[0]), ("py", place[1])]
+
+    def _more(self, report):
+        x, y = self._steps_per_m
+        return [("last", report["error"]), ("ours", 1 if report["ours"] else 0), ("spmx", x), ("spmy", y)]
+
+    def _code(self, path):
+        name = _FRAMES[path][0] if path in _FRAMES else _NAMES.get(path)
+        return CODES.get(name, 0)
+
+    def _state(self):
+        """The document's words where it has one."""
+        state = self._machine.state
+        if state == "run" or state == "jog":
+            return "running"
+        if state == "idle":
+            return "finished" if self._ended else "stopped"
+        return state
+
+    def drop(self, event):
+        """What was under way has been refused, and so answered."""
+        self._ended = False
+        return b""
+
+
+def _text(told, as_json):
+    if not as_json:
+        return "&".join(["%s=%s" % pair for pair in told])
+    return "{%s}" % ", ".join(['"%s": %s' % (name, value if isinstance(value, int) else '"%s"' % value) for name, value in told])

@@ -1,0 +1,194 @@
+"""One HTTP connection: a request in, read as it comes; an answer out, sent as the network takes it. Never waits.
+
+    connection = Connection(socket, peer, now_ms)
+    connection.receive()            # True once the request is whole: method, path, host, origin …
+    connection.answer(200, b"text/plain", b"gone")
+    connection.send()               # True once all of it has been sent
+
+Of the head only what is looked at is kept. Whatever is longer than the bounds below, torn, or said twice sets `wrong`, the status
+that answers it. A connection carries one request.
+"""
+
+import os
+
+from micropython import const
+
+HEAD = const(0)  # what it is at
+BODY = const(1)
+ASKED = const(2)  # the request is whole, the answer is not there
+ANSWERED = const(3)
+EVENTS = const(4)  # answered without an end: events follow
+_READ = const(512)  # bytes a call
+_SENT = const(1024)
+_LINE = const(512)  # bytes of a line of the head
+_HEAD_BYTES = const(4096)
+_BODY_BYTES = const(256)
+_STATUS = {
+    200: b"OK", 400: b"Bad Request", 403: b"Forbidden", 404: b"Not Found", 405: b"Method Not Allowed",
+    413: b"Content Too Large", 431: b"Request Header Fields Too Large", 503: b"Service Unavailable",
+}  # fmt: skip
+_HEADERS = (
+    b"Connection: close\r\nCache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n"
+    b"Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src data:;"
+    b" form-action 'self'; base-uri 'none'; frame-ancestors 'none'\r\n"
+)
+
+
+class Connection:
+    def __init__(self, socket, peer, now_ms):
+        """`socket` does not block; `peer`: the other end's address, a text."""
+        self.socket = socket
+        self.fd = socket.fileno() if hasattr(socket, "fileno") else None
+        self.peer = peer
+        self.since_ms = now_ms
+        self.state = HEAD
+        self.number = 0  # of its request, while ASKED
+        self.wrong = 0
+        self.method = self.path = b""
+        self.query = self.body = b""
+        self.host = self.origin = None
+        self.proof = b""
+        self.json = False
+        self._length = None
+        self._line = b""
+        self._count = 0
+        self._out = b""
+        self._file = None
+
+    # --- the request
+
+    def receive(self):
+        """Take what has come. True if the request is whole, or wrong. Raises OSError if the other end has gone."""
+        try:
+            data = self.socket.recv(_READ)
+        except OSError as error:
+            if error.errno in (11, 35, 10035):  # nothing has come
+                return False
+            raise
+        if not data:
+            raise OSError(0)
+        self._count += len(data)
+        if self.state == HEAD:
+            data = self._read_head(data)
+        if self.state == BODY:
+            self._read_body(data)
+        return self.state == ASKED
+
+    def _read_head(self, data):
+        """Read lines of the head. Returns what lies behind it."""
+        data = self._line + data
+        while self.state == HEAD:
+            end = data.find(b"\n")
+            if end < 0 and len(data) <= _LINE:
+                break
+            if end < 0 or end > _LINE or self._count > _HEAD_BYTES:
+                return self._refuse(431)
+            line = data[:end].rstrip(b"\r")
+            data = data[end + 1 :]
+            if not self.method:
+                self._read_first(line)
+            elif line:
+                self._read_field(line)
+            elif (self._length or 0) > _BODY_BYTES:
+                self._refuse(413)
+            else:
+                self.state = BODY
+        self._line = data if self.state == HEAD else b""
+        return data
+
+    def _read_first(self, line):
+        parts = line.split(b" ")
+        if len(parts) != 3 or parts[2] not in (b"HTTP/1.1", b"HTTP/1.0") or parts[1][:1] != b"/":
+            self._refuse(400)
+            return
+        self.method = parts[0]
+        self.path, _, self.query = parts[1].partition(b"?")
+        self.path = self.path.replace(b"%2B", b"+")
+        if self.query == b"json":
+            self.json = True
+
+    def _read_field(self, line):
+        name, colon, value = line.partition(b":")
+        name = name.lower()
+        value = value.strip()
+        if not colon or name != name.strip():
+            self._refuse(400)
+        elif name == b"host" and self.host is None:
+            self.host = value.lower()
+        elif name == b"origin" and self.origin is None:
+            self.origin = value.lower()
+        elif name == b"content-length" and self._length is None and len(value) < 8 and value.isdigit():
+            self._length = int(value)
+        elif name in (b"host", b"origin", b"content-length", b"transfer-encoding"):
+            self._refuse(400)
+        elif name == b"accept":
+            self.json = self.json or value.find(b"application/json") >= 0
+        elif name == b"x-passo":
+            self.proof = value
+
+    def _read_body(self, data):
+        self.body += data
+        length = self._length or 0
+        if len(self.body) >= length:
+            if len(self.body) > length:
+                self.wrong = 400  # more than one request
+            self.state = ASKED
+
+    def _refuse(self, status):
+        self.wrong = status
+        self.state = ASKED
+        return b""
+
+    # --- the answer
+
+    def answer(self, status, kind, body, more=b"", path=None):
+        """Send `body`, and the file `path` behind it. `kind`: its media type; `more`: lines of the head, each with its end."""
+        size = len(body)
+        if path:
+            size += os.stat(path)[6]
+            self._file = open(path, "rb")
+        self._begin(status, kind, more + b"Content-Length: %d\r\n" % size)
+        self._out += body
+        self.state = ANSWERED
+
+    def begin_events(self):
+        """Send server-sent events from now on, see event()."""
+        self._begin(200, b"text/event-stream", b"")
+        self.state = EVENTS
+
+    def event(self, data):
+        """Send one, if the one before has been sent. False if not."""
+        if self._out:
+            return False
+        self._out = b"data: " + data + b"\n\n"
+        return True
+
+    def _begin(self, status, kind, more):
+        self._out = b"HTTP/1.1 %d %s\r\nContent-Type: %s\r\n" % (status, _STATUS[status], kind) + _HEADERS + more + b"\r\n"
+
+    def sending(self):
+        return bool(self._out) or self._file is not None
+
+    def send(self):
+        """Send what the network takes. True once all has been sent, which never is so of events. Raises OSError if the
+        other end has gone."""
+        if not self._out and self._file is not None:
+            self._out = self._file.read(_SENT)
+            if not self._out:
+                self._close_file()
+        if self._out:
+            try:
+                self._out = self._out[self.socket.send(self._out[:_SENT]) :]
+            except OSError as error:
+                if error.errno not in (11, 35, 10035):
+                    raise
+        return self.state == ANSWERED and not self.sending()
+
+    def _close_file(self):
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def close(self):
+        self._close_file()
+        self.socket.close()

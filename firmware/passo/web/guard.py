@@ -1,0 +1,75 @@
+"""Who may: what each request is asked before the machine hears of it.
+
+    guard = Guard(names, key, nonce, own)
+    guard.admit(admitted, free)
+    guard.wrong(connection)             # the status that refuses it: a foreign Host or Origin; 0
+    guard.proven(connection, now_ms)    # True if it may move the machine
+
+A request proves that its sender has the key by the head's line `X-Passo: COUNT.PROOF`: PROOF is the HMAC-SHA256 of
+`NONCE.COUNT.METHOD PATH BODY`, see session.py. Each answer tells the nonce, which is another after each start, and the last count.
+A program of 2020 sends no proof: where the board file allows it, it is admitted from the board's own network, for as many minutes
+as somebody at the machine has given.
+"""
+
+from micropython import const
+
+from passo.records import COUNT_MASK
+from passo.web.session import Session
+
+_WRONG = const(5)  # wrong proofs, then none is looked at for
+_PAUSE_MS = const(1000)
+
+
+class Guard:
+    def __init__(self, names, key, nonce, own):
+        """`names`: host names and addresses, bytes in small letters, that are this board's; `key`: text, None: there is none; `nonce`:
+        text, never the same twice; `own(peer)`: True if an address is of the board's own network."""
+        self._names = names
+        self._session = Session(key, nonce) if key else None
+        self._own = own
+        self._admitted = None
+        self._free = ()
+        self._count = 0  # of the last proof
+        self._wrong = 0
+        self._since_ms = 0
+
+    def admit(self, admitted, free):
+        """`admitted()`: True while who sends no proof is admitted; None: never. `free`: paths that want no proof."""
+        self._admitted = admitted
+        self._free = free
+
+    def wrong(self, connection):
+        host = connection.host
+        if host is None or host.partition(b":")[0] not in self._names:
+            return 403
+        origin = connection.origin
+        return 0 if origin is None or origin == b"http://" + host else 403
+
+    def free(self, path):
+        return path in self._free
+
+    def proven(self, connection, now_ms):
+        if not connection.proof:
+            return self._admitted is not None and self._own(connection.peer) and self._admitted()
+        if self._session is None:
+            return False
+        if self._wrong >= _WRONG:
+            if (now_ms - self._since_ms) & COUNT_MASK < _PAUSE_MS:
+                return False
+            self._wrong = 0
+        try:
+            signed = connection.proof + b"." + connection.method + b" " + connection.path + b" " + connection.body
+            if self._session.open(signed.decode()) is not None:
+                self._count = int(connection.proof.partition(b".")[0])
+                return True
+        except ValueError:
+            pass
+        self._wrong += 1
+        self._since_ms = now_ms
+        return False
+
+    def headers(self):
+        """What an answer tells: the nonce, and the last count."""
+        if self._session is None:
+            return b""
+        return b"X-Passo-Nonce: %s\r\nX-Passo-Count: %d\r\n" % (self._session.nonce.encode(), self._count)

@@ -1,0 +1,237 @@
+"""A small HTTP server inside the main loop: a request at a time for the machine, files, and pushed events.
+
+    server = Server(listener, table, files, guard)
+    server.poll(now_ms)             # once a cycle
+    request = server.take()         # for the language: number, flags, path and body; b"" if there is none
+    server.answer(b"…")             # its answer: the number, and what it says
+
+Microdot and asyncio would take more memory than a Pico W has beside the machine, and a main loop of their own. This one does a
+bounded piece of work a call: it takes one connection, and goes on with two. It holds at most SLOTS requests and PAGES pages that
+events are pushed to; one more takes the place of the oldest request that is not whole, so slow ones keep nobody out.
+"""
+
+from select import POLLIN, POLLOUT, poll
+
+from micropython import const
+
+from passo.records import COUNT_MASK, REQUEST_JSON, REQUEST_PROVEN
+from passo.web.connection import ANSWERED, ASKED, BODY, EVENTS, HEAD, Connection
+
+SLOTS = const(4)
+PAGES = const(2)
+_STEPS = const(2)  # connections that are gone on with in one call
+_WHOLE_MS = const(3000)  # by then a request is whole, and answered
+_SENT_MS = const(10_000)  # and its answer has been taken
+_PUSH_MS = const(200)
+_PUSHED = const(255)  # the number of the request whose answer is pushed
+_MOST_S = const(60)  # requests a second for the machine
+_BEGIN = b'<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>Passo</title><pre id="answer">'
+_BUSY = b"too many requests\n"
+
+
+class Server:
+    def __init__(self, listener, files, guard):
+        """`listener`: a socket that listens and does not block; `files`: {path: (media type, file)}; `guard`: says who may."""
+        listener.setblocking(False)
+        self._listener = listener
+        self._listener_fd = listener.fileno() if hasattr(listener, "fileno") else None
+        self._poll = poll()
+        self._poll.register(listener, POLLIN)
+        self._ready = self._poll.ipoll if hasattr(self._poll, "ipoll") else self._poll.poll  # ipoll makes no list
+        self._found = []
+        self._files = files
+        self._guard = guard
+        self._posts = self._gets = ()
+        self._page = None
+        self.connections = []
+        self._requests = []
+        self._number = 0
+        self._pushed_ms = 0
+        self._pushing = False
+        self._second_ms = 0
+        self._count = 0
+
+    def serve(self, posts, gets, page):
+        """`posts`, `gets`: paths that the language answers; `gets` begins with the one that is shown at / and pushed to pages.
+        `page`: the file behind each answer in HTML."""
+        self._posts = posts
+        self._gets = gets
+        self._page = page
+
+    # --- the language's side
+
+    def take(self):
+        return self._requests.pop(0) if self._requests else b""
+
+    def waiting(self):
+        return bool(self._requests)
+
+    def answer(self, data):
+        number = data[0]
+        data = data[1:]
+        if number == _PUSHED:
+            self._pushing = False
+            for connection in self.connections:
+                if connection.state == EVENTS and connection.event(data):
+                    self._go_on(connection)
+            return
+        for connection in self.connections:
+            if connection.number == number and connection.state == ASKED:
+                more = self._guard.headers()
+                if connection.json:
+                    connection.answer(200, b"application/json", data, more)
+                else:
+                    body = _BEGIN + data + b"</pre>\n"
+                    connection.answer(200, b"text/html; charset=utf-8", body, more, self._page)
+                self._go_on(connection)
+                return
+
+    # --- the network's side
+
+    def poll(self, now_ms):
+        """Take a connection, go on with some, end those that take too long."""
+        steps = _STEPS
+        for ready in self._ready(0):
+            self._found.append(ready[0])
+        while self._found:
+            found = self._found.pop()
+            if found is self._listener or found == self._listener_fd:
+                self._accept(now_ms)
+            elif steps:
+                steps -= 1
+                self._step(found, now_ms)
+        for connection in self.connections:
+            waited = (now_ms - connection.since_ms) & COUNT_MASK
+            late = _SENT_MS if connection.state in (ANSWERED, EVENTS) else _WHOLE_MS
+            if waited > late and (connection.state != EVENTS or connection.sending()):
+                self._drop(connection)
+                break
+        if not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= _PUSH_MS and self._pages():
+            self._pushed_ms = now_ms
+            self._pushing = True
+            self._requests.append(bytes((_PUSHED, REQUEST_JSON)) + self._gets[0])
+
+    def watched(self):
+        """Sockets whose bytes are waited for."""
+        return [self._listener] + [each.socket for each in self.connections if each.state in (HEAD, BODY)]
+
+    def close(self):
+        for connection in list(self.connections):
+            self._drop(connection)
+        self._listener.close()
+
+    def _pages(self):
+        return len([1 for each in self.connections if each.state == EVENTS])
+
+    def _accept(self, now_ms):
+        try:
+            socket, address = self._listener.accept()
+        except OSError:
+            return
+        socket.setblocking(False)
+        if len(self.connections) - self._pages() >= SLOTS:
+            for connection in self.connections:
+                if connection.state in (HEAD, BODY):
+                    self._drop(connection)
+                    break
+            else:
+                socket.close()
+                return
+        connection = Connection(socket, address[0], now_ms)
+        self.connections.append(connection)
+        self._poll.register(socket, POLLIN)
+        self._advance(connection, now_ms)
+
+    def _step(self, found, now_ms):
+        for connection in self.connections:
+            if connection.socket is found or connection.fd == found:
+                self._advance(connection, now_ms)
+                return
+
+    def _advance(self, connection, now_ms):
+        """What can be done now of a connection."""
+        try:
+            if connection.state in (HEAD, BODY):
+                if connection.receive():
+                    self._asked(connection, now_ms)
+            elif connection.state == ASKED:
+                return  # the answer is still to come; whoever has gone is noticed then
+            elif connection.sending():
+                if connection.send():
+                    self._drop(connection)
+                elif not connection.sending():
+                    connection.since_ms = now_ms
+                    self._poll.modify(connection.socket, POLLIN)
+            else:
+                connection.socket.recv(64)  # of events only the end is of interest
+                self._drop(connection)
+        except OSError:
+            self._drop(connection)
+
+    def _go_on(self, connection):
+        """Send at once what the network takes, the rest as it takes it."""
+        try:
+            if connection.send():
+                self._drop(connection)
+            elif connection.sending():
+                self._poll.modify(connection.socket, POLLOUT)
+        except OSError:
+            self._drop(connection)
+
+    def _drop(self, connection):
+        self._poll.unregister(connection.socket)
+        self.connections.remove(connection)
+        connection.close()
+
+    # --- a request that is whole
+
+    def _asked(self, connection, now_ms):
+        status = connection.wrong or self._guard.wrong(connection)
+        if status:
+            self._say(connection, status)
+        elif connection.path in self._posts or connection.path in self._gets:
+            self._ask(connection, connection.path, now_ms)
+        elif connection.path not in self._files and connection.path not in (b"/", b"/EVENTS"):
+            self._say(connection, 404)
+        elif connection.method != b"GET":
+            self._say(connection, 405)
+        elif connection.path == b"/":
+            self._ask(connection, self._gets[0], now_ms)
+        elif connection.path != b"/EVENTS":
+            kind, path = self._files[connection.path]
+            connection.answer(200, kind, b"", b"", path)
+            self._go_on(connection)
+        elif self._pages() >= PAGES:
+            self._say(connection, 503)
+        else:
+            connection.begin_events()
+            self._go_on(connection)
+
+    def _ask(self, connection, path, now_ms):
+        if (connection.method == b"POST") != (path in self._posts) or connection.method not in (b"POST", b"GET"):
+            self._say(connection, 405)
+            return
+        if (now_ms - self._second_ms) & COUNT_MASK >= 1000:
+            self._second_ms = now_ms
+            self._count = 0
+        free = self._guard.free(path)
+        if not free:
+            self._count += 1
+        if len(self._requests) >= SLOTS + 1 or self._count > _MOST_S and not free:
+            self._say(connection, 503)
+            return
+        self._number = self._number % (_PUSHED - 1) + 1
+        connection.number = self._number
+        flags = REQUEST_JSON if connection.json else 0
+        if not free and self._guard.proven(connection, now_ms):
+            flags |= REQUEST_PROVEN
+        request = bytes((self._number, flags)) + path + b" " + connection.body
+        if free:
+            self._requests.insert(0, request)
+        else:
+            self._requests.append(request)
+
+    def _say(self, connection, status):
+        body = _BUSY if status == 503 else b"%d\n" % status
+        connection.answer(status, b"text/plain", body)
+        self._go_on(connection)

@@ -1,0 +1,91 @@
+// The torch's small page: without it the forms work by themselves for who is admitted; with it they prove the key, and the
+// position is pushed. The key stays in this tab: what is sent is a proof of it (passo/web/guard.py).
+import { hex, hmac } from "/sha256.js";
+
+const JOG_MS = 60; // between two requests while a button is held; the board goes on for 100 ms
+const answer = document.getElementById("answer");
+const place = document.getElementById("place");
+const key = document.getElementById("key");
+const bytes = (text) => new TextEncoder().encode(text);
+const letters = (text) => text.toUpperCase().replace(/[^A-HJ-NP-Z2-9]/g, "");
+let nonce = null, count = 0, line = Promise.resolve();
+
+const english = !(navigator.language || "pt").toLowerCase().startsWith("pt");
+if (english) {
+  document.querySelector("main").lang = "en";
+  for (const each of document.querySelectorAll("[data-en]")) each.textContent = each.dataset.en;
+}
+key.value = new URLSearchParams(location.hash.slice(1)).get("key") || sessionStorage.getItem("key") || "";
+key.addEventListener("input", () => sessionStorage.setItem("key", key.value));
+history.replaceState(null, "", "/");
+
+async function once(method, path, body) {
+  const headers = { Accept: "application/json" };
+  const secret = letters(key.value);
+  if (method === "POST" && secret && nonce) {
+    count++;
+    headers["X-Passo"] = `${count}.${hex(hmac(bytes(secret), bytes(`${nonce}.${count}.${method} ${path} ${body}`)))}`;
+  }
+  const got = await fetch(path, { method, headers, body: method === "POST" ? body : undefined });
+  const fresh = got.headers.get("X-Passo-Nonce");
+  const stale = fresh !== nonce;
+  nonce = fresh;
+  count = Math.max(stale ? 0 : count, Number(got.headers.get("X-Passo-Count") || 0));
+  return { said: got.ok ? await got.json() : { error: got.status, state: await got.text() }, stale };
+}
+
+async function send(method, path, body = "") {
+  let { said } = await once(method, path, body);
+  if (said.error === 178 && letters(key.value)) ({ said } = await once(method, path, body)); // another page has counted on
+  show(said);
+  return said;
+}
+
+function show(said) {
+  answer.textContent = Object.entries(said).map((pair) => pair.join("=")).join("&");
+  answer.className = said.error ? "bad" : "";
+  at(said);
+}
+
+function at(said) {
+  if (!said.spmx) return;
+  const mm = (steps, perMetre) => ((steps * 1000) / perMetre).toFixed(2);
+  place.textContent = `X ${mm(said.px, said.spmx)}  Y ${mm(said.py, said.spmy)} mm`;
+}
+
+const failed = (error) => show({ error: "-", state: String(error) });
+
+for (const form of document.querySelectorAll("form[action]")) {
+  form.addEventListener("submit", (event) => {
+    event.preventDefault();
+    const fields = [...new FormData(form)].map((pair) => pair.join("=")).join("&");
+    const method = form.method.toUpperCase();
+    const go = () => send(method, form.getAttribute("action"), fields).catch(failed);
+    if (form.querySelector("#halt")) go(); // never behind another
+    else if (!form.querySelector("[data-jog]")) line = line.then(go);
+  });
+}
+
+for (const button of document.querySelectorAll("[data-jog]")) {
+  const path = button.form.getAttribute("action");
+  let held = false;
+  const hold = async () => {
+    if (held) return;
+    held = true;
+    while (held) {
+      const said = await send("POST", path).catch(failed);
+      if (!said || said.error) break;
+      await new Promise((done) => setTimeout(done, JOG_MS));
+    }
+    held = false;
+  };
+  const release = () => { held = false; };
+  button.addEventListener("pointerdown", hold);
+  button.addEventListener("keydown", (event) => { if (event.key === "Enter" || event.key === " ") hold(); });
+  for (const end of ["pointerup", "pointercancel", "pointerleave", "keyup", "blur"]) button.addEventListener(end, release);
+  window.addEventListener("blur", release);
+}
+
+const events = new EventSource("/EVENTS");
+events.onmessage = (event) => at(JSON.parse(event.data));
+send("GET", "/INFO").catch(failed);

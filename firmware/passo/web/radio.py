@@ -1,0 +1,93 @@
+"""The board's radio: Wi-Fi as an access point or a station, by what `passo wifi` has written to the board.
+
+    radio = Radio(config)               # the board file's "network"
+    radio.listen("http")                # a socket that listens; None: the radio is off
+
+The file is `wifi.json`: {"mode": "access" or "station", "name": …, "passphrase": …, "key": …}. Without it the radio stays off:
+there is no fixed name and no fixed passphrase. The access point is WPA2; 192.168.4.1 is the board.
+"""
+
+import json
+import socket
+
+from micropython import const
+
+FILE = "wifi.json"
+_LEAST = const(8)  # characters of a passphrase: WPA2's bound
+_WPA2 = const(4)  # of rp2; an ESP32 has its own name for it
+_PORTS = {"http": "http_port", "tcp": "tcp_port"}
+_BACKLOG = const(4)
+
+
+def saved():
+    """What `passo wifi` has written, or None if there is nothing that can be used."""
+    try:
+        with open(FILE) as file:
+            found = json.load(file)
+        good = found["mode"] in ("access", "station") and found["name"] and len(found["passphrase"]) >= _LEAST and found["key"]
+        return found if good else None
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+
+
+class Radio:
+    def __init__(self, config):
+        """`config`: the board file's "network"."""
+        self._config = config
+        self._wlan = None
+        self._access = False
+        self.key = None
+        self.names = ()
+        wanted = saved()
+        if wanted:
+            self._start(wanted)
+
+    def _start(self, wanted):
+        import network  # chips without a radio have none
+
+        network.hostname(self._config["host"])  # tells mDNS, too
+        self._access = wanted["mode"] == "access"
+        self.key = wanted["key"]
+        if self._access:
+            self._wlan = wlan = network.WLAN(network.AP_IF)
+            secure = getattr(network, "AUTH_WPA2_PSK", _WPA2)
+            try:
+                wlan.config(ssid=wanted["name"], key=wanted["passphrase"], security=secure)
+                wlan.active(True)
+            except OSError:  # an ESP32's has to be switched on first
+                wlan.active(True)
+                wlan.config(ssid=wanted["name"], key=wanted["passphrase"], security=secure)
+        else:
+            self._wlan = wlan = network.WLAN(network.STA_IF)
+            wlan.active(True)
+            wlan.connect(wanted["name"], wanted["passphrase"])  # goes on by itself
+        name = self._config["host"].encode()
+        self.names = Names(wlan, (name, name + b".local"))
+
+    def own(self, peer):
+        """True if an address is of the board's own access point's network."""
+        if not self._access:
+            return False
+        here = self._wlan.ifconfig()[0]
+        return peer[: peer.rfind(".")] == here[: here.rfind(".")]
+
+    def listen(self, kind):
+        """A socket that listens for "http" or "tcp"; None: the radio is off."""
+        if self._wlan is None:
+            return None
+        made = socket.socket()
+        made.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        made.bind(("0.0.0.0", self._config[_PORTS[kind]]))
+        made.listen(_BACKLOG)
+        return made
+
+
+class Names:
+    """The names of this board: those given, and its address, which a station gets late."""
+
+    def __init__(self, wlan, names):
+        self._wlan = wlan
+        self._names = names
+
+    def __contains__(self, name):
+        return name in self._names or name == self._wlan.ifconfig()[0].encode()

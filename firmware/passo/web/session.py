@@ -1,0 +1,83 @@
+"""Who may order: a key that both sides know and neither sends.
+
+    session = Session(key, nonce)           # a nonce for each connection, which the server sends first
+    body = session.open(text)               # the order in `text`; None: it is not from someone who has the key
+
+A message is `COUNTER.PROOF.BODY`; PROOF is the HMAC-SHA256 of `NONCE.COUNTER.BODY` in hex. Counters of a connection rise, so a
+message heard on the wire is good for nothing: not again, and not on another connection.
+"""
+
+import hashlib
+
+from micropython import const
+
+KEY_LETTERS = "ABCDEFGHJKLMNPQRSTUVWXYZ23456789"  # none looks like another
+_KEY_LENGTH = const(16)  # of 32 letters: 80 bits
+_BLOCK = const(64)  # bytes of a block of SHA-256
+_DIGITS = const(12)
+
+
+def hmac(key, message):
+    """HMAC-SHA256 (RFC 2104) of bytes, 32 bytes."""
+    if len(key) > _BLOCK:
+        key = hashlib.sha256(key).digest()
+    key = key + bytes(_BLOCK - len(key))
+    inner = hashlib.sha256(bytes([byte ^ 0x36 for byte in key]))
+    inner.update(message)
+    outer = hashlib.sha256(bytes([byte ^ 0x5C for byte in key]))
+    outer.update(inner.digest())
+    return outer.digest()
+
+
+def hex_of(data):
+    return "".join(["%02x" % byte for byte in data])
+
+
+def make_key(random):
+    """A new key of 80 bits. `random(count)`: so many random bytes, from the system."""
+    return "".join([KEY_LETTERS[byte & 31] for byte in random(_KEY_LENGTH)])
+
+
+def shown(key):
+    """The key as people read it: groups of four."""
+    return "-".join([key[at : at + 4] for at in range(0, len(key), 4)])
+
+
+def read_key(text):
+    """The key in what a person has typed: dashes, blanks and small letters do not matter."""
+    return "".join([letter for letter in text.upper() if letter in KEY_LETTERS])
+
+
+def same(one, other):
+    """True if two texts are equal; how long that takes says nothing of where they differ."""
+    if len(one) != len(other):
+        return False
+    differ = 0
+    for at in range(len(one)):
+        differ |= ord(one[at]) ^ ord(other[at])
+    return differ == 0
+
+
+class Session:
+    def __init__(self, key, nonce):
+        """`key`: text of KEY_LETTERS; `nonce`: text, never the same twice."""
+        self._key = key.encode()
+        self.nonce = nonce
+        self.opened = False  # a message has proven the key
+        self._count = 0
+
+    def open(self, text):
+        """The body of a message, or None: a wrong proof, or a counter that is not higher than the last."""
+        count, _, rest = text.partition(".")
+        proof, _, body = rest.partition(".")
+        if not count or len(count) > _DIGITS or [digit for digit in count if digit not in "0123456789"]:
+            return None
+        if not same(proof, self.proof(count, body)) or int(count) <= self._count:
+            return None
+        self._count = int(count)
+        self.opened = True
+        return body
+
+    def proof(self, count, body):
+        """The proof of a message, in hex; `count` as text."""
+        return hex_of(hmac(self._key, (self.nonce + "." + count + "." + body).encode()))

@@ -1,0 +1,165 @@
+"""`passo wifi`: name, passphrase and key of a board's network, set over USB."""
+
+import json
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+FILE = "wifi.json"  # on the board: passo/web/radio.py reads it
+_TIMEOUT_S = 60
+_LEAST, _MOST = 8, 63  # characters of a WPA2 passphrase
+_NAME_BYTES = 32
+_WEAK = 12  # characters: shorter ones are said to be so
+
+app = typer.Typer(
+    help="""Set up the Wi-Fi of a board whose board file has a network: its radio is off until then.
+
+    The key that proves who may move the machine is made here and stays on the board. Whoever has the USB cable can see it.
+
+    Examples:
+
+        passo wifi access tocha --port /dev/ttyACM0
+
+        passo wifi show --port /dev/ttyACM0
+
+        passo wifi off --port /dev/ttyACM0
+    """,
+    no_args_is_help=True,
+)
+Port = Annotated[Optional[str], typer.Option(help="USB serial port of the board (passo ports).")]
+Passphrase = Annotated[Optional[str], typer.Option(help="Asked for if it is left out: then it stays out of the shell's history.")]
+
+
+def _mpremote(port, *words):
+    """Run mpremote; returns what it printed, and its status. Raises Failure if no board answers."""
+    from host_tools.cli.flash import check_port, no_answer
+
+    check_port(port)
+    command = [sys.executable, "-m", "mpremote", "connect", port, *words]
+    try:
+        result = subprocess.run(command, capture_output=True, text=True, timeout=_TIMEOUT_S)
+    except subprocess.TimeoutExpired:
+        raise no_answer(port) from None
+    if result.returncode and "Traceback" not in result.stderr and "No such file" not in result.stderr:
+        raise no_answer(port)
+    return result.stdout, result.returncode
+
+
+def _port(port):
+    from host_tools.cli import ports
+
+    return port or ports.only()
+
+
+def _saved(port):
+    """What the board has, or None."""
+    text, status = _mpremote(port, "cat", ":" + FILE)
+    if status:
+        return None
+    try:
+        return json.loads(text)
+    except ValueError:
+        return None
+
+
+def checked(name, passphrase):
+    """Raises Failure unless a radio can take both."""
+    if not 1 <= len(name.encode()) <= _NAME_BYTES:
+        raise Failure(f"a network's name has 1 to {_NAME_BYTES} bytes, not {len(name.encode())}")
+    if not _LEAST <= len(passphrase) <= _MOST or not all(" " <= letter <= "~" for letter in passphrase):
+        raise Failure(f"a WPA2 passphrase has {_LEAST} to {_MOST} letters, digits or signs, without accents")
+    if len(set(passphrase)) < 4 or name in passphrase:
+        raise Failure("this passphrase is guessed at once: take another")
+
+
+def _set(mode, name, passphrase, port, new_key):
+    import os
+
+    from passo.web import session
+
+    port = _port(port)
+    if passphrase is None:
+        passphrase = typer.prompt("passphrase", hide_input=True, confirmation_prompt=mode == "access")
+    checked(name, passphrase)
+    before = _saved(port)
+    key = before["key"] if before and "key" in before and not new_key else session.make_key(os.urandom)
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / FILE
+        path.touch(mode=0o600)
+        path.write_text(json.dumps({"mode": mode, "name": name, "passphrase": passphrase, "key": key}))
+        _, status = _mpremote(port, "cp", str(path), ":" + FILE, "+", "reset")
+    if status:
+        raise Failure(f"the board on {port} did not take the file: try again")
+    print(f"{'access point' if mode == 'access' else 'station of'} {name}; the board starts anew")
+    print(f"key: {session.shown(key)}")
+    if len(passphrase) < _WEAK:
+        print(f"a passphrase of {_WEAK} characters or more would be harder to guess", file=sys.stderr)
+
+
+NewKey = Annotated[bool, typer.Option("--new-key", help="Another key: pages that have the old one move nothing any more.")]
+
+
+@app.command()
+def access(
+    name: Annotated[str, typer.Argument(help="Name of the board's own network.")],
+    passphrase: Passphrase = None, port: Port = None, new_key: NewKey = False,
+):  # fmt: skip
+    """Make the board an access point of its own, with WPA2: 192.168.4.1.
+
+    Examples:
+
+        passo wifi access tocha --port /dev/ttyACM0
+    """
+    _set("access", name, passphrase, port, new_key)
+
+
+@app.command()
+def station(
+    name: Annotated[str, typer.Argument(help="Name of the network it joins.")],
+    passphrase: Passphrase = None, port: Port = None, new_key: NewKey = False,
+):  # fmt: skip
+    """Have the board join a network: http://passo.local/, or as the board file's network.host says.
+
+    Examples:
+
+        passo wifi station workshop --port /dev/ttyACM0
+    """
+    _set("station", name, passphrase, port, new_key)
+
+
+@app.command()
+def show(port: Port = None):
+    """Show the network's name, and the key for pages. The passphrase is not shown.
+
+    Examples:
+
+        passo wifi show --port /dev/ttyACM0
+    """
+    from passo.web import session
+
+    found = _saved(_port(port))
+    if not found:
+        print("the radio is off")
+        return
+    print(f"{'access point' if found['mode'] == 'access' else 'station of'} {found['name']}")
+    print(f"key: {session.shown(found['key'])}")
+
+
+@app.command()
+def off(port: Port = None):
+    """Forget name, passphrase and key: the radio is off.
+
+    Examples:
+
+        passo wifi off --port /dev/ttyACM0
+    """
+    port = _port(port)
+    _mpremote(port, "rm", ":" + FILE)
+    _mpremote(port, "reset")
+    print("the radio is off")

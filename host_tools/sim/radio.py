@@ -1,0 +1,40 @@
+"""The virtual board's radio: this PC's own loopback network in the place of Wi-Fi.
+
+    radio = LoopbackRadio({"http": 8080}, key)
+    radio.listen("http")            # a socket on 127.0.0.1; None: that port was not asked for
+
+What comes from 127.0.0.x counts as the access point's own network; from anywhere else in 127.0.0.0/8 it does not, so that both
+can be tried on one PC.
+"""
+
+import socket
+
+from host_tools.failure import Failure
+
+_HOST = "127.0.0.1"
+_OWN = "127.0.0."
+_BACKLOG = 64
+
+
+class LoopbackRadio:
+    names = (b"127.0.0.1", b"localhost", b"passo.local", b"192.168.4.1")  # the last: what the torch's program of 2020 calls it
+
+    def __init__(self, ports, key):
+        """`ports`: {"http": port, "tcp": port}, 0: any free one; `key`: text. Raises Failure if a port cannot be had."""
+        self.key = key
+        self._sockets = {}
+        for kind, port in ports.items():
+            try:
+                self._sockets[kind] = socket.create_server((_HOST, port), backlog=_BACKLOG)
+            except (OSError, OverflowError) as error:
+                raise Failure(f"cannot serve {kind} on port {port}: {error}") from error
+
+    def port(self, kind):
+        return self._sockets[kind].getsockname()[1]
+
+    def own(self, peer):
+        """True if an address is of the network of the board's own."""
+        return peer.startswith(_OWN)
+
+    def listen(self, kind):
+        return self._sockets.get(kind)
