@@ -140,11 +140,6 @@ _BOARD = {
     "speed": _SPEED,
     "planning": _PLANNING,
     "spindle": _SPINDLE,
-    "tool_change": {},  # of these: device_keys.py
-    "inverter": {},
-    "tachometer": {},
-    "registers": {},
-    "network": {},
     "jog": _JOG,
     "changeover_by": ("command", "motion"),  # what takes the motors from the other controller
     "changeover_ms": (int, 20, 0, 10_000),  # between releasing the relays of one controller and closing the other's
@@ -156,6 +151,7 @@ _BOARD = {
 }
 _WHOLE = "the board file"
 DEVICES = ("inverter", "network", "registers", "tachometer", "tool_change")  # device_keys.py
+_BOARD.update({key: {} for key in DEVICES})
 _ABSENT = ("homing", "gantry", "interlock", "shift", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
 CLOCKS_MHZ = {"rp2040": (125, 150, 200), "rp2350": (150,)}  # whole cycles a tick, and USB's 48 MHz stay as they are
