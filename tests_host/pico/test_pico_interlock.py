@@ -98,6 +98,43 @@ def test_spikes_stop_nothing_and_are_counted(guarded, steps_s, show):
     show(f"interlock, spikes at {steps_s // 1000} kHz", f"{sum(wanted)} spikes, all counted, no step lost")
 
 
+@pytest.mark.slow
+@pytest.mark.on_a_copy
+@pytest.mark.xdist_group("interlock")
+@pytest.mark.parametrize("steps_s", [30_000, 100_000])
+def test_bursts_of_many_spikes_stop_nothing(guarded, steps_s, show):
+    """Up to eight spikes within 5 to 50 µs, on two wires at once. Those within one interrupt count as one: never more than were
+    injected, never none."""
+    random = Random(steps_s + 1)
+    set_out(guarded, DELTAS, steps_s, 2000, "controller.machine.alarm = 1 if planner.empty() and not player.busy() else 0")
+    bursts, most = [0, 0, 0, 0], [0, 0, 0, 0]
+    for _ in range(25):
+        numbers = random.sample(range(3), 2)
+        within_us = random.choice((5, 50))
+        times = sorted(random.sample(range(1, 10 * within_us), 2 * random.randint(2, 8)))
+        events = []
+        for number in numbers:
+            shift = random.randint(0, 20)
+            events += [((time + shift) / 10, number, 1 - index % 2) for index, time in enumerate(times)]
+            bursts[number] += 1
+            most[number] += len(times) // 2
+        now_us = 0
+        for at_us, number, level in sorted(events):
+            guarded.pico.run(at_us - now_us)
+            now_us = at_us
+            guarded.pico.drive(FIRST_PIN + number, level)
+        guarded.pico.run(random.randint(300, 500))
+    assert guarded.pico.run_until(lambda: guarded.pico.console.text.count(b"\x04") >= 2, 400_000, 500)
+    position = eval(guarded.pico.console.take().split(b"\x04")[0].decode())
+    assert position == guarded.counted() == list(DELTAS)
+    glitches, _, rest = guarded.pico.exec(SAID).strip().partition("] ")
+    found = eval(glitches + "]")
+    assert rest == "1 []", rest
+    for number in range(3):
+        assert bursts[number] // 2 <= found[number] <= most[number], (found, bursts, most)
+    show(f"interlock, bursts at {steps_s // 1000} kHz", f"{sum(bursts)} bursts of {sum(most)} spikes, {sum(found)} counted, no step lost")
+
+
 LOCKED = """
 import micropython
 interlock = port.interlock
