@@ -103,7 +103,7 @@ class Coils:
 
     def _spelt(self, pattern):
         """The pattern, first pin first, as the tables print it."""
-        return f"{pattern:0{self._mask.bit_length()}b}"[::-1]
+        return "".join(["01"[pattern >> bit & 1] for bit in range(8) if self._mask >> bit])
 
 
 class Unipolar(Coils):
@@ -113,7 +113,7 @@ class Unipolar(Coils):
         table = [ILLEGAL] * 16
         table[0] = RELEASED
         for state, coils in enumerate(UNIPOLAR_STATES):
-            table[int(coils[::-1], 2)] = state
+            table[int("".join(reversed(coils)), 2)] = state
         super().__init__(mode, shift, inverted, report, table)
 
 

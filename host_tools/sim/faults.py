@@ -19,7 +19,7 @@ class Faults:
         if carriage in self.carriages:
             number = self.carriages.index(carriage)
             self.position[number] = carriage.position
-            watching = [self._watching[number], *self._others.get(number, ())]
+            watching = [self._watching[number]] + self._others.get(number, [])
         for barrier in watching:
             if barrier is not None and (carriage.position <= barrier.last) != barrier.below:
                 barrier.pass_by()
@@ -29,4 +29,4 @@ class Faults:
         self.encoders[motor].lost += counts
 
     def _carriage(self, motor):
-        return next(carriage for carriage in [*self.carriages, self.second] if carriage and carriage.name == motor)
+        return next(carriage for carriage in self.carriages + [self.second] if carriage and carriage.name == motor)

@@ -75,7 +75,7 @@ class Plant(Faults):
         )
         tachometer = board.get("tachometer")
         self.spindle = Spindle(tachometer["pulses"], board["spindle"]["max_rpm"]) if tachometer else None
-        self._parts = [*self.barriers.values(), self._solenoid]
+        self._parts = list(self.barriers.values()) + [self._solenoid]
         self._decoders = []
         self._tool_mask = 0
 

@@ -1,0 +1,15 @@
+"""What the plant asks of Python's `random`, in a tab: MicroPython has no generator apart from its only one."""
+
+
+class Random:
+    """Linear congruences modulo 2³¹ (Lewis, Goodman and Miller, 1969)."""
+
+    def __init__(self, seed=0):
+        self._state = int(seed * 1_000_000) % 2147483646 + 1
+
+    def random(self):
+        self._state = self._state * 16807 % 2147483647
+        return self._state / 2147483647
+
+    def randint(self, low, high):
+        return low + int(self.random() * (high - low + 1))

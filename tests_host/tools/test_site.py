@@ -1,0 +1,109 @@
+"""The firmware in MicroPython as WebAssembly: the same words as everywhere, in node."""
+
+import json
+import shutil
+import subprocess
+
+import pytest
+from gcode_jobs import all_jobs
+from test_digest import GOLDEN, golden_of_gcode, golden_of_hex, hex_job, HEX_JOBS, hex_of, job_of, PULSES
+
+from host_tools.build import site
+from host_tools.drawings.objects import objects
+from host_tools.failure import Failure
+from host_tools.resources import BOARDS, ROOT
+
+pytestmark = pytest.mark.unmeasured
+DRIVER = ROOT / "tests_host" / "tools" / "site_digests.js"
+DIGEST = ROOT / "tests_host" / "properties" / "digest.py"
+NODE = shutil.which("node")
+TIMEOUT_S = 600
+
+
+@pytest.fixture(scope="module")
+def package():
+    """MicroPython's files; the test skips where npm's registry cannot be reached and nothing is kept."""
+    try:
+        return site.package()
+    except Failure as failure:
+        if "cannot fetch" not in str(failure):
+            raise
+        pytest.skip(str(failure))
+
+
+def order(jobs):
+    """(what site_digests.js takes, {name: golden fields}) of jobs by name: those of test_digest.py."""
+    texts = site.texts()
+    texts["digest.py"] = DIGEST.read_text(encoding="utf-8")
+    texts |= {f"boards/{path.name}": path.read_text(encoding="utf-8") for path in BOARDS.glob("*.py")}
+    files, arguments, golden = {}, [], {}
+    drawn = {line.split()[0]: line.split()[1:] for line in GOLDEN.read_text().splitlines()}
+    for name in jobs:
+        if name in drawn:
+            kind, data, *options = "bin", job_of([objects()[name]]), "plotter_2014"
+            golden[name] = drawn[name]
+        elif name in all_jobs():
+            board, lines = all_jobs()[name]
+            kind, data, *options = "gcode", "".join(f"{line}\n" for line in lines).encode(), board
+            golden[name] = golden_of_gcode()[name]
+        elif name in HEX_JOBS:
+            kind, data, *options = "hex", hex_job(name).encode(), *HEX_JOBS[name][1:]
+            golden[name] = golden_of_hex()[name]
+        else:
+            kind, data, *options = "hex", hex_of(PULSES).encode(), "lpt_router"
+            golden[name] = golden_of_gcode()[name]
+        files[f"jobs/{name}.{kind}"] = list(data)
+        arguments.append([f"/lib/jobs/{name}.{kind}", *options])
+    return {"texts": texts, "files": files, "jobs": arguments}, golden
+
+
+def folder(package, path):
+    """What a worker or node loads, in `path`."""
+    path.mkdir(parents=True, exist_ok=True)
+    for name, data in package.items():
+        (path / name).write_bytes(data)
+    for source in (site.OWN / "firmware.js", DRIVER):
+        shutil.copyfile(source, path / source.name)
+    (path / "package.json").write_text('{"type": "module"}')  # node's way to see that .js files are modules
+    return path
+
+
+def in_node(package, path, jobs):
+    """{name: fields that digest.py printed} of jobs, and their milliseconds."""
+    asked, golden = order(jobs)
+    done = subprocess.run(
+        [NODE, DRIVER.name], cwd=folder(package, path), input=json.dumps(asked), capture_output=True, text=True, timeout=TIMEOUT_S
+    )
+    assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
+    told = json.loads(done.stdout)
+    return dict(zip(jobs, [line.split() for line in told["lines"]])), golden, dict(zip(jobs, told["ms"]))
+
+
+@pytest.mark.skipif(not NODE, reason="there is no node: apt-get install nodejs")
+def test_words_are_the_same_in_webassembly(package, tmp_path, show):
+    jobs = [*objects(), *all_jobs(), *HEX_JOBS, "pulses"]
+    made, golden, ms = in_node(package, tmp_path / "node", jobs)
+    assert made == golden
+    words = {name: int(fields[1]) for name, fields in made.items()}
+    show("words per second in node's WebAssembly", f"{sum(words.values()) / sum(ms.values()) * 1000:.0f}, of {len(jobs)} jobs")
+
+
+@pytest.mark.quick
+def test_another_package_is_refused():
+    with pytest.raises(Failure, match="is not what it was"):
+        site.unpacked(b"something else")
+
+
+def test_a_package_that_cannot_be_fetched_is_told(monkeypatch, tmp_path):
+    monkeypatch.setenv("NPM_CONFIG_REGISTRY", "http://127.0.0.1:9")
+    with pytest.raises(Failure, match="cannot fetch MicroPython for the browser, http://127.0.0.1:9/"):
+        site.package(tmp_path)
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_package_kept_broken_is_fetched_again(monkeypatch, tmp_path):
+    kept = tmp_path / f"{site.PACKAGE}-{site.VERSION}.tgz"
+    kept.write_bytes(b"torn")
+    with pytest.raises(Failure, match="is not what it was"):
+        site.package(tmp_path)
+    assert not kept.exists()
