@@ -12,6 +12,7 @@ from host_tools.cli.check import check
 from host_tools.cli.compile import compile_
 from host_tools.cli.draw import draw
 from host_tools.cli.emulate import emulate
+from host_tools.cli.film import film
 from host_tools.cli.flash import flash
 from host_tools.cli.interlock import interlock
 from host_tools.cli.keys import keys
@@ -25,6 +26,7 @@ from host_tools.cli.settings import settings
 from host_tools.cli.status import status
 from host_tools.cli.stream import stream
 from host_tools.cli.torch import app as torch
+from host_tools.cli.watch import watch
 from host_tools.cli.wifi import app as wifi
 from host_tools.failure import Failure
 from host_tools.resources import ROOT
@@ -33,6 +35,7 @@ from host_tools.resources import ROOT
 EXTRAS = {
     "draw": ("svgelements", "shapely", "numpy", "matplotlib", "contourpy"),
     "emulate": ("rp2040py", "littlefs"),
+    "film": ("imageio_ffmpeg",),
 }
 UNIX_ONLY = ("fcntl", "termios", "tty", "pty")
 FIRST_STEPS = """\
@@ -104,7 +107,7 @@ def explain_missing(name):
     return None
 
 
-for _verb in (board, emulate, draw, send, stream, keys, check, calibrate, settings, link, status, log, interlock, plot, ports, build, flash):
+for _verb in (board, emulate, draw, send, stream, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash):
     app.command()(_verb)
 app.command("compile")(compile_)
 app.add_typer(pulses, name="pulses")

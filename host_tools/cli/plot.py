@@ -28,7 +28,7 @@ def plot(
     from host_tools.drawings.plot import save, strokes_of_trace, title_of_trace
     from host_tools.sim.measure import read_trace
 
-    scale = _scale(steps_per_mm, board)
+    scale = scale_of(steps_per_mm, board)
     out = out or trace.with_suffix(".png")
     rows = read_trace(trace)
     table = None if steps_per_mm else _table(board)
@@ -48,7 +48,8 @@ def _table(name):
     return (0.0, 0.0, width, height)
 
 
-def _scale(text, board):
+def scale_of(text, board):
+    """Steps/mm of X and Y, from the text of --steps-per-mm or a board file. Raises Failure."""
     from host_tools import boards
 
     if text is None:

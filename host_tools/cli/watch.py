@@ -1,0 +1,153 @@
+"""`passo watch`: the machine live in a terminal."""
+
+import time
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.cli.log import BAUD, spoken
+from host_tools.failure import Failure
+
+_MAP = 48, 18  # characters
+_MOST_PLACES = 4000
+_DOTS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))  # of a braille character, by row and column
+_STATE_COLORS = {"idle": "green", "run": "cyan", "jog": "cyan", "home": "cyan", "hold": "yellow", "door": "yellow", "alarm": "red"}
+
+
+def watch(
+    port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")] = None,
+    baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
+    protocol: Annotated[
+        Optional[str], typer.Option(help="Language of the link: grbl, torch, pulses or plotter. Default: found by asking.")
+    ] = None,
+    interval: Annotated[float, typer.Option(min=0.05, max=60, help="Seconds between two looks.")] = 0.2,
+    once: Annotated[bool, typer.Option("--once", help="Show it once, and end.")] = False,
+):
+    """Show the machine live: state, position, line under way, speed, signals, and the way it has gone. Ctrl-C ends it.
+
+    It only asks: nothing moves, nothing is changed. To watch while something else commands the machine, give it a link of its own in the
+    board file; one port cannot be used by two programs.
+
+    Examples:
+
+        passo watch
+
+        passo watch --port /dev/ttyUSB1 --protocol grbl --interval 0.1
+    """
+    from rich.console import Console
+    from rich.live import Live
+
+    from host_tools.cli import ports
+
+    if protocol not in (None, *BAUD):
+        raise Failure(f"--protocol {protocol}: it has no word for the status; ask on a link that speaks {', '.join(BAUD)}")
+    port = port or ports.only()
+    baud = baud or BAUD[protocol or "grbl"]
+    protocol = protocol or spoken(port, baud)
+    with _client(protocol, port, baud) as client:
+        view = View(f"{port}, {protocol}")
+        look = _LOOKS[protocol]
+        view.take(*look(client, {}))
+        console = Console()
+        if once:
+            console.print(view.shown())
+            return
+        fields = {}
+        try:
+            with Live(view.shown(), console=console, auto_refresh=False, screen=console.is_terminal) as live:
+                while True:
+                    time.sleep(interval)
+                    view.take(*look(client, fields))
+                    live.update(view.shown(), refresh=True)
+        except KeyboardInterrupt:
+            pass
+        console.print(view.shown())
+
+
+def _client(protocol, port, baud):
+    from host_tools.clients.grbl import GrblClient
+    from host_tools.clients.plotter import PlotterClient
+    from host_tools.clients.pulses import PulsesClient
+    from host_tools.clients.torch import TorchClient
+
+    return {"grbl": GrblClient, "torch": TorchClient, "pulses": PulsesClient, "plotter": PlotterClient}[protocol](port, baud)
+
+
+def _grbl(client, known):
+    """(rows, place) of a grbl link. `known`: fields of earlier reports; some are told only now and then."""
+    from host_tools.cli.status import grbl_rows
+
+    fresh = client.ask_status()
+    for gone in ("Pn", "A", "Ln"):  # told only while there is something to tell
+        known.pop(gone, None)
+    known.update(fresh)
+    rows = [row for row in grbl_rows(known, [], []) if row[0]]
+    rows.insert(1, ("line", known.get("Ln", "-")))
+    places = [float(part) for part in (known.get("MPos") or known.get("WPos") or "0,0").split(",")]
+    return rows, tuple((*places, 0.0)[:2])
+
+
+def _others(client, known):
+    """The same of a language whose status is a dict of texts or numbers."""
+    fields = client.status()
+    if fields is None:
+        raise Failure("the board does not answer")
+    rows = [(name, str(value)) for name, value in fields.items()]
+    if "place" in fields:
+        places = [float(part) for part in str(fields["place"]).split(",")]
+    else:
+        places = [float(fields.get("x", 0)), float(fields.get("y", 0))]
+    return rows, tuple((*places, 0.0)[:2])
+
+
+_LOOKS = {"grbl": _grbl, "torch": _others, "pulses": _others, "plotter": _others}
+
+
+class View:
+    """What is shown: a table of what the board says, and a map of where the head has been."""
+
+    def __init__(self, title):
+        self._title = title
+        self._rows = []
+        self.places = []
+
+    def take(self, rows, place):
+        self._rows = rows
+        if not self.places or self.places[-1] != place:
+            self.places.append(place)
+        if len(self.places) > _MOST_PLACES:
+            self.places = self.places[::2]
+
+    def shown(self):
+        from rich.columns import Columns
+        from rich.panel import Panel
+        from rich.table import Table
+        from rich.text import Text
+
+        table = Table.grid(padding=(0, 2))
+        for name, text in self._rows:
+            color = _STATE_COLORS.get(text.partition(":")[0].lower(), "") if name == "state" else ""
+            table.add_row(Text(name, "dim"), Text(text, f"bold {color}".strip() if name == "state" else ""))
+        return Panel(Columns([table, Text(braille(self.places, *_MAP))], padding=(0, 4)), title=self._title)
+
+
+def braille(places, width, height):
+    """A map of places in `width` by `height` characters of braille, which have 2 by 4 dots each; the last place is a full one."""
+    wide, high = 2 * width, 4 * height
+    xs, ys = [place[0] for place in places], [place[1] for place in places]
+    low_x, low_y = min(xs), min(ys)
+    zoom = min((wide - 1) / max(max(xs) - low_x, 1e-9), (high - 1) / max(max(ys) - low_y, 1e-9))
+    cells = [[0] * width for _ in range(height)]
+
+    def dot(x, y):
+        column, row = min(int((x - low_x) * zoom), wide - 1), high - 1 - min(int((y - low_y) * zoom), high - 1)
+        cells[row // 4][column // 2] |= _DOTS[row % 4][column % 2]
+        return row // 4, column // 2
+
+    for (x, y), (to_x, to_y) in zip(places, places[1:]):
+        count = max(1, min(400, int(max(abs(to_x - x), abs(to_y - y)) * zoom)))
+        for part in range(count):
+            dot(x + (to_x - x) * part / count, y + (to_y - y) * part / count)
+    row, column = dot(*places[-1])
+    cells[row][column] = 0xFF
+    return "\n".join("".join(chr(0x2800 + cell) for cell in line) for line in cells)

@@ -1,0 +1,189 @@
+"""A film of a trace: the path as it grows, the tool, time and speed; GIF or MP4.
+
+    trace = load("job.csv")                             # a trace of passo board --trace, as arrays
+    write("job.gif", trace, (10, 10), seconds=20)
+
+Frames are drawn one on the other, so a film takes as long as its path and its frames, not their product.
+"""
+
+import csv
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from host_tools.failure import Failure
+from host_tools.sim.trace import HEADER
+
+SIZE = 960, 720
+MOST_FRAMES = 3000
+_MARGIN = 56
+_PAPER, _AHEAD, _UP, _DOWN, _HEAD, _TEXT = "#ffffff", "#e4e4ea", "#9cc3e6", "#1a1a2e", "#d03030", "#404048"
+_COLORS = _PAPER, _AHEAD, _UP, _DOWN, _HEAD, _TEXT
+
+
+@dataclass
+class Moves:
+    """A trace as arrays: seconds, steps of x, y, z, a, and the tool 0 … 1000."""
+
+    seconds: np.ndarray
+    places: np.ndarray
+    tool: np.ndarray
+
+
+def load(path):
+    """The Moves of a trace CSV. Raises Failure with the line that is wrong."""
+    try:
+        with open(path, encoding="utf-8", errors="replace") as file:
+            if file.readline().strip() != HEADER:
+                raise Failure(f"{path} is not a trace: its first line should be {HEADER}")
+            try:
+                rows = np.loadtxt(file, delimiter=",", ndmin=2)
+            except ValueError as error:
+                raise Failure(f"{path}: {_where(path)}: not a row of a trace") from error
+    except OSError as error:
+        raise Failure(f"cannot read trace {path}: {error.strerror}") from error
+    if rows.shape[0] < 2 or rows.shape[1] != 6 or not np.isfinite(rows).all():
+        raise Failure(f"{path}: {_where(path)}: nothing moves in it, or a row is none of a trace")
+    return Moves(rows[:, 0] / 1e6, rows[:, 1:5], rows[:, 5])
+
+
+def _where(path):
+    """The first line that is no row."""
+    with open(path, newline="", encoding="utf-8", errors="replace") as file:
+        reader = csv.reader(file)
+        next(reader, None)
+        for fields in reader:
+            try:
+                if len(fields) != 6 or not all(math.isfinite(float(field)) for field in fields):
+                    return f"line {reader.line_num}"
+            except ValueError:
+                return f"line {reader.line_num}"
+    return "its end"
+
+
+def times(moves, seconds, speed, per_second):
+    """The moment of each frame in seconds of the trace. `seconds`: how long the film is; or `speed` times as fast as it was."""
+    first = float(moves.seconds[1])  # the first row is the state before
+    span = float(moves.seconds[-1]) - first
+    length = span / speed if speed else seconds
+    count = max(2, round(length * per_second))
+    if count > MOST_FRAMES:
+        raise Failure(f"a film of {count} frames is too long, {MOST_FRAMES} at most: take a higher --speed, or fewer --seconds")
+    return first + span * np.arange(count) / (count - 1)
+
+
+class Painter:
+    """Draws frame after frame of Moves; `scale`: steps/mm of X and Y."""
+
+    def __init__(self, moves, scale, size=SIZE):
+        from PIL import Image, ImageDraw, ImageFont
+
+        self._moves = moves
+        self._size = size
+        self._mm = moves.places[:, :2] / np.array(scale)
+        low, high = self._mm.min(axis=0), self._mm.max(axis=0)
+        room = np.array(size) - 2 * _MARGIN
+        self._zoom = float(min(room / np.maximum(high - low, 1e-6)))
+        at = (self._mm - (low + high) / 2) * self._zoom * [1, -1] + np.array(size) / 2
+        self._at = at
+        self._drawn = 0
+        self._font = ImageFont.load_default(18)
+        self._sheet = Image.new("RGB", size, _PAPER)
+        self._pen = ImageDraw.Draw(self._sheet)
+        self._line(0, len(at) - 1, _AHEAD, 1)
+
+    def _line(self, begin, end, color, width):
+        """From row to row; places nearer than half a pixel are left out."""
+        points = self._at[begin : end + 1]
+        if len(points) > 2:
+            pixels = np.round(points * 2).astype(np.int64)
+            keep = np.ones(len(points), bool)
+            keep[1:-1] = (pixels[1:-1] != pixels[:-2]).any(axis=1)
+            points = points[keep]
+        self._pen.line([tuple(point) for point in points.tolist()], fill=color, width=width, joint="curve")
+
+    def frame(self, second):
+        """The picture at that moment of the trace. Moments have to grow."""
+        from PIL import ImageDraw
+
+        rows = self._moves
+        now = int(np.searchsorted(rows.seconds, second, "right")) - 1
+        begin = self._drawn
+        while begin < now:
+            lit = rows.tool[begin] > 0
+            change = np.flatnonzero((rows.tool[begin:now] > 0) != lit)
+            end = begin + int(change[0]) if len(change) else now
+            self._line(begin, end, _DOWN if lit else _UP, 3 if lit else 1)
+            begin = end
+        self._drawn = max(now, self._drawn)
+        picture = self._sheet.copy()
+        pen = ImageDraw.Draw(picture)
+        x, y = self._at[now]
+        radius = 7
+        lit = rows.tool[now] > 0
+        pen.ellipse([x - radius, y - radius, x + radius, y + radius], outline=_HEAD, width=3, fill=_HEAD if lit else None)
+        pen.text((16, 12), self._text(second, now), fill=_TEXT, font=self._font)
+        return picture
+
+    def _text(self, second, now):
+        rows = self._moves
+        then = int(np.searchsorted(rows.seconds, second - 0.1, "right")) - 1
+        way = np.hypot(*np.diff(self._mm[max(then, 0) : now + 1], axis=0).T).sum() if now > then >= 0 else 0.0
+        minutes, rest = divmod(second - float(rows.seconds[1]), 60)
+        x, y = self._mm[now]
+        return f"{int(minutes)}:{rest:04.1f}   X {x:.2f}  Y {y:.2f} mm   {way * 600:.0f} mm/min"
+
+
+def write(path, moves, scale, seconds=20.0, speed=None, per_second=20, progress=None):
+    """Write a film to `path`, .gif or .mp4; returns how many frames it has. Calls `progress(share)`. Raises Failure."""
+    moments = times(moves, seconds, speed, per_second)
+    painter = Painter(moves, scale)
+
+    def frames():
+        for number, moment in enumerate(moments):
+            if progress:
+                progress(number / len(moments))
+            yield painter.frame(float(moment))
+
+    kind = str(path).lower().rpartition(".")[2]
+    try:
+        if kind == "gif":
+            _gif(path, frames(), per_second)
+        elif kind == "mp4":
+            _mp4(path, frames(), per_second)
+        else:
+            raise Failure(f"{path}: a film is a .gif or an .mp4")
+    except OSError as error:
+        raise Failure(f"cannot write {path}: {error.strerror or error}") from error
+    return len(moments)
+
+
+def _gif(path, frames, per_second):
+    """All frames share a palette of the film's few colours and what lies between them."""
+    from PIL import Image
+
+    colors = [_rgb(color) for color in _COLORS]
+    mixed = [tuple(round(a + (b - a) * part / 4) for a, b in zip(one, other)) for one in colors for other in colors for part in range(1, 4)]
+    palette = Image.new("P", (1, 1))
+    table = list(dict.fromkeys(colors + mixed))[:256]
+    palette.putpalette([value for color in table for value in color])
+    reduced = (frame.quantize(palette=palette, dither=Image.Dither.NONE) for frame in frames)
+    first = next(reduced)
+    first.save(path, save_all=True, append_images=reduced, duration=round(1000 / per_second), loop=0, optimize=False, disposal=1)
+
+
+def _rgb(color):
+    return tuple(int(color[at : at + 2], 16) for at in (1, 3, 5))
+
+
+def _mp4(path, frames, per_second):
+    import imageio_ffmpeg
+
+    writer = imageio_ffmpeg.write_frames(str(path), SIZE, fps=per_second, macro_block_size=16, output_params=["-movflags", "+faststart"])
+    writer.send(None)
+    try:
+        for frame in frames:
+            writer.send(frame.tobytes())
+    finally:
+        writer.close()
