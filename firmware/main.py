@@ -50,10 +50,11 @@ def main():
         if board["interlock"]:
             forget("passo.config.interlock_table")
         from passo.app import App  # first: it is large
-        from passo.machine_builder import load_all
+        from passo.machine_builder import load_all, load_last
 
         load_all(board, start.whole)
         start.load(board)
+        load_last(board)
         from passo.config.journal import FileSlots
 
         said = start.loaded()

@@ -80,12 +80,16 @@ def load_all(board, whole):
         modules += ("control.squaring",)
     if board["homing"] and board["homing"]["latch"]:
         modules += ("control.quality",)
-    if [link for link in board["links"] if link["frames"]]:
-        framed_line()
     for module in modules:
         __import__("passo." + module)
     make_drive(board)
     load(names)
+
+
+def load_last(board):
+    """The same of small modules: they find room when the large ones of the port have theirs."""
+    if [link for link in board["links"] if link["frames"]]:
+        framed_line()
 
 
 def languages(board):

@@ -57,7 +57,9 @@ class FramedLine:
         self._told = 0  # credits, by the last one
         self._asked = -1  # the byte that was asked for again
         self._asked_ms = 0
-        self._answer_ms = 0  # since when answers wait
+        self._answers = b""  # that wait to be sent
+        self._answer_ms = 0  # since when
+        self._todo = True  # _rest() is to be asked
         self._every_ms = 0
         self._reported_ms = 0
         self._question = b""
@@ -66,19 +68,20 @@ class FramedLine:
     # --- the face of a serial line
 
     def any(self):
-        return self._at < self._end and self._buffer.find(b"\0", self._at, self._end) >= 0 or self._serial.any()
+        if self._left or self._at < self._end and self._buffer.find(b"\0", self._at, self._end) >= 0:
+            return True
+        return self._serial.any()
 
     def read(self):
         """Bytes for the language, good until the next read; b"" if none."""
         if self._state == _PLAIN:
             return self._plain()
-        while True:
-            end = self._buffer.find(b"\0", self._at, self._end)
-            if end < 0:
-                if not self._fill():
-                    return self._rest()
-                continue
-            begin = self._at
+        begin = self._at
+        end = self._buffer.find(b"\0", begin, self._end) if begin < self._end else -1
+        if end < 0 and self._fill():
+            begin = 0
+            end = self._buffer.find(b"\0", 0, self._end)
+        while end >= 0:
             self._at = end + 1
             if end - begin >= HEAD + CHECK:
                 data = self._understand(begin, end)
@@ -86,21 +89,19 @@ class FramedLine:
                     return data
                 if self._state == _PLAIN:
                     return b""
+            begin = self._at
+            end = self._buffer.find(b"\0", begin, self._end)
+        return self._rest() if self._todo else b""
 
     def write(self, data):
         if self._state == _PLAIN:
             self._serial.write(data)
             return
-        sender = self._sender
-        if self._state == _CLOSED:
-            return
-        if sender.kept + len(data) > _KEPT:
-            self._state = _CLOSED
-            return
-        if sender.kept == sender.flying:
+        if not self._answers:
+            self._todo = True
             self._answer_ms = self._clock()
-        sender.put(data)
-        if sender.kept - sender.flying >= _ANSWERS or not (self._unfinished and self._unfinished()):
+        self._answers += data
+        if len(self._answers) >= _ANSWERS or not (self._unfinished and self._unfinished()):
             self._send()
 
     def close(self):
@@ -154,16 +155,19 @@ class FramedLine:
         at = self._at
         held = self._end - at
         if held > LONGEST:
-            at += held  # noise without a delimiter
-            held = 0
-        if at:
+            held = 0  # noise without a delimiter
+        if held and at:
             self._buffer[:held] = self._buffer[at : at + held]
-            self._at = 0
+        self._at = 0
         room = _BUFFER - held
-        self._left = bytes(data[room:]) if len(data) > room else b""
-        count = min(len(data), room)
-        self._buffer[held : held + count] = data[:count]
-        self._end = held + count
+        if len(data) > room:
+            self._left = bytes(data[room:])
+            data = data[:room]
+        else:
+            self._left = b""
+        count = held + len(data)
+        self._buffer[held:count] = data
+        self._end = count
         return True
 
     def _understand(self, begin, end):
@@ -201,7 +205,7 @@ class FramedLine:
         if known > NUMBERS >> 1:
             self._ask_again()
             return None
-        self._owes = True
+        self._owes = self._todo = True
         if known >= len(data):
             return None
         self._new = False
@@ -223,6 +227,7 @@ class FramedLine:
                     self._next = behind
                 data = data[2:]
             elif kind == REPORT:
+                self._todo = True
                 self._every_ms = data[0] << 8 | data[1]
                 self._question = bytes(data[2:])
                 self._reported_ms = self._clock()
@@ -262,6 +267,14 @@ class FramedLine:
     def _send(self):
         """Send what may be sent of the answers."""
         sender = self._sender
+        if self._answers:
+            self._todo = True
+            if self._state == _OPEN and sender.kept + len(self._answers) <= _KEPT:
+                sender.put(self._answers)
+            else:
+                self._state = _CLOSED
+                sender.clear(0)
+            self._answers = b""
         now_ms = self._clock()
         data = sender.next(now_ms)
         while data is not None:
@@ -276,14 +289,15 @@ class FramedLine:
         if not self._confirmed and (self._clock() - self._begun_ms) & COUNT_MASK >= _CONFIRM_MS:
             self._state = _PLAIN
             self._at = self._end = 0
-            self._serial.write(b"".join(sender.messages))
+            self._serial.write(b"".join(sender.messages) + self._answers)
             return b""
-        if sender.kept:
+        if sender.kept or self._answers:
             now_ms = self._clock()
-            if sender.late(now_ms) or sender.kept > sender.flying and (now_ms - self._answer_ms) & COUNT_MASK >= _ANSWER_MS:
+            if sender.late(now_ms) or self._answers and (now_ms - self._answer_ms) & COUNT_MASK >= _ANSWER_MS:
                 self._send()
-        if self._owes or self._told < _FEW and self._credit() > self._told:
+        if self._owes and not self._answers or self._told < _FEW and self._credit() > self._told:
             self._serial.write(delimited(self._frame(ACK)))
+        self._todo = bool(sender.kept or self._answers or self._owes or self._told < _FEW or self._every_ms or not self._confirmed)
         if self._every_ms and not sender.kept:
             now_ms = self._clock()
             if (now_ms - self._reported_ms) & COUNT_MASK >= self._every_ms:
