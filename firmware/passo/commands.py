@@ -42,6 +42,7 @@ REST = const(30)  # the axes of the mask `value` come to a stand, the others run
 ZERO = const(31)  # machine zero is here; only at a stand, and where homing has not found it
 CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
 OUTPUT = const(35)  # output p0 … p9: `value` its number, `tool`: on; `power` 1: at once, 0: as the next motion begins
+MORE = const(36)  # no command: `value` makes the line's next one each time it is asked, next(value), then None
 STILL = const(33)  # nothing but an answer: accepted at a stand, else refused as BUSY
 ADMIT = const(36)  # `value` minutes: who sends no key may move the machine over the network, where the board file allows that
 ZERO_COUNTS = const(34)  # the counts of the encoders that are shown begin at 0

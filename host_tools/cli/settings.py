@@ -28,7 +28,7 @@ def settings(
 ):
     """Show a controller's settings with names, units and bounds, save them to a file, or restore them.
 
-    A back-up holds the $ settings, the work offsets and the start-up lines, as they are sent. The output of grbl's $$ can be
+    A back-up holds the $ settings, the work offsets, the tool table and the start-up lines, as they are sent. The output of grbl's $$ can be
     restored as well; back-ups of older firmware are converted.
 
     Examples:
@@ -75,6 +75,8 @@ def backup(client):
         if name in _KEPT_OFFSETS:
             words = "".join(axis + value for axis, value in zip("XYZA", places.split(",")))
             lines.append(f"G10L2P{_KEPT_OFFSETS.index(name) + 1}{words}")
+        elif re.fullmatch(r"T\d+", name):
+            lines.append(f"G10L1P{name[1:]}Z{places}")
     return lines
 
 
@@ -131,7 +133,7 @@ def read(file):
             if version > VERSION:
                 raise Failure(f"{file} is of a later passo: version {version}; this one knows {VERSION}")
             lines[number - 1] = ""
-        elif line and not line.startswith(("$", "G10L2P")):
+        elif line and not line.startswith(("$", "G10L1P", "G10L2P")):
             raise Failure(f"{file}, line {number}: {line!r} is no setting")
     lines = [line for line in lines if line]
     if not lines:

@@ -6,7 +6,9 @@
 
 from dataclasses import dataclass
 
-BACK_OFF_MM = 0.254  # of G73, and what G83 stays above the bottom so far: 0.01 inch
+from passo.protocols.gcode.motion import BACK_OFF_NM
+
+BACK_OFF_MM = BACK_OFF_NM / 1_000_000  # of G73, and what G83 stays above the bottom so far
 
 
 @dataclass

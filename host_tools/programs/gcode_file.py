@@ -5,11 +5,12 @@ import re
 from host_tools.failure import Failure
 
 _COMMENT = re.compile(rb"\([^)]*\)?|;.*", re.DOTALL)
+_PROGRAM = re.compile(rb"[Oo:]\d+$")  # a program's number, which CAM programs begin with
 _DROPPED = bytes(byte for byte in range(256) if not 32 < byte < 127 or byte in b"?!~")
 
 
 def read(path):
-    """[(number, bytes)] of the lines that are not empty, without comments and blanks. Raises Failure."""
+    """[(number, bytes)] of the lines that are not empty, without comments, blanks and the program's number. Raises Failure."""
     return list(lines(path))
 
 
@@ -25,7 +26,7 @@ def lines(path):
                 for line in raw.splitlines():
                     number += 1
                     stripped = strip(line)
-                    if stripped and stripped != b"%":
+                    if stripped and stripped != b"%" and not _PROGRAM.match(stripped):
                         empty = False
                         yield number, stripped
     except OSError as error:

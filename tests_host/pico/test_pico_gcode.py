@@ -3,6 +3,7 @@
 import re
 
 import pytest
+from cam_files import FREECAD as CAM
 from emulated import uf2  # noqa: F401
 
 from host_tools.emulator import gcode
@@ -94,3 +95,23 @@ def test_lines_sent_without_waiting_are_answered(uf2):
     assert set(answers) == {b"ok", b"error:11"} and len(answers) == FLOOD + 1 and machine.wire(LINK).lost == 0
     # The first were done, the rest found no room; one of them may come just as a line is done.
     assert 0 <= answers.count(b"ok") - answers.index(b"error:11") <= 2
+
+
+@pytest.mark.slow
+def test_a_cam_program_runs_on_the_board(uf2):
+    """Over the UART, as a CAM system wrote it: tool change, tool length, pecks. No line is refused, and memory stays."""
+    machine = EmulatedMachine("router_3axis", trace=None).boot()
+    machine.run_until(lambda: b"$X" in machine.received(LINK), 10_000)
+    machine.take(LINK)
+    start = list(machine.plant.position)
+    lines = [line for line in CAM.split("\n") if line.strip() and line != "%"]
+    for line in ["$LINK=0", "$X", *lines]:
+        machine.send(line.encode() + b"\n", LINK)
+        if "M6" in line:
+            machine.run_until(lambda: b"Tool change" in machine.received(LINK), 10_000)
+            machine.send(b"~", LINK)
+        machine.run_until(lambda: ANSWER.search(machine.received(LINK)), 30_000)
+        answer = machine.take(LINK)
+        assert ANSWER.search(answer)[2] == b"ok", (line, answer)
+    machine.settle()
+    assert [after - before for after, before in zip(machine.plant.position, start)] == [8 * 320, 16 * 320, 15 * 400]

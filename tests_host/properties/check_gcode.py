@@ -15,7 +15,7 @@ ALPHABET = b"GMXYZHIJKFSPLRTN0123456789.-+ ();/$gmxyz"
 GOOD = (
     b"G1 X1.5 Y-2 F300", b"G2 X2 Y0 I1 J0 F100", b"G38.2 Z-5 F50", b"G92 X0 Y0", b"G10 L20 P1 X0 Y0 Z0", b"G4 P0.5",
     b"M3 S1000", b"G28 X0", b"G81 X1 Y2 Z-3 R1 F100", b"G53 G0 X0", b"G43.1 Z1", b"G55", b"M30", b"G93 G1 X1 F2",
-    b"G3 I-5 H90 F100",
+    b"G3 I-5 H90 F100", b"G83 X1 Y2 Z-3 R1 Q0.7 F100", b"G82 X1 Z-3 R1 P0.1 F100", b"G10 L1 P1 Z5", b"G43 H1 Z5", b"G64 P0.1 Q0.2",
 )
 CASES = {
     "check_millimetres_are_exact": (("value", -999_999_999, 999_999_999), ("decimals", 0, 9)),
@@ -52,6 +52,20 @@ class Machine:
         self.arcs = arcs
 
 
+def made_of(gcode):
+    """All commands of the line that was read last, in their order; those of a cycle are made one by one."""
+    made = []
+    for command in gcode.commands:
+        if command.kind != commands.MORE:
+            made.append(command)
+            continue
+        following = next(command.value)
+        while following is not None:
+            made.append(following)
+            following = next(command.value)
+    return made
+
+
 class Shop:
     """A parser with a machine that obeys it."""
 
@@ -59,16 +73,18 @@ class Shop:
         self.machine = machine or Machine()
         self.memory = Memory()
         self.gcode = GCode("xyz", Offsets(3, self.memory), self.machine)
+        self.made = []
 
     def do(self, *lines):
         """Interpret and carry out; the commands of the last line."""
         for line in lines:
             error = self.gcode.interpret(line)
             assert error == 0, (line, error, error_texts.text(error))
-            for command in self.gcode.commands:
+            self.made = made_of(self.gcode)
+            for command in self.made:
                 if command.kind in (commands.LINE, commands.ARC, commands.PROBE, commands.JOG_TO):
                     self.machine.target = command.target[:]
-        return self.gcode.commands
+        return self.made
 
     def at(self):
         """Where the machine stands, in steps."""
@@ -111,7 +127,23 @@ ERRORS = (
     ((), b"G1 E4 F100", errors.UNSUPPORTED),
     ((), b"G1 A4 F100", errors.UNSUPPORTED),
     ((), b"G38.1 X1 F100", errors.UNSUPPORTED),
-    ((), b"G43 H1", errors.UNSUPPORTED),
+    ((), b"G43.2 H1", errors.UNSUPPORTED),
+    ((b"G10 L1 P1 Z5",), b"G43 H2", errors.NO_SUCH_TOOL),
+    ((b"G10 L1 P1 Z5",), b"G43 H1 G0 Z5 X999999999", errors.TARGET),
+    ((), b"G43 H256", errors.TOOL_NUMBER),
+    ((), b"G10 L1 P0 Z5", errors.TOOL_NUMBER),
+    ((), b"G10 L1 P256 Z5", errors.TOOL_NUMBER),
+    ((), b"G10 L1 P1 X5", errors.TOOL_LENGTH_AXIS),
+    ((), b"G10 L1 P1 Z5 R3", errors.WORDS_UNUSED),
+    ((), b"G73 X1 Z-1 R1 F100", errors.VALUE_MISSING),
+    ((), b"G83 X1 Z-1 R1 Q0 F100", errors.NUMBER_RANGE),
+    ((), b"G83 X1 Z-1 R1 Q-1 F100", errors.NUMBER_RANGE),
+    ((), b"G82 X1 Z-1 R1 P-1 F100", errors.NEGATIVE),
+    ((), b"G82 X1 Z-1 R1 Q1 F100", errors.WORDS_UNUSED),
+    ((), b"G81 X1 Z-9999999 R1 F100", errors.TARGET),
+    ((b"G81 X1 Z-1 R1 F100",), b"G82 X1 Z-1", errors.VALUE_MISSING),
+    ((), b"G81 G43.1 Z-1 R1 F100", errors.TWO_AXIS_COMMANDS),
+    ((), b"G61 P1", errors.WORDS_UNUSED),
     ((), b"G10 L3 P1 X0", errors.UNSUPPORTED),
     ((), b"G10 L2 P1 X0 R30", errors.UNSUPPORTED),
     ((), b"G17 G18", errors.SAME_GROUP),
@@ -206,6 +238,83 @@ def check_every_error():
         assert shop.state() == state, line
 
 
+# (lines before, the cycle, all of its motions: steps of X and Z, feed or rapid; P: a dwell in ms)
+CYCLES = (
+    ((b"G0 Z3",), b"G98 G81 X1 Z-1 R2 F60", ("250 1200", "250 800", "F 250 -400", "250 1200")),
+    ((b"G0 Z3",), b"G99 G81 X1 Z-1 R2 F60", ("250 1200", "250 800", "F 250 -400", "250 800")),
+    ((), b"G81 X1 Z-1 R2 F60", ("0 800", "250 800", "250 800", "F 250 -400", "250 800")),
+    ((b"G0 Z3",), b"G99 G82 X1 Z-1 R2 P0.25 F60", ("250 1200", "250 800", "F 250 -400", "P 250", "250 800")),
+    (
+        (b"G0 Z3",), b"G83 X1 Z-1 R2 Q1.25 F60",
+        ("250 1200", "250 800", "F 250 300", "250 800", "250 402", "F 250 -200", "250 800", "250 -98", "F 250 -400", "250 1200"),
+    ),
+    ((b"G0 Z3",), b"G99 G73 X1 Z-0.5 R2 Q1.25 F60", ("250 1200", "250 800", "F 250 300", "250 402", "F 250 -200", "250 800")),
+    ((b"G0 Z3",), b"G99 G83 X1 Z-1 R2 Q3 F60", ("250 1200", "250 800", "F 250 -400", "250 800")),
+    ((b"G0 Z3", b"G99 G83 X1 Z-1 R2 Q2 F60"), b"X2", ("500 800", "500 800", "F 500 0", "500 800", "500 102", "F 500 -400", "500 800")),
+    ((b"G0 Z3", b"G99 G82 X1 Z-1 R2 P0.5 F60"), b"X2 P1", ("500 800", "500 800", "F 500 -400", "P 1000", "500 800")),
+)  # fmt: skip
+
+
+def shown(command):
+    if command.kind == commands.DWELL:
+        return "P %d" % (command.value // 1000)
+    return "%s%d %d" % ("F " if command.feed else "", command.target[0], command.target[2])
+
+
+def check_cycles():
+    """Every motion, those that are made as they come; before the first, the tops and bottoms of the holes are checked."""
+    for before, line, wanted in CYCLES:
+        shop = Shop()
+        shop.do(*before)
+        assert shop.gcode.interpret(line) == 0, line
+        looked_at = [shown(motion) for motion in shop.gcode.commands[0].also]
+        made = [shown(command) for command in made_of(shop.gcode)]
+        assert tuple(made) == wanted, (line, made)
+        heights = [int(text.split(" ")[-1]) for text in made if text[0] != "P"]
+        checked = [int(text.split(" ")[-1]) for text in looked_at + made[:1]]
+        assert min(heights) == min(checked) and max(heights) == max(checked)
+        assert shop.gcode.position[0] * 250 // 1_000_000 == int(made[-1].split(" ")[0])
+
+
+def check_all_holes_are_looked_at():
+    """Of holes in a row the first and the last, before anything moves."""
+    shop = Shop()
+    shop.do(b"G0 X1 Z3")
+    assert shop.gcode.interpret(b"G91 G99 G83 X2 Y1 Z-4 R-1 Q0.5 L5 F60") == 0
+    looked_at = [motion.target for motion in shop.gcode.commands[0].also]
+    assert [250 * 3, 250, -800] in looked_at and [250 * 11, 1250, -800] in looked_at
+    made = made_of(shop.gcode)
+    assert made[-1].target == [250 * 11, 1250, 800] and shop.gcode._steps == made[-1].target
+
+
+def check_words_around_a_cycle():
+    """What goes before it, and behind it."""
+    shop = Shop()
+    made = shop.do(b"G0 Z3", b"M3 S500 M8 T1 M6 G81 X1 Z-1 R2 F60 M0")
+    kinds = [command.kind for command in made]
+    assert kinds[:3] == [commands.SPINDLE, commands.PAUSE, commands.COOLANT] and kinds[-1] == commands.PAUSE, kinds
+    assert kinds[3:-1] == [commands.LINE] * 4
+
+
+def check_a_deep_hole():
+    """A thousand pecks are made one by one."""
+    shop = Shop()
+    shop.do(b"G0 Z3")
+    assert shop.gcode.interpret(b"G99 G83 X1 Z-8 R2 Q0.01 F60") == 0
+    assert len(shop.gcode.commands) == 2
+    assert len(made_of(shop.gcode)) == 2 + 3 * 999 + 2
+
+
+def check_a_refused_line_keeps_the_length():
+    shop = Shop()
+    shop.do(b"G10 L1 P1 Z2", b"G43 H1")
+    for line in (b"G49 G0 X999999999", b"G43 H0 L5", b"G43.1 Z5 X1"):
+        assert shop.gcode.interpret(line) != 0
+        assert shop.gcode.offsets.tool == 2_000_000
+    shop.do(b"G0 Z1")
+    assert shop.at() == (0, 0, 1200)
+
+
 def check_every_jog_error():
     for line, number in JOG_ERRORS:
         shop = Shop()
@@ -246,6 +355,19 @@ PLACES = (
     ((b"G0 Z5", b"G98 G81 X1 Y1 Z-1 R1 F100"), (250, 250, 2000)),
     ((b"G91 G81 X1 Z-2 R1 L3 F100",), (750, 0, 400)),
     ((b"G80", b"G0 X1"), (250, 0, 0)),
+    ((b"G0 Z5", b"G98 G82 X1 Z-1 R1 P0.5 F100", b"X2"), (500, 0, 2000)),
+    ((b"G0 Z5", b"G99 G83 X1 Z-1 R1 Q0.3 F100", b"X2"), (500, 0, 400)),
+    ((b"G0 Z5", b"G99 G73 X1 Z-1 R2 Q0.3 F100", b"G80", b"G0 Y1"), (250, 250, 800)),
+    ((b"G91 G73 X1 Z-2 R1 Q0.5 L3 F100",), (750, 0, 400)),
+    ((b"G0 Z5", b"G99 G81 X1 Z-1 R1 F100 M3 S500 M8",), (250, 0, 400)),
+    ((b"G61.1 G0 X1", b"G64", b"G64 P0.01 Q0.02 X2", b"G61 X3"), (750, 0, 0)),
+    ((b"G43 H1", b"G0 Z1"), (0, 0, 400)),
+    ((b"G43.1 Z2", b"G43 H1 Z1"), (0, 0, 1200)),  # no table: the length stays, as one that M6 has measured
+    ((b"G10 L1 P1 Z2", b"G10 L1 P2 Z3", b"G43 H1 Z1"), (0, 0, 1200)),
+    ((b"G10 L1 P1 Z2", b"T1 M6", b"G43", b"G0 Z1"), (0, 0, 1200)),
+    ((b"G10 L1 P1 Z2", b"T1 G43 G0 Z1", b"G49 Z1"), (0, 0, 400)),
+    ((b"G10 L1 P1 Z2", b"G43 H1", b"G43 H0 Z1"), (0, 0, 400)),
+    ((b"G20 G10 L1 P1 Z1", b"G43 H1", b"G21 G0 Z1"), (0, 0, 10560)),
     ((b"G17 G21 G40 G49 G54 G61 G80 G90 G91.1 G94 M5 M9", b"G0 X1"), (250, 0, 0)),
     ((b"", b"(nothing)", b";", b"G"[:0]), (0, 0, 0)),
 )
@@ -482,7 +604,7 @@ def obey(shop, line):
     if error:
         assert shop.gcode.commands == [] and shop.state() == state
         assert error_texts.text(error) != "error %d" % error
-    for command in shop.gcode.commands:
+    for command in made_of(shop.gcode):
         if command.target:
             shop.machine.target = command.target[:]
             assert max([abs(steps) for steps in command.target]) < 1 << 29

@@ -2,7 +2,7 @@
 
 from array import array
 
-from check_gcode import ALPHABET, Machine, Shop
+from check_gcode import ALPHABET, Machine, Shop, made_of
 from draws import Random
 from passo import commands
 from passo.batch import Lines as Batch
@@ -165,7 +165,8 @@ def check_same_as_in_full(seed):
         before = short.machine.target[:]
         taken = short.machine.take_of(short.gcode, lines, random.between(1, 4))
         error = full.gcode.interpret(line)
-        made = [facts(command) for command in full.gcode.commands if command.kind == commands.LINE]
+        following = made_of(full.gcode)
+        made = [facts(command) for command in following if command.kind == commands.LINE]
         whole = not taken
         if taken:
             dealt += 1
@@ -175,7 +176,7 @@ def check_same_as_in_full(seed):
                 assert not travel or at == before[axis] or travel[0][axis] <= at <= travel[1][axis], line
         else:
             assert short.machine.target == before and short.gcode.interpret(line) == error, line
-            taken = [facts(command) for command in short.gcode.commands if command.kind == commands.LINE]
+            taken = [facts(command) for command in made_of(short.gcode) if command.kind == commands.LINE]
         assert taken == made, line
         for shop in (short, full):
             if error:
@@ -183,13 +184,13 @@ def check_same_as_in_full(seed):
         if random.between(0, 3) == 0:
             short.gcode.leave_batch()
             assert short.state() == full.state(), line
-        moved = [command for command in full.gcode.commands if command.target]
+        moved = [command for command in following if command.target]
         refused = moved and short.machine.target == before and random.between(0, 5) == 0
         for shop in (short, full):
             if refused:
                 shop.gcode.forget_place()
             elif whole or shop is full:
-                shop.machine.obey(full.gcode.commands, full.gcode.laser)
+                shop.machine.obey(following, full.gcode.laser)
         assert short.machine.light() == full.machine.light(), line
         if random.between(0, 15) == 0:
             for shop in (short, full):

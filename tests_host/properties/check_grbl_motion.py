@@ -278,7 +278,7 @@ def check_check_mode():
     assert machine.status()["state"] == "Check"
     for line in ("G1 X10 F100", "M3 S100", "G4 P10", "M8", "G38.2 Z-5", "M0"):
         assert answers(machine.ask(line)) == ["ok"], line
-    assert machine.ask("G1 Q1") == ["error:20"]
+    assert machine.ask("G1 E1") == ["error:20"]
     assert machine.ask("$C")[:3] == ["[MSG:Disabled]", "ok", BANNER]
     machine.cycles(3)
     assert machine.world.steps == steps and machine.world.tool == 0

@@ -169,12 +169,12 @@ def test_the_same_under_both_interpreters(name):
 
 
 def test_notes_come_under_both_interpreters():
-    lines = [b"G1X2F600", b"$H", b"Q1", b"X4M0", b"G38.2Z-1F300", b"G1X0"]
+    lines = [b"G1X2F600", b"$H", b"E1", b"X4M0", b"G38.2Z-1F300", b"G1X0"]
     runs = [True, False] if job_module.micropython() else [True]
     for inside in runs:
         job = VirtualJob("router_3axis", inside=inside)
         job.run(enumerate(lines, 1))
-        assert [row[:2] for row in job.errors] == [(3, "Q1")]
+        assert [row[:2] for row in job.errors] == [(3, "E1")]
         assert (job.skipped, job.pauses, job.probes) == ([(2, "$H")], [(4, "X4M0")], [(5, "G38.2Z-1F300")])
         assert job.low == [0, 0, -1] and job.high == [4, 0, 0]
 
@@ -199,7 +199,7 @@ def test_a_firmware_that_ends_is_a_failure(monkeypatch):
 def test_many_errors_are_counted_and_few_are_kept(monkeypatch):
     monkeypatch.setattr(job_module, "MOST_NOTES", 5)
     job = VirtualJob("router_3axis", inside=True)
-    job.run((number, b"Q1") for number in range(1, 31))
+    job.run((number, b"E1") for number in range(1, 31))
     assert job.error_count == 30 and [row[0] for row in job.errors] == [1, 2, 3, 4, 5]
 
 

@@ -61,8 +61,8 @@ def test_stream(board, job, flow, capsys):
 
 
 def test_stream_stops_at_the_first_error(board, job):
-    job.write_bytes(b"G1 X5 F3000\nX10\n\nG1 Q7\nX50\nX60\n")
-    with pytest.raises(Refused, match="line 4, G1Q7: error 20") as failure:
+    job.write_bytes(b"G1 X5 F3000\nX10\n\nG1 E7\nX50\nX60\n")
+    with pytest.raises(Refused, match="line 4, G1E7: error 20") as failure:
         stream.stream(job, board.line.name, 115200, "count", False, True, None, 5.0)
     assert failure.value.number == 4
     board.until(lambda: board.app.controller.state == "idle")
@@ -182,7 +182,7 @@ def test_check(job, tmp_path, capsys):
     check.check(job, "router_3axis", picture, None)
     said = capsys.readouterr().out
     assert "0.000 …    20.000 mm" in said and picture.stat().st_size > 10_000
-    job.write_bytes(SQUARE + b"G1 Q1\nM99\n")
+    job.write_bytes(SQUARE + b"G1 E1\nM99\n")
     with pytest.raises(Failure, match="2 lines would be refused; the first is line 11"):
         check.check(job, "router_3axis", None, None)
 
@@ -279,7 +279,7 @@ def test_check_blocks_time():
 def test_check_probes_nothing():
     """No alarm ends the job, no line of it gets lost, and it is no error."""
     job = VirtualJob("router_3axis")
-    job.run([(1, b"G91"), (2, b"G38.2Z-2F300"), (3, b"G1Z1"), (4, b"G38.4Z2"), (5, b"g38.5X5"), (6, b"G1X1"), (7, b"Q1")])
+    job.run([(1, b"G91"), (2, b"G38.2Z-2F300"), (3, b"G1Z1"), (4, b"G38.4Z2"), (5, b"g38.5X5"), (6, b"G1X1"), (7, b"E1")])
     assert job.probes[:2] == [(2, "G38.2Z-2F300"), (4, "G38.4Z2")]
     assert [number for number, _, _ in job.errors] == [7]
     assert job.low[2] == -2 and job.high[0] == 1

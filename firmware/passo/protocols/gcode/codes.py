@@ -27,34 +27,46 @@ COOLING = const(15)
 SWITCHING = const(16)
 GROUPS = const(17)
 
+G73 = const(7300)
 G80 = const(8000)
 G81 = const(8100)
+G82 = const(8200)
+G83 = const(8300)
+G43 = const(4300)
+G49 = const(4900)
+CYCLES = (G73, G81, G82, G83)
 
-_LISTS = (
-    (NON_MODAL, (400, 1000, 2800, 2810, 3000, 3010, 5300, 9200, 9210)),
-    (MOTION, (0, 100, 200, 300, 3820, 3830, 3840, 3850, G80, G81)),
-    (PLANE, (1700, 1800, 1900)),
-    (DISTANCE, (9000, 9100)),
-    (ARC_DISTANCE, (9110,)),
-    (FEED_MODE, (9300, 9400)),
-    (UNITS, (2000, 2100)),
-    (CUTTER, (4000,)),
-    (TOOL_LENGTH, (4310, 4900)),
-    (RETURN, (9800, 9900)),
-    (SYSTEM, (5400, 5500, 5600, 5700, 5800, 5900)),
-    (PATH, (6100,)),
-    (STOPPING, (M_CODES, M_CODES + 100, M_CODES + 200, M_CODES + 3000)),
-    (TOOL_CHANGE, (M_CODES + 600,)),
-    (TURNING, (M_CODES + 300, M_CODES + 400, M_CODES + 500)),
-    (COOLING, (M_CODES + 700, M_CODES + 800, M_CODES + 900)),
-    (SWITCHING, (M_CODES + 6200, M_CODES + 6300, M_CODES + 6400, M_CODES + 6500)),
+# Of each group in the order of their numbers. As one text: tuples would keep a kilobyte of memory.
+_CODES = (
+    "400 1000 2800 2810 3000 3010 5300 9200 9210;"
+    "0 100 200 300 3820 3830 3840 3850 7300 8000 8100 8200 8300;"
+    "1700 1800 1900;"
+    "9000 9100;"
+    "9110;"
+    "9300 9400;"
+    "2000 2100;"
+    "4000;"
+    "4300 4310 4900;"
+    "9800 9900;"
+    "5400 5500 5600 5700 5800 5900;"
+    "6100 6110 6400;"
+    "M0 M100 M200 M3000;"
+    "M600;"
+    "M300 M400 M500;"
+    "M700 M800 M900;"
+    "M6200 M6300 M6400 M6500"
 )
 GROUP_OF = {}
-for _group, _codes in _LISTS:
-    for _code in _codes:
-        GROUP_OF[_code] = _group
+_group = 0
+for _code in _CODES.replace(";", " ; ").split():
+    if _code == ";":
+        _group += 1
+    elif _code[0] == "M":
+        GROUP_OF[int(_code[1:]) + M_CODES] = _group
+    else:
+        GROUP_OF[int(_code)] = _group
 
-AXIS_COMMANDS = (0, 100, 200, 300, 3820, 3830, 3840, 3850, G81, 1000, 2800, 3000, 9200, 4310, 4900)
+AXIS_COMMANDS = (0, 100, 200, 300, 3820, 3830, 3840, 3850, G73, G81, G82, G83, 1000, 2800, 3000, 9200, 4310)
 
 
 def why_unknown(code):
@@ -62,6 +74,6 @@ def why_unknown(code):
     if code in (5910, 5920, 5930):
         return errors.NO_SUCH_SYSTEM
     whole = code // 100
-    if code % 100 and whole * 100 in GROUP_OF and whole not in (28, 30, 61, 90, 92):
+    if code % 100 and whole * 100 in GROUP_OF and whole not in (28, 30, 43, 61, 90, 92):
         return errors.NOT_INTEGER
     return errors.UNSUPPORTED

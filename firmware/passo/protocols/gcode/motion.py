@@ -1,16 +1,18 @@
-"""The motions of a line of G-code: lines, arcs, probing, the canned cycle, from words to commands in steps."""
+"""The motions of a line of G-code: lines, arcs, probing, canned cycles, from words to commands in steps."""
 
 from micropython import const
 
 from passo import commands, errors
-from passo.commands import Motion
-from passo.protocols.gcode.codes import G80, G81
+from passo.commands import Command, Motion
+from passo.protocols.gcode.codes import CYCLES, G73, G80, G82, G83
 from passo.protocols.gcode.reader import Reader, Refused
-from passo.protocols.gcode.words import H, I, L, P, R, X, Z, rounded
+from passo.protocols.gcode.words import H, I, L, P, Q, R, X, Z, rounded
 from passo.records import NM_PER_M
 
 MAX_STEPS = const(0x1FFFFFFF)
 _DEGREES = const(360_000_000)
+_LEAST_PECK = const(10_000)  # nm
+BACK_OFF_NM = const(254_000)  # 0.01 inch: what G73 goes back, and what G83 stays above the bottom so far
 _PLANES = {17: (0, 1), 18: (2, 0), 19: (1, 2)}
 
 
@@ -73,8 +75,13 @@ class Motions(Reader):
     def _move(self, kind, place, feed):
         """Append the motion to `place`; from then on it starts there."""
         at = len(self.commands)
-        command = self._moves[at] if at < len(self._moves) else Motion(kind)
+        command = self._motion(self._moves[at] if at < len(self._moves) else Motion(kind), place, feed)
         command.kind = kind
+        self.commands.append(command)
+        return command
+
+    def _motion(self, command, place, feed):
+        """Fill in a motion of this line."""
         command.target = self._to_steps(place)
         command.feed = feed
         command.per_min = self._per_min if feed else 0
@@ -82,7 +89,6 @@ class Motions(Reader):
         command.tool = self._lit
         command.power = self._power
         command.dynamic = self._dynamic
-        self.commands.append(command)
         return command
 
     def _read_motion(self, motion, axis_words, machine_coordinates):
@@ -94,8 +100,8 @@ class Motions(Reader):
             raise Refused(errors.NO_AXIS_WORDS)
         if not axis_words and motion < 200:
             return None, cycle
-        if motion == G81:
-            return self._drill()
+        if motion in CYCLES:
+            return self._drill(motion)
         if motion in (200, 300):
             return self._arc(motion == 200), cycle
         place = self._target(machine_coordinates)
@@ -184,37 +190,72 @@ class Motions(Reader):
         self._move(commands.LINE, place, 0)
         return place
 
-    def _drill(self):
-        """G81: rapid above the hole, rapid to R, feed to Z, rapid back. An extension."""
+    def _drill(self, motion):
+        """G73, G81, G82, G83, an extension. (where it ends, heights, dwell and peck for the next hole.) `commands` are the way to the
+        tops and bottoms of the first and the last hole, for the machine to check; what comes behind the first of them is made by
+        `_drilling`, one by one: a hole of many pecks as a list would be more than a board has room for."""
         if self.axes < 3:
             raise Refused(errors.UNSUPPORTED)
         has_depth = self._left >> Z & 1
         place = self._target(False)
-        start = self.position
-        above, bottom = self.cycle
+        x, y, z = self.position
+        above, bottom, dwell, peck = self.cycle
+        again = self.motion == motion
         if self._take(R):
-            above = self._length(R) + (self.offsets.of(self._system, 2) if self._absolute else start[2])
-        elif self.motion != G81:
+            above = self._length(R) + (self.offsets.of(self._system, 2) if self._absolute else z)
+        elif not again:
             raise Refused(errors.VALUE_MISSING)
         if has_depth:
-            bottom = place[2] if self._absolute else above + place[2] - start[2]
-        elif self.motion != G81:
+            bottom = place[2] if self._absolute else above + place[2] - z
+        elif not again:
             raise Refused(errors.VALUE_MISSING)
+        if motion in (G73, G83) and self._take(Q):
+            peck = self._length(Q)
+            if peck < _LEAST_PECK:
+                raise Refused(errors.NUMBER_RANGE)
+        elif motion in (G73, G83) and not again:
+            raise Refused(errors.VALUE_MISSING)
+        if motion == G82 and self._take(P):
+            dwell = self.words.fixed(P, 6)
+            if dwell < 0:
+                raise Refused(errors.NEGATIVE)
         times = self.words.fixed(L, 0) if self._take(L) else 1
         if not 1 <= times <= 100 or bottom > above:
             raise Refused(errors.TARGET)
-        height = max(start[2], above)
-        across, along = place[0] - start[0], place[1] - start[1]
-        here = [start[0], start[1], height]
-        if height != start[2]:
-            self._move(commands.LINE, here, 0)
-        for hole in range(times):
-            if not hole or not self._absolute:
-                here = [here[0] + across, here[1] + along, here[2]]
-            self._move(commands.LINE, here, 0)
-            self._move(commands.LINE, [here[0], here[1], above], 0)
-            self._move(commands.LINE, [here[0], here[1], bottom], self._feed or 1)
-            here = [here[0], here[1], height if self._initial else above]
-            self._move(commands.LINE, here, 0)
-        return here, (above, bottom)
+        height = max(z, above)
+        back = height if self._initial else above
+        way = (place[0] - x, place[1] - y, 0 if self._absolute else 1)
+        if height != z:
+            self._move(commands.LINE, [x, y, height], 0)
+        for hole in (1, times if way[2] else 1):
+            for level in (height, bottom, back):
+                self._move(commands.LINE, [x + hole * way[0], y + hole * way[1], level], (self._feed or 1) if level == bottom else 0)
+        self._drilling = self._holes((x, y, z), way, times, (height, above, bottom, back), motion, dwell, peck)
+        next(self._drilling)  # the first of `commands`
+        return [x + hole * way[0], y + hole * way[1], back], (above, bottom, dwell, peck)
 
+    def _holes(self, start, way, times, heights, motion, dwell, peck):
+        """All commands of a cycle, then None."""
+        x, y, z = start
+        height, above, bottom, back = heights
+        if height != z:
+            yield 0
+        for hole in range(times):
+            if not hole or way[2]:
+                x += way[0]
+                y += way[1]
+            yield self._motion(Motion(commands.LINE), [x, y, height], 0)
+            yield self._motion(Motion(commands.LINE), [x, y, above], 0)
+            reached = above - peck
+            while motion in (G73, G83) and reached > bottom:
+                yield self._motion(Motion(commands.LINE), [x, y, reached], self._feed or 1)
+                if motion == G83:
+                    yield self._motion(Motion(commands.LINE), [x, y, above], 0)
+                yield self._motion(Motion(commands.LINE), [x, y, min(above, reached + BACK_OFF_NM)], 0)
+                reached -= peck
+            yield self._motion(Motion(commands.LINE), [x, y, bottom], self._feed or 1)
+            if motion == G82 and dwell:
+                yield Command(commands.DWELL, value=dwell)
+            height = back
+            yield self._motion(Motion(commands.LINE), [x, y, height], 0)
+        yield None

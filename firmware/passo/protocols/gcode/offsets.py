@@ -2,7 +2,7 @@
 
     programme place = machine place − (G54 … G59, the one selected) − G92 − tool length (Z only)
 
-G54 … G59, G28 and G30 are kept by `memory` (get(key) → text or None, put(key, text)); G92 and the tool length are
+G54 … G59, G28, G30 and the lengths of tools are kept by `memory` (get(key) → text or None, put(key, text)); G92 and the tool length are
 forgotten by a reset. One object serves all links of a machine.
 """
 
@@ -52,6 +52,14 @@ class Offsets:
     def set_tool(self, length):
         self.tool = length
         self.version += 1
+
+    def length_of(self, tool):
+        """The length of a tool in the table as text, in nanometres; None if it is not there."""
+        return self._memory.get("T%d" % tool)
+
+    def set_length(self, tool, length):
+        """Put a tool into the table."""
+        self._memory.put("T%d" % tool, str(length))
 
     def measured(self, place):
         """A tool has touched the sensor at this machine place of Z: the first is the reference of the others."""

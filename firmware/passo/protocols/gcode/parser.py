@@ -11,7 +11,7 @@ for what a line can say in millimetres, or in inches to five decimals. `machine`
 steps, and `steps_per_m` of each axis: whatever moved the machine meanwhile, the next line starts from there. Its `arcs`
 knows the geometry of arcs (control.arcs).
 
-Extensions: G81, and an arc's sweep angle in degrees, H, in place of its end: `G3 I-5 J0 H90`, with the third axis a helix;
+Extensions: G73, G81, G82 and G83, G43 with a table of tools, and an arc's sweep angle in degrees, H, in place of its end: `G3 I-5 J0 H90`, with the third axis a helix;
 more than 360 are more than one turn. The end comes from the machine's CORDIC.
 """
 
@@ -25,12 +25,12 @@ from passo import commands, errors
 from passo.batch import thousandths
 from passo.commands import Command
 from passo.protocols.gcode.codes import (
-    AXIS_COMMANDS, COOLING, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PLANE, RETURN, STOPPING,
+    AXIS_COMMANDS, COOLING, CYCLES, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PATH, PLANE, RETURN, STOPPING,
     SWITCHING, SYSTEM, TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
 )
 from passo.protocols.gcode.motion import Motions, new_moves
 from passo.protocols.gcode.reader import NONE, Refused
-from passo.protocols.gcode.words import F, M_CODES, S, rounded
+from passo.protocols.gcode.words import F, M_CODES, S, T, rounded
 from passo.records import (
     BATCH_ROWS, BIAS, FARTHEST, PARSE_AFTER, PARSE_AXES, PARSE_DYNAMIC, PARSE_FEED, PARSE_FIELDS, PARSE_FULL, PARSE_HIGH,
     PARSE_INCHES, PARSE_LEAST, PARSE_LIT, PARSE_LOW, PARSE_MODAL, PARSE_NUMBER, PARSE_OFFSET, PARSE_POSITION, PARSE_POWER,
@@ -42,6 +42,7 @@ _ANY = const(0)
 _SAME = const(1)
 _OTHER = const(2000)  # no power
 _MOST_RPM = const(100_000_000)
+_ROUNDING = const(0x18000)  # P and Q: of G64 how far corners may be rounded; the path is kept to
 
 gc.collect()
 try:
@@ -84,7 +85,7 @@ class GCode(Motions):
         self.tool = 0
         self.number = 0
         self.initial = True  # G98
-        self.cycle = (0, 0)  # G81: the plane to come back to, and the hole's bottom
+        self.cycle = (0, 0, 0, 0)  # see Cycle.heights
         self.forget_place()
 
     def forget_place(self):
@@ -132,6 +133,9 @@ class GCode(Motions):
                 self._line()
         except Refused as refusal:
             self.commands = []
+            if self._length_before is not None:
+                self.offsets.tool = self._length_before
+                self._length_before = None
             return refusal.args[0]
         return 0
 
@@ -234,7 +238,7 @@ class GCode(Motions):
         per_minute = self.per_minute if found[FEED_MODE] == NONE else found[FEED_MODE] == 9400
         feed, per_min = self._read_feed(per_minute, moves and motion not in (0, G80))
         rpm = self.words.fixed(S, 3) if self._take(S) else self.rpm
-        tool = self._read_tool()
+        tool = self._read_tool(T)
         spindle = self.spindle if found[TURNING] == NONE else (found[TURNING] - M_CODES) // 100
         coolant = self._read_coolant(found[COOLING])
         dwell = self._read_dwell() if non_modal == 400 else None
@@ -243,7 +247,7 @@ class GCode(Motions):
         cycle = self.cycle
         offsets = place = None
         if found[TOOL_LENGTH] != NONE:
-            offsets = self._read_tool_length(found[TOOL_LENGTH])
+            offsets = self.offsets.set_tool, self._read_length(found[TOOL_LENGTH], tool)
         elif non_modal in (1000, 2810, 3010, 9200, 9210):
             offsets = self._read_offsets(non_modal, axis_words)
         if non_modal == 5300 and motion not in (0, 100):
@@ -252,7 +256,7 @@ class GCode(Motions):
             place = self._go_home(non_modal // 100, axis_words)
         elif moves:
             place, cycle = self._read_motion(motion, axis_words, non_modal == 5300)
-        if self._left:
+        if self._left & ~_ROUNDING or self._left and found[PATH] != 6400:
             unused = motion == G80 and self._left & self._axis_mask
             raise Refused(errors.AXIS_WORDS_UNUSED if unused else errors.WORDS_UNUSED)
 
@@ -262,13 +266,15 @@ class GCode(Motions):
         if len(self.commands) > 1 and moves:
             self.commands[0].also = self.commands[1:]
             self._moves = new_moves()  # these may be looked at until the last has begun
+        if place:
+            self.position, self._steps = place, self.commands[-1].target
+        if moves and motion in CYCLES:
+            self.commands[1:] = [Command(commands.MORE, value=self._drilling)]
         if before:
             self.commands = before + self.commands
         if offsets:
             offsets[0](*offsets[1:])
-        if place:
-            self.position = place
-            self._steps = self.commands[-1].target
+            self._length_before = None
         self.number = number
         self.motion, self.plane, self.inches, self.absolute = motion, self._plane, self._inches, self._absolute
         self.per_minute, self.feed, self.rpm, self.tool = per_minute, feed if per_minute else 0, rpm, tool

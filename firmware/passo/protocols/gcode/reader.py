@@ -4,8 +4,8 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command
-from passo.protocols.gcode.codes import AXIS_COMMANDS, GROUP_OF, GROUPS, why_unknown
-from passo.protocols.gcode.words import F, L, M_CODES, N, P, R, T, X, Z, Words, rounded
+from passo.protocols.gcode.codes import AXIS_COMMANDS, G43, GROUP_OF, GROUPS, why_unknown
+from passo.protocols.gcode.words import F, H, L, M_CODES, N, P, R, T, X, Z, Words, rounded
 
 MAX_LINE = const(10_000_000)
 MAX_TOOL = const(255)
@@ -17,6 +17,8 @@ class Refused(Exception):
 
 
 class Reader:
+    _length_before = None  # while a line is read that changes it
+
     def __init__(self, axes, offsets):
         self.axes = axes
         self.offsets = offsets
@@ -87,10 +89,11 @@ class Reader:
             raise Refused(errors.NO_FEED)
         return feed, 0
 
-    def _read_tool(self):
-        if not self._take(T):
+    def _read_tool(self, letter):
+        """The number of the tool in a word; without it the one that is in."""
+        if not self._take(letter):
             return self.tool
-        tool = self.words.fixed(T, 0)
+        tool = self.words.fixed(letter, 0)
         if tool > MAX_TOOL:
             raise Refused(errors.TOOL_NUMBER)
         return tool
@@ -126,13 +129,29 @@ class Reader:
                 changed[axis] = value(axis, self._length(X + axis))
         return changed
 
-    def _read_tool_length(self, code):
-        if code == 4900:
-            return self.offsets.set_tool, 0
+    def _read_length(self, code, tool):
+        """G43, G43.1, G49: the tool's length, nm. It counts for this line's motion; interpret() puts the old one back if the line is
+        refused. A machine without a table keeps the length that it has: none, or a measured one."""
+        offsets = self.offsets
+        length = 0
+        if code == 4310:
+            return self._only_z()
+        if code == G43:
+            tool = self._read_tool(H) if self._left >> H & 1 else tool
+            text = offsets.length_of(tool) if tool else "0"
+            length = offsets.tool if text is None else int(text)
+            if text is None and [None for other in range(1, MAX_TOOL + 1) if offsets.length_of(other)]:
+                raise Refused(errors.NO_SUCH_TOOL)
+        self._length_before = offsets.tool
+        offsets.tool = length
+        return length
+
+    def _only_z(self):
+        """The length behind Z, no other axis word being there."""
         if self._left & self._axis_mask != 1 << Z:
             raise Refused(errors.TOOL_LENGTH_AXIS)
         self._take(Z)
-        return self.offsets.set_tool, self._length(Z)
+        return self._length(Z)
 
     def _read_offsets(self, code, axis_words):
         offsets = self.offsets
@@ -150,6 +169,10 @@ class Reader:
         if not self._take(P) or not self._take(L):
             raise Refused(errors.VALUE_MISSING)
         number = self.words.fixed(P, 0)
+        if self.words.fixed(L, 0) == 1:
+            if not 0 < number <= MAX_TOOL:
+                raise Refused(errors.TOOL_NUMBER)
+            return offsets.set_length, number, self._only_z()
         if number > 6:
             raise Refused(errors.NO_SUCH_SYSTEM)
         system = number - 1 if number else self._system

@@ -20,7 +20,24 @@ _CODES = const(40)  # G and M words a line of 80 characters can hold
 _NINE_DIGITS = const(100_000_000)
 _DECIMALS = const(12)
 
-F, G, H, I, J, K, L, M, N, P, R, S, T, X, Y, Z = [ord(letter) - 65 for letter in "FGHIJKLMNPRSTXYZ"]
+# Letters as bits of a mask, A is 0: as constants they take no memory on a board.
+F = const(5)
+G = const(6)
+H = const(7)
+I = const(8)
+J = const(9)
+K = const(10)
+L = const(11)
+M = const(12)
+N = const(13)
+P = const(15)
+Q = const(16)
+R = const(17)
+S = const(18)
+T = const(19)
+X = const(23)
+Y = const(24)
+Z = const(25)
 _POWERS = tuple([10**exponent for exponent in range(_DECIMALS + 1)])
 
 
@@ -31,7 +48,7 @@ def _mask(letters):
     return mask
 
 
-_KNOWN = _mask("FGHIJKLMNPRSTXYZ")
+_KNOWN = _mask("FGHIJKLMNPQRSTXYZ")
 _NEVER_NEGATIVE = _mask("FHNPST")
 
 

@@ -294,6 +294,12 @@ class Grbl:
 
                 text += told(event.value)
             self._start_lines = self._system.start_lines()
+        if self._rest and self._rest[0].kind == commands.MORE:
+            made = next(self._rest[0].value)
+            if made is None:
+                self._rest.pop(0)
+            else:
+                self._rest.insert(0, made)
         if not self._rest or self._rest[0].kind == commands.RESET:
             if self.gcode.ended and command.kind == commands.SYNC:
                 text += grbl_report.message(grbl_report.PROGRAMME_END)

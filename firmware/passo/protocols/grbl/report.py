@@ -4,6 +4,7 @@ from array import array
 
 from micropython import const
 
+from passo.protocols.gcode.reader import MAX_TOOL
 from passo.protocols.gcode.words import rounded
 from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
 from passo.records import (
@@ -113,6 +114,10 @@ def parameters(gcode, probed, touched, inches):
     lines += ["[G%d:%s]" % (number, place(offsets.homes[number], inches)) for number in (28, 30)]
     lines.append("[G92:%s]" % place(offsets.shift, inches))
     lines.append("[TLO:%s]" % length(offsets.tool, inches))
+    for tool in range(1, MAX_TOOL + 1):
+        text = offsets.length_of(tool)
+        if text:
+            lines.append("[T%d:%s]" % (tool, length(int(text), inches)))
     return "\r\n".join(lines) + "\r\n" + probe(probed, touched, inches)
 
 
