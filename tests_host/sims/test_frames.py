@@ -1,8 +1,10 @@
 """Frames over a wire that damages them, the page that tells of them, and programs written from it."""
 
 import re
+import shutil
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
@@ -147,6 +149,24 @@ def virtual_board(tmp_path):
 def last_place(tmp_path):
     x, y = (tmp_path / "trace.csv").read_text().splitlines()[-1].split(",")[1:3]
     return int(x), int(y)
+
+
+@pytest.mark.unmeasured
+@pytest.mark.skipif(not shutil.which("node"), reason="no node")
+def test_a_client_written_from_the_page_moves_a_board(tmp_path):
+    """In another language, without a line of Passo: lines, a reset that overtakes them, and a second session."""
+    process, link = virtual_board(tmp_path)
+    command = ["node", str(Path(__file__).parent / "frames_from_the_page.js"), str(link)]
+    try:
+        job = "$X\nG21G91\n" + "G1X0.5F6000\nG1Y0.5\n" * 60 + "G4P0\n"
+        for text, answers in ((job, ["ok"] * 123), ("!?\nG1XY\n", ["error:2"]), ("^\x18\n$X\nG91G1X1F600\nG4P0\n", ["ok"] * 3)):
+            said = subprocess.run(command, input=text, stdout=subprocess.PIPE, check=True, text=True, timeout=60).stdout
+            assert re.findall(r"ok|error:\d+", said) == answers, said
+            assert ("<Idle|MPos:30.000,30.000" in said) == ("?" in text)
+    finally:
+        process.terminate()
+        process.wait(20)
+    assert last_place(tmp_path) == (62 * 160, 60 * 160)
 
 
 @pytest.mark.unmeasured
