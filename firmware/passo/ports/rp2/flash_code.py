@@ -54,7 +54,7 @@ _LITTLE = const(5_000)  # the same while less than _TIGHT bytes are free
 _TIGHT = const(56_000)
 _STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
 _PIECE = const(2_200)  # bytes: if no free piece is as large, a room that was kept is given back
-_FEW = const(8_000)  # the same if no more are free in all: the largest modules take as much
+_FEW = const(10_000)  # the same if no more are free in all: the largest modules take as much, in pieces
 _WORK_ROWS = const(96)
 
 
