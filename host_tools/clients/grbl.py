@@ -12,6 +12,7 @@ import time
 from host_tools.clients.client import Client
 from host_tools.clients.serial_port import LinkError, open_link
 from host_tools.failure import Failure
+from passo.web.wire import fields_of
 
 RX_BYTES = 128
 _FRAMED_BYTES = 900  # the same of a framed link, whose credit sees to the rest
@@ -186,12 +187,6 @@ class GrblClient(Client):
 def tagged(number, line):
     """`line` with its number, if there is room and it is no $ line."""
     return line if line.startswith(b"$") or len(line) > _LONGEST_TAGGED or number > _HIGHEST else b"N%d%s" % (number, line)
-
-
-def fields_of(report):
-    """{"state": …, "MPos": …} of a `<…>` line."""
-    state, *rest = report[1:-1].split("|")
-    return {"state": state, **dict(field.partition(":")[::2] for field in rest)}
 
 
 def explain(answer):

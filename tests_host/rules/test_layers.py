@@ -33,7 +33,7 @@ MAY_IMPORT = {
     "config": VOCABULARY + ("passo.steps",),  # a board file's pins and interlock become those of the words
     "control": VOCABULARY + ("passo.config", "passo.motion", "passo.steps"),
     "ports": VOCABULARY + ("passo.steps", "passo.drives"),
-    "web": VOCABULARY + ("passo.control",),
+    "web": VOCABULARY + ("passo.control", "passo.error_texts"),  # it speaks a language of the board, as any link does
     "app": ("passo",),
     "machine_builder": ("passo",),
     "main": (
@@ -49,7 +49,7 @@ BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", 
 MORE_BUILT_INS = {
     "ports": {"math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs"},
     "control": {"math"},
-    "web": {"socket", "network"},
+    "web": {"socket", "network", "asyncio", "microdot"},
 }
 
 # A file of these names would hide MicroPython's own module on the board; ports has its rp2 and esp32.
@@ -252,6 +252,10 @@ OWNERS = {"planner": "motion", "feeder": "steps", "ring": "steps", "player": "po
 ASSIGNED = {
     "open": "the feeder's flag, set each cycle, which an interrupt reads: a call would cost 10 µs",
     "brake": "likewise",
+    "max_content_length": "a bound of microdot's, which is set so",
+    "max_body_length": "likewise",
+    "max_readline": "likewise",
+    "max_message_length": "likewise",
     "start": "the interlock looks at words before the player gets them",
 }
 

@@ -1,0 +1,224 @@
+"""What a page may ask: an order as a dict in, an answer as a dict out. The only place that looks at what came from a network.
+
+    api = Api(machine, store)
+    api.order({"do": "step", "by": {"x": 1.0}, "speed": 500}, proven)     # {"t": "answer", "do": "step", "error": 0}
+
+STOP needs no proof. All else that does something wants a session that has proven its key; what is only looked at does not.
+"""
+
+from micropython import const
+
+from passo import errors
+
+_MOST_MM = 100_000.0
+_MOST_SPEED = 1_000_000.0
+_LINE = const(120)
+_PASSES = const(100)
+_MOST_NUMBER = const(0x1FFFFFFF)
+_FREE = ("stop", "look")  # without a session
+
+
+class Wrong(Exception):
+    """A field is missing, or out of its bounds."""
+
+
+def number(order, name, least, most, otherwise=None):
+    """A number of `order` between bounds. Raises Wrong."""
+    value = order.get(name, otherwise)
+    if isinstance(value, bool) or not isinstance(value, (int, float)) or not least <= value <= most:
+        raise Wrong(name)
+    return value
+
+
+def text(order, name, most):
+    """A text of `order`, printable ASCII. Raises Wrong."""
+    value = order.get(name)
+    if not isinstance(value, str) or len(value) > most or [letter for letter in value if not " " <= letter <= "~"]:
+        raise Wrong(name)
+    return value
+
+
+def places(order, name, axes):
+    """{axis: mm}. Raises Wrong."""
+    value = order.get(name)
+    if not isinstance(value, dict) or not value:
+        raise Wrong(name)
+    for axis in value:
+        if len(axis) != 1 or axis not in axes:
+            raise Wrong(name)
+        number(value, axis, -_MOST_MM, _MOST_MM)
+    return value
+
+
+class Api:
+    def __init__(self, machine, store, teach=None, choose=None):
+        """`store`: the jobs: names(), lines(name), text(name, at), add(name, at, piece, last), put(name, text), remove(name); what
+        fails is a number of errors. `choose(name)`: another board file, and a new start; None: there is no choice."""
+        self.machine = machine
+        self.store = store
+        self.teach = teach
+        self._choose = choose
+        self._orders = {
+            "hold": self._hold, "resume": self._resume, "home": self._home, "unlock": self._unlock, "zero": self._zero,
+            "goto": self._goto, "step": self._step, "jog": self._jog, "keep": self._keep, "release": self._release,
+            "override": self._override, "output": self._output, "set": self._set, "line": self._line, "give": self._give,
+            "jobs": self._jobs, "job_text": self._job_text, "job_part": self._job_part, "job_remove": self._job_remove,
+            "run": self._run, "abort": self._abort, "log": self._log, "settings": self._settings,
+            "teach": self._teach, "machine": self._machine,
+        }  # fmt: skip
+
+    def order(self, order, proven):
+        """The answer to an order. `proven`: its session has the key."""
+        name = order.get("do") if isinstance(order, dict) else None
+        if name == "stop":
+            return self._answer("stop", self.machine.stop())
+        do = self._orders.get(name) if isinstance(name, str) else None
+        if do is None:
+            return self._answer("", errors.UNKNOWN_COMMAND)
+        if not proven:
+            return self._answer(name, errors.NO_SESSION)
+        try:
+            found = do(order)
+        except Wrong:
+            return self._answer(name, errors.ORDER_FIELD)
+        return found if isinstance(found, dict) else self._answer(name, found)
+
+    def _answer(self, name, error):
+        return {"t": "answer", "do": name, "error": error}
+
+    def _moving(self):
+        """0, or why the page may not move it."""
+        return self.machine.refusal()
+
+    # --- motion
+
+    def _hold(self, order):
+        return self.machine.hold()
+
+    def _resume(self, order):
+        return self._moving() or self.machine.resume()
+
+    def _home(self, order):
+        return self._moving() or self.machine.still() or self.machine.home()
+
+    def _unlock(self, order):
+        return self._moving() or self.machine.unlock()
+
+    def _zero(self, order):
+        axes = text(order, "axes", 4)
+        if not axes or [axis for axis in axes if axis not in self.machine.axes]:
+            raise Wrong("axes")
+        return self._moving() or self.machine.zero(axes)
+
+    def _goto(self, order):
+        place = places(order, "to", self.machine.axes)
+        speed = number(order, "speed", 0.1, _MOST_SPEED)
+        return self._moving() or self.machine.go(place, speed)
+
+    def _step(self, order):
+        way = places(order, "by", self.machine.axes)
+        speed = number(order, "speed", 0.1, _MOST_SPEED)
+        return self._moving() or self.machine.step(way, speed)
+
+    def _jog(self, order):
+        lease = number(order, "lease", 1, _MOST_NUMBER)
+        beat = number(order, "beat", 0, _MOST_NUMBER)
+        way = places(order, "way", self.machine.axes)
+        direction = [way.get(axis, 0) for axis in self.machine.axes]
+        if not [part for part in direction if part]:
+            raise Wrong("way")
+        speed = number(order, "speed", 0.1, _MOST_SPEED)
+        return self._moving() or self.machine.begin_jog(lease, beat, direction, speed)
+
+    def _keep(self, order):
+        lease = number(order, "lease", 1, _MOST_NUMBER)
+        beat = number(order, "beat", 0, _MOST_NUMBER)
+        return 0 if self.machine.renew(lease, beat) else errors.LEASE
+
+    def _release(self, order):
+        self.machine.end_jog()
+        return 0
+
+    def _override(self, order):
+        return self._moving() or self.machine.override(text(order, "what", 8), text(order, "to", 4))
+
+    def _output(self, order):
+        rpm = number(order, "rpm", 0, 1_000_000, 0)
+        return self._moving() or self.machine.output(text(order, "name", 16), rpm)
+
+    def _line(self, order):
+        return self._moving() or self.machine.line(text(order, "line", _LINE))
+
+    def _give(self, order):
+        return self.machine.give("guest" if order.get("to") == "guest" else "page")
+
+    def _machine(self, order):
+        if self._choose is None:
+            return errors.UNKNOWN_COMMAND
+        return self.machine.still() or self._choose(text(order, "name", 64))
+
+    # --- settings and log
+
+    def _settings(self, order):
+        return {"t": "settings", "axes": self.machine.axes, "settings": self.machine.settings}
+
+    def _set(self, order):
+        which = number(order, "number", 0, 999)
+        value = number(order, "value", -1e9, 1e9)
+        return self._moving() or self.machine.set(int(which), ("%.3f" % value).rstrip("0").rstrip("."))
+
+    def _log(self, order):
+        return {"t": "log", "log": self.machine.log(), "all": True}
+
+    # --- jobs
+
+    def _jobs(self, order):
+        return {"t": "jobs", "jobs": self.store.names()}
+
+    def _job_text(self, order):
+        name = text(order, "name", 64)
+        at = int(number(order, "at", 0, _MOST_NUMBER, 0))
+        found = self.store.text(name, at)
+        return found if isinstance(found, int) else {"t": "job_text", "name": name, "at": at, "text": found[0], "size": found[1]}
+
+    def _job_part(self, order):
+        """A piece of a job: the first has `at` 0, the last `last`."""
+        name = text(order, "name", 64)
+        at = int(number(order, "at", 0, _MOST_NUMBER))
+        piece = order.get("text")
+        if not isinstance(piece, str):
+            raise Wrong("text")
+        return self.store.add(name, at, piece, bool(order.get("last")))
+
+    def _job_remove(self, order):
+        return self.machine.still() or self.store.remove(text(order, "name", 64))
+
+    def _run(self, order):
+        passes = int(number(order, "passes", 1, _PASSES, 1))
+        error = self._moving() or self.machine.still()
+        if error:
+            return error
+        name = text(order, "name", 64)
+        lines = self.store.lines(name)
+        return lines if isinstance(lines, int) else self.machine.job.run(name, lines, passes, bool(order.get("check")))
+
+    def _abort(self, order):
+        return self.machine.job.abort()
+
+    # --- teach-in
+
+    def _teach(self, order):
+        """Manual moves from now on are written down; `save`: under a name."""
+        what = text(order, "what", 8)
+        if self.teach is None or what not in ("begin", "save", "drop"):
+            return errors.UNKNOWN_COMMAND
+        if what == "begin":
+            return self.machine.still() or self.teach.begin()
+        if what == "drop":
+            return self.teach.drop()
+        name = text(order, "name", 64)
+        error = self.machine.still() or self.store.name_error(name)
+        if error:
+            return error
+        taught = self.teach.text()
+        return taught if isinstance(taught, int) else self.store.put(name, taught)

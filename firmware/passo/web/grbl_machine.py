@@ -1,0 +1,334 @@
+"""A machine that speaks grbl, as the page sees it: orders in, one state out.
+
+    machine = GrblMachine(write, tell)      # tell(event): a dict for every page
+    machine.feed(data, now_ms)              # bytes from the board
+    machine.poll(now_ms)                    # some hundred times a second
+    error = machine.order("hold", {})       # 0, or a number of errors
+    machine.state                           # a dict
+
+It asks for reports, streams jobs, feeds a jog while its lease lasts, and lets a guest speak on the same wire.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.web.guest import Guest
+from passo.web.jog import Jog, Limits
+from passo.web.job import Job
+from passo.web.lease import Lease, since
+from passo.web.wire import GUEST, LOST, PAGE, Wire, fields_of
+
+AXES = "xyza"
+_ASK_MS = const(40)  # between two reports: 25 a second
+_SILENT_MS = const(1500)  # without a report: the link is down
+_DEAD_MS = const(3000)  # it is asked for again
+_RESET = b"\x18"
+_HOLD = b"!"
+_RESUME = b"~"
+_JOG_CANCEL = b"\x85"
+_MOST_LOG = const(100)
+_STANDS = ("Idle", "Check", "Alarm", "Sleep", "Hold", "Door")
+_AXIS_SPEED = const(110)  # $110 …
+_AXIS_ACCELERATION = const(120)
+_REAL_TIME = {
+    "feed": {"100": 0x90, "+10": 0x91, "-10": 0x92, "+1": 0x93, "-1": 0x94},
+    "rapid": {"100": 0x95, "50": 0x96, "25": 0x97},
+    "spindle": {"100": 0x99, "+10": 0x9A, "-10": 0x9B, "+1": 0x9C, "-1": 0x9D},
+}
+_OUTPUTS = {"spindle_cw": b"M3", "spindle_ccw": b"M4", "spindle_off": b"M5", "mist": b"M7", "flood": b"M8", "coolant_off": b"M9"}
+
+
+class GrblMachine:
+    language = "grbl"
+    can = (
+        "jog", "step", "goto", "zero", "home", "unlock", "hold", "resume", "overrides", "outputs", "jobs", "settings", "log",
+        "line", "teach",
+    )  # fmt: skip
+
+    def __init__(self, write, tell, guest=None):
+        """`write(bytes)`: to the board; `guest(bytes)`: to the guest, if there may be one."""
+        self._tell = tell
+        self.wire = Wire(write, self._heard)
+        self.guest = Guest(self, guest)
+        self.lease = Lease()
+        self.jog = Jog(self._say_jog)
+        self.job = Job(self)
+        self.settings = {}  # number: text
+        self.axes = "xyz"
+        self.place = None  # mm, machine coordinates
+        self._offset = None
+        self._asked_ms = 0
+        self._heard_ms = 0
+        self._asking = False
+        self._now_ms = 0
+        self._log = []
+        self.watcher = None  # watcher(state): told of each report
+        self._known = False  # the settings have been asked for
+        self.state = {"link": False, "state": "", "owner": "page", "alarm": 0, "job": None}
+
+    # --- bytes
+
+    def feed(self, data, now_ms):
+        self._now_ms = now_ms
+        self.wire.feed(data)
+
+    def poll(self, now_ms):
+        """Ask, end what has lapsed, go on with the job."""
+        self._now_ms = now_ms
+        if self.jog.active and not self.lease.alive(now_ms):
+            self.end_jog()
+        if since(now_ms, self._asked_ms) >= (_DEAD_MS if self._asking else _ASK_MS):
+            self._asked_ms = now_ms
+            self._asking = True
+            self.wire.write(b"?")
+        if self.state["link"] and since(now_ms, self._heard_ms) > _SILENT_MS:
+            self._lose()
+        if self.state["link"] and not self._known and self.stands():
+            self._known = self.wire.say(PAGE, b"$$", self._all_known)
+        self.job.poll()
+
+    def lost(self):
+        """There is no board any more: it is about to be another one."""
+        self.wire.drop()
+        self._lose()
+        self.settings = {}
+        self.place = self._offset = None
+
+    def _lose(self):
+        self.state["link"] = False
+        self._known = False
+        self.end_jog()
+        self.job.fail(errors.NO_ANSWER)
+
+    def _all_known(self, error):
+        if error:
+            self._known = False
+            return
+        self.axes = AXES[: len([number for number in self.settings if 100 <= number < 104])]
+        self._tell({"t": "settings", "axes": self.axes, "settings": self.settings})
+
+    def _heard(self, line, owner):
+        if line[:1] == "<" and line[-1:] == ">":
+            self._asking = False
+            self._report(fields_of(line))
+            self.guest.report(line)
+            return
+        if line[:1] == "$" and owner == PAGE:
+            number, _, value = line[1:].partition("=")
+            if number.isdigit():
+                self.settings[int(number)] = value
+            return
+        if line[:6] == "ALARM:":
+            self.state["alarm"] = 200 + int(line[6:])
+            self.end_jog()
+            self.job.fail(self.state["alarm"])
+            self._note(self.state["alarm"])
+        elif line[:5] == "Grbl ":
+            self.end_jog()
+            self.job.fail(errors.STOPPED)
+        elif line[:1] == "[" and owner == PAGE:
+            self._tell({"t": "said", "text": line})
+        if owner != PAGE or line[:1] != "[" or line[:5] == "[MSG:":
+            self.guest.hear(line)
+
+    def _report(self, fields):
+        state = self.state
+        self._heard_ms = self._now_ms
+        name, _, sub = fields["state"].partition(":")
+        if name not in ("Alarm",) and state["alarm"]:
+            state["alarm"] = 0
+        if not state["link"]:
+            state["link"] = True
+        state["state"] = name
+        state["sub"] = sub
+        self._places(fields)
+        speeds = fields.get("FS", fields.get("F", "0")).split(",")
+        state["feed"] = float(speeds[0])
+        state["rpm"] = float(speeds[1]) if len(speeds) > 1 else 0.0
+        state["pins"] = fields.get("Pn", "")
+        state["line"] = int(fields.get("Ln", "0"))
+        if "Ov" in fields:
+            state["ov"] = [int(part) for part in fields["Ov"].split(",")]
+            state["on"] = fields.get("A", "")
+        if self.jog.active:
+            self.jog.report(self.place)
+        self.job.report(name)
+        if self.watcher:
+            self.watcher(state)
+
+    def _places(self, fields):
+        if "WCO" in fields:
+            self._offset = [float(part) for part in fields["WCO"].split(",")]
+        told = [float(part) for part in fields.get("MPos", fields.get("WPos", "0")).split(",")]
+        offset = self._offset if self._offset and len(self._offset) == len(told) else [0.0] * len(told)
+        machine = told if "MPos" in fields else [told[axis] + offset[axis] for axis in range(len(told))]
+        self.place = machine
+        self.state["m"] = machine
+        self.state["w"] = [round(machine[axis] - offset[axis], 4) for axis in range(len(told))]
+
+    # --- what is told
+
+    def beat(self, number):
+        """Report `number` goes out to the pages."""
+        self.lease.beat(number, self._now_ms)
+
+    def shown(self):
+        """The state that pages get."""
+        self.job.refresh()
+        self.state["lease"] = self.lease.number
+        return self.state
+
+    def stands(self):
+        """True if nothing moves, as far as the last report says."""
+        return self.state["state"] in _STANDS
+
+    def _note(self, number):
+        """A line of the page's log: alarms and refusals."""
+        self._log.append((self._now_ms, number))
+        if len(self._log) > _MOST_LOG:
+            self._log.pop(0)
+        self._tell({"t": "log", "log": [number]})
+
+    def log(self):
+        """Numbers of errors and alarms, the oldest first."""
+        return [number for _, number in self._log]
+
+    def finished(self, error):
+        """A line of the page has been answered."""
+        if error and error != LOST:
+            self._note(error)
+
+    def say(self, line):
+        """A line of the page; 0, or why it cannot be said."""
+        return 0 if self.wire.say(PAGE, line, self.finished) else errors.TOO_MANY_WAITING
+
+    # --- orders
+
+    def refusal(self):
+        """0, or why the page may not move the machine now."""
+        if not self.state["link"]:
+            return errors.NO_ANSWER
+        if self.state["owner"] != "page":
+            return errors.COMMANDED_ELSEWHERE
+        return 0
+
+    def stop(self):
+        """Stop at once: who asks does not matter."""
+        self.end_jog()
+        self.job.fail(errors.STOPPED)
+        self.wire.write(_RESET)
+        return 0
+
+    def hold(self):
+        self.end_jog()
+        self.wire.write(_HOLD)
+        return 0
+
+    def resume(self):
+        self.wire.write(_RESUME)
+        return 0
+
+    def home(self):
+        return self.say(b"$H")
+
+    def unlock(self):
+        return self.say(b"$X")
+
+    def still(self):
+        """0, or why something may not begin."""
+        if self.job.running() or self.jog.active or not self.stands():
+            return errors.BUSY
+        return 0
+
+    def zero(self, axes):
+        """Work zero of the axes named is here."""
+        return self.still() or self.say(b"G10L20P0" + b"".join([b"%s0" % axis.upper().encode() for axis in axes]))
+
+    def go(self, place, speed):
+        """{axis: mm} of work coordinates, straight, as a jog that hold and STOP end."""
+        return self.still() or self.say(b"$J=G90G21" + words(place) + b"F%.1f" % speed)
+
+    def step(self, way, speed):
+        """{axis: mm} from here."""
+        return self.still() or self.say(b"$J=G91G21" + words(way) + b"F%.1f" % speed)
+
+    def override(self, what, to):
+        byte = _REAL_TIME.get(what, {}).get(to)
+        if byte is None:
+            return errors.NUMBER
+        self.wire.write(bytes((byte,)))
+        return 0
+
+    def output(self, name, rpm):
+        word = _OUTPUTS.get(name)
+        if word is None:
+            return errors.NUMBER
+        return self.still() or self.say(word + (b"S%d" % rpm if name[:9] == "spindle_c" else b""))
+
+    def set(self, number, text):
+        """Change a setting."""
+        error = self.still() or self.say(b"$%d=%s" % (number, text.encode()))
+        self._known = False
+        return error
+
+    def line(self, text):
+        """A line as typed."""
+        return self.still() or self.say(text.encode())
+
+    # --- the jog
+
+    def begin_jog(self, number, beat, direction, speed):
+        """A continuous jog; it lasts while its lease does. Returns 0 or an error."""
+        if self.job.running() or self.state["state"] not in ("Idle", "Jog") or self.jog.waiting:
+            return errors.BUSY
+        if not self._known or self.place is None or len(direction) != len(self.place):
+            return errors.BUSY
+        if not self.lease.begin(number, beat, self._now_ms):
+            return errors.LEASE
+        self.jog.begin(direction, speed, self._limits(), self.place)
+        return 0
+
+    def renew(self, number, beat):
+        """True if the jog's lease lasts on."""
+        return self.lease.renew(number, beat, self._now_ms)
+
+    def end_jog(self):
+        """Brake now."""
+        self.lease.end()
+        if self.jog.active:
+            self.jog.end()
+            self.wire.write(_JOG_CANCEL)
+
+    def _limits(self):
+        axes = range(len(self.place))
+        return Limits(*[[float(self.settings.get(first + axis, "1")) for axis in axes] for first in (_AXIS_SPEED, _AXIS_ACCELERATION)])
+
+    def _say_jog(self, place, speed):
+        line = b"$J=G90G53G21" + words({AXES[axis]: place[axis] for axis in range(len(place))}) + b"F%.1f" % speed
+        return self.wire.say(PAGE, line, self.jog_answered)
+
+    def jog_answered(self, error):
+        if not self.jog.active:
+            self.jog.waiting = False
+            self.wire.write(_JOG_CANCEL)  # the first one may have overtaken this piece
+        elif error == errors.JOG_TRAVEL or not error:
+            self.jog.answered(error)
+        else:
+            self.jog.waiting = False
+            self.end_jog()
+            self.finished(error)
+
+    # --- who commands
+
+    def give(self, owner):
+        """Hand the command over: "page" or "guest"; only at rest."""
+        if owner != self.state["owner"]:
+            if self.still() or self.wire.of(GUEST) or self.wire.of(PAGE):
+                return errors.BUSY
+            self.state["owner"] = owner
+        return 0
+
+
+def words(place):
+    """X… Y… of {axis: mm}."""
+    return b"".join([b"%s%.3f" % (axis.upper().encode(), place[axis]) for axis in AXES if axis in place])

@@ -1,0 +1,94 @@
+"""A guest on the page's wire: a sender at the port that `passo panel` offers. It is answered as if it were alone.
+
+What it asks goes through always, and so does what makes the machine safe. What moves the machine goes through while it has
+the command, which it takes at rest by `$LINK=0`; else its lines get error 112.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.web.wire import GUEST
+
+_ALWAYS = (0x18, 0x21, 0x84, 0x85)  # reset, hold, door, jog cancel
+_LONGEST = const(256)
+_MOST = const(256)  # lines that wait for room
+_QUESTIONS = (b"$", b"$$", b"$#", b"$G", b"$I", b"$N", b"$LOG", b"$LINK", b"$ENC", b"$MASKS")
+_TAKE = (b"$LINK=0", b"$LINK=1")
+
+
+class Guest:
+    def __init__(self, machine, write):
+        """`write(bytes)`: to the guest; None: there is none."""
+        self._machine = machine
+        self._write = write
+        self._asked = False
+        self._buffer = b""
+        self._lines = []
+
+    def feed(self, data):
+        """Bytes from the guest."""
+        plain = bytearray()
+        for byte in data:
+            if byte == 0x3F:
+                self._asked = True
+            elif byte in _ALWAYS:
+                if byte == 0x18:
+                    plain = bytearray()
+                    self._lines = []
+                    self._machine.stop()
+                else:
+                    self._machine.end_jog()
+                    self._machine.wire.write(bytes((byte,)))
+            elif byte == 0x7E or byte >= 0x80:
+                if self._commands():
+                    self._machine.wire.write(bytes((byte,)))
+            elif byte != 0x0D:
+                plain.append(byte)
+        lines = (self._buffer + bytes(plain)).split(b"\n")
+        self._buffer = lines.pop()[:_LONGEST]
+        self._lines += lines
+        del self._lines[_MOST:]
+        self.poll()
+
+    def poll(self):
+        """Send what there is room for."""
+        wire = self._machine.wire
+        while self._lines:
+            line = self._lines[0]
+            word = line.strip().upper()
+            if word in _TAKE:
+                if wire.of(GUEST):
+                    return
+                self._answer(self._machine.give("guest"))
+            elif not word or self._commands() or word in _QUESTIONS:
+                if not wire.say(GUEST, line):
+                    return
+            elif wire.of(GUEST):
+                return  # its answer would overtake theirs
+            else:
+                self._answer(errors.COMMANDED_ELSEWHERE)
+            self._lines.pop(0)
+
+    def report(self, line):
+        """A report: the guest's, if it has asked for one."""
+        if self._asked:
+            self._asked = False
+            self._say(line)
+
+    def hear(self, line):
+        self._say(line)
+
+    def gone(self):
+        """It has closed its port: what it has queued is dropped."""
+        self._lines = []
+        self._buffer = b""
+
+    def _commands(self):
+        return self._machine.state["owner"] == "guest"
+
+    def _answer(self, error):
+        self._say("error:%d" % error if error else "ok")
+
+    def _say(self, line):
+        if self._write:
+            self._write(line.encode() + b"\r\n")

@@ -1,0 +1,132 @@
+"""A job under way: lines to the board as it has room, until the last one has been carried out.
+
+    job = Job(machine)
+    error = job.run("part.gcode", lines, 1, False)      # [(number, bytes)], passes, only checked
+    job.poll()                                          # sends what there is room for
+
+At the first refused line it holds the machine on its path, drops what is queued and tells which line it was.
+"""
+
+from passo import errors
+from passo.web.wire import LOST, PAGE
+
+_HELD = ("Hold", "Idle", "Alarm", "Check", "Door")
+
+
+class Job:
+    def __init__(self, machine):
+        self._machine = machine
+        self._lines = None
+        self._halting = False  # on its way to a stand, then it is dropped
+        self._idle = 0  # reports in a row that say that nothing moves
+        self._failed_line = 0
+        self.name = ""
+
+    def running(self):
+        return self._lines is not None
+
+    def run(self, name, lines, passes, checked):
+        """Begin; `checked`: the board only looks at the lines. Returns 0 or an error."""
+        machine = self._machine
+        error = machine.still()
+        if error or machine.state["state"] not in ("Idle", "Check"):
+            return error or errors.BUSY
+        self.name = name
+        self._lines = lines
+        self._passes = passes
+        self._pass = 1
+        self._at = 0  # the next to be sent
+        self._done = 0  # answered
+        self._checked = checked
+        self._failed = 0
+        self._failed_line = 0
+        self._idle = 0
+        self._halting = False
+        if checked:
+            machine.say(b"$C")
+        self._tell("run", 0)
+        return 0
+
+    def poll(self):
+        """Send what there is room for."""
+        if self._lines is None or self._halting:
+            return
+        wire = self._machine.wire
+        while self._at < len(self._lines):
+            if not wire.say(PAGE, self._lines[self._at][1], self._answered):
+                return
+            self._at += 1
+
+    def report(self, state):
+        """A report has come: `state` is its first word."""
+        if self._lines is None:
+            return
+        if self._halting:
+            if state in _HELD:
+                self._machine.stop()
+            return
+        if self._done < len(self._lines):
+            self._idle = 0
+            return
+        self._idle = self._idle + 1 if state in ("Idle", "Check") else 0
+        if self._idle < 2:
+            return
+        if self._pass < self._passes and not self._checked:
+            self._pass += 1
+            self._at = self._done = 0
+            self._tell("run", 0)
+        else:
+            self._end("done", 0)
+
+    def abort(self):
+        """Come to a stand on the path, then drop the rest."""
+        if self._lines is None:
+            return 0
+        self._halting = True
+        self._failed = self._failed or errors.STOPPED
+        self._machine.hold()
+        return 0
+
+    def fail(self, error):
+        """It has ended, for a reason outside of it."""
+        if self._lines is not None:
+            self._end("failed", self._failed or error)
+
+    def line(self):
+        """Number, in the file, of the line that was refused, or of the one that the board has answered last."""
+        return self._failed_line or self._lines[self._done - 1][0] if self._lines and self._done else 0
+
+    def _answered(self, error):
+        if error == LOST or self._lines is None:
+            return
+        self._done += 1
+        if error and not self._halting:
+            self._failed = error
+            self._failed_line = self.line()
+            if self._checked:
+                self._end("failed", error)
+            else:
+                self._machine.finished(error)
+                self.abort()
+
+    def _end(self, how, error):
+        checked = self._checked
+        self._tell(how, error)
+        self._lines = None
+        if checked:
+            self._machine.stop()  # a reset leaves the mode: $C would be the next line of those under way
+
+    def _tell(self, how, error):
+        """What every page gets to know: `how` is run, done or failed."""
+        self._machine.state["job"] = self.shown(how, error)
+
+    def shown(self, how, error):
+        return {
+            "name": self.name, "how": how, "error": error, "line": self.line(), "lines": len(self._lines), "done": self._done,
+            "pass": self._pass, "passes": self._passes, "checked": self._checked,
+        }  # fmt: skip
+
+    def refresh(self):
+        """The state's picture of a job that runs."""
+        if self._lines is not None:
+            self._tell("halting" if self._halting else "run", 0)

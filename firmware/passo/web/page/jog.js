@@ -1,0 +1,50 @@
+// A move while a button is held: a lease, renewed as long as the finger, the focus and the link are there.
+
+const KEEP_MS = 60;
+
+export class Jog {
+  constructor(link, state, refused) {
+    this.link = link;
+    this.state = state;     // () => the newest report
+    this.refused = refused; // (error)
+    this.lease = 0;
+    this.held = null;
+    for (const event of ["blur", "pagehide"]) window.addEventListener(event, () => this.release());
+    document.addEventListener("visibilitychange", () => { if (document.hidden) this.release(); });
+  }
+
+  press(way, speed, button) {
+    if (this.held) return;
+    const report = this.state();
+    this.lease = Math.max(this.lease, report.lease || 0) + 1;
+    const held = { lease: this.lease, button };
+    this.held = held;
+    button.classList.add("held");
+    this.link.order({ do: "jog", lease: held.lease, beat: report.beat, way, speed }).then((answer) => {
+      if (answer.error) {
+        if (this.held === held) this.drop();
+        this.refused(answer.error);
+      }
+    });
+    held.timer = setInterval(() => this.keep(held), KEEP_MS);
+  }
+
+  keep(held) {
+    if (this.held !== held) return;
+    this.link.order({ do: "keep", lease: held.lease, beat: this.state().beat }).then((answer) => {
+      if (answer.error && this.held === held) this.drop();
+    });
+  }
+
+  release() {
+    if (!this.held) return;
+    this.link.order({ do: "release", lease: this.held.lease });
+    this.drop();
+  }
+
+  drop() {
+    clearInterval(this.held.timer);
+    this.held.button.classList.remove("held");
+    this.held = null;
+  }
+}

@@ -1,0 +1,64 @@
+// The link to the server: a WebSocket, a session, answers by number.
+
+import { hex, hmac } from "./sha256.js";
+
+const bytes = (text) => new TextEncoder().encode(text);
+
+export class Link {
+  // told(message): everything that is no answer; up(open): the link is there, or is not.
+  constructor(told, up) {
+    this.told = told;
+    this.up = up;
+    this.key = "";
+    this.waiting = new Map();
+    this.id = 0;
+    this.open();
+  }
+
+  open() {
+    this.nonce = "";
+    this.count = 0;
+    this.socket = new WebSocket(`ws://${location.host}/ws`);
+    this.socket.onmessage = (event) => this.hear(JSON.parse(event.data));
+    this.socket.onclose = () => this.lost();
+  }
+
+  hear(message) {
+    if (message.t === "hello") {
+      this.nonce = message.nonce;
+      this.up(true);
+    }
+    if (this.waiting.has(message.id)) {
+      this.waiting.get(message.id)(message);
+      this.waiting.delete(message.id);
+    }
+    if (message.t !== "answer") this.told(message);
+  }
+
+  lost() {
+    this.nonce = "";
+    for (const answer of this.waiting.values()) answer({ error: 170 });
+    this.waiting.clear();
+    this.up(false);
+    setTimeout(() => this.open(), 1000);
+  }
+
+  ready() { return this.nonce !== "" && this.socket.readyState === WebSocket.OPEN; }
+
+  // Send an order with its proof; a promise of the answer.
+  order(order) {
+    if (!this.ready()) return Promise.resolve({ error: 170 });
+    const id = ++this.id;
+    const body = JSON.stringify({ ...order, id });
+    const count = String(++this.count);
+    const proof = hex(hmac(bytes(this.key), bytes(`${this.nonce}.${count}.${body}`)));
+    this.socket.send(`${count}.${proof}.${body}`);
+    return new Promise((answer) => this.waiting.set(id, answer));
+  }
+
+  // STOP goes both ways at once, and needs no key.
+  stop() {
+    if (this.ready()) this.socket.send('{"do":"stop"}');
+    fetch("stop", { method: "POST" }).catch(() => {});
+  }
+}

@@ -1,0 +1,440 @@
+// The page: shows what the server pushes, and makes orders of what is pressed.
+
+import { Jog } from "./jog.js";
+import { Link } from "./link.js";
+import { Picture, read } from "./path.js";
+import { _, choose, languages, preferred } from "./words.js";
+
+const $ = (id) => document.getElementById(id);
+const PIECE = 30000;  // characters of a job in one message
+const SIGNALS = { X: "Limit X", Y: "Limit Y", Z: "Limit Z", A: "Limit A", P: "Probe", D: "Door", H: "Hold button", R: "Reset button", S: "Start button" };
+const STATES = { "": "No link", Idle: "Ready", Run: "Running", Hold: "Held", Jog: "Moving", Home: "Homing", Alarm: "Alarm", Door: "Door open",
+  Check: "Checking", Sleep: "Asleep" };
+const OVERRIDES = [["feed", "Feed", ["-10", "100", "+10"]], ["rapid", "Rapids", ["25", "50", "100"]], ["spindle", "Spindle", ["-10", "100", "+10"]]];
+const PAD = [[-1, 1, "↖"], [0, 1, "↑"], [1, 1, "↗"], null, "z+", [-1, 0, "←"], null, [1, 0, "→"], null, null, [-1, -1, "↙"], [0, -1, "↓"], [1, -1, "↘"], null, "z-"];
+const KEYS = { ArrowLeft: "x-", ArrowRight: "x+", ArrowUp: "y+", ArrowDown: "y-", PageUp: "z+", PageDown: "z-" };
+
+let report = { state: "", beat: 0, m: [], w: [] };
+let errors = {};
+let axes = "";
+let rules = {};
+let shownMs = 0;
+let job = { name: "", text: "", lines: [] };
+const link = new Link(told, up);
+const jog = new Jog(link, () => report, refuse);
+const picture = new Picture($("path"));
+
+// --- messages
+
+function say(text) { $("message").textContent = text; }
+
+function refuse(error) {
+  if (error) say(`${_("Error")} ${error}: ${_(errors[error] || "")}`);
+}
+
+// An order; what is refused is said. Returns the answer.
+async function order(name, fields = {}) {
+  const answer = await link.order({ do: name, ...fields });
+  if (answer.error) refuse(answer.error); else if (name !== "jobs") say("");
+  return answer;
+}
+
+function ask(text) {
+  $("ask-text").textContent = text;
+  $("ask").showModal();
+  $("ask-yes").focus();
+  return new Promise((answer) => {
+    const end = (yes) => { $("ask").close(); answer(yes); };
+    $("ask-yes").onclick = () => end(true);
+    $("ask-no").onclick = () => end(false);
+    $("ask").oncancel = () => answer(false);
+  });
+}
+
+// --- what comes
+
+function up(open) {
+  if (!open) {
+    jog.release();
+    report = { ...report, state: "", link: false };
+    show(true);
+    say(_("The link to the panel is lost. Trying again…"));
+    return;
+  }
+  say("");
+  useKey();
+}
+
+async function useKey() {
+  const proven = Boolean(link.key) && !(await link.order({ do: "jobs" }).then(takeJobs)).error;
+  $("card-key").hidden = proven;
+  if (link.key && !proven) say(_("This key is not the panel's."));
+  if (proven) {
+    await link.order({ do: "settings" });
+    await link.order({ do: "log" });
+  }
+}
+
+function told(message) {
+  if (message.t === "state") {
+    report = message;
+    show(false);
+  } else if (message.t === "hello") {
+    hello(message);
+  } else if (message.t === "settings") {
+    setAxes(message.axes);
+    showSettings(message.settings);
+  } else if (message.t === "jobs") {
+    takeJobs(message);
+  } else if (message.t === "log") {
+    showLog(message);
+  } else if (message.t === "said") {
+    $("said").textContent = ($("said").textContent + message.text + "\n").slice(-4000);
+    $("said").scrollTop = $("said").scrollHeight;
+  }
+}
+
+function hello(message) {
+  rules = message.rules || {};
+  for (const card of document.querySelectorAll("[data-can]")) card.hidden = !message.can.includes(card.dataset.can);
+  $("home").hidden = !message.can.includes("home");
+  $("unlock").hidden = !message.can.includes("unlock");
+  setAxes(message.axes);
+  const machines = message.machines || [];
+  $("machine-row").hidden = !machines.length;
+  $("machines").replaceChildren(...machines.map((name) => new Option(name, name)));
+}
+
+function setAxes(wanted) {
+  if (wanted === axes) return;
+  axes = wanted;
+  $("places").replaceChildren(...[...axes].map((axis) => {
+    const row = document.createElement("tr");
+    row.innerHTML = `<th scope="row">${axis.toUpperCase()}</th><td id="w-${axis}"></td><td id="m-${axis}"></td><td><button type="button">0</button></td>`;
+    row.querySelector("button").onclick = () => order("zero", { axes: axis });
+    row.querySelector("button").setAttribute("aria-label", `${_("Zero here")}: ${axis.toUpperCase()}`);
+    return row;
+  }));
+  $("goto-axes").replaceChildren(...[...axes].map((axis) => {
+    const label = document.createElement("label");
+    label.innerHTML = `<span data-as-is>${axis.toUpperCase()}, mm</span><input type="number" step="any" id="goto-${axis}">`;
+    return label;
+  }));
+  makePad();
+}
+
+// --- what is shown
+
+function show(at_once) {
+  const every = Number($("refresh").value);
+  const now = performance.now();
+  const number = report.state || "";
+  $("state").dataset.state = number;
+  const name = _(STATES[report.link === false ? "" : number] || number);
+  if ($("state-name").textContent !== name) $("state-name").textContent = name;
+  if (!at_once && (!every || now - shownMs < 1000 / every - 5)) return;
+  shownMs = now;
+  [...axes].forEach((axis, n) => {
+    $(`w-${axis}`).textContent = report.w && n in report.w ? report.w[n].toFixed(3) : "";
+    $(`m-${axis}`).textContent = report.m && n in report.m ? report.m[n].toFixed(3) : "";
+  });
+  const places = (name) => (report[name] || []).map((value, n) => `${(axes[n] || "").toUpperCase()} ${value.toFixed(2)}`).join("  ");
+  $("where").textContent = report.w ? `${_("Work")} ${places("w")} · ${_("Machine")} ${places("m")}` : "";
+  $("speed-now").textContent = Math.round(report.feed || 0);
+  $("rpm-now").textContent = Math.round(report.rpm || 0);
+  (report.ov || []).forEach((value, n) => { const place = $(`ov-${OVERRIDES[n][0]}`); if (place) place.textContent = `${value} %`; });
+  $("owner").textContent = report.owner === "guest" ? _("the sender beside it") : _("this page");
+  showSignals();
+  showJob();
+  if (report.teaching !== undefined) $("teach-state").textContent = report.teaching < 0 ? "" : _("Recording: {count} places", { count: report.teaching });
+  if (report.alarm) refuse(report.alarm);
+  enable();
+}
+
+function enable() {
+  const idle = report.state === "Idle";
+  const busy = Boolean(report.job) && ["run", "halting"].includes(report.job.how);
+  const mine = report.owner !== "guest";
+  const set = (id, on) => { $(id).disabled = !on; };
+  for (const id of ["run", "check"]) set(id, idle && !busy && mine && $("jobs").value);
+  for (const id of ["remove", "zero-all", "teach-begin", "teach-save"]) set(id, (idle || report.state === "Alarm") && !busy);
+  set("home", (idle || report.state === "Alarm") && !busy && mine);
+  set("unlock", report.state === "Alarm" && mine);
+  set("hold", ["Run", "Jog", "Home"].includes(report.state));
+  set("resume", ["Hold", "Door"].includes(report.state) && mine);
+  set("abort", busy);
+  set("give", idle && !busy && mine);
+  set("take", idle && !mine);
+}
+
+function showSignals() {
+  const on = report.pins || "";
+  const outputs = report.on || "";
+  const rows = Object.entries(SIGNALS).filter(([letter]) => "XYZA".indexOf(letter) < axes.length || letter > "B" && !"XYZ".includes(letter))
+    .map(([letter, name]) => [_(name), on.includes(letter)]);
+  rows.push([_("Spindle"), /[SC]/.test(outputs)], [_("Coolant"), outputs.includes("F")], [_("Mist"), outputs.includes("M")]);
+  const text = JSON.stringify(rows);
+  if ($("signals").dataset.shown === text) return;
+  $("signals").dataset.shown = text;
+  $("signals").replaceChildren(...rows.map(([name, active]) => {
+    const item = document.createElement("li");
+    item.textContent = `${name}: ${active ? _("on") : _("off")}`;
+    item.className = active ? "on" : "";
+    return item;
+  }));
+}
+
+function showJob() {
+  const now = report.job;
+  const line = now ? (report.state === "Run" && report.line) || now.line : 0;
+  if (report.w && report.w.length) picture.move(report.w, now && now.name === job.name ? (now.how === "done" ? Infinity : line) : 0);
+  if (!now) return;
+  $("progress").value = now.lines ? now.done / now.lines : 0;
+  const how = { run: now.checked ? "Checking" : "Running", halting: "Stopping", done: now.checked ? "Checked: no error" : "Done", failed: "Ended" }[now.how];
+  let text = `${now.name}: ${_(how)}, ${_("line {line}, {done} of {lines}", { line, done: now.done, lines: now.lines })}`;
+  if (now.passes > 1) text += `, ${_("pass {pass} of {passes}", { pass: now.pass, passes: now.passes })}`;
+  if (report.wait) text += `, ${_("waits {seconds} s", { seconds: report.wait.toFixed(1) })}`;
+  if (now.error) text += `. ${_("Error")} ${now.error}: ${_(errors[now.error] || "")}`;
+  if ($("job-state").textContent !== text) $("job-state").textContent = text;
+  if (now.name === job.name) mark(line);
+}
+
+function mark(line) {
+  if ($("lines").dataset.line === String(line)) return;
+  $("lines").dataset.line = line;
+  const first = Math.max(0, line - 4);
+  $("lines").replaceChildren(...job.lines.slice(first, first + 9).map((text, n) => {
+    const row = document.createElement(first + n + 1 === line ? "b" : "span");
+    row.textContent = `${first + n + 1}  ${text}\n`;
+    return row;
+  }));
+}
+
+function showLog(message) {
+  const rows = message.log.map((number) => {
+    const item = document.createElement("li");
+    item.textContent = `${number}: ${_(errors[number] || "")}`;
+    return item;
+  });
+  if (message.all) $("log").replaceChildren(...rows); else $("log").append(...rows);
+}
+
+function showSettings(settings) {
+  $("settings").replaceChildren(...Object.keys(settings).map(Number).sort((a, b) => a - b).map((number) => {
+    const [name, unit, least, most] = rules[number] || ["", "", "", ""];
+    const row = document.createElement("tr");
+    row.innerHTML = `<th scope="row">$${number}</th><td></td><td><input type="number" step="any"></td><td></td><td></td>`;
+    const [, meaning, , units, bounds] = row.children;
+    meaning.textContent = name.replace(/^(?:[xyza]: )?(.*)$/, (whole, text) => whole.replace(text, _(text)));
+    units.textContent = unit;
+    bounds.textContent = least === "" ? "" : `${least} … ${most}`;
+    const input = row.querySelector("input");
+    input.value = Number(settings[number]);
+    input.setAttribute("aria-label", `$${number} ${meaning.textContent}`);
+    input.onchange = async () => {
+      if (await ask(_("Save {name} = {value}?", { name: `$${number}`, value: input.value }))) await order("set", { number, value: Number(input.value) });
+      else input.value = Number(settings[number]);
+    };
+    return row;
+  }));
+}
+
+// --- jobs
+
+function takeJobs(message) {
+  if (message.jobs) {
+    const before = $("jobs").value;
+    $("jobs").replaceChildren(...message.jobs.map(([name, size]) => new Option(`${name} (${Math.ceil(size / 1024)} kB)`, name)));
+    if (before && message.jobs.some(([name]) => name === before)) $("jobs").value = before;
+    if ($("jobs").value !== job.name) load();
+  }
+  return message;
+}
+
+async function load() {
+  const name = $("jobs").value;
+  job = { name, text: "", lines: [] };
+  for (let size = name ? 1 : 0; job.text.length < size && job.name === name;) {
+    const piece = await link.order({ do: "job_text", name, at: job.text.length });
+    if (piece.error || !piece.text) break;
+    job.text += piece.text;
+    size = piece.size;
+  }
+  if (job.name !== name) return;
+  job.lines = job.text.split("\n");
+  $("lines").dataset.line = "";
+  picture.show(read(job.text));
+  mark(1);
+}
+
+async function upload(file) {
+  const text = await file.text();
+  const name = file.name.replace(/[^A-Za-z0-9 ._-]/g, "_").replace(/^[^A-Za-z0-9]+/, "").slice(-60) || "job.gcode";
+  if ([...$("jobs").options].some((option) => option.value === name) && !(await ask(_("Replace {name}?", { name })))) return;
+  for (let at = 0; at === 0 || at < text.length; at += PIECE) {
+    const answer = await order("job_part", { name, at, text: text.slice(at, at + PIECE), last: at + PIECE >= text.length });
+    if (answer.error) return;
+    $("progress").value = Math.min(1, (at + PIECE) / text.length);
+  }
+  job = { name: "", text: "", lines: [] };
+  await order("jobs");
+  $("jobs").value = name;
+  await load();
+}
+
+// --- what is pressed
+
+const speed = () => Math.max(1, Number($("jog-speed").value) || 1);
+const distance = () => Number(document.querySelector("input[name=step]:checked").value);
+
+function press(way, button) {
+  const by = distance();
+  if (!by) return jog.press(way, speed(), button);
+  order("step", { by: Object.fromEntries(Object.entries(way).map(([axis, sign]) => [axis, sign * by])), speed: speed() });
+}
+
+function makePad() {
+  $("pad").replaceChildren(...PAD.map((cell) => {
+    if (!cell || (typeof cell === "string" && !axes.includes("z"))) return document.createElement("span");
+    const [way, sign] = typeof cell === "string" ? [{ z: cell[1] === "+" ? 1 : -1 }, cell.toUpperCase()]
+      : [Object.fromEntries([["x", cell[0]], ["y", cell[1]]].filter(([, part]) => part)), cell[2]];
+    const button = document.createElement("button");
+    button.type = "button";
+    button.textContent = sign;
+    button.dataset.way = Object.entries(way).map(([axis, part]) => axis + (part > 0 ? "+" : "-")).join("");
+    button.setAttribute("aria-label", `${_("Move")} ${button.dataset.way.toUpperCase()}`);
+    button.onpointerdown = (event) => { if (event.button === 0) { button.setPointerCapture(event.pointerId); press(way, button); } };
+    for (const name of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) button.addEventListener(name, () => jog.release());
+    button.oncontextmenu = (event) => event.preventDefault();
+    button.onkeydown = (event) => { if ([" ", "Enter"].includes(event.key)) { event.preventDefault(); if (!event.repeat) press(way, button); } };
+    button.onkeyup = () => jog.release();
+    return button;
+  }));
+}
+
+function typing(target) { return target.closest("input:not([type=radio]), select, textarea, pre, dialog"); }
+
+document.addEventListener("keydown", (event) => {
+  if (event.key === "Escape" && !$("ask").open) return link.stop();
+  const way = KEYS[event.key];
+  if (!way || typing(event.target) || event.ctrlKey || event.altKey || event.metaKey || !axes.includes(way[0]) || $("card-jog").hidden) return;
+  event.preventDefault();
+  if (!event.repeat) press({ [way[0]]: way[1] === "+" ? 1 : -1 }, document.querySelector(`[data-way="${way}"]`));
+});
+document.addEventListener("keyup", (event) => { if (KEYS[event.key]) jog.release(); });
+
+$("stop").onclick = () => link.stop();
+$("home").onclick = () => order("home");
+$("unlock").onclick = () => order("unlock");
+$("hold").onclick = () => order("hold");
+$("resume").onclick = () => order("resume");
+$("abort").onclick = () => order("abort");
+$("zero-all").onclick = async () => { if (await ask(_("Set the zero of all axes here?"))) order("zero", { axes }); };
+$("give").onclick = () => order("give", { to: "guest" });
+$("take").onclick = () => order("give", { to: "page" });
+$("jobs").onchange = load;
+$("upload").onchange = async () => { if ($("upload").files[0]) await upload($("upload").files[0]); $("upload").value = ""; };
+$("remove").onclick = async () => {
+  const name = $("jobs").value;
+  if (name && await ask(_("Remove {name}?", { name }))) { await order("job_remove", { name }); await order("jobs"); }
+};
+$("run").onclick = () => order("run", { name: $("jobs").value, passes: Number($("passes").value) || 1 });
+$("check").onclick = () => order("run", { name: $("jobs").value, check: true });
+$("line-form").onsubmit = (event) => { event.preventDefault(); order("line", { line: $("line").value }); $("line").select(); };
+$("key-form").onsubmit = (event) => {
+  event.preventDefault();
+  keep($("key").value);
+  useKey();
+};
+$("goto-form").onsubmit = (event) => {
+  event.preventDefault();
+  const to = Object.fromEntries([...axes].filter((axis) => $(`goto-${axis}`).value !== "").map((axis) => [axis, Number($(`goto-${axis}`).value)]));
+  order("goto", { to, speed: speed() });
+};
+$("path").onclick = (event) => {
+  picture.aim = picture.place(event);
+  ["x", "y"].forEach((axis, n) => { $(`goto-${axis}`).value = picture.aim[n].toFixed(1); });
+  picture.draw();
+};
+for (const button of document.querySelectorAll("[data-output]")) {
+  button.onclick = () => order("output", { name: button.dataset.output, rpm: Number($("rpm").value) || 0 });
+}
+$("teach-begin").onclick = () => order("teach", { what: "begin" });
+$("teach-drop").onclick = () => order("teach", { what: "drop" });
+$("teach-save").onclick = async () => {
+  const name = $("teach-name").value;
+  if ((await order("teach", { what: "save", name })).error) return;
+  job = { name: "", text: "", lines: [] };
+  await order("jobs");
+  $("jobs").value = name;
+  load();
+};
+$("machine").onclick = async () => {
+  const name = $("machines").value;
+  if (await ask(_("Restart as {name}?", { name }))) order("machine", { name });
+};
+
+function makeOverrides() {
+  $("overrides").replaceChildren(...OVERRIDES.map(([what, name, steps]) => {
+    const row = document.createElement("p");
+    row.className = "row";
+    row.innerHTML = `<span></span><output id="ov-${what}">100 %</output>`;
+    row.firstChild.textContent = _(name);
+    for (const to of steps) {
+      const button = document.createElement("button");
+      button.type = "button";
+      button.textContent = `${to} %`;
+      button.dataset.override = what + to;
+      button.setAttribute("aria-label", `${_(name)} ${to} %`);
+      button.onclick = () => order("override", { what, to });
+      row.append(button);
+    }
+    return row;
+  }));
+}
+
+// --- how it looks
+
+function keep(text) {
+  link.key = text.toUpperCase().replace(/[^A-Z0-9]/g, "");
+  try { sessionStorage.setItem("key", link.key); } catch { /* a page without storage asks again */ }
+}
+
+function kept(name) { try { return localStorage.getItem(name); } catch { return null; } }
+
+function put(name, value) { try { localStorage.setItem(name, value); } catch { /* it is as before, the next time */ } }
+
+function theme(name) {
+  const dark = name === "dark" || (name === "auto" && matchMedia("(prefers-color-scheme: dark)").matches);
+  document.documentElement.dataset.theme = dark ? "dark" : "light";
+  picture.draw();
+}
+
+async function speak(language) {
+  await choose(language);
+  makeOverrides();
+  const now = axes;
+  axes = "";
+  setAxes(now);
+  show(true);
+  if (link.key && link.ready()) { link.order({ do: "settings" }); link.order({ do: "log" }); }
+}
+
+$("language").onchange = () => { put("language", $("language").value); speak($("language").value); };
+$("theme").onchange = () => { put("theme", $("theme").value); theme($("theme").value); };
+matchMedia("(prefers-color-scheme: dark)").onchange = () => theme($("theme").value);
+$("refresh").onchange = () => show(true);
+
+const given = /[#&]key=([A-Za-z0-9-]+)/.exec(location.hash);
+if (given) {
+  keep(given[1]);
+  history.replaceState(null, "", location.pathname + location.search);
+} else {
+  try { link.key = sessionStorage.getItem("key") || ""; } catch { /* asked for */ }
+}
+const asked = new URLSearchParams(location.search);
+$("language").value = [asked.get("lang"), kept("language"), preferred()].find((each) => languages.includes(each));
+$("theme").value = [asked.get("theme"), kept("theme")].find((each) => ["auto", "light", "dark"].includes(each)) || "auto";
+theme($("theme").value);
+errors = await (await fetch("errors.json")).json();
+await speak($("language").value);

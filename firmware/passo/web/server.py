@@ -1,0 +1,290 @@
+"""The page and its orders over HTTP and WebSocket, with microdot, which is the same on CPython and MicroPython.
+
+    server = Server(api, key, names, page)          # names: the Host names that it answers to
+    await server.serve("127.0.0.1", 8080)
+
+Requests are bounded in size, number and time; Host and Origin must be this server's. A WebSocket brings state and answers to the
+page, and orders from it; one that ends, ends its jog.
+"""
+
+import asyncio
+import json
+import os
+import time
+
+from micropython import const
+from microdot import Microdot, Request, Response
+from microdot.websocket import WebSocket, WebSocketError, websocket_upgrade
+from passo import errors
+from passo.records import COUNT_MASK
+from passo.web.session import Session, hex_of
+
+PUSH_MS = const(50)
+_CONNECTIONS = const(24)
+_PAGES = const(8)
+_REQUEST_S = const(5)  # a request's head and body
+_HEAD_BYTES = const(8192)
+_MESSAGE_BYTES = const(49_152)
+_BODY_BYTES = const(4096)
+_MESSAGES_S = const(100)  # orders a second, of one page
+_WRONG = const(5)  # proofs, then the page is closed
+_PAUSE_S = const(1)  # after a wrong proof
+_UNSENT = const(65_536)  # of a page that does not read
+_TYPES = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=utf-8", "css": "text/css; charset=utf-8",
+          "svg": "image/svg+xml", "json": "application/json"}  # fmt: skip
+_HEADERS = {
+    "Content-Security-Policy": "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; connect-src 'self';"
+    " base-uri 'none'; form-action 'self'; frame-ancestors 'none'",
+    "X-Content-Type-Options": "nosniff",
+    "X-Frame-Options": "DENY",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-cache",
+}
+
+
+def clock_ms():
+    """Milliseconds modulo 2²⁹."""
+    return int(time.monotonic() * 1000) & COUNT_MASK if hasattr(time, "monotonic") else time.ticks_ms() & COUNT_MASK
+
+
+class Bounded:
+    """A reader whose request must be whole in time, and no longer than allowed."""
+
+    def __init__(self, reader):
+        self._reader = reader
+        self._left = _HEAD_BYTES + _BODY_BYTES
+        self._deadline = time.time() + _REQUEST_S
+        self.open = False  # a WebSocket: without an end
+
+    async def _within(self, coroutine, count):
+        if self.open:
+            return await coroutine
+        left = self._deadline - time.time()
+        if left <= 0 or self._left <= 0:
+            coroutine.close()
+            raise OSError(errors.BUSY)
+        data = await asyncio.wait_for(coroutine, left)
+        self._left -= len(data)
+        return data
+
+    async def readline(self):
+        return await self._within(self._reader.readline(), 0)
+
+    async def readexactly(self, count):
+        return await self._within(self._reader.readexactly(count), count)
+
+    async def read(self, count=-1):
+        return await self._within(self._reader.read(count), count)
+
+
+class App(Microdot):
+    """Microdot with bounds around it."""
+
+    def __init__(self):
+        super().__init__()
+        self._connections = 0
+
+    async def handle_request(self, reader, writer):
+        if self._connections >= _CONNECTIONS:
+            writer.close()
+            return
+        self._connections += 1
+        try:
+            await self._handle(Bounded(reader), writer)
+        except Exception:  # of one connection: torn, late, oversized. It ends, and nothing else does
+            pass
+        finally:
+            self._connections -= 1
+            try:
+                writer.close()
+            except OSError:
+                pass
+
+    async def _handle(self, reader, writer):
+        request = await Request.create(self, reader, writer, writer.get_extra_info("peername"))
+        if request is None:
+            return
+        response = await self.dispatch_request(request)
+        if response != Response.already_handled:
+            await response.write(writer)
+            await writer.aclose()
+
+
+class Page:
+    """One page that looks: its WebSocket, its session, and what it is still to be told."""
+
+    def __init__(self, socket, session):
+        self.socket = socket
+        self.session = session
+        self.told = []
+        self.wrong = 0
+        self.second = 0
+        self.count = 0
+        self.lease = 0  # of the jog that this page holds
+
+
+class Server:
+    def __init__(self, api, key, names, folder, about=None):
+        """`api`: an Api; `names`: host names (without port) that a request may name; `folder`: the page's files; `about`: more for
+        the first message to a page."""
+        self.api = api
+        self._key = key
+        self._names = names
+        self._about = about or {}
+        self._folder = folder
+        self._files = {}
+        for name in os.listdir(folder):
+            if name.split(".")[-1] in _TYPES:
+                self._files[name] = folder + "/" + name
+        self.pages = []
+        self.beat = 0
+        self.app = App()
+        Request.max_content_length = Request.max_body_length = _BODY_BYTES
+        Request.max_readline = _HEAD_BYTES // 4
+        WebSocket.max_message_length = _MESSAGE_BYTES
+        self._routes()
+
+    # --- requests
+
+    def _routes(self):
+        app = self.app
+
+        @app.before_request
+        async def look(request):
+            if not self._known(request):
+                return "wrong host", 403
+
+        @app.after_request
+        async def harden(request, response):
+            for name in _HEADERS:
+                response.headers[name] = _HEADERS[name]
+
+        @app.get("/")
+        async def index(request):
+            return self._file("index.html")
+
+        @app.get("/ws")
+        async def socket(request):
+            return await self._socket(request)
+
+        @app.post("/stop")
+        async def stop(request):
+            return self.api.order({"do": "stop"}, False)
+
+        @app.get("/errors.json")
+        async def texts(request):
+            from passo import error_texts
+
+            return {str(number): error_texts.text(number) for number in error_texts.numbers()}
+
+        @app.get("/<name>")
+        async def file(request, name):
+            return self._file(name)
+
+    def _known(self, request):
+        """Whether Host, and Origin if there is one, are this server's."""
+        host = request.headers.get("Host", "")
+        name = host.rsplit(":", 1)[0] if not host.endswith("]") else host
+        if name.lower() not in self._names:
+            return False
+        origin = request.headers.get("Origin")
+        if origin is None:  # no browser, or a page that is only fetched: a browser names it for a WebSocket and for each POST
+            return request.path != "/ws"
+        return origin == "http://" + host
+
+    def _file(self, name):
+        path = self._files.get(name)
+        if path is None:
+            return "not here", 404
+        with open(path, "rb") as file:
+            return Response(file.read(), 200, {"Content-Type": _TYPES[name.split(".")[-1]]})
+
+    # --- a page
+
+    async def _socket(self, request):
+        if len(self.pages) >= _PAGES:
+            return "too many pages", 503
+        socket = await websocket_upgrade(request)
+        request.sock[0].open = True
+        page = Page(socket, Session(self._key, hex_of(os.urandom(16))))
+        self.pages.append(page)
+        try:
+            hello = {"t": "hello", "nonce": page.session.nonce, "can": self.api.machine.can, "axes": self.api.machine.axes,
+                     "language": self.api.machine.language}  # fmt: skip
+            hello.update(self._about)
+            await socket.send(json.dumps(hello))
+            while True:
+                data = await socket.receive()
+                answer = self._hear(page, data)
+                if answer is None:
+                    break
+                await socket.send(json.dumps(answer))
+        except (OSError, WebSocketError, ValueError, EOFError):
+            pass
+        finally:
+            if page in self.pages:
+                self.pages.remove(page)
+            if page.lease:
+                self.api.machine.end_jog()
+        return Response.already_handled
+
+    def _hear(self, page, data):
+        """The answer to a message; None: the page is closed."""
+        if not isinstance(data, str) or not self._within_rate(page):
+            return None
+        proven = data[:1] != "{"
+        if proven:
+            data = page.session.open(data)
+            if data is None:
+                page.wrong += 1
+                return {"t": "answer", "do": "", "error": errors.NO_SESSION} if page.wrong < _WRONG else None
+        try:
+            order = json.loads(data)
+        except ValueError:
+            return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
+        answer = self.api.order(order, proven)
+        if isinstance(order, dict) and order.get("do") == "jog" and not answer["error"]:
+            page.lease = order["lease"]
+        if isinstance(order, dict) and "id" in order and isinstance(order["id"], int):
+            answer["id"] = order["id"]
+        return answer
+
+    def _within_rate(self, page):
+        second = int(time.time())
+        if second != page.second:
+            page.second = second
+            page.count = 0
+        page.count += 1
+        return page.count <= _MESSAGES_S
+
+    def tell(self, event):
+        """Something for every page, with the next push."""
+        for page in self.pages:
+            if len(page.told) < 100:
+                page.told.append(event)
+
+    async def push(self, now_ms):
+        """State, and what else there is, to every page. A page that does not read is left out, and closed in the end."""
+        self.beat += 1
+        self.api.machine.beat(self.beat)
+        state = dict(self.api.machine.shown())
+        state["t"] = "state"
+        state["beat"] = self.beat
+        state["pages"] = len(self.pages)
+        text = json.dumps(state)
+        for page in list(self.pages):
+            writer = page.socket.request.sock[1]
+            transport = getattr(writer, "transport", None)
+            if transport is not None and transport.get_write_buffer_size() > _UNSENT:
+                transport.abort()
+                continue
+            told, page.told = page.told, []
+            for each in [text] + [json.dumps(event) for event in told]:
+                try:
+                    writer.write(bytes(WebSocket._encode_websocket_frame(WebSocket.TEXT, each)))
+                except (OSError, RuntimeError):
+                    break
+
+    async def serve(self, host, port):
+        """Listen, and go on for ever; `started` follows in `self.app.server`."""
+        await self.app.start_server(host=host, port=port)

@@ -1,0 +1,101 @@
+"""Teach-in: manual moves, written down as a program that makes them again.
+
+    teach = Teach(recognise)
+    teach.begin()               # from where the machine stands
+    teach.see(state)            # with each report
+    text = teach.text()         # G-code
+
+A manual move of the page is straight, from rest to rest: so the places where it rests are its path. Moves that go on in one line are
+one line of the program. `recognise(points)` may do better, with arcs: it gives the lines of G-code for a list of places.
+"""
+
+from passo import errors
+
+_NEAR_MM = 0.0015  # off the straight line: what three decimals may round
+_MOST = 5000
+
+
+class Teach:
+    def __init__(self, recognise=None):
+        self._recognise = recognise or lines_of
+        self._points = None
+        self._on = ""
+        self._feed = 0
+        self._lines = []
+
+    def places(self):
+        """How many places have been recorded; −1: it does not record."""
+        return -1 if self._points is None else self._count
+
+    def begin(self):
+        self._points = []
+        self._count = 0
+        self._lines = []
+        self._on = ""
+        self._feed = 0
+        return 0
+
+    def drop(self):
+        self._points = None
+        return 0
+
+    def see(self, state):
+        """A report of the machine; only what it says at rest is a place."""
+        if self._points is None:
+            return
+        self._feed = max(self._feed, state.get("feed", 0))
+        if state["state"] != "Idle":
+            return
+        place = state["w"]
+        points = self._points
+        if not points:
+            self._on = state.get("on", "")
+            points.append(list(place))
+        elif max([abs(place[axis] - points[-1][axis]) for axis in range(len(place))]) > 0.0005 and len(points) < _MOST:
+            points.append(list(place))
+            self._count += 1
+        if state.get("on", "") != self._on:
+            self._on = state["on"]
+            self._flush()
+            self._lines.append("M3" if "S" in self._on else "M4" if "C" in self._on else "M5")
+
+    def text(self):
+        """The program; recording ends."""
+        if self._points is None:
+            return errors.NO_SUCH_JOB
+        self._flush()
+        lines = ["G21 G90 G94 G54", "F%.0f" % (self._feed or 500)] + self._lines + ["M2"]
+        self._points = None
+        return "\n".join(lines) + "\n"
+
+    def _flush(self):
+        if len(self._points) > 1:
+            self._lines += self._recognise(self._points)
+            self._points = self._points[-1:]
+
+
+def lines_of(points):
+    """G1 lines from points[0] on; what goes on straight is one line."""
+    kept = points[:1]
+    for at in range(1, len(points)):
+        if len(kept) > 1 and straight(kept[-2], kept[-1], points[at]):
+            kept[-1] = points[at]
+        else:
+            kept.append(points[at])
+    return [line_to(point, kept[at]) for at, point in enumerate(kept[1:])]
+
+
+def line_to(point, before):
+    return "G1 " + " ".join(["XYZA"[axis] + "%.3f" % point[axis] for axis in range(len(point)) if abs(point[axis] - before[axis]) > 0.0004])
+
+
+def straight(first, middle, last):
+    """True if the way first → middle → last goes straight on."""
+    way = [last[axis] - first[axis] for axis in range(len(first))]
+    part = [middle[axis] - first[axis] for axis in range(len(first))]
+    length = sum([each * each for each in way])
+    along = sum([way[axis] * part[axis] for axis in range(len(way))])
+    if not 0 < along < length:
+        return False
+    off = [part[axis] - way[axis] * along / length for axis in range(len(way))]
+    return max([abs(each) for each in off]) <= _NEAR_MM

@@ -1,0 +1,89 @@
+"""The lines of the grbl language under way on one wire, for two who speak on it: the page, and a guest (a sender at the port that
+`passo panel` offers).
+
+    wire = Wire(write, heard)
+    wire.say(PAGE, b"$J=G91X1F100", answered)    # True if it was sent; answered(error) follows, 0: ok
+    wire.feed(data)                              # heard(line, owner) of each line that is no answer
+
+A controller answers each line once, in order; so the answers find their way by a list of who has asked.
+"""
+
+from micropython import const
+
+PAGE = const(0)
+GUEST = const(1)
+RX_ROOM = const(128)  # bytes of lines under way: what every grbl has room for
+_LONGEST = const(1024)  # bytes of a line from the board; more is noise
+LOST = const(-1)  # answered(LOST): a reset has dropped the line
+
+
+class Wire:
+    def __init__(self, write, heard):
+        self.write = write
+        self._heard = heard
+        self._under_way = []  # (owner, bytes, answered)
+        self._bytes = 0
+        self._buffer = b""
+
+    def room(self, length):
+        """True if a line of so many bytes may be sent now."""
+        return not self._under_way or self._bytes + length + 1 <= RX_ROOM
+
+    def of(self, owner):
+        """How many lines of `owner` are under way."""
+        return len([each for each in self._under_way if each[0] == owner])
+
+    def say(self, owner, line, answered=None):
+        """Send a line without its end, if there is room."""
+        if not self.room(len(line)):
+            return False
+        self._under_way.append((owner, len(line) + 1, answered))
+        self._bytes += len(line) + 1
+        self.write(line + b"\n")
+        return True
+
+    def feed(self, data):
+        """What the board has said."""
+        lines = (self._buffer + data).split(b"\n")
+        self._buffer = lines.pop()
+        if len(self._buffer) > _LONGEST:
+            self._buffer = b""
+        for raw in lines:
+            line = "".join([chr(byte) for byte in raw if 32 <= byte < 127])
+            if line == "ok":
+                self._answer(0, line)
+            elif line[:6] == "error:" and line[6:].isdigit():
+                self._answer(int(line[6:]), line)
+            elif line:
+                if line[:5] == "Grbl ":
+                    self.drop()
+                self._heard(line, self._under_way[0][0] if self._under_way else None)
+
+    def drop(self):
+        """The board has begun anew: what was under way is not answered any more."""
+        lost = self._under_way
+        self._under_way = []
+        self._bytes = 0
+        for _, _, answered in lost:
+            if answered:
+                answered(LOST)
+
+    def _answer(self, error, line):
+        if not self._under_way:
+            return
+        owner, length, answered = self._under_way.pop(0)
+        self._bytes -= length
+        if answered:
+            answered(error)
+        if owner == GUEST:
+            self._heard(line, GUEST)
+
+
+def fields_of(report):
+    """{"state": …, "MPos": …} of a `<…>` line."""
+    fields = report[1:-1].split("|")
+    found = {"state": fields[0]}
+    for field in fields[1:]:
+        name, _, value = field.partition(":")
+        found[name] = value
+    return found

@@ -1,0 +1,88 @@
+"""`passo panel`: one page for the machine, in a browser of this PC or of a phone."""
+
+import asyncio
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+_JOBS = Path.home() / ".local" / "share" / "passo" / "jobs"
+_DEMO = "router_3axis"
+_SPEAKS = "grbl"
+
+
+def panel(
+    demo: Annotated[bool, typer.Option("--demo", help="A virtual machine: no hardware is needed.")] = False,
+    port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL of the board (socket://host:port).")] = None,
+    baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 115200,
+    board: Annotated[str, typer.Option(help="The demo's board file.")] = _DEMO,
+    host: Annotated[str, typer.Option(help="Address to serve; 0.0.0.0: also phones in this network.")] = "127.0.0.1",
+    http: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: any free one.")] = 8080,
+    jobs: Annotated[Path, typer.Option(help="Folder of the jobs.")] = _JOBS,
+    guest: Annotated[
+        Optional[str], typer.Option(metavar="PATH|TCP", help="A pty (a symlink to it) or a TCP port for a sender beside the page.")
+    ] = None,
+    trace: Annotated[Optional[Path], typer.Option(metavar="FILE.csv", help="The demo writes where the machine is.")] = None,
+    open_: Annotated[bool, typer.Option("--open/--no-open", help="Open the page in this PC's browser.")] = False,
+):
+    """Show the machine as a page: position, jog, zero, jobs, overrides, outputs, settings, alarms.
+
+    It prints the page's address, with the key that whoever moves the machine needs. The key stays in the browser: it is never
+    sent. STOP needs none. The port is the panel's alone; a sender can use it by --guest, and takes the command by `$LINK=0` while
+    nothing moves (the page hands it over by a button).
+
+    Examples:
+
+        passo panel --demo --open
+
+        passo panel --port /dev/ttyACM0 --guest /tmp/machine
+
+        passo panel --port /dev/ttyACM0 --host 0.0.0.0      # for a phone; give it the key that is shown
+    """
+    from host_tools import boards
+    from host_tools.cli import ports
+    from host_tools.panel.board import Demo, Port
+    from host_tools.panel.panel import Panel
+    from host_tools.sim.serial_line import PtyLine, TcpLine
+
+    if demo and port:
+        raise Failure("give --demo or --port, not both")
+    if trace and not demo:
+        raise Failure("--trace is for --demo")
+    line = None
+    if guest:
+        line = TcpLine(int(guest)) if guest.isdigit() else PtyLine(guest)
+    virtual = Demo(board, ["--trace", str(trace)] if trace else []) if demo else None
+    try:
+        name = virtual.name if virtual else port or ports.only()
+        machines = [board] + [each for each in _machines(boards) if each != board] if demo else ()
+        served = Panel(lambda changed: Port(name, baud, changed), jobs, line, host, machines, virtual.change if virtual else None)
+        asyncio.run(served.run(host, http, lambda number: _tell(host, number, served.key, line, open_)))
+    finally:
+        if virtual:
+            virtual.close()
+        if line:
+            line.close()
+
+
+def _tell(host, number, key, line, open_):
+    """Print where the page is, and open it."""
+    from passo.web.session import shown
+
+    address = f"http://{'127.0.0.1' if host == '0.0.0.0' else host}:{number}/"
+    print(f"page: {address}#key={key}")
+    print(f"key: {shown(key)}")
+    if line:
+        print(f"port: {line.name}")
+    print("Ctrl-C ends it.", flush=True)
+    if open_:
+        import webbrowser
+
+        webbrowser.open(f"{address}#key={key}")
+
+
+def _machines(boards):
+    """Names of the board files whose first link speaks the page's language."""
+    return [name for name in boards.names() if boards.load(name)["links"][0]["protocol"] == _SPEAKS]

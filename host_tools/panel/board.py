@@ -1,0 +1,99 @@
+"""The board of a panel: a serial port that may go and come back, or a virtual board of its own."""
+
+import subprocess
+import sys
+import time
+
+from host_tools.clients.serial_port import LinkError, open_exclusively
+from host_tools.failure import Failure
+
+_AGAIN_S = 1.0
+
+
+class Port:
+    """Bytes from and to a board. `changed(fd, open)`: the port has been opened, or is about to be closed."""
+
+    def __init__(self, name, baud, changed):
+        self.name = name
+        self._baud = baud
+        self._changed = changed
+        self._serial = None
+        self._tried = 0.0
+
+    def open(self):
+        """Open the port. Raises LinkError."""
+        self._tried = time.monotonic()
+        self._serial = open_exclusively(self.name, self._baud, 0)
+        self._changed(self._serial.fileno(), True)
+
+    def look(self):
+        """Try to open a port that went away, now and then."""
+        if self._serial is None and time.monotonic() - self._tried >= _AGAIN_S:
+            try:
+                self.open()
+            except LinkError:
+                pass
+
+    def read(self):
+        """What has come, b"" without a port."""
+        if self._serial is None:
+            return b""
+        try:
+            return self._serial.read(max(1, self._serial.in_waiting))
+        except (OSError, TypeError, ValueError):
+            self._lose()
+            return b""
+
+    def write(self, data):
+        if self._serial is not None:
+            try:
+                self._serial.write(data)
+            except (OSError, ValueError):
+                self._lose()
+
+    def close(self):
+        if self._serial is not None:
+            self._lose()
+
+    def _lose(self):
+        opened, self._serial = self._serial, None
+        try:
+            self._changed(opened.fileno(), False)
+            opened.close()
+        except (OSError, ValueError):
+            pass
+
+
+class Demo:
+    """`passo board` as a process of its own; `name` is the port to open."""
+
+    def __init__(self, board, options=()):
+        self.board = board
+        self._options = list(options)
+        self._process = None
+        self.name = self._start()
+
+    def _start(self):
+        words = [sys.executable, "-m", "host_tools.cli", "board", "--board", self.board, *self._options]
+        self._process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        line = self._process.stdout.readline()
+        if not line.startswith("port: "):
+            self.close()
+            raise Failure(f"the virtual board {self.board} did not start")
+        return line[6:].strip()
+
+    def change(self, board):
+        """Another machine; returns its port."""
+        self.close()
+        self.board = board
+        self.name = self._start()
+        return self.name
+
+    def close(self):
+        self._process.terminate()
+        try:
+            self._process.wait(5)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._process.stdout.close()

@@ -1,0 +1,145 @@
+"""What runs behind `passo panel`: one loop for the board, the pages, and the sender beside them."""
+
+import asyncio
+import os
+import signal
+import socket
+
+from host_tools.clients import setting_names
+from host_tools.panel.store import Store
+from host_tools.resources import ROOT
+from passo import errors
+from passo.web import session
+from passo.web.api import Api
+from passo.web.grbl_machine import AXES, GrblMachine
+from passo.web.server import PUSH_MS, Server, clock_ms
+from passo.web.teach import Teach
+
+FOLDER = ROOT / "firmware" / "passo" / "web" / "page"
+TICK_S = 0.01
+_SETTINGS = 200  # numbers below
+
+
+def names_of(host):
+    """The names that a browser may use for a server bound to `host`."""
+    names = {"127.0.0.1", "localhost", "[::1]", host}
+    if host not in ("127.0.0.1", "localhost", "::1"):
+        here = socket.gethostname().lower()
+        names |= {here, here + ".local"}
+        try:
+            names |= {found[4][0] for found in socket.getaddrinfo(here, None)}
+        except OSError:
+            pass
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+            try:
+                probe.connect(("192.0.2.1", 9))  # sends nothing: asks which address would be used
+                names.add(probe.getsockname()[0])
+            except OSError:
+                pass
+    return names
+
+
+def _rules():
+    """{number: (name, unit, least, most)} of all settings that any machine may have."""
+    found = {number: setting_names.rule(number, len(AXES)) for number in range(_SETTINGS)}
+    return {number: rule for number, rule in found.items() if rule}
+
+
+class Panel:
+    def __init__(self, make_port, jobs, guest, host, machines=(), change=None):
+        """`make_port(changed)`: a Port; `jobs`: folder; `guest`: a serial line for a sender, or None; `machines`: names of board
+        files to choose from, the present one first; `change(name)`: the new port's name."""
+        self._loop = None
+        self._port = make_port(self._changed)
+        self._guest = guest
+        self._watched = []
+        self._change = change
+        self.machine = GrblMachine(self._port.write, self._tell, guest.write if guest else None)
+        teach = Teach()
+        self.machine.watcher = self._see
+        self._teach = teach
+        self._machines = machines
+        self.key = session.make_key(os.urandom)
+        self.api = Api(self.machine, Store(jobs), teach, self._choose if change else None)
+        self.server = Server(self.api, self.key, names_of(host), str(FOLDER), {"machines": list(machines), "rules": _rules()})
+        self._stopped = asyncio.Event()
+
+    def _tell(self, event):
+        self.server.tell(event)
+
+    def _see(self, state):
+        self._teach.see(state)
+        state["teaching"] = self._teach.places()
+
+    def _changed(self, fd, opened):
+        """The board's port has come or goes: its bytes are taken as they come."""
+        if self._loop is None:
+            return
+        if opened:
+            self._loop.add_reader(fd, self._hear)
+        else:
+            self._loop.remove_reader(fd)
+
+    def _hear(self):
+        data = self._port.read()
+        if data:
+            self.machine.feed(data, clock_ms())
+            self.machine.job.poll()
+            self.machine.guest.poll()
+
+    def _hear_guest(self):
+        data = self._guest.read()
+        if data:
+            self.machine.guest.feed(data)
+
+    def _choose(self, name):
+        if name not in self._machines:
+            return errors.ORDER_FIELD
+        self._port.close()
+        self.machine.lost()
+        self._port.name = self._change(name)
+        return 0
+
+    def _watch_guest(self):
+        """A pty without a client is always ready, with nothing to read: it is not watched."""
+        watched = self._guest.watched()
+        for fd in self._watched:
+            if fd not in watched:
+                self._loop.remove_reader(fd)
+        for fd in watched:
+            if fd not in self._watched:
+                self._loop.add_reader(fd, self._hear_guest)
+        self._watched = watched
+        self._hear_guest()
+
+    async def run(self, host, port, ready):
+        """Serve until stop(). `ready(port)`: it listens."""
+        self._loop = asyncio.get_running_loop()
+        for number in (signal.SIGTERM, signal.SIGINT):
+            self._loop.add_signal_handler(number, self._stopped.set)
+        self._port.open()
+        serving = asyncio.ensure_future(self.server.serve(host, port))
+        try:
+            while not getattr(self.server.app, "server", None):
+                if serving.done():
+                    serving.result()
+                await asyncio.sleep(TICK_S)
+            ready(self.server.app.server.sockets[0].getsockname()[1])
+            await self._turn()
+        finally:
+            self.machine.end_jog()
+            serving.cancel()
+            self._port.close()
+
+    async def _turn(self):
+        pushed = clock_ms()
+        while not self._stopped.is_set():
+            now = clock_ms()
+            self._port.look()
+            self.machine.poll(now)
+            if self._guest:
+                self._watch_guest()
+            if now - pushed >= PUSH_MS or now < pushed:
+                pushed = now
+                await self.server.push(now)
+            await asyncio.sleep(TICK_S)

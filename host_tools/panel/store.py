@@ -1,0 +1,108 @@
+"""The jobs of a panel: G-code files of one folder, by names that are looked at before they reach the file system.
+
+    store = Store(Path("jobs"))
+    error = store.add("part.gcode", 0, text, last=True)     # in pieces; the file is there with the last one, whole
+    store.lines("part.gcode")                               # [(number, bytes)], or the number of an error
+"""
+
+import os
+import re
+
+from host_tools.clients.grbl import tagged
+from host_tools.failure import Failure
+from host_tools.programs import gcode_file
+from passo import errors
+
+MOST_BYTES = 64 << 20  # of all jobs
+_MOST_JOBS = 500
+_PIECE = 32_768
+_NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._-]{0,59}")
+_RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
+
+
+class Store:
+    def __init__(self, folder):
+        self._folder = folder
+        folder.mkdir(parents=True, exist_ok=True)
+        self._coming = {}  # name: pieces so far
+
+    def names(self):
+        """[(name, bytes)] in alphabetical order."""
+        found = [path for path in self._folder.iterdir() if path.is_file() and not self.name_error(path.name)]
+        return sorted((path.name, path.stat().st_size) for path in found)
+
+    def name_error(self, name):
+        """0 if a job may have this name."""
+        good = _NAME.fullmatch(name) and not _RESERVED.fullmatch(name) and not name.endswith((".", " "))
+        return 0 if good else errors.JOB_NAME
+
+    def _path(self, name):
+        """The file of a job that exists, or the number of an error."""
+        error = self.name_error(name)
+        if error:
+            return error
+        path = self._folder / name
+        return path if path.is_file() and not path.is_symlink() else errors.NO_SUCH_JOB
+
+    def lines(self, name):
+        """[(number, bytes)] as they are sent: without comments, numbered if the file does not number them itself."""
+        path = self._path(name)
+        if isinstance(path, int):
+            return path
+        try:
+            lines = gcode_file.read(path)
+        except Failure:
+            return errors.NO_SUCH_JOB
+        if any(b"N" in line.upper() for _, line in lines):
+            return lines
+        return [(number, tagged(number, line)) for number, line in lines]
+
+    def text(self, name, at):
+        """(text from byte `at` on, at most 32 kB, and how many bytes there are), or the number of an error."""
+        path = self._path(name)
+        if isinstance(path, int):
+            return path
+        with open(path, "rb") as file:
+            file.seek(at)
+            return file.read(_PIECE).decode("latin-1"), path.stat().st_size
+
+    def add(self, name, at, piece, last):
+        """A piece that begins at character `at`; 0 or the number of an error."""
+        error = self.name_error(name)
+        if error:
+            return error
+        if at == 0:
+            self._coming = {name: ""}  # one at a time: what was not finished is forgotten
+        if len(self._coming.get(name, "")) != at or name not in self._coming:
+            return errors.JOB_PIECE
+        if self._full(name, at + len(piece)):
+            del self._coming[name]
+            return errors.JOB_SIZE
+        self._coming[name] += piece
+        return self.put(name, self._coming.pop(name)) if last else 0
+
+    def put(self, name, text):
+        """Keep a job under a name, whole or not at all."""
+        error = self.name_error(name) or (errors.JOB_SIZE if self._full(name, len(text)) else 0)
+        if error:
+            return error
+        path = self._folder / name
+        fresh = self._folder / f".{name}.new"
+        try:
+            fresh.write_bytes(text.encode("latin-1", "replace"))
+            os.replace(fresh, path)
+        except OSError:
+            fresh.unlink(missing_ok=True)
+            return errors.JOB_SIZE
+        return 0
+
+    def remove(self, name):
+        path = self._path(name)
+        if isinstance(path, int):
+            return path
+        path.unlink()
+        return 0
+
+    def _full(self, name, size):
+        others = [bytes_ for other, bytes_ in self.names() if other != name]
+        return len(others) >= _MOST_JOBS or sum(others) + size > MOST_BYTES

@@ -1,0 +1,348 @@
+"""The page's orders: who may give them, what a jog's lease is, and that nothing else moves the machine."""
+
+from draws import Random
+from panel_desk import TICKS_PER_MS, Desk
+from passo import errors
+from passo.web.jog import Limits
+from passo.web.lease import FRESH_MS, LEASE_MS, Lease
+from passo.web.session import Session, hex_of, hmac, make_key, read_key, shown
+from passo.web.teach import lines_of
+from passo.web.wire import PAGE, Wire
+
+SPEED = 3000
+MM = 320  # steps
+RAMP_MS = 220  # from 50 mm/s at 250 mm/s², and a segment
+CASES = {
+    "check_noise_moves_nothing": (("seed", "seed"),),
+    "check_a_late_keep_revives_nothing": (("late_ms", 201, 2000),),
+    "check_a_lease": (("events", "list", 30, ("what", 0, 3), ("number", 0, 4), ("wait_ms", 0, 260)),),
+}
+RUNS = {"check_noise_moves_nothing": 15, "check_a_late_keep_revives_nothing": 4, "check_a_lease": 60}
+
+
+def check_hmac_is_that_of_rfc_4231():
+    assert hex_of(hmac(b"\x0b" * 20, b"Hi There")) == "b0344c61d8db38535ca8afceaf0bf12b881dc200c9833da726e9376c2e32cff7"
+    assert hex_of(hmac(b"Jefe", b"what do ya want for nothing?")) == "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843"
+    large = hmac(b"\xaa" * 131, b"Test Using Larger Than Block-Size Key - Hash Key First")
+    assert hex_of(large) == "60e431591ee0b67f0d8a26aacbf5b77f8e0bc6213728c5140546040f0ee37f54"
+
+
+def check_a_session():
+    session = Session("KEY", "nonce")
+    other = Session("KEY", "another")
+    body = '{"do":"hold"}'
+    message = "1.%s.%s" % (session.proof("1", body), body)
+    assert other.open(message) is None, "the nonce of another connection"
+    assert Session("YEK", "nonce").open(message) is None
+    assert session.open(message.replace("hold", "home")) is None
+    assert session.open(message.replace("1.", "2.", 1)) is None
+    assert session.open(message) == body
+    assert session.open(message) is None, "the same again"
+    for torn in ("", ".", "..", "1", "x.y.z", message[:-1], "-1" + message[1:], "1" * 400 + ".a.b"):
+        assert session.open(torn) is None
+    assert session.open("12.%s.x" % session.proof("12", "x")) == "x"
+    assert session.open("11.%s.x" % session.proof("11", "x")) is None, "an older one"
+
+
+def check_keys():
+    made = make_key(lambda count: bytes(range(100, 100 + count)))
+    assert len(made) == 16 and read_key(" " + shown(made).lower()) == made
+    assert shown("ABCDEFGH") == "ABCD-EFGH"
+
+
+def check_a_lease(events):
+    """Against a plain model: a lease is alive for LEASE_MS from its last renewal, and a number never lives twice."""
+    lease = Lease()
+    now = 0x1FFFFF00  # the clock runs over
+    newest, until, used = 0, -1, 0
+    at = 0
+    for what, number, wait in events:
+        at += wait
+        now = (now + wait) & 0x1FFFFFFF
+        lease.beat(at + 1, now)
+        alive = newest and at <= until
+        if not alive:
+            newest = 0
+        if what == 0:
+            wanted = not alive and number > used
+            assert lease.begin(number, at + 1, now) == wanted
+            if wanted:
+                newest, used, until = number, number, at + LEASE_MS
+        elif what == 1:
+            wanted = bool(alive and number == newest)
+            assert lease.renew(number, at + 1, now) == wanted
+            if wanted:
+                until = at + LEASE_MS
+        elif what == 2:
+            lease.end()
+            newest = 0
+        else:
+            assert bool(lease.alive(now)) == bool(alive)
+
+
+def check_what_was_held_up_counts_for_nothing():
+    lease = Lease()
+    lease.beat(1, 1000)
+    assert not lease.begin(1, 1, 1001 + FRESH_MS)
+    lease.beat(2, 2000)
+    assert not lease.begin(1, 2, 2000), "its number is used up"
+    assert lease.begin(2, 2, 2000)
+    assert not lease.renew(2, 1, 2100), "it has not seen the newest reports"
+
+
+def stopped_after(desk, since):
+    """Milliseconds from tick `since` to the last step."""
+    steps = [row[0] for row in desk.board.world.path if row[0] > since]
+    return (steps[-1] - since) / TICKS_PER_MS if steps else 0
+
+
+def check_a_jog_ends_on_release():
+    desk = Desk()
+    desk.board.world.path = []
+    desk.hold_jog(1, 900, way={"x": 1}, speed=SPEED)
+    assert desk.machine.state["feed"] > SPEED * 0.98, "it reaches its speed"
+    since = desk.board.port.now
+    assert desk.order("release", lease=1) == 0
+    desk.run_ms(1500)
+    assert stopped_after(desk, since) <= 100 + RAMP_MS, stopped_after(desk, since)
+    assert desk.machine.state["state"] == "Idle"
+    before = desk.place()
+    assert before[1:] == [2500, -1800] and before[0] > 3000 + 30 * MM
+    assert desk.order("keep", lease=1, beat=desk.beats) == errors.LEASE
+    assert desk.order("jog", lease=1, beat=desk.beats, way={"x": 1}, speed=SPEED) == errors.LEASE
+    desk.run_ms(500)
+    assert desk.place() == before
+
+
+def check_a_late_keep_revives_nothing(late_ms):
+    """Nobody renews it: it ends within 250 ms and its ramp, and what comes late does not bring it back."""
+    desk = Desk()
+    desk.board.world.path = []
+    desk.hold_jog(5, 600, way={"x": 1, "y": 1}, speed=SPEED)
+    since = desk.board.port.now
+    desk.run_ms(late_ms)
+    assert desk.order("keep", lease=5, beat=desk.beats) == errors.LEASE
+    desk.run_ms(800)
+    assert stopped_after(desk, since) <= 250 + RAMP_MS, stopped_after(desk, since)
+    before = desk.place()
+    assert before[0] - 3000 == before[1] - 2500, "both axes alike"
+    assert desk.order("keep", lease=5, beat=desk.beats) == errors.LEASE
+    desk.run_ms(300)
+    assert desk.place() == before
+
+
+def check_a_dead_server_leaves_little():
+    """Nobody feeds the board any more, not even to cancel: what is queued is a moment's way and the way to brake."""
+    desk = Desk()
+    desk.board.world.path = []
+    desk.hold_jog(1, 900, way={"x": -1}, speed=2000)
+    since = desk.board.port.now
+    while desk.board.port.now < since + 2000 * TICKS_PER_MS:
+        desk.board.app.cycle()
+    assert desk.board.controller.state == "idle"
+    assert stopped_after(desk, since) <= 250 + RAMP_MS, stopped_after(desk, since)
+
+
+def check_a_jog_ends_at_the_travel():
+    desk = Desk()
+    desk.board.do("$20=1")
+    desk.run_ms(200)
+    number = 1
+    desk.order("home")
+    desk.run_ms(200)
+    desk.settle()
+    assert desk.order("jog", lease=number, beat=desk.beats, way={"x": -1}, speed=SPEED) == 0
+    desk.run_ms(150)
+    desk.order("release")
+    desk.settle()
+    assert desk.machine.state["alarm"] == 0 and desk.machine.state["state"] == "Idle"
+
+
+def check_without_the_key_only_stop():
+    desk = Desk()
+    before = desk.place()
+    fields = {"by": {"x": 1}, "to": {"x": 1}, "way": {"x": 1}, "speed": 100, "lease": 1, "beat": desk.beats, "axes": "x",
+              "name": "a", "line": "G0X1", "what": "begin", "number": 100, "value": 1, "at": 0, "text": "G0X1"}  # fmt: skip
+    for name in sorted(desk.api._orders):
+        assert desk.order(name, False, **fields) == errors.NO_SESSION, name
+        desk.run_ms(20)
+    assert desk.place() == before and desk.machine.state["state"] == "Idle"
+    desk.order("step", by={"x": 20}, speed=SPEED)
+    desk.run_ms(200)
+    assert desk.order("stop", False) == 0
+    desk.run_ms(60)
+    stood = desk.place()
+    desk.run_ms(500)
+    assert desk.place() == stood and stood[0] < before[0] + 20 * MM
+
+
+WRONG = (
+    {}, {"by": {}}, {"by": {"q": 1}, "speed": 100}, {"by": {"x": "1"}, "speed": 100}, {"by": {"x": True}, "speed": 100},
+    {"by": {"x": 1e30}, "speed": 100}, {"by": {"x": float("nan")}, "speed": 100}, {"by": {"x": 1}, "speed": 0}, {"by": {"x": 1}},
+    {"by": [1], "speed": 100}, {"by": {"xx": 1}, "speed": 100}, {"by": {"x": 1}, "speed": float("inf")},
+)
+
+
+def check_wrong_fields_move_nothing():
+    desk = Desk()
+    before = desk.place()
+    for fields in WRONG:
+        assert desk.order("step", **fields) == errors.ORDER_FIELD, fields
+    for line in ("G0X1\nG0X2", "\x18", "G0X1\x85", "X" * 200, 5, None, "é"):
+        assert desk.order("line", line=line) == errors.ORDER_FIELD
+    for order in (None, [], "stop", 7, {"do": []}, {"do": "eval"}, {"do": "__class__"}):
+        assert desk.api.order(order, True)["error"] == errors.UNKNOWN_COMMAND
+    desk.run_ms(100)
+    assert desk.place() == before
+
+
+def check_noise_moves_nothing(seed):
+    """Random orders without the key, in any state of the machine."""
+    desk = Desk()
+    random = Random(seed)
+    before = desk.place()
+    names = sorted(desk.api._orders) + ["", "look", "reset"]
+    for _ in range(60):
+        fields = {"by": {random.choice("xyzq"): random.between(-50, 50)}, "speed": random.between(-5, 5000)}
+        for name in ("lease", "beat", "at", "number"):
+            fields[name] = random.between(-2, 40)
+        fields["way"] = {"x": random.between(-1, 1)}
+        assert desk.order(random.choice(names), False, **fields)
+        desk.run_ms(5)
+    assert desk.place() == before
+
+
+def check_steps_and_places():
+    desk = Desk()
+    assert desk.order("step", by={"x": 5, "y": -2.5}, speed=SPEED) == 0
+    desk.run_ms(50)
+    assert desk.order("step", by={"x": 5}, speed=SPEED) == errors.BUSY
+    desk.settle()
+    assert desk.place() == [3000 + 5 * MM, 2500 - 800, -1800]
+    assert desk.order("zero", axes="xy") == 0
+    desk.settle()
+    assert desk.machine.state["w"][:2] == [0, 0]
+    assert desk.order("goto", to={"x": 1, "y": 1}, speed=SPEED) == 0
+    desk.settle()
+    assert desk.place() == [3000 + 6 * MM, 2500 - 800 + MM, -1800]
+
+
+def check_a_job_runs_pauses_and_repeats():
+    desk = Desk()
+    start = desk.place()
+    desk.store.put("a", "G21G91\nG1X4F3000\nY4\nX-4\nY-4\n")
+    assert desk.order("run", name="a", passes=2) == 0
+    desk.run_ms(150)
+    assert desk.order("hold") == 0
+    desk.run_ms(400)
+    stood = desk.place()
+    desk.run_ms(300)
+    assert desk.place() == stood and desk.machine.state["state"] == "Hold"
+    assert desk.order("resume") == 0
+    desk.settle()
+    job = desk.machine.state["job"]
+    assert (job["how"], job["pass"], job["line"], job["error"]) == ("done", 2, 5, 0), job
+    assert desk.place() == start
+
+
+def check_a_refused_line_ends_the_job():
+    desk = Desk()
+    desk.store.put("a", "G21G91\nG1X4F3000\nG1X4Q\nX40\n")
+    assert desk.order("run", name="a") == 0
+    desk.settle()
+    job = desk.machine.state["job"]
+    assert job["how"] == "failed" and job["error"] and job["line"] == 3, job
+    assert desk.place()[0] <= 3000 + 4 * MM, "nothing behind it"
+
+
+def check_a_job_is_only_checked():
+    desk = Desk()
+    before = desk.place()
+    desk.store.put("a", "G21G91\nG1X4F3000\nY4\n")
+    desk.store.put("b", "G21G91\nG1X4F3000\nG5.7\n")
+    for name, how in (("a", "done"), ("b", "failed")):
+        assert desk.order("run", name=name, check=True) == 0
+        desk.settle()
+        desk.run_ms(500)
+        assert desk.machine.state["job"]["how"] == how and desk.machine.state["job"]["checked"]
+        assert desk.place() == before and desk.board.controller.state != "check"
+        if desk.machine.state["state"] == "Alarm":
+            desk.order("unlock")
+            desk.run_ms(200)
+
+
+def check_a_sender_beside_the_page():
+    """It asks as it likes, moves only when it commands, and its lines are answered in order."""
+    said = []
+    desk = Desk(said.append)
+    guest = desk.machine.guest
+
+    def heard():
+        text = b"".join(said).decode()
+        said.clear()
+        return text
+
+    before = desk.place()
+    heard()
+    guest.feed(b"$G\nG91G1X1F1000\n?")
+    desk.run_ms(300)
+    text = heard()
+    assert "[GC:" in text and text.count("ok") == 1 and "error:112" in text and text.count("<Idle") == 1, text
+    assert text.find("ok") < text.find("error:112")
+    assert desk.place() == before
+    guest.feed(b"$LINK=0\nG91G1X1F1000\n")
+    assert desk.order("step", by={"x": 1}, speed=500) == errors.COMMANDED_ELSEWHERE
+    desk.settle()
+    assert desk.place()[0] == before[0] + MM and heard().count("ok") == 2
+    guest.feed(b"G1X30\n")
+    desk.run_ms(100)
+    assert desk.order("give", to="page") == errors.BUSY
+    assert desk.order("stop", False) == 0
+    desk.run_ms(500)
+    assert "Grbl 1.1" in heard()
+
+
+def check_taught_moves_make_the_same_steps():
+    desk = Desk()
+    start = desk.place()
+    assert desk.order("teach", what="begin") == 0
+    desk.run_ms(100)
+    for way in ({"x": 3.1}, {"x": 2.2}, {"y": 4}, {"x": -1.5, "y": -1.5}):
+        assert desk.order("step", by=way, speed=2000) == 0
+        desk.settle()
+    desk.hold_jog(1, 300, way={"x": 1}, speed=1200)
+    desk.order("release", lease=1)
+    desk.settle()
+    taught = desk.place()
+    assert desk.order("teach", what="save", name="t") == 0
+    text = desk.store.jobs["t"]
+    assert text.count("G1") == 4, text  # two in a line are one
+    back = {"x": (start[0] - taught[0]) / MM, "y": (start[1] - taught[1]) / MM}
+    desk.order("step", by=back, speed=3000)
+    desk.settle()
+    assert desk.place() == start
+    assert desk.order("run", name="t") == 0
+    desk.settle()
+    assert desk.place() == taught
+
+
+def check_straight_runs():
+    assert lines_of([(0, 0), (1, 1), (2, 2), (3, 3), (3, 4)]) == ["G1 X3.000 Y3.000", "G1 Y4.000"]
+    assert lines_of([(0, 0), (2, 0), (1, 0)]) == ["G1 X2.000", "G1 X1.000"], "there and back is no straight run"
+
+
+def check_no_axis_is_driven_beyond_its_own():
+    limits = Limits([5000, 5000, 1500], [250, 250, 150])
+    assert limits.along((1, 0, 0)) == (5000, 250)
+    speed, _ = limits.along((0.6, 0, 0.8))
+    assert abs(speed - 1875) < 1
+
+
+def check_answers_find_their_way():
+    sent, heard, answered = [], [], []
+    wire = Wire(sent.append, lambda line, owner: heard.append((line, owner)))
+    assert wire.say(PAGE, b"A", answered.append) and wire.say(1, b"B")
+    wire.feed(b"[x]\r\no")
+    wire.feed(b"k\r\nerror:9\r\nok\r\n")
+    assert answered == [0] and heard == [("[x]", PAGE), ("error:9", 1)]
+    assert not wire.say(PAGE, b"x" * 100) or not wire.say(PAGE, b"x" * 100)
