@@ -27,7 +27,7 @@ _HEAD_BYTES = const(8192)
 _MESSAGE_BYTES = const(49_152)
 _BODY_BYTES = const(4096)
 _MESSAGES_S = const(100)  # orders a second, of one page
-_WRONG = const(5)  # proofs, then the page is closed
+_WRONG_PROOFS = const(5)  # then the page is closed
 _PAUSE_S = const(1)  # after a wrong proof
 _UNSENT = const(65_536)  # of a page that does not read
 _TYPES = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=utf-8", "css": "text/css; charset=utf-8",
@@ -237,7 +237,7 @@ class Server:
             data = page.session.open(data)
             if data is None:
                 page.wrong += 1
-                return {"t": "answer", "do": "", "error": errors.NO_SESSION} if page.wrong < _WRONG else None
+                return {"t": "answer", "do": "", "error": errors.NO_SESSION} if page.wrong < _WRONG_PROOFS else None
         try:
             order = json.loads(data)
         except ValueError:

@@ -1,0 +1,97 @@
+"""The catalogue of the page and of what `passo` says: every text has its words, and no words are left over."""
+
+import json
+import re
+from html.parser import HTMLParser
+
+import pytest
+
+from host_tools.clients import setting_names
+from host_tools.panel.panel import FOLDER
+from passo import error_texts
+
+pytestmark = pytest.mark.quick
+
+CATALOGUE = json.loads((FOLDER / "pt.json").read_text(encoding="utf-8"))
+MODULES = ("panel.js", "jog.js", "link.js", "path.js", "words.js")
+TABLES = ("SIGNALS", "STATES", "OVERRIDES")  # whose texts are shown by way of _()
+# Words of the documents, and what an English text with them has to say in Portuguese.
+TERMS = {"spindle": "fuso", "step program": "programa de pulsos", "homing": "origem", "door": "porta", "speed": ("velocidade", "rotação"),
+         "inverter": "inversor", "gantry": "pórtico", "motor": "motor", "alarm": "alarm"}  # fmt: skip
+
+
+class Texts(HTMLParser):
+    """The texts of a page that words.js translates."""
+
+    def __init__(self):
+        super().__init__()
+        self.found = set()
+        self._outside = True
+
+    def handle_starttag(self, tag, attributes):
+        attributes = dict(attributes)
+        if tag == "script" or tag != "html" and "lang" in attributes:
+            self._outside = False
+        if "aria-label" in attributes:
+            self.found.add(attributes["aria-label"])
+
+    def handle_endtag(self, tag):
+        if tag in ("script", "option"):
+            self._outside = True
+
+    def handle_data(self, data):
+        text = data.strip()
+        if self._outside and re.search("[a-zA-Z]{2}", text):
+            self.found.add(text)
+
+
+def page_texts():
+    texts = Texts()
+    texts.feed((FOLDER / "index.html").read_text(encoding="utf-8"))
+    return texts.found
+
+
+def script_texts():
+    source = "".join((FOLDER / name).read_text(encoding="utf-8") for name in MODULES)
+    found = set(re.findall(r'\b_\("([^"]+)"', source))
+    for name in TABLES:
+        table = re.search(rf"const {name} = (.*?);\n", source, re.DOTALL)[1]
+        found |= {text for text in re.findall(r'"([^"]*)"', table) if re.search("[A-Z][a-z]", text)}
+    shown = re.search(r"const how = \{(.*?)\}\[", source, re.DOTALL)[1]
+    return found | set(re.findall(r'"([^"]+)"', shown))
+
+
+def wanted():
+    errors = {error_texts.text(number) for number in error_texts.numbers()}
+    settings = {name[0] for names in (setting_names.NAMES, setting_names.AXIS_NAMES) for name in names.values()}
+    return page_texts() | script_texts() | errors | settings
+
+
+def test_every_text_has_its_words():
+    missing = wanted() - set(CATALOGUE)
+    assert not missing, "pt.json lacks:\n" + "\n".join(json.dumps(text, ensure_ascii=False) for text in sorted(missing))
+
+
+def test_no_words_are_left_over():
+    assert not set(CATALOGUE) - wanted()
+
+
+def test_the_fields_are_the_same():
+    for text, words in CATALOGUE.items():
+        assert words.strip() and sorted(re.findall(r"\{\w+\}", text)) == sorted(re.findall(r"\{\w+\}", words)), text
+
+
+def test_the_words_are_those_of_the_documents():
+    for text, words in CATALOGUE.items():
+        for term, term_words in TERMS.items():
+            if re.search(rf"\b{term}\b", text, re.IGNORECASE):
+                term_words = (term_words,) if isinstance(term_words, str) else term_words
+                assert any(each in words.lower() for each in term_words), f"{text}: {words}"
+
+
+def test_a_page_is_small():
+    """All that the page loads, as a board would keep it."""
+    import zlib
+
+    files = [path for path in FOLDER.iterdir() if not path.name.startswith("torch")]
+    assert sum(len(zlib.compress(path.read_bytes(), 9)) for path in files) < 60_000
