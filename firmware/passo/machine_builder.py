@@ -69,7 +69,7 @@ def load_all(board, whole):
         forget("shift_keys")
     if board["network"]:
         forget("network_keys")
-        network_line()
+        network()
     names = wanted(board, languages(board))
     modules = _OF_ALL
     if "program" in names:
@@ -120,10 +120,10 @@ def framed_line():
         raise BoardError("frames are not on this board (%s): flash it anew" % missing)
 
 
-def network_line():
-    """The class of links over the network; only boards that have a network load it. Raises BoardError."""
+def network():
+    """The module of links over the network; only boards that have one load it. Raises BoardError."""
     try:
-        return __import__("passo.web.lines", None, None, ("NetworkLine",)).NetworkLine
+        return __import__("passo.web.lines", None, None, ("NetworkLine",))
     except ImportError as missing:
         raise BoardError("network: it is not on this board (%s): flash it anew" % missing)
 
@@ -136,17 +136,11 @@ def serials(board, port):
         if not board["network"] or link["port"] not in NETWORK_PORTS:
             lines.append(port.serial(link))
             continue
-        line = network_line()
+        web = network()
         if radio is None:
-            radio = port.radio if hasattr(port, "radio") else _radio(board)
-        lines.append(line(board, link, radio, port.link_ms))
+            radio = port.radio if hasattr(port, "radio") else web.Radio(board["network"])
+        lines.append(web.NetworkLine(board, link, radio, port.link_ms))
     return lines
-
-
-def _radio(board):
-    from passo.web.radio import Radio
-
-    return Radio(board["network"])
 
 
 def join(links, controller):

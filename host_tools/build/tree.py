@@ -93,6 +93,7 @@ COLD_IF_LEAN = (
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
 FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key of this name
+NETWORK = Path("passo", "web", "lines.py")  # only boards with a network have it, and what it imports
 # What a server on the board sends to browsers, by the language of its link; they are files of their own.
 PAGES = Path("passo", "web", "page")
 PAGES_OF = {"torch": ("torch.html", "torch.css", "torch.js", "sha256.js")}
@@ -177,6 +178,8 @@ def selected(board, firmware=FIRMWARE):
         modules[".".join(path.with_suffix("").parts).removesuffix(".__init__")] = path
     chosen = {path for path in files if path.name == "__init__.py" or path.parts[1] == "ports"}
     chosen -= {path for path in files if language_name(path) not in wanted | {None}}
+    if board.get("network"):
+        chosen.add(NETWORK)
     queue = list(chosen)
     queue.append(Path("main.py"))
     while queue:

@@ -294,7 +294,7 @@ def test_attack_while_it_moves(tmp_path, count, steps):
     was asked for, each step at its time, and none more."""
     trace = tmp_path / "trace.csv"
     board = legacy_board(tmp_path, speed={"unit": "steps_per_s", "default": 480, "min": 1, "max": 40_000}, axes=fast_axes())
-    with Torch(board, "--trace", trace) as torch_board:
+    with Torch(board, "--trace", trace, "--start", "100,100") as torch_board:
         keyed = Keyed(torch_board.url)
         assert keyed.post("/ON")["error"] == 0
         assert keyed.post("/COMMAND", f"x={steps}&y=0&xv=30000&yv=1")["error"] == 0

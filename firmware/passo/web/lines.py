@@ -12,6 +12,7 @@ from os import urandom
 
 from passo.web.guard import Guard
 from passo.web.http import Server
+from passo.web.radio import Radio  # noqa: F401: for who makes lines
 from passo.web.session import hex_of
 
 _PAGE = __file__[: __file__.rfind("/")] + "/page/" if "/" in __file__ else "page/"
