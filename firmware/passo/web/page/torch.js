@@ -44,6 +44,7 @@ async function send(method, path, body = "") {
 function show(said) {
   answer.textContent = Object.entries(said).map((pair) => pair.join("=")).join("&");
   answer.className = said.error ? "bad" : "";
+  if (said.error === 178) key.focus();
   at(said);
 }
 
