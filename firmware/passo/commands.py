@@ -45,6 +45,8 @@ OUTPUT = const(35)  # output p0 … p9: `value` its number, `tool`: on; `power` 
 MORE = const(36)  # no command: `value` makes the line's next one each time it is asked, next(value), then None
 STILL = const(33)  # nothing but an answer: accepted at a stand, else refused as BUSY
 ADMIT = const(36)  # `value` minutes: who sends no key may move the machine over the network, where the board file allows that
+WEAVE = const(37)  # `value`: how lines and arcs at a feed are woven from now on, a spec of motion/weave.py; None: not at all
+SEAM = const(38)  # a line or an arc woven by `value`, from rest: `target` in steps from here; the rest as of a Motion
 ZERO_COUNTS = const(34)  # the counts of the encoders that are shown begin at 0
 
 STEP_PROGRAM_ADD = const(40)  # a step program comes: `value` is one of STEPS_OPEN … STEPS_ABORT

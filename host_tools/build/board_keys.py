@@ -43,6 +43,7 @@ SECTIONS = {
         "tachometer",
         "The spindle's speed by pulses: no cut begins before it is reached, and none goes on without. See [spindle](spindle.md#tachometer).",
     ),
+    "weaving": ("weaving", "Seams walked from side to side. See [weaving](weaving.md)."),
     "network": (
         "network",
         "Wi-Fi of a Pico W or an ESP32: links with the port `http`. The radio is off until `passo wifi` has given it a name and a "
@@ -167,6 +168,7 @@ MEANINGS = {
     "tool_change.distance_mm": "So far below the top of Z at most a tool touches the sensor, mm; else alarm 205.",
     "tool_change.seek_mm_min": "Speed down to the sensor, mm/min.",
     "tool_change.locate_mm_min": "Speed up from it, which finds the edge, mm/min.",
+    "weaving.steady_mm_min": "Speed up to which the path has no ramps, as with `$140`: a seam is woven at constant speed, corners included.",
     "registers.clock": "CLK of the 74HC165, SRCLK of the 74HC595.",
     "registers.latch": "SH/LD of the 74HC165, RCLK of the 74HC595.",
     "registers.in": "QH of the first 74HC165.",

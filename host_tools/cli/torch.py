@@ -227,6 +227,47 @@ def halt(
         print(f"stopped after {units.text(*client.counts('STOP'))}")
 
 
+@app.command(context_settings=_NUMBERS)
+def weave(
+    x: Annotated[float, typer.Argument(help="Where the seam ends, from here, in mm.")],
+    y: Annotated[float, typer.Argument()],
+    shape: Annotated[str, typer.Option(help="zigzag, triangle, trapezoid or sine.")] = "zigzag",
+    amplitude: Annotated[float, typer.Option(min=0.001, max=100, help="mm to each side.")] = 3.0,
+    pitch: Annotated[float, typer.Option(min=0.1, max=1000, help="mm along the seam.")] = 4.0,
+    left: Annotated[int, typer.Option(min=0, max=60_000, help="ms at the left edge.")] = 0,
+    right: Annotated[int, typer.Option(min=0, max=60_000, help="ms at the right edge.")] = 0,
+    centre: Annotated[Optional[str], typer.Option(metavar="X,Y", help="Of an arc: its centre, from here, in mm.")] = None,
+    clockwise: Annotated[bool, typer.Option("--clockwise", help="The arc goes so.")] = False,
+    along: Annotated[bool, typer.Option("--along", help="The speed is that along the seam, not along the path.")] = False,
+    speed: Annotated[float, typer.Option(min=0.1, max=50_000, help="mm/min.")] = DEFAULT_SPEED,
+    board: BoardName = "torch_manipulator", port: Port = None, baud: Baud = 115200, wait: Wait = True, log: Log = None,
+):  # fmt: skip
+    """Weave along a line or an arc. The board file has to have a section `weaving`.
+
+    Examples:
+
+        passo torch weave 40 0 --shape trapezoid --left 200 --right 200
+
+        passo torch weave 20 20 --centre 0,20 --amplitude 2
+    """
+    from passo.motion.weave import NAMES
+    from passo.protocols.torch import protocol as torch
+
+    if shape not in NAMES[1:]:
+        raise Failure(f"{shape!r} is no shape; {', '.join(NAMES[1:])}")
+    units = Units(board, False)
+    try:
+        places = [float(part) for part in (centre or "0,0").split(",")]
+        to_x, to_y = (units.count(axis, place) for axis, place in enumerate(places))
+    except (ValueError, OverflowError, IndexError):
+        raise Failure(f"--centre wants two numbers, as in 0,20, not {centre!r}") from None
+    spec = NAMES.index(shape), round(amplitude * 1000), round(pitch * 1000), left, right, 1 if along else 0
+    data = torch.weave(spec, units.count(0, x), units.count(1, y), max(round(speed * 1000 / 60), 1), (to_x, to_y), clockwise)
+    with _client(port, baud, log) as client:
+        client.order(data)
+        _finish(client, units, wait)
+
+
 @app.command()
 def origin(port: Port = None, baud: Baud = 115200, log: Log = None):
     """Set the origin to the present position.

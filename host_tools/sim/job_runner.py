@@ -163,7 +163,9 @@ class BulkPlayer:
 
 
 def is_order(line):
-    """True of $H, $X, $C and the like."""
+    """True of $H, $X, $C and the like; not of settings, jogs and $WEAVE."""
+    if line[:6] == b"$WEAVE":
+        return False
     return line[:1] == b"$" and not line[1:2].isdigit() and line[1:2] not in b"Jj"
 
 

@@ -131,3 +131,22 @@ def test_a_silent_port_is_a_failure(monkeypatch):
         client._serial.write = lambda data: None
         with pytest.raises(Failure, match="no answer to INFO"):
             client.counts()
+
+
+def test_weave(tmp_path):
+    """A seam by the command: from side to side, to its end; what is no seam is refused by number."""
+    trace = tmp_path / "trace.csv"
+    with Board("--board", "torch_manipulator", "--time", "fast", "--trace", trace) as board:
+        where = ("--port", board.port)
+        assert passo("connect", *where)[0] == 0
+        status, text = passo("weave", "20", "5", "--shape", "trapezoid", "--left", "100", *where)
+        assert status == 0 and "X 20.000 Y 5.000 mm" in text
+        status, text = passo("weave", "0", "0", "--centre", "0,15", "--clockwise", "--amplitude", "2", *where)
+        assert status == 0 and "X 20.000 Y 5.000 mm" in text
+        assert "is no shape" in passo("weave", "1", "1", "--shape", "spiral", *where)[0]
+        assert "--centre wants two numbers" in passo("weave", "1", "1", "--centre", "1,2,3", *where)[0]
+        assert "error 34" in passo("weave", "0", "0", "--centre", "0,1", *where)[0]
+        board.end()
+    rows = [line.split(",") for line in trace.read_text().splitlines()[1:]]
+    y = [int(row[2]) / 83 for row in rows]
+    assert min(y) < -2.2 and max(y) > 5 + 30 + 1.9

@@ -1,5 +1,5 @@
-"""The keys `inverter`, `network`, `registers`, `tachometer` and `tool_change` of a board file: only boards that have one of them
-load this.
+"""The keys `inverter`, `network`, `registers`, `tachometer`, `tool_change` and `weaving` of a board file: only boards that have one
+of them load this.
 
     rules = extended(rules)         # those of boardfile.py, in whose notation they are
     check(board)                    # raises BoardError
@@ -36,6 +36,7 @@ TACHOMETER = {
     "at_speed_percent": (int, 10, 1, 50),
     "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
 }
+WEAVING = {"steady_mm_min": (int, 0, 0, 900_000)}  # up to so fast the path has no ramps, as with $140
 EDGES = {
     "pin": (int, ..., 0, 48),
     "inputs": (str, ..., 1, 100),  # names of inputs behind 74HC165; the pin is at 1 while one of them is
@@ -68,6 +69,7 @@ def extended(rules):
     rules["registers"] = REGISTERS
     rules["tachometer"] = TACHOMETER
     rules["tool_change"] = TOOL_CHANGE
+    rules["weaving"] = WEAVING
     return rules
 
 

@@ -181,6 +181,8 @@ class Program(LineBatches):
     def _reachable(self, command):
         if not self._inside(command.target):
             return False
+        if self._machine.weave is not None and self.reach() and not self._machine.weave.inside(command, self._inside):
+            return False
         if command.kind != commands.ARC or not self.reach():
             return True
         for place in farthest(self._queue.target, command, [axis["steps_per_m"] for axis in self._axes]):
@@ -202,7 +204,10 @@ class Program(LineBatches):
                     self._queue.set_tool(command.tool, command.number)  # no step carries the laser's change
         ticks = minute_ticks(command) if command.per_min else 0
         try:
-            if command.kind == commands.ARC:
+            weave = self._machine.weave
+            if weave is not None and command.feed and not ticks and command.kind in (commands.LINE, commands.ARC):
+                self._queue.weave(weave.woven(command), command)
+            elif command.kind == commands.ARC:
                 self._queue_arc(command, ticks)
             else:
                 self._queue.go(command.target, command.feed, ticks, command.tool, command.number)
@@ -239,7 +244,7 @@ class Program(LineBatches):
             [settings.value(table.SPEED + axis) * 50 // 3 or 1 for axis in axes],
             [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
             settings.value(table.JUNCTION) * 1000,
-            settings.value(table.START) * 50 // 3,
+            max(settings.value(table.START), self._machine.steady_mm_min * 1000) * 50 // 3,
             jerk * 1000 if curves else 0,
         )
         self._planner.limits(self._limits)

@@ -58,6 +58,8 @@ class MachineState:
         self.encoders = getattr(port, "encoders", None)
         self.about = ""  # what the port says of itself, for who asks
         self.homed = False
+        self.weave = None  # what makes seams of lines and arcs, while it does: control/weaving.py
+        self.steady_mm_min = 0  # up to so fast there are no ramps, whatever $140 says
         self.alarm = 0
         self.checking = False  # commands are only checked
         self.sleeping = False  # everything is off until RESET

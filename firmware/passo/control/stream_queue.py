@@ -86,6 +86,13 @@ class StreamQueue(Queue):
             planner.arc(deltas, plane, centre, tool, clockwise, turns, nm_s, ticks, tag, True, over_half)
         self._reach(deltas)
 
+    def weave(self, woven, command):
+        """Go to the end of a seam (motion/weave.py), the way that it takes."""
+        self._change_tool(command.tool, command.number)
+        self._chords = woven
+        self.feed()
+        self._reach(self.deltas(command.target))
+
     def _cut(self, deltas, plane, centre, clockwise, turns, over_half, nm_s, ticks, tool, tag, accelerations):
         steps_per_m = [axis["steps_per_m"] for axis in self._axes]
         ellipse = self._make_ellipse(deltas, plane, centre, steps_per_m, clockwise, turns, over_half)

@@ -84,9 +84,15 @@ class GCode(Motions):
         self.coolant = 0
         self.tool = 0
         self.number = 0
+        self.weaving = False  # lines become seams: the machine has to see each of them
         self.initial = True  # G98
         self.cycle = (0, 0, 0, 0)  # see Cycle.heights
         self.forget_place()
+
+    def weave(self, on):
+        """Lines and arcs are woven from now on, or no more."""
+        self.leave_batch()
+        self.weaving = on
 
     def forget_place(self):
         """Take the machine's word for where it stands: after a change of steps/mm, too."""
@@ -183,7 +189,7 @@ class GCode(Motions):
         """Fill in `place` from the modal state. False if that is not for plain lines."""
         self.leave_batch()
         if (
-            parse is None or self.motion not in (0, 100) or not self.per_minute
+            parse is None or self.weaving or self.motion not in (0, 100) or not self.per_minute
             or self.feed > FARTHEST or self.rpm > FARTHEST
             or self.laser and (not _SAME < self.max_rpm <= _MOST_RPM or batch.slow_tool)
         ):  # fmt: skip

@@ -67,6 +67,8 @@ class System:
             return [Command(commands.UNLOCK)]
         if line in ("$MOTORS=0", "$MOTORS=1"):
             return [Command(commands.CONNECT, value=int(line[8]))]
+        if line[:7] == "$WEAVE=":
+            return self._weave(line[7:])
         if line == "$ENC=0" and self._machine.encoders is not None:
             return [Command(commands.ZERO_COUNTS)]
         if line[1:2] == "J":
@@ -104,6 +106,23 @@ class System:
         if text[0] != "=" or text[1:] not in ("0", "1", "2", "3", "4"):
             return errors.STATEMENT
         return [Command(commands.HAND_OVER, value=int(text[1:]))]
+
+    def _weave(self, text):
+        """SHAPE,AMPLITUDE,PITCH[,LEFT,RIGHT[,ALONG]]: see docs/weaving.md; 0: off."""
+        if commands.WEAVE not in self._machine.handlers:
+            return errors.STATEMENT
+        if text == "0":
+            self._gcode.weave(False)
+            return [Command(commands.WEAVE, value=None)]
+        parts = (text + ",0,0,0").split(",")[:6]
+        spec = []
+        for part, places in zip(parts, (0, 3, 3, 3, 3, 0)):  # mm, seconds
+            error = self._words.scan(b"X" + part.encode())
+            if error or self._words.count or self._words.have != 1 << X:
+                return errors.NUMBER
+            spec.append(self._words.fixed(X, places))
+        self._gcode.weave(True)
+        return [Command(commands.WEAVE, value=tuple(spec))]
 
     def _home(self, what):
         """$H, $HX …: one axis, $HR=10: all, and ten times more to see how well it repeats."""

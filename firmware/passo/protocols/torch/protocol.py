@@ -10,6 +10,7 @@ jog; the board says FINISHED when a move has ended, if it is asked to. A jog tha
 without a gap, as one jog, but asks for no more than the board file's jog.ahead_ms in advance. What comes while the
 machine moves and is no such jog, stop or question is dropped: `dropped` counts it, and the event log has the reason.
 
+WEAVE, `66 shape along way` and nine integers, is a seam (weave(), motion/weave.py), refused unless the board file has `weaving`.
 PASSO is an extension of the documents' table, `77 what value check 0xFF`: STATUS, UNLOCK, LINK, LOG, ADMIT, and a jog's code for so
 many whole jogs as one. What the frames'
 cutting (frames.py) cannot see is a frame that lost bytes and was filled up by those of the next one, without a silence
@@ -23,8 +24,8 @@ from micropython import const
 
 from passo import errors
 from passo.commands import (
-    ACCEPTED, ADMIT, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, FOREVER, HAND_OVER, REFUSED, RESET, RUN, STATUS, STILL, STOP,
-    UNLOCK, ZERO, Command, Run,
+    ACCEPTED, ADMIT, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, FOREVER, HAND_OVER, REFUSED, RESET, RUN, SEAM, STATUS, STILL,
+    STOP, UNLOCK, ZERO, Command, Motion, Run,
 )  # fmt: skip
 from passo.protocols.torch.frames import END, Cutter
 
@@ -42,6 +43,7 @@ CODES = {
     "JOG_Y+": 0xF4,
     "JOG_Y-": 0xF1,
     "PASSO": 0x77,
+    "WEAVE": 0x66,
 }
 _MOVE = const(0xFE)
 _STOP = const(0xDD)
@@ -49,9 +51,10 @@ _INFO = const(0xBB)
 _FINISHED = const(0xAA)
 _CONFIGURE = const(0x99)
 _PASSO = const(0x77)
+_WEAVE = const(0x66)
 _JOGS = {0xF9: (0, 1), 0xF7: (0, -1), 0xF4: (1, 1), 0xF1: (1, -1)}
 _LENGTHS = {code: 2 for code in CODES.values()}
-_LENGTHS.update({_MOVE: 18, _CONFIGURE: 18, _PASSO: 5})
+_LENGTHS.update({_MOVE: 18, _CONFIGURE: 18, _PASSO: 5, _WEAVE: 41})
 _SHORTER = {_CONFIGURE: 14}  # the length of the document's table: one jog for both axes
 _MOVING = (0xF9, 0xF7, 0xF4, 0xF1, 0xEE, 0xCC, 0x88)  # two bytes that may not come about by a torn frame's end
 ANSWER_LENGTHS = {_STOP: 10, _INFO: 10, _FINISHED: 2, _PASSO: 17}
@@ -87,6 +90,14 @@ def move(x_steps, x_speed, y_steps, y_speed):
 def configure(x_jog, y_jog, x_speed, y_speed):
     """Steps of a jog and default speeds."""
     return frame("CONFIGURE", integers(x_jog, y_jog, x_speed, y_speed))
+
+
+def weave(spec, x, y, speed_um_s, centre=(0, 0), clockwise=False):
+    """A seam to (x, y) steps from here, woven by a spec of motion/weave.py, at `speed_um_s`; about `centre`, steps from here, if that
+    is not 0;0."""
+    shape, amplitude, pitch, left, right, along = spec
+    head = bytes((shape, along, 1 if clockwise else 0))
+    return frame("WEAVE", head + integers(amplitude, pitch, left, right, x, y, centre[0], centre[1], speed_um_s))
 
 
 def passo(what, value=0):
@@ -142,6 +153,20 @@ def _one_jog(data):
     return jog, jog, x_speed, y_speed
 
 
+def _seam(data):
+    """The Command of a WEAVE."""
+    amplitude, pitch, left, right, x, y, to_x, to_y, speed = struct.unpack_from(">IIIIiiiiI", data, 4)
+    if max(abs(x), abs(y), abs(to_x), abs(to_y)) >= FOREVER or not 0 < speed < 1_000_000:
+        return Command(BAD, error=errors.TRAVEL)
+    command = Motion(SEAM, [x, y])
+    command.value = data[1], amplitude, pitch, left, right, data[2]
+    command.clockwise = data[3] == 1
+    command.centre = to_x, to_y
+    command.over_half = x == 0 and y == 0
+    command.feed = speed * 1000
+    return command
+
+
 def answer_cutter(gap_ms=200):
     """Cuts what a board says into whole answers."""
     return Cutter(ANSWER_LENGTHS, gap_ms)
@@ -186,6 +211,8 @@ class Torch:
             return self._configure(data)
         if code == _PASSO:
             return self._passo(data)
+        if code == _WEAVE:
+            return _seam(data)
         return self._simple(code)
 
     def _simple(self, code):

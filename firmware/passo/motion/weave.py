@@ -1,0 +1,240 @@
+"""Weaving: a seam, line or arc, walked from side to side; handed to the planner piece by piece as it has room.
+
+    woven = Woven(deltas, plane, None, spec, nm_s, tool, tag, steps_per_m)      # spec: see WEAVE_… below
+    while woven.left and planner.room():
+        woven.add(planner)
+
+One pitch of each shape, amplitude to the left and to the right of the seam; d: the dwells at the edges:
+
+    zigzag   /d\\           triangle  /|           trapezoid  /--d\\            sine, by chords
+            /   \\    /              / |                     /     \\      /    within ¼ step
+                 \\d/                   | /                          \\--d/
+                                       |/
+
+A whole number of pitches goes into the seam, so a pitch is a little longer or shorter than asked for. The speed is that along the
+path; with `along` that along the seam: the path's speed is then so much higher as the path of a pitch is longer. On an arc a point
+lies its offset inside or outside of the circle, and what is straight beside a line is bent with it, by chords within ¼ step.
+A dwell stops at the edge for exactly its time, beside the time of the path.
+
+Integers only: places in nanometres, angles by CORDIC. Big integers, once a piece.
+"""
+
+from micropython import const
+
+from passo.motion.cordic import TURN, arc_length, rotate, vector
+from passo.motion.integers import isqrt, length_nm
+from passo.records import COUNT_MASK, NM_PER_M, TICKS_PER_MS, TICKS_PER_S
+
+# Fields of a spec: (shape, amplitude µm, pitch µm, ms at the left edge, ms at the right edge, 1: speed along the seam).
+WEAVE_SHAPE = const(0)
+WEAVE_AMPLITUDE = const(1)
+WEAVE_PITCH = const(2)
+WEAVE_LEFT = const(3)
+WEAVE_RIGHT = const(4)
+WEAVE_ALONG = const(5)
+
+ZIGZAG = const(1)
+TRIANGLE = const(2)
+TRAPEZOID = const(3)
+SINE = const(4)
+NAMES = ("none", "zigzag", "triangle", "trapezoid", "sine")
+
+MOST_AMPLITUDE_UM = const(100_000)
+LEAST_PITCH_UM = const(100)
+MOST_PITCH_UM = const(1_000_000)
+MOST_DWELL_MS = const(60_000)
+_NM_PER_UM = const(1000)
+_EIGHTHS = const(8)
+_PEAK = const(1 << 16)  # an edge
+
+# Points of a pitch: (eighths of it, side: 1 left, 0 the seam, -1 right, dwell there).
+_POINTS = {
+    ZIGZAG: ((2, 1, True), (6, -1, True), (8, 0, False)),
+    TRIANGLE: ((4, 1, True), (4, -1, True), (8, 0, False)),
+    TRAPEZOID: ((1, 1, False), (3, 1, True), (5, -1, False), (7, -1, True), (8, 0, False)),
+}
+
+
+def wrong(spec):
+    """True of a spec that is out of range."""
+    shape, amplitude, pitch, left, right, along = spec
+    return not (
+        ZIGZAG <= shape <= SINE and 0 < amplitude <= MOST_AMPLITUDE_UM and LEAST_PITCH_UM <= pitch <= MOST_PITCH_UM
+        and 0 <= left <= MOST_DWELL_MS and 0 <= right <= MOST_DWELL_MS and 0 <= along <= 1
+    )  # fmt: skip
+
+
+class Woven:
+    """`left`: 0 when all has been handed on. What a Chords of control/chords.py is to an arc."""
+
+    def __init__(self, deltas, plane, circle, spec, nm_s, tool, tag, steps_per_m):
+        """`deltas`: the seam's, steps of all axes; `plane`: its two axes; `circle`: None, or (centre in steps from here, clockwise,
+        turns on top, over half a turn) of an arc. Raises ValueError if the seam has no length in the plane, the arc is none or too
+        narrow for the amplitude, or a piece would last longer than the planner can say."""
+        self.left = 1
+        self.flush = False  # when the last has been added, the planner is to be flushed
+        self._deltas = deltas
+        self._a, self._b = plane
+        self._steps_per_m = steps_per_m
+        self._tool = tool
+        self._tag = tag
+        self._spec = spec
+        self._amplitude = spec[WEAVE_AMPLITUDE] * _NM_PER_UM
+        across = [deltas[axis] * NM_PER_M // steps_per_m[axis] for axis in plane]
+        if circle is None:
+            self._radius = 0
+            self._way = across
+            length = isqrt(across[0] * across[0] + across[1] * across[1])
+        else:
+            length = self._bend(across, *circle)
+        if not length:
+            raise ValueError("no seam in the plane")
+        self._length = length
+        pitch = spec[WEAVE_PITCH] * _NM_PER_UM
+        self._pitches = max((length + pitch // 2) // pitch, 1)
+        self._points = self._sine() if spec[WEAVE_SHAPE] == SINE else _POINTS[spec[WEAVE_SHAPE]]
+        self._of_pitch = self._points[-1][0]
+        self._nm_s = self._pace(nm_s)
+        longest = max(length // self._pitches, 4 * self._amplitude) * TICKS_PER_S // self._nm_s
+        if longest > COUNT_MASK:
+            raise ValueError("pieces of more than 43 s")
+        self._pitch = 0  # the pitch under way,
+        self._point = 0  # the point that is led to,
+        self._part = 0  # and the chord on the way there
+        self._dwell = 0  # ms that are to be waited before it goes on
+        self._from = 0, 0  # (parts of the whole seam, offset) of the point before
+        self._before = [0] * len(deltas)
+
+    def _bend(self, end, centre, clockwise, turns, over_half):
+        """Take an arc's measures; returns its length."""
+        steps_per_m = self._steps_per_m
+        plane = self._a, self._b
+        self._centre = [centre[index] * NM_PER_M // steps_per_m[plane[index]] for index in (0, 1)]
+        x, y = -self._centre[0], -self._centre[1]
+        start, radius = vector(x, y)
+        to_x, to_y = end[0] + x, end[1] + y
+        sweep = (vector(to_x, to_y)[0] - start) % TURN
+        if clockwise:
+            sweep = (TURN - sweep) % TURN
+        if not any([self._deltas[axis] for axis in plane]) or over_half and sweep < TURN >> 8:
+            sweep = TURN
+        elif over_half is False and sweep > TURN - (TURN >> 8):
+            sweep = 0
+        sweep += turns * TURN
+        if radius <= self._amplitude:
+            raise ValueError("an arc narrower than the amplitude")
+        self._clockwise = clockwise
+        self._radius = radius
+        self._sweep = sweep
+        self._arm = x, y
+        last_x, last_y = self._turned(sweep)
+        self._off = to_x - last_x, to_y - last_y
+        return arc_length(radius, sweep)
+
+    def _turned(self, angle):
+        return rotate(self._arm[0], self._arm[1], -angle if self._clockwise else angle)
+
+    def _sine(self):
+        """The points of a sine's pitch: so many that chords stay within ¼ step of it."""
+        finest = max(self._steps_per_m[self._a], self._steps_per_m[self._b])
+        steps = self._amplitude * finest // NM_PER_M + 1
+        count = 4 * (isqrt(2 * steps) * 2 // 3 + 4)  # 2π·√(A/2) chords and more, a multiple of four
+        points = []
+        for number in range(1, count + 1):
+            height = rotate(_PEAK << 8, 0, TURN * number // count)[1] >> 8
+            points.append((number, height, number == count // 4 or number == 3 * count // 4))
+        points[-1] = count, 0, False
+        return points
+
+    def _offset(self, side):
+        """nm to the left of the seam, of a point's second field."""
+        if self._spec[WEAVE_SHAPE] == SINE:
+            return self._amplitude * side // _PEAK
+        return self._amplitude * side
+
+    def _pace(self, nm_s):
+        """The speed along the path."""
+        if not self._spec[WEAVE_ALONG]:
+            return nm_s or 1
+        pitch = self._length // self._pitches
+        path = at = beside = 0
+        for place, side, _ in self._points:
+            way = (place - at) * pitch // self._of_pitch
+            over = self._offset(side) - beside
+            path += isqrt(way * way + over * over)
+            at, beside = place, self._offset(side)
+        return nm_s * path // pitch or 1
+
+    def corners(self):
+        """Places in steps of all axes that the seam's edges reach: for the travel's limits."""
+        whole = self._pitches * self._of_pitch
+        for pitch in range(self._pitches):
+            for place, side, _ in self._points:
+                yield self._place(pitch * self._of_pitch + place, whole, self._offset(side))
+
+    def add(self, planner):
+        """Queue the next piece: a chord, or the dwell behind it. One too short for a step is none."""
+        if self._dwell:
+            ms, self._dwell = self._dwell, 0
+            planner.wait(ms * TICKS_PER_MS, self._tool, self._tag)
+        else:
+            self._chord(planner)
+        if self._pitch == self._pitches and not self._dwell:
+            self.left = 0
+            if self.flush:
+                planner.flush()
+
+    def _chord(self, planner):
+        place, side, dwells = self._points[self._point]
+        to = self._pitch * self._of_pitch + place
+        offset = self._offset(side)
+        since, beside = self._from
+        parts = self._parts(to - since)
+        self._part += 1
+        here = self._place(
+            since * parts + (to - since) * self._part, self._pitches * self._of_pitch * parts,
+            beside + (offset - beside) * self._part // parts,
+        )  # fmt: skip
+        deltas = [now - then for now, then in zip(here, self._before)]
+        self._before = here
+        ticks = length_nm(deltas, self._steps_per_m) * TICKS_PER_S // self._nm_s
+        planner.line(deltas, ticks, self._tool, self._tag)
+        if self._part == parts:
+            self._arrive(to, offset, dwells and side)
+
+    def _arrive(self, to, offset, side):
+        self._part = 0
+        self._from = to, offset
+        if side:
+            self._dwell = self._spec[WEAVE_LEFT if side > 0 else WEAVE_RIGHT]
+        self._point += 1
+        if self._point == len(self._points):
+            self._point = 0
+            self._pitch += 1
+
+    def _parts(self, way):
+        """Chords on the way from one point to the next: on an arc so many that they stay within ¼ step of what is bent."""
+        if not self._radius or not way:
+            return 1
+        angle = arc_length(1 << 20, self._sweep * way // (self._pitches * self._of_pitch))
+        finest = max(self._steps_per_m[self._a], self._steps_per_m[self._b])
+        steps = (self._radius + self._amplitude) * finest // NM_PER_M + 1
+        return (isqrt(angle * angle * steps // 2) >> 20) + 1
+
+    def _place(self, part, whole, offset):
+        """Steps of all axes from the seam's start, `part` of `whole` along it and `offset` nm to its left."""
+        found = [(2 * delta * part // whole + 1) >> 1 for delta in self._deltas]
+        if part == whole and not offset:
+            return list(self._deltas)
+        if self._radius:
+            x, y = self._turned(self._sweep * part // whole)
+            out = offset if self._clockwise else -offset
+            near_x = self._centre[0] + x + x * out // self._radius + self._off[0] * part // whole
+            near_y = self._centre[1] + y + y * out // self._radius + self._off[1] * part // whole
+        else:
+            way = self._way
+            near_x = way[0] * part // whole - way[1] * offset // self._length
+            near_y = way[1] * part // whole + way[0] * offset // self._length
+        for axis, near in ((self._a, near_x), (self._b, near_y)):
+            found[axis] = (2 * near * self._steps_per_m[axis] // NM_PER_M + 1) >> 1
+        return found
