@@ -103,8 +103,21 @@ class App:
             self.links.append(made)
         if board["network"]:
             machine_builder.join(self.links, self.controller)
+        if board["jobs"]:
+            self._add_jobs(languages, shared, most)
         self.controller.start()
         self._answer()
+
+    def _add_jobs(self, languages, shared, most):
+        """The link that stored jobs come by: it speaks as the first one of their language."""
+        board = self.board
+        jobs = self.controller.features["jobs"]
+        index = [link["protocol"] for link in board["links"]].index(board["jobs"]["language"])
+        config = dict(board["links"][index])
+        config["name"] = self.controller.machine.links[-1]
+        number = len(self.links)
+        protocol = languages[index].create(config, number, board, self.controller, shared, most)
+        self.links.append(Link(number, config, jobs.join(number, protocol, languages[index].stored), protocol, self.controller))
 
     def _make_queue(self, builder, settings, streamed):
         """Feeder and queue; `streamed`: of a machine that moves as it is told."""

@@ -48,6 +48,7 @@ ADMIT = const(36)  # `value` minutes: who sends no key may move the machine over
 WEAVE = const(37)  # `value`: how lines and arcs at a feed are woven from now on, a spec of motion/weave.py; None: not at all
 SEAM = const(38)  # a line or an arc woven by `value`, from rest: `target` in steps from here; the rest as of a Motion
 ZERO_COUNTS = const(34)  # the counts of the encoders that are shown begin at 0
+JOB = const(50)  # a stored job: `value` is one of JOB_RUN …, `target` its name or what else it needs
 
 STEP_PROGRAM_ADD = const(40)  # a step program comes: `value` is one of STEPS_OPEN … STEPS_ABORT
 STEP_PROGRAM = const(41)  # `value`: what to do with it, one of STEPS_GO … STEPS_HAND_DRIVES
@@ -67,6 +68,14 @@ AT_REST = const(0)  # Run.when: refused while anything moves
 AS_JOG = const(1)  # or extends a jog of the same axes in the same directions
 LIVE = const(2)  # or changes what the axes named do, while others run on
 FOREVER = const(0x1FFFFFFF)  # steps of a Run without an end
+# JOB
+JOB_RUN = const(0)  # without a name the button's
+JOB_LIST = const(1)
+JOB_DELETE = const(2)
+JOB_OPEN = const(3)  # an upload begins: `target` is (name, language, bytes, their CRC-32, bytes that come)
+JOB_DATA = const(4)  # some of its bytes
+JOB_CLOSE = const(5)  # it is complete; FINISHED once it has been read back
+
 # STEP_PROGRAM_ADD
 STEPS_OPEN = const(0)  # `tool`: it is played as it comes, else stored whole
 STEPS_ITEMS = const(1)  # `target`: list of items, see below

@@ -56,6 +56,7 @@ FEATURES = (
     ("admission", "Admission", lambda board: board["network"]),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop")),
     ("resets", "Resets", lambda board: True),
+    ("jobs", "Jobs", lambda board: board["jobs"]),  # last: it adds a link
 )
 
 
@@ -81,6 +82,8 @@ def load_all(board, whole):
         modules += ("control.squaring",)
     if board["homing"] and board["homing"]["latch"]:
         modules += ("control.quality",)
+    if board["jobs"]:
+        modules += ("config.job_store",)
     for module in modules:
         __import__("passo." + module)
     make_drive(board)

@@ -57,6 +57,7 @@ SECTIONS = {
     "registers.edges": ("registers.edges", "A list of pins at whose edges the inputs behind registers are read at once."),
     "jog": ("jog", "Jogs of the plotter's and the torch's languages."),
     "step_program": ("step_program", "Needed by the language `pulses`: paths written down step by step."),
+    "jobs": ("jobs", "Programs kept on the board, and run without a PC. See [jobs](jobs.md)."),
     "links": ("links", "A list of the board's serial lines, one entry a line. See [README](../README.md#languages)."),
 }
 
@@ -139,6 +140,10 @@ MEANINGS = {
     "planning.junction_um": "Junction deviation in µm: how fast corners are taken; 0: a stop at each. `$11` overrides it.",
     "planning.arc_um": "Kept for senders as `$12`; changes nothing.",
     "planning.independent_ramps": "Torch: axes accelerate with their `accel_mm_s2`, instead of running at one speed.",
+    "jobs.language": "What stored jobs are written in: the language of one of the links.",
+    "jobs.folder": "Where they are kept: a folder of the board's flash, or of what is mounted.",
+    "jobs.button": "Name of the job that the input `job` runs.",
+    "jobs.start": "Name of the job that runs when the board is switched on. With homing its first line is `$H`.",
     "spindle.max_rpm": "S at full power. `$30` overrides it.",
     "spindle.min_rpm": "Lowest S that turns. `$31` overrides it.",
     "spindle.pwm": "The tool has analogue power: a PWM signal on `pin`.",

@@ -23,11 +23,15 @@ Faults = Annotated[
     Optional[List[str]], typer.Option(metavar="INPUT=dead|stuck[@MS]", help="A barrier that fails, from MS on.")
 ]
 Seed = Annotated[int, typer.Option(help="Of all that is random: start and chatter.")]
+FlashFolder = Annotated[
+    Optional[Path], typer.Option(metavar="FOLDER", help="Keep settings and stored jobs there; otherwise they end with it.")
+]
 
 TcpPort = Annotated[Optional[int], typer.Option(min=0, max=65535, help="Serve a TCP socket, not a pty. 0: any free port.")]
 HttpPort = Annotated[
     Optional[int], typer.Option(min=0, max=65535, help="Serve the board's HTTP on 127.0.0.1, as its Wi-Fi would. 0: any free port.")
 ]
+Idle = Annotated[bool, typer.Option("--idle/--no-idle", help="Keep or leave out the time in which nothing moves.")]
 Key = Annotated[Optional[str], typer.Option(help="The network's key (a new one).")]
 
 
@@ -44,14 +48,13 @@ def board(
     key: Key = None,
     time_: Annotated[str, typer.Option("--time", metavar="real|fast", help="Fast jumps through motion.")] = "real",
     trace: TraceFile = None,
-    idle: Annotated[
-        bool, typer.Option("--idle/--no-idle", help="Keep or leave out the time in which nothing moves.")
-    ] = True,
+    idle: Idle = True,
     vcd: VcdFile = None,
     start: StartPlace = None,
     bounce_ms: BounceMs = 0,
     fault: Faults = None,
     seed: Seed = 0,
+    flash: FlashFolder = None,
 ):
     """Run the firmware on a virtual board, and a machine with it.
 
@@ -87,6 +90,7 @@ def board(
         "seed": seed,
         "idle": idle,
         "radio": _radio(config, {"http": http}, key),
+        "flash": _folder(flash),
     }
     names = [entry["name"] for entry in config["links"]]
     serve(config, time_, _pairs("--protocol", protocol, names), _pairs("--link", link, names), tcp, trace, vcd, options)
@@ -188,6 +192,12 @@ def _pairs(option, texts, names):
             name, value = names[0], text
         pairs[name] = value
     return pairs
+
+
+def _folder(path):
+    if path is not None:
+        path.mkdir(parents=True, exist_ok=True)
+    return path
 
 
 def _positions(text):

@@ -15,6 +15,7 @@ from host_tools.cli.emulate import emulate
 from host_tools.cli.film import film
 from host_tools.cli.flash import flash
 from host_tools.cli.interlock import interlock
+from host_tools.cli.jobs import app as jobs
 from host_tools.cli.keys import keys
 from host_tools.cli.link import link
 from host_tools.cli.log import log
@@ -113,6 +114,7 @@ def explain_missing(name):
 for _verb in (panel, board, emulate, draw, send, stream, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash):
     app.command()(_verb)
 app.command("compile")(compile_)
+app.add_typer(jobs, name="jobs")
 app.add_typer(pulses, name="pulses")
 app.add_typer(torch, name="torch")
 app.add_typer(wifi, name="wifi")

@@ -36,6 +36,7 @@ class GrblClient(Client):
         super().__init__(port, opened or open_link(port, baud, _SLICE_S, True), log)
         self.timeout_s = timeout_s
         self.status = {}  # fields of the last report; "state" is its first
+        self.rest = []  # lines that came behind the last ok of command(), and with it
         self.alarm = None
         self.banners = 0
         self._buffer = b""
@@ -112,8 +113,10 @@ class GrblClient(Client):
         deadline = time.monotonic() + (timeout_s or self.timeout_s)
         said = []
         while time.monotonic() < deadline:
-            for answer in self.lines():
+            heard = self.lines()
+            for at, answer in enumerate(heard):
                 if answer == "ok" and self.alarm is None:
+                    self.rest = heard[at + 1 :]
                     return said
                 if answer == "ok" or answer.startswith("error:"):
                     why = explain(answer) if self.alarm is None else f"alarm {self.alarm}: {alarm_text(self.alarm)}"

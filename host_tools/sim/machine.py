@@ -8,12 +8,16 @@
 Time is virtual throughout, link time-outs included, so that a run is the same every time and waits for nothing.
 """
 
+import tempfile
+from pathlib import Path
+
 from host_tools import boards
 from host_tools.sim.inverter import SimInverter
 from host_tools.sim.plant import Plant
 from host_tools.sim.recording import Recording
 from passo.app import App
 from passo.config.boardfile import check
+from passo.config.journal import FileSlots
 from passo.ports.virtual import MemoryLine, VirtualPort
 
 STAND_STILL_MS = 600_000
@@ -24,11 +28,14 @@ class Machine:
     """The firmware on a virtual port. `board` is a board's name or dict, `lines` maps link names to serial lines,
     `trace` and `vcd` are files' paths (None: none; True: the trace is kept in memory), `plant_options` go to Plant.
     `radio`: the network of a board file that has one, as host_tools.sim.radio; None: it is off.
+    `flash`: the folder that stands for the board's flash: settings and stored jobs; None: they last as long as the machine.
     `inverter`: who plays the spindle's inverter, if the board file has one.
     `idle`: False leaves the time in which nothing is under way out of the trace: how long the PC thinks is never twice the
     same, all else is."""
 
-    def __init__(self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, radio=None, **plant_options):
+    def __init__(
+        self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, radio=None, flash=None, **plant_options
+    ):
         loaded = boards.load(board) if isinstance(board, str) else board
         self.board = check(loaded)
         self.plant = Plant(self.board, **plant_options)
@@ -40,9 +47,18 @@ class Machine:
             self.inverter = inverter or SimInverter(self.board["inverter"], self.now_ms)
             lines = {**lines, "inverter": self.inverter}
         self.port = VirtualPort(self.board, files.world, mode, lines, sleep, radio=radio)
-        self.app = App(check(loaded), self.port, protocols)
+        self.port.folder = str(Path(flash) / "jobs") if flash else self._own_folder()
+        slots = FileSlots(str(Path(flash) / "settings")) if flash else None
+        self.app = App(check(loaded), self.port, protocols, slots)
         self._homing = False
         self._idle = idle
+
+    def _own_folder(self):
+        """Stored jobs that last as long as the machine."""
+        if not self.board["jobs"]:
+            return None
+        self._folder = tempfile.TemporaryDirectory(prefix="passo-")
+        return self._folder.name
 
     def now_ms(self):
         """Virtual milliseconds since the start, a float."""

@@ -48,6 +48,7 @@ INTEGER_ROOMS = ("motion", "steps")
 BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", "json", "hashlib", "select", "binascii"}
 MORE_BUILT_INS = {
     "ports": {"math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs"},
+    "config": {"deflate"},
     "control": {"math"},
     "web": {"socket", "network", "asyncio", "microdot"},
 }

@@ -20,11 +20,12 @@ LIMIT_S = 120
 
 
 class Running:
-    """`line.name` is the port to open, a pty unless another is given; `mode` is that of the virtual port."""
+    """`line.name` is the port to open, a pty unless another is given; `mode` is that of the virtual port; `changes` to the
+    board file."""
 
-    def __init__(self, mode="real", line=None):
+    def __init__(self, mode="real", line=None, **changes):
         self.world = World()
-        board = check(BOARD)
+        board = check({**BOARD, **changes})
         self.line = line or PtyLine()
         lines = {"pc": self.line, "serial": MemoryLine()}
         port = VirtualPort(board, self.world, mode, lines, lambda ms: wait([self.line], ms))

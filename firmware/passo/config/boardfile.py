@@ -150,7 +150,7 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-DEVICES = ("inverter", "network", "registers", "tachometer", "tool_change", "weaving")  # device_keys.py
+DEVICES = ("inverter", "jobs", "network", "registers", "tachometer", "tool_change", "weaving")  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
 _ABSENT = ("homing", "gantry", "interlock", "shift", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
@@ -174,7 +174,7 @@ def check(board):
     if isinstance(board, dict) and [key for key in DEVICES if board.get(key)]:
         from passo.config import device_keys as devices
 
-        rules = devices.extended(rules)
+        rules = devices.extended(rules, board)
     if isinstance(board, dict) and board.get("shift") and str(board.get("chip")).startswith("esp32"):
         from passo.config import shift_keys as shift
 

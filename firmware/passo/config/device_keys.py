@@ -61,9 +61,13 @@ REGISTERS = {
 }
 
 
-def extended(rules):
-    """A copy of the rules of a board file, with those of these keys."""
+def extended(rules, board=None):
+    """A copy of the rules of a board file, with those of these keys. `board`: None: any."""
     rules = dict(rules)
+    if board is None or board.get("jobs"):
+        from passo.config.job_keys import JOBS
+
+        rules["jobs"] = JOBS
     rules["inverter"] = INVERTER
     rules["network"] = NETWORK
     rules["registers"] = REGISTERS
@@ -74,6 +78,10 @@ def extended(rules):
 
 
 def check(board):
+    if board["jobs"]:
+        from passo.config import job_keys
+
+        job_keys.check(board)
     _check_inverter(board)
     _check_registers(board)
     _check_tool_change(board)

@@ -14,6 +14,8 @@ from passo.commands import ACCEPTED, DROPPED, REFUSED, Event
 from passo.control.links import OF_ANY_LINK
 from passo.control.state import hooks
 
+_OF_LENDER = (commands.RESUME, commands.OVERRIDE, commands.TOGGLE)  # what the link that has started a stored job may still say
+
 
 class Controller:
     def __init__(self, board, machine, queue, feeder, kinds):
@@ -99,6 +101,8 @@ class Controller:
         link = command.link
         kind = command.kind
         if link is None or link.number == self.machine.commander or kind in OF_ANY_LINK:
+            return 0
+        if link.number == self.machine.lender and kind in _OF_LENDER:
             return 0
         return errors.COMMANDED_ELSEWHERE
 

@@ -19,6 +19,7 @@ class Links:
     def __init__(self, board, machine, queue):
         self._machine = machine
         self._queue = queue
+        self._count = len(machine.links)
 
     def handlers(self):
         return {commands.HAND_OVER: self._hand_over}
@@ -26,10 +27,10 @@ class Links:
     def _hand_over(self, command):
         machine = self._machine
         number = command.value - 1 if command.value else command.link.number
-        if not 0 <= number < len(machine.links):
+        if not 0 <= number < self._count:
             return errors.NO_SUCH_LINK
         if number != machine.commander:
-            if machine.state not in ("idle", "alarm", "sleep") or not self._queue.still():
+            if machine.lender >= 0 or machine.state not in ("idle", "alarm", "sleep") or not self._queue.still():
                 return errors.BUSY
             machine.commander = number
             machine.forget()

@@ -82,6 +82,7 @@ class MachineState:
         self.at_speed = True
         self.links = [link["name"] for link in board["links"]]
         self.commander = self.links.index(board["commands"] or self.links[0])  # the link that may command
+        self.lender = -1  # the link that commanded when a stored job began to run; -1: none runs
         self.guarded = guarded
         self.events = []
         self.arcs = queue.arcs

@@ -4,7 +4,7 @@ from passo import commands, errors
 from passo.config import setting_numbers as table
 from passo.control.sensor import Sensor
 
-_BUTTONS = (("reset", commands.RESET), ("hold", commands.HOLD), ("resume", commands.RESUME))
+_BUTTONS = (("reset", commands.RESET), ("hold", commands.HOLD), ("resume", commands.RESUME), ("job", commands.JOB))
 
 
 class Switches:

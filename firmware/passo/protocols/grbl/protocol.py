@@ -256,7 +256,7 @@ class Grbl:
             self._start_line = line
             line = line.encode()
         if b"$" in line and line.strip()[:1] == b"$":
-            result = self._system.execute(plain_text(line))
+            result = self._system.execute(line.decode() if line[:3] == b"$F:" else plain_text(line))
         elif not line.strip() or line.strip() == b"%":
             result = answer("")
         elif self._machine.commander != self._number:
@@ -294,6 +294,10 @@ class Grbl:
 
                 text += told(event.value)
             self._start_lines = self._system.start_lines()
+        if command.kind == commands.JOB and event.value:
+            from passo.protocols.grbl.jobs import told
+
+            text += told(event.value)
         if self._rest and self._rest[0].kind == commands.MORE:
             made = next(self._rest[0].value)
             if made is None:
@@ -321,6 +325,10 @@ class Grbl:
         """The bytes of what the machine says unasked."""
         if event.kind == ALARM:
             return b"ALARM:%d\r\n" % (event.error - _ALARMS) if event.error > _ALARMS else b""
+        if event.kind == NOTICE and event.error == errors.NOTICE_JOB_ENDED:
+            from passo.protocols.grbl.jobs import ended
+
+            return grbl_report.message(ended(event.value)).encode()
         if event.kind == NOTICE:
             text = grbl_report.NOTICES[event.error]
             return grbl_report.message(text if event.value is None else text % event.value).encode()

@@ -256,6 +256,8 @@ class Status:
         accessories = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
         if accessories:
             at = tell(out, at, ("|A:%s\0" % accessories).encode(), fields)
+        if "job" in report and report["job"]:
+            at = tell(out, at, ("|SD:%d,%s\0" % report["job"]).encode(), fields)
         if "counts" in report:
             at = tell(out, at, ("|En:%s\0" % report["counts"]).encode(), fields)
         if "rpm" in report:

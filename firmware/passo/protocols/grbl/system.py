@@ -71,6 +71,10 @@ class System:
             return self._weave(line[7:])
         if line == "$ENC=0" and self._machine.encoders is not None:
             return [Command(commands.ZERO_COUNTS)]
+        if line[1:2] == "F" and commands.JOB in self._machine.handlers:
+            from passo.protocols.grbl import jobs  # loaded at the start, by check()
+
+            return jobs.understand(line)
         if line[1:2] == "J":
             return self._jog(line, state)
         if state not in ("idle", "alarm"):

@@ -6,6 +6,11 @@ from passo.protocols.plotter.protocol import Plotter
 NEEDS = ("drawing",)
 
 
+def check(board):
+    if board["jobs"]:
+        from passo.protocols.plotter.stored import answers  # noqa: F401
+
+
 def create(link, number, board, controller, shared, most):
     sign = 1 if board["jog"]["up"][1] == "+" else -1
     jog_up = (0, sign) if board["jog"]["up"][0] == "y" else (sign, 0)

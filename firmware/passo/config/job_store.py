@@ -1,0 +1,163 @@
+"""Stored jobs: a file each, in a folder of the board's flash or of a memory card.
+
+    store = JobStore("/jobs")
+    store.begin("PART.NC", "grbl", size, crc, stored)       # an upload
+    store.add(data)                                         # until it has `stored` bytes
+    job = store.uploaded()                                  # read it to its end: job.whole() says whether it is right
+    store.keep()                                            # now it is there, in place of an older one of that name
+    job = store.open("PART.NC")
+
+A file is one line of text and the job's bytes behind it, deflated (RFC 1951, window of 1 kB):
+
+    job <language> <bytes of the job> <their CRC-32> <bytes behind this line> <CRC-32 of this line so far>\\n
+
+An upload has a name of its own until it has been read back whole: a power cut, a full memory or a wrong byte leaves what
+was there before. All functions raise OSError if the memory is full or broken. Writing stops the processor for up to
+0.4 s a block: only at a stand. Reading needs 1.2 kB for the file and 1 kB for the window.
+"""
+
+import os
+from binascii import crc32
+
+import deflate
+from micropython import const
+
+from passo import errors
+
+WINDOW_BITS = const(10)
+_MAGIC = b"job "
+_LONGEST = const(96)  # bytes of a file's first line
+_UPLOAD = "upload.new"
+_END = ".job"
+_SPARE = const(2)  # blocks that an upload leaves free
+
+
+class Damaged(Exception):
+    """A file is not whole. `args`: the number of the error."""
+
+
+def _check(text):
+    return b" %08x\n" % (crc32(text) & 0xFFFFFFFF)
+
+
+def first_line(language, size, crc, stored):
+    """The first line of a file: of a job of `size` bytes with that CRC-32, in `stored` bytes."""
+    text = _MAGIC + ("%s %d %08x %d" % (language, size, crc, stored)).encode()
+    return text + _check(text)
+
+
+class JobFile:
+    """A job, read from its start. Raises OSError if there is none of that path, Damaged if its first line is wrong."""
+
+    def __init__(self, path):
+        self._file = open(path, "rb")
+        line = self._file.readline()[:_LONGEST]
+        fields = line[len(_MAGIC) :].split()
+        if line[: len(_MAGIC)] != _MAGIC or len(fields) != 5 or line[-10:] != _check(line[:-10]):
+            self.close()
+            raise Damaged(errors.JOB_DAMAGED)
+        self.language = fields[0].decode()
+        self.size = int(fields[1])
+        self.crc = int(fields[2], 16)
+        self.stored = int(fields[3])
+        self.done = 0  # bytes read
+        self._sum = 0  # their CRC-32
+        self._stream = deflate.DeflateIO(self._file, deflate.RAW, WINDOW_BITS)
+
+    def readinto(self, view):
+        """How many bytes of the job have been put into `view`, a memoryview; 0 at the end. Raises Damaged."""
+        try:
+            count = self._stream.readinto(view)
+        except (OSError, EOFError):
+            raise Damaged(errors.JOB_DAMAGED)
+        self.done += count
+        self._sum = crc32(view[:count], self._sum)
+        if self.done > self.size or not count and not self.whole():
+            raise Damaged(errors.JOB_DAMAGED)
+        return count
+
+    def whole(self):
+        """True if all has been read and was right."""
+        return self.done == self.size and self._sum & 0xFFFFFFFF == self.crc
+
+    def close(self):
+        self._file.close()
+
+
+class JobStore:
+    def __init__(self, folder):
+        self._folder = folder + "/"
+        self._file = None  # an upload
+        self._name = ""
+        self._left = 0  # bytes that it still lacks
+        try:
+            os.mkdir(folder)
+        except OSError:
+            pass  # it is there
+        self.abort()
+
+    def _path(self, name):
+        return self._folder + name + _END
+
+    def names(self):
+        return sorted([name[: -len(_END)] for name in os.listdir(self._folder[:-1]) if name.endswith(_END)])
+
+    def open(self, name):
+        return JobFile(self._path(name))
+
+    def delete(self, name):
+        os.remove(self._path(name))
+
+    def free(self):
+        """Bytes that an upload may have."""
+        if not hasattr(os, "statvfs"):
+            return 0x3FFFFFFF
+        found = os.statvfs(self._folder[:-1])
+        return max(found[4] - _SPARE, 0) * found[0]
+
+    # --- uploads
+
+    def begin(self, name, language, size, crc, stored):
+        """Begin an upload of `stored` bytes; another one under way is forgotten."""
+        self.abort()
+        self._file = open(self._folder + _UPLOAD, "wb")
+        self._name = name
+        self._left = stored
+        self._file.write(first_line(language, size, crc, stored))
+
+    def add(self, data):
+        """Add to the upload. Returns 0, or why not."""
+        if self._file is None or len(data) > self._left:
+            return errors.JOB_UPLOAD
+        self._file.write(data)
+        self._left -= len(data)
+        return 0
+
+    def uploaded(self):
+        """The upload as a job, to be read back; None if there is none, or not all of it."""
+        if self._file is None or self._left:
+            return None
+        self._file.close()
+        self._file = None
+        return JobFile(self._folder + _UPLOAD)
+
+    def keep(self):
+        """The upload is right: keep it."""
+        path = self._path(self._name)
+        try:
+            os.rename(self._folder + _UPLOAD, path)
+        except OSError:  # FAT replaces nothing
+            os.remove(path)
+            os.rename(self._folder + _UPLOAD, path)
+        if hasattr(os, "sync"):
+            os.sync()
+
+    def abort(self):
+        """Forget an upload, also one that a power cut has left."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+        try:
+            os.remove(self._folder + _UPLOAD)
+        except OSError:
+            pass

@@ -1,0 +1,296 @@
+"""Stored jobs: uploaded, listed, deleted, and run by a command, by a button or at the start.
+
+A job is the bytes that a PC would send. It runs by a link of its own, whose serial line reads the file: the language
+understands it as it understands a PC, and the steps are the same. While it runs that link commands; whoever commanded before
+may hold, go on, override and stop. Nothing of a job is done behind the first line that is refused.
+
+Reading goes on in the main loop while steps are made in an interrupt: it takes time from the lines, none from the steps.
+"""
+
+from micropython import const
+
+from passo import commands, errors
+from passo.commands import DROPPED, Event
+from passo.config.job_keys import LINK, name_fits
+from passo.config.job_store import Damaged, JobStore
+
+_CHECKED = const(8)  # pieces of an upload that are read back a cycle
+
+
+class JobLine:
+    """The serial line of the job under way: reads its file, and counts what is answered."""
+
+    def __init__(self):
+        self._most = 0  # of them that may be unanswered
+        self.view = None  # on the bytes read last
+        self._stored = None  # the language's module: how its answers are counted
+        self._protocol = None
+        self._file = None
+        self._look = None  # called when something has been answered
+        self._damaged = None  # called if the file is damaged, with the number of the error
+        self.given = self.answered = 0  # lines, or packets
+
+    def join(self, protocol, stored, look, damaged):
+        self._protocol = protocol
+        self._stored = stored
+        self._most, piece = stored.LIMITS
+        self.view = memoryview(bytearray(piece))
+        self._look = look
+        self._damaged = damaged
+
+    def begin(self, file):
+        self._file = file
+        self.given = self.answered = 0
+        self._stored.begin(self._protocol)
+
+    def end(self):
+        """Nothing more of the file comes."""
+        if self._file is not None:
+            self._file.close()
+            self._file = None
+
+    def any(self):
+        file = self._file
+        return file is not None and file.done < file.size and self.given - self.answered < self._most
+
+    def read(self):
+        """Bytes of the job, good until the next read; b"" if there are none, or too many are not answered."""
+        if not self.any():
+            return b""
+        try:
+            count = self._file.readinto(self.view)
+        except Damaged as damaged:
+            self._damaged(damaged.args[0])
+            return b""
+        data = self.view[:count]
+        self.given += self._stored.units(data)
+        return data
+
+    def write(self, data):
+        if self._file is not None:
+            self.answered += self._stored.answers(bytes(data))
+            self._look()
+
+    def done(self):
+        """True if all of the file has been given and answered."""
+        file = self._file
+        return file.done == file.size and self.given == self.answered
+
+
+class Jobs:
+    def __init__(self, board, machine, queue):
+        config = board["jobs"]
+        self._machine = machine
+        self._queue = queue
+        self._config = config
+        self._store = JobStore(getattr(machine.port, "folder", None) or config["folder"])
+        self._start = config["start"]
+        self.line = JobLine()
+        self._number = 0  # of the link
+        self._name = ""  # of the job under way
+        self._file = None
+        self._failed = 0  # the error that has ended it; it is still coming to its stand
+        self._noted = None  # the newest entry of the log
+        self._reading = None  # the upload that is read back
+        machine.links.append(LINK)
+
+    def join(self, number, protocol, stored):
+        """`number` and `protocol` of the link; `stored`: what its language says of stored jobs. Returns the serial line."""
+        self._number = number
+        self.line.join(protocol, stored, self._look, self._refused)
+        return self.line
+
+    def handlers(self):
+        return {commands.JOB: self._job}
+
+    def busy(self):
+        return self._file is not None
+
+    def report(self, report):
+        file = self._file
+        report["job"] = None if file is None else (file.done * 100 // max(file.size, 1), self._name)
+
+    # --- commands
+
+    def _job(self, command):
+        try:
+            error = self._ask(command)
+        except Damaged as damaged:
+            error = damaged.args[0]
+        except (OSError, MemoryError):
+            self._store.abort()
+            error = errors.NO_JOB if command.value in (commands.JOB_RUN, commands.JOB_DELETE) else errors.JOB_SPACE
+        if error and command.link is None:  # a button, or the start: there is nobody to answer
+            name = command.target or self._config["button"]
+            self._machine.note(error, name)
+            self._machine.notice(errors.NOTICE_JOB_ENDED, (name, error, 0))
+        return error
+
+    def _ask(self, command):
+        machine = self._machine
+        what = command.value
+        if what == commands.JOB_RUN:
+            return self._run(command, command.target or self._config["button"])
+        if self._file is not None:
+            return errors.JOB_RUNS
+        if machine.state not in ("idle", "alarm") or not self._queue.still():
+            return errors.BUSY
+        if what == commands.JOB_LIST:
+            return machine.accepted(command, ([self._entry(name) for name in self._store.names()], self._store.free()))
+        if what == commands.JOB_DELETE:
+            self._store.delete(command.target)
+        elif what == commands.JOB_OPEN:
+            error = self._open(command)
+            if error:
+                return error
+        elif what == commands.JOB_DATA:
+            error = self._store.add(command.target)
+            if error:
+                return error
+        else:
+            self._reading = self._store.uploaded()
+            if self._reading is None:
+                return errors.JOB_UPLOAD
+            machine.command = command
+            return 0
+        return machine.accepted(command)
+
+    def _entry(self, name):
+        """(name, language, bytes, bytes stored, CRC-32); of one that is damaged the language is ""."""
+        try:
+            file = self._store.open(name)
+        except Damaged:
+            return name, "", 0, 0, 0
+        file.close()
+        return name, file.language, file.size, file.stored, file.crc
+
+    def _open(self, command):
+        name, language, size, crc, stored = command.target
+        if not name_fits(name):
+            return errors.STORED_NAME
+        if language != self._config["language"]:
+            return errors.JOB_LANGUAGE
+        if stored > self._store.free():
+            return errors.JOB_SPACE
+        self._store.begin(name, language, size, crc, stored)
+        return 0
+
+    # --- running
+
+    def _run(self, command, name):
+        machine = self._machine
+        if self._file is not None:
+            return errors.JOB_RUNS
+        if not name or not name_fits(name):
+            return errors.NO_JOB
+        if machine.alarm not in (0, errors.ALARM_LOCKED):  # the job may home first
+            return errors.LOCKED
+        if machine.state not in ("idle", "alarm", "check") or not self._queue.still():
+            return errors.BUSY
+        file = self._store.open(name)
+        if file.language != self._config["language"]:
+            file.close()
+            return errors.JOB_LANGUAGE
+        self._file = file
+        self._name = name
+        self._failed = 0
+        self._noted = self._newest()
+        machine.lender = machine.commander
+        machine.commander = self._number
+        self.line.begin(file)
+        if command.link is not None:
+            return machine.accepted(command)
+        return 0
+
+    def _newest(self):
+        entries = self._machine.log.entries
+        return entries[-1] if entries else None
+
+    def poll(self, now_ms):
+        if self._start:
+            name = self._start
+            self._start = ""
+            self._job(commands.Command(commands.JOB, name))
+        if self._file is not None:
+            self._look()
+
+    def _look(self):
+        """Notice at once if a line of the job was refused."""
+        newest = self._newest()
+        if newest is not self._noted:
+            self._noted = newest
+            if not self._failed and newest[2] == LINK:
+                self._refused(newest[1])
+
+    def _refused(self, error):
+        """A line was refused, or the file is damaged: nothing of the job is done any more."""
+        if self._failed or self._file is None:
+            return
+        machine = self._machine
+        self._failed = error
+        self.line.end()
+        if error == errors.JOB_DAMAGED:
+            machine.note(error, self._name)
+        machine.tell(Event(DROPPED, None, error))
+        if commands.HOLD in machine.handlers:
+            machine.drop_at_stand()
+        else:
+            machine.carry_out(commands.STOP)
+
+    def poll_command(self, now_ms):
+        if self._reading is None or not self._machine.busy_with(commands.JOB):
+            return
+        view = self.line.view
+        try:
+            for _ in range(_CHECKED):
+                if not self._reading.readinto(view):
+                    self._read_back(0)
+                    return
+        except Damaged as damaged:
+            self._read_back(damaged.args[0])
+
+    def _read_back(self, error):
+        """The upload has been read to its end, or is not right."""
+        machine = self._machine
+        self._reading.close()
+        self._reading = None
+        if not error:
+            try:
+                self._store.keep()
+            except OSError:
+                error = errors.JOB_SPACE
+        if error:
+            self._store.abort()
+            command = machine.command
+            machine.command = None
+            machine.note(error, command.link.name if command.link else "")
+            machine.tell(Event(commands.REFUSED, command, error))
+        else:
+            machine.finish()
+
+    def poll_end(self, still):
+        machine = self._machine
+        if self._file is None or not still or machine.dropping or machine.command is not None or machine.drawing:
+            return
+        if self._failed:
+            machine.switch_off()
+            self._end(self._failed)
+        elif self.line.done():
+            self._end(0)
+
+    def clear(self):
+        """All work has been dropped: by a stop, a reset, an alarm."""
+        if self._reading is not None:
+            self._reading.close()
+            self._reading = None
+            self._store.abort()
+        if self._file is not None and not self._failed:
+            self._end(errors.JOB_STOPPED)
+
+    def _end(self, error):
+        machine = self._machine
+        self.line.end()
+        self._file = None
+        machine.commander = machine.lender
+        machine.lender = -1
+        machine.notice(errors.NOTICE_JOB_ENDED, (self._name, error, self.line.answered))

@@ -1,0 +1,16 @@
+"""What grbl's language says of stored jobs: lines, each answered by `ok` or `error`."""
+
+LIMITS = (8, 126)  # lines not yet answered, from which on no more are given; bytes given at once
+
+
+def begin(protocol):
+    """The modal state is that after power-up; offsets stay."""
+    protocol.gcode.reset()
+
+
+def units(data):
+    return bytes(data).count(b"\n")
+
+
+def answers(said):
+    return said.count(b"ok\r\n") + said.count(b"error:")

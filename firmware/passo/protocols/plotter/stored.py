@@ -1,0 +1,16 @@
+"""What the plotter's language says of stored jobs: packets, each answered by a byte. One at a time: a refused one has no
+answer, and nothing behind it may be done."""
+
+LIMITS = (1, 6)  # packets not yet answered; bytes given at once
+
+
+def begin(protocol):
+    """There is nothing that one job leaves to the next."""
+
+
+def units(data):
+    return 1
+
+
+def answers(said):
+    return len(said)

@@ -1,0 +1,223 @@
+"""`passo jobs`: programs kept on a board, which run without a PC."""
+
+import base64
+import re
+import time
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.failure import Failure
+
+app = typer.Typer(help="Programs kept on the board: list, store, check, delete and run them.", no_args_is_help=True)
+
+_BYTES_A_LINE = 54
+_VERIFY_S = 120.0
+_FILE = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LANGUAGE:(\w+)\]")
+_FREE = re.compile(r"\[FREE:(\d+)\]")
+_NO_JOBS = "the board keeps no jobs: its board file has no key `jobs` (docs/jobs.md)"
+
+Port = Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")]
+Baud = Annotated[int, typer.Option(help="Bits per second of a serial port.")]
+
+
+def _connected(port, baud):
+    from host_tools.cli import ports
+    from host_tools.clients.grbl import GrblClient
+
+    return GrblClient(port or ports.only(), baud)
+
+
+def _listed(client):
+    """({name: (bytes, bytes stored, CRC-32, language)}, bytes free)."""
+    from host_tools.clients.grbl import Refused
+
+    try:
+        said = client.command("$F")
+    except Refused as refused:
+        raise Failure(_NO_JOBS if "error 3," in str(refused) else str(refused)) from None
+    found = {}
+    for name, size, stored, crc, language in _FILE.findall("\n".join(said)):
+        found[name] = int(size), int(stored), int(crc, 16), language
+    free = _FREE.search("\n".join(said))
+    return found, int(free[1]) if free else 0
+
+
+@app.command("list")
+def list_(port: Port = None, baud: Baud = 115200):
+    """List the jobs of a board: bytes, bytes in flash, language.
+
+    Example:
+
+        passo jobs list --port /dev/ttyACM0
+    """
+    with _connected(port, baud) as client:
+        found, free = _listed(client)
+    for name, (size, stored, _, language) in found.items():
+        print(f"{name:24} {size:9} bytes, {stored:8} in flash, {language}")
+    print(f"{len(found)} jobs, {free // 1024} kB free")
+
+
+@app.command()
+def store(
+    file: Annotated[Path, typer.Argument(help="The G-code; with --language plotter a file of packets.")],
+    name: Annotated[Optional[str], typer.Option(help="Its name on the board (that of the file, in capitals).")] = None,
+    language: Annotated[str, typer.Option(help="grbl or plotter: the board file's jobs.language.")] = "grbl",
+    check: Annotated[bool, typer.Option(help="Have the board check each line, in its check mode, once it is stored.")] = True,
+    port: Port = None,
+    baud: Baud = 115200,
+):
+    """Store a file on the board. It counts once it is there whole: until then, and if anything goes wrong, an older one of
+    that name stays.
+
+    Examples:
+
+        passo jobs store part.gcode
+
+        passo jobs store part.gcode --name PART --no-check --port /dev/ttyACM0
+    """
+    from host_tools.clients.grbl import Refused
+    from host_tools.programs import stored_job
+
+    if language not in ("grbl", "plotter"):
+        raise Failure(f"--language is grbl or plotter, not {language!r}")
+    data = stored_job.gcode_job(file) if language == "grbl" else stored_job.plotter_job(file)
+    packed = stored_job.pack(data)
+    name = (name or stored_job.name_of(file)).upper()
+    with _connected(port, baud) as client:
+        _, free = _listed(client)
+        if len(packed) > free:
+            raise Failure(f"{file} takes {len(packed)} bytes of flash; {free} are free: delete a job (passo jobs list)")
+        begun = time.monotonic()
+        client.command(f"$FS={name},{language},{len(data)},{stored_job.crc(data):08x},{len(packed)}")
+        with _bar(f"storing {name}") as show:
+            for first in range(0, len(packed), _BYTES_A_LINE):
+                client.command("$F:" + base64.b64encode(packed[first : first + _BYTES_A_LINE]).decode())
+                show(first / len(packed))
+        client.command("$FE", _VERIFY_S)
+        lines = data.count(b"\n")
+        print(f"{name}: {len(data)} bytes, {len(packed)} in flash, {len(packed) / max(lines, 1):.1f} a line, "
+              f"in {time.monotonic() - begun:.0f} s")  # fmt: skip
+        if check and language == "grbl":
+            if client.ask_status()["state"] != "Idle":
+                print(f"{name} has not been checked line by line: the machine is not idle. Home it, then: passo jobs check {name}")
+                return
+            try:
+                _check(client, name)
+            except Refused as refused:
+                raise Failure(f"{name} is stored, but not right: {refused}") from None
+
+
+def _check(client, name):
+    """Run a job in check mode. Raises Refused at its first error."""
+    if client.ask_status()["state"] != "Idle":
+        raise Failure("the machine has to be idle: home or unlock it first")
+    client.command("$C")
+    try:
+        _run(client, name, "checking")
+    finally:
+        client.reset()
+    print(f"{name}: every line is understood")
+
+
+@app.command("check")
+def check_(name: Annotated[str, typer.Argument(help="The job.")], port: Port = None, baud: Baud = 115200):
+    """Have the board check every line of a stored job, without moving.
+
+    Example:
+
+        passo jobs check PART.GCODE
+    """
+    with _connected(port, baud) as client:
+        _check(client, name.upper())
+
+
+@app.command()
+def delete(name: Annotated[str, typer.Argument(help="The job.")], port: Port = None, baud: Baud = 115200):
+    """Delete a stored job.
+
+    Example:
+
+        passo jobs delete PART.GCODE
+    """
+    with _connected(port, baud) as client:
+        client.command(f"$FD={name.upper()}")
+
+
+@app.command()
+def run(
+    name: Annotated[str, typer.Argument(help="The job.")],
+    home: Annotated[bool, typer.Option(help="Home the machine first.")] = False,
+    wait: Annotated[bool, typer.Option(help="Show progress until the job has ended; otherwise return at once.")] = True,
+    port: Port = None,
+    baud: Baud = 115200,
+):
+    """Run a stored job. It needs no PC: Ctrl-C ends the watching, not the job. `passo send`, `!` and Ctrl-X of any sender stop it.
+
+    Examples:
+
+        passo jobs run PART.GCODE --home
+
+        passo jobs run PART.GCODE --no-wait
+    """
+    with _connected(port, baud) as client:
+        if home:
+            client.command("$H", 600)
+        if wait:
+            _run(client, name.upper(), "running")
+            print(f"{name.upper()}: done")
+        else:
+            client.command(f"$F={name.upper()}")
+
+
+def _run(client, name, what):
+    """Run a job to its end, with progress. Raises Refused if it ended with an error."""
+    from host_tools.clients.grbl import LinkError, Refused, alarm_text, explain
+
+    client.command(f"$F={name}")
+    heard = client.rest
+    with _bar(f"{what} {name}") as show:
+        while True:
+            for line in heard:
+                if line == f"[MSG:Job {name} done]":
+                    return
+                ended = re.match(rf"\[MSG:Job {re.escape(name)}: error (\d+)(?: in line (\d+))?\]", line)
+                if ended:
+                    why = f"alarm {client.alarm}: {alarm_text(client.alarm)}" if client.alarm else explain(f"error:{ended[1]}")
+                    raise Refused(f"line {ended[2]}: {why}" if ended[2] else why)
+            if client.silent():
+                raise LinkError(f"{client.port}: no answer any more; the job goes on without it")
+            time.sleep(0.1)
+            client.real_time(b"?")
+            shown = client.status.get("SD")
+            if shown:
+                show(int(shown.partition(",")[0]) / 100)
+            heard = client.lines()
+
+
+class _bar:
+    """A progress bar on a terminal, nothing elsewhere: `with _bar(text) as show: show(share)`."""
+
+    def __init__(self, text):
+        self._text = text
+        self._progress = None
+
+    def __enter__(self):
+        import sys
+
+        if sys.stderr.isatty():
+            from host_tools.cli.stream import progress_bar
+
+            self._progress = progress_bar(True)
+            self._progress.start()
+            self._task = self._progress.task_ids[0]
+        return self._show
+
+    def _show(self, share):
+        if self._progress:
+            self._progress.update(self._task, completed=share, description=self._text, refresh=True)
+
+    def __exit__(self, *_):
+        if self._progress:
+            self._progress.stop()

@@ -1,0 +1,206 @@
+"""Stored jobs on a small machine: under CPython and MicroPython."""
+
+import os
+from time import time_ns
+from binascii import b2a_base64, crc32
+
+from passo.config.job_store import WINDOW_BITS
+from router import Machine, answers, home
+
+JOB = b"G21\nG90\nM3S1000\nG1X5Y2F1200\n\nG2X9Y2I2J0\nG0Z-1\nM5\nM30\n"
+SQUARE = b"F3000\n" + "".join(["G1X%d.%dY%d\n" % (number % 9, number % 7, number % 5) for number in range(200)]).encode()
+
+
+def stored_form(data):
+    """`data` as a deflate stream of stored blocks: what any decoder reads, and no encoder is wanted for."""
+    blocks = b""
+    for first in range(0, len(data), 1000):
+        part = data[first : first + 1000]
+        count = len(part)
+        last = first + 1000 >= len(data)
+        blocks += bytes((1 if last else 0, count & 255, count >> 8, ~count & 255, (~count >> 8) & 255)) + part
+    return blocks
+
+
+def folder():
+    """A folder of its own: both interpreters may be at it at once."""
+    return "%s/passo-jobs-%d" % (os.getenv("TMPDIR") or "/tmp", time_ns())
+
+
+def make(where=None, **jobs):
+    config = {"language": "grbl", "folder": where or folder(), "button": "", "start": ""}
+    config.update(jobs)
+    machine = Machine(jobs=config)
+    machine.folder = config["folder"]
+    return machine
+
+
+def remove(machine):
+    for name in os.listdir(machine.folder):
+        os.remove(machine.folder + "/" + name)
+    os.rmdir(machine.folder)
+
+
+def store(machine, name, data, packed=None, crc=None):
+    """Upload as a PC does; the answer to each line must be ok. Returns the answer to the last."""
+    packed = stored_form(data) if packed is None else packed
+    machine.do("$FS=%s,grbl,%d,%08x,%d" % (name, len(data), (crc32(data) if crc is None else crc) & 0xFFFFFFFF, len(packed)))
+    for first in range(0, len(packed), 54):
+        machine.do("$F:" + b2a_base64(packed[first : first + 54]).decode().strip())
+    return answers(machine.ask("$FE"))[0]
+
+
+def run(machine, said=(), turns=200_000):
+    """Cycles until the job has ended; what was said, behind `said`."""
+    said = list(said)
+    while turns:
+        turns -= 1
+        if [line for line in said if line.startswith("[MSG:Job")]:
+            return said
+        said += machine.cycles()
+    raise AssertionError("the job does not end: %r" % said)
+
+
+def ended(said):
+    return [line for line in said if line.startswith("[MSG:Job")][0]
+
+
+def check_window():
+    assert WINDOW_BITS == 10
+
+
+def check_store_and_run():
+    """What runs from the board makes the steps that the same lines make when they are sent."""
+    machine = home(make().ready())
+    assert store(machine, "PART.NC", JOB) == "ok"
+    listed = machine.do("$F")
+    assert listed[0] == "[FILE:PART.NC|SIZE:%d|STORED:%d|CRC:%08x|LANGUAGE:grbl]" % (
+        len(JOB), len(JOB) + 5, crc32(JOB) & 0xFFFFFFFF), listed  # fmt: skip
+    assert listed[1].startswith("[FREE:"), listed
+    machine.world.path = []
+    machine.do("$F=PART.NC")
+    assert ended(run(machine)) == "[MSG:Job PART.NC done]"
+    first = list(machine.world.path)
+    assert first
+    machine.do("G90", "G53G0X0Y0Z0")
+    machine.settle()
+    machine.world.path = []
+    machine.do("$F=PART.NC")
+    run(machine)
+    again = machine.world.path
+    assert [row[1:] for row in first] == [row[1:] for row in again]
+    sent = home(make().ready())
+    sent.world.path = []
+    sent.put(JOB)
+    sent.cycles(50)
+    sent.settle()
+    assert [row[1:] for row in sent.world.path] == [row[1:] for row in first]
+    begin, other = sent.world.path[0][0], first[0][0]
+    assert [row[0] - begin for row in sent.world.path] == [row[0] - other for row in first]
+    remove(machine)
+    remove(sent)
+
+
+def check_who_commands():
+    """While it runs lines from the PC are refused; hold, resume, overrides and the report are not."""
+    machine = home(make().ready())
+    assert store(machine, "LONG", SQUARE) == "ok"
+    machine.do("$F=LONG")
+    machine.cycles(20)
+    machine.said()
+    assert answers(machine.ask("G1X1F100")) == ["error:112"]
+    assert answers(machine.ask("$F=LONG")) == ["error:112"]
+    machine.put("!")
+    machine.cycles(200)
+    assert machine.status()["state"] == "Hold:0"
+    machine.put("~\x91")
+    machine.cycles(5)
+    assert machine.status()["state"] == "Run"
+    text = "".join([machine.status()["text"] for _ in range(40)])
+    assert "|SD:" in text and ",LONG" in text and "|Ov:110," in text, text
+    assert answers(machine.ask("$FD=LONG")) == ["error:112"]
+    machine.put("\x18")
+    said = machine.cycles(20)
+    assert "[MSG:Job LONG: error 157 in line" in "".join(said), said
+    machine.do("$X", "G4P0", "$F")
+    assert "|SD:" not in "".join([machine.status()["text"] for _ in range(40)])
+    remove(machine)
+
+
+def check_a_refused_line_ends_it():
+    """Nothing behind the line that is refused is done; spindle and coolant are off."""
+    machine = home(make().ready())
+    bad = b"M3S1000\nM8\nG1X2F600\nG1X4\nG1X5Q3\nG1X9\nG1X11\n"
+    assert store(machine, "BAD", bad) == "ok"
+    machine.do("$F=BAD")
+    assert ended(run(machine)) == "[MSG:Job BAD: error 20 in line 5]"
+    machine.settle()
+    assert machine.world.place[0] <= 4 * 320 + 640 + 3000, machine.world.place
+    assert machine.world.tool == 0 and machine.world.outputs["flood"] == 0
+    before = list(machine.world.place)
+    machine.cycles(100)
+    assert machine.world.place == before
+    machine.do("G1X1F600")
+    remove(machine)
+
+
+def check_uploads_that_are_wrong():
+    """Each leaves what was there: a byte wrong, too few, too many, no deflate stream, another language, a name."""
+    machine = home(make().ready())
+    assert store(machine, "A", JOB) == "ok"
+    packed = stored_form(JOB)
+    bent = packed[:20] + bytes((packed[20] ^ 1,)) + packed[21:]
+    assert store(machine, "A", JOB, bent) == "error:151"
+    assert store(machine, "A", JOB, packed[:-9] + b"\xff" * 9) == "error:151"
+    assert store(machine, "A", JOB, b"\xff" * 40) == "error:151"
+    machine.do("$FS=A,grbl,10,0,300")
+    assert answers(machine.ask("$FE")) == ["error:156"]
+    machine.do("$FS=A,grbl,10,0,2")
+    assert answers(machine.ask("$F:AAAAAA==")) == ["error:156"]
+    assert answers(machine.ask("$FS=A,plotter,10,0,2")) == ["error:155"]
+    assert answers(machine.ask("$FS=../B,grbl,10,0,2")) == ["error:154"]
+    assert answers(machine.ask("$FS=A,grbl,10")) == ["error:3"]
+    assert answers(machine.ask("$F=B")) == ["error:150"]
+    assert answers(machine.ask("$FD=B")) == ["error:150"]
+    assert machine.do("$F")[0].startswith("[FILE:A|SIZE:%d|" % len(JOB))
+    machine.do("$FS=A,grbl,10,0,300")
+    again = make(machine.folder).ready()
+    assert os.listdir(machine.folder) == ["A.job"]
+    again.do("$FD=A")
+    assert again.do("$F")[0].startswith("[FREE:")
+    remove(again)
+
+
+def check_torn_files():
+    """A file cut off anywhere is never run: it is damaged, or its job ends with an error."""
+    machine = home(make().ready())
+    assert store(machine, "A", JOB) == "ok"
+    path = machine.folder + "/A.job"
+    with open(path, "rb") as file:
+        whole = file.read()
+    for length in range(0, len(whole), 7):
+        with open(path, "wb") as file:
+            file.write(whole[:length])
+        said = machine.ask("$F=A")
+        if answers(said) == ["ok"]:
+            assert "error 151" in ended(run(machine, said))
+        else:
+            assert answers(said) == ["error:151"], (length, said)
+        assert machine.do("$F")[0].startswith("[FILE:A|")
+    with open(path, "wb") as file:
+        file.write(whole)
+    machine.do("G90", "G53G0X0Y0Z0", "$F=A")
+    assert ended(run(machine)) == "[MSG:Job A done]"
+    remove(machine)
+
+
+def check_start_and_button():
+    """The board file's job runs when the board is switched on; it may home first."""
+    machine = home(make().ready())
+    assert store(machine, "AUTO", b"$H\nG90\nG53G0X5\n") == "ok"
+    machine = make(machine.folder, start="AUTO")
+    assert ended(run(machine)) == "[MSG:Job AUTO done]"
+    assert machine.controller.position()[0] == 1600
+    said = make(machine.folder, start="NONE").cycles(20)
+    assert "[MSG:Job NONE: error 150]" in said, said
+    remove(machine)

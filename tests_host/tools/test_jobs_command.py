@@ -1,0 +1,80 @@
+"""`passo jobs` against the firmware of the router."""
+
+import shutil
+
+import pytest
+
+from host_tools.cli import jobs
+from host_tools.clients.grbl import Refused
+from host_tools.failure import Failure
+from host_tools.programs import stored_job
+from running_router import Running
+
+PART = b"(a part) G21 G90\n\nG1 X20 Y0 F6000 ; there\nG0 X0\nM30\n"
+
+
+@pytest.fixture
+def board(tmp_path):
+    running = Running("fast", jobs={"language": "grbl", "folder": str(tmp_path / "flash")})
+    yield running
+    running.close()
+
+
+@pytest.fixture
+def part(tmp_path):
+    path = tmp_path / "part one.gcode"
+    path.write_bytes(PART)
+    return path
+
+
+def test_jobs_are_numbered_as_their_file(part):
+    assert stored_job.gcode_job(part) == b"N1G21G90\n\nN3G1X20Y0F6000\nN4G0X0\nN5M30\n"
+    assert stored_job.name_of(part) == "PART_ONE.GCODE"
+    assert len(stored_job.name_of("x" * 40)) == 24 and stored_job.name_of(".nc") == "NC"
+
+
+def test_store_run_and_delete(board, part, capsys):
+    port = board.line.name
+    jobs.store(part, None, "grbl", True, port, 115200)
+    assert "PART_ONE.GCODE has not been checked" in capsys.readouterr().out
+    jobs.run("part_one.gcode", True, True, port, 115200)
+    assert board.position()[0] == 0 and board.world.steps > 12_800
+    jobs.check_("PART_ONE.GCODE", port, 115200)
+    assert "every line is understood" in capsys.readouterr().out
+    jobs.list_(port, 115200)
+    assert "PART_ONE.GCODE" in capsys.readouterr().out
+    jobs.delete("PART_ONE.GCODE", port, 115200)
+    with pytest.raises(Refused, match="error 150"):
+        jobs.run("PART_ONE.GCODE", False, True, port, 115200)
+
+
+def test_a_job_with_an_error_says_its_line(board, part, capsys):
+    port = board.line.name
+    jobs.store(part, "OLD", "grbl", False, port, 115200)
+    part.write_bytes(b"G21\nG1X1F100\nG1X2Q7\n")
+    with pytest.raises(Refused, match="line 3: error 20"):
+        jobs.store(part, "BAD", "grbl", False, port, 115200)
+        jobs.run("BAD", True, True, port, 115200)
+    with pytest.raises(Failure, match="packet 1 is no packet"):
+        jobs.store(part, "BAD", "plotter", True, port, 115200)
+    with pytest.raises(Failure, match="bytes of flash"):
+        free = shutil.disk_usage("/").free
+        _too_large(part, free, port)
+
+
+def _too_large(part, free, port):
+    packed = stored_job.pack
+    stored_job.pack = lambda data: range(free * 2)  # as long as no memory is
+    try:
+        jobs.store(part, "BIG", "grbl", False, port, 115200)
+    finally:
+        stored_job.pack = packed
+
+
+def test_a_board_without_jobs_says_so():
+    running = Running("fast")
+    try:
+        with pytest.raises(Failure, match="no key `jobs`"):
+            jobs.list_(running.line.name, 115200)
+    finally:
+        running.close()
