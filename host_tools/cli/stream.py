@@ -16,6 +16,10 @@ from host_tools.failure import Failure
 from host_tools.programs.gcode_time import Remaining
 
 _STATUS_S = 0.25
+FirstLine = Annotated[
+    Optional[int], typer.Option("--from", min=1, metavar="LINE", help="Begin at this line of the file, or of a compiled listing.")
+]
+Yes = Annotated[bool, typer.Option("--yes", help="With --from: do not ask before the tool goes down.")]
 
 
 def stream(
@@ -29,6 +33,8 @@ def stream(
     timeout: float = typer.Option(5.0, min=0.1, help="Seconds an answer may take."),
     dialect: Annotated[Optional[str], typer.Option(help="num, ngc, or plain: as it is; default: by what stands in the file.")] = None,
     tools: Annotated[Optional[Path], typer.Option(help="The tool table of a program that is compiled; see passo compile.")] = None,
+    first: FirstLine = None,
+    yes: Yes = False,
 ):
     """Send a G-code file and show progress. Stops at the first error and names its line.
 
@@ -37,6 +43,9 @@ def stream(
 
     A program in a dialect of its own, with parameters, subprograms or radius compensation, is compiled first (passo compile); errors
     and progress name the program's lines.
+
+    With --from the lines before are replayed, nothing moves: the tool goes up, over the place where that line begins, spindle and
+    coolant go on, and you are asked before the tool goes down. The machine has to know its zero.
 
     Keys: p pause, r resume (also after M0, M1 and M6), a abort (also Ctrl-C). An abort first comes to a stand on the path.
 
@@ -47,6 +56,8 @@ def stream(
         passo stream part.gcode --port /dev/ttyACM0 --flow ok --log wire.log
 
         passo stream pocket.ngc --tools tools.tbl --home
+
+        passo stream part.gcode --from 1200 --home
     """
     from host_tools.cli import ports
     from host_tools.clients.grbl import GrblClient
@@ -58,19 +69,27 @@ def stream(
     compiler.tell(program)
     lines = list(program.rows())
     with GrblClient(port or ports.only(), baud, timeout, log) as client:
-        client.connect()
-        if home:
-            _home(client)
-        elif unlock:
-            client.command("$X")
-        if client.ask_status()["state"] == "Alarm":
-            raise Failure("the machine is in alarm; give --home or --unlock")
+        _make_ready(client, home, unlock)
+        if first:
+            from host_tools.cli.lead_in import prepared
+
+            lines = prepared(client, lines, first, None, yes)
         limits = gcode_time.Limits.of_settings(client.command("$$"))
         with Panel(client, lines, gcode_time.estimate(lines, limits), program.origin) as panel:
             for number in client.stream(lines, flow == "count", panel.cycle, panel.numbered, program.origin):
                 panel.done(number)
             client.wait_idle(panel.cycle)
         print(f"{file}: {len(lines)} lines in {gcode_file.clock(panel.seconds())}")
+
+
+def _make_ready(client, home, unlock):
+    client.connect()
+    if home:
+        _home(client)
+    elif unlock:
+        client.command("$X")
+    if client.ask_status()["state"] == "Alarm":
+        raise Failure("the machine is in alarm; give --home or --unlock")
 
 
 def _home(client):

@@ -1,0 +1,37 @@
+"""How `passo stream --from` and `passo resume` get a machine to where a program goes on: step by step, and asked before the tool
+goes down."""
+
+import sys
+
+from host_tools.failure import Failure
+
+_WAIT_S = 600  # that a way, a spindle or a dwell may take
+
+
+def prepared(client, lines, number, place=None, yes=False):
+    """Bring the machine to the start of line `number`, or to `place` (steps) on its way, in the state of the program there.
+    Returns the lines still to be sent. `yes`: do not ask. Raises Failure, also if the operator says no: the tool is up then,
+    spindle and coolant are off."""
+    from host_tools.programs import replay
+
+    machine = replay.Machine.of_answers(client.command("$$"), client.command("$#"))
+    state = replay.Replay(machine, lines)
+    stages, rest = state.from_line(number) if place is None else state.from_place(number, place)
+    moving = any(what == replay.DOWN for what, _ in stages)
+    for what, sent in stages:
+        if what == (replay.DOWN if moving else replay.GO) and not yes and not _agreed(stages, what, number):
+            client.command("M5")
+            client.command("M9")
+            raise Failure("not gone on: the tool is up, spindle and coolant are off")
+        for line in sent:
+            client.command(line, _WAIT_S)
+        client.command("G4P0", _WAIT_S)
+    return rest
+
+
+def _agreed(stages, what, number):
+    shown = " ".join(next(sent for name, sent in stages if name == what))
+    if not sys.stdin.isatty():
+        raise Failure("nobody can be asked before the tool goes down; look at the machine, then give --yes")
+    print(f"line {number}: next is {shown}")
+    return input("The tool goes down. Is the place right, and all clear? [y/N] ").strip().lower() in ("y", "yes")

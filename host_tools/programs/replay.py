@@ -1,0 +1,307 @@
+"""Where a program of G-code stands at any of its lines, and how a machine gets there: state is replayed, nothing moves.
+
+    replay = Replay(Machine.of_answers(settings, parameters), lines)
+    stages, rest = replay.from_line(120)                # begin at a line
+    stages, rest = replay.from_place(120, [3200, 0, -400])      # go on amid that line, at this place in steps
+
+Lines are understood by the firmware's own parser, so state is what the board would have. `stages` are (what, [lines]) to be sent one after
+the other: the operator is asked before the one called DOWN. `rest` are the lines of the program still to be sent. Lengths are
+millimetres in machine coordinates.
+"""
+
+import re
+from dataclasses import dataclass, field
+
+from host_tools.clients.grbl import explain
+from host_tools.failure import Failure
+from passo import commands
+from passo.control import arcs
+from passo.protocols.gcode.codes import MOTION
+from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
+from passo.protocols.gcode.parser import GCode
+from passo.protocols.gcode.reader import NONE
+
+OFFSETS, UP, OVER, OUTPUTS, DOWN, GO = "offsets", "tool up", "to the place", "spindle and coolant", "tool down", "go on"
+_NM = 1_000_000  # a millimetre
+_CLEARANCE_MM = 1.0
+_PLUNGE_MM_MIN = 100.0  # where the program has no feed yet
+_NEAR_STEPS = 2  # from the path: what rounding may make
+
+
+@dataclass
+class Machine:
+    """What the controller says of itself."""
+
+    steps_per_mm: list
+    top_mm: float  # the highest place of Z, machine coordinates
+    homes: bool
+    laser: bool
+    max_rpm: float
+    systems: dict = field(default_factory=dict)  # "G54": mm of each axis
+
+    @classmethod
+    def of_answers(cls, settings, parameters, axes=3):
+        """From the answers to `$$` and `$#`."""
+        values = {int(number): float(value) for number, value in re.findall(r"\$(\d+)=([\d.]+)", "\n".join(settings))}
+        axes = len([number for number in range(100, 103) if number in values])
+        systems = {name: [float(part) for part in places.split(",")]
+                   for name, places in re.findall(r"\[(G5[4-9]|G28|G30):([-\d.,]+)\]", "\n".join(parameters))}  # fmt: skip
+        upward = not int(values.get(23, 0)) >> 2 & 1
+        top = 0.0 if upward or axes < 3 else values[132]
+        return cls(
+            [values[100 + axis] for axis in range(axes)], top, values.get(22, 0) > 0, values.get(32, 0) > 0, values.get(30, 1000), systems
+        )  # fmt: skip
+
+
+class _Memory:
+    """Work offsets as the firmware's Offsets keep them."""
+
+    def __init__(self, systems):
+        self._texts = {name: ",".join(str(round(place * _NM)) for place in places) for name, places in systems.items()}
+
+    def get(self, key):
+        return self._texts.get(key)
+
+    def put(self, key, text):
+        self._texts[key] = text
+
+
+class _Board:
+    """What the parser asks of a machine."""
+
+    arcs = arcs
+
+    def __init__(self, machine):
+        self.steps_per_m = [round(scale * 1000) for scale in machine.steps_per_mm]
+        self.target = [0] * len(machine.steps_per_mm)
+        self.coolant = 0
+
+
+class Replay:
+    def __init__(self, machine, lines):
+        """`lines`: [(number, bytes)] of gcode_file.read()."""
+        self._machine = machine
+        self._lines = lines
+        self._board = _Board(machine)
+        self._offsets = Offsets(len(machine.steps_per_mm), _Memory(machine.systems))
+        self._gcode = GCode("xyz"[: len(machine.steps_per_mm)], self._offsets, self._board)
+        self._gcode.laser = machine.laser
+        self._gcode.max_rpm = round(machine.max_rpm * 1000)
+        self._highest = None
+
+    # --- the two ways in
+
+    def from_line(self, number):
+        """Begin at line `number` of the file, from where the lines before it end. Raises Failure."""
+        at = self._index(number)
+        for index in range(at):
+            self._carry_out(index)
+        return self._stages(list(self._board.target), None), self._rest(at)
+
+    def from_place(self, number, place):
+        """Go on amid line `number`, at `place` (steps from machine zero) on its way. What is no single line or arc is done again
+        from its start. Raises Failure if the place is not on the line's path."""
+        at = self._index(number)
+        for index in range(at):
+            self._carry_out(index)
+        start = list(self._board.target)
+        before = self._stages(start, None)
+        motion = self._single(at)
+        if motion is None or list(place) == start:
+            return before, self._rest(at)
+        if not self._on_path(motion, start, place):
+            raise Failure(f"line {number}: the place {self._shown(place)} is not on its path; the file, or zero, has changed")
+        self._board.target = list(motion.target)
+        if list(place) == list(motion.target):
+            return self._stages(list(place), None), self._rest(at + 1)
+        return self._stages(list(place), self._remainder(motion, start, place)), self._rest(at + 1)
+
+    def _index(self, number):
+        for index, (known, _) in enumerate(self._lines):
+            if known >= number:
+                return index
+        raise Failure(f"the file ends before line {number}")
+
+    # --- replaying
+
+    def _interpret(self, index):
+        number, line = self._lines[index]
+        if line.startswith(b"$"):
+            raise Failure(f"line {number}, {line.decode('ascii', 'replace')}: a $ line cannot be replayed; begin behind it")
+        error = self._gcode.interpret(line)
+        if error:
+            raise Failure(f"line {number}, {line.decode('ascii', 'replace')}: {explain(f'error:{error}')}")
+        return self._gcode.commands
+
+    def _carry_out(self, index):
+        for command in self._interpret(index):
+            if command.kind == commands.PROBE:
+                raise Failure(f"line {self._lines[index][0]} probes: where it touched is not known; begin before it")
+            if command.target is not None:
+                self._board.target = list(command.target)
+                if len(command.target) > TOOL_AXIS:
+                    self._highest = max(command.target[TOOL_AXIS], self._highest or command.target[TOOL_AXIS])
+
+    def _single(self, index):
+        """The only motion of a line, a line or an arc of one turn at most; None for all others."""
+        made = [command for command in self._interpret(index) if command.target is not None]
+        if len(made) != 1 or made[0].kind not in (commands.LINE, commands.ARC):
+            return None
+        return made[0] if made[0].kind == commands.LINE or made[0].turns == 1 else None
+
+    def _on_path(self, motion, start, place):
+        if motion.kind == commands.ARC:
+            first, second = motion.first, motion.second
+            scale = [self._machine.steps_per_mm[axis] for axis in (first, second)]
+            spokes = []
+            for point in (start, place):
+                spokes.append([(point[axis] - start[axis] - by) / unit
+                               for axis, by, unit in zip((first, second), motion.centre, scale)])  # fmt: skip
+            radii = [(x * x + y * y) ** 0.5 for x, y in spokes]
+            return abs(radii[0] - radii[1]) <= _NEAR_STEPS / min(scale)
+        long = max(range(len(start)), key=lambda axis: abs(motion.target[axis] - start[axis]))
+        span = motion.target[long] - start[long]
+        if not span:
+            return False
+        share = (place[long] - start[long]) / span
+        if not 0 <= share <= 1:
+            return False
+        return all(
+            abs(start[axis] + share * (motion.target[axis] - start[axis]) - place[axis]) <= _NEAR_STEPS for axis in range(len(start))
+        )
+
+    # --- what is sent
+
+    def _mm(self, steps, axis):
+        return steps[axis] / self._machine.steps_per_mm[axis]
+
+    def _words(self, steps, axes=None):
+        names = "XYZ"
+        return "".join(f"{names[axis]}{self._mm(steps, axis):.5f}" for axis in (axes if axes is not None else range(len(steps))))
+
+    def _shown(self, place):
+        return self._words(place) + " mm"
+
+    def _feed(self, motion):
+        if motion.per_min:
+            return f"G93F{motion.per_min / 1000:.3f}"
+        return f"G94F{motion.feed * 60 / _NM:.4f}"
+
+    def _remainder(self, motion, start, place):
+        """The line that leads from `place` to the end of `motion`, absolute and in millimetres."""
+        if motion.kind == commands.LINE:
+            if not motion.feed and not motion.per_min:
+                return f"G90G21G53G0{self._words(motion.target)}"
+            if motion.per_min:  # so much of the minute's part is left
+                long = max(range(len(start)), key=lambda axis: abs(motion.target[axis] - start[axis]))
+                left = (motion.target[long] - place[long]) / (motion.target[long] - start[long])
+                return f"G90G21G93G53G1{self._words(motion.target)}F{motion.per_min / 1000 / left:.3f}"
+            return f"G90G21{self._feed(motion)}G53G1{self._words(motion.target)}"
+        if motion.per_min:
+            raise Failure("an arc in G93 cannot be gone on with amid its way; begin at its line with --from")
+        centre = [start[axis] + by - place[axis] for axis, by in zip((motion.first, motion.second), motion.centre)]
+        letters = "IJK"
+        ways = "".join(f"{letters[axis]}{by / self._machine.steps_per_mm[axis]:.5f}"
+                       for axis, by in zip((motion.first, motion.second), centre))  # fmt: skip
+        ends = "".join(
+            f"{'XYZ'[axis]}{self._mm(motion.target, axis) - self._offsets.of(self._gcode.system, axis) / _NM:.5f}"
+            for axis in range(len(place))
+        )
+        plane = {(0, 1): 17, (2, 0): 18, (1, 2): 19}[motion.first, motion.second]
+        return f"G90G21G{plane}{self._feed(motion)}G{2 if motion.clockwise else 3}{ends}{ways}"
+
+    def _stages(self, place, remainder):
+        """[(what, lines)] up to the state that holds now, at `place`."""
+        gcode, machine = self._gcode, self._machine
+        gcode.leave_batch()
+        depth = len(place) > TOOL_AXIS and not machine.laser
+        stages = [(OFFSETS, self._places())]
+        if depth:
+            stages.append((UP, [f"G53G0Z{self._up():.5f}"]))
+        stages.append((OVER, [f"G53G0{self._words(place, (0, 1)[: len(place)])}"]))
+        shift = self._shift(place)
+        outputs = [] if machine.laser else self._spindle()
+        if gcode.tool:
+            outputs.insert(0, f"T{gcode.tool}")
+        stages.append((OUTPUTS, outputs + self._coolant()))
+        down = []
+        if depth:
+            down.append(f"G53G0Z{min(self._mm(place, 2) + _CLEARANCE_MM, self._up()):.5f}")
+            feed = min(gcode.feed * 60 / _NM or _PLUNGE_MM_MIN, _PLUNGE_MM_MIN)
+            down.append(f"G94G53G1Z{self._mm(place, 2):.5f}F{feed:.1f}")
+        elif len(place) > TOOL_AXIS:
+            down.append(f"G53G0Z{self._mm(place, 2):.5f}")
+        stages.append((DOWN, down + shift))
+        laser = ["G0", *self._spindle()] if machine.laser else []
+        stages.append((GO, laser + ([remainder] if remainder else []) + self._modes()))
+        return [(what, lines) for what, lines in stages if lines]
+
+    def _up(self):
+        """Where the tool is clear of everything, mm."""
+        if self._machine.homes:
+            return self._machine.top_mm
+        return (self._highest or 0) / self._machine.steps_per_mm[TOOL_AXIS] + _CLEARANCE_MM
+
+    def _places(self):
+        lines = ["G90G21G94G17G40G49M5M9", f"G{54 + self._gcode.system}", "G92.1"]
+        for system in range(SYSTEMS):
+            kept = [round(place * _NM) for place in self._machine.systems.get(f"G{54 + system}", [0] * self._gcode.axes)]
+            if kept[: self._gcode.axes] != list(self._offsets.systems[system]):
+                places = "".join(f"{'XYZ'[axis]}{place / _NM:.5f}" for axis, place in enumerate(self._offsets.systems[system]))
+                lines.append(f"G10L2P{system + 1}{places}")
+        if self._offsets.tool:
+            lines.append(f"G43.1Z{self._offsets.tool / _NM:.5f}")
+        return lines
+
+    def _shift(self, place):
+        if not any(self._offsets.shift):
+            return []
+        words = "".join(
+            f"{'XYZ'[axis]}{self._mm(place, axis) - self._offsets.of(self._gcode.system, axis) / _NM:.5f}" for axis in range(len(place))
+        )
+        return [f"G92{words}"]
+
+    def _spindle(self):
+        gcode = self._gcode
+        return [f"M{gcode.spindle}S{gcode.rpm / 1000:.3f}"] if gcode.spindle != 5 else [f"S{gcode.rpm / 1000:.3f}"] if gcode.rpm else []
+
+    def _coolant(self):
+        return [f"M{code}" for bit, code in ((1, 8), (2, 7)) if self._gcode.coolant & bit]
+
+    def _modes(self):
+        gcode = self._gcode
+        words = f"G{20 if gcode.inches else 21}G{90 if gcode.absolute else 91}G{gcode.plane}"
+        words += f"G{98 if gcode.initial else 99}"
+        feed = ""
+        if gcode.per_minute:
+            unit = 25.4 if gcode.inches else 1
+            feed = f"F{gcode.feed * 60 / _NM / unit:.5f}"
+        words += f"G{94 if gcode.per_minute else 93}"
+        motion = 80 if self._unsaid() else gcode.motion // 100
+        return [words, f"G{motion}{feed}"]
+
+    def _unsaid(self):
+        """True if the mode of motion cannot be set by a line that does not move."""
+        gcode = self._gcode
+        return gcode.motion not in (0, 100, 8000) or gcode.motion == 100 and not (gcode.per_minute and gcode.feed)
+
+    def _rest(self, at):
+        """The lines from index `at` on; the first that relies on a mode which no line without axis words can restore says it."""
+        rest = self._lines[at:]
+        mode = self._gcode.motion
+        if not self._unsaid():
+            return rest
+        rest = list(rest)
+        for index, (number, line) in enumerate(rest):
+            if line.startswith(b"$") or self._gcode.interpret(line):
+                break
+            if self._gcode._found[MOTION] != NONE:
+                break
+            if [command for command in self._gcode.commands if command.target is not None]:
+                words = b"G%d" % (mode // 100)
+                if mode == 8100:
+                    above, bottom = self._gcode.cycle
+                    words += b"R%.5f" % ((above - self._offsets.of(self._gcode.system, TOOL_AXIS)) / _NM) if b"R" not in line.upper() else b""
+                rest[index] = number, words + line
+                break
+        return rest

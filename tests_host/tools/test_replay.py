@@ -1,0 +1,151 @@
+"""Programs begun at any line, or amid one: the virtual router cuts the same as if nothing had happened."""
+
+import pytest
+
+from host_tools.failure import Failure
+from host_tools.programs import gcode_file, replay
+from router import Machine, World, answers, home
+
+slow = pytest.mark.slow
+PROGRAM = b"""G21 G90 G17
+G0 Z-1
+M3 S1000
+M8
+G0 X10 Y8
+G1 Z-3 F300
+G1 X14 F900
+G91
+G1 Y3
+X-2 Y1
+G90
+G2 X10 Y10 I0 J-2
+G20
+G1 X0.5 Y0.4 F40
+G21
+G10 L2 P2 X2 Y1
+G55
+G1 X9 Y6 F800
+G54
+G92 X0 Y0
+G1 X2 Y1
+G92.1
+G18 G3 X9 Z-4 I-1.5 K-2.5
+G17
+G93 G1 X12 F40
+G94
+G1 X12 Y9 F700
+G0 Z-1
+M5 M9
+M30
+"""
+
+
+def cut(world):
+    """Places passed with the spindle on and the tool down, from rapid moves apart."""
+    return {row[1:4] for row in world.path if row[4] and row[3] < -400}
+
+
+def ready(**changes):
+    machine = home(Machine(World((3000, 2500, -1800)), **changes).ready())
+    machine.world.path = []
+    return machine
+
+
+def run(machine, lines):
+    for line in lines:
+        said = machine.ask(line if isinstance(line, str) else line.decode())
+        assert answers(said) == ["ok"], (line, said)
+    machine.settle()
+
+
+def lines_of(text, tmp_path):
+    path = tmp_path / "job.nc"
+    path.write_bytes(text)
+    return gcode_file.read(path)
+
+
+def facts(machine):
+    return replay.Machine.of_answers(machine.ask("$$"), machine.ask("$#"))
+
+
+def modes(machine):
+    """Of `$G`, without the mode of motion: no line that does not move sets G2, nor G1 without a feed."""
+    return machine.do("$G")[0].partition(" ")[2]
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory):
+    machine = ready()
+    run(machine, [line for _, line in lines_of(PROGRAM, tmp_path_factory.mktemp("whole"))])
+    return machine
+
+
+def around(places):
+    """These and their neighbours, a step away."""
+    steps = (0, -1, 1)
+    return {(place[0] + x, place[1] + y, place[2] + z) for place in places for x in steps for y in steps for z in steps}
+
+
+@pytest.mark.parametrize("number", [pytest.param(line, marks=slow) for line in (2, 9, 14, 21)] + [18, 27])
+def test_from_line(tmp_path, whole, number):
+    lines = lines_of(PROGRAM, tmp_path)
+    first = ready()
+    run(first, [line for known, line in lines if known < number])
+    machine = ready()
+    for system in ("G54", "G55"):
+        assert system in facts(first).systems
+    stages, rest = replay.Replay(facts(machine), lines).from_line(number)
+    for _, sent in stages:
+        run(machine, sent)
+    assert machine.controller.position() == first.controller.position()
+    assert modes(machine) == modes(first)
+    begun = len(machine.world.path)
+    run(machine, [line for _, line in rest])
+    assert machine.controller.position() == whole.controller.position()
+    missing = [place for place in cut(whole.world) - cut(first.world) - cut(machine.world)]
+    assert not missing, missing[:3]
+    extra = {row[1:4] for row in machine.world.path[begun:] if row[4] and row[3] < -400} - around(cut(whole.world))
+    assert not extra, list(extra)[:3]
+
+
+@pytest.mark.parametrize("number", [pytest.param(line, marks=slow) for line in (7, 21, 25)] + [10, 12, 23])
+def test_amid_a_line(tmp_path, whole, number):
+    lines = lines_of(PROGRAM, tmp_path)
+    first = ready()
+    run(first, [line for known, line in lines if known < number])
+    begun = len(first.world.path)
+    run(first, [line for known, line in lines if known == number])
+    way = first.world.path[begun:]
+    origin = [at - zero for at, zero in zip(first.world.place, first.controller.position())]
+    for part in (6,):
+        place = [at - zero for at, zero in zip(way[len(way) * part // 10][1:4], origin)]
+        machine = ready()
+        stages, rest = replay.Replay(facts(machine), lines).from_place(number, place)
+        done = {row[1:4] for row in first.world.path[: begun + len(way) * part // 10 + 1] if row[4] and row[3] < -400}
+        for what, sent in stages:
+            run(machine, sent)
+            if what == replay.DOWN:
+                assert machine.controller.position() == place
+        run(machine, [line for _, line in rest])
+        assert machine.controller.position() == whole.controller.position()
+        again = cut(machine.world)
+        # An arc is drawn about its centre anew from a place that is rounded to steps.
+        missing = cut(whole.world) - done - around(around(again))
+        assert not missing, (number, part, list(missing)[:3])
+        at = way[len(way) * part // 10][1:3]
+        extra = {point for point in again - around(around(cut(whole.world))) if point[:2] != at}
+        assert not extra, (number, part, list(extra)[:3])
+
+
+def test_what_cannot_be_replayed(tmp_path):
+    machine = facts(ready())
+    with pytest.raises(Failure, match="ends before line 9"):
+        replay.Replay(machine, lines_of(b"G21\nG1X1F100\n", tmp_path)).from_line(9)
+    with pytest.raises(Failure, match="line 1.*error 20"):
+        replay.Replay(machine, lines_of(b"G21G64\nG1X1F100\n", tmp_path)).from_line(2)
+    with pytest.raises(Failure, match="line 1 probes"):
+        replay.Replay(machine, lines_of(b"G38.2X1F100\nG1X1F100\n", tmp_path)).from_line(2)
+    with pytest.raises(Failure, match="cannot be replayed"):
+        replay.Replay(machine, lines_of(b"$H\nG1X1F100\n", tmp_path)).from_line(2)
+    with pytest.raises(Failure, match="not on its path"):
+        replay.Replay(machine, lines_of(b"G21\nG1X1F100\n", tmp_path)).from_place(2, [100, 100, 0])
