@@ -50,11 +50,13 @@ def convert(
     file: Annotated[Path, typer.Argument(help="A pulse file, or G-code (.gcode, .nc, .ngc, .tap).")],
     out: Out = None,
     board: BoardName = BOARD,
+    side: Annotated[Optional[str], typer.Option(help="left or right: the tool's centre runs beside what was taught.")] = None,
+    radius: Annotated[float, typer.Option(min=0.01, max=100, help="Of --side: the tool's, in mm.")] = 1.0,
 ):
     """Convert a pulse file to a picture or to G-code, or G-code to a pulse file.
 
     The picture is a .png, .svg or .pdf, dark where the tool is on. -o NAME.gcode makes G-code: straight runs and arcs are recognised,
-    and it makes the same steps. Lines and arcs of G-code become the steps that the firmware
+    and it makes the same steps. With --side each contour, from tool on to tool off, is compensated by the tool's radius. Lines and arcs of G-code become the steps that the firmware
     makes. M3 and M5 switch the tool, G4 waits, M0 asks the operator for the speed, M2 and M30 end it. If the program has no S
     at all, M3 needs none; otherwise S0 is off.
 
@@ -64,21 +66,29 @@ def convert(
 
         passo pulses convert taught.txt -o taught.gcode
 
+        passo pulses convert taught.txt -o part.gcode --side left --radius 1.5
+
         passo pulses convert part.gcode -o part.txt
     """
     from host_tools.drawings import plot
     from host_tools.programs import gcode_file, pulse_file
 
     config, axes = _board(board)
+    if side not in (None, "left", "right"):
+        raise Failure(f"--side is left or right, not {side!r}")
+    if side and not (out and out.suffix.lower() in GCODE):
+        raise Failure("--side makes G-code of a pulse file: name it, as in -o part.gcode")
     if file.suffix.lower() in GCODE:
         target = out or file.with_suffix(".txt")
         _write(target, pulse_file.Converter(config).convert(gcode_file.read(file)))
     elif out and out.suffix.lower() in GCODE:
         from host_tools.programs import pulse_gcode
+        from host_tools.programs.compensation import LEFT, RIGHT
 
         target = out
         found = pulse_file.items(pulse_file.load(file), axes, config["step_program"], file)
-        text, counts = pulse_gcode.to_gcode(found, config)
+        beside = ({"left": LEFT, "right": RIGHT}[side], radius) if side else None
+        text, counts = pulse_gcode.to_gcode(found, config, beside)
         _write(target, text)
         print(f"{counts['lines']} lines and {counts['arcs']} arcs of {counts['steps']} steps")
     else:

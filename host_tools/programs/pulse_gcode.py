@@ -1,8 +1,10 @@
 """A pulse file as G-code: straight runs and arcs recognised, waits, speeds and the tool in their places.
 
     text, counts = to_gcode(items, board)       # items as pulse_file.items() gives them
+    text, counts = to_gcode(items, board, (LEFT, 1.5))      # the tool's centre 1.5 mm to the left of what was taught
 
-What pulse_file.Converter makes of it has the same steps: to_gcode() checks that itself.
+What pulse_file.Converter makes of it has the same steps: to_gcode() checks that itself. With a tool's radius each contour, from tool on
+to tool off, is compensated (compensation.py); what lies between them leads from one's end to the next one's start.
 
 `+2000` becomes F2000, `$` rapid moves (G0), `@` the board file's speed, `*5000` G4 P5, `+0` M0, `(` and `)` M3 and M5. G-code
 has no word for the drives: `[` and `]` become comments.
@@ -15,15 +17,17 @@ from host_tools.programs import pulse_file
 from host_tools.programs.recognition import pieces
 
 
-def to_gcode(found, board):
-    """(text, {"lines": …, "arcs": …, "steps": …}) of a file's items. Raises Failure if there is not a step in it."""
-    writer = _Writer(board)
+def to_gcode(found, board, beside=None):
+    """(text, {"lines": …, "arcs": …, "steps": …}) of a file's items. `beside`: (LEFT or RIGHT, the tool's radius in mm), None: as it
+    was taught. Raises Failure if there is not a step in it, or a contour cannot be compensated."""
+    writer = _Writer(board) if beside is None else _Compensated(board, *beside)
     for kind, value in _runs(found, len(board["axes"][:3])):
         writer.take(kind, value)
     if not writer.counts["steps"]:
         raise Failure("the file has no step")
     text = writer.text()
-    _prove(text, found, board)
+    if beside is None:
+        _prove(text, found, board)
     return text, writer.counts
 
 
@@ -116,6 +120,95 @@ class _Writer:
 
     def text(self):
         return "\n".join([*self._lines, "M2"]) + "\n"
+
+
+class _Compensated(_Writer):
+    """Collects contours, and writes the path of the tool's centre beside them."""
+
+    def __init__(self, board, side, radius):
+        _Writer.__init__(self, board)
+        if not self._equal or len(self._scale) < 2:
+            raise Failure("X and Y differ in steps/mm: a tool's radius would be none")
+        self._side, self._radius = side, radius
+        self._contour = None  # [(Piece, speed)] while the tool is on
+
+    def take(self, kind, value):
+        from passo import commands
+
+        if kind == commands.STEPS_TOOL and value:
+            self._contour = []
+        elif kind == commands.STEPS_TOOL:
+            self._write_contour()
+            _Writer.take(self, kind, value)
+        elif self._contour and kind in (commands.STEPS_WAIT, commands.STEPS_ASK):
+            raise Failure("a wait, or a question for the speed, in the middle of a contour: it cannot be compensated")
+        else:
+            _Writer.take(self, kind, value)
+
+    def _piece(self, piece):
+        from host_tools.programs import compensation
+
+        start = self._xy()
+        self._at = [at + delta for at, delta in zip(self._at, piece.deltas)]
+        self.counts["steps"] += piece.count
+        if any(piece.deltas[2:]) or piece.centre and piece.plane != (0, 1):
+            if self._contour:
+                raise Failure("Z moves in the middle of a contour: it cannot be compensated")
+            self._lines.append(f"G1 Z{self._mm(2)}" + self._feed(self._speed or 900_000))
+            return
+        if self._contour is None:
+            return  # the next contour is led to in a straight line
+        centre = None
+        if piece.centre:
+            centre = start + complex(piece.centre[0] / self._scale[0], piece.centre[1] / self._scale[1])
+        self._contour.append((compensation.Piece(start, self._xy(), centre, piece.clockwise), self._speed))
+
+    def _xy(self):
+        return complex(self._at[0] / self._scale[0], self._at[1] / self._scale[1])
+
+    def _write_contour(self):
+        from host_tools.programs import compensation
+        from host_tools.programs.program_errors import ProgramError
+
+        contour, self._contour = self._contour, None
+        if not contour:
+            return
+        contour = _from_amid(contour)
+        pieces = [piece for piece, _ in contour]
+        try:
+            path = list(compensation.offset(pieces, self._side, self._radius))
+        except ProgramError as error:
+            raise Failure(f"a contour that begins at {_at(pieces[0].start)}: {error}") from error
+        too_near = compensation.gouges([piece for piece, _ in path], pieces, self._radius)
+        if too_near:
+            near = path[too_near[0][0]][0].start
+            raise Failure(f"the tool would cut into its own contour near {_at(near)}: its radius of {self._radius:g} mm is too large")
+        first = path[0][0].start
+        self._lines += [f"G0 X{_text(first.real)} Y{_text(first.imag)}", "M3 S1000"]
+        for piece, number in path:
+            self.counts["arcs" if piece.centre is not None else "lines"] += 1
+            word, centre = "G1", ""
+            if piece.centre is not None:
+                word = "G2" if piece.clockwise else "G3"
+                middle = piece.centre - piece.start
+                centre = f" I{_text(middle.real)} J{_text(middle.imag)}"
+            end = f" X{_text(piece.end.real)} Y{_text(piece.end.imag)}"
+            self._lines.append(word + end + centre + self._feed(contour[number][1] or 900_000))
+
+
+def _from_amid(contour):
+    """A closed contour that begins with a line begins in the middle of it: there its ends meet without a corner."""
+    from host_tools.programs.compensation import SMALL, Piece
+
+    piece, speed = contour[0]
+    if abs(contour[-1][0].end - piece.start) > SMALL or piece.centre is not None or len(contour) < 3:
+        return contour
+    middle = (piece.start + piece.end) / 2
+    return [(Piece(middle, piece.end), speed), *contour[1:], (Piece(piece.start, middle), speed)]
+
+
+def _at(place):
+    return f"X{_text(place.real)} Y{_text(place.imag)}"
 
 
 def _text(mm):

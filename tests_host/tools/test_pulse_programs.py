@@ -321,3 +321,68 @@ def test_turned_round_beyond_what_the_board_remembers(tmp_path):
     made = steps_of(places_of(trace))
     there = len(made) // 2
     assert there > 7990 and np.array_equal(made[:there], steps[:there]) and np.array_equal(made[there:], -steps[:there][::-1])
+
+
+# --- a tool's radius beside a taught contour
+
+
+def path_of(text):
+    """The tool's centre while it is on, as points in mm, read from the G-code by itself; arcs in chords of 2 degrees."""
+    import math
+    import re
+
+    x = y = 0.0
+    on, paths = False, []
+    for line in text.splitlines():
+        words = {word[0]: float(word[1:]) for word in re.findall(r"[XYIJ]-?[\d.]+", line)}
+        if line.startswith("M3"):
+            on = True
+            paths.append([(x, y)])
+        elif line.startswith("M5"):
+            on = False
+        if line[:3] not in ("G0 ", "G1 ", "G2 ", "G3 "):
+            continue
+        to_x, to_y = words.get("X", x), words.get("Y", y)
+        if line[1] in "23":
+            cx, cy = x + words["I"], y + words["J"]
+            radius, first = math.hypot(x - cx, y - cy), math.atan2(y - cy, x - cx)
+            sign = -1 if line[1] == "2" else 1
+            sweep = sign * (math.atan2(to_y - cy, to_x - cx) - first) % math.tau or math.tau
+            count = max(2, int(math.degrees(sweep) / 2))
+            paths[-1] += [(cx + radius * math.cos(first + sign * sweep * part / count), cy + radius * math.sin(first + sign * sweep * part / count))
+                          for part in range(1, count)]  # fmt: skip
+        if on:
+            paths[-1].append((to_x, to_y))
+        x, y = to_x, to_y
+    return paths
+
+
+@pytest.mark.parametrize("shape", pulse_shapes.SHAPES)
+@pytest.mark.parametrize("side", ["left", "right"])
+def test_a_radius_beside_the_document_s_shapes(shape, side, tmp_path):
+    """The shapes go counter-clockwise: right is outside. Against shapely's buffer, within 0.01 mm."""
+    from shapely import LineString, Polygon
+
+    file, out = tmp_path / "shape.txt", tmp_path / "part.gcode"
+    file.write_text(pulse_shapes.text(shape, 80))
+    status, text = passo("convert", file, "-o", out, "--side", side, "--radius", 3.5)
+    assert status == 0, (status, text)
+    (path,) = path_of(out.read_text())
+    contour = Polygon([(10 * (x - pulse_shapes.SHAPES[shape][0][0]), 10 * (y - pulse_shapes.SHAPES[shape][0][1])) for x, y in pulse_shapes.SHAPES[shape]])
+    wanted = contour.buffer(3.5 if side == "right" else -3.5, quad_segs=200).exterior
+    assert path[0] == path[-1]
+    assert LineString(path).hausdorff_distance(wanted) < 0.01
+
+
+def test_contours_that_cannot_be_compensated(tmp_path):
+    from host_tools.programs.compensation import LEFT
+
+    for text, why in (
+        ("(" + "A" * 800 + "C" * 80 + "B" * 800 + ")", "does not fit|too small|narrow"), ("(AAAA*50CC)", "in the middle of a contour"),
+        ("(AAAAEEECC)", "Z moves in the middle"), ("(" + "A" * 800 + "C" * 800 + "B" * 800 + "D" * 720 + ")", "cut into its own contour"),
+    ):  # fmt: skip
+        with pytest.raises(Failure, match=why):
+            to_gcode(items(text), BOARD, (LEFT, 3.0))
+    file = tmp_path / "a.txt"
+    file.write_text("(AA)")
+    assert "makes G-code" in passo("convert", file, "--side", "left")[0] and "left or right" in passo("convert", file, "--side", "up")[0]
