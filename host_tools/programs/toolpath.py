@@ -15,11 +15,13 @@ import math
 
 from host_tools.programs.contour import Contour
 from host_tools.programs.listing import Stroke
-from host_tools.programs.program_errors import ARC, UNKNOWN_PLACE, ProgramError
+from host_tools.programs.program_errors import ARC, RANGE, UNKNOWN_PLACE, ProgramError
 
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
 AXES = "XYZ"
 _CENTRES = "IJK"
+_FARTHEST_MM = 1_000_000
+_FASTEST = 1_000_000  # mm/min
 _RADIUS_MM = 0.005  # an arc's ends may differ so much from its radius, or by a thousandth of it, but never
 _MOST_RADIUS_MM = 0.5
 
@@ -145,6 +147,8 @@ class Toolpath:
     def _feed_word(self, feed):
         if feed == self._feed:
             return ""
+        if feed > _FASTEST:
+            raise ProgramError(RANGE, f"F{feed:g}")
         self._feed = feed
         return f" F{number(feed, 3)}"
 
@@ -204,7 +208,12 @@ def number(value, decimals=5):
 
 
 def _rounded(value):
-    return None if value is None else round(value * 1e5)
+    """A place in units of the listing. Raises ProgramError if no machine reaches it."""
+    if value is None:
+        return None
+    if not -_FARTHEST_MM <= value <= _FARTHEST_MM:
+        raise ProgramError(RANGE, f"a place {value:g} mm from zero")
+    return round(value * 1e5)
 
 
 def _shown(place, otherwise):

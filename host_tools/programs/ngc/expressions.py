@@ -14,6 +14,7 @@ from host_tools.programs.program_errors import (
 )  # fmt: skip
 
 EQUAL = 1e-6
+_DEEPEST = 50  # brackets
 _DIGITS = "0123456789"
 
 
@@ -59,6 +60,13 @@ OPERATORS = (
 )
 _SPELLINGS = sorted((name for group in OPERATORS for name in group), key=len, reverse=True)
 _LEVELS = {name: level for level, group in enumerate(OPERATORS) for name in group}
+
+
+def finite(value):
+    """`value`. Raises ProgramError if it is more than a number can be."""
+    if not math.isfinite(value):
+        raise ProgramError(DOMAIN, "a number without bounds")
+    return value
 
 
 def half_away(value):
@@ -124,6 +132,8 @@ class Cursor:
         """`[…]`"""
         if not self.take("["):
             raise ProgramError(SYNTAX, f"[ before {self.rest()}")
+        if self.text.count("[", 0, self.at) - self.text.count("]", 0, self.at) > _DEEPEST:
+            raise ProgramError(BRACKETS, f"{_DEEPEST} inside each other at most")
         values = [self.value()]
         operators = []
         while not self.take("]"):
@@ -148,7 +158,7 @@ class Cursor:
         while not self.ends() and self.peek() in _DIGITS + ".":
             self.at += 1
         try:
-            return float(self.text[begin : self.at])
+            return finite(float(self.text[begin : self.at]))
         except ValueError:
             self.at = begin
             raise ProgramError(SYNTAX, self.rest()) from None
@@ -197,4 +207,4 @@ class Cursor:
 def _reduce(values, operators):
     operator = operators.pop()
     right = values.pop()
-    values[-1] = float(OPERATORS[_LEVELS[operator]][operator](values[-1], right))
+    values[-1] = finite(float(OPERATORS[_LEVELS[operator]][operator](values[-1], right)))

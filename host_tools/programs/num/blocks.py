@@ -151,6 +151,8 @@ class _Reader:
                     raise ProgramError(DIVISION)
                 value /= divisor
             else:
+                if not math.isfinite(value):
+                    raise ProgramError(DOMAIN, "a number without bounds")
                 return value
 
     def _signed(self):
@@ -169,7 +171,10 @@ class _Reader:
             if letter == "R" and argument < 0:
                 raise ProgramError(DOMAIN, f"R{argument:g}")
             return float(_FUNCTIONS[letter](argument))
-        return float(self._match(_NUMBER))
+        value = float(self._match(_NUMBER))
+        if math.isinf(value):
+            raise ProgramError(DOMAIN, "a number without bounds")
+        return value
 
     def _code(self):
         self._at += 1
