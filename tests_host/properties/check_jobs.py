@@ -130,7 +130,7 @@ def check_who_commands():
 def check_a_refused_line_ends_it():
     """Nothing behind the line that is refused is done; spindle and coolant are off."""
     machine = home(make().ready())
-    bad = b"M3S1000\nM8\nG1X2F600\nG1X4\nG1X5G64\nG1X9\nG1X11\n"
+    bad = b"M3S1000\nM8\nG1X2F600\nG1X4\nG1X5G7\nG1X9\nG1X11\n"
     assert store(machine, "BAD", bad) == "ok"
     machine.do("$F=BAD")
     assert ended(run(machine)) == "[MSG:Job BAD: error 20 in line 5]"

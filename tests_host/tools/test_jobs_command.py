@@ -51,7 +51,7 @@ def test_store_run_and_delete(board, part, capsys):
 def test_a_job_with_an_error_says_its_line(board, part, capsys):
     port = board.line.name
     jobs.store(part, "OLD", "grbl", False, port, 115200)
-    part.write_bytes(b"G21\nG1X1F100\nG1X2G64\n")
+    part.write_bytes(b"G21\nG1X1F100\nG1X2G7\n")
     with pytest.raises(Refused, match="line 3: error 20"):
         jobs.store(part, "BAD", "grbl", False, port, 115200)
         jobs.run("BAD", True, True, port, 115200)

@@ -142,7 +142,7 @@ def test_what_cannot_be_replayed(tmp_path):
     with pytest.raises(Failure, match="ends before line 9"):
         replay.Replay(machine, lines_of(b"G21\nG1X1F100\n", tmp_path)).from_line(9)
     with pytest.raises(Failure, match="line 1.*error 20"):
-        replay.Replay(machine, lines_of(b"G21G64\nG1X1F100\n", tmp_path)).from_line(2)
+        replay.Replay(machine, lines_of(b"G21G7\nG1X1F100\n", tmp_path)).from_line(2)
     with pytest.raises(Failure, match="line 1 probes"):
         replay.Replay(machine, lines_of(b"G38.2X1F100\nG1X1F100\n", tmp_path)).from_line(2)
     with pytest.raises(Failure, match="cannot be replayed"):
