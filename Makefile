@@ -13,7 +13,7 @@ JOBS ?= 2
 PYTEST = $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --durations=20 --durations-min=2
 
 .DEFAULT_GOAL := help
-.PHONY: help venv run check test test-all bench build flash emulate clean
+.PHONY: help venv run check test test-all bench build flash emulate site clean
 
 help:  ## this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -93,6 +93,9 @@ flash: $(TOOLS)  ## copy the firmware of BOARD to the board on PORT; DRY=1 only 
 
 emulate: $(EMULATE)  ## the firmware on an emulated Pico; ARGS='--board NAME --tcp 5001'
 	$(BIN)/passo emulate $(ARGS)
+
+site: $(TOOLS)  ## the page with the firmware in it, for any web server: build/site; ARGS='--serve 8000'
+	$(BIN)/passo site $(ARGS)
 
 clean:  ## remove what was made, except .venv
 	rm -rf out build .pytest_cache .hypothesis .coverage .coverage.* *.egg-info

@@ -59,6 +59,12 @@ def rule(number, axes):
     return None
 
 
+def rules(axes):
+    """{number: rule(number, axes)} of all settings."""
+    found = {number: rule(number, axes) for number in [*NAMES, *(first + axis for first in AXIS_NAMES for axis in range(axes))]}
+    return dict(sorted(found.items()))
+
+
 def describe(line, axes):
     """(name, unit, bounds) of a line of a back-up, as texts; empty if it is not known."""
     start_up = re.match(r"\$N(\d)=", line)

@@ -17,7 +17,6 @@ from passo.web.teach import Teach
 
 FOLDER = ROOT / "firmware" / "passo" / "web" / "page"
 TICK_S = 0.01
-_SETTINGS = 200  # numbers below
 
 
 def names_of(host):
@@ -39,12 +38,6 @@ def names_of(host):
     return names
 
 
-def _rules():
-    """{number: (name, unit, least, most)} of all settings that any machine may have."""
-    found = {number: setting_names.rule(number, len(AXES)) for number in range(_SETTINGS)}
-    return {number: rule for number, rule in found.items() if rule}
-
-
 class Panel:
     def __init__(self, make_port, jobs, guest, host, machines=(), change=None):
         """`make_port(changed)`: a Port; `jobs`: folder; `guest`: a serial line for a sender, or None; `machines`: names of board
@@ -61,7 +54,7 @@ class Panel:
         self._machines = machines
         self.key = session.make_key(os.urandom)
         self.api = Api(self.machine, Store(jobs), teach, self._choose if change else None)
-        self.server = Server(self.api, self.key, names_of(host), str(FOLDER), {"machines": list(machines), "rules": _rules()})
+        self.server = Server(self.api, self.key, names_of(host), str(FOLDER), {"machines": list(machines), "rules": setting_names.rules(len(AXES))})
         self._stopped = asyncio.Event()
 
     def _tell(self, event):

@@ -6,12 +6,13 @@ import subprocess
 
 import pytest
 from gcode_jobs import all_jobs
-from test_digest import GOLDEN, golden_of_gcode, golden_of_hex, hex_job, HEX_JOBS, hex_of, job_of, PULSES
+from test_digest import GOLDEN, HEX_JOBS, PULSES, golden_of_gcode, golden_of_hex, hex_job, hex_of, job_of
+from test_words import Texts
 
-from host_tools.build import site
 from host_tools.drawings.objects import objects
 from host_tools.failure import Failure
 from host_tools.resources import BOARDS, ROOT
+from host_tools.site import builder as site
 
 pytestmark = pytest.mark.unmeasured
 DRIVER = ROOT / "tests_host" / "tools" / "site_digests.js"
@@ -33,7 +34,7 @@ def package():
 
 def order(jobs):
     """(what site_digests.js takes, {name: golden fields}) of jobs by name: those of test_digest.py."""
-    texts = site.texts()
+    texts = dict(site.texts())
     texts["digest.py"] = DIGEST.read_text(encoding="utf-8")
     texts |= {f"boards/{path.name}": path.read_text(encoding="utf-8") for path in BOARDS.glob("*.py")}
     files, arguments, golden = {}, [], {}
@@ -86,6 +87,31 @@ def test_words_are_the_same_in_webassembly(package, tmp_path, show):
     assert made == golden
     words = {name: int(fields[1]) for name, fields in made.items()}
     show("words per second in node's WebAssembly", f"{sum(words.values()) / sum(ms.values()) * 1000:.0f}, of {len(jobs)} jobs")
+
+
+@pytest.mark.quick
+def test_every_text_of_the_machine_has_its_words():
+    texts = Texts()
+    texts.feed((site.OWN / "machine.html").read_text(encoding="utf-8"))
+    assert texts.found == set(json.loads((site.OWN / "pt.json").read_text(encoding="utf-8")))
+
+
+def test_a_folder_of_something_else_is_left_alone(tmp_path):
+    (tmp_path / "letter.txt").write_text("dear all")
+    with pytest.raises(Failure, match="holds no site of Passo"):
+        site.build(tmp_path, {})
+    assert [path.name for path in tmp_path.iterdir()] == ["letter.txt"]
+
+
+def test_a_site_is_written_over_an_older_one(tmp_path):
+    out = tmp_path / "site"
+    for _ in range(2):
+        size = site.build(out, {"micropython.mjs": b"", "micropython.wasm": b""})
+        (out / "stale.js").write_text("")
+    site.build(out, {})
+    assert size > 100_000 and not (out / "stale.js").exists()
+    assert "machine.js" in (out / "index.html").read_text(encoding="utf-8")
+    assert not [text for text in json.loads((out / "firmware.json").read_text(encoding="utf-8")).values() if "@micropython.viper" in text]
 
 
 @pytest.mark.quick

@@ -1,0 +1,175 @@
+"""A whole machine in a browser's tab: the firmware on the virtual port, the plant wired to it, and what the page may ask for.
+
+    tab = Tab("router_3axis", {"part.gcode": "G0 X1\n"}, send)      # send(text): a message to the page, JSON
+    tab.hear('{"do": "home", "id": 1}')                             # an order of the page, as over the network
+    pause_ms = tab.turn(12)                                         # again and again: at most about 12 ms of work
+
+It runs under MicroPython in a Web Worker (host_tools/site/worker.js), and the same under CPython. Time is the wall clock's; where
+the tab is too slow for that, the machine lags and says so, and skips nothing. Whoever has the tab has the key: orders need none.
+"""
+
+import json
+
+from passo.app import App
+from passo.config.boardfile import check
+from passo.ports.virtual import COARSE_TICKS, FINE_TICKS, MemoryLine, VirtualPort
+from passo.records import COUNT_MASK, TICKS_PER_MS
+from passo.web.api import Api
+from host_tools.sim.plant import Plant
+from host_tools.sim.tab_jobs import Jobs
+
+PUSH_MS = 50  # between two reports of the state
+_SHOW_MS = 30  # between two pictures of the machine
+_SPACING_TICKS = 2 * TICKS_PER_MS  # between two places of the path drawn
+_REST_MS = 5  # the worker's pause while nothing moves
+_MOST_PLACES = 2000  # of one message
+
+
+_START = (30, 80, 55)  # percent of each axis' travel where the machine of a page stands at first
+
+
+def middle(board):
+    """Where a machine stands that is to be seen as it homes: in steps, an axis a number."""
+    homing = board["homing"]
+    signs = [-1 if homing and axis["name"] in homing["high_end"] else 1 for axis in board["axes"]]
+    return [axis["travel_steps"] * _START[n % 3] // 100 * signs[n] for n, axis in enumerate(board["axes"])]
+
+
+def board_named(name):
+    """The board file's table, which MicroPython imports as a module of the folder boards/."""
+    return getattr(__import__("boards." + name), name).BOARD
+
+
+class Trail:
+    """Where the machine has been since it was last asked: what the plant tells as its trace."""
+
+    def __init__(self):
+        self.places = []  # flat: each axis in steps, and the tool, 0 … 1000
+        self._next = 0
+        self._tool = 0
+
+    def row(self, tick, position, tool):
+        if tick < self._next and tool == self._tool:
+            return
+        self._next = tick + _SPACING_TICKS
+        self._tool = tool
+        if len(self.places) < _MOST_PLACES:
+            self.places += position
+            self.places.append(tool)
+
+    def take(self):
+        places = self.places
+        self.places = []
+        return places
+
+
+class Tab:
+    def __init__(self, name, jobs, send, boards=(), mode="real"):
+        """`name`: a board file's; `jobs`: {name: text}; `boards`: names to choose from; `mode`: how the port's time passes."""
+        board = check(board_named(name))
+        self.name = name
+        self._send = send
+        self._boards = boards
+        self.plant = Plant(board, middle(board))
+        self.trail = self.plant.trace = Trail()
+        self._line = MemoryLine()
+        self.port = VirtualPort(board, self.plant, mode, {board["links"][0]["name"]: self._line})
+        self._board = board
+        self.app = App(check(board_named(name)), self.port)
+        self._teach = None
+        self.machine = self._language(board["links"][0]["protocol"])
+        self.jobs = Jobs(jobs, self.machine.language)
+        self.api = Api(self.machine, self.jobs, self._teach)
+        self._beats = self._pushed_ms = self._shown_ms = 0
+        self._hello()
+
+    def _language(self, protocol):
+        if protocol == "plotter":
+            from host_tools.sim.tab_plotter import PlotterMachine
+
+            return PlotterMachine(self._put, self._tell, self._board)
+        from passo.web.grbl_machine import GrblMachine
+        from passo.web.teach import Teach
+
+        machine = GrblMachine(self._put, self._tell)
+        self._teach = Teach()
+        machine.watcher = self._teach.see
+        return machine
+
+    def _put(self, data):
+        self._line.incoming += data
+
+    def _tell(self, event):
+        self._send(json.dumps(event))
+
+    def _hello(self):
+        machine = self.machine
+        self._tell({"t": "hello", "can": machine.can, "axes": machine.axes, "language": machine.language, "machines": list(self._boards)})
+        axes = self._board["axes"]
+        homing = self._board["homing"]
+        high = homing["high_end"] if homing else ""
+        ends = [(-1 if axis["name"] in high else 0, 0 if axis["name"] in high else 1) for axis in axes]
+        self._tell({
+            "t": "table", "board": self.name, "axes": "".join([axis["name"] for axis in axes]),
+            "scale": [axis["steps_per_m"] / 1000 for axis in axes],
+            "low": [axes[n]["travel_steps"] * ends[n][0] for n in range(len(axes))],
+            "high": [axes[n]["travel_steps"] * ends[n][1] for n in range(len(axes))],
+        })  # fmt: skip
+
+    def hear(self, text):
+        """An order of the page; the answer goes to it."""
+        order = json.loads(text)
+        answer = self.api.order(order, True)
+        if isinstance(order, dict) and "id" in order:
+            answer["id"] = order["id"]
+        self._tell(answer)
+
+    def turn(self, budget_ms):
+        """Work for about `budget_ms`; returns how many ms may pass until the next turn."""
+        port = self.port
+        begun = port.link_ms()
+        while True:
+            before = port.now
+            quantum = self.cycle()
+            now = port.link_ms()
+            spent = (now - begun) & COUNT_MASK
+            moving = port.pending(self.app.controller.busy())
+            behind = moving and port.now - before >= quantum  # else level with the wall clock
+            if not behind or spent >= budget_ms:
+                break
+        self._show(now)
+        return 0 if behind else 1 if moving else _REST_MS
+
+    def cycle(self):
+        """One cycle of the firmware's main loop, and of the page's side of the wire. Returns the most ticks that it may last."""
+        port = self.port
+        app = self.app
+        app.poll()
+        fine = app.controller.state == "home"
+        port.wait(app.controller.busy(), fine)
+        if self._line.outgoing:
+            data = self._line.outgoing
+            self._line.outgoing = b""
+            self.machine.feed(data, port.link_ms())
+        self.machine.poll(port.link_ms())
+        return FINE_TICKS if fine else COARSE_TICKS
+
+    def _show(self, now):
+        if (now - self._pushed_ms) & COUNT_MASK >= PUSH_MS:
+            self._pushed_ms = now
+            self._beats += 1
+            self.machine.beat(self._beats)
+            state = dict(self.machine.shown())
+            state["t"] = "state"
+            state["beat"] = self._beats
+            state["pages"] = 1
+            if self._teach:
+                state["teaching"] = self._teach.places()
+            self._tell(state)
+        if (now - self._shown_ms) & COUNT_MASK >= _SHOW_MS:
+            self._shown_ms = now
+            plant = self.plant
+            self._tell({
+                "t": "machine", "at": plant.position, "tool": plant.tool, "trail": self.trail.take(), "ms": self.port.machine_ms(),
+                "faults": plant.error_count, "moving": self.port.pending(self.app.controller.busy()),
+            })  # fmt: skip

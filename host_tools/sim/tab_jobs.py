@@ -1,0 +1,88 @@
+"""The jobs of a browser's tab: kept in memory, gone with the tab.
+
+    jobs = Jobs({"part.gcode": "G0 X1\n"}, "grbl")
+    jobs.lines("part.gcode")        # [(number, bytes)] as they are sent, or the number of an error
+
+The page asks for the same methods of `passo panel`'s folder of jobs.
+"""
+
+from passo import errors
+
+_MOST_BYTES = 8_000_000
+_PIECE = 32_768
+_MOST_NAME = 60
+_LONGEST_TAGGED = 72  # of the 80 characters that every grbl has room for
+_REAL_TIME = "?!~"
+_LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789"
+
+
+def stripped(line):
+    """A line as the controller is to see it: without comments, and nothing but printable ASCII that is no real-time command."""
+    line = line.split(";")[0]
+    while "(" in line:
+        before, _, rest = line.partition("(")
+        line = before + rest.partition(")")[2]
+    return "".join([letter for letter in line if " " <= letter <= "~" and letter not in _REAL_TIME]).strip()
+
+
+def tagged(number, line):
+    """A line of G-code with its number in the file, which reports then show."""
+    return line if line[:1] == "$" or len(line) > _LONGEST_TAGGED else "N%d%s" % (number, line)
+
+
+class Jobs:
+    def __init__(self, jobs, language):
+        """`jobs`: {name: text}; `language`: grbl's lines are numbered."""
+        self._jobs = dict(jobs)
+        self._coming = ("", "")  # name and text of a job that comes in pieces
+        self._grbl = language == "grbl"
+
+    def names(self):
+        return [(name, len(self._jobs[name])) for name in sorted(self._jobs)]
+
+    def name_error(self, name):
+        """0 if a job may have this name."""
+        good = 0 < len(name) <= _MOST_NAME and name[0] in _LETTERS and name[-1] not in ". "
+        return 0 if good and not [letter for letter in name if letter not in _LETTERS + " ._-"] else errors.JOB_NAME
+
+    def lines(self, name):
+        """[(number, bytes)], or the number of an error."""
+        if name not in self._jobs:
+            return errors.NO_SUCH_JOB
+        found = [(number + 1, stripped(line)) for number, line in enumerate(self._jobs[name].split("\n"))]
+        found = [(number, line) for number, line in found if line and line != "%"]
+        numbered = not self._grbl or [line for _, line in found if "N" in line.upper()]
+        return [(number, (line if numbered else tagged(number, line)).encode()) for number, line in found]
+
+    def text(self, name, at):
+        """(text from character `at` on, at most 32 kB, and how many there are), or the number of an error."""
+        if name not in self._jobs:
+            return errors.NO_SUCH_JOB
+        return self._jobs[name][at : at + _PIECE], len(self._jobs[name])
+
+    def add(self, name, at, piece, last):
+        """A piece that begins at character `at`; 0 or the number of an error."""
+        if at == 0:
+            self._coming = (name, "")
+        if self._coming[0] != name or len(self._coming[1]) != at:
+            return errors.JOB_PIECE
+        text = self._coming[1] + piece
+        if len(text) > _MOST_BYTES:
+            return errors.JOB_SIZE
+        self._coming = (name, text)
+        return self.put(name, text) if last else 0
+
+    def put(self, name, text):
+        error = self.name_error(name)
+        if error:
+            return error
+        if len(text) + sum([len(self._jobs[other]) for other in self._jobs if other != name]) > _MOST_BYTES:
+            return errors.JOB_SIZE
+        self._jobs[name] = text
+        return 0
+
+    def remove(self, name):
+        if name not in self._jobs:
+            return errors.NO_SUCH_JOB
+        del self._jobs[name]
+        return 0

@@ -1,0 +1,170 @@
+"""The static site: the page, MicroPython as WebAssembly, the firmware and its virtual machine as texts. Any plain file server serves it.
+
+    build(Path("build/site"), package())
+
+MicroPython comes from npm, a version of one checksum, and stays in ~/.cache/passo. The firmware is what MicroPython on a PC runs
+(tree.py: constants of other modules as numbers), without the marks of machine code: WebAssembly has none, and its plain text makes
+the same words.
+"""
+
+import base64
+import hashlib
+import io
+import json
+import math
+import os
+import re
+import shutil
+import tarfile
+import urllib.error
+import urllib.request
+from functools import lru_cache
+from pathlib import Path
+
+from host_tools import boards
+from host_tools.build.constants import numbered_only
+from host_tools.build.tree import module_files
+from host_tools.drawings.objects import objects
+from host_tools.failure import Failure
+from host_tools.resources import FIRMWARE, HOST_TOOLS
+
+PACKAGE = "micropython-webassembly-pyscript"
+VERSION = "1.27.0"
+INTEGRITY = "DnXx4EqxgkeaFESrS3uKrL7mLMk4mRTd0mMzaOd3HUSiZUOAE7t11uLnjf3ftF87N2xm4knHnWEKcVK4IYIUDA=="  # SHA-512
+TAKEN = ("micropython.mjs", "micropython.wasm")
+PAGE = FIRMWARE / "passo" / "web" / "page"
+OWN = Path(__file__).resolve().parent
+TAB = ("host_tools/sim/tab.py", "host_tools/sim/tab_jobs.py", "host_tools/sim/tab_plotter.py", "host_tools/sim/plant.py",
+       "host_tools/sim/parts.py", "host_tools/sim/decoders.py", "host_tools/sim/faults.py")  # fmt: skip
+SHIMS = ("random.py",)
+BOARDS = ("router_3axis", "plotter_2014")  # the first one is shown
+_LEFT_OUT = ("passo/ports/rp2/", "passo/ports/esp32/", "passo/web/server.py")
+_MACHINE_CODE = re.compile(r"(?m)^[ ]*@micropython\.(viper|native)$")
+_MOST_PACKAGE = 4 << 20
+_FETCH_S = 60
+_MOST_AXES = 4
+
+
+def package(cache=None):
+    """{name: bytes} of MicroPython's two files: from ~/.cache/passo, else from npm's registry. Raises Failure."""
+    kept = (cache or Path("~/.cache/passo").expanduser()) / f"{PACKAGE}-{VERSION}.tgz"
+    if kept.is_file():
+        data = kept.read_bytes()
+    else:
+        data = _fetched()
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        fresh = kept.with_suffix(f".{os.getpid()}")
+        fresh.write_bytes(data)
+        os.replace(fresh, kept)
+    try:
+        return unpacked(data)
+    except Failure:
+        kept.unlink(missing_ok=True)
+        raise
+
+
+def _fetched():
+    registry = os.environ.get("NPM_CONFIG_REGISTRY", "https://registry.npmjs.org").rstrip("/")
+    address = f"{registry}/@micropython/{PACKAGE}/-/{PACKAGE}-{VERSION}.tgz"
+    try:
+        with urllib.request.urlopen(address, timeout=_FETCH_S) as answer:
+            return answer.read(_MOST_PACKAGE)
+    except (OSError, urllib.error.URLError) as error:
+        raise Failure(f"cannot fetch MicroPython for the browser, {address}: {error}") from error
+
+
+def unpacked(data):
+    """The files that are taken of npm's archive. Raises Failure if it is not the one that is known."""
+    found = base64.b64encode(hashlib.sha512(data).digest()).decode()
+    if found != INTEGRITY:
+        raise Failure(f"{PACKAGE} {VERSION} is not what it was: SHA-512 {found} instead of {INTEGRITY}; it is not used")
+    with tarfile.open(fileobj=io.BytesIO(data)) as archive:
+        return {name: archive.extractfile(f"package/{name}").read() for name in TAKEN}
+
+
+@lru_cache(maxsize=1)
+def texts():
+    """{path: text} of all that Python imports in the tab. Not to be changed."""
+    found = {path.as_posix(): FIRMWARE / path for path in module_files() if not path.as_posix().startswith(_LEFT_OUT)}
+    found |= {name: HOST_TOOLS.parent / name for name in TAB}
+    read = numbered_only({name: path.read_text(encoding="utf-8") for name, path in found.items()})
+    read |= {name: (OWN / name).read_text(encoding="utf-8") for name in SHIMS}
+    read |= {f"boards/{name}.py": boards.path(name).read_text(encoding="utf-8") for name in BOARDS}
+    return {name: _MACHINE_CODE.sub("", text) for name, text in read.items()}
+
+
+def relief():
+    """A surface of waves in scan lines of short moves in three axes, 60 × 40 mm, in machine coordinates of the router."""
+    lines = ["(Waves: 60 x 40 mm, a surface in scan lines)", "G21 G90 G94 F2400", "G0 Z-10", "G0 X60 Y50", "M3 S12000"]
+    for row in range(41):
+        columns = range(61) if row % 2 == 0 else range(60, -1, -1)
+        for column in columns:
+            x, y = column / 60 * 2 * math.pi, row / 40 * 2 * math.pi
+            z = -16 + 3 * math.sin(1.5 * x) * math.cos(y)
+            lines.append(f"G1 X{60 + column:.3f} Y{50 + row:.3f} Z{z:.3f}")
+    return "\n".join([*lines, "G0 Z-10", "M5", "G0 X0 Y0", "M2"]) + "\n"
+
+
+def rosette():
+    """Arcs and lines, flat."""
+    lines = ["(A rosette of arcs)", "G21 G90 G94 F2400", "G0 Z-10", "M3 S12000"]
+    for petal in range(12):
+        angle = petal * math.pi / 6
+        x, y = 150 + 40 * math.cos(angle), 100 + 40 * math.sin(angle)
+        i, j = 150 - x, 100 - y
+        lines += ["G0 Z-12", f"G0 X{x:.3f} Y{y:.3f}", "G1 Z-15 F600", f"G2 X{x:.3f} Y{y:.3f} I{i / 2:.3f} J{j / 2:.3f} F2400"]
+    return "\n".join([*lines, "G0 Z-10", "M5", "G0 X0 Y0", "M2"]) + "\n"
+
+
+def packets(points):
+    """A drawing of 2014 in the words of `passo send`, one packet a line."""
+    return "".join(f"{'LINE' if pen else 'MOVE'} {round(x)} {round(y)}\n" for pen, x, y in points) + "END\n"
+
+
+def jobs():
+    """{board: {name: text}} that the tab's machines begin with."""
+    return {
+        "router_3axis": {"relief.gcode": relief(), "rosette.gcode": rosette()},
+        "plotter_2014": {f"{name}.txt": packets(points) for name, points in objects().items()},
+    }
+
+
+def page(text):
+    """index.html with the machine in it, and without a way out of its own site."""
+    card = (OWN / "machine.html").read_text(encoding="utf-8")
+    head = (OWN / "head.html").read_text(encoding="utf-8")
+    for mark, made in (("</title>\n", "</title>\n" + head), ("<main>\n", "<main>\n" + card)):
+        if text.count(mark) != 1:
+            raise Failure(f"{PAGE / 'index.html'} has no {mark.strip()} to put the machine behind")
+        text = text.replace(mark, made)
+    return text
+
+
+def build(out, files):
+    """Write the site to the folder `out`, which is emptied first. `files`: package(). Returns the bytes written."""
+    from host_tools.clients import setting_names
+    from passo import error_texts
+
+    if out.exists() and not (out / "firmware.json").is_file() and any(out.iterdir()):
+        raise Failure(f"{out} is not empty, and holds no site of Passo: name another folder")
+    shutil.rmtree(out, ignore_errors=True)
+    out.mkdir(parents=True)
+    for name, data in files.items():
+        (out / name).write_bytes(data)
+    for path in PAGE.iterdir():
+        if not path.name.startswith("torch"):  # a page for the board's own network
+            shutil.copyfile(path, out / path.name)
+    for path in OWN.iterdir():
+        if path.suffix in (".js", ".css"):
+            shutil.copyfile(path, out / path.name)
+    (out / "index.html").write_text(page((PAGE / "index.html").read_text(encoding="utf-8")), encoding="utf-8")
+    words = [json.loads((folder / "pt.json").read_text(encoding="utf-8")) for folder in (PAGE, OWN)]
+    _write(out, "pt.json", words[0] | words[1])
+    _write(out, "firmware.json", texts())
+    _write(out, "site.json", {"boards": jobs(), "rules": setting_names.rules(_MOST_AXES)})
+    _write(out, "errors.json", {str(number): error_texts.text(number) for number in error_texts.numbers()})
+    return sum(path.stat().st_size for path in out.iterdir())
+
+
+def _write(out, name, data):
+    (out / name).write_text(json.dumps(data, ensure_ascii=False), encoding="utf-8")
