@@ -19,6 +19,7 @@ from host_tools.cli.jobs import app as jobs
 from host_tools.cli.keys import keys
 from host_tools.cli.link import link
 from host_tools.cli.log import log
+from host_tools.cli.machine import app as machine
 from host_tools.cli.panel import panel
 from host_tools.cli.plot import plot
 from host_tools.cli.ports import ports
@@ -116,6 +117,7 @@ for _verb in (panel, site, board, emulate, draw, send, stream, keys, check, cali
     app.command()(_verb)
 app.command("compile")(compile_)
 app.add_typer(jobs, name="jobs")
+app.add_typer(machine, name="machine")
 app.add_typer(pulses, name="pulses")
 app.add_typer(torch, name="torch")
 app.add_typer(wifi, name="wifi")

@@ -1,0 +1,139 @@
+"""`passo machine`: several machines on one board: board files that are stored there, of which one is chosen."""
+
+import hashlib
+import re
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from host_tools.build.tree import build_tree, default_out
+from host_tools.cli.flash import COPY_TIMEOUT_S, check_port, commands, copy, probe, reason_of
+from host_tools.failure import Failure
+from host_tools.resources import HOST_TOOLS
+
+app = typer.Typer(
+    help="""Store the board files of several machines on a board, and choose one.
+
+    Each has its own saved settings. The firmware on the board is that of all of them together; they want the same chip.
+
+    Examples:
+
+        passo machine add lpt_router --port /dev/ttyACM0
+
+        passo machine list --port /dev/ttyACM0
+
+        passo machine choose lpt_router --port /dev/ttyACM0
+    """,
+    no_args_is_help=True,
+)
+Port = Annotated[str, typer.Option(help="Serial port of the board (passo ports).")]
+_ON_BOARD = HOST_TOOLS / "build" / "machines.py"
+
+
+def _mpremote(port):
+    return [sys.executable, "-m", "mpremote", "connect", port]
+
+
+def _run(port, call, *more):
+    """The lines that a call of machines.py prints on the board. Raises Failure with its error."""
+    check_port(port)
+    probe(commands(port, Path())[0], port)
+    text = _ON_BOARD.read_text(encoding="utf-8") + "\n" + call
+    try:
+        result = subprocess.run(
+            [*_mpremote(port), "exec", text, *more], capture_output=True, text=True, timeout=COPY_TIMEOUT_S
+        )
+    except subprocess.TimeoutExpired:
+        raise Failure(f"the board on {port} stopped answering") from None
+    if result.returncode:
+        raise Failure(reason_of(result.stderr or result.stdout).removeprefix("ValueError: "))
+    return result.stdout.splitlines()
+
+
+@app.command("list")
+def list_(port: Port):
+    """Show the machines that are stored, and which one is chosen. The board goes on after a reset.
+
+    Example: passo machine list --port /dev/ttyACM0
+    """
+    lines = _run(port, "tell()", "+", "reset")
+    now = next((line[7:] for line in lines if line.startswith("chosen ")), "")
+    found = [line[8:].split(": ", 1) for line in lines if line.startswith("machine ")]
+    for name, state in found:
+        print(f"{'*' if name == now else ' '} {name:<20} {state}")
+    if not found:
+        print("no machine is stored: passo machine add BOARD")
+
+
+@app.command()
+def add(
+    board: Annotated[str, typer.Argument(help="Name of a file of boards/, or the path of a board file.")],
+    port: Port,
+):
+    """Build a machine's firmware, and store its board file and what is missing of the firmware. What is chosen stays.
+
+    Example: passo machine add boards/mine.py --port /dev/ttyACM0
+    """
+    from host_tools import boards
+
+    name = Path(board).stem
+    if not re.fullmatch(r"\w{1,32}", name):
+        raise Failure(f"{name!r} is no name for a machine: letters, digits and _")
+    chip = boards.load(board).get("chip")
+    told = _run(port, "tell()")
+    there = next((line[5:] for line in told if line.startswith("chip ")), None)
+    if there is None:
+        raise Failure("there is no machine on this board yet: passo flash first")
+    if there != chip:
+        raise Failure(f"this board is an {there}, and {name} is for an {chip}")
+    out = default_out(board)
+    build_tree(board, out)
+    files = sorted(path for path in (out / "passo").rglob("*.*") if path.name != "files.txt")
+    lines = [f"{path.relative_to(out).as_posix()} {hashlib.sha256(path.read_bytes()).hexdigest()[:16]}\n" for path in files]
+    with tempfile.TemporaryDirectory() as folder:
+        stored = Path(folder) / "machines" / name
+        stored.mkdir(parents=True)
+        (stored / "modules.txt").write_text("".join(lines), encoding="ascii")
+        (stored / "board.py").write_bytes((out / "board.py").read_bytes())
+        copy([*_mpremote(port), "cp", "-r", str(out / "passo"), str(stored.parent), ":"], port)
+    told = _run(port, "tell()", "+", "reset")
+    print(f"{name} is stored: passo machine choose {name}")
+    for line in told:
+        if line.startswith("machine ") and not line.endswith(": ready"):
+            print(line)
+
+
+@app.command()
+def choose(
+    name: Annotated[str, typer.Argument(help="One of passo machine list.")],
+    port: Port,
+):
+    """Choose a machine and start the board anew with it. The board must stand: its outputs are switched off.
+
+    Settings are kept for each machine: those of the old one are put away, those of the new one come back.
+
+    Example: passo machine choose lpt_router --port /dev/ttyACM0
+    """
+    if not re.fullmatch(r"\w{1,32}", name):
+        raise Failure(f"{name!r} is no name of a machine")
+    _at_rest(port)
+    _run(port, f"choose({name!r})", "+", "reset")
+    print(f"{name} is chosen, and the board starts with it")
+
+
+def _at_rest(port):
+    """Raise Failure if a machine on that port says that it is moving. One that says nothing is at its prompt, or in its start."""
+    from host_tools.clients.grbl import GrblClient
+
+    check_port(port)
+    try:
+        with GrblClient(port, 115200, 0.5) as client:
+            state = client.ask_status()["state"]
+    except Failure:
+        return
+    if state.partition(":")[0] not in ("Idle", "Alarm", "Sleep", "Check"):
+        raise Failure(f"the machine is not at rest: {state}; stop it first")
