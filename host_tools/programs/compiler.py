@@ -8,6 +8,7 @@
 
 import re
 import sys
+import time
 from pathlib import Path
 
 from host_tools.failure import Failure
@@ -16,6 +17,7 @@ from host_tools.programs.listing import Listing
 
 DIALECTS = ("num", "ngc")
 BOUND = 1_000_000
+_TELL_S = 0.2
 HEADER = "G21 G17 G90 G94 G40 G80"
 _SUFFIXES = {".num": "num"}
 
@@ -25,6 +27,26 @@ _SIGNS = {
     "ngc": re.compile(r"#|\[|^(N\d+)?O\S*(SUB|CALL|IF|WHILE|DO|REPEAT)|G4[12](?![\d.]*\d)|G4[12]\.1|G(74|8[4-9])(?!\d)|[@^]"),
     "num": re.compile(r"G(77|79)(?!\d)|G45(?!\d)|^(N\d+)?L\d+=|[A-Z]L\d|(?<![A-Z])E[RHXYBPQIJ]-?[\d.]"),
 }
+
+
+class _Progress:
+    """How far a program has been carried out, on stderr, if that takes long."""
+
+    def __init__(self):
+        self._done = 0
+        self._told = time.monotonic()
+        self._shown = False
+
+    def __call__(self, source):
+        self._done += 1
+        if self._done % 1000 == 0 and time.monotonic() - self._told > _TELL_S:
+            self._told = time.monotonic()
+            self._shown = True
+            print(f"\rcompiling: {self._done} lines carried out, at {source}   ", end="", file=sys.stderr, flush=True)
+
+    def end(self):
+        if self._shown:
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
 
 
 class Program:
@@ -101,6 +123,7 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
     text = text_of(path)
     table = tool_table.read(tools) if tools else {}
     listing = Listing(bound)
+    listing.progress = _Progress() if sys.stderr.isatty() else None
     if dialect == "ngc":
         from host_tools.programs.ngc.interpreter import compile_program
     else:
@@ -113,7 +136,11 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
                 return other.name, text_of(other)
         return None
 
-    texts = compile_program(path.name, text, listing, table, start or (None, None, None), bound, find, skip)
+    try:
+        texts = compile_program(path.name, text, listing, table, start or (None, None, None), bound, find, skip)
+    finally:
+        if listing.progress:
+            listing.progress.end()
     if not listing.codes:
         raise Failure(f"{path} does nothing")
     listing.begin(HEADER)

@@ -13,7 +13,7 @@ from host_tools.programs.program_errors import (
 
 LOOK_AHEAD = 10
 _RAPID_SAG = 0.001  # mm: arcs of a rapid are lines
-_SHORTEST_ARC = 1e-4  # mm
+_SHORTEST = 1e-4  # mm: less is a corner that the next piece takes along
 
 
 class _Motion:
@@ -164,7 +164,7 @@ class Contour:
         elif motion.rapid:
             for point in piece.points(_RAPID_SAG)[1:]:
                 self._path.put_line([point.real, point.imag, height], True, 0.0, motion.source)
-        elif piece.length > _SHORTEST_ARC:
+        elif piece.length > _SHORTEST:
             centre = piece.centre - piece.start
             self._path.put_arc(17, piece.clockwise, end, (centre.real, centre.imag), motion.feed, 1, motion.source)
 

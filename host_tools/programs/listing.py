@@ -38,6 +38,7 @@ class Listing:
         self.sources = []
         self.strokes = []
         self.warnings = []  # texts
+        self.progress = None  # called with each line that is carried out
         self.plane = 17  # of the arcs so far
 
     def add(self, code, source, stroke=None):

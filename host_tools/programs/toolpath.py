@@ -21,6 +21,7 @@ PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
 AXES = "XYZ"
 _CENTRES = "IJK"
 _FARTHEST_MM = 1_000_000
+_SHORTEST_ARC_MM = 0.005
 _FASTEST = 1_000_000  # mm/min
 _RADIUS_MM = 0.005  # an arc's ends may differ so much from its radius, or by a thousandth of it, but never
 _MOST_RADIUS_MM = 0.5
@@ -124,9 +125,13 @@ class Toolpath:
             self._add(code, source, rapid, points)
 
     def put_arc(self, plane, clockwise, end, centre, feed, turns=1, source=None):
-        """Append an arc."""
+        """Append an arc; a line in place of one that is so short that its rounded ends would make a whole turn of it."""
         first, second, third = PLANES[plane]
         begin = self._there[:]
+        chord = math.hypot(end[first] - begin[first] / 1e5, end[second] - begin[second] / 1e5)
+        if chord < _SHORTEST_ARC_MM and turns == 1 and _under_half(begin, end, first, second, centre, clockwise):
+            self.put_line(end, False, feed, source)
+            return
         middle = [begin[first] + _rounded(centre[0]), begin[second] + _rounded(centre[1])]
         words = []
         for axis in range(3):
@@ -155,6 +160,14 @@ class Toolpath:
     def _add(self, code, source, rapid, points):
         source = source or self.source
         self.listing.add(code, source, Stroke(source, rapid, points))
+
+
+def _under_half(begin, end, first, second, centre, clockwise):
+    """True of an arc of less than half a turn; one that ends where it began is a whole one."""
+    before = -centre[0], -centre[1]
+    after = end[first] - begin[first] / 1e5 - centre[0], end[second] - begin[second] / 1e5 - centre[1]
+    turn = before[0] * after[1] - before[1] * after[0]
+    return turn != 0 and (turn < 0) == clockwise
 
 
 def check_arc(begin, end, centre):

@@ -181,6 +181,16 @@ def test_entries():
         assert LineString(points).distance(contour) == pytest.approx(3.0, abs=0.005)
 
 
+def test_tiny_arcs_make_no_whole_turns():
+    """Corners of a fine polygon, and arcs of a great radius: an arc whose rounded ends are one place is a whole turn for a board."""
+    rows = [f"x{40 * math.cos(a / 2000):.5f} y{40 * math.sin(a / 2000):.5f}" for a in range(1, 400)]
+    points = path_of("\n".join(["g0 x50 y0", "g42 d1 g1 x40 y0 f100", *rows, "g40 x50 y20"]), 3.0)
+    assert LineString(points).length < 40 and max(math.hypot(*point) for point in points[1:-1]) < 43.001
+    listing = Listing()
+    compile_program("p.ngc", "g0 x0 y0\ng3 x0.000001 y0.001 i-1000 f100\ng3 x0 y0 i-1000", listing, {}, NOWHERE)
+    assert listing.codes[1] == "G1 Y0.001 F100" and listing.codes[2].startswith("G3")
+
+
 def test_heights_and_words_inside_a_contour():
     listing = Listing()
     text = "g0 x-10 y0 z5\ng41 d1 g0 x0 y0\ng1 z-1 f60\nm8\ny10 z-2\nx10\nm9\ng0 z5\ng40\ng0 z6\ng0 x0 y0"

@@ -31,6 +31,8 @@ def compile_program(name, text, listing, tools=None, start=(None, None, None), b
     flow = Flow(name, text, interpreter.values, bound, find, skip)
     for line in flow:
         path.source = line.source
+        if listing.progress:
+            listing.progress(line.source)
         try:
             if interpreter.carry_out(line.rest):
                 flow.end()

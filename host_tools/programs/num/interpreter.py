@@ -32,6 +32,8 @@ def compile_program(name, text, listing, tools=None, start=(None, None, None), b
     interpreter = Interpreter(path, flow, tools or {})
     for source, row in flow:
         path.source = source
+        if listing.progress:
+            listing.progress(source)
         try:
             interpreter.carry_out(row)
         except ProgramError as error:
