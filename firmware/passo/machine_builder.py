@@ -47,6 +47,7 @@ FEATURES = (
     ("program", "Program", lambda board: board["weaving"]),
     ("weaving", "Weaving", lambda board: board["weaving"]),
     ("pauses", "Pauses", lambda board: [item for item in board["inputs"] if item["name"] in _PAUSING] or _lost(board, "pause")),
+    ("pendant", "Pendant", lambda board: [item for item in board["inputs"] if item["name"][:4] == "jog_"]),
     ("tools", "Tools", None),
     ("digital", "DigitalOutputs", lambda board: [item for item in board["outputs"] if item["name"][0] == "p" and item["name"][1:].isdigit()]),
     ("inverter", "Inverter", lambda board: board["inverter"]),
