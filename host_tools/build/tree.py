@@ -47,11 +47,13 @@ OLDEST_COMPILER = 1, 28
 # lines seldom calls: from flash it runs at half the speed.
 IN_PLACE = "rp2040"
 COLD = (
+    "passo/control/queue.py",
     "passo/drives/gantry.py",
     "passo/drives/gantry_viper.py",
     "passo/motion/block.py",
     "passo/motion/circle.py",
     "passo/motion/circle_viper.py",
+    "passo/motion/integers.py",
     "passo/motion/line.py",
     "passo/motion/ramp.py",
     "passo/motion/s_curve.py",
@@ -60,14 +62,16 @@ COLD = (
     "passo/motion/s_curve_ticks.py",
     "passo/motion/s_curve_way.py",
     "passo/motion/steady.py",
+    "passo/ports/chip_port.py",
     "passo/ports/encoders.py",
     "passo/ports/latch.py",
-    "passo/ports/chip_port.py",
     "passo/ports/rp2/console.py",
     "passo/ports/rp2/encoders.py",
     "passo/ports/rp2/flash_code.py",
     "passo/ports/rp2/pio_player.py",
     "passo/ports/usb_line.py",
+    "passo/protocols/gcode/parser.py",
+    "passo/protocols/grbl/protocol.py",
     "passo/protocols/grbl/text_viper.py",
     "passo/steps/feeder.py",
     "passo/steps/following_viper.py",
@@ -78,17 +82,13 @@ COLD = (
 COLD_IF_LEAN = (
     "passo/app.py",
     "passo/control/line_batches.py",
-    "passo/control/queue.py",
-    "passo/motion/integers.py",
     "passo/motion/line_viper.py",
     "passo/motion/look_ahead_viper.py",
     "passo/motion/planner.py",
     "passo/motion/ramp_viper.py",
     "passo/motion/row_viper.py",
     "passo/ports/shift_registers.py",
-    "passo/protocols/gcode/parser.py",
     "passo/protocols/grbl/lines.py",
-    "passo/protocols/grbl/protocol.py",
 )
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")

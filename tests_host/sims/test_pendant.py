@@ -128,4 +128,8 @@ def test_a_board_file_names_them_right():
     inputs = board()["inputs"]
     for wrong in ("jog_a+", "jog_x", "jog_slow"):
         with pytest.raises(BoardError, match="a pendant's are jog_x"):
-            check(board(inputs=[*inputs, {"name": wrong, "pin": 29, "active": 0}]))
+            VirtualMachine(board(inputs=[*inputs, {"name": wrong, "pin": 29, "active": 0}]))
+    plotter = boards.load("plotter_2014")
+    plotter["inputs"] = [*plotter["inputs"], {"name": "jog_x+", "pin": 28, "active": 0}]
+    with pytest.raises(BoardError, match="speaks grbl"):
+        VirtualMachine(plotter)

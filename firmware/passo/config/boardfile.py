@@ -324,18 +324,6 @@ def _check_pins(board, shift):
         check_pin(board["chip"], pin, who, not who.startswith("input") and not who.endswith(" rx"))
     for link in board["links"]:
         check_link(board["chip"], link, board["network"])
-    for item in board["inputs"]:
-        if item["name"][:4] == "jog_":
-            _check_button(board, item["name"])
-
-
-def _check_button(board, name):
-    """An input of a jog pendant."""
-    known = ["jog_" + axis["name"] + sign for axis in board["axes"] for sign in "+-"] + ["jog_fast"]
-    if name not in known:
-        raise BoardError("input %s: a pendant's are %s" % (name, ", ".join(known)))
-    if "grbl" not in [link["protocol"] for link in board["links"]]:
-        raise BoardError("input %s: a pendant wants a link that speaks grbl" % name)
 
 
 def _check_order(board):

@@ -53,8 +53,9 @@ _ROUND = const(24_000)  # each takes 20 to 40 ms
 _LITTLE = const(5_000)  # the same while less than _TIGHT bytes are free
 _TIGHT = const(56_000)
 _STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
-_PIECE = const(2_200)  # bytes: if no free piece is as large, a room that was kept is given back
-_FEW = const(10_000)  # the same if no more are free in all: the largest modules take as much, in pieces
+_PIECE = const(2_600)  # bytes: if no free piece is as large, a room that was kept is given back
+_LEAST = const(2_000)  # what a round wants itself
+_FEW = const(10_000)  # the same if no more are free in all: the largest modules take as much
 _WORK_ROWS = const(96)
 
 
@@ -88,7 +89,8 @@ class Record:
 
 class FlashCode:
     def __init__(self, rooms=()):
-        """`rooms`: a list of what keeps memory free in large pieces; the first is given back first if memory is short."""
+        """`rooms`: a list of what keeps memory free in large pieces; if memory is short the second is given back first, the
+        first last."""
         self.why = "not tried"  # all stays in RAM; "" if not
         self._rooms = rooms
         self.functions = self.bytes = 0
@@ -130,9 +132,11 @@ class FlashCode:
     def open(self, path):
         """An .mpy for the import: its functions are noted, those of earlier ones perhaps redirected."""
         if self._rooms and self._is_short():
+            if self._largest() < _LEAST:
+                self._give_room()  # a round wants some itself
             self._round()
-            if self._is_short():
-                self._rooms.pop(0)
+            if self._rooms and self._is_short():
+                self._give_room()
         if self._read > self._limit or self._read > self._look_at_read and self._is_tight():
             self._round()
         file = self._real.open(path, "rb")
@@ -238,6 +242,9 @@ class FlashCode:
         free = self._free()
         self._look_at_read = self._read + _STEP
         return free < _TIGHT and self._read > _LITTLE
+
+    def _give_room(self):
+        self._rooms.pop(1 if len(self._rooms) > 1 else 0)
 
     def _is_short(self):
         return self._largest() < _PIECE or self._words and self._words[FREE] < _FEW

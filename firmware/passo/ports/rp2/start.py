@@ -61,6 +61,15 @@ class Start(start.Start):
             self._said = code.text()
         return self._said
 
+    def _keep_again(self):
+        """What was given back while code was loaded, if it fits beside the planner's arrays, which come first."""
+        try:
+            blocks = bytearray(_FOR_BLOCKS)
+            for size in (_FOR_WORK, _FOR_WORDS)[len(self.rooms) :]:
+                self.rooms.append(bytearray(size))
+        except MemoryError:
+            pass
+
     def button(self):
         return "BOOTSEL" if rp2.bootsel_button() else None
 
@@ -76,6 +85,7 @@ class Start(start.Start):
         if self.rooms:
             self.rooms.pop()
             gc.collect()
+            self._keep_again()
             if gc.mem_free() < _SHORT:
                 self.rooms.clear()
             try:
