@@ -47,6 +47,7 @@ class Start:
     def __init__(self, board):
         alloc_emergency_exception_buf(100)
         board = board if isinstance(board, dict) else {}
+        self.lean = board.get("memory") == "lean"  # a board that has no memory to spare
         outputs = _entries(board, "outputs") + [board.get("tool"), board.get("spindle")]
         self._outputs = outputs  # whatever stands there: it may be a board file full of errors
         self._ways_out = [

@@ -39,7 +39,7 @@ class Start(start.Start):
             start.forget("passo.ports.rp2.flash_code")
             gc.collect()
         else:
-            rooms.append(bytearray(_FOR_WORK))
+            rooms.append(bytearray(self._for_work()))
             rooms.append(bytearray(_FOR_WORDS))
             rooms.append(bytearray(_FOR_BLOCKS))
             self.rooms = rooms
@@ -61,11 +61,14 @@ class Start(start.Start):
             self._said = code.text()
         return self._said
 
+    def _for_work(self):
+        return 0 if self.lean else _FOR_WORK
+
     def _keep_again(self):
         """What was given back while code was loaded, if it fits beside the planner's arrays, which come first."""
         try:
             blocks = bytearray(_FOR_BLOCKS)
-            for size in (_FOR_WORK, _FOR_WORDS)[len(self.rooms) :]:
+            for size in (self._for_work(), _FOR_WORDS)[len(self.rooms) :]:
                 self.rooms.append(bytearray(size))
         except MemoryError:
             pass
