@@ -12,7 +12,7 @@ from host_tools.emulator.machine import EmulatedMachine
 
 _LENGTH_MM, _FEED_MM_S = 0.2, 249
 _SLICE_US = 250
-_BOOT_MS = 3500
+_SETTLE_MS = 300
 _PATIENCE_S = 1e6  # of the PC, whose clock is not the Pico's
 
 
@@ -58,7 +58,8 @@ def streaming_router(clock_mhz=125, frames=True):
     for link in board["links"]:
         link["frames"] = frames
     machine = EmulatedMachine(board, trace=None).boot()
-    machine.run_ms(_BOOT_MS)
+    machine.run_until(lambda: b"code in" in machine.pico.console.text)  # the last words of the start
+    machine.run_ms(_SETTLE_MS)
     return machine
 
 

@@ -6,6 +6,9 @@ To the app it is a serial line like the one below it; to the link's language not
 bytes inside the frames. What they look like, and what each end does: docs/languages/frames.md.
 """
 
+# ruff: noqa: F821
+
+import micropython
 from micropython import const
 
 from passo.protocols.frames.codec import (
@@ -14,6 +17,11 @@ from passo.protocols.frames.codec import (
 )  # fmt: skip
 from passo.protocols.frames.sender import Sender
 from passo.records import COUNT_MASK
+
+try:
+    ptr8
+except NameError:
+    ptr8 = None  # a name that only viper's compiler knows
 
 _PLAIN = const(0)
 _OPEN = const(1)
@@ -27,6 +35,17 @@ _KEPT = const(4000)  # bytes of answers that nobody takes
 _PIECE = const(48)  # of a long answer
 _CONFIRM_MS = const(1000)  # a host says something in frames after WELCOME, or the link is plain again
 _FEW = const(4)  # credits of a language that does not say how much it takes
+
+
+@micropython.viper
+def zeros(data: ptr8, count: int) -> int:
+    """How many of `count` bytes are 0."""
+    found = 0
+    while count:
+        count -= 1
+        if data[count] == 0:
+            found += 1
+    return found
 
 
 class FramedLine:
@@ -118,17 +137,16 @@ class FramedLine:
                 return data
             return b""
         self.heard = True
-        text = self._held + bytes(data)
-        at = text.find(b"\0")
-        if at < 0:
+        if not self._held and not zeros(data, len(data)):
             return data
+        text = self._held + bytes(data)
         self._held = b""
         at = text.find(HELLO_WIRE)
         if at >= 0:
             self._begin(text[at + len(HELLO_WIRE) :])
             return text[:at]
         at = text.rfind(b"\0")
-        if HELLO_WIRE.startswith(text[at:]):
+        if at >= 0 and HELLO_WIRE.startswith(text[at:]):
             self._held = text[at:]
             self._held_ms = self._clock()
             return text[:at]
