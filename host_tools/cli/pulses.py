@@ -5,7 +5,7 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.cli.pulses_files import BOARD, BoardName, PulseFile, check, convert, example, image
+from host_tools.cli.pulses_files import BOARD, BoardName, PulseFile, check, convert, example, image, ramps
 from host_tools.failure import Failure
 
 app = typer.Typer(
@@ -307,5 +307,5 @@ def status(
             return
 
 
-for _verb in (check, convert, image, example):
+for _verb in (check, convert, ramps, image, example):
     app.command()(_verb)

@@ -105,6 +105,36 @@ def _write(target, text):
         raise Failure(f"cannot write {target}: {error.strerror}") from error
 
 
+def ramps(
+    file: PulseFile,
+    out: Out = None,
+    board: BoardName = BOARD,
+    accel: Annotated[Optional[int], typer.Option(min=1, max=900_000, help="mm/s²; default: the board file's.")] = None,
+):
+    """Give a file acceleration: speeds between its steps, so that it starts, turns corners and stops gently. The steps stay the same.
+
+    Examples:
+
+        passo pulses ramps square.txt -o soft.txt --accel 200
+    """
+    from host_tools.programs import pulse_file
+    from host_tools.programs.pulse_gcode import same_steps
+    from host_tools.programs.pulse_ramps import with_ramps
+
+    config, axes = _board(board)
+    accel = accel or config["step_program"]["accel_mm_s2"]
+    if not accel:
+        raise Failure(f"board {board} asks for no acceleration: step_program.accel_mm_s2 is 0; give --accel")
+    target = out or file.with_name(f"{file.stem}_ramps{file.suffix}")
+    found = pulse_file.items(pulse_file.load(file), axes, config["step_program"], file)
+    text = with_ramps(found, config, accel)
+    made = pulse_file.items(text.encode(), axes, config["step_program"])
+    if not same_steps(found, made, len(axes)):
+        raise Failure("the steps would not be the same: this is a fault of passo")
+    _write(target, text)
+    print(f"{target}: {len(made)} cells, {pulse_file.Course(made, config).seconds:.1f} s")
+
+
 def image(file: PulseFile, board: BoardName = BOARD):
     """Show the bytes of the parallel port, command by command, in hex.
 

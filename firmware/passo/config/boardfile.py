@@ -94,6 +94,7 @@ _STEP_PROGRAM = {
     "default_mm_min": (int, 600, 1, 900_000),  # until the program says otherwise, and for moves by hand
     "cells": (int, 4096, 512, 65_536),  # of memory, four bytes each: a run of equal steps takes one
     "dry_run": (bool, False, 0, 1),  # the tool stays off
+    "accel_mm_s2": (int, 0, 0, 900_000),  # `passo pulses ramps` writes speeds into files that accelerate so; 0: none
     # The image of a parallel port in status reports, for its bits 7 to 0 (drives on, z pulse, z dir, y pulse, y dir,
     # x pulse, x dir, tool): the bit each appears at, "-" none; "invert": the mask of those that appear inverted.
     "port_bits": (str, "76543210", 8, 8),
