@@ -78,7 +78,7 @@ def _torch(port, baud, number):
 
 def _pulses(port, baud, number):
     from host_tools.clients.wire import LinkError, open_port
-    from passo import error_texts
+    from host_tools.language import error_text
     from passo.protocols.pulses import protocol as pulses
 
     line = open_port(port, baud)
@@ -90,6 +90,6 @@ def _pulses(port, baud, number):
         line.close()
     if answer.startswith("error:"):
         number = int(answer[6:].split()[0])
-        raise Failure(f"refused: error {number}, {error_texts.text(number)}")
+        raise Failure(f"refused: error {number}, {error_text(number)}")
     if answer != "ok":
         raise LinkError(f"{port}: no answer, or not one of pulses: {answer!r}")

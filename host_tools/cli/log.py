@@ -84,11 +84,11 @@ def _pulses(port, baud):
 
 def _plotter(port, baud):
     from host_tools.clients.plotter import PlotterClient
-    from passo import error_texts
+    from host_tools.language import error_text
 
     with PlotterClient(port, baud) as client:
         number = client.status()["error"]
-    return [f"the last: {number:>3}  {error_texts.text(number)}" if number else "nothing since it was last asked"]
+    return [f"the last: {number:>3}  {error_text(number)}" if number else "nothing since it was last asked"]
 
 
 def told(entries):
@@ -96,9 +96,9 @@ def told(entries):
 
 
 def entry_text(ms, number, who):
-    from passo import error_texts
+    from host_tools.language import error_text
 
-    return f"{ms / 1000:12.3f} s  {who:<10} {number:>3}  {error_texts.text(number)}"
+    return f"{ms / 1000:12.3f} s  {who:<10} {number:>3}  {error_text(number)}"
 
 
 def pin_text(name, active, trips, glitches, at_ms, lasted_ms):

@@ -5,6 +5,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools import language
 from host_tools.cli.board import board
 from host_tools.cli.build import build
 from host_tools.cli.calibrate import calibrate
@@ -33,6 +34,7 @@ from host_tools.cli.torch import app as torch
 from host_tools.cli.watch import watch
 from host_tools.cli.wifi import app as wifi
 from host_tools.failure import Failure
+from host_tools.language import _
 from host_tools.resources import ROOT
 
 # The extra of pyproject.toml that brings each package that is imported only when it is used.
@@ -43,16 +45,7 @@ EXTRAS = {
     "panel": ("microdot",),
 }
 UNIX_ONLY = ("fcntl", "termios", "tty", "pty")
-FIRST_STEPS = """\
-Try this first, without any hardware:
-
-    passo panel --demo --open              a router and its page, in a browser
-    passo board --link /tmp/machine        a plotter on a virtual board; leave it running
-    passo send --port /tmp/machine REQUEST ORIGIN "MOVE 644 314" "LINE 884 454" END     in a second terminal
-    passo check part.gcode                 what a router would make of a file
-
-passo VERB --help has examples. With a board: passo ports, then passo flash.\
-"""
+_SEND = 'passo send --port /tmp/machine REQUEST ORIGIN "MOVE 644 314" "LINE 884 454" END'
 
 app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
 
@@ -76,6 +69,9 @@ def _passo(
     _version: Annotated[
         bool, typer.Option("--version", help="Show the version and end.", callback=_show_version, is_eager=True)
     ] = False,
+    lang: Annotated[
+        Optional[str], typer.Option(metavar="pt|en", help="Language of numbered errors and settings; LANG's unless given.")
+    ] = None,
     _frames: Annotated[
         Optional[bool],
         typer.Option(
@@ -85,9 +81,12 @@ def _passo(
     ] = None,
 ):
     """Passo: a motion controller for stepper machines. Draw, send, watch, and try it all on a virtual board."""
+    if lang is not None and lang not in language.LANGUAGES:
+        raise Failure(f"--lang is {' or '.join(language.LANGUAGES)}, not {lang!r}")
+    language.choose(lang)
     if context.invoked_subcommand is None:
         print(context.get_help())
-        print(FIRST_STEPS)
+        print(first_steps())
 
 
 def version():
@@ -102,14 +101,28 @@ def version():
         return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["version"]
 
 
+def first_steps():
+    """What a newcomer may try, with each command's purpose beside it."""
+    rows = [
+        ("passo panel --demo --open", _("a router and its page, in a browser")),
+        ("passo site --serve 8000", _("the same page with the firmware inside, for any web server")),
+        ("passo board --link /tmp/machine", _("a plotter on a virtual board; leave it running")),
+        (_SEND, _("in a second terminal")),
+        ("passo check part.gcode", _("what a router would make of a file")),
+    ]
+    shown = "\n".join(f"    {command:<38} {purpose}" for command, purpose in rows)
+    last = _("passo VERB --help has examples. With a board: passo ports, then passo flash.")
+    return f"{_('Try this first, without any hardware:')}\n\n{shown}\n\n{last}"
+
+
 def explain_missing(name):
     """What to do about a module that is not there; None if it is none that may be missing."""
     package = (name or "").partition(".")[0]
     if package in UNIX_ONLY:
-        return "this command needs Linux, macOS or WSL, because Windows has no pseudo-terminals"
+        return _("this command needs Linux, macOS or WSL, because Windows has no pseudo-terminals")
     for extra, packages in EXTRAS.items():
         if package in packages:
-            return f"{package} is not installed: in the project's folder, pip install '.[{extra}]'"
+            return _("{package} is not installed: in the project's folder, pip install '.[{extra}]'").format(package=package, extra=extra)
     return None
 
 

@@ -144,9 +144,9 @@ def _send_raw(client, data):
 
 
 def _status_text(status):
-    from passo import error_texts
+    from host_tools.language import error_text
 
-    error = f", error {status['error']}: {error_texts.text(status['error'])}" if status["error"] else ""
+    error = f", error {status['error']}: {error_text(status['error'])}" if status["error"] else ""
     return (f"STATUS {status['state']} at {status['x']}, {status['y']}, {status['drawn']} points drawn, "
             f"room for {status['free']}{error}")
 

@@ -191,7 +191,7 @@ def info(
     """
     import time
 
-    from passo import error_texts
+    from host_tools.language import error_text
 
     units = Units(board, steps)
     with _client(port, baud, log) as client:
@@ -203,7 +203,7 @@ def info(
                 if status:
                     text = f"{status_text(units, status)}; {text}; {status['dropped']} dropped"
                     if status["error"]:
-                        text += f"; error {status['error']}, {error_texts.text(status['error'])}"
+                        text += f"; error {status['error']}, {error_text(status['error'])}"
                 print(text, flush=True)
                 if not watch:
                     return

@@ -194,13 +194,13 @@ def tagged(number, line):
 
 def explain(answer):
     """An `error:N` with its meaning."""
-    from passo import error_texts
+    from host_tools.language import error_text
 
     number = re.sub(r"\D", "", answer)
-    return f"error {number}, {error_texts.text(int(number))}" if number else answer
+    return f"error {number}, {error_text(int(number))}" if number else answer
 
 
 def alarm_text(number):
-    from passo import error_texts
+    from host_tools.language import error_text
 
-    return error_texts.text(200 + number)
+    return error_text(200 + number)

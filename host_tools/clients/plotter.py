@@ -17,7 +17,8 @@ import math
 import time
 
 from host_tools.clients.wire import LinkError, Wire, packet_name
-from passo import error_texts, errors
+from host_tools.language import error_text
+from passo import errors
 from passo.protocols.plotter import host as plotter
 
 ATTEMPTS = 8  # of one packet
@@ -35,7 +36,7 @@ class Refused(LinkError):
 
     def __init__(self, what, number, alarm):
         self.number = number
-        super().__init__(f"{what} was refused: {'alarm' if alarm else 'error'} {number}, {error_texts.text(number)}")
+        super().__init__(f"{what} was refused: {'alarm' if alarm else 'error'} {number}, {error_text(number)}")
 
 
 class Cancelled(Exception):

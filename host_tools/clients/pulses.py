@@ -11,7 +11,7 @@ import time
 from host_tools.clients.client import Client
 from host_tools.clients.wire import LinkError, open_port
 from host_tools.failure import Failure
-from passo import error_texts
+from host_tools.language import error_text
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
 from passo.protocols.pulses.report import status_from
 
@@ -137,5 +137,5 @@ def check(line, what):
     kind, _, rest = line.partition(":")
     if kind in ("error", "alarm") and rest:
         number, _, where = rest.partition(" ")
-        text = error_texts.text(int(number)) if number.isdigit() else rest
+        text = error_text(int(number)) if number.isdigit() else rest
         raise Failure(f"{what}{': ' + where if where else ''}: {kind} {number}: {text}")

@@ -9,6 +9,8 @@ step rate of the board's player.
 
 import re
 
+from host_tools.language import _
+
 _AXES = "xyza"
 _ANY = (0.001, 999_999.999)
 _ANY_OR_0 = (0, 999_999.999)
@@ -69,15 +71,16 @@ def describe(line, axes):
     """(name, unit, bounds) of a line of a back-up, as texts; empty if it is not known."""
     start_up = re.match(r"\$N(\d)=", line)
     if start_up:
-        return "sent when the board starts", "", ""
+        return _("sent when the board starts"), "", ""
     offset = re.match(r"G10L2P(\d)", line)
     if offset:
-        return f"origin of G{53 + int(offset[1])}", "", ""
+        return _("origin of {system}").format(system=f"G{53 + int(offset[1])}"), "", ""
     setting = re.match(r"\$(\d+)=", line)
     found = rule(int(setting[1]), axes) if setting else None
     if not found:
         return "", "", ""
     name, unit, least, most = found
+    name = _(name) if int(setting[1]) in NAMES else name[:3] + _(name[3:])  # behind "x: "
     return name, unit, f"{least:g} … {most:.10g}"
 
 

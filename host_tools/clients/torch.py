@@ -14,7 +14,7 @@ import time
 from host_tools.clients.client import Client
 from host_tools.clients.wire import LinkError, open_port
 from host_tools.failure import Failure
-from passo import error_texts
+from host_tools.language import error_text
 from passo.protocols.torch import protocol as torch
 
 POLL_S = 0.1
@@ -111,7 +111,7 @@ class TorchClient(Client):
         self.send(data)
         after = self.status()
         if before and after["dropped"] != before["dropped"]:
-            raise Refused(f"the board did not do it: error {after['error']}, {error_texts.text(after['error'])}")
+            raise Refused(f"the board did not do it: error {after['error']}, {error_text(after['error'])}")
         return after
 
     def jog(self, direction, times=1):
@@ -137,7 +137,7 @@ class TorchClient(Client):
             if show:
                 show(status)
             if status["state"] == "alarm":
-                raise Refused(f"alarm {status['error']}, {error_texts.text(status['error'])}")
+                raise Refused(f"alarm {status['error']}, {error_text(status['error'])}")
             if status["state"] not in ("run", "jog"):
                 return status
             time.sleep(POLL_S)

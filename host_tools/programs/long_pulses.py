@@ -72,7 +72,8 @@ class LongFile:
             raise Failure(f"cannot read {self._path}: {error.strerror}") from error
 
     def _check(self, state, block):
-        from passo import error_texts, errors
+        from host_tools.language import error_text
+        from passo import errors
         from passo.protocols.pulses.codes import SPEED_MM_MIN, WAIT_MS
 
         at, error = 0, None
@@ -95,7 +96,7 @@ class LongFile:
             error = errors.NUMBER_MISSING if block[at : at + 1] in b"*+" else errors.NO_CODE
         before = self._read(0, state.at) + block[:at]
         line, column = before.count(b"\n") + 1, at + state.at - (before.rfind(b"\n") + 1) + 1
-        raise Failure(f"{self._path}:{line}:{column}: error {error}: {error_texts.text(error)}")
+        raise Failure(f"{self._path}:{line}:{column}: error {error}: {error_text(error)}")
 
     def _read(self, begin, end):
         with open(self._path, "rb") as file:

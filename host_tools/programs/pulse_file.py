@@ -17,7 +17,7 @@ def load(path):
 
 def items(data, axes, config, name="the file"):
     """The items of a file (see passo.commands). Raises Failure with line and column of what is wrong."""
-    from passo import error_texts
+    from host_tools.language import error_text
     from passo.commands import STEPS_ABORT, STEPS_ITEMS
     from passo.protocols.pulses.protocol import Pulses, frame
 
@@ -27,7 +27,7 @@ def items(data, axes, config, name="the file"):
     for command in protocol.feed(data, 0) + protocol.feed(frame("end"), 0):
         if command.value == STEPS_ABORT:
             line, column = command.target
-            raise Failure(f"{name}:{line}:{column}: error {command.error}: {error_texts.text(command.error)}")
+            raise Failure(f"{name}:{line}:{column}: error {command.error}: {error_text(command.error)}")
         if command.value == STEPS_ITEMS:
             found += command.target
     return found
@@ -122,14 +122,14 @@ class Converter:
         spindle.
         """
         from host_tools.programs.pulse_shapes import lines as folded
-        from passo import error_texts
+        from host_tools.language import error_text
 
         if not any(b"S" in line.upper() for _, line in lines):
             self._gcode.rpm = self._gcode.max_rpm
         for number, line in lines:
             error = self._gcode.interpret(line)
             if error:
-                raise Failure(f"line {number}: {line.decode()}: error {error}: {error_texts.text(error)}")
+                raise Failure(f"line {number}: {line.decode()}: error {error}: {error_text(error)}")
             for command in self._gcode.commands:
                 self._take(number, line, command)
             if self._gcode.ended:

@@ -133,13 +133,13 @@ class VirtualJob:
         self.track.begin(tick, place)
 
     def note(self, kind, number, code, text):
-        from passo import error_texts
+        from host_tools.language import error_text
 
         text = text.decode()
         if kind in (job_runner.NOTE_REFUSED, job_runner.NOTE_ALARM):
             self.error_count += 1
             word, shown = ("error", code) if kind == job_runner.NOTE_REFUSED else ("alarm", code - 200)
-            found, row = self.errors, (number, text, f"{word} {shown}, {error_texts.text(code)}")
+            found, row = self.errors, (number, text, f"{word} {shown}, {error_text(code)}")
         else:
             kinds = {job_runner.NOTE_PAUSED: self.pauses, job_runner.NOTE_PROBED: self.probes, job_runner.NOTE_SKIPPED: self.skipped}
             found, row = kinds[kind], (number, text)
