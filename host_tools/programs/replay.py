@@ -11,12 +11,13 @@ millimetres in machine coordinates.
 
 import re
 from dataclasses import dataclass, field
+from functools import partial
 
 from host_tools.clients.grbl import explain
 from host_tools.failure import Failure
 from passo import commands
 from passo.control import arcs
-from passo.protocols.gcode.codes import MOTION
+from passo.protocols.gcode.codes import CYCLES, G73, G82, G83, MOTION
 from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.reader import NONE
@@ -38,6 +39,7 @@ class Machine:
     laser: bool
     max_rpm: float
     systems: dict = field(default_factory=dict)  # "G54": mm of each axis
+    tools: dict = field(default_factory=dict)  # "T1": mm
 
     @classmethod
     def of_answers(cls, settings, parameters, axes=3):
@@ -46,24 +48,35 @@ class Machine:
         axes = len([number for number in range(100, 103) if number in values])
         systems = {name: [float(part) for part in places.split(",")]
                    for name, places in re.findall(r"\[(G5[4-9]|G28|G30):([-\d.,]+)\]", "\n".join(parameters))}  # fmt: skip
+        tools = {name: float(length) for name, length in re.findall(r"\[(T\d+):([-\d.]+)\]", "\n".join(parameters))}
         upward = not int(values.get(23, 0)) >> 2 & 1
         top = 0.0 if upward or axes < 3 else values[132]
         return cls(
-            [values[100 + axis] for axis in range(axes)], top, values.get(22, 0) > 0, values.get(32, 0) > 0, values.get(30, 1000), systems
+            [values[100 + axis] for axis in range(axes)], top, values.get(22, 0) > 0, values.get(32, 0) > 0, values.get(30, 1000), systems, tools
         )  # fmt: skip
 
 
 class _Memory:
     """Work offsets as the firmware's Offsets keep them."""
 
-    def __init__(self, systems):
-        self._texts = {name: ",".join(str(round(place * _NM)) for place in places) for name, places in systems.items()}
+    def __init__(self, machine):
+        self._texts = {name: ",".join(str(round(place * _NM)) for place in places) for name, places in machine.systems.items()}
+        self._texts.update({name: str(round(length * _NM)) for name, length in machine.tools.items()})
 
     def get(self, key):
         return self._texts.get(key)
 
     def put(self, key, text):
         self._texts[key] = text
+
+
+def _all(made):
+    """The commands of a line; those of a canned cycle are made one by one."""
+    for command in made:
+        if command.kind == commands.MORE:
+            yield from iter(partial(next, command.value), None)
+        else:
+            yield command
 
 
 class _Board:
@@ -83,7 +96,7 @@ class Replay:
         self._machine = machine
         self._lines = lines
         self._board = _Board(machine)
-        self._offsets = Offsets(len(machine.steps_per_mm), _Memory(machine.systems))
+        self._offsets = Offsets(len(machine.steps_per_mm), _Memory(machine))
         self._gcode = GCode("xyz"[: len(machine.steps_per_mm)], self._offsets, self._board)
         self._gcode.laser = machine.laser
         self._gcode.max_rpm = round(machine.max_rpm * 1000)
@@ -131,7 +144,7 @@ class Replay:
         error = self._gcode.interpret(line)
         if error:
             raise Failure(f"line {number}, {line.decode('ascii', 'replace')}: {explain(f'error:{error}')}")
-        return self._gcode.commands
+        return list(_all(self._gcode.commands))
 
     def _carry_out(self, index):
         for command in self._interpret(index):
@@ -292,16 +305,29 @@ class Replay:
         if not self._unsaid():
             return rest
         rest = list(rest)
+        height = self._gcode.position[TOOL_AXIS] if len(self._machine.steps_per_mm) > TOOL_AXIS else 0
         for index, (number, line) in enumerate(rest):
             if line.startswith(b"$") or self._gcode.interpret(line):
                 break
             if self._gcode._found[MOTION] != NONE:
                 break
             if [command for command in self._gcode.commands if command.target is not None]:
-                words = b"G%d" % (mode // 100)
-                if mode == 8100:
-                    above, bottom = self._gcode.cycle
-                    words += b"R%.5f" % ((above - self._offsets.of(self._gcode.system, TOOL_AXIS)) / _NM) if b"R" not in line.upper() else b""
-                rest[index] = number, words + line
+                rest[index] = number, b"G%d" % (mode // 100) + (self._heights(mode, line, height) if mode in CYCLES else b"") + line
                 break
         return rest
+
+    def _heights(self, mode, line, height):
+        """The words of a canned cycle that `line` leaves to those before it. `height`: where Z stands, nm."""
+        gcode = self._gcode
+        above, bottom, dwell, peck = gcode.cycle
+        unit = 25.4 * _NM if gcode.inches else _NM
+        zero = self._offsets.of(gcode.system, TOOL_AXIS)
+        words = {
+            "R": (above - (zero if gcode.absolute else height)) / unit,
+            "Z": (bottom - (zero if gcode.absolute else above)) / unit,
+        }
+        if mode in (G73, G83):
+            words["Q"] = peck / unit
+        if mode == G82:
+            words["P"] = dwell / 1_000_000
+        return "".join(f"{letter}{value:.5f}" for letter, value in words.items() if letter.encode() not in line.upper()).encode()

@@ -108,6 +108,45 @@ def test_from_line(tmp_path, whole, number):
     assert not extra, list(extra)[:3]
 
 
+HOLES = b"""G21 G90 G17
+G10 L1 P1 Z0.5
+M3 S1000
+G43 H1
+G0 Z-1
+F900
+G99 G83 X10 Y8 Z-3 R-1.5 Q0.8
+X12
+Y10
+G80
+G20 G91
+G82 X0.1 Z-0.05 R-0.01 P0.02
+Y0.1
+G21 G90 G80
+G0 Z-1
+M30
+"""
+
+
+@pytest.mark.parametrize("number", [pytest.param(8, marks=slow), 9, 13])
+def test_amid_the_holes_of_a_cycle(tmp_path, number):
+    """The line says what its cycle has from the lines before it; the tool's length comes from the board's table."""
+    lines = lines_of(HOLES, tmp_path)
+    first, all_of = ready(), ready()
+    run(first, [line for known, line in lines if known < number])
+    run(all_of, [line for _, line in lines])
+    machine = ready()
+    run(machine, [b"G10L1P1Z0.5"])
+    assert facts(machine).tools == {"T1": 0.5}
+    stages, rest = replay.Replay(facts(machine), lines).from_line(number)
+    for _, sent in stages:
+        run(machine, sent)
+    assert machine.controller.position() == first.controller.position()
+    begun = len(machine.world.path)
+    run(machine, [line for _, line in rest])
+    assert machine.controller.position() == all_of.controller.position()
+    assert cut(all_of.world) - cut(first.world) <= {row[1:4] for row in machine.world.path[begun:]}
+
+
 @pytest.mark.parametrize("number", [pytest.param(line, marks=slow) for line in (7, 21, 25)] + [10, 12, 23])
 def test_amid_a_line(tmp_path, whole, number):
     lines = lines_of(PROGRAM, tmp_path)
