@@ -47,6 +47,7 @@ OLDEST_COMPILER = 1, 28
 # lines seldom calls: from flash it runs at half the speed.
 IN_PLACE = "rp2040"
 COLD = (
+    "passo/app.py",
     "passo/control/queue.py",
     "passo/drives/gantry.py",
     "passo/drives/gantry_viper.py",
@@ -55,6 +56,7 @@ COLD = (
     "passo/motion/circle_viper.py",
     "passo/motion/integers.py",
     "passo/motion/line.py",
+    "passo/motion/planner.py",
     "passo/motion/ramp.py",
     "passo/motion/s_curve.py",
     "passo/motion/s_curve_block.py",
@@ -80,11 +82,9 @@ COLD = (
 # What runs from flash, too, if the board file says "memory": "lean": the road of lines and planner. Interrupts, and functions
 # longer than a block, stay in RAM.
 COLD_IF_LEAN = (
-    "passo/app.py",
     "passo/control/line_batches.py",
     "passo/motion/line_viper.py",
     "passo/motion/look_ahead_viper.py",
-    "passo/motion/planner.py",
     "passo/motion/ramp_viper.py",
     "passo/motion/row_viper.py",
     "passo/ports/shift_registers.py",
