@@ -65,8 +65,8 @@ MEANINGS = {
     "name": "Name of the machine.",
     "chip": "The board's chip. Decides which pins exist and what `passo build` compiles for.",
     "clock_mhz": "Processor clock. RP2040: 125, 150 or 200; RP2350: 150; 0: the first of these. Leave it out on an ESP32.",
-    "memory": "RP2040: with `lean` some 20 kB more are free, because more of the code runs from flash, and 15 % fewer lines of G-code "
-    "a second. What has a gantry and encoders beside an interlock wants it.",
+    "memory": "RP2040: with `lean` some 20 kB more are free, because more of the code runs from flash, and a quarter fewer lines of "
+    "G-code a second. What has a gantry and encoders beside an interlock wants it.",
     "player": "RP2040 and RP2350: `pio` steps without the processor and needs neighbouring pins; `timer` takes any pins and "
     "an interrupt for each step.",
     "changeover_by": "If outputs have roles: what takes the motors from the other controller, a command or the first motion.",
