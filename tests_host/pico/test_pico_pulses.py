@@ -117,3 +117,30 @@ def test_the_pico_makes_the_words_of_the_golden_file(uf2, show):
     said = pico.exec(code, limit_us=LIMIT_US).split()
     assert said == golden_of_gcode()["pico_pulses"]
     show("digest of a step program on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
+
+
+@pytest.mark.slow
+def test_bits_of_the_port_on_the_pins(make_machine):  # noqa: F811
+    """The tool's bit disabled, X's pulse inverted, by lines: on the pads of the chip."""
+    board = boards.load("lpt_router")
+    board["step_program"].update({"port_pins": [8, 5, 2, 6, 3, 7, 4, 9], "port_bits": "7654321-", "port_invert": 0x04})
+    machine = make_machine(board)
+    tool, x_step, y_step = (machine.pico.edges(pin) for pin in (8, 2, 3))
+    heard = bytearray()
+
+    def until(word):
+        for _ in range(200):
+            if word in heard:
+                return
+            machine.run_ms(10)
+            heard.extend(machine.take())
+        raise AssertionError(bytes(heard))
+
+    until(b"ready")
+    machine.send(b"{load}[+2000(AAC)]{end}")
+    until(b"ok 8")
+    machine.send(b"{run}")
+    until(b"end")
+    assert 1 not in [state for _, state in tool]
+    assert [state for _, state in x_step][-5:] == [1, 0, 1, 0, 1]  # it rests high
+    assert [state for _, state in y_step if state == 1] == [1] and y_step[-1][1] == 0

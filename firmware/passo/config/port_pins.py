@@ -1,6 +1,6 @@
 """The lines of a parallel port on the chip's pins: each output bit remapped, inverted or disabled. Loaded only if asked for.
 
-    "step_program": {…, "port_pins": [9, 2, 5, 3, 6, 4, 7, 8], "port_bits": "76543210", "port_invert": 0x00}
+    "step_program": {…, "port_pins": [8, 5, 2, 6, 3, 7, 4, 9], "port_bits": "76543210", "port_invert": 0x00}
 
 `port_pins` are the GPIOs of the lines D0 to D7. `port_bits` says on which of them the bits 7 to 0 appear (drives on, Z pulse, Z dir, Y
 pulse, Y dir, X pulse, X dir, tool), "-" on none; `port_invert` is the mask of the bits that appear inverted. What the board file
