@@ -68,6 +68,8 @@ AT_REST = const(0)  # Run.when: refused while anything moves
 AS_JOG = const(1)  # or extends a jog of the same axes in the same directions
 LIVE = const(2)  # or changes what the axes named do, while others run on
 FOREVER = const(0x1FFFFFFF)  # steps of a Run without an end
+JOURNAL = const(51)  # of the job: `target` None: tell it; else the number of the job that begins
+
 # JOB
 JOB_RUN = const(0)  # without a name the button's
 JOB_LIST = const(1)

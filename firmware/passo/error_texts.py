@@ -116,6 +116,7 @@ TEXTS = {
     errors.ALARM_INVERTER_REFUSED: "the spindle's inverter refused a request: check its make, and that it takes commands from its serial line",
     errors.ALARM_SPINDLE_SPEED: "the spindle did not come to its speed, or lost it",
     errors.ALARM_HOST_LOST: "the host said nothing any more: its job was dropped at a stand; the position is kept",
+    errors.ALARM_POWER: "the power fails: stopped, and the place of the job saved",
 }
 
 

@@ -118,6 +118,7 @@ ALARM_INVERTER_FAULT = const(242)
 ALARM_INVERTER_REFUSED = const(243)
 ALARM_SPINDLE_SPEED = const(244)
 ALARM_HOST_LOST = const(250)
+ALARM_POWER = const(251)
 # These bring the machine to its stand, and keep its position; the others stop it at once.
 AT_STAND = (
     ALARM_SOFT_LIMIT, ALARM_PROBE_STATE, ALARM_PROBE_MISSED, ALARM_INVERTER_SILENT, ALARM_INVERTER_GARBLED,

@@ -57,6 +57,7 @@ FEATURES = (
     ("admission", "Admission", lambda board: board["network"]),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop")),
     ("resets", "Resets", lambda board: True),
+    ("job_journal", "JobJournal", lambda board: board["journal"]),
     ("jobs", "Jobs", lambda board: board["jobs"]),  # last: it adds a link
 )
 

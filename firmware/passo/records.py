@@ -396,3 +396,5 @@ REPORT_STEPS_PER_M = const(0)  # of an axis
 REPORT_OFFSET_MM = const(1)  # 100 000 000 + its offset in whole millimetres, and nanometres above them
 REPORT_OFFSET_NM = const(2)
 REPORT_FIELDS = const(3)
+
+JOURNAL_BYTES = const(32)  # of a record of the job's journal, see control/job_journal.py

@@ -57,6 +57,7 @@ SECTIONS = {
     "registers.edges": ("registers.edges", "A list of pins at whose edges the inputs behind registers are read at once."),
     "jog": ("jog", "Jogs of the plotter's and the torch's languages."),
     "step_program": ("step_program", "Needed by the language `pulses`: paths written down step by step."),
+    "journal": ("journal", "Where a job is, kept in flash. See [jobs](jobs.md#after-a-power-cut)."),
     "jobs": ("jobs", "Programs kept on the board, and run without a PC. See [jobs](jobs.md)."),
     "links": ("links", "A list of the board's serial lines, one entry a line. See [README](../README.md#languages)."),
 }
@@ -140,6 +141,8 @@ MEANINGS = {
     "planning.junction_um": "Junction deviation in µm: how fast corners are taken; 0: a stop at each. `$11` overrides it.",
     "planning.arc_um": "Kept for senders as `$12`; changes nothing.",
     "planning.independent_ramps": "Torch: axes accelerate with their `accel_mm_s2`, instead of running at one speed.",
+    "journal.every_ms": "While the machine moves, what is written is so old at most, ms; older once half the slots are used.",
+    "journal.power": "Name of the input that is active when the power fails: the machine stops, and writes where it is.",
     "jobs.language": "What stored jobs are written in: the language of one of the links.",
     "jobs.folder": "Where they are kept: a folder of the board's flash, or of what is mounted.",
     "jobs.button": "Name of the job that the input `job` runs.",

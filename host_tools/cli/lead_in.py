@@ -1,11 +1,28 @@
 """How `passo stream --from` and `passo resume` get a machine to where a program goes on: step by step, and asked before the tool
 goes down."""
 
+import binascii
 import sys
 
 from host_tools.failure import Failure
 
 _WAIT_S = 600  # that a way, a spindle or a dwell may take
+
+
+def number_of(lines):
+    """The number by which a board's journal knows a program."""
+    return binascii.crc32(b"\n".join(line for _, line in lines)) or 1
+
+
+def announce(client, lines):
+    """Tell a board with a journal which program begins."""
+    from host_tools.clients.grbl import Refused
+
+    try:
+        client.command(f"$JR={number_of(lines):08x}")
+    except Refused as refused:
+        if "error 3," not in str(refused) and "error 8," not in str(refused):
+            raise
 
 
 def prepared(client, lines, number, place=None, yes=False):

@@ -25,6 +25,7 @@ from host_tools.cli.panel import panel
 from host_tools.cli.plot import plot
 from host_tools.cli.ports import ports
 from host_tools.cli.pulses import app as pulses
+from host_tools.cli.resume import resume
 from host_tools.cli.send import send
 from host_tools.cli.settings import settings
 from host_tools.cli.site import site
@@ -126,7 +127,7 @@ def explain_missing(name):
     return None
 
 
-for _verb in (panel, site, board, emulate, draw, send, stream, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash):
+for _verb in (panel, site, board, emulate, draw, send, stream, resume, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash):
     app.command()(_verb)
 app.command("compile")(compile_)
 app.add_typer(jobs, name="jobs")

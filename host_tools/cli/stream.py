@@ -11,6 +11,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools.cli.lead_in import announce, prepared
 from host_tools.clients.grbl import LinkError
 from host_tools.failure import Failure
 from host_tools.programs.gcode_time import Remaining
@@ -71,9 +72,8 @@ def stream(
     with GrblClient(port or ports.only(), baud, timeout, log) as client:
         _make_ready(client, home, unlock)
         if first:
-            from host_tools.cli.lead_in import prepared
-
             lines = prepared(client, lines, first, None, yes)
+        announce(client, lines)
         limits = gcode_time.Limits.of_settings(client.command("$$"))
         with Panel(client, lines, gcode_time.estimate(lines, limits), program.origin) as panel:
             for number in client.stream(lines, flow == "count", panel.cycle, panel.numbered, program.origin):

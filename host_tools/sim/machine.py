@@ -13,6 +13,7 @@ from pathlib import Path
 
 from host_tools import boards
 from host_tools.sim.inverter import SimInverter
+from host_tools.sim.pages import Pages
 from host_tools.sim.plant import Plant
 from host_tools.sim.recording import Recording
 from passo.app import App
@@ -34,7 +35,7 @@ class Machine:
     same, all else is."""
 
     def __init__(
-        self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, radio=None, flash=None, **plant_options
+        self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, radio=None, flash=None, pages=None, **plant_options
     ):
         loaded = boards.load(board) if isinstance(board, str) else board
         self.board = check(loaded)
@@ -47,6 +48,8 @@ class Machine:
             self.inverter = inverter or SimInverter(self.board["inverter"], self.now_ms)
             lines = {**lines, "inverter": self.inverter}
         self.port = VirtualPort(self.board, files.world, mode, lines, sleep, radio=radio)
+        if self.board["journal"]:
+            self.port.pages = pages or Pages(Path(flash) / "pages" if flash else None)
         self.port.folder = str(Path(flash) / "jobs") if flash else self._own_folder()
         slots = FileSlots(str(Path(flash) / "settings")) if flash else None
         self.app = App(check(loaded), self.port, protocols, slots)

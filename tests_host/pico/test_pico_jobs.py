@@ -11,6 +11,7 @@ from host_tools.emulator.machine import EmulatedMachine, written
 from host_tools.programs import stored_job
 from host_tools.sim.machine import VirtualMachine
 from passo.config.job_store import first_line
+from passo.control.job_journal import unpacked
 
 LINE_MM = 2  # of each axis: 640 steps, in 13 ms
 BYTES = 1_000_000
@@ -148,3 +149,24 @@ def test_a_megabyte_is_read_while_three_axes_step_at_50_khz(make_machine, tmp_pa
         assert b"x109" not in ask(machine, b"$LOG")
     assert found == [wanted] * 3
     show("words from flash at 50 kHz on three axes", f"{wanted[1]}, three times the same")
+
+
+@pytest.mark.slow
+def test_the_journal_is_written_to_raw_flash_while_it_moves(make_machine, show):
+    """No step is late for it, and the file system, whose blocks it has, is whole after a power cut."""
+    made = {**boards.load("router_3axis"), "links": board()["links"], "journal": {"every_ms": 100}}
+    machine = ready(make_machine(made))
+    assert ask(machine, b"$JR=1234") == b"ok\r\n"
+    machine.send(b"N1G91G1X3F3000\nN2G1X3\nN3G1X-6\n")
+    machine.run_ms(900)
+    machine.settle()
+    machine.take()
+    assert b"x109" not in ask(machine, b"$LOG")
+    assert b"[JOURNAL:00001234|3|1|0,0,0]" in ask(machine, b"$JR")
+    files = machine.pico.files()
+    data = files["journal.0"]
+    found = [unpacked(data[at : at + 32]) for at in range(0, 4096, 32) if data[at : at + 32] != b"\xff" * 32]
+    assert [record[0] for record in found] == list(range(len(found))) and len(found) > 5
+    assert found[-1][1:] == (1, 0x1234, 3, [0, 0, 0, 0])
+    assert {record[3] for record in found} == {0, 1, 2, 3} and any(record[4][0] > 900 for record in found)
+    show("records of the journal while three lines are stepped", str(len(found)))

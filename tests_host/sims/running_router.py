@@ -10,6 +10,7 @@ import threading
 import time
 
 from boards.router_3axis import BOARD
+from host_tools.sim.pages import Pages
 from host_tools.sim.serial_line import PtyLine, wait
 from passo.app import App
 from passo.config.boardfile import check
@@ -29,6 +30,8 @@ class Running:
         self.line = line or PtyLine()
         lines = {"pc": self.line, "serial": MemoryLine()}
         port = VirtualPort(board, self.world, mode, lines, lambda ms: wait([self.line], ms))
+        if board["journal"]:
+            port.pages = Pages()
         self.app = App(board, port)
         self._stop = False
         self.failed = None

@@ -151,7 +151,7 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-DEVICES = ("inverter", "jobs", "network", "registers", "tachometer", "tool_change", "weaving")  # device_keys.py
+DEVICES = ("inverter", "jobs", "journal", "network", "registers", "tachometer", "tool_change", "weaving")  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
 _ABSENT = ("homing", "gantry", "interlock", "shift", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")

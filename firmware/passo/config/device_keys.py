@@ -41,6 +41,10 @@ EDGES = {
     "pin": (int, ..., 0, 48),
     "inputs": (str, ..., 1, 100),  # names of inputs behind 74HC165; the pin is at 1 while one of them is
 }
+JOURNAL = {
+    "every_ms": (int, 1000, 100, 60_000),  # so old at most is what is written while the machine moves
+    "power": (str, "", 0, 16),  # the input that is active when the power fails; "": none
+}
 NETWORK = {
     "host": (str, "passo", 1, 32),
     "http_port": (int, 80, 1, 65_535),
@@ -69,6 +73,7 @@ def extended(rules, board=None):
 
         rules["jobs"] = JOBS
     rules["inverter"] = INVERTER
+    rules["journal"] = JOURNAL
     rules["network"] = NETWORK
     rules["registers"] = REGISTERS
     rules["tachometer"] = TACHOMETER
@@ -82,6 +87,7 @@ def check(board):
         from passo.config import job_keys
 
         job_keys.check(board)
+    _check_journal(board)
     _check_inverter(board)
     _check_registers(board)
     _check_tool_change(board)
@@ -90,6 +96,18 @@ def check(board):
         from passo.config import network_keys  # most boards have none
 
         network_keys.check(board)
+
+
+def _check_journal(board):
+    config = board["journal"]
+    if config is None:
+        return
+    if "grbl" not in [link["protocol"] for link in board["links"]]:
+        raise BoardError("journal: it is for G-code, and no link speaks grbl")
+    if board["chip"] != "rp2040" and board["chip"] != "rp2350":
+        raise BoardError("journal: raw pages of flash are for the RP2040 and RP2350")
+    if config["power"] and config["power"] not in [item["name"] for item in board["inputs"]]:
+        raise BoardError("journal.power: there is no input %r" % config["power"])
 
 
 def _check_tool_change(board):

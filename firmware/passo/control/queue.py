@@ -77,6 +77,14 @@ class Queue:
         """How many blocks have been queued, for ever, modulo 2²⁹."""
         return self._planner.indices[QUEUE_ADDED]
 
+    def retire(self):
+        """Notice at once which blocks have been played: the feeder looks only when it makes words."""
+        feeder = self._feeder
+        fed = feeder.open
+        feeder.open = False  # an interrupt that feeds leaves it alone meanwhile
+        feeder.retire(self._player.played())
+        feeder.open = fed
+
     def retired(self):
         """And how many of them have been played to their last word."""
         return self._planner.indices[QUEUE_RETIRED]

@@ -54,6 +54,8 @@ def load(board):
 
 def _more(board):
     """What few boards ask for: modules stay where they are once they are imported."""
+    if board["journal"]:
+        from passo.ports.rp2.pages import Pages  # noqa: F401
     if board["encoders"]:
         from passo.ports.rp2 import encoders  # noqa: F401
     if board["homing"] and board["homing"]["latch"]:
@@ -95,6 +97,10 @@ class Port(ChipPort):
         if self.registers is not None:
             self.registers.mask = self._mask
             self.levels = self.registers.levels
+        if board["journal"]:
+            from passo.ports.rp2.pages import Pages
+
+            self.pages = Pages()
         if board["encoders"]:
             from passo.ports.rp2.encoders import PioEncoders
 

@@ -23,6 +23,8 @@ def check(board):
     if board["jobs"]:
         from passo.protocols.grbl.jobs import understand  # noqa: F401
         from passo.protocols.grbl.stored import answers  # noqa: F401
+    if board["journal"]:
+        from passo.protocols.grbl.journal import told  # noqa: F401
     axes = _axes(board)
     return None if axes in ("x", "xy", "xyz") else "grbl wants axes x, y, z in this order, not " + axes
 

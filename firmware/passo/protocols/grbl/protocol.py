@@ -298,6 +298,10 @@ class Grbl:
             from passo.protocols.grbl.jobs import told
 
             text += told(event.value)
+        if command.kind == commands.JOURNAL and event.value:
+            from passo.protocols.grbl.journal import told
+
+            text += told(event.value)
         if self._rest and self._rest[0].kind == commands.MORE:
             made = next(self._rest[0].value)
             if made is None:

@@ -75,6 +75,10 @@ class System:
             from passo.protocols.grbl import jobs  # loaded at the start, by check()
 
             return jobs.understand(line)
+        if line[1:3] == "JR" and commands.JOURNAL in self._machine.handlers:
+            from passo.protocols.grbl import journal  # loaded at the start, by check()
+
+            return journal.understand(line)
         if line[1:2] == "J":
             return self._jog(line, state)
         if state not in ("idle", "alarm"):

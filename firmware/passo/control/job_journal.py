@@ -1,0 +1,229 @@
+"""The job's journal: where a program is, kept in raw pages of flash that are written without an erase, also while it moves.
+
+    port.pages.read(block, slot) → 32 bytes; write(block, slot, data); erase(block); BLOCKS, SLOTS
+
+A record is 32 bytes: sequence u16, flags u8, 0, job u32, line u32, four positions i32 in steps, CRC-32 of all before. Records follow
+each other through the blocks; the newest whole one counts, so a power cut at any byte of a write leaves the one before. A block is
+erased only at a stand, and never the one with the newest record. A page takes 0.7 ms, in which no interrupt comes: the words
+that lie ahead, 8 ms and more, play on. An erase takes 45 to 400 ms.
+
+What is written while it moves is at most `every_ms` old, twice that once half of the slots are used, and so on; at a stand all is
+written. The job is a number that the PC makes of its file; lines are those of N words.
+"""
+
+from struct import pack, unpack
+
+from binascii import crc32
+from micropython import const
+
+from passo import commands, errors
+from passo.records import COUNT_MASK, JOURNAL_BYTES, ROW_TAG
+
+DONE = const(1)  # flags: the line has been played to its end, the position is there
+HOMED = const(2)
+_FORM = "<HBBIIiiii"
+_EMPTY = b"\xff" * 32
+
+
+def packed(sequence, flags, job, line, position):
+    body = pack(_FORM, sequence, flags, 0, job, line, *position)
+    return body + pack("<I", crc32(body) & 0xFFFFFFFF)
+
+
+def unpacked(data):
+    """(sequence, flags, job, line, [positions]), or None if the record is not whole."""
+    if len(data) != JOURNAL_BYTES or unpack("<I", data[28:])[0] != crc32(data[:28]) & 0xFFFFFFFF:
+        return None
+    fields = unpack(_FORM, data[:28])
+    return fields[0], fields[1], fields[3], fields[4], list(fields[5:])
+
+
+class JobJournal:
+    def __init__(self, board, machine, queue):
+        self._machine = machine
+        self._queue = queue
+        self._every_ms = board["journal"]["every_ms"]
+        self._power = board["journal"]["power"]
+        self._pages = pages = machine.port.pages
+        self._axes = len(board["axes"])
+        self._sequence = 0
+        self._block = self._slot = 0  # where the next record goes
+        self._job = self._line = self._flags = 0
+        self._position = [0] * 4
+        self._written = None  # what the newest record holds
+        self._written_ms = 0
+        self._left = 0  # slots that are erased
+        self._retired = queue.retired()  # blocks, as seen last
+        self._moving = False  # by a line of the job
+        self._broken = False  # what was queued has been dropped amid a line
+        self._find(pages)
+
+    def _find(self, pages):
+        """The newest record, and the slot behind it."""
+        newest = None
+        for block in range(pages.BLOCKS):
+            for slot in range(pages.SLOTS):
+                data = bytes(pages.read(block, slot))
+                self._left += data == _EMPTY
+                record = unpacked(data)
+                if record and (newest is None or (record[0] - newest[0]) & 0xFFFF < 0x8000):
+                    newest = record
+                    self._block, self._slot = block, slot + 1
+        if newest:
+            self._sequence = newest[0] + 1 & 0xFFFF
+            self._written = newest[1:]
+            self._flags, self._job, self._line, self._position = newest[1:]
+            self._flags &= ~HOMED  # nothing is known of a rotor that nobody has watched
+        self._next_free()
+
+    def _next_free(self):
+        """Go on to the next slot that has been erased; `_block` is −1 if there is none."""
+        pages = self._pages
+        for _ in range(pages.BLOCKS + 1):
+            while self._slot < pages.SLOTS:
+                if bytes(pages.read(self._block, self._slot)) == _EMPTY:
+                    return
+                self._slot += 1
+            self._block = (self._block + 1) % pages.BLOCKS
+            self._slot = 0
+        self._block = -1
+
+    def handlers(self):
+        return {commands.JOURNAL: self._ask}
+
+    def _ask(self, command):
+        """`target` None: (job, line, flags, positions) as they are now; else the number of the job that begins."""
+        machine = self._machine
+        if command.target is None:
+            flags = self._flags & DONE | (HOMED if machine.homed else 0)
+            return machine.accepted(command, (self._job, self._line, flags, self._position[: self._axes]))
+        if machine.state not in ("idle", "alarm") or not self._queue.still():
+            return errors.BUSY
+        self._job = command.target
+        self._line = 0
+        self._flags = HOMED if machine.homed else 0
+        self._sample_place()
+        self._erase()
+        self._write()
+        return machine.accepted(command)
+
+    # --- what is known: of lines of the job alone, which are those with a number
+
+    def poll(self, now_ms):
+        machine = self._machine
+        if self._power and not machine.alarm and machine.inputs.input(self._power):
+            machine.raise_alarm(errors.ALARM_POWER, self._power)  # halt() writes what is known
+        if not self._job:
+            return
+        if not self._queue.still():
+            self._sample(now_ms)
+            return
+        retired = self._queue.retired()
+        if self._broken:
+            self._broken = False
+        elif retired != self._retired:
+            self._stand()
+        self._retired = retired
+        self._moving = False
+
+    def _sample(self, now_ms):
+        """The line under way, and where it is."""
+        queue = self._queue
+        planner = queue.planner
+        queue.retire()
+        at = planner.row()
+        if at < 0 or not planner.rows[at + ROW_TAG]:
+            return
+        line = planner.rows[at + ROW_TAG]
+        found = list(queue.found())
+        queue.retire()
+        if at != planner.row():  # another block has begun meanwhile
+            return
+        self._moving = True
+        self._line = line
+        self._position[: self._axes] = found
+        self._flags = HOMED if self._machine.homed else 0
+        if now_ms - self._written_ms & COUNT_MASK >= self._interval():
+            self._written_ms = now_ms
+            self._write()
+
+    def _sample_place(self):
+        self._position[: self._axes] = list(self._queue.found())
+
+    def _stand(self):
+        """All that was queued has been played; if its last line is one of the job, it is done."""
+        planner = self._queue.planner
+        line = planner.rows[planner.last() + ROW_TAG]
+        if not line:
+            return
+        self._line = line
+        self._flags = DONE | (HOMED if self._machine.homed else 0)
+        self._sample_place()
+        self._write()
+        self._erase()
+
+    def halt(self):
+        """The pins have stopped amid a word; what is queued is dropped next."""
+        planner = self._queue.planner
+        at = planner.row()
+        if at >= 0 and planner.rows[at + ROW_TAG]:
+            self._line = planner.rows[at + ROW_TAG]
+            self._flags &= ~DONE
+            self._sample_place()
+            self._write()
+        self._broken = True
+
+    def dropped(self):
+        """A hold has come to its stand, which poll() has seen; what was queued behind it is gone."""
+        if self._moving:
+            self._write()
+        self._broken = True
+
+    def _interval(self):
+        """Rarer, the fewer slots are left before the next stand."""
+        if self._block < 0:
+            return COUNT_MASK
+        interval = self._every_ms
+        share = self._pages.SLOTS * self._pages.BLOCKS // 2
+        while self._left < share and share > 4:
+            interval *= 2
+            share //= 2
+        return interval
+
+    # --- flash
+
+    def _write(self):
+        now = self._flags, self._job, self._line, list(self._position)
+        if now == self._written or self._block < 0:
+            return
+        self._pages.write(self._block, self._slot, packed(self._sequence, *now))
+        self._sequence = self._sequence + 1 & 0xFFFF
+        self._written = now
+        self._slot += 1
+        self._left -= 1
+        self._next_free()
+
+    def _erase(self):
+        """At a stand: erase the blocks behind the one that is written, if few slots are left."""
+        pages = self._pages
+        if self._block >= 0 and self._interval() == self._every_ms:
+            return
+        newest = self._block if self._slot or self._block < 0 else (self._block - 1) % pages.BLOCKS
+        if self._block < 0:
+            newest = self._newest_block()
+        for block in range(pages.BLOCKS):
+            if block != newest:
+                pages.erase(block)
+        self._block, self._slot = (newest + 1) % pages.BLOCKS, 0
+        self._left = (pages.BLOCKS - 1) * pages.SLOTS
+
+    def _newest_block(self):
+        best = None
+        where = 0
+        pages = self._pages
+        for block in range(pages.BLOCKS):
+            for slot in range(pages.SLOTS):
+                record = unpacked(pages.read(block, slot))
+                if record and (best is None or (record[0] - best) & 0xFFFF < 0x8000):
+                    best, where = record[0], block
+        return where

@@ -1,0 +1,63 @@
+"""Raw pages of the flash, for the job's journal: files of one block each, whose blocks are written past the file system.
+
+littlefs keeps the data of a file of 513 to 4096 bytes in one block of its own, without a header, and never moves or reads it unless
+the file is opened. Three arguments of rp2.Flash.writeblocks program without an erase.
+"""
+
+import os
+
+import rp2
+import vfs
+from micropython import const
+
+from passo.ports.rp2.flash_files import BLOCK, Blocks
+from passo.records import JOURNAL_BYTES
+
+_PAGE = BLOCK // 16
+_ERASE = const(6)
+_COUNT = const(4)
+
+
+class Pages:
+    BLOCKS = 4
+    SLOTS = 128
+
+    def __init__(self):
+        self._flash = flash = rp2.Flash()
+        self._page = bytearray(b"\xff" * _PAGE)
+        self._view = memoryview(self._page)
+        self._record = bytearray(JOURNAL_BYTES)
+        self._numbers = []
+        for number in range(self.BLOCKS):
+            name = "journal.%d" % number
+            try:
+                fits = os.stat(name)[6] == BLOCK
+            except OSError:
+                fits = False
+            if not fits:
+                with open(name, "wb") as file:
+                    for _ in range(BLOCK // _PAGE):
+                        file.write(self._page)
+        os.sync()
+        blocks = Blocks(flash, flash.ioctl(_COUNT, 0), 0)
+        files = vfs.VfsLfs2(blocks, readsize=JOURNAL_BYTES)
+        for number in range(self.BLOCKS):
+            with files.open("journal.%d" % number, "rb") as file:
+                file.seek(BLOCK - 1)
+                file.read(1)
+                self._numbers.append(blocks.last)
+
+    def read(self, block, slot):
+        """32 bytes, good until the next call."""
+        self._flash.readblocks(self._numbers[block], self._record, slot * JOURNAL_BYTES)
+        return self._record
+
+    def write(self, block, slot, data):
+        """Program an erased slot: the rest of its page stays as it is, because ones change nothing."""
+        at = slot * JOURNAL_BYTES % _PAGE
+        self._view[at : at + JOURNAL_BYTES] = data
+        self._flash.writeblocks(self._numbers[block], self._page, slot * JOURNAL_BYTES - at)
+        self._view[at : at + JOURNAL_BYTES] = b"\xff" * JOURNAL_BYTES
+
+    def erase(self, block):
+        self._flash.ioctl(_ERASE, self._numbers[block])

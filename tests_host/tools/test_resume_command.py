@@ -1,0 +1,76 @@
+"""`passo resume` against the firmware of the router."""
+
+import pytest
+
+from host_tools.cli import resume
+from host_tools.cli.lead_in import number_of
+from host_tools.cli.resume import interrupted
+from host_tools.clients.grbl import GrblClient, tagged
+from host_tools.failure import Failure
+from host_tools.programs import gcode_file
+from running_router import Running
+
+PART = b"G21 G90\nG1 X20 Y5 F3000\nG1 X20 Y15\nG1 X5 Y15\nG0 X0 Y0\nM30\n"
+
+
+@pytest.fixture
+def board():
+    running = Running("fast", journal={"every_ms": 100})
+    yield running
+    running.close()
+
+
+@pytest.fixture
+def part(tmp_path):
+    path = tmp_path / "part.nc"
+    path.write_bytes(PART)
+    return path
+
+
+def test_a_lost_pc(board, part, capsys):
+    """The PC sends three lines and is gone: the board ends them, and goes on behind them without homing."""
+    lines = gcode_file.read(part)
+    with GrblClient(board.line.name) as client:
+        client.connect()
+        client.command("$H", 600)
+        client.command(f"$JR={number_of(lines):08x}")
+        for number, line in lines[:3]:
+            client.command(tagged(number, line).decode())
+    resume.resume(part, board.line.name, 115200, yes=True)
+    assert "interrupted before line 4" in capsys.readouterr().out
+    assert board.position() == [0, 0, 0]
+    resume.resume(part, board.line.name, 115200, yes=True)
+    assert "interrupted before line 6" in capsys.readouterr().out  # which ends the program, and does not move
+    part.write_bytes(PART + b"G4P0\n")
+    with pytest.raises(Failure, match="another file"):
+        resume.resume(part, board.line.name, 115200, yes=True)
+
+
+def test_a_board_that_was_reset_has_to_home(board, part):
+    lines = gcode_file.read(part)
+    with GrblClient(board.line.name) as client:
+        client.connect()
+        client.command(f"$JR={number_of(lines):08x}")
+    with pytest.raises(Failure, match="give --home"):
+        resume.resume(part, board.line.name, 115200, yes=True)
+    resume.resume(part, board.line.name, 115200, home=True, yes=True)
+    assert board.position() == [0, 0, 0] and board.world.steps > 20_000
+
+
+def test_what_the_journal_says(part):
+    lines = gcode_file.read(part)
+    job = f"{number_of(lines):08x}"
+    assert interrupted([f"[JOURNAL:{job}|3|2|6400,1700,0]"], lines) == (3, [6400, 1700, 0], True)
+    assert interrupted([f"[JOURNAL:{job}|3|1|6400,4800,0]"], lines) == (4, None, False)
+    assert interrupted([f"[JOURNAL:{job}|0|0|0,0,0]"], lines) == (1, None, False)
+    with pytest.raises(Failure, match="does not say"):
+        interrupted(["ok"], lines)
+
+
+def test_a_board_without_a_journal(part):
+    running = Running("fast")
+    try:
+        with pytest.raises(Failure, match="no journal"):
+            resume.resume(part, running.line.name, 115200)
+    finally:
+        running.close()
