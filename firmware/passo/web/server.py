@@ -91,7 +91,7 @@ class App(Microdot):
         self._connections += 1
         try:
             await self._handle(Bounded(reader), writer)
-        except Exception:  # of one connection: torn, late, oversized. It ends, and nothing else does
+        except (Exception, asyncio.CancelledError):  # of one connection: torn, late, oversized. It ends, and nothing else does
             pass
         finally:
             self._connections -= 1

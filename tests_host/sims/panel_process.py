@@ -1,0 +1,116 @@
+"""`passo panel --demo` as a process of its own, and a client of its WebSocket that is not the page.
+
+    with PanelProcess(folder) as panel:
+        page = panel.page()                         # with the key
+        page.order("unlock")                        # the answer, a dict
+        page.until(lambda state: state["state"] == "Idle")
+    panel.trace()                                   # [(x, y, z)] of each step, once it has ended
+"""
+
+import csv
+import json
+import re
+import subprocess
+import sys
+import time
+
+import websocket
+
+from passo.web.session import Session
+
+LIMIT_S = 60  # for anything that ends by itself
+
+
+class PanelProcess:
+    def __init__(self, folder, *options):
+        self.folder = folder
+        self.trace_file = folder / "trace.csv"
+        self.jobs = folder / "jobs"
+        words = [sys.executable, "-m", "host_tools.cli", "panel", "--demo", "--http", "0", "--jobs", str(self.jobs),
+                 "--trace", str(self.trace_file), *options]  # fmt: skip
+        self._process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        said = ""
+        while "Ctrl-C" not in said:
+            line = self._process.stdout.readline()
+            assert line, "the panel did not start: " + said
+            said += line
+        self.address, self.key = re.search(r"page: (\S+)#key=(\S+)", said).groups()
+        self.host = self.address[7:-1]
+        self.port = int(self.host.split(":")[1])
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        self._process.terminate()
+        assert self._process.wait(30) == 0
+        self._process.stdout.close()
+
+    def page(self, key=None):
+        return PageClient(self.host, self.key if key is None else key)
+
+    def trace(self):
+        """(x, y, z) in steps, row by row."""
+        with open(self.trace_file, newline="") as file:
+            return [(int(row["x"]), int(row["y"]), int(row["z"])) for row in csv.DictReader(file)]
+
+
+class PageClient:
+    def __init__(self, host, key, origin=None):
+        self.socket = websocket.create_connection(f"ws://{host}/ws", origin=origin or f"http://{host}", timeout=LIMIT_S)
+        self.hello = json.loads(self.socket.recv())
+        self._session = Session(key, self.hello["nonce"])
+        self.count = 0
+        self.state = {}
+        self.lease = 0
+        self.told = []
+
+    def message(self, order):
+        """An order with its proof."""
+        self.count += 1
+        body = json.dumps({**order, "id": self.count})
+        return f"{self.count}.{self._session.proof(str(self.count), body)}.{body}"
+
+    def order(self, do, **fields):
+        self.socket.send(self.message({"do": do, **fields}))
+        number = self.count
+        return self._find(lambda message: message.get("id") == number)
+
+    def hear(self):
+        message = json.loads(self.socket.recv())
+        if message["t"] == "state":
+            self.state = message
+        else:
+            self.told.append(message)
+        return message
+
+    def _find(self, wanted):
+        deadline = time.monotonic() + LIMIT_S
+        while time.monotonic() < deadline:
+            message = self.hear()
+            if wanted(message):
+                return message
+        raise TimeoutError(str(self.state))
+
+    def until(self, wanted):
+        """Listen until a state is as wanted."""
+        return self._find(lambda message: message["t"] == "state" and wanted(message))
+
+    def ready(self):
+        """Unlocked, and known."""
+        self.until(lambda state: state["link"])
+        self.order("unlock")
+        self.until(lambda state: state["state"] == "Idle")
+        return self
+
+    def put(self, name, text):
+        for at in range(0, len(text), 30_000):
+            answer = self.order("job_part", name=name, at=at, text=text[at : at + 30_000], last=at + 30_000 >= len(text))
+            assert answer["error"] == 0, answer
+
+    def run(self, name):
+        assert self.order("run", name=name)["error"] == 0
+        return self.until(lambda state: state["job"] and state["job"]["how"] in ("done", "failed"))["job"]

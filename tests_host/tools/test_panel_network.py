@@ -1,0 +1,203 @@
+"""What comes from a network: without the key nothing moves, nothing leaks, and no step is late, whatever is sent."""
+
+import json
+import random
+import socket
+import string
+
+import pytest
+import websocket
+
+from panel_process import PageClient, PanelProcess
+from passo import errors
+
+pytestmark = [pytest.mark.unmeasured, pytest.mark.xdist_group("panel")]
+
+# Ten seconds at 83 mm/s and 26 700 steps a second, there and back.
+JOB = "G21 G91\nF5000\n" + "G1 X60\nG1 X-60\n" * 6 + "G1 X30 Y30\nG1 X-30 Y-30\n"
+FULL = 1000
+
+
+def ask(panel, data, wait_s=5.0):
+    """What the server says to raw bytes, until it closes the connection."""
+    with socket.create_connection(("127.0.0.1", panel.port), timeout=wait_s) as connection:
+        try:
+            connection.sendall(data)
+            said = b""
+            while piece := connection.recv(65_536):
+                said += piece
+            return said
+        except (ConnectionError, TimeoutError):
+            return b""
+
+
+def request(panel, line=b"GET / HTTP/1.1", host=None, more=b""):
+    return line + b"\r\nHost: " + (host or panel.host).encode() + b"\r\n" + more + b"\r\n"
+
+
+def refused_sockets(panel):
+    for origin in ("http://evil.example", "null", f"https://{panel.host}", f"http://{panel.host}.evil.example", "http://localhost:1"):
+        with pytest.raises(websocket.WebSocketBadStatusException):
+            PageClient(panel.host, panel.key, origin)
+    upgrade = b"Upgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Version: 13\r\nSec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+    assert b" 403" in ask(panel, request(panel, b"GET /ws HTTP/1.1", more=upgrade)), "a WebSocket without an Origin"
+
+
+def wrong_hosts(panel):
+    for host in ("evil.example", f"evil.example:{panel.port}", "127.0.0.1.evil.example", ""):
+        assert b" 403" in ask(panel, request(panel, host=host or " ")), host
+
+
+def wrong_keys(panel):
+    stranger = panel.page("A" * 16)
+    for number in range(4):
+        stranger.socket.send(stranger.message({"do": "step", "by": {"x": 5}, "speed": 5000}))
+        assert stranger._find(lambda told: told["t"] == "answer")["error"] == errors.NO_SESSION, number
+    stranger.socket.send(stranger.message({"do": "step"}))
+    with pytest.raises((websocket.WebSocketConnectionClosedException, ConnectionError)):
+        for _ in range(1000):
+            stranger.hear()
+
+
+def replays(panel):
+    """What one page has said is worth nothing on another connection, nor a second time."""
+    honest = panel.page()
+    message = honest.message({"do": "step", "by": {"x": 5}, "speed": 5000})
+    for _ in range(2):
+        other = panel.page()
+        other.socket.send(message)
+        assert other._find(lambda told: told["t"] == "answer")["error"] == errors.NO_SESSION
+    message = honest.message({"do": "jobs"})
+    honest.socket.send(message)
+    honest._find(lambda told: told["t"] == "jobs")
+    honest.socket.send(message)
+    assert honest._find(lambda told: told["t"] == "answer")["error"] == errors.NO_SESSION
+
+
+def without_a_key(panel):
+    page = panel.page()
+    for name in ("step", "goto", "jog", "run", "output", "line", "resume", "give", "jobs", "job_text", "machine", "teach"):
+        page.socket.send(json.dumps({"do": name, "by": {"x": 5}, "to": {"x": 5}, "way": {"x": 1}, "speed": 5000, "line": "G0X9", "name": "job"}))
+        answer = page._find(lambda told: told["t"] == "answer")
+        assert answer == {"t": "answer", "do": name, "error": errors.NO_SESSION}
+
+
+def too_much(panel):
+    for size in (9_000, 200_000):
+        ask(panel, request(panel, more=b"X: " + b"a" * size + b"\r\n"))
+        ask(panel, b"G" * size)
+        ask(panel, request(panel, b"POST /stop2 HTTP/1.1", more=b"Content-Length: %d\r\n" % size) + b"a" * size)
+    for wrong in (b"\x00" * 100, b"GET\r\n\r\n", b"GET / HTTP/1.1\r\nno colon\r\n\r\n", b"POST /ws HTTP/1.1\r\nContent-Length: x\r\n\r\n", b"\r\n"):
+        ask(panel, wrong)
+    page = panel.page()
+    try:
+        page.socket.send("1." + "0" * 64 + "." + "a" * 200_000)
+        while True:
+            page.hear()
+    except (websocket.WebSocketException, ConnectionError):
+        pass
+    flood = panel.page()
+    try:
+        for _ in range(2000):
+            flood.socket.send('{"do":"home"}')
+        while True:
+            flood.hear()
+    except (websocket.WebSocketException, ConnectionError):
+        pass
+
+
+def paths(panel):
+    for path in ("/../panel.py", "/..%2f..%2fserver.py", "/%2e%2e/server.py", "//etc/passwd", "/server.py", "/.", "/index.html/", "/pt.json%00", "/C:%5c"):
+        said = ask(panel, request(panel, f"GET {path} HTTP/1.1".encode()))
+        assert b" 200" not in said.split(b"\r\n")[0], path
+    page = panel.page()
+    for name in ("../x", "..", "/etc/passwd", "a/b", "a\\b", ".hidden", "", "con.txt", "x" * 61, "a\0b", "é"):
+        for order, fields in (("job_part", {"at": 0, "text": "G0X1", "last": True}), ("job_text", {"at": 0}), ("job_remove", {}), ("run", {})):
+            assert page.order(order, name=name, **fields)["error"], (order, name)
+
+
+def random_requests(panel, count):
+    """Requests of random methods, paths, heads and bodies; no answer has the key."""
+    dice = random.Random(19)
+    letters = string.printable.encode()
+    for _ in range(count):
+        method = dice.choice([b"GET", b"POST", b"PUT", b"DELETE", b"OPTIONS", b"HEAD", bytes(dice.choices(letters, k=5))])
+        path = dice.choice([b"/", b"/ws", b"/stop1", b"/errors.json", b"/" + bytes(dice.choices(letters, k=dice.randrange(60)))])
+        body = bytes(dice.choices(range(256), k=dice.randrange(300)))
+        head = method + b" " + path + b" HTTP/1.1\r\nHost: " + dice.choice([panel.host.encode(), b"x", b""]) + b"\r\n"
+        if dice.random() < 0.5:
+            head += b"Content-Length: %d\r\n" % dice.choice([0, len(body), len(body) + 5, 10**12, -1])
+        data = head + b"\r\n" + body
+        with socket.create_connection(("127.0.0.1", panel.port), timeout=5) as connection:
+            try:
+                connection.sendall(data[: dice.randrange(len(data))] if dice.random() < 0.2 else data)
+                connection.shutdown(socket.SHUT_WR)
+                assert panel.key.encode() not in connection.recv(65_536)
+            except OSError:
+                pass
+
+
+def attacked(folder, count):
+    with PanelProcess(folder) as panel:
+        page = panel.page().ready()
+        page.put("job", JOB)
+        slow = [socket.create_connection(("127.0.0.1", panel.port)) for _ in range(200)]  # of which most are closed at once
+        for each in slow[:12]:
+            each.send(b"GET / HT")
+        assert page.order("run", name="job")["error"] == 0
+        for each in slow:
+            each.close()
+        refused_sockets(panel)
+        wrong_hosts(panel)
+        wrong_keys(panel)
+        replays(panel)
+        without_a_key(panel)
+        paths(panel)
+        too_much(panel)
+        random_requests(panel, count)
+        page.socket.close()
+        page = panel.page()
+        state = page.until(lambda state: state["job"]["how"] in ("done", "failed") and state["state"] == "Idle")
+        assert state["job"]["how"] == "done" and state["alarm"] == 0
+        page.order("line", line="$LOG")
+        log = page._find(lambda told: told["t"] == "said" and "LOGGED" in told["text"])["text"]
+        assert f"x{errors.WORDS_LATE}" not in log, log
+    return panel.trace()
+
+
+def alone(folder):
+    with PanelProcess(folder) as panel:
+        page = panel.page().ready()
+        page.put("job", JOB)
+        assert page.run("job")["how"] == "done"
+    return panel.trace()
+
+
+def compare(folder, count):
+    (folder / "attacked").mkdir()
+    (folder / "alone").mkdir()
+    rows = attacked(folder / "attacked", count)
+    assert rows == alone(folder / "alone"), "another path"
+    assert len(rows) > 100_000
+
+
+def test_under_attack(tmp_path):
+    compare(tmp_path, 300)
+
+
+@pytest.mark.slow
+def test_ten_thousand_random_requests(tmp_path):
+    compare(tmp_path, 10_000)
+
+
+def test_stop_needs_no_key(tmp_path):
+    with PanelProcess(tmp_path) as panel:
+        page = panel.page().ready()
+        page.put("job", JOB)
+        assert page.order("run", name="job")["error"] == 0
+        page.until(lambda state: state["state"] == "Run")
+        assert b" 200" in ask(panel, request(panel, b"POST /stop HTTP/1.1"))
+        state = page.until(lambda state: state["job"]["how"] == "failed")
+        assert state["job"]["error"] == errors.STOPPED
+        page.until(lambda state: state["state"] == "Alarm")
+    assert len(panel.trace()) < 100_000
