@@ -313,6 +313,9 @@ class GrblMachine:
             self.wire.write(_JOG_CANCEL)  # the first one may have overtaken this piece
         elif error == errors.JOG_TRAVEL or not error:
             self.jog.answered(error)
+            if not self.jog.active:  # at the end of the travel
+                self.lease.end()
+                self.finished(error)
         else:
             self.jog.waiting = False
             self.end_jog()

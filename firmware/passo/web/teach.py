@@ -51,6 +51,7 @@ class Teach:
         if not points:
             self._on = state.get("on", "")
             points.append(list(place))
+            self._count = max(self._count, 1)
         elif max([abs(place[axis] - points[-1][axis]) for axis in range(len(place))]) > 0.0005 and len(points) < _MOST:
             points.append(list(place))
             self._count += 1

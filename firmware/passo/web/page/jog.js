@@ -36,8 +36,9 @@ export class Jog {
     });
   }
 
-  release() {
-    if (!this.held) return;
+  // Let go; `button`: only if it is the one that is held, because another one takes the focus from it as it is pressed.
+  release(button = null) {
+    if (!this.held || (button && this.held.button !== button)) return;
     this.link.order({ do: "release", lease: this.held.lease });
     this.drop();
   }

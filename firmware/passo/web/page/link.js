@@ -28,6 +28,7 @@ export class Link {
       this.nonce = message.nonce;
       this.up(true);
     }
+    if (message.t === "answer" && !("id" in message) && this.waiting.size) message.id = this.waiting.keys().next().value;  // in order
     if (this.waiting.has(message.id)) {
       this.waiting.get(message.id)(message);
       this.waiting.delete(message.id);
@@ -48,6 +49,7 @@ export class Link {
   // Send an order with its proof; a promise of the answer.
   order(order) {
     if (!this.ready()) return Promise.resolve({ error: 170 });
+    if (!this.key) return Promise.resolve({ error: 172 });
     const id = ++this.id;
     const body = JSON.stringify({ ...order, id });
     const count = String(++this.count);

@@ -130,7 +130,8 @@ function show(at_once) {
   const now = performance.now();
   const number = report.state || "";
   $("state").dataset.state = number;
-  const name = _(STATES[report.link === false ? "" : number] || number);
+  const braking = ["Hold", "Door"].includes(number) && report.sub !== "0";
+  const name = braking ? _("Stopping") : _(STATES[report.link === false ? "" : number] || number);
   if ($("state-name").textContent !== name) $("state-name").textContent = name;
   if (!at_once && (!every || now - shownMs < 1000 / every - 5)) return;
   shownMs = now;
@@ -216,7 +217,9 @@ function showLog(message) {
     item.textContent = `${number}: ${_(errors[number] || "")}`;
     return item;
   });
-  if (message.all) $("log").replaceChildren(...rows); else $("log").append(...rows);
+  if (message.all) return $("log").replaceChildren(...rows);
+  $("log").append(...rows);
+  refuse(message.log[message.log.length - 1]);
 }
 
 function showSettings(settings) {
@@ -304,10 +307,10 @@ function makePad() {
     button.dataset.way = Object.entries(way).map(([axis, part]) => axis + (part > 0 ? "+" : "-")).join("");
     button.setAttribute("aria-label", `${_("Move")} ${button.dataset.way.toUpperCase()}`);
     button.onpointerdown = (event) => { if (event.button === 0) { button.setPointerCapture(event.pointerId); press(way, button); } };
-    for (const name of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) button.addEventListener(name, () => jog.release());
+    for (const name of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) button.addEventListener(name, () => jog.release(button));
     button.oncontextmenu = (event) => event.preventDefault();
     button.onkeydown = (event) => { if ([" ", "Enter"].includes(event.key)) { event.preventDefault(); if (!event.repeat) press(way, button); } };
-    button.onkeyup = () => jog.release();
+    button.onkeyup = () => jog.release(button);
     return button;
   }));
 }

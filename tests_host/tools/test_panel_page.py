@@ -1,0 +1,374 @@
+"""The page in a real browser: Debian's chromium, the virtual board behind `passo panel`, a pseudo-terminal between them.
+
+Where there is no chromium or no chromedriver, these tests skip; `.ci/run` installs them if it can. PASSO_SHOTS=FOLDER keeps pictures.
+"""
+
+import json
+import os
+import shutil
+import socket
+import subprocess
+import threading
+import time
+from pathlib import Path
+
+import pytest
+
+from panel_process import PanelProcess
+from passo.web.session import hex_of, hmac
+
+CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+DRIVER = shutil.which("chromedriver")
+MM = 320  # steps
+LIMIT_S = 15
+pytestmark = [
+    pytest.mark.unmeasured,
+    pytest.mark.xdist_group("panel"),
+    pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="NO BROWSER: apt-get install chromium chromium-driver, to test the page"),
+]
+SQUARE = "G21 G91\nF2000\nG1 X20\nG1 Y20\nG1 X-20\nG2 Y-20 J-10\n"
+
+
+class Browser:
+    """Chromium on the page of a panel."""
+
+    def __init__(self, panel, size=(1280, 1000), query="lang=en&theme=light", address=None, key=True):
+        from selenium import webdriver
+
+        options = webdriver.ChromeOptions()
+        options.binary_location = CHROMIUM
+        for word in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--window-size=%d,%d" % size):
+            options.add_argument(word)
+        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+        self.driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+        self.driver.set_script_timeout(LIMIT_S)
+        self.driver.get((address or panel.address) + "?" + query + (f"#key={panel.key}" if key else ""))
+        self.until(lambda: self.text("state") not in ("", "No link", "Sem ligação"))
+        if key:
+            self.until(lambda: not self.find("card-key").is_displayed())
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.driver.quit()
+
+    def find(self, name):
+        return self.driver.find_element("id", name)
+
+    def text(self, name):
+        return self.find(name).text.strip()
+
+    def click(self, name):
+        self.until(lambda: self.find(name).is_enabled())
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self.find(name))
+        self.find(name).click()
+
+    def tap(self, selector):
+        """Click, clear of the header that stays in sight."""
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self.css(selector))
+        self.css(selector).click()
+
+    def css(self, selector):
+        return self.driver.find_element("css selector", selector)
+
+    def until(self, wanted):
+        deadline = time.monotonic() + LIMIT_S
+        while not wanted():
+            assert time.monotonic() < deadline, (self.text("state"), self.text("message"), self.driver.get_log("browser"))
+            time.sleep(0.05)
+
+    def until_state(self, name):
+        self.until(lambda: self.text("state") == name)
+
+    def place(self):
+        return [float(self.text(f"m-{axis}")) for axis in "xyz"]
+
+    def fill(self, name, value):
+        self.driver.execute_script("arguments[0].value = arguments[1]", self.find(name), value)
+
+    def press(self, way):
+        """A finger down on a button of the pad."""
+        from selenium.webdriver import ActionChains
+
+        button = self.css(f"[data-way='{way}']")
+        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
+        ActionChains(self.driver).move_to_element(button).click_and_hold().perform()
+
+    def let_go(self):
+        from selenium.webdriver import ActionChains
+
+        ActionChains(self.driver).release().perform()
+
+    def answer(self, yes=True):
+        self.click("ask-yes" if yes else "ask-no")
+
+    def shot(self, name):
+        folder = os.environ.get("PASSO_SHOTS")
+        if folder:
+            self.driver.save_screenshot(str(Path(folder) / f"{name}.png"))
+
+
+@pytest.fixture(scope="module")
+def panel(tmp_path_factory):
+    with PanelProcess(tmp_path_factory.mktemp("panel")) as process:
+        yield process
+
+
+@pytest.fixture
+def browser(panel):
+    with Browser(panel) as opened:
+        if opened.text("state") == "Alarm":
+            opened.click("unlock")
+        opened.until_state("Ready")
+        yield opened
+        assert not [row for row in opened.driver.get_log("browser") if "SyntaxError" in row["message"] or "Uncaught" in row["message"]]
+
+
+def jogged(browser, way, end):
+    """Jog, end it by `end()`, and see it end at rest, some way on."""
+    before = browser.place()
+    browser.press(way)
+    browser.until(lambda: browser.place() != before)
+    end()
+    browser.until(lambda: browser.text("state") == "Ready")
+    stood = browser.place()
+    time.sleep(0.4)
+    assert browser.place() == stood
+    return before, stood
+
+
+def test_the_sha256_of_the_page(browser):
+    for key, message in (("k", ""), ("KEY", "x" * 55), ("KEY", "x" * 56), ("k" * 70, "é" * 200)):
+        found = browser.driver.execute_async_script(
+            'const [key, message, done] = arguments; const bytes = (text) => new TextEncoder().encode(text);'
+            'import("./sha256.js").then(({hmac, hex}) => done(hex(hmac(bytes(key), bytes(message)))));', key, message)  # fmt: skip
+        assert found == hex_of(hmac(key.encode(), message.encode()))
+
+
+def test_a_jog_ends_when_it_is_let_go(browser):
+    before, after = jogged(browser, "x+", browser.let_go)
+    assert after[0] > before[0] and after[1:] == before[1:]
+    before, after = jogged(browser, "y+", lambda: browser.driver.execute_script("window.dispatchEvent(new Event('blur'))"))
+    browser.let_go()
+    assert after[1] > before[1]
+
+
+def test_steps_zero_and_go_there(browser):
+    browser.driver.execute_script("document.querySelector('input[name=step][value=\"1\"]').click()")
+    before = browser.place()
+    browser.tap("[data-way='x+y+']")
+    browser.until(lambda: [round(now - then, 3) for now, then in zip(browser.place(), before)] == [1, 1, 0])
+    from selenium.webdriver import ActionChains
+    from selenium.webdriver.common.keys import Keys
+
+    browser.until_state("Ready")
+    browser.driver.execute_script("document.activeElement.blur()")
+    ActionChains(browser.driver).send_keys(Keys.ARROW_LEFT).perform()
+    browser.until(lambda: round(browser.place()[0] - before[0], 3) == 0)
+    browser.until_state("Ready")
+    browser.click("zero-all")
+    browser.answer()
+    browser.until(lambda: [browser.text(f"w-{axis}") for axis in "xyz"] == ["0.000"] * 3)
+    browser.click("path")
+    browser.fill("goto-x", "3")
+    browser.fill("goto-y", "2")
+    browser.tap("#goto-form button")
+    browser.until(lambda: [browser.text(f"w-{axis}") for axis in "xy"] == ["3.000", "2.000"])
+
+
+def test_a_job_from_upload_to_end(browser, panel, tmp_path):
+    file = tmp_path / "square.gcode"
+    file.write_text(SQUARE)
+    browser.find("upload").send_keys(str(file))
+    browser.until(lambda: "square.gcode" in browser.find("jobs").text and "G1 X20" in browser.text("lines"))
+    browser.click("check")
+    browser.until(lambda: "no error" in browser.text("job-state"))
+    browser.until_state("Ready")
+    start = browser.place()
+    browser.click("run")
+    browser.until_state("Running")
+    browser.click("hold")
+    browser.until_state("Held")
+    browser.shot("held")
+    time.sleep(0.2)
+    stood = browser.place()
+    time.sleep(0.4)
+    assert browser.place() == stood and stood != start
+    browser.click("resume")
+    browser.until(lambda: "Done" in browser.text("job-state"))
+    assert [round(now - then, 2) for now, then in zip(browser.place(), start)] == [0, 0, 0]
+    browser.fill("passes", "3")
+    browser.click("run")
+    browser.until_state("Running")
+    browser.click("abort")
+    browser.until(lambda: "Ended" in browser.text("job-state"))
+    browser.until(lambda: browser.text("state") in ("Ready", "Alarm"))
+
+
+def test_teach_in(browser, panel):
+    browser.driver.execute_script("document.querySelector('input[name=step][value=\"1\"]').click()")
+    browser.click("teach-begin")
+    browser.until(lambda: "1 places" in browser.text("teach-state"))
+    start = browser.place()
+    for number, way in enumerate(("x+", "x+", "y+")):
+        browser.until_state("Ready")
+        browser.tap(f"[data-way='{way}']")
+        browser.until(lambda: f"{number + 2} places" in browser.text("teach-state"))
+    taught = browser.place()
+    browser.click("teach-save")
+    browser.until(lambda: "taught.gcode" in browser.find("jobs").text)
+    text = (panel.jobs / "taught.gcode").read_text()
+    assert text.count("G1") == 2, text
+    for way in ("x-", "x-", "y-"):
+        browser.until_state("Ready")
+        before = browser.place()
+        browser.tap(f"[data-way='{way}']")
+        browser.until(lambda: browser.place() != before)
+    browser.until(lambda: browser.text("state") == "Ready" and browser.place() == start)
+    browser.click("run")
+    browser.until(lambda: "taught.gcode: Done" in browser.text("job-state"))
+    assert browser.place() == taught
+
+
+def test_tool_overrides_line_and_settings(browser):
+    for name, text in (("spindle_cw", "Spindle: on"), ("spindle_off", "Spindle: off"), ("flood", "Coolant: on"),
+                       ("coolant_off", "Coolant: off"), ("mist", "Mist: on"), ("coolant_off", "Mist: off")):  # fmt: skip
+        browser.tap(f"[data-output='{name}']")
+        browser.until(lambda: text in browser.text("signals") and browser.text("state") == "Ready")
+    for button, what, text in (("feed+10", "feed", "110 %"), ("feed100", "feed", "100 %"), ("rapid25", "rapid", "25 %"), ("rapid100", "rapid", "100 %")):
+        browser.tap(f"[data-override='{button}']")
+        browser.until(lambda: browser.text(f"ov-{what}") == text)
+    browser.fill("line", "$LINK")
+    browser.tap("#line-form button")
+    browser.until(lambda: "[LINK:" in browser.text("said"))
+    browser.tap("#card-settings summary")
+    value = browser.css("[aria-label^='$11 ']")
+    for yes in (False, True):
+        browser.driver.execute_script("arguments[0].value = '0.02'; arguments[0].dispatchEvent(new Event('change'))", value)
+        browser.answer(yes)
+        if not yes:
+            assert float(value.get_attribute("value")) == 0.01
+    browser.until(lambda: float(browser.css("[aria-label^='$11 ']").get_attribute("value")) == 0.02)
+    browser.click("give")
+    browser.until(lambda: "sender" in browser.text("owner"))
+    browser.tap("[data-way='x+']")
+    browser.until(lambda: "112" in browser.text("message"))
+    browser.click("take")
+    browser.until(lambda: browser.text("owner") == "this page")
+
+
+def test_stop_and_a_page_without_the_key(browser, panel):
+    with Browser(panel, key=False) as stranger:
+        assert stranger.find("card-key").is_displayed()
+        before = stranger.place()
+        stranger.press("x+")
+        stranger.until(lambda: "172" in stranger.text("message"))
+        stranger.let_go()
+        assert stranger.place() == before
+        browser.press("x+")
+        browser.until_state("Moving")
+        stranger.click("stop")
+        browser.until_state("Alarm")
+        browser.let_go()
+        stranger.fill("key", panel.key.lower())
+        stranger.tap("#key-form button")
+        stranger.until(lambda: not stranger.find("card-key").is_displayed())
+        stranger.click("unlock")
+        stranger.until_state("Ready")
+
+
+class Cable:
+    """Carries a browser's bytes to the panel until it is cut: then nothing comes any more, and no connection ends."""
+
+    def __init__(self, port):
+        self._target = port
+        self._server = socket.create_server(("127.0.0.1", 0))
+        self.port = self._server.getsockname()[1]
+        self.whole = True
+        threading.Thread(target=self._listen, daemon=True).start()
+
+    def _listen(self):
+        while True:
+            try:
+                one, _ = self._server.accept()
+            except OSError:
+                return
+            other = socket.create_connection(("127.0.0.1", self._target))
+            for ends in ((one, other), (other, one)):
+                threading.Thread(target=self._carry, args=ends, daemon=True).start()
+
+    def _carry(self, one, other):
+        try:
+            while data := one.recv(65_536):
+                while not self.whole:
+                    time.sleep(0.1)
+                other.sendall(data)
+            other.close()
+        except OSError:
+            other.close()
+
+
+def descendants(pid):
+    """The processes that a process has started, and those that they have."""
+    found = [path.read_text() for path in Path(f"/proc/{pid}/task").glob("*/children")]
+    children = [int(word) for text in found for word in text.split()]
+    return children + [each for child in children for each in descendants(child)]
+
+
+@pytest.mark.parametrize("how", ["cut", "killed"])
+def test_a_lost_link_ends_the_jog(browser, panel, how):
+    """`browser` looks on, while the one that jogs loses its link, or is killed."""
+    cable = Cable(panel.port)
+    jogger = Browser(panel, address=f"http://127.0.0.1:{cable.port}/")
+    try:
+        jogger.press("y+")
+        browser.until_state("Moving")
+        if how == "cut":
+            cable.whole = False
+        else:
+            children = descendants(jogger.driver.service.process.pid)
+            assert children
+            for process in children:
+                os.kill(process, 9)
+        browser.until(lambda: browser.text("state") == "Ready")
+        stood = browser.place()
+        cable.whole = True
+        time.sleep(1)
+        assert browser.place() == stood, "what was held up revives nothing"
+    finally:
+        if how == "cut":
+            jogger.driver.quit()
+        else:
+            jogger.driver.service.stop()
+
+
+@pytest.mark.parametrize("size", [(1280, 2000), (390, 3400)], ids=["desktop", "phone"])
+@pytest.mark.parametrize("language", ["en", "pt"])
+@pytest.mark.parametrize("theme", ["light", "dark"])
+def test_axe_finds_no_serious_fault(panel, tmp_path_factory, size, language, theme):
+    axe = axe_core(tmp_path_factory)
+    with Browser(panel, size, f"lang={language}&theme={theme}") as browser:
+        browser.until(lambda: browser.text("h-place") == {"en": "Position", "pt": "Posição"}[language])
+        browser.shot(f"{language}-{theme}-{size[0]}")
+        wide = browser.driver.execute_script("return document.documentElement.scrollWidth - window.innerWidth")
+        assert wide <= 0, f"{wide} pixels beyond the window"
+        browser.driver.execute_cdp_cmd("Runtime.evaluate", {"expression": axe})
+        found = browser.driver.execute_async_script(
+            "const done = arguments[0]; axe.run({resultTypes: ['violations']}).then((result) => done(JSON.stringify(result.violations)))")
+        serious = [(rule["id"], [node["html"][:120] for node in rule["nodes"]]) for rule in json.loads(found) if rule["impact"] in ("serious", "critical")]
+        assert not serious, serious
+
+
+def axe_core(factory):
+    """The text of axe-core, fetched by npm; without it the test skips."""
+    npm = shutil.which("npm")
+    if not npm:
+        pytest.skip("NO NPM: axe-core cannot be fetched")
+    folder = factory.getbasetemp().parent / "axe"
+    script = folder / "node_modules" / "axe-core" / "axe.min.js"
+    if not script.exists():
+        folder.mkdir(exist_ok=True)
+        if subprocess.run([npm, "install", "--silent", "--prefix", str(folder), "axe-core@4"], capture_output=True).returncode or not script.exists():
+            pytest.skip("NO AXE: npm could not fetch axe-core")
+    return script.read_text(encoding="utf-8")
