@@ -182,6 +182,7 @@ def test_a_job_from_upload_to_end(browser, panel, tmp_path):
     file.write_text(SQUARE)
     browser.find("upload").send_keys(str(file))
     browser.until(lambda: "square.gcode" in browser.find("jobs").text and "G1 X20" in browser.text("lines"))
+    assert browser.text("lines").count("G1 X20") == 1
     browser.click("check")
     browser.until(lambda: "no error" in browser.text("job-state"))
     browser.until_state("Ready")

@@ -110,7 +110,7 @@ function setAxes(wanted) {
   axes = wanted;
   $("places").replaceChildren(...[...axes].map((axis) => {
     const row = document.createElement("tr");
-    row.innerHTML = `<th scope="row">${axis.toUpperCase()}</th><td id="w-${axis}"></td><td id="m-${axis}"></td><td><button type="button">0</button></td>`;
+    row.innerHTML = `<th scope="row">${axis.toUpperCase()}</th><td id="w-${axis}"></td><td id="m-${axis}"></td><td><button type="button">${_("Zero")}</button></td>`;
     row.querySelector("button").onclick = () => order("zero", { axes: axis });
     row.querySelector("button").setAttribute("aria-label", `${_("Zero here")}: ${axis.toUpperCase()}`);
     return row;
@@ -187,7 +187,7 @@ function showSignals() {
 
 function showJob() {
   const now = report.job;
-  const line = now ? (report.state === "Run" && report.line) || now.line : 0;
+  const line = now ? (["run", "halting"].includes(now.how) && report.line) || now.line : 0;
   if (report.w && report.w.length) picture.move(report.w, now && now.name === job.name ? (now.how === "done" ? Infinity : line) : 0);
   if (!now) return;
   $("progress").value = now.lines ? now.done / now.lines : 0;
@@ -256,14 +256,15 @@ function takeJobs(message) {
 
 async function load() {
   const name = $("jobs").value;
-  job = { name, text: "", lines: [] };
-  for (let size = name ? 1 : 0; job.text.length < size && job.name === name;) {
-    const piece = await link.order({ do: "job_text", name, at: job.text.length });
+  const mine = { name, text: "", lines: [] };
+  job = mine;
+  for (let size = name ? 1 : 0; mine.text.length < size && job === mine;) {
+    const piece = await link.order({ do: "job_text", name, at: mine.text.length });
     if (piece.error || !piece.text) break;
-    job.text += piece.text;
+    mine.text += piece.text;
     size = piece.size;
   }
-  if (job.name !== name) return;
+  if (job !== mine) return;
   job.lines = job.text.split("\n");
   $("lines").dataset.line = "";
   picture.show(read(job.text));

@@ -109,7 +109,7 @@ export class Picture {
     for (const done of [false, true]) {
       ink.beginPath();
       for (const move of this.moves) {
-        if (move.line <= this.done !== done || move.rapid) continue;
+        if (move.line < this.done !== done || move.rapid) continue;
         move.points.forEach((point, n) => ink[n ? "lineTo" : "moveTo"](...this.at(point)));
       }
       ink.strokeStyle = colour(done ? "--done" : "--path");
