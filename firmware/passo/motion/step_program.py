@@ -21,11 +21,10 @@ oldest items when the cells are used up. One producer, the main loop, one reader
 written before `end` counts it. Cells and places count modulo 2²⁹.
 """
 
-from array import array
-
 import micropython
 from micropython import const
 
+from passo.motion.integers import zeros
 from passo.records import COUNT_MASK
 
 DWELL = const(1)
@@ -61,7 +60,7 @@ class StepProgram:
             size *= 2
         self.size = size
         self.mask = size - 1
-        self.items = array("i", range(size))  # made in one piece: a board has no second room of this size to copy from
+        self.items = zeros(size)  # made in one piece: a board has no second room of this size to copy from
         self.axes = axes
         self.at = [0] * axes  # steps from the start to the end, of each axis
         self.low = [0] * axes  # the farthest it gets
