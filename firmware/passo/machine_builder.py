@@ -80,6 +80,8 @@ def load_all(board, whole):
         modules += _OF_PROGRAM
         if whole:
             modules += _OF_WHOLE
+    if "independent" in names:
+        modules += ("motion.independent",)
     if board["gantry"] and board["gantry"]["sensor"]:
         modules += ("control.squaring",)
     if board["homing"] and board["homing"]["latch"]:
@@ -129,7 +131,7 @@ def framed_line():
 def network():
     """The module of links over the network; only boards that have one load it. Raises BoardError."""
     try:
-        return __import__("passo.web.lines", None, None, ("NetworkLine",))
+        return __import__("passo.web.lines", None, None, ("make",))
     except ImportError as missing:
         raise BoardError("network: it is not on this board (%s): flash it anew" % missing)
 
@@ -145,7 +147,7 @@ def serials(board, port):
         web = network()
         if radio is None:
             radio = port.radio if hasattr(port, "radio") else web.Radio(board["network"])
-        lines.append(web.NetworkLine(board, link, radio, port.link_ms))
+        lines.append(web.make(board, link, radio, port.link_ms))
     return lines
 
 

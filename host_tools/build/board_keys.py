@@ -46,7 +46,7 @@ SECTIONS = {
     "weaving": ("weaving", "Seams walked from side to side. See [weaving](weaving.md)."),
     "network": (
         "network",
-        "Wi-Fi of a Pico W or an ESP32: links with the port `http`. The radio is off until `passo wifi` has given it a name and a "
+        "Wi-Fi of a Pico W or an ESP32: links with the port `http` (torch) or `tcp` (grbl). The radio is off until `passo wifi` has given it a name and a "
         "passphrase. See [network](network.md).",
     ),
     "registers": (
@@ -192,6 +192,7 @@ MEANINGS = {
     "network.legacy_http": "Torch: who sends no key may move the machine, from the board's own access point only, and only for the minutes "
     "that somebody at the machine gives.",
     "network.button": "Name of the input of the button that gives `minutes`; empty: there is none, only `passo torch admit`.",
+    "network.presence": "Name of an input: over the network the spindle goes on, and a hold ends, only while it is active. Empty: always.",
     "network.minutes": "What the button gives, minutes.",
     "jog.steps": "Steps of a jog.",
     "jog.up": "Which way UP goes; DOWN is the opposite, LEFT and RIGHT the other axis.",
@@ -224,7 +225,7 @@ MEANINGS = {
     "encoders.index": "Name of the input of its index pulse, if it has one: log entry 143 if the encoder itself loses counts.",
     "encoders.settle_ms": "So long behind the last step a motor has come to rest, and its error is exact, ms. The largest counts for all.",
     "links.name": "Its name: `passo board --link NAME=PATH`, the log.",
-    "links.port": "`usb`, or `uart0` …; with a [network](#network) also `http`. See the pins a UART may use in [wiring](wiring.md#serial-lines).",
+    "links.port": "`usb`, or `uart0` …; with a [network](#network) also `http` and `tcp`. See the pins a UART may use in [wiring](wiring.md#serial-lines).",
     "links.tx": "UART: the pin that sends.",
     "links.rx": "UART: the pin that receives.",
     "links.baud": "UART: bits a second.",

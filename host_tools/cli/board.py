@@ -32,6 +32,9 @@ HttpPort = Annotated[
     Optional[int], typer.Option(min=0, max=65535, help="Serve the board's HTTP on 127.0.0.1, as its Wi-Fi would. 0: any free port.")
 ]
 Idle = Annotated[bool, typer.Option("--idle/--no-idle", help="Keep or leave out the time in which nothing moves.")]
+SignedPort = Annotated[
+    Optional[int], typer.Option(min=0, max=65535, help="Serve the board's grbl over the network, for passo wifi bridge. 0: any free port.")
+]
 Key = Annotated[Optional[str], typer.Option(help="The network's key (a new one).")]
 
 
@@ -45,6 +48,7 @@ def board(
     ] = None,
     tcp: TcpPort = None,
     http: HttpPort = None,
+    signed: SignedPort = None,
     key: Key = None,
     time_: Annotated[str, typer.Option("--time", metavar="real|fast", help="Fast jumps through motion.")] = "real",
     trace: TraceFile = None,
@@ -89,7 +93,7 @@ def board(
         "faults": _pairs("--fault", fault, None),
         "seed": seed,
         "idle": idle,
-        "radio": _radio(config, {"http": http}, key),
+        "radio": _radio(config, {"http": http, "tcp": signed}, key),
         "flash": _folder(flash),
     }
     names = [entry["name"] for entry in config["links"]]
@@ -149,7 +153,8 @@ def _radio(config, ports, key):
     wanted = {kind: port for kind, port in ports.items() if port is not None}
     for kind in wanted:
         if not config.get("network") or kind not in [entry["port"] for entry in config["links"]]:
-            raise Failure(f"--{kind}: no link of the board file {config['name']} has the port {kind}; torch_pico_w has one")
+            option = "--http" if kind == "http" else "--signed"
+            raise Failure(f"{option}: no link of the board file {config['name']} has the port {kind}, see docs/network.md")
     return LoopbackRadio(wanted, session.read_key(key) if key else session.make_key(os.urandom)) if wanted else None
 
 
@@ -157,7 +162,9 @@ def _tell(radio):
     if radio is not None:
         from passo.web.session import shown
 
-        print(f"http: http://127.0.0.1:{radio.port('http')}/#key={radio.key}")
+        for kind in radio.kinds():
+            path = f"/#key={radio.key}" if kind == "http" else ""
+            print(f"{kind}: {kind}://127.0.0.1:{radio.port(kind)}{path}")
         print(f"key: {shown(radio.key)}", flush=True)
 
 

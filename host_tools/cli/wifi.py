@@ -15,6 +15,7 @@ FILE = "wifi.json"  # on the board: passo/web/radio.py reads it
 _TIMEOUT_S = 60
 _LEAST, _MOST = 8, 63  # characters of a WPA2 passphrase
 _NAME_BYTES = 32
+_TURN_MS = 100
 _WEAK = 12  # characters: shorter ones are said to be so
 
 app = typer.Typer(
@@ -163,3 +164,38 @@ def off(port: Port = None):
     _mpremote(port, "rm", ":" + FILE)
     _mpremote(port, "reset")
     print("the radio is off")
+
+
+@app.command()
+def bridge(
+    host: Annotated[str, typer.Argument(help="The board: passo.local, or its address.")],
+    key: Annotated[str, typer.Option(help="The board's key (passo wifi show).", envvar="PASSO_KEY")],
+    tcp_port: Annotated[int, typer.Option(help="The board file's network.tcp_port.")] = 23,
+    link: Annotated[Optional[str], typer.Option(help="A symlink to the pty for the sender.")] = None,
+    tcp: Annotated[Optional[int], typer.Option(min=0, max=65535, help="A TCP socket for the sender, not a pty. 0: any free port.")] = None,
+):
+    """Give a grbl sender on this PC the board over its network. Every line is proven by the key, which is never sent.
+
+    Examples:
+
+        passo wifi bridge passo.local --key ABCD-EFGH-JKLM-NPQR --link /tmp/router
+
+        PASSO_KEY=ABCD-EFGH-JKLM-NPQR passo wifi bridge 192.168.4.1 --tcp 5000
+    """
+    from host_tools.clients.signed import Bridge
+    from host_tools.sim.serial_line import PtyLine, TcpLine
+    from passo.web import session
+
+    line = TcpLine(tcp) if tcp is not None else PtyLine(link)
+    try:
+        made = Bridge(host, tcp_port, session.read_key(key), line)
+        print(f"port: {line.name}", flush=True)
+        try:
+            while True:
+                made.turn(_TURN_MS)
+        finally:
+            made.close()
+    except KeyboardInterrupt:
+        pass
+    finally:
+        line.close()

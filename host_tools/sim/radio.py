@@ -29,6 +29,10 @@ class LoopbackRadio:
             except (OSError, OverflowError) as error:
                 raise Failure(f"cannot serve {kind} on port {port}: {error}") from error
 
+    def kinds(self):
+        """What is served: "http", "tcp"."""
+        return list(self._sockets)
+
     def port(self, kind):
         return self._sockets[kind].getsockname()[1]
 

@@ -11,16 +11,19 @@ from passo.records import REQUEST_PROVEN
 from passo.web.connection import ANSWERED, ASKED, Connection
 from passo.web.guard import Guard
 from passo.web.session import hex_of, hmac
+from passo.web.signed import FREE, SignedLine
 
 CASES = {
     "check_in_any_pieces": (("cuts", "list", 12, ("at", 0, 400)),),
     "check_noise": (("noise", "bytes", 300), ("at", 0, 120)),
     "check_answers_in_any_pieces": (("most", 1, 700), ("size", 0, 1500)),
     "check_forms_of_noise": (("noise", "bytes", 60), ("which", 0, 10), ("flags", 0, 3)),
+    "check_signed_noise": (("noise", "bytes", 200),),
+    "check_signed_lines": (("count", 1, 1 << 20), ("times", 0, 8)),
     "check_whole": (("value", -(1 << 33), 1 << 33),),
     "check_a_proof": (("count", 1, 1 << 20), ("at", 0, 120), ("bit", 0, 6)),
 }
-RUNS = {"check_a_proof": 40}
+RUNS = {"check_a_proof": 40, "check_signed_lines": 20}
 KEY = "ABCDEFGHJKLMNPQR"
 NONCE = "00112233445566778899aabbccddeeff"
 BODY = b"x=100&y=100&xv=100&yv=100"
@@ -41,9 +44,8 @@ class Wire:
 
     def recv(self, count):
         if not self._pieces:
-            raise OSError(11)
+            raise OSError(11, "nothing yet")
         piece = self._pieces.pop(0)
-        assert piece
         if len(piece) > count:
             self._pieces.insert(0, piece[count:])
         return piece[:count]
@@ -194,6 +196,69 @@ def check_admission():
     assert not made.proven(request(b"1." + b"0" * 64), 0)
     assert not guard(admitted=lambda: False).proven(request(), 0)
     assert not guard().proven(request(), 0)
+
+
+# --- lines over TCP
+
+
+class Listening:
+    def __init__(self, wire):
+        self._wires = [wire]
+
+    def setblocking(self, blocking):
+        pass
+
+    def accept(self):
+        if not self._wires:
+            raise OSError(11, "nothing yet")
+        return self._wires.pop(), ("127.0.0.1", 1)
+
+    def close(self):
+        pass
+
+
+class Open(Wire):
+    def setblocking(self, blocking):
+        pass
+
+
+def signed_line(*pieces):
+    """(what the language is given, what the other end is told) of a connection that sends `pieces` and goes; {nonce} is put in."""
+    wire = Open([])
+    line = SignedLine(Listening(wire), KEY)
+    line.read()
+    nonce = wire.taken[7:-3]
+    wire._pieces = [piece(nonce) if callable(piece) else piece for piece in pieces if piece] + [b""]
+    given = b""
+    for _ in range(len(pieces) + 300):
+        given += line.read()
+    return given, wire.taken
+
+
+def line_of(count, body):
+    """A proven line, once the nonce is known."""
+
+    def proven(nonce):
+        signed = b"%s.%d.%s" % (nonce, count, body)
+        return b"%d.%s.%s\n" % (count, hex_of(hmac(KEY.encode(), signed)).encode(), body)
+
+    return proven
+
+
+def check_signed_noise(noise):
+    """Of what is not proven only what asks or makes safe is given to the language, and the end of it ends a jog."""
+    given, told = signed_line(noise, b"\n", noise)
+    assert not [byte for byte in given if byte not in FREE]
+    assert given[-1:] == b"\x85"
+
+
+def check_signed_lines(count, times):
+    bodies = [b"G1 X%d" % at for at in range(times)]
+    given, told = signed_line(*[line_of(count + at, body) for at, body in enumerate(bodies)])
+    assert given == b"".join([body + b"\n" for body in bodies]) + b"\x85" and told.count(b"\n") == 1
+    assert signed_line(line_of(count, b"*7e"))[0] == b"~\x85"
+    given, told = signed_line(line_of(count, b"G1"), line_of(count, b"G1"), b"?")
+    assert given == b"G1\n?\x85" and told.count(b"error:%d" % errors.NOT_ADMITTED) == 1
 
 
 # --- the torch's forms

@@ -51,6 +51,7 @@ NETWORK = {
     "tcp_port": (int, 23, 1, 65_535),
     "legacy_http": (bool, False, 0, 1),
     "button": (str, "", 0, 16),
+    "presence": (str, "", 0, 16),
     "minutes": (int, 10, 1, 60),
 }
 REGISTERS = {

@@ -10,8 +10,9 @@ def check(board):
     for letter in config["host"]:
         if letter not in "abcdefghijklmnopqrstuvwxyz0123456789-":
             raise BoardError("network.host: small letters, digits and - only, not %r" % config["host"])
-    if config["button"] and config["button"] not in [item["name"] for item in board["inputs"]]:
-        raise BoardError("network.button: there is no input %r" % config["button"])
+    for key in ("button", "presence"):
+        if config[key] and config[key] not in [item["name"] for item in board["inputs"]]:
+            raise BoardError("network.%s: there is no input %r" % (key, config[key]))
     ports = [link["port"] for link in board["links"] if link["port"] in PORTS]
     if len(set(ports)) != len(ports):
         raise BoardError("network: one link on http, and one on tcp, at most")
@@ -20,5 +21,7 @@ def check(board):
     for link in board["links"]:
         if link["port"] == "http" and link["protocol"] != "torch":
             raise BoardError("link %s: http is for the protocol torch" % link["name"])
+        if link["port"] == "tcp" and link["protocol"] != "grbl":
+            raise BoardError("link %s: tcp is for the protocol grbl" % link["name"])
         if link["port"] in PORTS and (link["frames"] or link["lost"] != "go_on"):
             raise BoardError("link %s: frames and lost are for cables" % link["name"])

@@ -2,6 +2,9 @@
 
 ADMIT on any cable says for how long, 0 ends it; or the input that the board file names in network.button, for network.minutes. It
 ends by itself, with a reset of the board, and with an alarm.
+
+Where the board file names network.presence, spindle on and resume over the network are refused while that input is not active. This
+feature is the last but one: it wraps the handlers of those before it.
 """
 
 from micropython import const
@@ -11,6 +14,14 @@ from passo.records import COUNT_MASK, NETWORK_PORTS
 
 _MINUTE_MS = const(60_000)
 _MOST_MINUTES = const(60)
+_PRESENT = (commands.SPINDLE, commands.RESUME, commands.JOB)
+
+
+def _starts(command):
+    """True if the tool goes on, or a program goes on: that wants somebody at the machine."""
+    if command.kind == commands.SPINDLE:
+        return command.value != commands.SPINDLE_OFF
+    return command.kind == commands.RESUME or command.value == commands.JOB_RUN
 
 
 class Admission:
@@ -21,12 +32,29 @@ class Admission:
         self._legacy = config["legacy_http"]
         self._button = config["button"]
         self._minutes = config["minutes"]
+        self._presence = config["presence"]
         self._pressed = True  # one that is held at the start admits nobody
         self._since_ms = 0
         self._length_ms = 0
 
     def handlers(self):
-        return {commands.ADMIT: self._admit}
+        found = {commands.ADMIT: self._admit}
+        if self._presence:
+            for kind in _PRESENT:
+                if kind in self._machine.handlers:
+                    found[kind] = self._with_presence(self._machine.handlers[kind])
+        return found
+
+    def _with_presence(self, handler):
+        """`handler`, but over the network only while the input says that somebody is at the machine."""
+
+        def handle(command):
+            link = command.link
+            if link is not None and link.number in self._networked and _starts(command) and not self._machine.port.input(self._presence):
+                return errors.PRESENCE
+            return handler(command)
+
+        return handle
 
     def admitted(self):
         """True while who sends no proof is admitted."""

@@ -18,7 +18,8 @@ BODY = const(1)
 ASKED = const(2)  # the request is whole, the answer is not there
 ANSWERED = const(3)
 EVENTS = const(4)  # answered without an end: events follow
-_READ = const(512)  # bytes a call
+READ = const(512)  # bytes a call
+AGAIN = (11, 35, 10035)  # errors of a socket that has nothing, or no room
 _SENT = const(1024)
 _LINE = const(512)  # bytes of a line of the head
 _HEAD_BYTES = const(4096)
@@ -60,9 +61,9 @@ class Connection:
     def receive(self):
         """Take what has come. True if the request is whole, or wrong. Raises OSError if the other end has gone."""
         try:
-            data = self.socket.recv(_READ)
+            data = self.socket.recv(READ)
         except OSError as error:
-            if error.errno in (11, 35, 10035):  # nothing has come
+            if error.errno in AGAIN:  # nothing has come
                 return False
             raise
         if not data:
@@ -180,7 +181,7 @@ class Connection:
             try:
                 self._out = self._out[self.socket.send(self._out[:_SENT]) :]
             except OSError as error:
-                if error.errno not in (11, 35, 10035):
+                if error.errno not in AGAIN:
                     raise
         return self.state == ANSWERED and not self.sending()
 

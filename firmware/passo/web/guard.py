@@ -11,13 +11,21 @@ A program of 2020 sends no proof: where the board file allows it, it is admitted
 as somebody at the machine has given.
 """
 
+from os import urandom
+
 from micropython import const
 
 from passo.records import COUNT_MASK
-from passo.web.session import Session
+from passo.web.session import Session, hex_of
 
-_WRONG = const(5)  # wrong proofs, then none is looked at for
+WRONG = const(5)  # wrong proofs, then none is looked at for
 _PAUSE_MS = const(1000)
+_NONCE_BYTES = const(16)
+
+
+def nonce():
+    """A text that was never there before, from the system's random bytes."""
+    return hex_of(urandom(_NONCE_BYTES))
 
 
 class Guard:
@@ -53,7 +61,7 @@ class Guard:
             return self._admitted is not None and self._own(connection.peer) and self._admitted()
         if self._session is None:
             return False
-        if self._wrong >= _WRONG:
+        if self._wrong >= WRONG:
             if (now_ms - self._since_ms) & COUNT_MASK < _PAUSE_MS:
                 return False
             self._wrong = 0

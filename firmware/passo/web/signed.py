@@ -1,0 +1,135 @@
+"""A language of lines over a TCP connection: what moves the machine proves the key, a line at a time.
+
+The board begins with `[PASSO:NONCE]`. A line is `COUNT.PROOF.BODY`, see session.py; BODY is a line of the language, or `*` and the two
+hex digits of a real-time byte. Bytes that ask, or make the machine safe, are taken as they are, wherever they stand: `?`, `!`, 0x18,
+0x84, 0x85. Anything else is answered by an error. `passo wifi bridge` is the other end: a pty for a sender.
+
+One connection at a time. A new one takes the place of one that has proven nothing yet.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.web.connection import AGAIN, READ
+from passo.web.guard import WRONG, nonce
+from passo.web.session import Session
+
+FREE = b"?!\x18\x84\x85"
+_LINE = const(320)  # bytes of a line, with its proof
+_UNSENT = const(4096)  # bytes for who does not read
+_JOG_CANCEL = FREE[-1:]
+
+
+class SignedLine:
+    def __init__(self, listener, key):
+        """`listener`: a socket that listens; `key`: text."""
+        listener.setblocking(False)
+        self._listener = listener
+        self._key = key
+        self._socket = None
+        self._drop()
+        self._gone = False  # a connection has ended, and the language does not know yet
+
+    def _drop(self):
+        if self._socket is not None:
+            self._socket.close()
+        self._socket = self._session = None
+        self._line = self._out = b""
+        self._wrong = 0
+        self._gone = True
+
+    def any(self):
+        return False
+
+    def read(self):
+        """Bytes for the language."""
+        said = self._receive() if self._socket is not None else b""
+        self._accept()  # behind it: who has gone makes room
+        if self._gone:
+            self._gone = False
+            said += _JOG_CANCEL  # a jog of who has gone does not go on
+        return said
+
+    def _receive(self):
+        self._send()
+        if self._socket is None:
+            return b""
+        data = b""
+        try:
+            data = self._socket.recv(READ)
+        except OSError as error:
+            if error.errno in AGAIN:
+                return b""
+        if not data:
+            self._drop()
+            return b""
+        return self._understood(data)
+
+    def write(self, data):
+        """What the language says; lost without a connection."""
+        if self._socket is not None and len(self._out) < _UNSENT:
+            self._out += bytes(data)
+            self._send()
+
+    def watched(self):
+        return [self._listener] if self._socket is None else [self._listener, self._socket]
+
+    def close(self):
+        self._drop()
+        self._listener.close()
+
+    def _accept(self):
+        try:
+            socket, _ = self._listener.accept()
+        except OSError:
+            return
+        if self._socket is not None and self._session.opened:
+            socket.close()
+            return
+        self._drop()
+        socket.setblocking(False)
+        self._socket = socket
+        self._session = Session(self._key, nonce())
+        self.write(b"[PASSO:%s]\r\n" % self._session.nonce.encode())
+
+    def _send(self):
+        try:
+            if self._out:
+                self._out = self._out[self._socket.send(self._out) :]
+        except OSError as error:
+            if error.errno not in AGAIN:
+                self._drop()
+
+    def _understood(self, data):
+        said = b""
+        for byte in data:
+            if byte in FREE:
+                said += bytes((byte,))
+            elif byte != 10:
+                if len(self._line) <= _LINE:
+                    self._line += bytes((byte,))
+            else:
+                said += self._proven(self._line.rstrip(b"\r"))
+                self._line = b""
+                if self._socket is None:
+                    break
+        return said
+
+    def _proven(self, line):
+        """What a whole line asks for, or b""."""
+        try:
+            body = self._session.open(line.decode()) if len(line) <= _LINE else None
+        except ValueError:
+            body = None
+        if body is None:
+            self._wrong += 1
+            self.write(b"error:%d\r\n" % errors.NOT_ADMITTED)
+            if self._wrong >= WRONG:
+                self._drop()
+            return b""
+        if body[:1] == "*":
+            try:
+                return bytes((int(body[1:], 16) & 0xFF,))
+            except ValueError:
+                return b""
+        return body.encode() + b"\n"

@@ -1,0 +1,90 @@
+"""A bridge to a board's grbl over its network: a sender's bytes in the clear here, proven lines there.
+
+    bridge = Bridge("passo.local", 23, key, line)       # line: host_tools.sim.serial_line's PtyLine or TcpLine
+    while True:
+        bridge.turn(100)                                # at most so many ms
+
+The other end is passo/web/signed.py, which says what is sent.
+"""
+
+import select
+import socket
+
+from host_tools.failure import Failure
+from passo.web.session import hex_of, hmac
+from passo.web.signed import FREE
+
+_CONNECT_S = 5
+_READ = 4096
+_LONGEST = 4096  # bytes of a sender's line
+
+
+class Bridge:
+    def __init__(self, host, port, key, line):
+        """`key`: as session.read_key gives it. Raises Failure if no board of Passo answers there."""
+        self._key = key.encode()
+        self._line = line
+        self._count = 0
+        self._typed = b""
+        self._rest = b""
+        try:
+            self._socket = socket.create_connection((host, port), _CONNECT_S)
+            self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+            self._nonce = self._greeting()
+        except OSError as error:
+            raise Failure(f"no board answers at {host}, port {port}: {error}") from error
+
+    def _greeting(self):
+        while b"\n" not in self._rest:
+            data = self._socket.recv(_READ)
+            if not data:
+                raise Failure("the board has hung up: does another sender use it?")
+            self._rest += data
+        first, _, self._rest = self._rest.partition(b"\n")
+        first = first.strip()
+        if not first.startswith(b"[PASSO:") or not first.endswith(b"]"):
+            raise Failure("this is no board of Passo")
+        return first[7:-1]
+
+    def turn(self, milliseconds):
+        """Carry bytes both ways; wait for some at most so long. Raises Failure when the board hangs up."""
+        if self._rest:
+            self._line.write(self._rest)
+            self._rest = b""
+        ready, _, _ = select.select([self._socket, *self._line.watched()], [], [], milliseconds / 1000)
+        try:
+            data = self._socket.recv(_READ) if self._socket in ready else None
+            typed = self._line.read()
+            if typed:
+                self._socket.sendall(self._signed(typed))
+        except OSError as error:
+            raise Failure(f"the board has hung up: {error}") from error
+        if data == b"":
+            raise Failure("the board has hung up: is it the right key?")
+        if data:
+            self._line.write(data)
+
+    def _signed(self, data):
+        """What the board is sent for a sender's bytes."""
+        out = b""
+        for byte in data:
+            if byte in FREE:
+                out += bytes((byte,))
+            elif byte >= 0x80 or byte == 0x7E:
+                out += self._proof(b"*%02x" % byte)
+            elif byte in b"\r\n":
+                if self._typed or byte == 10:
+                    out += self._proof(self._typed)
+                self._typed = b""
+            elif len(self._typed) < _LONGEST:
+                self._typed += bytes((byte,))
+        return out
+
+    def _proof(self, body):
+        self._count += 1
+        count = b"%d" % self._count
+        proof = hex_of(hmac(self._key, self._nonce + b"." + count + b"." + body)).encode()
+        return count + b"." + proof + b"." + body + b"\n"
+
+    def close(self):
+        self._socket.close()
