@@ -45,7 +45,7 @@ def play_long(client, file, number=0, backward=False, times=1, speed=None, show=
         status = client.status()
         client.said = [line for line in client.said if line != "oldest"]
         done = max(int(status["at"]) - lead, 0)
-        number = number - done if backward else (number + done) % file.total
+        number = max(number - done, 0) if backward else (number + done) % file.total
         if not number and not backward:
             return status
         client.command("stop")

@@ -7,7 +7,7 @@
 
 The file is read block by block; an index keeps the state at each block's beginning. What is streamed has one command for each of the
 file, in its order, after `lead_of()` of them that only make the state: so a place in the stream is a place in the file. Backward a wait,
-and a question for the speed, become `*0`.
+and a question for the speed, become `*0`; at the start the drives go off.
 """
 
 import re
@@ -147,6 +147,8 @@ class LongFile:
             if begin.at < state.at:
                 end = min(state.at, self._index[index + 1].at if index + 1 < len(self._index) else self._end.at)
                 yield self._turned(begin, self._read(begin.at, end))
+        if self.powers and state.drives:
+            yield b"]"  # as before the file's first [
 
     def lead_of(self, number, backward):
         """How many commands make the state at `number`, in front of those of the file."""

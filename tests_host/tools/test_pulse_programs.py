@@ -210,7 +210,7 @@ def test_backward_tool_and_speed_are_those_of_the_place(tmp_path):
     assert b"".join(file.backward(8)) == b"+700(*0DD)AA@B"
     assert b"".join(file.forward(8)) == b"+700(+0D)E$FF"
     path.write_bytes(b"[AA]")
-    assert b"".join(LongFile(path, "xyz").backward(3)) == b"[@)BB*0"
+    assert b"".join(LongFile(path, "xyz").backward(3)) == b"[@)BB*0]"
 
 
 @pytest.mark.parametrize("data, text", [
