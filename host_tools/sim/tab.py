@@ -23,12 +23,10 @@ _SHOW_MS = 30  # between two pictures of the machine
 _SPACING_TICKS = 2 * TICKS_PER_MS  # between two places of the path drawn
 _REST_MS = 5  # the worker's pause while nothing moves
 _MOST_PLACES = 2000  # of one message
-
-
 _START = (30, 80, 55)  # percent of each axis' travel where the machine of a page stands at first
 
 
-def middle(board):
+def start(board):
     """Where a machine stands that is to be seen as it homes: in steps, an axis a number."""
     homing = board["homing"]
     signs = [-1 if homing and axis["name"] in homing["high_end"] else 1 for axis in board["axes"]]
@@ -70,7 +68,7 @@ class Tab:
         self.name = name
         self._send = send
         self._boards = boards
-        self.plant = Plant(board, middle(board))
+        self.plant = Plant(board, start(board))
         self.trail = self.plant.trace = Trail()
         self._line = MemoryLine()
         self.port = VirtualPort(board, self.plant, mode, {board["links"][0]["name"]: self._line})

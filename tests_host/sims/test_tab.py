@@ -4,7 +4,7 @@ import json
 
 import pytest
 
-from host_tools.sim.tab import Tab, middle
+from host_tools.sim.tab import Tab, start
 from host_tools.sim.tab_jobs import Jobs
 from host_tools.site.builder import BOARDS, jobs
 from passo import errors
@@ -61,7 +61,7 @@ def router(jobs=None):
 
 def test_a_router_homes_from_the_middle_and_runs_a_job():
     page = router({"part.gcode": JOB})
-    assert page.tab.plant.position == middle(page.tab._board)
+    assert page.tab.plant.position == start(page.tab._board)
     assert page.order(do="run", name="part.gcode") == errors.BUSY  # not before it is homed
     assert page.order(do="home") == 0
     page.state("Idle")
