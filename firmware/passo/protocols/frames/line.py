@@ -30,9 +30,11 @@ _BUFFER = const(512)
 _HOLD_MS = const(20)  # what could be the beginning of HELLO is kept so long
 _AGAIN_MS = const(30)  # between two requests for the same bytes
 _ANSWERS = const(48)  # bytes of answers that go out at once
-_ANSWER_MS = const(8)  # that fewer of them may wait
+_ANSWER_MS = const(30)  # that fewer of them may wait
+_ONE = const(4)  # bytes of an answer: more are those of several lines, and there will be others
 _KEPT = const(4000)  # bytes of answers that nobody takes
 _PIECE = const(48)  # of a long answer
+_PACKET = const(64)  # bytes of a read behind which more may wait
 _CONFIRM_MS = const(1000)  # a host says something in frames after WELCOME, or the link is plain again
 _FEW = const(4)  # credits of a language that does not say how much it takes
 
@@ -61,6 +63,7 @@ class FramedLine:
         self._held = b""  # plain: what could be the beginning of HELLO
         self._held_ms = 0
         self._buffer = self._view = b""  # made by the first HELLO
+        self._full = False  # the last read brought a packet or more
         self._left = b""  # of what was read and found no room in the buffer
         self.heard = False  # something sound has come; it is the reader's to clear
         self._confirmed = True  # the host has understood WELCOME
@@ -97,9 +100,11 @@ class FramedLine:
             return self._plain()
         begin = self._at
         end = self._buffer.find(b"\0", begin, self._end) if begin < self._end else -1
-        if end < 0 and self._fill():
+        while end < 0 and self._fill():
             begin = 0
             end = self._buffer.find(b"\0", 0, self._end)
+            if not self._full:
+                break
         while end >= 0:
             self._at = end + 1
             if end - begin >= HEAD + CHECK:
@@ -120,7 +125,7 @@ class FramedLine:
             self._todo = True
             self._answer_ms = self._clock()
         self._answers += data
-        if len(self._answers) >= _ANSWERS or not (self._unfinished and self._unfinished()):
+        if len(self._answers) >= _ANSWERS or not (self._unfinished and (_ONE < len(data) < _ANSWERS or self._unfinished())):
             self._send()
 
     def close(self):
@@ -186,6 +191,7 @@ class FramedLine:
         count = held + len(data)
         self._buffer[held:count] = data
         self._end = count
+        self._full = len(data) >= _PACKET
         return True
 
     def _understand(self, begin, end):
