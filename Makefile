@@ -13,7 +13,7 @@ JOBS ?= 2
 PYTEST = $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --durations=20 --durations-min=2
 
 .DEFAULT_GOAL := help
-.PHONY: help venv run check test test-all bench build flash emulate site clean
+.PHONY: help venv run check test test-all soak bench build flash emulate site clean
 
 help:  ## this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -79,6 +79,9 @@ endif
 
 test-all: $(STAMP) $(CLIENTS) $(STUBS)  ## all tests, the slow ones and all of the emulated Pico included
 	$(PYTEST) --tier all $(if $(ARGS),,--cov --cov-report=term) $(ARGS)
+
+soak: $(STAMP)  ## programs interrupted at random for an hour; ARGS='SECONDS SEED'
+	PYTHONPATH=tests_host/sims:tests_host/properties:tests_host/tools:. $(BIN)/python tests_host/sims/soak_jobs.py $(ARGS)
 
 bench: $(STAMP)  ## the slower measurements
 	$(BIN)/python -m host_tools.bench $(ARGS)

@@ -117,7 +117,7 @@ def whole(lines):
 
 
 def interrupt(name, seed, tmp_path, wanted, lasts_ms):
-    """One interruption at a moment of its own; what was cut before and after it."""
+    """One interruption at a moment of its own, and its resumption. Returns the steps that were made."""
     rng = random.Random(f"{name} {seed}")
     lines = program(name, tmp_path)
     bench = Bench(Pages())
@@ -156,6 +156,8 @@ def interrupt(name, seed, tmp_path, wanted, lasts_ms):
     assert not missing, (name, seed, kind, len(missing), list(missing)[:3])
     extra = {place for place in cut - around(around(wanted)) if down is None or not beside(place, down)}
     assert not extra, (name, seed, kind, len(extra), list(extra)[:3])
+    machines = (bench,) if after is bench else (bench, after)
+    return sum(len(each.machine.trace.rows()) for each in machines)
 
 
 @pytest.mark.parametrize("name", JOBS)
