@@ -61,6 +61,7 @@ class Bench:
         self.queue = StreamQueue(board, self.planner, rig.feeder, None, None)
         self.arcs = arcs
         self.settings = Settings()
+        self.weave = None
         self.gcode = GCode("xyz", Offsets(3, Memory()), self)
         self.program = Program(board, self, self.queue)
         self.program._limits_of = Settings.version
