@@ -131,11 +131,11 @@ class FlashCode:
 
     def open(self, path):
         """An .mpy for the import: its functions are noted, those of earlier ones perhaps redirected."""
-        if self._rooms and self._is_short():
+        if self._is_short():
             if self._largest() < _LEAST:
                 self._give_room()  # a round wants some itself
             self._round()
-            if self._rooms and self._is_short():
+            if self._is_short():
                 self._give_room()
         if self._read > self._limit or self._read > self._look_at_read and self._is_tight():
             self._round()
@@ -244,7 +244,8 @@ class FlashCode:
         return free < _TIGHT and self._read > _LITTLE
 
     def _give_room(self):
-        self._rooms.pop(1 if len(self._rooms) > 1 else 0)
+        if self._rooms:
+            self._rooms.pop(1 if len(self._rooms) > 1 else 0)
 
     def _is_short(self):
         return self._largest() < _PIECE or self._words and self._words[FREE] < _FEW

@@ -29,9 +29,12 @@ _LASER_RING = const(1024)  # words: beside a larger ring there is no memory for 
 
 def load(board):
     """Import what a Port of this board will ask for; returns it."""
+    from passo.ports.rp2 import programs  # noqa: F401  each by itself: a module that imports others wants memory for all of them
+
     if board["player"] == "timer":
         from passo.ports.rp2.timer_player import TimerPlayer as player
     elif board["spindle"]["pwm"]:
+        from passo.ports.rp2 import pio_player  # noqa: F401
         from passo.ports.rp2.laser_player import LaserPlayer as player
     else:
         from passo.ports.rp2.pio_player import PioPlayer as player
