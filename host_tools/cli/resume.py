@@ -13,14 +13,14 @@ _DONE, _HOMED = 1, 2
 _JOURNAL = re.compile(r"\[JOURNAL:([0-9a-f]+)\|(\d+)\|(\d+)\|([-\d,]+)\]")
 
 
-def interrupted(said, lines):
-    """(line to begin at, place in steps or None, whether the position is known) of an answer to `$JR`. Raises Failure if the
+def interrupted(said, lines, stored=0):
+    """`stored`: the CRC-32 of the same program as a stored job. (line to begin at, place in steps or None, whether the position is known) of an answer to `$JR`. Raises Failure if the
     journal is of another program, or this one has not begun."""
     found = _JOURNAL.search("\n".join(said))
     if not found:
         raise Failure("the board does not say where its job is")
     job, line, flags = int(found[1], 16), int(found[2]), int(found[3])
-    if job != number_of(lines):
+    if job not in (number_of(lines), stored):
         raise Failure("the board's journal is of another file, or the file has changed; begin at a line with passo stream --from")
     known = bool(flags & _HOMED)
     if not line:
@@ -40,7 +40,7 @@ def resume(
     unverified: Annotated[bool, typer.Option("--unverified", help="Nothing can home: the operator has seen that zero is right.")] = False,
     yes: Annotated[bool, typer.Option("--yes", help="Do not ask before the tool goes down.")] = False,
 ):
-    """Go on with a file that `passo stream` was sending when the cable, the PC, the board or the power failed.
+    """Go on with a file that `passo stream` was sending, or that ran as a stored job, when the cable, the PC, the board or the power failed.
 
     The board's journal says which line was under way, and where. State is replayed, nothing moves; the tool goes up, over the
     place, spindle and coolant go on, and you are asked before it goes down. The board file has to have the key `journal`.
@@ -54,7 +54,7 @@ def resume(
     from host_tools.cli import ports
     from host_tools.cli.stream import Panel
     from host_tools.clients.grbl import GrblClient, Refused
-    from host_tools.programs import gcode_file
+    from host_tools.programs import gcode_file, stored_job
 
     lines = gcode_file.read(file)
     with GrblClient(port or ports.only(), baud) as client:
@@ -63,7 +63,7 @@ def resume(
             said = client.command("$JR")
         except Refused as refused:
             raise Failure(f"the board has no journal (docs/jobs.md): {refused}; passo stream --from LINE needs none") from None
-        number, place, known = interrupted(said, lines)
+        number, place, known = interrupted(said, lines, stored_job.crc(stored_job.gcode_job(file)))
         print(f"{file}: interrupted {'before' if place is None else 'in'} line {number}")
         _find_zero(client, known, home, unverified)
         with Panel(client, lines) as panel:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from host_tools.cli import resume
+from host_tools.cli import jobs, resume
 from host_tools.cli.lead_in import number_of
 from host_tools.cli.resume import interrupted
 from host_tools.clients.grbl import GrblClient, tagged
@@ -55,6 +55,18 @@ def test_a_board_that_was_reset_has_to_home(board, part):
         resume.resume(part, board.line.name, 115200, yes=True)
     resume.resume(part, board.line.name, 115200, home=True, yes=True)
     assert board.position() == [0, 0, 0] and board.world.steps > 20_000
+
+
+def test_a_stored_job_has_a_journal_too(part, tmp_path, capsys):
+    running = Running("fast", journal={"every_ms": 100}, jobs={"language": "grbl", "folder": str(tmp_path / "jobs")})
+    try:
+        port = running.line.name
+        jobs.store(part, None, "grbl", False, port, 115200)
+        jobs.run("PART.NC", True, True, port, 115200)
+        resume.resume(part, port, 115200, yes=True)
+        assert "interrupted before line 6" in capsys.readouterr().out
+    finally:
+        running.close()
 
 
 def test_what_the_journal_says(part):

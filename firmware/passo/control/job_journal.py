@@ -17,8 +17,10 @@ from binascii import crc32
 from micropython import const
 
 from passo import commands, errors
-from passo.records import COUNT_MASK, JOURNAL_BYTES, ROW_TAG
+from passo.motion.block import WAIT
+from passo.records import COUNT_MASK, JOURNAL_BYTES, ROW_KIND, ROW_TAG
 
+_WAITS = const(8)  # blocks that wait for a tool, behind a line
 DONE = const(1)  # flags: the line has been played to its end, the position is there
 HOMED = const(2)
 _FORM = "<HBBIIiiii"
@@ -100,6 +102,8 @@ class JobJournal:
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
         self._job = command.target
+        self._retired = self._queue.retired()
+        self._broken = self._moving = False
         self._line = 0
         self._flags = HOMED if machine.homed else 0
         self._sample_place()
@@ -122,7 +126,7 @@ class JobJournal:
         if self._broken:
             self._broken = False
         elif retired != self._retired:
-            self._stand()
+            self._stand(min((retired - self._retired) & COUNT_MASK, _WAITS))
         self._retired = retired
         self._moving = False
 
@@ -150,10 +154,15 @@ class JobJournal:
     def _sample_place(self):
         self._position[: self._axes] = list(self._queue.found())
 
-    def _stand(self):
-        """All that was queued has been played; if its last line is one of the job, it is done."""
+    def _stand(self, count):
+        """All that was queued has been played, `count` blocks: if the last that moved is one of the job, its line is done."""
         planner = self._queue.planner
-        line = planner.rows[planner.last() + ROW_TAG]
+        line = 0
+        for back in range(count):
+            at = planner.last(back)
+            line = planner.rows[at + ROW_TAG]
+            if line or planner.rows[at + ROW_KIND] != WAIT:
+                break
         if not line:
             return
         self._line = line

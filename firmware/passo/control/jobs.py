@@ -191,6 +191,9 @@ class Jobs:
         if file.language != self._config["language"]:
             file.close()
             return errors.JOB_LANGUAGE
+        journal = machine.handlers.get(commands.JOURNAL)
+        if journal and not machine.checking:
+            journal(commands.Command(commands.JOURNAL, file.crc or 1))
         self._file = file
         self._name = name
         self._failed = 0

@@ -376,9 +376,9 @@ class Planner:
         retired = indices[QUEUE_RETIRED]
         return -1 if retired == indices[QUEUE_FETCHED] else retired % _SIZE * self._stride
 
-    def last(self):
-        """Where the block that was played last stands in `rows`, if it was played to its end."""
-        return (self.indices[QUEUE_RETIRED] - 1) % _SIZE * self._stride
+    def last(self, back=0):
+        """Where the block that was played last stands in `rows`, or the one `back` before it; if they were played to their end."""
+        return (self.indices[QUEUE_RETIRED] - 1 - back) % _SIZE * self._stride
 
     def playing(self):
         """The oldest block not yet played to its last word, or None. The same object each time; where it is not the
