@@ -129,6 +129,10 @@ class FlashCode:
             return "code in RAM: " + self.why
         return "code in flash: %d functions, %d bytes" % (self.functions, self.bytes)
 
+    def redirect(self):
+        """Give back the copies of what has been loaded so far: the largest modules come next."""
+        self._round()
+
     def open(self, path):
         """An .mpy for the import: its functions are noted, those of earlier ones perhaps redirected."""
         if self._is_short():

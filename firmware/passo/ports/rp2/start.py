@@ -52,6 +52,8 @@ class Start(start.Start):
     def load(self, board):
         from passo.ports.rp2 import port
 
+        if self._code:
+            self._code.redirect()
         port.load(board)
 
     def loaded(self):
