@@ -48,13 +48,20 @@ class SmallView:
 @pytest.fixture(autouse=True, scope="module")
 def narrow():
     """Every array that the interrupt code reads or writes is narrow."""
-    patch = pytest.MonkeyPatch()
-    for module in (line, planner, feeder, power, ring, independent, step_program, step_program_words):
-        patch.setattr(module, "array", SmallList)
-    for module in (line, planner):
-        patch.setattr(module, "memoryview", SmallView, raising=False)
-    yield
-    patch.undo()
+    stands_in = {
+        "array": SmallList,
+        "zeros": lambda count: SmallList("i", [0] * count),
+        "numbers": lambda count: SmallList("I", range(count)),
+    }
+    with pytest.MonkeyPatch.context() as patch:
+        for module in (line, planner, feeder, power, ring, independent, step_program, step_program_words):
+            found = [name for name in stands_in if name in vars(module)]
+            assert found, module
+            for name in found:
+                patch.setattr(module, name, stands_in[name])
+        for module in (line, planner):
+            patch.setattr(module, "memoryview", SmallView, raising=False)
+        yield
 
 
 def small_rig(drive, axes=3):
