@@ -40,6 +40,7 @@ class _Module:
             for name, expression in _assigned(node):
                 if name.isupper() and not name.startswith("_") and self.bound[name] == 1:
                     self.constants[name] = node, expression
+        self.read = {node.id for node in self.nodes if isinstance(node, ast.Name) and isinstance(node.ctx, ast.Load)}
         self.numbers = {}  # {name: number}: the constants found, own and imported
         self.imports = [node for node in self.nodes if isinstance(node, ast.ImportFrom) and not node.level]
         self.edits = []  # (first line, column, last line, column, new text)
@@ -155,13 +156,14 @@ def _fold(module, modules, keep_imports=False):
 
 
 def _import(module, node, modules, read):
-    """Import only what is still used: no constants, no modules that gave constants only."""
+    """Import only what is still used: no constants, no modules that gave constants only. What is named nowhere is imported to be
+    loaded, and stays."""
     wanted = []
     for alias in node.names:
         name = alias.asname or alias.name
         if name in module.numbers and module.bound[name] == 1:
             continue
-        if f"{node.module}.{alias.name}" in modules and not read.get(name):
+        if f"{node.module}.{alias.name}" in modules and name in module.read and not read.get(name):
             continue
         wanted.append(alias)
         if node.module in modules:

@@ -31,7 +31,7 @@ GAPS = (  # of the stubs
     r'incompatible type "array\[(int|Any)\]"; expected "ptr32"',  # machine code takes any buffer
     r'"DMA" has no attribute "channel"',
     r'"memoryview" has incompatible type "Flash"',  # it is a buffer
-    r'flash_code\.py.*(abstract class "VfsLfs2"|"VfsLfs2" has incompatible type)',  # any object with these methods will do
+    r'(flash_code|pages)\.py.*(abstract class "VfsLfs2"|"VfsLfs2" has incompatible type)',  # any object with these methods will do
     r'No overload variant of "Timer" matches argument types "int", "int", "Callable.*"bool"',  # needs no number there
 )
 

@@ -35,6 +35,7 @@ def both(text, a=A):
         ("from passo import a\nx = a.FIVE ** a.BELOW\n", "pass\nx = 5 ** (-5)\n"),
         ("from passo import a as n\nx = (n.FIVE, n.WORDS)\n", "from passo import a as n\nx = (5, n.WORDS)\n"),
         ("from passo.a import (\n    FIVE,\n    WORDS,\n)\n", "from passo.a import WORDS\n\n\n\n"),
+        ("def load():\n    from passo import a\n", None),
         ("from passo.a import FIVE\nFIVE = 6\n", "from passo.a import FIVE\nFIVE = 6\n"),
         ("from passo.a import FIVE\ndef f(FIVE):\n    return FIVE\n", None),
         ("from passo import a\ndef f(a):\n    return a.FIVE\n", None),

@@ -55,7 +55,7 @@ _TIGHT = const(56_000)
 _STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
 _PIECE = const(2_600)  # bytes: if no free piece is as large, a room that was kept is given back
 _LEAST = const(2_000)  # what a round wants itself
-_FEW = const(10_000)  # the same if no more are free in all: the largest modules take as much
+_FEW = const(12_000)  # the same if no more are free in all: the largest modules take as much
 _WORK_ROWS = const(96)
 
 
