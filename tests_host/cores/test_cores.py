@@ -15,6 +15,7 @@ MODULES = sorted(path.stem for path in (TESTS / "properties").glob("check_*.py")
 # Bytes of heap that what a check writes down wants, where it is more than 1.5 MB.
 HEAP = {"check_chords": 8_000_000, "check_feed": 3_000_000, "check_grbl_tool": 8_000_000, "check_hold": 8_000_000}
 HEAP.update({"check_motion": 8_000_000, "check_s_curve": 8_000_000})
+WITHOUT = {"check_http": "os.urandom"}  # what the port has not
 FRAMES_MODULE = "from passo.ports.esp32 import frames_viper as kernel\n"
 BLOCK, BLOCKS = 256, 4000
 ESP32_CYCLES = 240_000_000 // 250_000  # a frame
@@ -29,7 +30,7 @@ def jobs():
     return files | {f"jobs/{name}.hex": hex_of(lines).encode() for name, lines in PULSE_JOBS.items()}
 
 
-@pytest.fixture(scope="module", params=CORES)
+@pytest.fixture(scope="module", params=("rv32", pytest.param("arm", marks=pytest.mark.slow)))
 def core(request, tmp_path_factory):
     kind = CORES[request.param]
     why = missing(kind)
@@ -90,6 +91,8 @@ def test_three_axes_at_60_khz_fit_an_esp32(core, show):
 @pytest.mark.parametrize("module", MODULES)
 def test_properties(core, module):
     """Few examples of each: it runs some hundred times slower than the chip."""
+    if module in WITHOUT:
+        pytest.skip(f"{module} wants {WITHOUT[module]}")
     free = int(core.run("gc.collect()\nprint(gc.mem_free())"))
     if free < HEAP.get(module, 0):
         pytest.skip(f"{module} wants {HEAP[module]} bytes of heap, the build has {free}")

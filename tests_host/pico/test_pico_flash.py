@@ -13,7 +13,7 @@ from host_tools.emulator.heap import Heap
 from host_tools.emulator.machine import EmulatedMachine, firmware_files
 from host_tools.emulator.pico import EmulatedPico
 
-FIRST_ANSWER_MS = 2800
+FIRST_ANSWER_MS = 2700
 LIMIT_MS = 5000
 LARGEST = 16_000
 QUESTIONS = {"router_3axis": (b"?", b"<"), "plotter_2014": (b"r\0\0\0\0r", b"k")}

@@ -135,6 +135,7 @@ def test_words_are_the_same_in_a_tab(browser, show):
     show("words per second in Chromium's WebAssembly", f"{words / sum(told['ms']) * 1000:.0f}: the square of 2014 and a relief")
 
 
+@pytest.mark.slow
 def test_a_plotter_draws_the_square_of_2014(browser):
     browser.open("?lang=en&board=plotter_2014")
     browser.state("Idle")
