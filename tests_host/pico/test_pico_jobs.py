@@ -71,43 +71,6 @@ def digest(rows, start):
 
 def test_a_job_is_uploaded_and_run(make_machine, show):
     machine = ready(make_machine(board()))
-    packed = stored_job.pack(data)
-    return first_line("grbl", len(data), stored_job.crc(data), len(packed)) + packed
-
-
-def ask(machine, line):
-    """What is said up to the answer to a line."""
-    machine.take()
-    machine.send(line + b"\n")
-    machine.run_until(lambda: b"ok\r\n" in machine.received() or b"error:" in machine.received())
-    return machine.take()
-
-
-def ready(machine):
-    machine.run_until(lambda: b"unlock]" in machine.received())
-    machine.run_ms(50)
-    assert ask(machine, b"$X").endswith(b"ok\r\n")
-    return machine
-
-
-def run(machine, name, until):
-    """Digest of the steps that a job makes, in ticks from its first one, once `until(machine)` holds."""
-    before = len(machine.trace.rows())
-    start = list(machine.plant.position)
-    ask(machine, b"$F=" + name)
-    machine.run_until(lambda: until(machine))
-    rows = machine.trace.rows()[before:]
-    begun = round(rows[0][0] * 12.5)
-    steps = [(round(row[0] * 12.5) - begun, *[at - then for at, then in zip(row[1:4], start)]) for row in rows]
-    return hashlib.sha256(repr(steps).encode()).hexdigest(), len(steps)
-
-
-def test_a_job_is_uploaded_and_run(make_machine, show):
-    machine = make_machine(board())
-    machine.run_until(lambda: b"help]" in machine.received())
-    machine.run_ms(50)
-    machine.take()
-    assert b"ok" in ask(machine, b"$X")
     packed = stored_job.pack(SMALL)
     assert ask(machine, b"$FS=A,grbl,%d,%08x,%d" % (len(SMALL), stored_job.crc(SMALL), len(packed))) == b"ok\r\n"
     assert ask(machine, b"$F:" + base64.b64encode(packed)) == b"ok\r\n"
