@@ -6,13 +6,13 @@ import signal
 import socket
 
 from host_tools.clients import setting_names
+from host_tools.panel.server import PUSH_MS, Server, clock_ms
 from host_tools.panel.store import Store
 from host_tools.resources import ROOT
 from passo import errors
 from passo.web import session
 from passo.web.api import Api
 from passo.web.grbl_machine import AXES, GrblMachine
-from passo.web.server import PUSH_MS, Server, clock_ms
 from passo.web.teach import Teach
 
 FOLDER = ROOT / "firmware" / "passo" / "web" / "page"

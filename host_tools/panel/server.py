@@ -1,4 +1,4 @@
-"""The page and its orders over HTTP and WebSocket, with microdot, which is the same on CPython and MicroPython.
+"""The page and its orders over HTTP and WebSocket, with microdot.
 
     server = Server(api, key, names, page)          # names: the Host names that it answers to
     await server.serve("127.0.0.1", 8080)
@@ -12,24 +12,23 @@ import json
 import os
 import time
 
-from micropython import const
 from microdot import Microdot, Request, Response
 from microdot.websocket import WebSocket, WebSocketError, websocket_upgrade
 from passo import errors
 from passo.records import COUNT_MASK
 from passo.web.session import Session, hex_of
 
-PUSH_MS = const(50)
-_CONNECTIONS = const(24)
-_PAGES = const(8)
-_REQUEST_S = const(5)  # a request's head and body
-_HEAD_BYTES = const(8192)
-_MESSAGE_BYTES = const(49_152)
-_BODY_BYTES = const(4096)
-_MESSAGES_S = const(100)  # orders a second, of one page
-_WRONG_PROOFS = const(5)  # then the page is closed
-_PAUSE_S = const(1)  # after a wrong proof
-_UNSENT = const(65_536)  # of a page that does not read
+PUSH_MS = 50
+_CONNECTIONS = 24
+_PAGES = 8
+_REQUEST_S = 5  # a request's head and body
+_HEAD_BYTES = 8192
+_MESSAGE_BYTES = 49_152
+_BODY_BYTES = 4096
+_MESSAGES_S = 100  # orders a second, of one page
+_WRONG_PROOFS = 5  # then the page is closed
+_PAUSE_S = 1  # after a wrong proof
+_UNSENT = 65_536  # of a page that does not read
 _TYPES = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=utf-8", "css": "text/css; charset=utf-8",
           "svg": "image/svg+xml", "json": "application/json"}  # fmt: skip
 _HEADERS = {
@@ -44,7 +43,7 @@ _HEADERS = {
 
 def clock_ms():
     """Milliseconds modulo 2²⁹."""
-    return int(time.monotonic() * 1000) & COUNT_MASK if hasattr(time, "monotonic") else time.ticks_ms() & COUNT_MASK
+    return int(time.monotonic() * 1000) & COUNT_MASK
 
 
 class Bounded:
@@ -53,13 +52,13 @@ class Bounded:
     def __init__(self, reader):
         self._reader = reader
         self._left = _HEAD_BYTES + _BODY_BYTES
-        self._deadline = time.time() + _REQUEST_S
+        self._deadline = time.monotonic() + _REQUEST_S
         self.open = False  # a WebSocket: without an end
 
     async def _within(self, coroutine, count):
         if self.open:
             return await coroutine
-        left = self._deadline - time.time()
+        left = self._deadline - time.monotonic()
         if left <= 0 or self._left <= 0:
             coroutine.close()
             raise OSError(errors.BUSY)
@@ -250,7 +249,7 @@ class Server:
         return answer
 
     def _within_rate(self, page):
-        second = int(time.time())
+        second = int(time.monotonic())
         if second != page.second:
             page.second = second
             page.count = 0

@@ -38,7 +38,7 @@ TAB = ("host_tools/sim/tab.py", "host_tools/sim/tab_jobs.py", "host_tools/sim/ta
        "host_tools/sim/parts.py", "host_tools/sim/decoders.py", "host_tools/sim/faults.py")  # fmt: skip
 SHIMS = ("random.py",)
 BOARDS = ("router_3axis", "plotter_2014")  # the first one is shown
-_LEFT_OUT = ("passo/ports/rp2/", "passo/ports/esp32/", "passo/web/server.py")
+_LEFT_OUT = ("passo/ports/rp2/", "passo/ports/esp32/")
 _MACHINE_CODE = re.compile(r"(?m)^[ ]*@micropython\.(viper|native)$")
 _MOST_PACKAGE = 4 << 20
 _FETCH_S = 60

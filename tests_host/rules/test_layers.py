@@ -50,7 +50,7 @@ MORE_BUILT_INS = {
     "ports": {"math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs"},
     "config": {"deflate"},
     "control": {"math"},
-    "web": {"socket", "network", "asyncio", "microdot"},
+    "web": {"socket", "network"},
 }
 
 # A file of these names would hide MicroPython's own module on the board; ports has its rp2 and esp32.
@@ -253,10 +253,6 @@ OWNERS = {"planner": "motion", "feeder": "steps", "ring": "steps", "player": "po
 ASSIGNED = {
     "open": "the feeder's flag, set each cycle, which an interrupt reads: a call would cost 10 µs",
     "brake": "likewise",
-    "max_content_length": "a bound of microdot's, which is set so",
-    "max_body_length": "likewise",
-    "max_readline": "likewise",
-    "max_message_length": "likewise",
     "start": "the interlock looks at words before the player gets them",
 }
 

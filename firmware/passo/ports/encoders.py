@@ -10,7 +10,7 @@ and steps are not read at one instant: the player is looked at before and behind
 has stepped in between is allowed for. A rotor lags its magnetic field by up to two full steps under load, more is lost: no limit
 should be lower.
 
-On an RP2040 a check of four encoders takes about 60 µs.
+On an RP2040 a check of four encoders and a gantry takes 0.34 to 0.41 ms of every 3 ms.
 """
 
 from array import array

@@ -4,5 +4,6 @@
                                           └─► Jog (a lease)
 
 The page is a link like any other. It speaks a language of the board, so the same code serves a board on a cable and the virtual
-board. Nothing here moves a motor by itself, and nothing here knows a step.
+board. Nothing here moves a motor by itself, and nothing here knows a step. On a PC the server is host_tools/panel/server.py; a board's
+own, for its requests by HTTP, is http.py.
 """
