@@ -237,6 +237,7 @@ def picture(path, job, title):
     import matplotlib.pyplot as plt
     from matplotlib.collections import LineCollection
 
+    from host_tools.drawings.plot import write
     from host_tools.programs.gcode_file import clock
 
     rows = [["above", "table"], ["speed", "speed"], ["acceleration", "acceleration"]]
@@ -266,9 +267,4 @@ def picture(path, job, title):
     speed.grid(color="#e6e6e6", linewidth=0.5)
     plot_accelerations(acceleration, job)
     acceleration.sharex(speed)
-    try:
-        figure.savefig(path, dpi=120)
-    except (OSError, ValueError) as error:
-        raise Failure(f"cannot write {path}: {error}") from error
-    finally:
-        plt.close(figure)
+    write(figure, path, dpi=120)

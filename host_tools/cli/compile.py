@@ -74,6 +74,8 @@ def save_picture(path, program):
     import matplotlib.pyplot as plt
     from matplotlib.collections import LineCollection
 
+    from host_tools.drawings.plot import finish, write
+
     strokes = program.listing.strokes
     if not strokes:
         raise Failure("a program that moves nothing has no picture")
@@ -93,21 +95,8 @@ def save_picture(path, program):
     if holes:
         axes.plot([point[0] for point in holes], [point[1] for point in holes], "o", color="#d03030", markersize=4, label="down")
     _label(axes, cuts or strokes, len(program.texts) > 1)
-    axes.autoscale()
-    axes.margins(0.05)
-    axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel("x in mm")
-    axes.set_ylabel("y in mm")
-    axes.set_title(f"{program.name} ({program.dialect}): {len(program.listing.codes)} lines of G-code")
-    axes.grid(color="#e6e6e6", linewidth=0.5)
-    axes.set_axisbelow(True)
-    figure.legend(loc="outside lower center", ncols=3, frameon=False)
-    try:
-        figure.savefig(path, dpi=130)
-    except (OSError, ValueError) as error:
-        raise Failure(f"cannot write {path}: {error}") from error
-    finally:
-        plt.close(figure)
+    finish(figure, axes, f"{program.name} ({program.dialect}): {len(program.listing.codes)} lines of G-code")
+    write(figure, path)
 
 
 def _label(axes, strokes, files):

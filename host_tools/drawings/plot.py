@@ -79,6 +79,12 @@ def save(path, strokes, title, table=None, page=None, order=False):
     start, end = strokes[0][1][0], strokes[-1][1][-1]
     axes.plot(*start, "o", color="#2a9d3f", markersize=8, label=f"start {start[0]:.1f}, {start[1]:.1f}")
     axes.plot(*end, "s", color="#d03030", markersize=7, label=f"end {end[0]:.1f}, {end[1]:.1f}")
+    finish(figure, axes, title)
+    write(figure, path)
+
+
+def finish(figure, axes, title):
+    """A path seen from above: the same scale both ways, in mm, the legend below."""
     axes.autoscale()
     axes.margins(0.04)
     axes.set_aspect("equal", adjustable="datalim")
@@ -88,8 +94,14 @@ def save(path, strokes, title, table=None, page=None, order=False):
     axes.grid(color="#e6e6e6", linewidth=0.5)
     axes.set_axisbelow(True)
     figure.legend(loc="outside lower center", ncols=3, frameon=False)
+
+
+def write(figure, path, dpi=130):
+    """Write a picture, and forget the figure. Raises Failure if that cannot be."""
+    import matplotlib.pyplot as plt
+
     try:
-        figure.savefig(path, dpi=130)
+        figure.savefig(path, dpi=dpi)
     except (OSError, ValueError) as error:
         raise Failure(f"cannot write {path}: {error}") from error
     finally:
