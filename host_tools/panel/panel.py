@@ -58,7 +58,7 @@ class Panel:
         self._stopped = asyncio.Event()
 
     def _tell(self, event):
-        self.server.tell(event)
+        self.server.pages.tell(event)
 
     def _see(self, state):
         self._teach.see(state)

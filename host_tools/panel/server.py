@@ -16,7 +16,8 @@ from microdot import Microdot, Request, Response
 from microdot.websocket import WebSocket, WebSocketError, websocket_upgrade
 from passo import errors
 from passo.records import COUNT_MASK
-from passo.web.session import Session, hex_of
+from passo.web.guard import known
+from passo.web.pages import Pages
 
 PUSH_MS = 50
 _CONNECTIONS = 24
@@ -25,9 +26,6 @@ _REQUEST_S = 5  # a request's head and body
 _HEAD_BYTES = 8192
 _MESSAGE_BYTES = 49_152
 _BODY_BYTES = 4096
-_MESSAGES_S = 100  # orders a second, of one page
-_WRONG_PROOFS = 5  # then the page is closed
-_PAUSE_S = 1  # after a wrong proof
 _UNSENT = 65_536  # of a page that does not read
 _TYPES = {"html": "text/html; charset=utf-8", "js": "text/javascript; charset=utf-8", "css": "text/css; charset=utf-8",
           "svg": "image/svg+xml", "json": "application/json"}  # fmt: skip
@@ -109,34 +107,19 @@ class App(Microdot):
             await writer.aclose()
 
 
-class Page:
-    """One page that looks: its WebSocket, its session, and what it is still to be told."""
-
-    def __init__(self, socket, session):
-        self.socket = socket
-        self.session = session
-        self.told = []
-        self.wrong = 0
-        self.second = 0
-        self.count = 0
-        self.lease = 0  # of the jog that this page holds
-
-
 class Server:
     def __init__(self, api, key, names, folder, about=None):
         """`api`: an Api; `names`: host names (without port) that a request may name; `folder`: the page's files; `about`: more for
         the first message to a page."""
+        self.pages = Pages(api, key, _PAGES)
         self.api = api
-        self._key = key
-        self._names = names
+        self._names = {name.encode() for name in names}
         self._about = about or {}
         self._folder = folder
         self._files = {}
         for name in os.listdir(folder):
             if name.split(".")[-1] in _TYPES:
                 self._files[name] = folder + "/" + name
-        self.pages = []
-        self.beat = 0
         self.app = App()
         Request.max_content_length = Request.max_body_length = _BODY_BYTES
         Request.max_readline = _HEAD_BYTES // 4
@@ -181,15 +164,8 @@ class Server:
             return self._file(name)
 
     def _known(self, request):
-        """Whether Host, and Origin if there is one, are this server's."""
-        host = request.headers.get("Host", "")
-        name = host.rsplit(":", 1)[0] if not host.endswith("]") else host
-        if name.lower() not in self._names:
-            return False
-        origin = request.headers.get("Origin")
-        if origin is None:  # no browser, or a page that is only fetched: a browser names it for a WebSocket and for each POST
-            return request.path != "/ws"
-        return origin == "http://" + host
+        host, origin = [request.headers.get(name, "").lower().encode() or None for name in ("Host", "Origin")]
+        return known(host, origin, self._names, request.path == "/ws")
 
     def _file(self, name):
         path = self._files.get(name)
@@ -201,77 +177,28 @@ class Server:
     # --- a page
 
     async def _socket(self, request):
-        if len(self.pages) >= _PAGES:
+        if self.pages.full():
             return "too many pages", 503
         socket = await websocket_upgrade(request)
         request.sock[0].open = True
-        page = Page(socket, Session(self._key, hex_of(os.urandom(16))))
-        self.pages.append(page)
+        page = self.pages.enter(socket, self._about, clock_ms())
         try:
-            hello = {"t": "hello", "nonce": page.session.nonce, "can": self.api.machine.can, "axes": self.api.machine.axes,
-                     "language": self.api.machine.language}  # fmt: skip
-            hello.update(self._about)
-            await socket.send(json.dumps(hello))
-            while True:
-                data = await socket.receive()
-                answer = self._hear(page, data)
-                if answer is None:
-                    break
+            answer = page and page.hello
+            while answer is not None:
                 await socket.send(json.dumps(answer))
+                data = await socket.receive()
+                answer = self.pages.hear(page, data, clock_ms()) if isinstance(data, str) else None
         except (OSError, WebSocketError, ValueError, EOFError):
             pass
         finally:
-            if page in self.pages:
-                self.pages.remove(page)
-            if page.lease:
-                self.api.machine.end_jog()
+            if page:
+                self.pages.leave(page)
         return Response.already_handled
-
-    def _hear(self, page, data):
-        """The answer to a message; None: the page is closed."""
-        if not isinstance(data, str) or not self._within_rate(page):
-            return None
-        proven = data[:1] != "{"
-        if proven:
-            data = page.session.open(data)
-            if data is None:
-                page.wrong += 1
-                return {"t": "answer", "do": "", "error": errors.NO_SESSION} if page.wrong < _WRONG_PROOFS else None
-        try:
-            order = json.loads(data)
-        except ValueError:
-            return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
-        answer = self.api.order(order, proven)
-        if isinstance(order, dict) and order.get("do") == "jog" and not answer["error"]:
-            page.lease = order["lease"]
-        if isinstance(order, dict) and "id" in order and isinstance(order["id"], int):
-            answer["id"] = order["id"]
-        return answer
-
-    def _within_rate(self, page):
-        second = int(time.monotonic())
-        if second != page.second:
-            page.second = second
-            page.count = 0
-        page.count += 1
-        return page.count <= _MESSAGES_S
-
-    def tell(self, event):
-        """Something for every page, with the next push."""
-        for page in self.pages:
-            if len(page.told) < 100:
-                page.told.append(event)
 
     async def push(self, now_ms):
         """State, and what else there is, to every page. A page that does not read is left out, and closed in the end."""
-        self.beat += 1
-        self.api.machine.beat(self.beat)
-        state = dict(self.api.machine.shown())
-        state["t"] = "state"
-        state["beat"] = self.beat
-        state["pages"] = len(self.pages)
-        text = json.dumps(state)
-        for page in list(self.pages):
+        text = self.pages.next_state(now_ms)
+        for page in list(self.pages.pages):
             writer = page.socket.request.sock[1]
             transport = getattr(writer, "transport", None)
             if transport is not None and transport.get_write_buffer_size() > _UNSENT:

@@ -15,7 +15,7 @@ _MOST_SPEED = 1_000_000.0
 _LINE = const(120)
 _PASSES = const(100)
 _MOST_NUMBER = const(0x1FFFFFFF)
-_FREE = ("stop", "look")  # without a session
+_OF_STORE = ("job_text", "job_part", "job_remove", "run", "teach")
 
 
 class Wrong(Exception):
@@ -44,7 +44,7 @@ def places(order, name, axes):
     if not isinstance(value, dict) or not value:
         raise Wrong(name)
     for axis in value:
-        if len(axis) != 1 or axis not in axes:
+        if not isinstance(axis, str) or len(axis) != 1 or axis not in axes:  # MicroPython takes JSON whose keys are no texts
             raise Wrong(name)
         number(value, axis, -_MOST_MM, _MOST_MM)
     return value
@@ -53,7 +53,8 @@ def places(order, name, axes):
 class Api:
     def __init__(self, machine, store, teach=None, choose=None):
         """`store`: the jobs: names(), lines(name), text(name, at), add(name, at, piece, last), put(name, text), remove(name); what
-        fails is a number of errors. `choose(name)`: another board file, and a new start; None: there is no choice."""
+        fails is a number of errors; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
+        no choice."""
         self.machine = machine
         self.store = store
         self.teach = teach
@@ -66,6 +67,14 @@ class Api:
             "run": self._run, "abort": self._abort, "log": self._log, "settings": self._settings,
             "teach": self._teach, "machine": self._machine,
         }  # fmt: skip
+        if store is None:
+            for name in _OF_STORE:
+                del self._orders[name]
+
+    def can(self):
+        """What a page may ask for: of what the machine's language has words for, what this server serves."""
+        lacking = (() if self.store else ("jobs",)) + (() if self.teach else ("teach",))
+        return [what for what in self.machine.can if what not in lacking]
 
     def order(self, order, proven):
         """The answer to an order. `proven`: its session has the key."""
@@ -173,7 +182,7 @@ class Api:
     # --- jobs
 
     def _jobs(self, order):
-        return {"t": "jobs", "jobs": self.store.names()}
+        return {"t": "jobs", "jobs": self.store.names() if self.store else []}
 
     def _job_text(self, order):
         name = text(order, "name", 64)

@@ -2,7 +2,7 @@
 
     guard = Guard(names, key, nonce, own)
     guard.admit(admitted, free)
-    guard.wrong(connection)             # the status that refuses it: a foreign Host or Origin; 0
+    guard.wrong(connection)             # the status that refuses it: a foreign Host or Origin, see known(); 0
     guard.proven(connection, now_ms)    # True if it may move the machine
 
 A request proves that its sender has the key by the head's line `X-Passo: COUNT.PROOF`: PROOF is the HMAC-SHA256 of
@@ -21,6 +21,14 @@ from passo.web.session import Session, hex_of
 WRONG = const(5)  # wrong proofs, then none is looked at for
 _PAUSE_MS = const(1000)
 _NONCE_BYTES = const(16)
+
+
+def known(host, origin, names, browser=False):
+    """True if a request's Host is of `names`, with a port or not, and its Origin is this server's page, or there is none. Bytes in small
+    letters, or None. `browser`: it must have one, as a browser's WebSocket has."""
+    if host is None or (host if host[-1:] == b"]" else host.rsplit(b":", 1)[0]) not in names:
+        return False
+    return not browser if origin is None else origin == b"http://" + host
 
 
 def nonce():
@@ -46,12 +54,8 @@ class Guard:
         self._admitted = admitted
         self._free = free
 
-    def wrong(self, connection):
-        host = connection.host
-        if host is None or host.partition(b":")[0] not in self._names:
-            return 403
-        origin = connection.origin
-        return 0 if origin is None or origin == b"http://" + host else 403
+    def wrong(self, connection, browser=False):
+        return 0 if known(connection.host, connection.origin, self._names, browser) else 403
 
     def free(self, path):
         return path in self._free
