@@ -196,7 +196,7 @@ class Server:
         return Response.already_handled
 
     async def push(self, now_ms):
-        """State, and what else there is, to every page. A page that does not read is left out, and closed in the end."""
+        """State, as often as a page wants it, and what else there is, to every page. A page that does not read is left out, and closed in the end."""
         text = self.pages.next_state(now_ms)
         for page in list(self.pages.pages):
             writer = page.socket.request.sock[1]
@@ -205,7 +205,7 @@ class Server:
                 transport.abort()
                 continue
             told, page.told = page.told, []
-            for each in [text] + [json.dumps(event) for event in told]:
+            for each in [text] * page.pace.due(self.pages.state, now_ms) + [json.dumps(event) for event in told]:
                 try:
                     writer.write(bytes(WebSocket._encode_websocket_frame(WebSocket.TEXT, each)))
                 except (OSError, RuntimeError):

@@ -15,6 +15,7 @@ from passo.config.boardfile import check
 from passo.ports.virtual import COARSE_TICKS, FINE_TICKS, MemoryLine, VirtualPort
 from passo.records import COUNT_MASK, TICKS_PER_MS
 from passo.web.api import Api
+from passo.web.pace import Pace
 from host_tools.sim.plant import Plant
 from host_tools.sim.tab_jobs import Jobs
 
@@ -78,6 +79,7 @@ class Tab:
         self.machine = self._language(board["links"][0]["protocol"])
         self.jobs = Jobs(jobs, self.machine.language)
         self.api = Api(self.machine, self.jobs, self._teach)
+        self._pace = Pace()
         self._beats = self._pushed_ms = self._shown_ms = 0
         self._hello()
 
@@ -117,7 +119,8 @@ class Tab:
     def hear(self, text):
         """An order of the page; the answer goes to it."""
         order = json.loads(text)
-        answer = self.api.order(order, True)
+        looks = isinstance(order, dict) and order.get("do") == "look"
+        answer = self._pace.look(order) if looks else self.api.order(order, True)
         if isinstance(order, dict) and "id" in order:
             answer["id"] = order["id"]
         self._tell(answer)
@@ -163,7 +166,8 @@ class Tab:
             state["pages"] = 1
             if self._teach:
                 state["teaching"] = self._teach.places()
-            self._tell(state)
+            if self._pace.due(state, now):
+                self._tell(state)
         if (now - self._shown_ms) & COUNT_MASK >= _SHOW_MS:
             self._shown_ms = now
             plant = self.plant

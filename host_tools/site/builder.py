@@ -7,17 +7,11 @@ MicroPython comes from npm, a version of one checksum, and stays in ~/.cache/pas
 the same words.
 """
 
-import base64
-import hashlib
-import io
 import json
 import math
 import os
 import re
 import shutil
-import tarfile
-import urllib.error
-import urllib.request
 from functools import lru_cache
 from pathlib import Path
 
@@ -27,11 +21,12 @@ from host_tools.build.tree import module_files
 from host_tools.drawings.objects import objects
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE, HOST_TOOLS
+from host_tools.site.npm import Package
 
-PACKAGE = "micropython-webassembly-pyscript"
-VERSION = "1.27.0"
-INTEGRITY = "DnXx4EqxgkeaFESrS3uKrL7mLMk4mRTd0mMzaOd3HUSiZUOAE7t11uLnjf3ftF87N2xm4knHnWEKcVK4IYIUDA=="  # SHA-512
-TAKEN = ("micropython.mjs", "micropython.wasm")
+MICROPYTHON = Package(
+    "MicroPython for the browser", "@micropython/micropython-webassembly-pyscript", "1.27.0",
+    "DnXx4EqxgkeaFESrS3uKrL7mLMk4mRTd0mMzaOd3HUSiZUOAE7t11uLnjf3ftF87N2xm4knHnWEKcVK4IYIUDA==",
+)  # fmt: skip
 PAGE = FIRMWARE / "passo" / "web" / "page"
 OWN = Path(__file__).resolve().parent
 TAB = ("host_tools/sim/tab.py", "host_tools/sim/tab_jobs.py", "host_tools/sim/tab_plotter.py", "host_tools/sim/plant.py",
@@ -40,46 +35,12 @@ SHIMS = ("random.py",)
 BOARDS = ("router_3axis", "plotter_2014")  # the first one is shown
 _LEFT_OUT = ("passo/ports/rp2/", "passo/ports/esp32/")
 _MACHINE_CODE = re.compile(r"(?m)^[ ]*@micropython\.(viper|native)$")
-_MOST_PACKAGE = 4 << 20
-_FETCH_S = 60
 _MOST_AXES = 4
 
 
 def package(cache=None):
-    """{name: bytes} of MicroPython's two files: from ~/.cache/passo, else from npm's registry. Raises Failure."""
-    kept = (cache or Path("~/.cache/passo").expanduser()) / f"{PACKAGE}-{VERSION}.tgz"
-    if kept.is_file():
-        data = kept.read_bytes()
-    else:
-        data = _fetched()
-        kept.parent.mkdir(parents=True, exist_ok=True)
-        fresh = kept.with_suffix(f".{os.getpid()}")
-        fresh.write_bytes(data)
-        os.replace(fresh, kept)
-    try:
-        return unpacked(data)
-    except Failure:
-        kept.unlink(missing_ok=True)
-        raise
-
-
-def _fetched():
-    registry = os.environ.get("NPM_CONFIG_REGISTRY", "https://registry.npmjs.org").rstrip("/")
-    address = f"{registry}/@micropython/{PACKAGE}/-/{PACKAGE}-{VERSION}.tgz"
-    try:
-        with urllib.request.urlopen(address, timeout=_FETCH_S) as answer:
-            return answer.read(_MOST_PACKAGE)
-    except (OSError, urllib.error.URLError) as error:
-        raise Failure(f"cannot fetch MicroPython for the browser, {address}: {error}") from error
-
-
-def unpacked(data):
-    """The files that are taken of npm's archive. Raises Failure if it is not the one that is known."""
-    found = base64.b64encode(hashlib.sha512(data).digest()).decode()
-    if found != INTEGRITY:
-        raise Failure(f"{PACKAGE} {VERSION} is not what it was: SHA-512 {found} instead of {INTEGRITY}; it is not used")
-    with tarfile.open(fileobj=io.BytesIO(data)) as archive:
-        return {name: archive.extractfile(f"package/{name}").read() for name in TAKEN}
+    """{name: bytes} of MicroPython's two files. Raises Failure."""
+    return MICROPYTHON.files("micropython.mjs", "micropython.wasm", cache=cache)
 
 
 @lru_cache(maxsize=1)

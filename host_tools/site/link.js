@@ -79,5 +79,7 @@ export class Link {
     return new Promise((answer) => this.waiting.set(id, answer));
   }
 
+  look(every) { return this.order({ do: "look", every }); }
+
   stop() { if (this.open) this.worker.postMessage('{"do":"stop"}'); }
 }

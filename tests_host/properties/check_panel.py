@@ -5,6 +5,7 @@ from panel_desk import TICKS_PER_MS, Desk
 from passo import errors
 from passo.web.jog import Limits
 from passo.web.lease import FRESH_MS, LEASE_MS, Lease
+from passo.web.pace import Pace
 from passo.web.session import Session, hex_of, hmac, make_key, read_key, shown
 from passo.web.teach import lines_of
 from passo.web.wire import PAGE, Wire
@@ -88,6 +89,21 @@ def check_what_was_held_up_counts_for_nothing():
     assert not lease.begin(1, 2, 2000), "its number is used up"
     assert lease.begin(2, 2, 2000)
     assert not lease.renew(2, 1, 2100), "it has not seen the newest reports"
+
+
+def check_a_page_is_told_as_often_as_it_asks():
+    state = {"state": "Idle", "link": True, "alarm": 0, "owner": "page", "job": None, "m": [0.0]}
+    pace = Pace()
+    assert [pace.due(state, now) for now in range(0, 500, 50)] == [True] * 10
+    for every, wanted in ((500, 4), (100, 20), (1000, 2), (0, 1)):
+        assert pace.look({"do": "look", "every": every})["error"] == 0
+        assert sum([pace.due(state, now & 0x1FFFFFFF) for now in range(0x1FFFFF00, 0x1FFFFF00 + 2000, 50)]) == wanted, every
+    changed = dict(state)
+    changed["alarm"] = 211
+    assert pace.due(changed, 0) and not pace.due(changed, 50) and pace.due(state, 100), "what changed is told at once"
+    for wrong in (-1, 0.5, True, None, "50", 10_001):
+        assert pace.look({"do": "look", "every": wrong})["error"] == errors.ORDER_FIELD, wrong
+    assert not pace.due(state, 150), "a wrong one changes nothing"
 
 
 def stopped_after(desk, since):

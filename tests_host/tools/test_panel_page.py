@@ -7,13 +7,14 @@ import json
 import os
 import shutil
 import socket
-import subprocess
 import threading
 import time
 from pathlib import Path
 
 import pytest
 
+from host_tools.failure import Failure
+from host_tools.site.npm import Package
 from panel_process import PanelProcess
 from passo.web.session import hex_of, hmac
 
@@ -21,6 +22,7 @@ CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shuti
 DRIVER = shutil.which("chromedriver")
 MM = 320  # steps
 LIMIT_S = 15
+AXE = Package("axe-core", "axe-core", "4.14.1", "FHfa+lmNjQZfJz1q8wKqIDwC6DExcHt/pkjNQb09a3NPjCKg2rhu5qb2S4r76ASyFNNtuFooJpZe37OgudVGtQ==")
 pytestmark = [
     pytest.mark.unmeasured,
     pytest.mark.xdist_group("panel"),
@@ -29,19 +31,29 @@ pytestmark = [
 SQUARE = "G21 G91\nF2000\nG1 X20\nG1 Y20\nG1 X-20\nG2 Y-20 J-10\n"
 
 
+def chromium():
+    """A Chromium of its own, without a window."""
+    from selenium import webdriver
+
+    options = webdriver.ChromeOptions()
+    options.binary_location = CHROMIUM
+    for word in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage"):
+        options.add_argument(word)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
+    driver.set_script_timeout(LIMIT_S)
+    return driver
+
+
 class Browser:
     """Chromium on the page of a panel."""
 
-    def __init__(self, panel, size=(1280, 1000), query="lang=en&theme=light", address=None, key=True):
-        from selenium import webdriver
-
-        options = webdriver.ChromeOptions()
-        options.binary_location = CHROMIUM
-        for word in ("--headless=new", "--no-sandbox", "--disable-gpu", "--disable-dev-shm-usage", "--window-size=%d,%d" % size):
-            options.add_argument(word)
-        options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
-        self.driver = webdriver.Chrome(options=options, service=webdriver.ChromeService(DRIVER))
-        self.driver.set_script_timeout(LIMIT_S)
+    def __init__(self, panel, driver=None, size=(1280, 1000), query="lang=en&theme=light", address=None, key=True):
+        """`driver`: a Chromium that stays when this one ends; else one of its own."""
+        self._own = driver is None
+        self.driver = driver or chromium()
+        self.driver.set_window_size(*size)
+        self.driver.get("about:blank")
         self.driver.get((address or panel.address) + "?" + query + (f"#key={panel.key}" if key else ""))
         self.until(lambda: self.text("state") not in ("", "No link", "Sem ligação"))
         if key:
@@ -51,7 +63,8 @@ class Browser:
         return self
 
     def __exit__(self, *_):
-        self.driver.quit()
+        if self._own:
+            self.driver.quit()
 
     def find(self, name):
         return self.driver.find_element("id", name)
@@ -87,6 +100,12 @@ class Browser:
     def fill(self, name, value):
         self.driver.execute_script("arguments[0].value = arguments[1]", self.find(name), value)
 
+    def choose(self, name, value):
+        """Another option of a list."""
+        from selenium.webdriver.support.ui import Select
+
+        Select(self.find(name)).select_by_value(value)
+
     def press(self, way):
         """A finger down on a button of the pad."""
         from selenium.webdriver import ActionChains
@@ -115,9 +134,27 @@ def panel(tmp_path_factory):
         yield process
 
 
+@pytest.fixture(scope="module")
+def driver():
+    opened = chromium()
+    yield opened
+    opened.quit()
+
+
+@pytest.fixture(scope="module")
+def axe():
+    """The text of axe-core."""
+    try:
+        return AXE.files("axe.min.js")["axe.min.js"].decode()
+    except Failure as failure:
+        if "cannot fetch" not in str(failure):
+            raise
+        pytest.skip(f"NO AXE: {failure}")
+
+
 @pytest.fixture
-def browser(panel):
-    with Browser(panel) as opened:
+def browser(panel, driver):
+    with Browser(panel, driver) as opened:
         if opened.text("state") == "Alarm":
             opened.click("unlock")
         opened.until_state("Ready")
@@ -152,6 +189,23 @@ def test_a_jog_ends_when_it_is_let_go(browser):
     before, after = jogged(browser, "y+", lambda: browser.driver.execute_script("window.dispatchEvent(new Event('blur'))"))
     browser.let_go()
     assert after[1] > before[1]
+
+
+def test_reports_switched_off_come_for_a_jog(browser):
+    """Without reports the places stand still, but the state does not; a jog asks for reports as long as it lasts."""
+    count = "window.told = (window.told || 0)"
+    browser.driver.execute_script(count + "; new MutationObserver(() => { window.told += 1; }).observe(document.getElementById('m-x'), {childList: true})")
+    browser.choose("refresh", "0")
+    before, after = jogged(browser, "x+", browser.let_go)
+    assert after[0] > before[0]
+    told = browser.driver.execute_script("return window.told")
+    browser.driver.execute_script("document.querySelector('input[name=step][value=\"10\"]').click()")
+    browser.tap("[data-way='x-']")
+    browser.until_state("Moving")
+    browser.until_state("Ready")
+    assert browser.place()[0] == round(after[0] - 10, 3)
+    assert browser.driver.execute_script("return window.told") - told <= 3
+    browser.choose("refresh", "50")
 
 
 def test_steps_zero_and_go_there(browser):
@@ -363,9 +417,8 @@ LOOKS += [pytest.param(size, language, theme, marks=pytest.mark.slow) for size i
 
 
 @pytest.mark.parametrize("size, language, theme", LOOKS)
-def test_axe_finds_no_serious_fault(panel, tmp_path_factory, size, language, theme):
-    axe = axe_core(tmp_path_factory)
-    with Browser(panel, size, f"lang={language}&theme={theme}") as browser:
+def test_axe_finds_no_serious_fault(panel, driver, axe, size, language, theme):
+    with Browser(panel, driver, size, f"lang={language}&theme={theme}") as browser:
         browser.until(lambda: browser.text("h-place") == {"en": "Position", "pt": "Posição"}[language])
         browser.shot(f"{language}-{theme}-{size[0]}")
         wide = browser.driver.execute_script("return document.documentElement.scrollWidth - window.innerWidth")
@@ -377,15 +430,3 @@ def test_axe_finds_no_serious_fault(panel, tmp_path_factory, size, language, the
         assert not serious, serious
 
 
-def axe_core(factory):
-    """The text of axe-core, fetched by npm; without it the test skips."""
-    npm = shutil.which("npm")
-    if not npm:
-        pytest.skip("NO NPM: axe-core cannot be fetched")
-    folder = factory.getbasetemp().parent / "axe"
-    script = folder / "node_modules" / "axe-core" / "axe.min.js"
-    if not script.exists():
-        folder.mkdir(exist_ok=True)
-        if subprocess.run([npm, "install", "--silent", "--prefix", str(folder), "axe-core@4"], capture_output=True).returncode or not script.exists():
-            pytest.skip("NO AXE: npm could not fetch axe-core")
-    return script.read_text(encoding="utf-8")

@@ -4,7 +4,8 @@
     pages = Pages(api, key, most)
     page = pages.enter(socket, about, now_ms)   # None: there are too many. page.hello is the first message to it
     answer = pages.hear(page, text, now_ms)     # a dict; None: it is to be closed
-    pages.next_state(now_ms)                    # the message for all of them
+    pages.next_state(now_ms)                    # the message for all of them that are due
+    page.pace.due(pages.state, now_ms)
     pages.leave(page)                           # its jog ends
 """
 
@@ -15,6 +16,7 @@ from micropython import const
 from passo import errors
 from passo.records import COUNT_MASK
 from passo.web.guard import WRONG, nonce
+from passo.web.pace import Pace
 from passo.web.session import Session
 
 _MESSAGES_S = const(100)  # orders a second, of one page
@@ -35,6 +37,7 @@ class Page:
         self.second_ms = 0
         self.count = 0
         self.lease = 0  # of the jog that this page holds
+        self.pace = Pace()
 
 
 class Pages:
@@ -45,6 +48,7 @@ class Pages:
         self._most = most
         self.pages = []
         self.beat = 0
+        self.state = {}  # as it is pushed
 
     def full(self):
         return len(self.pages) >= self._most
@@ -83,7 +87,8 @@ class Pages:
             order = json.loads(text)
         except ValueError:
             return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
-        answer = self.api.order(order, proven)
+        looks = isinstance(order, dict) and order.get("do") == "look"
+        answer = page.pace.look(order) if looks else self.api.order(order, proven)
         if isinstance(order, dict):
             if order.get("do") == "jog" and not answer["error"]:
                 page.lease = order["lease"]
@@ -113,4 +118,5 @@ class Pages:
         state["t"] = "state"
         state["beat"] = self.beat
         state["pages"] = len(self.pages)
+        self.state = state
         return json.dumps(state)

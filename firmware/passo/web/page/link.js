@@ -28,7 +28,7 @@ export class Link {
       this.nonce = message.nonce;
       this.up(true);
     }
-    if (message.t === "answer" && !("id" in message) && this.waiting.size) message.id = this.waiting.keys().next().value;  // in order
+    if (message.t === "answer" && !message.do && !("id" in message) && this.waiting.size) message.id = this.waiting.keys().next().value;  // in order
     if (this.waiting.has(message.id)) {
       this.waiting.get(message.id)(message);
       this.waiting.delete(message.id);
@@ -55,6 +55,14 @@ export class Link {
     const count = String(++this.count);
     const proof = hex(hmac(bytes(this.key), bytes(`${this.nonce}.${count}.${body}`)));
     this.socket.send(`${count}.${proof}.${body}`);
+    return new Promise((answer) => this.waiting.set(id, answer));
+  }
+
+  // How often the state comes, in milliseconds; 0: only changes. Needs no key.
+  look(every) {
+    if (!this.ready()) return Promise.resolve({ error: 170 });
+    const id = ++this.id;
+    this.socket.send(JSON.stringify({ do: "look", every, id }));
     return new Promise((answer) => this.waiting.set(id, answer));
   }
 

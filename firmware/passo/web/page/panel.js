@@ -18,10 +18,9 @@ let report = { state: "", beat: 0, m: [], w: [] };
 let errors = {};
 let axes = "";
 let rules = {};
-let shownMs = 0;
 let job = { name: "", text: "", lines: [] };
 const link = new Link(told, up);
-const jog = new Jog(link, () => report, refuse);
+const jog = new Jog(link, () => report, refuse, refresh);
 const picture = new Picture($("path"));
 
 // --- messages
@@ -57,11 +56,12 @@ function up(open) {
   if (!open) {
     jog.release();
     report = { ...report, state: "", link: false };
-    show(true);
+    show();
     say(_("The link to the panel is lost. Trying again…"));
     return;
   }
   say("");
+  if (jog.seldom()) link.look(refresh());
   useKey();
 }
 
@@ -78,7 +78,8 @@ async function useKey() {
 function told(message) {
   if (message.t === "state") {
     report = message;
-    show(false);
+    jog.report();
+    show();
   } else if (message.t === "hello") {
     hello(message);
   } else if (message.t === "settings") {
@@ -125,16 +126,12 @@ function setAxes(wanted) {
 
 // --- what is shown
 
-function show(at_once) {
-  const every = Number($("refresh").value);
-  const now = performance.now();
+function show() {
   const number = report.state || "";
   $("state").dataset.state = number;
   const braking = ["Hold", "Door"].includes(number) && report.sub !== "0";
   const name = braking ? _("Stopping") : _(STATES[report.link === false ? "" : number] || number);
   if ($("state-name").textContent !== name) $("state-name").textContent = name;
-  if (!at_once && (!every || now - shownMs < 1000 / every - 5)) return;
-  shownMs = now;
   [...axes].forEach((axis, n) => {
     $(`w-${axis}`).textContent = report.w && n in report.w ? report.w[n].toFixed(3) : "";
     $(`m-${axis}`).textContent = report.m && n in report.m ? report.m[n].toFixed(3) : "";
@@ -399,6 +396,9 @@ function makeOverrides() {
 
 // --- how it looks
 
+// Milliseconds between reports; 0: only changes.
+function refresh() { return Number($("refresh").value); }
+
 function keep(text) {
   link.key = text.toUpperCase().replace(/[^A-Z0-9]/g, "");
   try { sessionStorage.setItem("key", link.key); } catch { /* a page without storage asks again */ }
@@ -420,14 +420,14 @@ async function speak(language) {
   const now = axes;
   axes = "";
   setAxes(now);
-  show(true);
+  show();
   if (link.key && link.ready()) { link.order({ do: "settings" }); link.order({ do: "log" }); }
 }
 
 $("language").onchange = () => { put("language", $("language").value); speak($("language").value); };
 $("theme").onchange = () => { put("theme", $("theme").value); theme($("theme").value); };
 matchMedia("(prefers-color-scheme: dark)").onchange = () => theme($("theme").value);
-$("refresh").onchange = () => show(true);
+$("refresh").onchange = () => { put("refresh", $("refresh").value); link.look(refresh()); };
 
 const given = /[#&]key=([A-Za-z0-9-]+)/.exec(location.hash);
 if (given) {
@@ -439,6 +439,7 @@ if (given) {
 const asked = new URLSearchParams(location.search);
 $("language").value = [asked.get("lang"), kept("language"), preferred()].find((each) => languages.includes(each));
 $("theme").value = [asked.get("theme"), kept("theme")].find((each) => ["auto", "light", "dark"].includes(each)) || "auto";
+$("refresh").value = [kept("refresh"), "50"].find((each) => [...$("refresh").options].some((option) => option.value === each));
 theme($("theme").value);
 errors = await (await fetch("errors.json")).json();
 await speak($("language").value);

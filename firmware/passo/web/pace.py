@@ -1,0 +1,42 @@
+"""How often one page is told the state: as it asks, or only of changes.
+
+    pace = Pace()
+    answer = pace.look({"do": "look", "every": 500})        # milliseconds; 0: only when more changes than places
+    pace.due(state, now_ms)
+
+A jog wants reports that are fresh (lease.py): a page that has them rarely asks for more of them before it moves the machine.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.web.lease import since
+
+_MOST_MS = const(10_000)
+_EARLY_MS = const(5)  # a report that is so near to its time goes now, not a push later
+
+
+class Pace:
+    def __init__(self):
+        self._every_ms = 1
+        self._told_ms = 0
+        self._told = None
+
+    def look(self, order):
+        """The answer to an order that says how often; it needs no key."""
+        every = order.get("every")
+        good = isinstance(every, int) and not isinstance(every, bool) and 0 <= every <= _MOST_MS
+        if good:
+            self._every_ms = every
+            self._told = None  # the next report comes at once
+        return {"t": "answer", "do": "look", "error": 0 if good else errors.ORDER_FIELD}
+
+    def due(self, state, now_ms):
+        """Whether the page is told now. What is no matter of places is told at once."""
+        job = state["job"]
+        changed = (state["state"], state["link"], state["alarm"], state.get("owner"), job and (job["name"], job["how"], job["pass"]))
+        if changed == self._told and (not self._every_ms or since(now_ms, self._told_ms) + _EARLY_MS < self._every_ms):
+            return False
+        self._told = changed
+        self._told_ms = now_ms
+        return True

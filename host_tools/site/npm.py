@@ -1,0 +1,69 @@
+"""Packages of npm's registry, one version of one checksum each, kept in ~/.cache/passo.
+
+    files = MICROPYTHON.files("micropython.mjs", "micropython.wasm")        # {name: bytes}
+"""
+
+import base64
+import hashlib
+import io
+import os
+import tarfile
+import urllib.error
+import urllib.request
+from dataclasses import dataclass
+from pathlib import Path
+
+from host_tools.failure import Failure
+
+_MOST = 8 << 20  # bytes of an archive
+_FETCH_S = 60
+
+
+@dataclass
+class Package:
+    what: str  # what it is, for people
+    name: str  # with its @scope/
+    version: str
+    integrity: str  # SHA-512, base64
+
+    @property
+    def _file(self):
+        return f"{self.name.rpartition('/')[2]}-{self.version}.tgz"
+
+    def kept(self, cache=None):
+        """Where its archive is kept."""
+        return (cache or Path("~/.cache/passo").expanduser()) / self._file
+
+    def files(self, *names, cache=None):
+        """{name: bytes} of some of its files. Raises Failure: it cannot be fetched, or is not the one that is known."""
+        kept = self.kept(cache)
+        if kept.is_file():
+            data = kept.read_bytes()
+        else:
+            data = self._fetched()
+            kept.parent.mkdir(parents=True, exist_ok=True)
+            fresh = kept.with_suffix(f".{os.getpid()}")
+            fresh.write_bytes(data)
+            os.replace(fresh, kept)
+        try:
+            return self.unpacked(data, names)
+        except Failure:
+            kept.unlink(missing_ok=True)
+            raise
+
+    def _fetched(self):
+        registry = os.environ.get("NPM_CONFIG_REGISTRY", "https://registry.npmjs.org").rstrip("/")
+        address = f"{registry}/{self.name}/-/{self._file}"
+        try:
+            with urllib.request.urlopen(address, timeout=_FETCH_S) as answer:
+                return answer.read(_MOST)
+        except (OSError, urllib.error.URLError) as error:
+            raise Failure(f"cannot fetch {self.what}, {address}: {error}") from error
+
+    def unpacked(self, data, names):
+        """Files of an archive. Raises Failure if it is not the one that is known."""
+        found = base64.b64encode(hashlib.sha512(data).digest()).decode()
+        if found != self.integrity:
+            raise Failure(f"{self.name} {self.version} is not what it was: SHA-512 {found} instead of {self.integrity}; it is not used")
+        with tarfile.open(fileobj=io.BytesIO(data)) as archive:
+            return {name: archive.extractfile(f"package/{name}").read() for name in names}
