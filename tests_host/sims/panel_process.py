@@ -4,7 +4,7 @@
         page = panel.page()                         # with the key
         page.order("unlock")                        # the answer, a dict
         page.until(lambda state: state["state"] == "Idle")
-    panel.trace()                                   # [(x, y, z)] of each step, once it has ended
+    panel.trace()                                   # [(ticks, x, y, z)] of each step, once it has ended
 """
 
 import csv
@@ -18,6 +18,7 @@ import websocket
 
 from passo.web.session import Session
 
+TICK_US = 0.08
 LIMIT_S = 60  # for anything that ends by itself
 
 
@@ -53,9 +54,9 @@ class PanelProcess:
         return PageClient(self.host, self.key if key is None else key)
 
     def trace(self):
-        """(x, y, z) in steps, row by row."""
+        """(ticks of 80 ns, x, y, z) in steps, row by row."""
         with open(self.trace_file, newline="") as file:
-            return [(int(row["x"]), int(row["y"]), int(row["z"])) for row in csv.DictReader(file)]
+            return [(round(float(row["t_us"]) / TICK_US), int(row["x"]), int(row["y"]), int(row["z"])) for row in csv.DictReader(file)]
 
 
 class PageClient:
