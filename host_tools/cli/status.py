@@ -8,7 +8,7 @@ from host_tools.cli.log import BAUD, shown, spoken
 from host_tools.failure import Failure
 
 _REPORTS = 40  # of grbl, until one has said what each says only now and then
-_PINS = {"P": "probe", "D": "door", "H": "hold", "R": "reset", "S": "resume"}
+_PINS = {"P": "probe", "D": "door", "H": "hold", "R": "reset", "S": "resume", "N": "presence", "n": "nobody at the machine"}
 _ACCESSORIES = {"S": "spindle clockwise", "C": "spindle counter-clockwise", "F": "flood", "M": "mist"}
 
 

@@ -11,6 +11,7 @@ import asyncio
 import json
 import os
 import time
+from ipaddress import ip_address
 
 from microdot import Microdot, Request, Response
 from microdot.websocket import WebSocket, WebSocketError, websocket_upgrade
@@ -181,7 +182,7 @@ class Server:
             return "too many pages", 503
         socket = await websocket_upgrade(request)
         request.sock[0].open = True
-        page = self.pages.enter(socket, self._about, clock_ms())
+        page = self.pages.enter(socket, self._about, clock_ms(), not ip_address(request.client_addr[0]).is_loopback)
         try:
             answer = page and page.hello
             while answer is not None:

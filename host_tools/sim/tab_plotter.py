@@ -167,6 +167,10 @@ class PlotterMachine:
     def still(self):
         return errors.BUSY if self.job.running() or self.state["state"] not in ("Idle", "Alarm") else 0
 
+    def absent(self):
+        """Who has the tab is at the machine."""
+        return 0
+
     def stop(self):
         self.write(packet(COMMANDS["STOP"]))
         self.job.fail(errors.STOPPED)

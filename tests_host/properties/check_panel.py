@@ -1,5 +1,6 @@
 """The page's orders: who may give them, what a jog's lease is, and that nothing else moves the machine."""
 
+from boards.router_3axis import BOARD
 from draws import Random
 from panel_desk import TICKS_PER_MS, Desk
 from passo import errors
@@ -190,6 +191,44 @@ def check_without_the_key_only_stop():
     stood = desk.place()
     desk.run_ms(500)
     assert desk.place() == stood and stood[0] < before[0] + 20 * MM
+
+
+PRESENCE = {
+    "network": {"presence": "hand"},
+    "inputs": BOARD["inputs"] + [{"name": "hand", "pin": 28, "active": 1}],
+}
+
+
+def check_who_is_far_away_wants_somebody_at_the_machine():
+    desk = Desk(**PRESENCE)
+    switches = desk.board.world.switches
+    desk.store.put("a", "G21G91\nG1X4F3000\n")
+    starts = (
+        {"do": "output", "name": "spindle_cw", "rpm": 1000}, {"do": "output", "name": "spindle_ccw"}, {"do": "run", "name": "a"}, {"do": "resume"},
+        {"do": "line", "line": "G1 X1 F100 m 03 S1000"}, {"do": "line", "line": "M4"}, {"do": "line", "line": "M(off)3"},
+        {"do": "line", "line": "$F=A"}, {"do": "line", "line": "$N0=M3"},
+    )  # fmt: skip
+    switches["hand"] = 0
+    desk.run_ms(100)
+    before = desk.place()
+    for order in starts:
+        assert desk.api.order(order, True, True)["error"] == errors.PRESENCE, order
+        assert desk.api.order(order, False, True)["error"] == errors.NO_SESSION, order
+    for order in ({"do": "line", "line": "M9"}, {"do": "line", "line": "G4P0"}, {"do": "output", "name": "spindle_off"}, {"do": "hold"}):
+        assert desk.api.order(order, True, True)["error"] != errors.PRESENCE, order
+        desk.run_ms(100)
+    desk.settle()
+    assert desk.place() == before and desk.board.world.tool == 0
+    desk.order("resume")
+    switches["hand"] = 1
+    desk.run_ms(100)
+    assert desk.api.order(starts[2], True, True)["error"] == 0
+    desk.settle()
+    assert desk.place()[0] == before[0] + 4 * MM
+    switches["hand"] = 0
+    desk.run_ms(100)
+    assert desk.order("run", name="a") == 0, "somebody at this computer"
+    desk.settle()
 
 
 WRONG = (

@@ -35,9 +35,9 @@ class Shelf:
 
 
 class Desk:
-    def __init__(self, guest=None):
-        """A router, unlocked in the middle of its travel, and a page that commands it."""
-        self.board = Machine()
+    def __init__(self, guest=None, **changes):
+        """A router, unlocked in the middle of its travel, and a page that commands it. `changes`: of the board file."""
+        self.board = Machine(**changes)
         self.told = []
         self.machine = GrblMachine(self.board.put, self.told.append, guest)
         self.teach = Teach()

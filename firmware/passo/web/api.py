@@ -3,7 +3,8 @@
     api = Api(machine, store)
     api.order({"do": "step", "by": {"x": 1.0}, "speed": 500}, proven)     # {"t": "answer", "do": "step", "error": 0}
 
-STOP needs no proof. All else that does something wants a session that has proven its key; what is only looked at does not.
+STOP needs no proof. All else that does something wants a session that has proven its key; what is only looked at does not. Tool on,
+run and resume from another computer want somebody at the machine, where the board file names an input for that.
 """
 
 from micropython import const
@@ -76,8 +77,9 @@ class Api:
         lacking = (() if self.store else ("jobs",)) + (() if self.teach else ("teach",))
         return [what for what in self.machine.can if what not in lacking]
 
-    def order(self, order, proven):
-        """The answer to an order. `proven`: its session has the key."""
+    def order(self, order, proven, remote=False):
+        """The answer to an order. `proven`: its session has the key; `remote`: it comes from another computer, and the board does
+        not know that."""
         name = order.get("do") if isinstance(order, dict) else None
         if name == "stop":
             return self._answer("stop", self.machine.stop())
@@ -86,11 +88,19 @@ class Api:
             return self._answer("", errors.UNKNOWN_COMMAND)
         if not proven:
             return self._answer(name, errors.NO_SESSION)
+        error = self._absent(order) if remote else 0
+        if error:
+            return self._answer(name, error)
         try:
             found = do(order)
         except Wrong:
             return self._answer(name, errors.ORDER_FIELD)
         return found if isinstance(found, dict) else self._answer(name, found)
+
+    def _absent(self, order):
+        from passo.web.presence import starts
+
+        return self.machine.absent() if starts(order) else 0
 
     def _answer(self, name, error):
         return {"t": "answer", "do": name, "error": error}

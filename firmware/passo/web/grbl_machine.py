@@ -212,6 +212,10 @@ class GrblMachine:
             return errors.COMMANDED_ELSEWHERE
         return 0
 
+    def absent(self):
+        """0, or why who orders over a network may not start the tool or go on: the board wants somebody at the machine."""
+        return errors.PRESENCE if "n" in self.state.get("pins", "") else 0
+
     def stop(self):
         """Stop at once: who asks does not matter."""
         self.end_jog()

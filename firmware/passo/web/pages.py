@@ -27,8 +27,9 @@ _TOLD = const(100)  # events that wait for the next push
 class Page:
     """One page: its session, and what it is still to be told."""
 
-    def __init__(self, socket, session):
-        """`socket`: what its server knows it by."""
+    def __init__(self, socket, session, remote):
+        """`socket`: what its server knows it by; `remote`: it is on another computer."""
+        self.remote = remote
         self.socket = socket
         self.session = session
         self.hello = None
@@ -53,11 +54,12 @@ class Pages:
     def full(self):
         return len(self.pages) >= self._most
 
-    def enter(self, socket, about, now_ms):
-        """A new page; `about`: what more its first message says, a dict. None: there are too many."""
+    def enter(self, socket, about, now_ms, remote=False):
+        """A new page; `about`: what more its first message says, a dict; `remote`: it is on another computer, and the board does not
+        know that. None: there are too many."""
         if self.full():
             return None
-        page = Page(socket, Session(self._key, nonce()))
+        page = Page(socket, Session(self._key, nonce()), remote)
         machine = self.api.machine
         page.hello = {"t": "hello", "nonce": page.session.nonce, "can": self.api.can(), "axes": machine.axes, "language": machine.language}
         page.hello.update(about)
@@ -88,7 +90,7 @@ class Pages:
         except ValueError:
             return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
         looks = isinstance(order, dict) and order.get("do") == "look"
-        answer = page.pace.look(order) if looks else self.api.order(order, proven)
+        answer = page.pace.look(order) if looks else self.api.order(order, proven, page.remote)
         if isinstance(order, dict):
             if order.get("do") == "jog" and not answer["error"]:
                 page.lease = order["lease"]

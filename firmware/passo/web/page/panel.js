@@ -170,6 +170,7 @@ function showSignals() {
   const outputs = report.on || "";
   const rows = Object.entries(SIGNALS).filter(([letter]) => "XYZA".indexOf(letter) < axes.length || letter > "B" && !"XYZ".includes(letter))
     .map(([letter, name]) => [_(name), on.includes(letter)]);
+  if (/n/i.test(on)) rows.push([_("Somebody at the machine"), on.includes("N")]);
   rows.push([_("Spindle"), /[SC]/.test(outputs)], [_("Coolant"), outputs.includes("F")], [_("Mist"), outputs.includes("M")]);
   const text = JSON.stringify(rows);
   if ($("signals").dataset.shown === text) return;

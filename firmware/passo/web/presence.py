@@ -1,0 +1,29 @@
+"""What a page on another computer may do only while somebody is at the machine. A board that serves its own page knows that by its
+links (control/admission.py), and does not load this.
+
+    starts({"do": "output", "name": "spindle_cw"})      # True
+"""
+
+_STARTS = ("run", "resume")
+
+
+def starts(order):
+    """Whether an order starts the tool or a program, or goes on with one."""
+    name = order["do"]
+    if name == "output":
+        return str(order.get("name"))[:9] == "spindle_c"
+    if name == "line":
+        return _line_starts(str(order.get("line")).upper().replace(" ", ""))
+    return name in _STARTS and not order.get("check")
+
+
+def _line_starts(line):
+    """The same of a line as typed: M3, M4, a stored job, a start line. An M amid comments may be anything."""
+    words = line.split("M")[1:]
+    if line[:3] in ("$F=", "$N0", "$N1") or words and "(" in line:
+        return True
+    for word in words:
+        digits = word.lstrip("0")
+        if digits[:1] in ("3", "4") and not digits[1:2].isdigit():
+            return True
+    return False
