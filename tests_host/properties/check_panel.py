@@ -300,6 +300,25 @@ def check_a_job_runs_pauses_and_repeats():
     assert desk.place() == start
 
 
+def check_a_job_line_by_line():
+    desk = Desk()
+    start = desk.place()
+    desk.store.put("a", "G21G91\nG1X1F3000\nY1\nX-1\nY-1\n")
+    assert desk.order("play", what="step") == errors.NO_SUCH_JOB
+    assert desk.order("run", name="a", single=True) == 0
+    desk.run_ms(300)
+    assert desk.machine.state["job"]["done"] == 0
+    for x, y in ((0, 0), (1, 0), (1, 1)):
+        assert desk.order("play", what="step") == 0
+        desk.run_ms(500)
+        assert desk.place() == [start[0] + x * MM, start[1] + y * MM, start[2]]
+    assert desk.machine.shown()["job"]["single"] and desk.machine.state["job"]["line"] == 3
+    assert desk.order("play", what="back") == errors.UNKNOWN_COMMAND
+    assert desk.order("play", what="run") == 0
+    desk.settle()
+    assert desk.machine.state["job"]["how"] == "done" and desk.place() == start
+
+
 def check_a_refused_line_ends_the_job():
     desk = Desk()
     desk.store.put("a", "G21G91\nG1X4F3000\nG1X4Q\nX40\n")

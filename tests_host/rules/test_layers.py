@@ -33,7 +33,8 @@ MAY_IMPORT = {
     "config": VOCABULARY + ("passo.steps",),  # a board file's pins and interlock become those of the words
     "control": VOCABULARY + ("passo.config", "passo.motion", "passo.steps"),
     "ports": VOCABULARY + ("passo.steps", "passo.drives"),
-    "web": VOCABULARY + ("passo.control", "passo.error_texts"),  # it speaks a language of the board, as any link does
+    # It speaks a language of the board, as any link does, by that language's own encoder.
+    "web": VOCABULARY + ("passo.control", "passo.error_texts", "passo.protocols"),
     "app": ("passo",),
     "machine_builder": ("passo",),
     "main": (

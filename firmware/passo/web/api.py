@@ -3,8 +3,9 @@
     api = Api(machine, store)
     api.order({"do": "step", "by": {"x": 1.0}, "speed": 500}, proven)     # {"t": "answer", "do": "step", "error": 0}
 
-STOP needs no proof. All else that does something wants a session that has proven its key; what is only looked at does not. Tool on,
-run and resume from another computer want somebody at the machine, where the board file names an input for that.
+What only one language has, its machine adds (`orders`), and looks at it with the functions of this module. STOP needs no proof. All
+else that does something wants a session that has proven its key; what is only looked at does not. Tool on, run and resume from another
+computer want somebody at the machine, where the board file names an input for that.
 """
 
 from micropython import const
@@ -66,7 +67,7 @@ class Api:
             "override": self._override, "output": self._output, "set": self._set, "line": self._line, "give": self._give,
             "jobs": self._jobs, "job_text": self._job_text, "job_part": self._job_part, "job_remove": self._job_remove,
             "run": self._run, "abort": self._abort, "log": self._log, "settings": self._settings,
-            "teach": self._teach, "machine": self._machine,
+            "teach": self._teach, "machine": self._machine, "play": self._play,
         }  # fmt: skip
         if store is None:
             for name in _OF_STORE:
@@ -83,7 +84,7 @@ class Api:
         name = order.get("do") if isinstance(order, dict) else None
         if name == "stop":
             return self._answer("stop", self.machine.stop())
-        do = self._orders.get(name) if isinstance(name, str) else None
+        do = (self._orders.get(name) or self.machine.orders.get(name)) if isinstance(name, str) else None
         if do is None:
             return self._answer("", errors.UNKNOWN_COMMAND)
         if not proven:
@@ -219,7 +220,13 @@ class Api:
             return error
         name = text(order, "name", 64)
         lines = self.store.lines(name)
-        return lines if isinstance(lines, int) else self.machine.job.run(name, lines, passes, bool(order.get("check")))
+        return lines if isinstance(lines, int) else self.machine.job.run(
+            name, lines, passes, bool(order.get("check")), bool(order.get("single"))
+        )
+
+    def _play(self, order):
+        """Go on with a job in another way: a step at a time, backward."""
+        return self._moving() or self.machine.play(text(order, "what", 16))
 
     def _abort(self, order):
         return self.machine.job.abort()

@@ -13,21 +13,16 @@ from micropython import const
 
 from passo import errors
 from passo.web.guest import Guest
-from passo.web.jog import Jog, Limits
+from passo.web.jog import Limits
 from passo.web.job import Job
-from passo.web.lease import Lease, since
-from passo.web.wire import GUEST, LOST, PAGE, Wire, fields_of
+from passo.web.any_machine import AnyMachine
+from passo.web.wire import GUEST, PAGE, Wire, fields_of
 
 AXES = "xyza"
-_ASK_MS = const(40)  # between two reports: 25 a second
-_SILENT_MS = const(1500)  # without a report: the link is down
-_DEAD_MS = const(3000)  # it is asked for again
 _RESET = b"\x18"
 _HOLD = b"!"
 _RESUME = b"~"
 _JOG_CANCEL = b"\x85"
-_MOST_LOG = const(100)
-_STANDS = ("Idle", "Check", "Alarm", "Sleep", "Hold", "Door")
 _AXIS_SPEED = const(110)  # $110 …
 _AXIS_ACCELERATION = const(120)
 _REAL_TIME = {
@@ -38,33 +33,20 @@ _REAL_TIME = {
 _OUTPUTS = {"spindle_cw": b"M3", "spindle_ccw": b"M4", "spindle_off": b"M5", "mist": b"M7", "flood": b"M8", "coolant_off": b"M9"}
 
 
-class GrblMachine:
+class GrblMachine(AnyMachine):
     language = "grbl"
     can = (
         "jog", "step", "goto", "zero", "home", "unlock", "hold", "resume", "overrides", "outputs", "jobs", "settings", "log",
-        "line", "teach",
+        "line", "teach", "signals", "single", "diagonal", "jog_speed",
     )  # fmt: skip
 
     def __init__(self, write, tell, guest=None):
         """`write(bytes)`: to the board; `guest(bytes)`: to the guest, if there may be one."""
-        self._tell = tell
+        AnyMachine.__init__(self, tell, Job(self))
         self.wire = Wire(write, self._heard)
         self.guest = Guest(self, guest)
-        self.lease = Lease()
-        self.jog = Jog(self._say_jog)
-        self.job = Job(self)
-        self.settings = {}  # number: text
-        self.axes = "xyz"
-        self.place = None  # mm, machine coordinates
         self._offset = None
-        self._asked_ms = 0
-        self._heard_ms = 0
-        self._asking = False
-        self._now_ms = 0
-        self._log = []
-        self.watcher = None  # watcher(state): told of each report
         self._known = False  # the settings have been asked for
-        self.state = {"link": False, "state": "", "owner": "page", "alarm": 0, "job": None}
 
     # --- bytes
 
@@ -72,20 +54,12 @@ class GrblMachine:
         self._now_ms = now_ms
         self.wire.feed(data)
 
-    def poll(self, now_ms):
-        """Ask, end what has lapsed, go on with the job."""
-        self._now_ms = now_ms
-        if self.jog.active and not self.lease.alive(now_ms):
-            self.end_jog()
-        if since(now_ms, self._asked_ms) >= (_DEAD_MS if self._asking else _ASK_MS):
-            self._asked_ms = now_ms
-            self._asking = True
-            self.wire.write(b"?")
-        if self.state["link"] and since(now_ms, self._heard_ms) > _SILENT_MS:
-            self._lose()
-        if self.state["link"] and not self._known and self.stands():
+    def _ask(self):
+        self.wire.write(b"?")
+
+    def _go_on(self):
+        if not self._known and self.stands():
             self._known = self.wire.say(PAGE, b"$$", self._all_known)
-        self.job.poll()
 
     def lost(self):
         """There is no board any more: it is about to be another one."""
@@ -95,10 +69,8 @@ class GrblMachine:
         self.place = self._offset = None
 
     def _lose(self):
-        self.state["link"] = False
         self._known = False
-        self.end_jog()
-        self.job.fail(errors.NO_ANSWER)
+        AnyMachine._lose(self)
 
     def _all_known(self, error):
         if error:
@@ -109,7 +81,6 @@ class GrblMachine:
 
     def _heard(self, line, owner):
         if line[:1] == "<" and line[-1:] == ">":
-            self._asking = False
             self._report(fields_of(line))
             self.guest.report(line)
             return
@@ -122,7 +93,7 @@ class GrblMachine:
             self.state["alarm"] = 200 + int(line[6:])
             self.end_jog()
             self.job.fail(self.state["alarm"])
-            self._note(self.state["alarm"])
+            self.note(self.state["alarm"])
         elif line[:5] == "Grbl ":
             self.end_jog()
             self.job.fail(errors.STOPPED)
@@ -133,12 +104,10 @@ class GrblMachine:
 
     def _report(self, fields):
         state = self.state
-        self._heard_ms = self._now_ms
+        self._reported()
         name, _, sub = fields["state"].partition(":")
         if name not in ("Alarm",) and state["alarm"]:
             state["alarm"] = 0
-        if not state["link"]:
-            state["link"] = True
         state["state"] = name
         state["sub"] = sub
         self._places(fields)
@@ -166,51 +135,11 @@ class GrblMachine:
         self.state["m"] = machine
         self.state["w"] = [round(machine[axis] - offset[axis], 4) for axis in range(len(told))]
 
-    # --- what is told
-
-    def beat(self, number):
-        """Report `number` goes out to the pages."""
-        self.lease.beat(number, self._now_ms)
-
-    def shown(self):
-        """The state that pages get."""
-        self.job.refresh()
-        self.state["lease"] = self.lease.number
-        return self.state
-
-    def stands(self):
-        """True if nothing moves, as far as the last report says."""
-        return self.state["state"] in _STANDS
-
-    def _note(self, number):
-        """A line of the page's log: alarms and refusals."""
-        self._log.append((self._now_ms, number))
-        if len(self._log) > _MOST_LOG:
-            self._log.pop(0)
-        self._tell({"t": "log", "log": [number]})
-
-    def log(self):
-        """Numbers of errors and alarms, the oldest first."""
-        return [number for _, number in self._log]
-
-    def finished(self, error):
-        """A line of the page has been answered."""
-        if error and error != LOST:
-            self._note(error)
-
     def say(self, line):
         """A line of the page; 0, or why it cannot be said."""
         return 0 if self.wire.say(PAGE, line, self.finished) else errors.TOO_MANY_WAITING
 
     # --- orders
-
-    def refusal(self):
-        """0, or why the page may not move the machine now."""
-        if not self.state["link"]:
-            return errors.NO_ANSWER
-        if self.state["owner"] != "page":
-            return errors.COMMANDED_ELSEWHERE
-        return 0
 
     def absent(self):
         """0, or why who orders over a network may not start the tool or go on: the board wants somebody at the machine."""
@@ -237,12 +166,6 @@ class GrblMachine:
 
     def unlock(self):
         return self.say(b"$X")
-
-    def still(self):
-        """0, or why something may not begin."""
-        if self.job.running() or self.jog.active or not self.stands():
-            return errors.BUSY
-        return 0
 
     def zero(self, axes):
         """Work zero of the axes named is here."""
@@ -279,29 +202,19 @@ class GrblMachine:
         """A line as typed."""
         return self.still() or self.say(text.encode())
 
+    def play(self, what):
+        """Go on with a job that goes line by line: "step", one line; "run", all the rest."""
+        if what == "step":
+            return self.job.step()
+        return self.job.go() if what == "run" else errors.UNKNOWN_COMMAND
+
     # --- the jog
 
-    def begin_jog(self, number, beat, direction, speed):
-        """A continuous jog; it lasts while its lease does. Returns 0 or an error."""
-        if self.job.running() or self.state["state"] not in ("Idle", "Jog") or self.jog.waiting:
-            return errors.BUSY
-        if not self._known or self.place is None or len(direction) != len(self.place):
-            return errors.BUSY
-        if not self.lease.begin(number, beat, self._now_ms):
-            return errors.LEASE
-        self.jog.begin(direction, speed, self._limits(), self.place)
-        return 0
+    def _may_jog(self, direction):
+        return self._known and AnyMachine._may_jog(self, direction)
 
-    def renew(self, number, beat):
-        """True if the jog's lease lasts on."""
-        return self.lease.renew(number, beat, self._now_ms)
-
-    def end_jog(self):
-        """Brake now."""
-        self.lease.end()
-        if self.jog.active:
-            self.jog.end()
-            self.wire.write(_JOG_CANCEL)
+    def _brake(self):
+        self.wire.write(_JOG_CANCEL)
 
     def _limits(self):
         axes = range(len(self.place))
@@ -310,20 +223,6 @@ class GrblMachine:
     def _say_jog(self, place, speed):
         line = b"$J=G90G53G21" + words({AXES[axis]: place[axis] for axis in range(len(place))}) + b"F%.1f" % speed
         return self.wire.say(PAGE, line, self.jog_answered)
-
-    def jog_answered(self, error):
-        if not self.jog.active:
-            self.jog.waiting = False
-            self.wire.write(_JOG_CANCEL)  # the first one may have overtaken this piece
-        elif error == errors.JOG_TRAVEL or not error:
-            self.jog.answered(error)
-            if not self.jog.active:  # at the end of the travel
-                self.lease.end()
-                self.finished(error)
-        else:
-            self.jog.waiting = False
-            self.end_jog()
-            self.finished(error)
 
     # --- who commands
 

@@ -25,8 +25,8 @@ class Job:
     def running(self):
         return self._lines is not None
 
-    def run(self, name, lines, passes, checked):
-        """Begin; `checked`: the board only looks at the lines. Returns 0 or an error."""
+    def run(self, name, lines, passes, checked, single=False):
+        """Begin; `checked`: the board only looks at the lines; `single`: step() says when a line goes. Returns 0 or an error."""
         machine = self._machine
         error = machine.still()
         if error or machine.state["state"] not in ("Idle", "Check"):
@@ -38,6 +38,8 @@ class Job:
         self._at = 0  # the next to be sent
         self._done = 0  # answered
         self._checked = checked
+        self._single = single
+        self._most = 0 if single else len(lines)  # so many may be sent
         self._failed = 0
         self._failed_line = 0
         self._idle = 0
@@ -52,10 +54,31 @@ class Job:
         if self._lines is None or self._halting:
             return
         wire = self._machine.wire
-        while self._at < len(self._lines):
+        while self._at < self._most:
             if not wire.say(PAGE, self._lines[self._at][1], self._answered):
                 return
             self._at += 1
+
+    def step(self):
+        """One more line, if those before it are done; of a job that runs by itself: no more lines than have been sent."""
+        if self._lines is None or self._halting or self._checked:
+            return errors.NO_SUCH_JOB
+        if not self._single:
+            self._single = True
+            self._most = self._at
+        elif self._done < self._at or self._machine.state["state"] != "Idle":
+            return errors.BUSY
+        else:
+            self._most = self._at + 1
+        return 0
+
+    def go(self):
+        """Line by line no more."""
+        if self._lines is None or self._halting:
+            return errors.NO_SUCH_JOB
+        self._single = False
+        self._most = len(self._lines)
+        return 0
 
     def report(self, state):
         """A report has come: `state` is its first word."""
@@ -74,6 +97,7 @@ class Job:
         if self._pass < self._passes and not self._checked:
             self._pass += 1
             self._at = self._done = 0
+            self._most = 0 if self._single else len(self._lines)
             self._tell("run", 0)
         else:
             self._end("done", 0)
@@ -123,7 +147,7 @@ class Job:
     def shown(self, how, error):
         return {
             "name": self.name, "how": how, "error": error, "line": self.line(), "lines": len(self._lines), "done": self._done,
-            "pass": self._pass, "passes": self._passes, "checked": self._checked,
+            "pass": self._pass, "passes": self._passes, "checked": self._checked, "single": self._single,
         }  # fmt: skip
 
     def refresh(self):

@@ -26,7 +26,7 @@ def status(report, config):
 
     at, of: commands of the file played, and in all; going: - backward; speed: mm/min, as the whole microseconds of a
     period make it; wait: ms to go; place: steps; manual: units of manual moves; port: the port's image in hex, its
-    directions those of the step being made; ask: 1 if the operator's speed is wanted.
+    directions those of the step being made; ask: 1 if the operator's speed is wanted; ours: 0 while another controller has the motors.
     """
     program = report["step_program"]
     speed = program["speed"]
@@ -45,6 +45,7 @@ def status(report, config):
         ("drives", 1 if program["drives"] else 0),
         ("port", "%02X" % port_byte(program["moving"] | program["negative"] << 4, program["tool"], program["drives"], config)),
         ("room", program["room"]),
+        ("ours", 1 if report.get("ours", True) else 0),
         ("error", report["error"]),
     )
     return "<" + " ".join(["%s:%s" % field for field in fields]) + ">\n"

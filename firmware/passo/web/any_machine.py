@@ -1,0 +1,191 @@
+"""What the machines of all languages have in common: one state, a log, the lease of a jog. A language adds its own words.
+
+    class PulsesMachine(AnyMachine):
+        language = "pulses"
+        can = ("jog", "step", "hold", …)       # the page hides what is not named
+
+What a language has no word for is refused with error 102, and the page hides it.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.web.jog import Jog, Limits
+from passo.web.lease import Lease, since
+
+_SILENT_MS = const(1500)  # without a report: the link is down
+_DEAD_MS = const(3000)  # it is asked for again
+_MOST_LOG = const(100)
+_HUGE = 1e9  # mm/s²: no ramps
+
+
+class AnyMachine:
+    language = ""
+    can = ()
+    stood = ("Idle", "Check", "Alarm", "Sleep", "Hold", "Door")
+    jogs_from = ("Idle", "Jog")  # states in which a continuous jog may begin
+    ask_ms = 40  # between two reports: 25 a second
+
+    def __init__(self, tell, job, axes="xyz"):
+        """`tell(event)`: a dict for every page; `job`: what runs jobs; `axes`: their letters."""
+        self._tell = tell
+        self.job = job
+        self.lease = Lease()
+        self.jog = Jog(self._say_jog)
+        self.settings = {}
+        self.orders = {}  # name: function of an order, for what only this language has
+        self.axes = axes
+        self.place = None  # mm, machine coordinates
+        self._now_ms = self._asked_ms = self._heard_ms = 0
+        self._asking = False
+        self._log = []
+        self.watcher = None  # watcher(state): told of each report
+        self.state = {"link": False, "state": "", "owner": "page", "alarm": 0, "job": None}
+
+    def poll(self, now_ms):
+        """Ask, end what has lapsed, go on with the job."""
+        self._now_ms = now_ms
+        if self.jog.active and not self.lease.alive(now_ms):
+            self.end_jog()
+        if since(now_ms, self._asked_ms) >= (_DEAD_MS if self._asking else self.ask_ms):
+            self._asked_ms = now_ms
+            self._asking = True
+            self._ask()
+        if self.state["link"] and since(now_ms, self._heard_ms) > _SILENT_MS:
+            self._lose()
+        if self.state["link"]:
+            self._go_on()
+        self.job.poll()
+
+    def _ask(self):
+        """Ask the board for a report."""
+
+    def _go_on(self):
+        """What is to be said as soon as it can be."""
+
+    def _reported(self):
+        """A report has come, and the state is as it says."""
+        self._asking = False
+        self._heard_ms = self._now_ms
+        self.state["link"] = True
+
+    def lost(self):
+        """There is no board any more: it is about to be another one."""
+        self._lose()
+
+    def _lose(self):
+        self.state["link"] = False
+        self.end_jog()
+        self.job.fail(errors.NO_ANSWER)
+
+    # --- what is told
+
+    def beat(self, number):
+        """Report `number` goes out to the pages."""
+        self.lease.beat(number, self._now_ms)
+
+    def shown(self):
+        """The state that pages get."""
+        self.job.refresh()
+        self.state["lease"] = self.lease.number
+        return self.state
+
+    def stands(self):
+        """True if nothing moves, as far as the last report says."""
+        return self.state["state"] in self.stood
+
+    def note(self, number):
+        """A line of the page's log: alarms and refusals."""
+        self._log.append((self._now_ms, number))
+        if len(self._log) > _MOST_LOG:
+            self._log.pop(0)
+        self._tell({"t": "log", "log": [number]})
+
+    def log(self):
+        """Numbers of errors and alarms, the oldest first."""
+        return [number for _, number in self._log]
+
+    # --- orders
+
+    def refusal(self):
+        """0, or why the page may not move the machine now."""
+        if not self.state["link"]:
+            return errors.NO_ANSWER
+        if self.state["owner"] != "page":
+            return errors.COMMANDED_ELSEWHERE
+        return 0
+
+    def absent(self):
+        """0, or why who orders over a network may not start the tool or go on: the board wants somebody at the machine."""
+        return 0
+
+    def still(self):
+        """0, or why something may not begin."""
+        if self.job.running() or self.jog.active or not self.stands():
+            return errors.BUSY
+        return 0
+
+    def _wordless(self, *_):
+        """The language has no word for it."""
+        return errors.UNKNOWN_COMMAND
+
+    hold = resume = home = unlock = zero = go = step = override = output = set = line = give = play = _wordless
+
+    # --- the jog
+
+    def begin_jog(self, number, beat, direction, speed):
+        """A continuous jog; it lasts while its lease does. Returns 0 or an error."""
+        if self.state["state"] not in self.jogs_from or self.jog.waiting or not self._may_jog(direction):
+            return errors.BUSY
+        if not self.lease.begin(number, beat, self._now_ms):
+            return errors.LEASE
+        self._start_jog(direction, speed)
+        return 0
+
+    def _may_jog(self, direction):
+        return self.place is not None and len(direction) == len(self.place) and not self.job.running()
+
+    def _start_jog(self, direction, speed):
+        self.jog.begin(direction, speed, self._limits(), self.place)
+
+    def renew(self, number, beat):
+        """True if the jog's lease lasts on."""
+        return self.lease.renew(number, beat, self._now_ms)
+
+    def end_jog(self):
+        """Brake now."""
+        self.lease.end()
+        if self.jog.active:
+            self.jog.end()
+            self._brake()
+
+    def _brake(self):
+        """Say that the jog under way ends."""
+
+    def _limits(self):
+        """Of a machine that goes at any of its speeds at once."""
+        return Limits([_HUGE] * len(self.place), [_HUGE] * len(self.place))
+
+    def _say_jog(self, place, speed):
+        """Queue a straight jog to machine coordinates in mm; False if it cannot be said now."""
+        return False
+
+    def jog_answered(self, error):
+        """The board's answer to a piece of the jog."""
+        if not self.jog.active:
+            self.jog.waiting = False
+            self._brake()  # the first one may have overtaken this piece
+        elif error == errors.JOG_TRAVEL or not error:
+            self.jog.answered(error)
+            if not self.jog.active:  # at the end of the travel
+                self.lease.end()
+                self.finished(error)
+        else:
+            self.jog.waiting = False
+            self.end_jog()
+            self.finished(error)
+
+    def finished(self, error):
+        """An order has been answered: what was refused is told."""
+        if error > 0:
+            self.note(error)

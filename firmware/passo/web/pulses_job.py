@@ -1,0 +1,221 @@
+"""A file of pulse codes under way: stored on the board and played from there, or played as it comes if the board cannot keep it.
+
+    job = PulsesJob(machine, board)
+    error = job.run("square.txt", data, 1, False)       # bytes, passes, only checked
+    job.play(("back",))                                 # and forward again: ("run",); a code at a time: ("step",)
+    job.poll()                                          # sends what there is room for
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.commands import STEPS_ABORT
+from passo.protocols.pulses.protocol import Pulses, frame
+from passo.web.pulses_wire import END, LOST
+
+_PIECE = const(256)  # bytes of a file in one call
+_CHECK_PIECE = const(4096)
+_LOST_END = const(4)  # reports of an idle machine after which its "end" has got lost
+
+# What becomes of the file.
+_NONE = const(0)
+_OPENING = const(1)
+_SENDING = const(2)
+_CLOSING = const(3)
+_CHECKING = const(4)  # here: it is too long for the board to keep
+
+
+class PulsesJob:
+    def __init__(self, machine, board):
+        self._machine = machine
+        self._axes = "".join([axis["name"] for axis in board["axes"]])
+        self._config = board["step_program"]
+        self._phase = _NONE
+        self.playing = False  # on its way, or paused in it
+        self.paused = False
+        self._stream = False
+        self.name = ""
+        self._at = self._of = self._row = self._column = 0
+        self._pass = self._passes = 1
+        self._back = self._checked = self._single = False
+        self._idle = 0
+
+    def sending(self):
+        """True while a file goes to the board and nothing of it moves yet."""
+        return self._phase != _NONE and not self._stream
+
+    def running(self):
+        return self._phase != _NONE or self.playing
+
+    def run(self, name, data, passes, checked, single=False):
+        """Begin; `checked`: the board only looks at it; `single`: play(("step",)) says when a code goes. Returns 0 or an error."""
+        if self._machine.still() or self.running() or self._machine.state["state"] != "Idle":
+            return errors.BUSY
+        if not data:
+            return errors.NO_STEP_PROGRAM
+        self.name = name
+        self._data = data
+        self._passes = passes
+        self._checked = checked
+        self._single = single
+        self._at = self._of = self._row = self._column = 0
+        self._pass = 1
+        self._back = self.paused = False
+        return self._open(False)
+
+    def _open(self, stream):
+        self._stream = stream
+        self._sent = 0
+        self._size = len(self._data) * (self._passes if stream else 1)
+        if not self._machine.wire.say(("stream" if stream else "load", self._size), self._opened):
+            return errors.TOO_MANY_WAITING
+        self._phase = _OPENING
+        self._tell("load", 0)
+        return 0
+
+    def _opened(self, error):
+        if error:
+            self.fail(error)
+        elif self._phase == _OPENING:
+            self._phase = _SENDING
+            self.playing = self._stream
+            self._machine.wire.begin_file()
+
+    def poll(self):
+        """Send what there is room for."""
+        if self._phase == _CHECKING:
+            self._check()
+        if self._phase != _SENDING:
+            return
+        wire = self._machine.wire
+        data = self._data
+        while wire.room > 0 and self._sent < self._size:
+            at = self._sent % len(data)
+            piece = data[at : at + min(wire.room, _PIECE)]
+            wire.send(piece)
+            self._sent += len(piece)
+        if self._sent == self._size and wire.say(END, self._closed):
+            self._phase = _CLOSING
+
+    def _closed(self, error):
+        if self._phase != _CLOSING:
+            return
+        self._phase = _NONE
+        if error and error != LOST:
+            self._end("failed", error)
+        elif self._stream:
+            return  # "end" follows
+        elif self._checked:
+            self._end("done", 0)
+        elif self._single:
+            self.playing = self.paused = True
+        elif not self._machine.wire.say(("run", self._passes), self._went):
+            self._end("failed", errors.TOO_MANY_WAITING)
+
+    def _went(self, error):
+        """{run} and its kin have been answered."""
+        if error and error != LOST:
+            self._machine.finished(error)
+            if not self.playing:
+                self._end("failed", error)
+        elif not error:
+            self.playing = True
+            self.paused = False
+            self._idle = 0
+
+    def wrong(self, error, row, column):
+        """The board makes no sense of the file, from there on, or cannot keep it."""
+        if self._phase == _NONE:
+            self._machine.finished(error)
+            return
+        self._row, self._column = row, column
+        if error != errors.STEP_PROGRAM_FULL or self._stream:
+            self.fail(error)
+        elif self._checked:
+            self._phase = _CHECKING
+            self._sent = 0
+            self._reader = Pulses(self._axes, self._config)
+            self._reader.feed(frame("load", self._size) + b"\n", 0)
+        elif self._open(True):
+            self.fail(error)
+
+    def _check(self):
+        """Read on here, as the board would."""
+        piece = self._data[self._sent : self._sent + _CHECK_PIECE]
+        self._sent += len(piece)
+        found = self._reader.feed(piece, 0)
+        if self._sent == self._size:
+            found += self._reader.feed(frame("end"), 0)
+        for command in found:
+            if command.value == STEPS_ABORT:
+                self._row, self._column = command.target
+                self.fail(command.error)
+                return
+        if self._sent == self._size:
+            self._phase = _NONE
+            self._end("done", 0)
+
+    def heard(self, line):
+        """What the board says unasked of a file that it plays."""
+        if line == "end" and self.playing:
+            self._at = self._of
+            self._end("done", 0)
+        elif line == "start":
+            self._at = 0
+            self._end("start", 0)
+        elif line == "oldest":
+            self._end("oldest", 0)
+
+    def play(self, words):
+        """Say {run}, {back} or their kin of what the board has. Returns 0 or an error."""
+        if self.sending():
+            return errors.BUSY
+        if not self.name:
+            return errors.NO_STEP_PROGRAM
+        return 0 if self._machine.wire.say(words, self._went) else errors.TOO_MANY_WAITING
+
+    def report(self, state, fields):
+        """A report: `state` is the board's word, `fields` all of it."""
+        if not self.playing:
+            return
+        self._at = int(fields["at"])
+        self._of = int(fields["of"])
+        if not self._stream:
+            self._pass, self._passes = [int(part) for part in fields["pass"].split("/")]
+        self._back = fields["going"] == "-"
+        if state == "hold":
+            self.paused = True
+        self._idle = self._idle + 1 if state == "idle" and not self.paused and self._phase == _NONE else 0
+        if self._idle >= _LOST_END:
+            self._end("done", 0)
+
+    def abort(self):
+        """Stop at the next step; the file is at its start then."""
+        return self._machine.stop() if self.running() else 0
+
+    def fail(self, error):
+        """It has ended, for a reason outside of it."""
+        if self.running():
+            self._phase = _NONE
+            self._end("failed", error)
+
+    def _end(self, how, error):
+        self.playing = self.paused = self._stream = False
+        self._tell(how, error)
+
+    def _tell(self, how, error):
+        """What every page gets to know: `how` is load, run, done, start, oldest or failed."""
+        sending = how == "load"
+        self._machine.state["job"] = {
+            "name": self.name, "how": how, "error": error, "line": 0 if sending else self._at,
+            "lines": self._size if sending else self._of, "done": self._sent if sending else self._at,
+            "pass": self._pass, "passes": self._passes, "checked": self._checked, "single": self.paused, "back": self._back,
+            "row": self._row, "column": self._column,
+        }  # fmt: skip
+
+    def refresh(self):
+        """The state's picture of a job that runs."""
+        if self.playing:
+            self._tell("run", 0)
+        elif self._phase != _NONE:
+            self._tell("load", 0)

@@ -1,0 +1,88 @@
+"""Teach-in of pulse codes: moves by hand, written down as the steps that they were.
+
+    teach = PulsesTeach("xyz")
+    teach.begin()
+    teach.moved([(0, 100), (1, 50)], [100, 20], 1200)   # said; steps of each axis that came of it; mm/min
+    text = teach.text()                                 # "[\n+1200\nAAAA…CCCC…\n]\n"
+
+The file makes the same steps in the same order, at the same speed. A move that was cut counts as far as it came.
+"""
+
+from micropython import const
+
+from passo import errors
+
+_CODES = ("AB", "CD", "EF")  # forward and backward of x, y, z
+_WIDTH = const(60)
+_MOST = const(2_000_000)  # steps
+
+
+class PulsesTeach:
+    def __init__(self, axes):
+        self._axes = axes
+        self._parts = None  # (code, count), and marks with a count of 0
+        self._tool = False
+
+    def places(self):
+        """How many moves have been recorded; −1: it does not record."""
+        return -1 if self._parts is None else len([1 for _, count in self._parts if count])
+
+    def begin(self):
+        self._parts = []
+        self._speed = 0
+        self._steps = 0
+        self._lit = False  # as the file has it
+        return 0
+
+    def drop(self):
+        self._parts = None
+        return 0
+
+    def on(self, tool, drives):
+        """A report: whether the tool is on."""
+        self._tool = tool
+        if self._parts is not None and tool != self._lit:
+            self._lit = tool
+            self._parts.append(("(" if tool else ")", 0))
+
+    def moved(self, runs, made, speed):
+        """`runs`: (axis, steps) in their order; `made`: steps of each axis that came of them; `speed`: mm/min."""
+        if self._parts is None:
+            return
+        left = list(made)
+        for axis, steps in runs:
+            count = min(abs(steps), abs(left[axis])) if steps * left[axis] > 0 else 0
+            if not count or self._steps + count > _MOST:
+                continue
+            left[axis] -= count if steps > 0 else -count
+            self._steps += count
+            if round(speed) != self._speed:
+                self._speed = round(speed)
+                self._parts.append(("+%d" % self._speed, 0))
+            self._put(_CODES[axis][0 if steps > 0 else 1], count)
+
+    def _put(self, code, count):
+        if self._parts and self._parts[-1][0] == code:
+            count += self._parts.pop()[1]
+        self._parts.append((code, count))
+
+    def text(self):
+        """The file; recording ends."""
+        if self._parts is None:
+            return errors.NO_SUCH_JOB
+        lines = ["["]
+        row = ""
+        for code, count in self._parts + [(")", 0)] * self._lit + [("]", 0)]:
+            if not count:
+                lines += [row, code] if row else [code]
+                row = ""
+                continue
+            while count:
+                part = min(count, _WIDTH - len(row))
+                row += code * part
+                count -= part
+                if len(row) == _WIDTH:
+                    lines.append(row)
+                    row = ""
+        self._parts = None
+        return "\n".join(lines) + "\n"
