@@ -26,15 +26,20 @@ class AnyMachine:
     jogs_from = ("Idle", "Jog")  # states in which a continuous jog may begin
     ask_ms = 40  # between two reports: 25 a second
 
-    def __init__(self, tell, job, axes="xyz"):
-        """`tell(event)`: a dict for every page; `job`: what runs jobs; `axes`: their letters."""
+    def __init__(self, tell, job, board=None):
+        """`tell(event)`: a dict for every page; `job`: what runs jobs; `board`: the checked board file, for a language that does not
+        tell its axes and their steps/mm."""
+        axes = board["axes"] if board else ()
+        network = board["network"] if board else None
+        self._presence = bool(network and network["presence"])
+        self.axes = "".join([axis["name"] for axis in axes]) or "xyz"
+        self.scale = [axis["steps_per_m"] / 1000 for axis in axes]
         self._tell = tell
         self.job = job
         self.lease = Lease()
         self.jog = Jog(self._say_jog)
         self.settings = {}
         self.orders = {}  # name: function of an order, for what only this language has
-        self.axes = axes
         self.place = None  # mm, machine coordinates
         self._now_ms = self._asked_ms = self._heard_ms = 0
         self._asking = False
@@ -116,8 +121,9 @@ class AnyMachine:
         return 0
 
     def absent(self):
-        """0, or why who orders over a network may not start the tool or go on: the board wants somebody at the machine."""
-        return 0
+        """0, or why who orders over a network may not start the tool or go on: the board wants somebody at the machine.
+        Most languages have no word for who is there: then never."""
+        return errors.PRESENCE if self._presence else 0
 
     def still(self):
         """0, or why something may not begin."""

@@ -4,14 +4,15 @@ links (control/admission.py), and does not load this.
     starts({"do": "output", "name": "spindle_cw"})      # True
 """
 
-_STARTS = ("run", "resume")
+_STARTS = ("run", "resume", "play", "weave", "motor")  # and what only one language has
+_TOOLS = ("spindle_cw", "spindle_ccw", "tool_on")
 
 
 def starts(order):
     """Whether an order starts the tool or a program, or goes on with one."""
     name = order["do"]
     if name == "output":
-        return str(order.get("name"))[:9] == "spindle_c"
+        return order.get("name") in _TOOLS
     if name == "line":
         return _line_starts(str(order.get("line")).upper().replace(" ", ""))
     return name in _STARTS and not order.get("check")

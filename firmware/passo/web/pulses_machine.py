@@ -35,9 +35,9 @@ class PulsesMachine(AnyMachine):
     jogs_from = ("Idle", "Jog", "Hold")
 
     def __init__(self, write, tell, board):
-        AnyMachine.__init__(self, tell, PulsesJob(self, board), "".join([axis["name"] for axis in board["axes"]])[:3])
+        AnyMachine.__init__(self, tell, PulsesJob(self, board), board)
         self.wire = PulsesWire(write, self._heard)
-        self.scale = [axis["steps_per_m"] / 1000 for axis in board["axes"]]
+        self.axes = self.axes[:3]
         self.teach = PulsesTeach(self.axes)
         self._steps = None  # the last place that was told
         self._runs = []  # lists of (axis, steps): moves by hand since the machine stood at _from
