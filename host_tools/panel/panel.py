@@ -6,6 +6,7 @@ import signal
 import socket
 
 from host_tools.clients import setting_names
+from host_tools.panel import taught
 from host_tools.panel.server import PUSH_MS, Server, clock_ms
 from host_tools.panel.store import Store
 from host_tools.resources import ROOT
@@ -48,7 +49,7 @@ class Panel:
         self._watched = []
         self._change = change
         self.machine = GrblMachine(self._port.write, self._tell, guest.write if guest else None)
-        teach = Teach()
+        teach = Teach(self._taught)
         self.machine.watcher = self._see
         self._teach = teach
         self._machines = machines
@@ -63,6 +64,11 @@ class Panel:
     def _see(self, state):
         self._teach.see(state)
         state["teaching"] = self._teach.places()
+
+    def _taught(self, points, ways):
+        """The lines of what has been taught, with arcs."""
+        settings = self.machine.settings
+        return taught.program(points, ways, [float(settings[100 + axis]) for axis in range(len(points[0]))])
 
     def _changed(self, fd, opened):
         """The board's port has come or goes: its bytes are taken as they come."""

@@ -140,7 +140,7 @@ class _Finder:
             best = count, 0
             for each in sorted(ends, key=lambda each: abs(each - foot))[: 2 * _ENDS]:
                 x, y = self._places[at + count][list(plane)] - self._places[at + each][list(plane)] + centre
-                follows = max(self._follows(at + each, near, clockwise, plane) for near in _near((x, y), 1))
+                follows = max(self._follows(at + each, whole, clockwise, plane) for whole in near((x, y), 1))
                 if follows > count - each + _LEAST_ARC and each + follows > sum(best):
                     best = each, follows
             if best[1]:
@@ -158,7 +158,7 @@ class _Finder:
         if best is None or best[0] <= least:
             return None
         _, centre, clockwise, plane = best
-        found = max((self._follows(at, each, clockwise, plane), -index, each) for index, each in enumerate(_near(centre)))
+        found = max((self._follows(at, each, clockwise, plane), -index, each) for index, each in enumerate(near(centre)))
         if found[0] <= least:
             return None
         return self._ending(at, found[0], found[2], clockwise, plane, least)
@@ -171,7 +171,7 @@ class _Finder:
         found, count, beyond = None, _WINDOW // 4, still
         while True:
             count = min(count, still)
-            fitted = _circle(points[: count + 1])
+            fitted = circle(points[: count + 1])
             if fitted is not None and fitted[1] <= _OFF:
                 found, beyond = (count, fitted[0]), still
             elif found:
@@ -184,7 +184,7 @@ class _Finder:
         low, high = found[0], beyond
         while high - low > 8:
             middle = (low + high) // 2
-            fitted = _circle(points[: middle + 1])
+            fitted = circle(points[: middle + 1])
             if fitted is None or fitted[1] > _OFF:
                 high = middle
             else:
@@ -269,7 +269,7 @@ def _leading(flags):
     return int(wrong[0]) if len(wrong) else len(flags)
 
 
-def _circle(points):
+def circle(points):
     """(centre, how far the farthest point lies off) of the circle through 0;0 nearest to `points`; None if they lie in a row."""
     x, y = points[:, 0].astype(float), points[:, 1].astype(float)
     square = (x * x + y * y) / 2
@@ -298,7 +298,7 @@ def _circle(points):
     return (float(centre[0]), float(centre[1])), float(np.abs(np.hypot(x - centre[0], y - centre[1]) - radius).max())
 
 
-def _near(centre, reach=None):
+def near(centre, reach=None):
     """Whole centres: those around `centre`, and those along the radius, where a short arc says least; the nearest first. `reach`: how
     far along, in steps."""
     x, y = centre

@@ -35,12 +35,13 @@ class Shelf:
 
 
 class Desk:
-    def __init__(self, guest=None, **changes):
-        """A router, unlocked in the middle of its travel, and a page that commands it. `changes`: of the board file."""
+    def __init__(self, guest=None, recognise=None, **changes):
+        """A router, unlocked in the middle of its travel, and a page that commands it. `recognise`: Teach's; `changes`: of the board
+        file."""
         self.board = Machine(**changes)
         self.told = []
         self.machine = GrblMachine(self.board.put, self.told.append, guest)
-        self.teach = Teach()
+        self.teach = Teach(recognise and (lambda points, ways: recognise(points, ways, self.scales())))
         self.machine.watcher = self.teach.see
         self.store = Shelf()
         self.api = Api(self.machine, self.store, self.teach)
@@ -50,6 +51,10 @@ class Desk:
         assert self.order("unlock") == 0
         self.run_ms(300)
         assert self.machine.state["state"] == "Idle", self.machine.state
+
+    def scales(self):
+        """Steps a mm of each axis, as the board has told."""
+        return [float(self.machine.settings[100 + axis]) for axis in range(len(self.machine.axes))]
 
     def now_ms(self):
         return (self.board.port.now // TICKS_PER_MS) & COUNT_MASK

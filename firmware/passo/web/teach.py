@@ -6,19 +6,22 @@
     text = teach.text()         # G-code
 
 A manual move of the page is straight, from rest to rest: so the places where it rests are its path. Moves that go on in one line are
-one line of the program. `recognise(points)` may do better, with arcs: it gives the lines of G-code for a list of places.
+one line of the program. `recognise(points, ways)` may do better: it gives the lines of G-code for a list of places, with the places
+seen on the way to each but the first. A PC's finds arcs (host_tools/panel/taught.py).
 """
 
 from passo import errors
 
 _NEAR_MM = 0.0015  # off the straight line: what three decimals may round
-_MOST = 5000
+_MOST = 5000  # places
+_MOST_SEEN = 100_000  # on the way: an hour of motion
 
 
 class Teach:
     def __init__(self, recognise=None):
-        self._recognise = recognise or lines_of
+        self._recognise = recognise
         self._points = None
+        self._full = False  # more than it keeps
         self._on = ""
         self._feed = 0
         self._lines = []
@@ -29,7 +32,10 @@ class Teach:
 
     def begin(self):
         self._points = []
-        self._count = 0
+        self._ways = []  # to each of the points behind the first
+        self._way = []
+        self._count = self._seen = 0
+        self._full = False
         self._lines = []
         self._on = ""
         self._feed = 0
@@ -40,30 +46,39 @@ class Teach:
         return 0
 
     def see(self, state):
-        """A report of the machine; only what it says at rest is a place."""
+        """A report of the machine; what it says at rest is a place."""
         if self._points is None:
             return
         self._feed = max(self._feed, state.get("feed", 0))
-        if state["state"] != "Idle":
-            return
-        place = state["w"]
+        place = list(state["w"])
         points = self._points
+        if state["state"] != "Idle":
+            if self._recognise and points:
+                self._way.append(place)
+            return
+        way, self._way = self._way, []
         if not points:
             self._on = state.get("on", "")
-            points.append(list(place))
+            points.append(place)
             self._count = max(self._count, 1)
-        elif max([abs(place[axis] - points[-1][axis]) for axis in range(len(place))]) > 0.0005 and len(points) < _MOST:
-            points.append(list(place))
-            self._count += 1
+        elif [other for other in way + [place] if not same(other, points[-1])]:
+            self._seen += len(way)
+            self._full = self._full or len(points) >= _MOST or self._seen > _MOST_SEEN
+            if not self._full:
+                points.append(place)
+                self._ways.append(way)
+                self._count += 1
         if state.get("on", "") != self._on:
             self._on = state["on"]
             self._flush()
             self._lines.append("M3" if "S" in self._on else "M4" if "C" in self._on else "M5")
 
     def text(self):
-        """The program; recording ends."""
+        """The program, and recording ends; or the number of an error."""
         if self._points is None:
             return errors.NO_SUCH_JOB
+        if self._full:
+            return errors.JOB_SIZE
         self._flush()
         lines = ["G21 G90 G94 G54", "F%.0f" % (self._feed or 500)] + self._lines + ["M2"]
         self._points = None
@@ -71,8 +86,14 @@ class Teach:
 
     def _flush(self):
         if len(self._points) > 1:
-            self._lines += self._recognise(self._points)
+            self._lines += self._recognise(self._points, self._ways) if self._recognise else lines_of(self._points)
             self._points = self._points[-1:]
+            self._ways = []
+
+
+def same(one, other):
+    """True if two places are one, as far as reports tell."""
+    return max([abs(one[axis] - other[axis]) for axis in range(len(one))]) <= 0.0005
 
 
 def lines_of(points):

@@ -1,0 +1,164 @@
+"""What has been moved by hand, as straight lines and arcs of G-code that stay within a step of it.
+
+    lines = program([(0, 0), (10, 0)], [[(5, 0)]], (320, 320))      # places in mm, what was seen on the way to each, steps/mm
+    # ["G1 X10.000"]
+
+A way whose places lie on its chord is straight; all others go where they were seen. From each place on, the line or arc that leads
+farthest is taken. An arc's third axis goes along with its angle, as in a helix. Where axes differ in scale, a step is the longer one.
+"""
+
+import math
+
+from passo.web.teach import line_to
+
+_OFF = 1.0  # steps that a place may lie off its line or arc
+_LEAST_ARC = 4  # places
+_SAGITTA = 2.0  # steps; flatter than that is straight
+_PLANES = ((0, 1, 17, "IJ"), (2, 0, 18, "KI"), (1, 2, 19, "JK"))
+
+
+def program(points, ways, scales):
+    """The lines that lead from points[0] on. Needs numpy."""
+    path = _Path(points, ways, scales)
+    lines, plane, at = [], 17, 0
+    while at < len(path.steps) - 1:
+        line = path.line(at)
+        arc = path.arc(at, line)
+        if arc is None:
+            lines.append(line_to(path.mm(line), path.mm(at)))
+            at = line
+            continue
+        end, code, centre, letters, clockwise = arc
+        if code != plane:
+            lines.append(f"G{code}")
+            plane = code
+        words = "".join(f" {letter}{by:.4f}" for letter, by in zip(letters, centre))
+        target = " ".join(f"{'XYZA'[axis]}{value:.3f}" for axis, value in enumerate(path.mm(end)))
+        lines.append(f"G{2 if clockwise else 3} {target}{words}")
+        at = end
+    return [line for line in lines if line != "G1 "] + (["G17"] if plane != 17 else [])
+
+
+class _Path:
+    """Places in steps, from the first rest to the last: rests, what was seen on the way, and the middles of straight ways."""
+
+    def __init__(self, points, ways, scales):
+        self._scales = scales[: len(points[0])]
+        self._places = [points[0]]
+        self._rests = {0}  # positions in it at which the machine stood
+        for at, way in enumerate(ways):
+            before, after = points[at], points[at + 1]
+            if self._straight([self._of(place) for place in (before, *way, after)]):
+                way = [[(a + b) / 2 for a, b in zip(before, after)]]
+            self._places += [*way, after]
+            self._rests.add(len(self._places) - 1)
+        self.steps = [self._of(place) for place in self._places]
+
+    def mm(self, at):
+        return self._places[at]
+
+    def _of(self, place):
+        return [value * scale for value, scale in zip(place, self._scales)]
+
+    def _farthest(self, first, fits):
+        """The last place up to which fits(end) holds, from `first` on, which is taken to fit: by doubling, then halving. A place at
+        which the machine stood, if it comes by one: what goes on behind it is another move."""
+        last = len(self.steps) - 1
+        good, step = first, 1
+        while good < last and fits(min(good + step, last)):
+            good = min(good + step, last)
+            step *= 2
+        bad = min(good + step, last + 1)
+        while bad - good > 1:
+            middle = (good + bad) // 2
+            good, bad = (middle, bad) if fits(middle) else (good, middle)
+        return next((at for at in range(good, first - 1, -1) if at in self._rests), good)
+
+    def line(self, at):
+        """Where the line from `at` ends."""
+        return self._farthest(at + 1, lambda end: self._straight(self.steps[at : end + 1]))
+
+    @staticmethod
+    def _straight(places):
+        """Whether places lie on the way from the first to the last, one behind the other."""
+        first, last = places[0], places[-1]
+        way = [b - a for a, b in zip(first, last)]
+        length = math.hypot(*way)
+        if length == 0:
+            return all(math.dist(place, first) <= _OFF for place in places)
+        before = 0.0
+        for place in places[1:]:
+            part = [b - a for a, b in zip(first, place)]
+            along = sum(a * b for a, b in zip(part, way)) / length
+            off = max(abs(a - along * b / length) for a, b in zip(part, way))
+            if off > _OFF or along < before - _OFF or along > length + _OFF:
+                return False
+            before = max(before, along)
+        return True
+
+    def arc(self, at, line):
+        """(end, plane's code, centre from the start in mm, its letters, clockwise) of the arc from `at` that leads beyond `line`, or
+        None."""
+        best = None
+        for first, second, code, letters in _PLANES:
+            if max(first, second) < len(self._scales):
+                found = self._arc_in(at, max(line + 1, at + _LEAST_ARC), (first, second))
+                if found and (best is None or found[0] > best[0]):
+                    end, centre, clockwise = found
+                    best = end, code, centre, letters, clockwise
+        return best
+
+    def _arc_in(self, at, least, plane):
+        last = len(self.steps) - 1
+        count = least - at
+        while at + count <= last:
+            found = self._fitted(at, at + count, plane)
+            if found is None:
+                return None
+            if found[2] >= _SAGITTA:
+                break
+            count = min(2 * count, last - at) if at + count < last else last + 1
+        else:
+            return None
+        end = self._farthest(at + count, lambda end: self._fitted(at, end, plane) is not None)
+        return (end, *self._fitted(at, end, plane)[:2])
+
+    def _fitted(self, at, end, plane):
+        """(centre in mm from the start, clockwise, sagitta in steps) of the arc on which the places lie, or None."""
+        import numpy as np
+
+        from host_tools.programs.recognition import circle, near
+
+        fine, coarse = [pick([self._scales[axis] for axis in plane]) for pick in (max, min)]
+        flat = np.array(self._places[at : end + 1])[:, list(plane)] * fine
+        flat -= flat[0]
+        most = _OFF * fine / coarse
+        found = circle(flat)
+        if found is None:
+            return None
+        off, centre = min((_off(flat, each), each) for each in near(found[0], 1))
+        if off > most:
+            return None
+        spokes = flat - np.array(centre)
+        angles = np.unwrap(np.arctan2(spokes[:, 1], spokes[:, 0]))
+        turned = angles - angles[0]
+        radius = float(np.hypot(*centre))
+        slack = 2 * most / radius
+        clockwise = bool(turned[-1] < 0)
+        turned = -turned if clockwise else turned
+        if (np.diff(turned) < -slack).any() or turned[-1] > 2 * math.pi + slack:
+            return None
+        places = np.array(self.steps[at : end + 1])
+        for axis in range(places.shape[1]):
+            if axis not in plane:
+                along = places[0, axis] + (places[-1, axis] - places[0, axis]) * turned / turned[-1]
+                if np.abs(places[:, axis] - along).max() > _OFF:
+                    return None
+        return [by / fine for by in centre], clockwise, radius * (1 - math.cos(min(turned[-1], math.pi) / 2))
+
+
+def _off(flat, centre):
+    """How far the farthest place lies off the circle through 0;0 about `centre`."""
+    import numpy as np
+
+    return float(np.abs(np.hypot(*(flat - np.array(centre)).T) - np.hypot(*centre)).max())
