@@ -7,7 +7,6 @@ import sys
 
 from passo.config.board_error import BoardError
 from passo.config.setting_numbers import HOMING, SPEED, STEPS
-from passo.records import NETWORK_PORTS
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
@@ -138,24 +137,19 @@ def network():
 
 def serials(board, port):
     """The serial line of each link of the board file."""
-    lines = []
-    radio = None
-    for link in board["links"]:
-        if not board["network"] or link["port"] not in NETWORK_PORTS:
-            lines.append(port.serial(link))
-            continue
+    networked = {}
+    if board["network"]:
         web = network()
-        if radio is None:
-            radio = port.radio if hasattr(port, "radio") else web.Radio(board["network"])
-        lines.append(web.make(board, link, radio, port.link_ms))
-    return lines
+        radio = port.radio if hasattr(port, "radio") else web.Radio(board["network"])
+        networked = web.make(board, radio, port.link_ms)
+    return [networked[link["name"]] if link["name"] in networked else port.serial(link) for link in board["links"]]
 
 
 def join(links, controller):
     """Tell the links over the network whom they serve."""
     for link in links:
         if hasattr(link.serial, "join"):
-            link.serial.join(controller, link.protocol)
+            link.serial.join(link, controller)
 
 
 def wanted(board, languages):

@@ -24,7 +24,7 @@ NM_PER_M = const(1_000_000_000)
 REGISTER_BIT = const(100)  # pins from here on are bits of shift registers: of the 74HC165 if inputs, of the 74HC595 if outputs
 REQUEST_PROVEN = const(1)  # flags of a request over the network: its sender may move the machine
 REQUEST_JSON = const(2)  # the answer shall be JSON
-NETWORK_PORTS = ("http", "tcp")  # ports of links that are no cable
+NETWORK_PORTS = ("http", "page", "tcp")  # ports of links that are no cable
 
 # Numbers of settings that languages ask for too; the others stand in config/setting_numbers.py.
 SETTING_REPORT = const(10)

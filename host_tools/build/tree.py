@@ -23,7 +23,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from host_tools import boards
-from host_tools.build import mpy
+from host_tools.build import mpy, pages
 from host_tools.build.constants import folded, numbered_only
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE, MAIN
@@ -93,10 +93,9 @@ COLD_IF_LEAN = (
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
 FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key of this name
-NETWORK = Path("passo", "web", "lines.py")  # only boards with a network have it, and what it imports
-# What a server on the board sends to browsers, by the language of its link; they are files of their own.
-PAGES = Path("passo", "web", "page")
-PAGES_OF = {"torch": ("torch.html", "torch.css", "torch.js", "sha256.js")}
+WEB = Path("passo", "web")
+NETWORK = WEB / "lines.py"  # only boards with a network have it, and what it imports
+PAGES = WEB / "page"
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say
 
 
@@ -121,12 +120,6 @@ def language_name(path):
     """`plotter` for passo/protocols/plotter/__init__.py, which imports what else of its folder a board needs; otherwise None."""
     in_a_folder = path.parts[1] == "protocols" and len(path.parts) == 4 and path.name == "__init__.py"
     return path.parts[2] if in_a_folder else None
-
-
-def pages_of(board):
-    """The files for browsers that `board` needs, relative to the firmware folder."""
-    served = [link["protocol"] for link in board.get("links", []) if board.get("network") and link["port"] == "http"]
-    return [PAGES / name for protocol in served for name in PAGES_OF.get(protocol, ())]
 
 
 def source_of(path, firmware):
@@ -180,6 +173,9 @@ def selected(board, firmware=FIRMWARE):
     chosen -= {path for path in files if language_name(path) not in wanted | {None}}
     if board.get("network"):
         chosen.add(NETWORK)
+        for link in board["links"]:
+            if link["port"] == "page":
+                chosen.add(WEB / f"{link['protocol']}_machine.py")
     queue = list(chosen)
     queue.append(Path("main.py"))
     while queue:
@@ -268,11 +264,10 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
                 except ValueError as error:
                     raise Failure(f"{path} cannot run from flash: {error}") from None
             rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))
-    pages = pages_of(board)
-    for path in pages:
-        (out / path).parent.mkdir(parents=True, exist_ok=True)
-    copied = [(firmware / path, path.as_posix()) for path in pages]
-    for source, file_name in [*copied, (main, "main.py"), (board_file, "board.py")]:
+    for stale in (out / PAGES).glob("*"):
+        stale.unlink()
+    rows += [((PAGES / file_name).as_posix(), before, packed) for file_name, before, packed in pages.pack(board, out / PAGES)]
+    for source, file_name in [(main, "main.py"), (board_file, "board.py")]:
         shutil.copyfile(source, out / file_name)
         rows.append((file_name, source.stat().st_size, source.stat().st_size))
     listed = [path.with_suffix(".mpy").as_posix() + "\n" for path in files]

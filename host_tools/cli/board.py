@@ -151,11 +151,12 @@ def _radio(config, ports, key):
     from passo.web import session
 
     wanted = {kind: port for kind, port in ports.items() if port is not None}
+    has = [entry["port"] for entry in config["links"]] if config.get("network") else []
     for kind in wanted:
-        if not config.get("network") or kind not in [entry["port"] for entry in config["links"]]:
+        if not {"http": {"http", "page"}, "tcp": {"tcp"}}[kind] & set(has):
             option = "--http" if kind == "http" else "--signed"
             raise Failure(f"{option}: no link of the board file {config['name']} has the port {kind}, see docs/network.md")
-    return LoopbackRadio(wanted, session.read_key(key) if key else session.make_key(os.urandom)) if wanted else None
+    return LoopbackRadio(wanted, session.read_key(key) if key else session.make_key(os.urandom), config) if wanted else None
 
 
 def _tell(radio):

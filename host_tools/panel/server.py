@@ -13,6 +13,7 @@ import os
 import time
 from ipaddress import ip_address
 
+from host_tools.build.pages import error_list
 from microdot import Microdot, Request, Response
 from microdot.websocket import WebSocket, WebSocketError, websocket_upgrade
 from passo import errors
@@ -156,9 +157,7 @@ class Server:
 
         @app.get("/errors.json")
         async def texts(request):
-            from passo import error_texts
-
-            return {str(number): error_texts.text(number) for number in error_texts.numbers()}
+            return error_list()
 
         @app.get("/<name>")
         async def file(request, name):

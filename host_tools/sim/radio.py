@@ -1,6 +1,6 @@
 """The virtual board's radio: this PC's own loopback network in the place of Wi-Fi.
 
-    radio = LoopbackRadio({"http": 8080}, key)
+    radio = LoopbackRadio({"http": 8080}, key, board)
     radio.listen("http")            # a socket on 127.0.0.1; None: that port was not asked for
 
 What comes from 127.0.0.x counts as the access point's own network; from anywhere else in 127.0.0.0/8 it does not, so that both
@@ -8,7 +8,10 @@ can be tried on one PC.
 """
 
 import socket
+import tempfile
+from pathlib import Path
 
+from host_tools.build import pages
 from host_tools.failure import Failure
 
 _HOST = "127.0.0.1"
@@ -19,9 +22,13 @@ _BACKLOG = 64
 class LoopbackRadio:
     names = (b"127.0.0.1", b"localhost", b"passo.local", b"192.168.4.1")  # the last: what the torch's program of 2020 calls it
 
-    def __init__(self, ports, key):
-        """`ports`: {"http": port, "tcp": port}, 0: any free one; `key`: text. Raises Failure if a port cannot be had."""
+    def __init__(self, ports, key, board):
+        """`ports`: {"http": port, "tcp": port}, 0: any free one; `key`: text; `board`: whose files for browsers are served. Raises
+        Failure if a port cannot be had."""
         self.key = key
+        self._files = tempfile.TemporaryDirectory()  # lives as long as this
+        self.folder = self._files.name + "/"
+        pages.pack(board, Path(self.folder))
         self._sockets = {}
         for kind, port in ports.items():
             try:

@@ -104,7 +104,7 @@ def page(text):
 def build(out, files):
     """Write the site to the folder `out`, which is emptied first. `files`: package(). Returns the bytes written."""
     from host_tools.clients import setting_names
-    from passo import error_texts
+    from host_tools.build.pages import error_list
 
     if out.exists() and not (out / "firmware.json").is_file() and any(out.iterdir()):
         raise Failure(f"{out} is not empty, and holds no site of Passo: name another folder")
@@ -123,7 +123,7 @@ def build(out, files):
     _write(out, "pt.json", words[0] | words[1])
     _write(out, "firmware.json", texts())
     _write(out, "site.json", {"boards": jobs(), "rules": setting_names.rules(_MOST_AXES)})
-    _write(out, "errors.json", {str(number): error_texts.text(number) for number in error_texts.numbers()})
+    _write(out, "errors.json", error_list())
     return sum(path.stat().st_size for path in out.iterdir())
 
 

@@ -15,7 +15,7 @@ def check(board):
             raise BoardError("network.%s: there is no input %r" % (key, config[key]))
     ports = [link["port"] for link in board["links"] if link["port"] in PORTS]
     if len(set(ports)) != len(ports):
-        raise BoardError("network: one link on http, and one on tcp, at most")
+        raise BoardError("network: one link on http, one on page, and one on tcp, at most")
     if board["links"][0]["port"] in PORTS:
         raise BoardError("network: the first link is a cable")
     for link in board["links"]:

@@ -15,6 +15,7 @@ from passo.web.lease import Lease, since
 
 _SILENT_MS = const(1500)  # without a report: the link is down
 _DEAD_MS = const(3000)  # it is asked for again
+_JOG_ASK_MS = const(40)  # between two reports, while a jog goes on
 _MOST_LOG = const(100)
 _HUGE = 1e9  # mm/s²: no ramps
 
@@ -24,7 +25,7 @@ class AnyMachine:
     can = ()
     stood = ("Idle", "Check", "Alarm", "Sleep", "Hold", "Door")
     jogs_from = ("Idle", "Jog")  # states in which a continuous jog may begin
-    ask_ms = 40  # between two reports: 25 a second
+    ask_ms = 40  # between two reports otherwise: 25 a second
 
     def __init__(self, tell, job, board=None):
         """`tell(event)`: a dict for every page; `job`: what runs jobs; `board`: the checked board file, for a language that does not
@@ -52,7 +53,7 @@ class AnyMachine:
         self._now_ms = now_ms
         if self.jog.active and not self.lease.alive(now_ms):
             self.end_jog()
-        if since(now_ms, self._asked_ms) >= (_DEAD_MS if self._asking else self.ask_ms):
+        if since(now_ms, self._asked_ms) >= (_DEAD_MS if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
             self._asked_ms = now_ms
             self._asking = True
             self._ask()

@@ -6,24 +6,29 @@
     connection.send()               # True once all of it has been sent
 
 Of the head only what is looked at is kept. Whatever is longer than the bounds below, torn, or said twice sets `wrong`, the status
-that answers it. A connection carries one request.
+that answers it. A connection carries one request, which may make a WebSocket of it.
 """
 
 import os
 
 from micropython import const
 
+from passo.web.websocket import Frames, accept_of
+
 HEAD = const(0)  # what it is at
 BODY = const(1)
 ASKED = const(2)  # the request is whole, the answer is not there
 ANSWERED = const(3)
 EVENTS = const(4)  # answered without an end: events follow
+SOCKET = const(5)  # a WebSocket
 READ = const(512)  # bytes a call
 AGAIN = (11, 35, 10035)  # errors of a socket that has nothing, or no room
 _SENT = const(1024)
 _LINE = const(512)  # bytes of a line of the head
 _HEAD_BYTES = const(4096)
 _BODY_BYTES = const(256)
+_MESSAGE_BYTES = const(1024)  # of a WebSocket's message
+_UNSENT = const(4096)  # bytes for a WebSocket that does not read
 _STATUS = {
     200: b"OK", 400: b"Bad Request", 403: b"Forbidden", 404: b"Not Found", 405: b"Method Not Allowed",
     413: b"Content Too Large", 431: b"Request Header Fields Too Large", 503: b"Service Unavailable",
@@ -50,6 +55,12 @@ class Connection:
         self.host = self.origin = None
         self.proof = b""
         self.json = False
+        self.key = None  # of a request for a WebSocket
+        self.owner = None  # of a WebSocket: whom its messages are for
+        self.heard_ms = now_ms
+        self.asked = False  # for a sign of life
+        self._upgrade = False
+        self._frames = None
         self._length = None
         self._line = b""
         self._count = 0
@@ -122,6 +133,10 @@ class Connection:
             self._length = int(value)
         elif name in (b"host", b"origin", b"content-length", b"transfer-encoding"):
             self._refuse(400)
+        elif name == b"upgrade":
+            self._upgrade = value.lower() == b"websocket"
+        elif name == b"sec-websocket-key":
+            self.key = value
         elif name == b"accept":
             self.json = self.json or value.find(b"application/json") >= 0
         elif name == b"x-passo":
@@ -133,6 +148,8 @@ class Connection:
         if len(self.body) >= length:
             if len(self.body) > length:
                 self.wrong = 400  # more than one request
+            if not self._upgrade or self.method != b"GET":
+                self.key = None
             self.state = ASKED
 
     def _refuse(self, status):
@@ -156,6 +173,33 @@ class Connection:
         """Send server-sent events from now on, see event()."""
         self._begin(200, b"text/event-stream", b"")
         self.state = EVENTS
+
+    def begin_socket(self, owner):
+        """It is a WebSocket from now on; `owner` is told what comes."""
+        self.owner = owner
+        self._frames = Frames(_MESSAGE_BYTES)
+        self._out = b"HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: %s\r\n\r\n" % (
+            accept_of(self.key)
+        )
+        self.state = SOCKET
+
+    def messages(self):
+        """[(kind, bytes)] of a WebSocket. Raises OSError if the other end has gone, ValueError if what it sends is none."""
+        try:
+            data = self.socket.recv(READ)
+        except OSError as error:
+            if error.errno in AGAIN:
+                return ()
+            raise
+        if not data:
+            raise OSError(0)
+        return self._frames.feed(data)
+
+    def put(self, data):
+        """Send `data` behind the rest. Raises OSError if the other end has taken nothing for long."""
+        if len(self._out) + len(data) > _UNSENT:
+            raise OSError(0)
+        self._out += data
 
     def event(self, data):
         """Send one, if the one before has been sent. False if not."""

@@ -1,13 +1,16 @@
 """A small HTTP server inside the main loop: a request at a time for the machine, files, and pushed events.
 
-    server = Server(listener, table, files, guard)
+    server = Server(listener, files, guard)
     server.poll(now_ms)             # once a cycle
     request = server.take()         # for the language: number, flags, path and body; b"" if there is none
     server.answer(b"…")             # its answer: the number, and what it says
+    server.sockets[b"/ws"] = owner  # WebSockets: owner.open(), .heard() and .gone(), see page_line.py
+    server.calls[b"/stop"] = stop   # POST: stop() gives the answer, JSON
 
 Microdot and asyncio would take more memory than a Pico W has beside the machine, and a main loop of their own. This one does a
-bounded piece of work a call: it takes one connection, and goes on with two. It holds at most SLOTS requests and PAGES pages that
-events are pushed to; one more takes the place of the oldest request that is not whole, so slow ones keep nobody out.
+bounded piece of work a call: it takes one connection, and goes on with two. It holds at most SLOTS requests, PAGES pages that
+events are pushed to, and as many WebSockets as their owners admit; one more takes the place of the oldest request that is not
+whole, so slow ones keep nobody out.
 """
 
 from select import POLLIN, POLLOUT, poll
@@ -15,14 +18,17 @@ from select import POLLIN, POLLOUT, poll
 from micropython import const
 
 from passo.records import COUNT_MASK, REQUEST_JSON, REQUEST_PROVEN
-from passo.web.connection import ANSWERED, ASKED, BODY, EVENTS, HEAD, Connection
+from passo.web.connection import ANSWERED, ASKED, BODY, EVENTS, HEAD, SOCKET, Connection
+from passo.web.websocket import CLOSE, PING, PONG, frame
 
-SLOTS = const(4)
+SLOTS = const(6)  # as many as a browser opens at once
 PAGES = const(2)
 _STEPS = const(2)  # connections that are gone on with in one call
 _WHOLE_MS = const(3000)  # by then a request is whole, and answered
 _SENT_MS = const(10_000)  # and its answer has been taken
-_PUSH_MS = const(200)
+_ALIVE_MS = const(2000)  # a WebSocket without a sign of life is asked for one
+_GONE_MS = const(8000)  # and given up
+PUSH_MS = const(200)
 _PUSHED = const(255)  # the number of the request whose answer is pushed
 _MOST_S = const(60)  # requests a second for the machine
 _BEGIN = b'<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>Passo</title><pre id="answer">'
@@ -31,7 +37,7 @@ _BUSY = b"too many requests\n"
 
 class Server:
     def __init__(self, listener, files, guard):
-        """`listener`: a socket that listens and does not block; `files`: {path: (media type, file)}; `guard`: says who may."""
+        """`listener`: a socket that listens; `files`: a Folder; `guard`: says who may."""
         listener.setblocking(False)
         self._listener = listener
         self._listener_fd = listener.fileno() if hasattr(listener, "fileno") else None
@@ -39,13 +45,16 @@ class Server:
         self._poll.register(listener, POLLIN)
         self._ready = self._poll.ipoll if hasattr(self._poll, "ipoll") else self._poll.poll  # ipoll makes no list
         self._found = []
-        self._files = files
+        self.files = files
         self._guard = guard
         self._posts = self._gets = ()
         self._page = None
+        self.sockets = {}  # path: owner
+        self.calls = {}  # path: function
         self.connections = []
         self._requests = []
         self._number = 0
+        self._now_ms = 0
         self._pushed_ms = 0
         self._pushing = False
         self._second_ms = 0
@@ -90,6 +99,7 @@ class Server:
 
     def poll(self, now_ms):
         """Take a connection, go on with some, end those that take too long."""
+        self._now_ms = now_ms
         steps = _STEPS
         for ready in self._ready(0):
             self._found.append(ready[0])
@@ -101,42 +111,57 @@ class Server:
                 steps -= 1
                 self._step(found, now_ms)
         for connection in self.connections:
-            waited = (now_ms - connection.since_ms) & COUNT_MASK
-            late = _SENT_MS if connection.state in (ANSWERED, EVENTS) else _WHOLE_MS
-            if waited > late and (connection.state != EVENTS or connection.sending()):
-                self._drop(connection)
+            if self._late(connection, now_ms):
+                self.drop(connection)
                 break
-        if not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= _PUSH_MS and self._pages():
+        if not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= PUSH_MS and self._pages():
             self._pushed_ms = now_ms
             self._pushing = True
             self._requests.append(bytes((_PUSHED, REQUEST_JSON)) + self._gets[0])
 
+    def _late(self, connection, now_ms):
+        """True if it takes too long."""
+        waited = (now_ms - connection.since_ms) & COUNT_MASK
+        if connection.state == SOCKET:
+            silent = (now_ms - connection.heard_ms) & COUNT_MASK
+            if silent > _ALIVE_MS and not connection.asked:
+                connection.asked = True
+                self.send(connection, frame(PING, b""))
+            return silent > _GONE_MS or waited > _SENT_MS and connection.sending()
+        if connection.state == EVENTS:
+            return waited > _SENT_MS and connection.sending()
+        return waited > (_SENT_MS if connection.state == ANSWERED else _WHOLE_MS)
+
     def watched(self):
         """Sockets whose bytes are waited for."""
-        return [self._listener] + [each.socket for each in self.connections if each.state in (HEAD, BODY)]
+        return [self._listener] + [each.socket for each in self.connections if each.state in (HEAD, BODY, SOCKET)]
 
     def close(self):
         for connection in list(self.connections):
-            self._drop(connection)
+            self.drop(connection)
         self._listener.close()
 
     def _pages(self):
         return len([1 for each in self.connections if each.state == EVENTS])
 
+    def _asking(self):
+        """Connections that are no page's."""
+        return len([1 for each in self.connections if each.state < EVENTS])
+
     def _accept(self, now_ms):
+        """Take a connection. It waits if all that there are are being answered."""
+        if self._asking() >= SLOTS:
+            for connection in self.connections:
+                if connection.state in (HEAD, BODY):
+                    self.drop(connection)
+                    break
+            else:
+                return
         try:
             socket, address = self._listener.accept()
         except OSError:
             return
         socket.setblocking(False)
-        if len(self.connections) - self._pages() >= SLOTS:
-            for connection in self.connections:
-                if connection.state in (HEAD, BODY):
-                    self._drop(connection)
-                    break
-            else:
-                socket.close()
-                return
         connection = Connection(socket, address[0], now_ms)
         self.connections.append(connection)
         self._poll.register(socket, POLLIN)
@@ -154,53 +179,111 @@ class Server:
             if connection.state in (HEAD, BODY):
                 if connection.receive():
                     self._asked(connection, now_ms)
+            elif connection.state == SOCKET:
+                self._hear(connection, now_ms)
             elif connection.state == ASKED:
                 return  # the answer is still to come; whoever has gone is noticed then
             elif connection.sending():
                 if connection.send():
-                    self._drop(connection)
+                    self.drop(connection)
                 elif not connection.sending():
-                    connection.since_ms = now_ms
                     self._poll.modify(connection.socket, POLLIN)
+                    self._sent(connection)
             else:
                 connection.socket.recv(64)  # of events only the end is of interest
-                self._drop(connection)
+                self.drop(connection)
+        except (OSError, ValueError, MemoryError):
+            self.drop(connection)
+
+    def _hear(self, connection, now_ms):
+        """Messages of a WebSocket. Raises OSError or ValueError if it has ended."""
+        for kind, data in connection.messages():
+            connection.heard_ms = now_ms
+            connection.asked = False
+            if kind == PING:
+                connection.put(frame(PONG, data))
+            elif kind == CLOSE or kind != PONG and not connection.owner.heard(connection, data, now_ms):
+                raise OSError(0)
+        if connection.sending() and connection in self.connections:
+            connection.send()
+            self._poll.modify(connection.socket, POLLIN | POLLOUT if connection.sending() else POLLIN)
+            self._sent(connection)
+
+    def send(self, connection, data):
+        """Send `data` to a WebSocket, at once what the network takes."""
+        try:
+            connection.put(data)
         except OSError:
-            self._drop(connection)
+            self.drop(connection)
+            return
+        self._go_on(connection)
 
     def _go_on(self, connection):
         """Send at once what the network takes, the rest as it takes it."""
         try:
             if connection.send():
-                self._drop(connection)
+                self.drop(connection)
             elif connection.sending():
-                self._poll.modify(connection.socket, POLLOUT)
+                self._poll.modify(connection.socket, POLLIN | POLLOUT if connection.state == SOCKET else POLLOUT)
+            else:
+                self._sent(connection)
         except OSError:
-            self._drop(connection)
+            self.drop(connection)
 
-    def _drop(self, connection):
-        self._poll.unregister(connection.socket)
-        self.connections.remove(connection)
-        connection.close()
+    def _sent(self, connection):
+        """The time that a connection may take counts from where nothing was left to be sent."""
+        if not connection.sending():
+            connection.since_ms = self._now_ms
+
+    def drop(self, connection):
+        if connection in self.connections:
+            self._poll.unregister(connection.socket)
+            self.connections.remove(connection)
+            connection.close()
+            if connection.owner:
+                connection.owner.gone(connection)
 
     # --- a request that is whole
 
     def _asked(self, connection, now_ms):
-        status = connection.wrong or self._guard.wrong(connection)
+        path = connection.path
+        owner = self.sockets.get(path)
+        status = connection.wrong or self._guard.wrong(connection, owner and owner.browser)
         if status:
             self._say(connection, status)
-        elif connection.path in self._posts or connection.path in self._gets:
-            self._ask(connection, connection.path, now_ms)
-        elif connection.path not in self._files and connection.path not in (b"/", b"/EVENTS"):
+        elif path in self._posts or path in self._gets:
+            self._ask(connection, path, now_ms)
+        elif path in self.calls and connection.method == b"POST":
+            connection.answer(200, b"application/json", self.calls[path]())
+            self._go_on(connection)
+        elif owner and connection.key:
+            self._open(connection, owner, now_ms)
+        else:
+            self._show(connection, path, now_ms)
+
+    def _open(self, connection, owner, now_ms):
+        """A WebSocket."""
+        hello = owner.open(connection, now_ms)
+        if hello is None:
+            self._say(connection, 503)
+            return
+        connection.begin_socket(owner)
+        connection.since_ms = connection.heard_ms = now_ms
+        self.send(connection, hello)
+
+    def _show(self, connection, path, now_ms):
+        """A file, or events."""
+        found = self.files.find(path)
+        if not found and not (self._gets and path in (b"/", b"/EVENTS")):
             self._say(connection, 404)
         elif connection.method != b"GET":
             self._say(connection, 405)
-        elif connection.path == b"/":
-            self._ask(connection, self._gets[0], now_ms)
-        elif connection.path != b"/EVENTS":
-            kind, path = self._files[connection.path]
-            connection.answer(200, kind, b"", b"", path)
+        elif found:
+            kind, more, file = found
+            connection.answer(200, kind, b"", more, file)
             self._go_on(connection)
+        elif path == b"/":
+            self._ask(connection, self._gets[0], now_ms)
         elif self._pages() >= PAGES:
             self._say(connection, 503)
         else:

@@ -1,34 +1,51 @@
-"""A link whose bytes come over the network: to the app it is a serial line.
+"""Links whose bytes come over the network: to the app they are serial lines.
 
-    line = make(board, link, radio, clock_ms)
-    line.join(controller, protocol)         # of HTTP, once both are there
+    lines = make(board, radio, clock_ms)    # {name of a link: its line}
+    line.join(link, controller)             # once there are both
     line.read(), line.write(data), line.any()
 
 `radio` says where to listen and who belongs to the board's own network: radio.py, or the virtual board's. Without one, or while
-the board has no Wi-Fi data, the line is silent.
+the board has no Wi-Fi data, the lines are silent. A link of the port `http` and one of the port `page` share a server.
 """
 
+from passo.records import NETWORK_PORTS
+from passo.web.files import Folder
 from passo.web.guard import Guard, nonce
 from passo.web.http import Server
 from passo.web.radio import Radio  # noqa: F401: for who makes lines
 from passo.web.signed import SignedLine
 
-_PAGE = __file__[: __file__.rfind("/")] + "/page/" if "/" in __file__ else "page/"
-FILES = {
-    b"/torch.js": (b"text/javascript; charset=utf-8", _PAGE + "torch.js"),
-    b"/torch.css": (b"text/css; charset=utf-8", _PAGE + "torch.css"),
-    b"/sha256.js": (b"text/javascript; charset=utf-8", _PAGE + "sha256.js"),
-}
+_FOLDER = __file__[: __file__.rfind("/")] + "/page/" if "/" in __file__ else "page/"
 
 
-def make(board, link, radio, clock_ms):
-    """The line of a link. `board` and `link`: of the board file; `clock_ms()`: the links' clock."""
-    listener = radio.listen(link["port"]) if radio else None
-    if listener is None:
-        return Silent()
-    if link["port"] == "tcp":
-        return SignedLine(listener, radio.key)
-    return HttpLine(listener, radio, board["network"]["legacy_http"], clock_ms)
+def make(board, radio, clock_ms):
+    """The lines of the links over the network. `board`: of the board file; `clock_ms()`: the links' clock."""
+    lines = {}
+    links = [link for link in board["links"] if link["port"] in NETWORK_PORTS]
+    listener = radio.listen("http") if radio and [link for link in links if link["port"] != "tcp"] else None
+    if listener:
+        guard = Guard(radio.names, radio.key, nonce(), radio.own)
+        server = Server(listener, Folder(getattr(radio, "folder", _FOLDER)), guard)
+    for link in links:
+        name = link["name"]
+        lines[name] = Silent()
+        if link["port"] == "tcp":
+            wired = radio.listen("tcp") if radio else None
+            if wired:
+                lines[name] = SignedLine(wired, radio.key)
+        elif listener and link["port"] == "http":
+            lines[name] = HttpLine(server, guard, board["network"]["legacy_http"], clock_ms)
+        elif listener:
+            from passo.web.page_line import PageLine  # here: few boards have it
+
+            lines[name] = PageLine(server, machine_of(link["protocol"]), radio.key, clock_ms)
+    return lines
+
+
+def machine_of(language):
+    """The class that speaks a language for a page: GrblMachine of passo/web/grbl_machine.py."""
+    kind = language[0].upper() + language[1:] + "Machine"
+    return getattr(__import__("passo.web." + language + "_machine", None, None, (kind,)), kind)
 
 
 class Silent:
@@ -51,18 +68,19 @@ class Silent:
 
 
 class HttpLine:
-    def __init__(self, listener, radio, legacy, clock_ms):
-        """`listener`: a socket that listens; `legacy`: who has no key may be admitted."""
+    def __init__(self, server, guard, legacy, clock_ms):
+        """`legacy`: who has no key may be admitted."""
         self._clock_ms = clock_ms
         self._legacy = legacy
-        self._guard = Guard(radio.names, radio.key, nonce(), radio.own)
-        self._server = Server(listener, FILES, self._guard)
+        self._guard = guard
+        self._server = server
 
-    def join(self, controller, protocol):
-        """What the server is to know of the machine and its language."""
+    def join(self, link, controller):
+        """What the server is to know of the machine and the link's language."""
         admission = controller.features["admission"]
+        protocol = link.protocol
         self._guard.admit(admission.admitted if self._legacy else None, protocol.FREE)
-        self._server.serve(protocol.POSTS, protocol.GETS, _PAGE + protocol.PAGE)
+        self._server.serve(protocol.POSTS, protocol.GETS, self._server.files.path + protocol.PAGE)
 
     def any(self):
         return self._server.waiting()

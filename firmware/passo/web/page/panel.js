@@ -50,6 +50,12 @@ function ask(text) {
   });
 }
 
+// A table of the server's, {} if it has none.
+async function table(name) {
+  const found = await fetch(name).catch(() => null);
+  return found && found.ok ? found.json() : {};
+}
+
 // --- what comes
 
 function up(open) {
@@ -96,7 +102,8 @@ function told(message) {
 }
 
 function hello(message) {
-  rules = message.rules || {};
+  if (message.rules) rules = message.rules;
+  else table("rules.json").then((found) => { rules = found; });
   for (const card of document.querySelectorAll("[data-can]")) card.hidden = !message.can.includes(card.dataset.can);
   $("home").hidden = !message.can.includes("home");
   $("unlock").hidden = !message.can.includes("unlock");
@@ -442,5 +449,5 @@ $("language").value = [asked.get("lang"), kept("language"), preferred()].find((e
 $("theme").value = [asked.get("theme"), kept("theme")].find((each) => ["auto", "light", "dark"].includes(each)) || "auto";
 $("refresh").value = [kept("refresh"), "50"].find((each) => [...$("refresh").options].some((option) => option.value === each));
 theme($("theme").value);
-errors = await (await fetch("errors.json")).json();
+errors = await table("errors.json");
 await speak($("language").value);

@@ -1,0 +1,86 @@
+"""WebSockets as a server has them (RFC 6455): what the browser sends is masked, what it is sent is not.
+
+    accept_of(key)                      # the answer to the head's Sec-WebSocket-Key
+    frames = Frames(1024)
+    for kind, data in frames.feed(b"…"):    # raises ValueError: it is to be closed
+    frame(TEXT, b"…")                   # bytes to send
+
+A message is one frame: browsers send none in pieces that are as short as orders are.
+"""
+
+import hashlib
+from binascii import b2a_base64
+
+from micropython import const
+
+TEXT = const(1)
+BINARY = const(2)
+CLOSE = const(8)
+PING = const(9)
+PONG = const(10)
+_END = const(0x80)  # of the first byte: the message's last frame
+_MASKED = const(0x80)  # of the second
+_SHORT = const(126)  # lengths below it stand in the second byte
+_CONTROL_MOST = const(125)
+_KINDS = (TEXT, BINARY, CLOSE, PING, PONG)
+_ID = b"258EAFA5-E914-47DA-95CA-C5AB0DC85B11"
+
+
+def accept_of(key):
+    """Sec-WebSocket-Accept for a Sec-WebSocket-Key, bytes."""
+    return b2a_base64(hashlib.sha1(key + _ID).digest()).strip()
+
+
+def frame(kind, data):
+    """A frame of `data`, up to 65535 bytes."""
+    size = len(data)
+    if size < _SHORT:
+        return bytes((_END | kind, size)) + data
+    return bytes((_END | kind, _SHORT, size >> 8, size & 0xFF)) + data
+
+
+class Frames:
+    def __init__(self, most):
+        """`most`: bytes of a message."""
+        self._most = most
+        self._data = b""
+
+    def feed(self, data):
+        """[(kind, bytes)] of the frames that `data` makes whole. Raises ValueError: not masked, too long, in pieces, unknown."""
+        data = self._data + data
+        found = []
+        while True:
+            size = self._size(data)
+            if not size or len(data) < size:
+                break
+            start = 6 if data[1] & 0x7F < _SHORT else 8
+            found.append((data[0] & 0x0F, unmasked(data[start:size], data[start - 4 : start])))
+            data = data[size:]
+        self._data = data
+        return found
+
+    def _size(self, data):
+        """Bytes of the frame that `data` begins with; 0: that is not known yet."""
+        if len(data) < 2:
+            return 0
+        kind = data[0] & ~_END
+        length = data[1] & 0x7F
+        if not data[0] & _END or kind not in _KINDS or not data[1] & _MASKED or kind >= CLOSE and length > _CONTROL_MOST:
+            raise ValueError("frame")
+        if length > _SHORT:
+            raise ValueError("length")
+        if length == _SHORT:
+            if len(data) < 4:
+                return 0
+            length = data[2] << 8 | data[3]
+            if length > self._most:
+                raise ValueError("length")
+            return length + 8
+        return length + 6
+
+
+def unmasked(data, mask):
+    """`data` with the four bytes of `mask` taken off, in a few operations whatever its length."""
+    size = len(data)
+    masks = int.from_bytes((mask * (size // 4 + 1))[:size], "little")
+    return (int.from_bytes(data, "little") ^ masks).to_bytes(size, "little")
