@@ -135,13 +135,23 @@ def network():
         raise BoardError("network: it is not on this board (%s): flash it anew" % missing)
 
 
+def page_machine(board, language):
+    """make(write, tell) of what speaks a language for a page: GrblMachine of passo/web/grbl_machine.py. Raises BoardError."""
+    kind = language[0].upper() + language[1:] + "Machine"
+    try:
+        found = getattr(__import__("passo.web." + language + "_machine", None, None, (kind,)), kind)
+    except ImportError:
+        raise BoardError("network: there is no page for %s" % language)
+    return found if language == "grbl" else lambda write, tell: found(write, tell, board)
+
+
 def serials(board, port):
     """The serial line of each link of the board file."""
     networked = {}
     if board["network"]:
         web = network()
         radio = port.radio if hasattr(port, "radio") else web.Radio(board["network"])
-        networked = web.make(board, radio, port.link_ms)
+        networked = web.make(board, radio, port.link_ms, page_machine)
     return [networked[link["name"]] if link["name"] in networked else port.serial(link) for link in board["links"]]
 
 

@@ -232,8 +232,9 @@ def test_the_page_and_its_files():
         page = requests.get(torch_board.url + "/", timeout=LIMIT_S)
         assert page.status_code == 200 and "script-src 'self'" in page.headers["Content-Security-Policy"]
         for name in re.findall(r'(?:href|src)="(/[^"]+)"', page.text):
-            found = requests.get(torch_board.url + name, timeout=LIMIT_S)
-            assert found.status_code == 200 and found.content and len(found.content) == int(found.headers["Content-Length"])
+            found = requests.get(torch_board.url + name, timeout=LIMIT_S, stream=True)
+            packed = found.raw.read()
+            assert found.status_code == 200 and packed and len(packed) == int(found.headers["Content-Length"])
         for path in ("/panel.js", "/../wifi.json", "/%2e%2e/wifi.json", "//wifi.json", "/torch.js/..", "/torch.js%00", "/page/torch.js"):
             assert torch_board.raw(f"GET {path} HTTP/1.1\r\nHost: localhost\r\n\r\n".encode()).startswith(b"HTTP/1.1 404 "), path
 

@@ -69,9 +69,6 @@ class Api:
             "run": self._run, "abort": self._abort, "log": self._log, "settings": self._settings,
             "teach": self._teach, "machine": self._machine, "play": self._play,
         }  # fmt: skip
-        if store is None:
-            for name in _OF_STORE:
-                del self._orders[name]
 
     def can(self):
         """What a page may ask for: of what the machine's language has words for, what this server serves."""
@@ -92,6 +89,8 @@ class Api:
         error = self._absent(order) if remote else 0
         if error:
             return self._answer(name, error)
+        if self.store is None and name in _OF_STORE:
+            return self._answer(name, errors.UNKNOWN_COMMAND)
         try:
             found = do(order)
         except Wrong:

@@ -28,14 +28,14 @@ _LINE = const(512)  # bytes of a line of the head
 _HEAD_BYTES = const(4096)
 _BODY_BYTES = const(256)
 _MESSAGE_BYTES = const(1024)  # of a WebSocket's message
-_UNSENT = const(4096)  # bytes for a WebSocket that does not read
+UNSENT = const(4096)  # bytes for who does not read
 _STATUS = {
     200: b"OK", 400: b"Bad Request", 403: b"Forbidden", 404: b"Not Found", 405: b"Method Not Allowed",
     413: b"Content Too Large", 431: b"Request Header Fields Too Large", 503: b"Service Unavailable",
 }  # fmt: skip
 _HEADERS = (
     b"Connection: close\r\nCache-Control: no-store\r\nX-Content-Type-Options: nosniff\r\nReferrer-Policy: no-referrer\r\n"
-    b"Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src data:;"
+    b"Content-Security-Policy: default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:;"
     b" form-action 'self'; base-uri 'none'; frame-ancestors 'none'\r\n"
 )
 
@@ -197,7 +197,7 @@ class Connection:
 
     def put(self, data):
         """Send `data` behind the rest. Raises OSError if the other end has taken nothing for long."""
-        if len(self._out) + len(data) > _UNSENT:
+        if len(self._out) + len(data) > UNSENT:
             raise OSError(0)
         self._out += data
 

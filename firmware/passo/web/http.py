@@ -13,6 +13,7 @@ events are pushed to, and as many WebSockets as their owners admit; one more tak
 whole, so slow ones keep nobody out.
 """
 
+import socket as sockets
 from select import POLLIN, POLLOUT, poll
 
 from micropython import const
@@ -31,7 +32,7 @@ _GONE_MS = const(8000)  # and given up
 PUSH_MS = const(200)
 _PUSHED = const(255)  # the number of the request whose answer is pushed
 _MOST_S = const(60)  # requests a second for the machine
-_BEGIN = b'<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>Passo</title><pre id="answer">'
+_BEGIN = b'<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>Passo</title><link rel="icon" href="data:,"><pre id="answer">'
 _BUSY = b"too many requests\n"
 
 
@@ -162,6 +163,8 @@ class Server:
         except OSError:
             return
         socket.setblocking(False)
+        if hasattr(sockets, "TCP_NODELAY"):  # an answer does not wait for what was pushed before it
+            socket.setsockopt(sockets.IPPROTO_TCP, sockets.TCP_NODELAY, 1)
         connection = Connection(socket, address[0], now_ms)
         self.connections.append(connection)
         self._poll.register(socket, POLLIN)

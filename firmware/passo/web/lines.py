@@ -1,6 +1,6 @@
 """Links whose bytes come over the network: to the app they are serial lines.
 
-    lines = make(board, radio, clock_ms)    # {name of a link: its line}
+    lines = make(board, radio, clock_ms, machine_of)    # {name of a link: its line}
     line.join(link, controller)             # once there are both
     line.read(), line.write(data), line.any()
 
@@ -18,8 +18,9 @@ from passo.web.signed import SignedLine
 _FOLDER = __file__[: __file__.rfind("/")] + "/page/" if "/" in __file__ else "page/"
 
 
-def make(board, radio, clock_ms):
-    """The lines of the links over the network. `board`: of the board file; `clock_ms()`: the links' clock."""
+def make(board, radio, clock_ms, machine_of):
+    """The lines of the links over the network. `board`: of the board file; `clock_ms()`: the links' clock; `machine_of(board,
+    language)`: what speaks it for a page."""
     lines = {}
     links = [link for link in board["links"] if link["port"] in NETWORK_PORTS]
     listener = radio.listen("http") if radio and [link for link in links if link["port"] != "tcp"] else None
@@ -38,14 +39,8 @@ def make(board, radio, clock_ms):
         elif listener:
             from passo.web.page_line import PageLine  # here: few boards have it
 
-            lines[name] = PageLine(server, machine_of(link["protocol"]), radio.key, clock_ms)
+            lines[name] = PageLine(server, machine_of(board, link["protocol"]), radio.key, clock_ms)
     return lines
-
-
-def machine_of(language):
-    """The class that speaks a language for a page: GrblMachine of passo/web/grbl_machine.py."""
-    kind = language[0].upper() + language[1:] + "Machine"
-    return getattr(__import__("passo.web." + language + "_machine", None, None, (kind,)), kind)
 
 
 class Silent:

@@ -10,13 +10,12 @@ One connection at a time. A new one takes the place of one that has proven nothi
 from micropython import const
 
 from passo import errors
-from passo.web.connection import AGAIN, READ
+from passo.web.connection import AGAIN, READ, UNSENT
 from passo.web.guard import WRONG, nonce
 from passo.web.session import Session
 
 FREE = b"?!\x18\x84\x85"
 _LINE = const(320)  # bytes of a line, with its proof
-_UNSENT = const(4096)  # bytes for who does not read
 _JOG_CANCEL = FREE[-1:]
 
 
@@ -67,7 +66,7 @@ class SignedLine:
 
     def write(self, data):
         """What the language says; lost without a connection."""
-        if self._socket is not None and len(self._out) < _UNSENT:
+        if self._socket is not None and len(self._out) < UNSENT:
             self._out += bytes(data)
             self._send()
 
