@@ -10,14 +10,19 @@ from host_tools.failure import Failure
 
 _JOBS = Path.home() / ".local" / "share" / "passo" / "jobs"
 _DEMO = "router_3axis"
-_SPEAKS = "grbl"
+_BAUD = 115200  # a link is asked at it what it speaks
 
 
 def panel(
     demo: Annotated[bool, typer.Option("--demo", help="A virtual machine: no hardware is needed.")] = False,
     port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL of the board (socket://host:port).")] = None,
-    baud: Annotated[int, typer.Option(help="Bits per second of a serial port.")] = 115200,
-    board: Annotated[str, typer.Option(help="The demo's board file.")] = _DEMO,
+    baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
+    protocol: Annotated[
+        Optional[str], typer.Option(help="Language of the link of --port: grbl or pulses. Default: found by asking.")
+    ] = None,
+    board: Annotated[
+        Optional[str], typer.Option(help="Board file: the demo's machine; of a board on --port, what its language does not tell (steps/mm).")
+    ] = None,
     host: Annotated[str, typer.Option(help="Address to serve; 0.0.0.0: also phones in this network.")] = "127.0.0.1",
     http: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: any free one.")] = 8080,
     jobs: Annotated[Path, typer.Option(help="Folder of the jobs.")] = _JOBS,
@@ -37,12 +42,16 @@ def panel(
 
         passo panel --demo --open
 
+        passo panel --demo --board lpt_router --open        # pulse files
+
         passo panel --port /dev/ttyACM0 --guest /tmp/machine
 
         passo panel --port /dev/ttyACM0 --host 0.0.0.0      # for a phone; give it the key that is shown
     """
     from host_tools import boards
     from host_tools.cli import ports
+    from host_tools.cli.log import spoken
+    from host_tools.panel import languages
     from host_tools.panel.board import Demo, Port
     from host_tools.panel.panel import Panel
     from host_tools.sim.serial_line import PtyLine, TcpLine
@@ -54,11 +63,26 @@ def panel(
     line = None
     if guest:
         line = TcpLine(int(guest)) if guest.isdigit() else PtyLine(guest)
+    board = board or (_DEMO if demo else None)
     virtual = Demo(board, ["--trace", str(trace)] if trace else []) if demo else None
     try:
         name = virtual.name if virtual else port or ports.only()
-        machines = [board] + [each for each in _machines(boards) if each != board] if demo else ()
-        served = Panel(lambda changed: Port(name, baud, changed), jobs, line, host, machines, virtual.change if virtual else None)
+        language = _language(boards.load(board)) if virtual else protocol or spoken(name, baud or _BAUD)
+        if language not in languages.BOARDS:
+            raise Failure(f"{language}: the panel speaks {', '.join(languages.BOARDS)}")
+        if guest and language != "grbl":
+            raise Failure("--guest is for a board that speaks grbl: a sender beside the page")
+        table = boards.load(board or languages.BOARDS[language])
+        machines = _machines(boards, board, ("grbl",) if guest else tuple(languages.BOARDS)) if demo else ()
+
+        def change(other):
+            table = boards.load(other)
+            return virtual.change(other), _language(table), table
+
+        served = Panel(
+            lambda changed: Port(name, baud or languages.BAUD[language], changed), jobs, line, host, language, table, machines,
+            change if virtual else None,
+        )  # fmt: skip
         asyncio.run(served.run(host, http, lambda number: _tell(host, number, served.key, line, open_)))
     finally:
         if virtual:
@@ -83,6 +107,11 @@ def _tell(host, number, key, line, open_):
         webbrowser.open(f"{address}#key={key}")
 
 
-def _machines(boards):
-    """Names of the board files whose first link speaks the page's language."""
-    return [name for name in boards.names() if boards.load(name)["links"][0]["protocol"] == _SPEAKS]
+def _language(board):
+    """What the first link of a board file speaks."""
+    return board["links"][0]["protocol"]
+
+
+def _machines(boards, first, speaking):
+    """Names of the board files whose first link speaks one of those languages, `first` at the head."""
+    return [first] + [name for name in boards.names() if name != first and _language(boards.load(name)) in speaking]

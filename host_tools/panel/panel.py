@@ -5,16 +5,13 @@ import os
 import signal
 import socket
 
-from host_tools.clients import setting_names
-from host_tools.panel import taught
+from host_tools.panel import languages
 from host_tools.panel.server import PUSH_MS, Server, clock_ms
 from host_tools.panel.store import Store
 from host_tools.resources import ROOT
 from passo import errors
 from passo.web import session
 from passo.web.api import Api
-from passo.web.grbl_machine import AXES, GrblMachine
-from passo.web.teach import Teach
 
 FOLDER = ROOT / "firmware" / "passo" / "web" / "page"
 TICK_S = 0.01
@@ -40,35 +37,32 @@ def names_of(host):
 
 
 class Panel:
-    def __init__(self, make_port, jobs, guest, host, machines=(), change=None):
-        """`make_port(changed)`: a Port; `jobs`: folder; `guest`: a serial line for a sender, or None; `machines`: names of board
-        files to choose from, the present one first; `change(name)`: the new port's name."""
+    def __init__(self, make_port, jobs, guest, host, language, board, machines=(), change=None):
+        """`make_port(changed)`: a Port; `jobs`: folder; `guest`: a serial line for a sender, or None; `language` of the board, and its
+        file's table; `machines`: names of board files to choose from, the present one first; `change(name)`: port, language and table
+        of another one."""
         self._loop = None
         self._port = make_port(self._changed)
         self._guest = guest
         self._watched = []
         self._change = change
-        self.machine = GrblMachine(self._port.write, self._tell, guest.write if guest else None)
-        teach = Teach(self._taught)
-        self.machine.watcher = self._see
-        self._teach = teach
-        self._machines = machines
+        self._jobs = jobs
+        self._machines = list(machines)
         self.key = session.make_key(os.urandom)
-        self.api = Api(self.machine, Store(jobs), teach, self._choose if change else None)
-        self.server = Server(self.api, self.key, names_of(host), str(FOLDER), {"machines": list(machines), "rules": setting_names.rules(len(AXES))})
+        self._speak(language, board)
+        self.server = Server(self.api, self.key, names_of(host), str(FOLDER), self._about)
         self._stopped = asyncio.Event()
+
+    def _speak(self, language, board):
+        """The machine of a language, and what is behind the page's orders to it."""
+        spoken = languages.create(language, board, self._port.write, self._tell, self._guest.write if self._guest else None)
+        self.machine = spoken.machine
+        folder = self._jobs if language == "grbl" else self._jobs / language
+        self.api = Api(self.machine, Store(folder, spoken.read), spoken.teach, self._choose if self._change else None)
+        self._about = {"machines": self._machines, **spoken.about}
 
     def _tell(self, event):
         self.server.pages.tell(event)
-
-    def _see(self, state):
-        self._teach.see(state)
-        state["teaching"] = self._teach.places()
-
-    def _taught(self, points, ways):
-        """The lines of what has been taught, with arcs."""
-        settings = self.machine.settings
-        return taught.program(points, ways, [float(settings[100 + axis]) for axis in range(len(points[0]))])
 
     def _changed(self, fd, opened):
         """The board's port has come or goes: its bytes are taken as they come."""
@@ -84,7 +78,8 @@ class Panel:
         if data:
             self.machine.feed(data, clock_ms())
             self.machine.job.poll()
-            self.machine.guest.poll()
+            if self._guest:
+                self.machine.guest.poll()
 
     def _hear_guest(self):
         data = self._guest.read()
@@ -96,7 +91,11 @@ class Panel:
             return errors.ORDER_FIELD
         self._port.close()
         self.machine.lost()
-        self._port.name = self._change(name)
+        self._port.name, language, board = self._change(name)
+        self._machines.remove(name)
+        self._machines.insert(0, name)
+        self._speak(language, board)
+        self.server.change(self.api, self._about)
         return 0
 
     def _watch_guest(self):

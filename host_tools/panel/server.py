@@ -195,6 +195,12 @@ class Server:
                 self.pages.leave(page)
         return Response.already_handled
 
+    def change(self, api, about):
+        """Another machine: the pages that look are told."""
+        self.api = self.pages.api = api
+        self._about = about
+        self.pages.tell({"t": "machine", "can": api.can(), "axes": api.machine.axes, "language": api.machine.language, **about})
+
     async def push(self, now_ms):
         """State, as often as a page wants it, and what else there is, to every page. A page that does not read is left out, and closed in the end."""
         text = self.pages.next_state(now_ms)

@@ -1,8 +1,8 @@
-"""The jobs of a panel: G-code files of one folder, by names that are looked at before they reach the file system.
+"""The jobs of a panel: files of one folder, by names that are looked at before they reach the file system.
 
-    store = Store(Path("jobs"))
+    store = Store(Path("jobs"), gcode_lines)
     error = store.add("part.gcode", 0, text, last=True)     # in pieces; the file is there with the last one, whole
-    store.lines("part.gcode")                               # [(number, bytes)], or the number of an error
+    store.lines("part.gcode")                               # what gcode_lines makes of it, or the number of an error
 """
 
 import os
@@ -20,9 +20,19 @@ _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._-]{0,59}")
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 
 
+def gcode_lines(path):
+    """[(number, bytes)] as they are sent: without comments, numbered if the file does not number them itself. Raises Failure."""
+    lines = gcode_file.read(path)
+    if any(b"N" in line.upper() for _, line in lines):
+        return lines
+    return [(number, tagged(number, line)) for number, line in lines]
+
+
 class Store:
-    def __init__(self, folder):
+    def __init__(self, folder, read):
+        """`read(path)`: what a language's driver takes of a job; Failure or OSError if there is none in it."""
         self._folder = folder
+        self._read = read
         folder.mkdir(parents=True, exist_ok=True)
         self._coming = {}  # name: pieces so far
 
@@ -45,17 +55,14 @@ class Store:
         return path if path.is_file() and not path.is_symlink() else errors.NO_SUCH_JOB
 
     def lines(self, name):
-        """[(number, bytes)] as they are sent: without comments, numbered if the file does not number them itself."""
+        """What `read` makes of the job, or the number of an error."""
         path = self._path(name)
         if isinstance(path, int):
             return path
         try:
-            lines = gcode_file.read(path)
-        except Failure:
+            return self._read(path)
+        except (Failure, OSError):
             return errors.NO_SUCH_JOB
-        if any(b"N" in line.upper() for _, line in lines):
-            return lines
-        return [(number, tagged(number, line)) for number, line in lines]
 
     def text(self, name, at):
         """(text from byte `at` on, at most 32 kB, and how many bytes there are), or the number of an error."""

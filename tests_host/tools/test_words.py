@@ -13,8 +13,8 @@ from passo import error_texts
 pytestmark = pytest.mark.quick
 
 CATALOGUE = json.loads((FOLDER / "pt.json").read_text(encoding="utf-8"))
-MODULES = ("panel.js", "jog.js", "link.js", "path.js", "words.js")
-TABLES = ("SIGNALS", "STATES", "OVERRIDES")  # whose texts are shown by way of _()
+MODULES = ("panel.js", "cards.js", "card_pulses.js", "jog.js", "link.js", "path.js", "words.js")
+TABLES = ("SIGNALS", "STATES", "OVERRIDES", "BITS", "HOW")  # whose texts are shown by way of _()
 # Words of the documents, and what an English text with them has to say in Portuguese.
 TERMS = {"spindle": "fuso", "step program": "programa de pulsos", "homing": "origem", "door": "porta", "speed": ("velocidade", "rotação"),
          "inverter": "inversor", "gantry": "pórtico", "motor": "motor", "alarm": "alarm"}  # fmt: skip

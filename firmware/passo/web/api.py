@@ -72,7 +72,7 @@ class Api:
 
     def can(self):
         """What a page may ask for: of what the machine's language has words for, what this server serves."""
-        lacking = (() if self.store else ("jobs",)) + (() if self.teach else ("teach",))
+        lacking = (() if self.store else ("jobs", "single")) + (() if self.teach else ("teach",))
         return [what for what in self.machine.can if what not in lacking]
 
     def order(self, order, proven, remote=False):

@@ -1,5 +1,6 @@
 // The page: shows what the server pushes, and makes orders of what is pressed.
 
+import { Cards } from "./cards.js";
 import { Jog } from "./jog.js";
 import { Link } from "./link.js";
 import { Picture, read } from "./path.js";
@@ -22,6 +23,9 @@ let job = { name: "", text: "", lines: [] };
 const link = new Link(told, up);
 const jog = new Jog(link, () => report, refuse, refresh);
 const picture = new Picture($("path"));
+const cards = new Cards({ order, ask, picture, report: () => report, until, word: (text) => _(text) });
+let language = "";
+let waiting = [];  // [condition of a job, resolve]
 
 // --- messages
 
@@ -56,6 +60,14 @@ async function table(name) {
   return found && found.ok ? found.json() : {};
 }
 
+// True once a report has a job as wanted; false after two seconds.
+function until(wanted) {
+  return new Promise((done) => {
+    waiting.push([wanted, done]);
+    setTimeout(() => done(false), 2000);
+  });
+}
+
 // --- what comes
 
 function up(open) {
@@ -86,7 +98,9 @@ function told(message) {
     report = message;
     jog.report();
     show();
-  } else if (message.t === "hello") {
+  } else if (message.t === "hello" || message.t === "machine") {
+    if (language && language !== message.language) return location.reload();
+    language = message.language;
     hello(message);
   } else if (message.t === "settings") {
     setAxes(message.axes);
@@ -104,7 +118,8 @@ function told(message) {
 function hello(message) {
   if (message.rules) rules = message.rules;
   else table("rules.json").then((found) => { rules = found; });
-  for (const card of document.querySelectorAll("[data-can]")) card.hidden = !message.can.includes(card.dataset.can);
+  cards.hello(message);
+  axes = "";
   $("home").hidden = !message.can.includes("home");
   $("unlock").hidden = !message.can.includes("unlock");
   setAxes(message.axes);
@@ -120,6 +135,7 @@ function setAxes(wanted) {
     const row = document.createElement("tr");
     row.innerHTML = `<th scope="row">${axis.toUpperCase()}</th><td id="w-${axis}"></td><td id="m-${axis}"></td><td><button type="button">${_("Zero")}</button></td>`;
     row.querySelector("button").onclick = () => order("zero", { axes: axis });
+    row.lastChild.hidden = !cards.can("zero");
     row.querySelector("button").setAttribute("aria-label", `${_("Zero here")}: ${axis.toUpperCase()}`);
     return row;
   }));
@@ -158,7 +174,7 @@ function show() {
 
 function enable() {
   const idle = report.state === "Idle";
-  const busy = Boolean(report.job) && ["run", "halting"].includes(report.job.how);
+  const busy = Boolean(report.job) && ["load", "run", "halting"].includes(report.job.how);
   const mine = report.owner !== "guest";
   const set = (id, on) => { $(id).disabled = !on; };
   for (const id of ["run", "check"]) set(id, idle && !busy && mine && $("jobs").value);
@@ -170,6 +186,7 @@ function enable() {
   set("abort", busy);
   set("give", idle && !busy && mine);
   set("take", idle && !mine);
+  cards.show(report);
 }
 
 function showSignals() {
@@ -194,15 +211,24 @@ function showJob() {
   const now = report.job;
   const line = now ? (["run", "halting"].includes(now.how) && report.line) || now.line : 0;
   if (report.w && report.w.length) picture.move(report.w, now && now.name === job.name ? (now.how === "done" ? Infinity : line) : 0);
+  for (const [wanted, done] of waiting) if (wanted(now)) done(true);
+  waiting = waiting.filter(([wanted]) => !wanted(now));
   if (!now) return;
   $("progress").value = now.lines ? now.done / now.lines : 0;
+  let text = cards.told(now) || described(now, line);
+  if (now.error) text += `. ${_("Error")} ${now.error}: ${_(errors[now.error] || "")}`;
+  if ($("job-state").textContent !== text) $("job-state").textContent = text;
+  if (now.name === job.name && !cards.mark(now)) mark(line);
+}
+
+// What is said of a job of lines.
+function described(now, line) {
   const how = { run: now.checked ? "Checking" : "Running", halting: "Stopping", done: now.checked ? "Checked: no error" : "Done", failed: "Ended" }[now.how];
   let text = `${now.name}: ${_(how)}, ${_("line {line}, {done} of {lines}", { line, done: now.done, lines: now.lines })}`;
   if (now.passes > 1) text += `, ${_("pass {pass} of {passes}", { pass: now.pass, passes: now.passes })}`;
+  if (now.single && now.how === "run") text += `, ${_("step by step")}`;
   if (report.wait) text += `, ${_("waits {seconds} s", { seconds: report.wait.toFixed(1) })}`;
-  if (now.error) text += `. ${_("Error")} ${now.error}: ${_(errors[now.error] || "")}`;
-  if ($("job-state").textContent !== text) $("job-state").textContent = text;
-  if (now.name === job.name) mark(line);
+  return text;
 }
 
 function mark(line) {
@@ -272,8 +298,8 @@ async function load() {
   if (job !== mine) return;
   job.lines = job.text.split("\n");
   $("lines").dataset.line = "";
-  picture.show(read(job.text));
-  mark(1);
+  picture.show(cards.read(job.text) || read(job.text));
+  if (!cards.mark(null)) mark(1);
 }
 
 async function upload(file) {
@@ -304,7 +330,7 @@ function press(way, button) {
 
 function makePad() {
   $("pad").replaceChildren(...PAD.map((cell) => {
-    if (!cell || (typeof cell === "string" && !axes.includes("z"))) return document.createElement("span");
+    if (!cell || (typeof cell === "string" ? !axes.includes("z") : cell[0] && cell[1] && !cards.can("diagonal"))) return document.createElement("span");
     const [way, sign] = typeof cell === "string" ? [{ z: cell[1] === "+" ? 1 : -1 }, cell.toUpperCase()]
       : [Object.fromEntries([["x", cell[0]], ["y", cell[1]]].filter(([, part]) => part)), cell[2]];
     const button = document.createElement("button");
@@ -336,7 +362,7 @@ $("stop").onclick = () => link.stop();
 $("home").onclick = () => order("home");
 $("unlock").onclick = () => order("unlock");
 $("hold").onclick = () => order("hold");
-$("resume").onclick = () => order("resume");
+$("resume").onclick = () => (report.job && report.job.single && report.state === "Idle" ? order("play", { what: "run" }) : order("resume"));
 $("abort").onclick = () => order("abort");
 $("zero-all").onclick = async () => { if (await ask(_("Set the zero of all axes here?"))) order("zero", { axes }); };
 $("give").onclick = () => order("give", { to: "guest" });

@@ -1,0 +1,62 @@
+// Cards that only some languages have, and what a job is in a language other than G-code.
+
+import { PulseFile } from "./card_pulses.js";
+
+const $ = (id) => document.getElementById(id);
+
+export class Cards {
+  // page: { order(name, fields), ask(text), picture }
+  constructor(page) {
+    this.page = page;
+    this.own = null;
+    this.words = [];
+    for (const button of document.querySelectorAll("[data-play]")) button.onclick = () => page.order("play", { what: button.dataset.play });
+    for (const button of document.querySelectorAll("[data-switch]")) button.onclick = () => page.order("output", { name: button.dataset.switch });
+    $("single").onclick = () => this.single();
+  }
+
+  can(what) { return this.words.includes(what); }
+
+  // What the machine can, and what its board file says.
+  hello(message) {
+    this.words = message.can;
+    for (const card of document.querySelectorAll("[data-can]")) card.hidden = !this.can(card.dataset.can);
+    this.own = message.language === "pulses" ? new PulseFile(this.page, message) : null;
+  }
+
+  // A job's text: the moves of its picture, or null if it is G-code.
+  read(text) { return this.own && this.own.read ? this.own.read(text) : null; }
+
+  // True if the list of what is under way is shown here.
+  mark(now) { return Boolean(this.own && this.own.mark && this.own.mark(now)); }
+
+  // What is said of a job; null: as of G-code.
+  told(now) { return this.own && this.own.told ? this.own.told(now) : null; }
+
+  show(report) {
+    const now = report.job;
+    const busy = Boolean(now) && ["load", "run", "halting"].includes(now.how);
+    const mine = report.link && report.owner !== "guest";
+    $("single").disabled = !(mine && $("jobs").value && (busy ? !now.checked : report.state === "Idle"));
+    if (busy && now.single && mine) $("resume").disabled = false;
+    for (const button of document.querySelectorAll("[data-switch]")) button.disabled = !mine || !["Idle", "Hold", "Alarm"].includes(report.state);
+    for (const mark of document.querySelectorAll("[data-shows]")) {
+      const on = Boolean(report[mark.dataset.shows]);
+      if (mark.dataset.on !== String(on)) {
+        mark.dataset.on = on;
+        mark.textContent = this.page.word(on ? "on" : "off");
+      }
+    }
+    if (this.own) this.own.show(report);
+  }
+
+  // One line, or one code, and no more. A job that does not run yet begins so.
+  async single() {
+    const now = this.page.report().job;
+    if (!now || !["run", "load"].includes(now.how)) {
+      const begun = await this.page.order("run", { name: $("jobs").value, passes: Number($("passes").value) || 1, single: true });
+      if (begun.error || !await this.page.until((job) => job && job.how === "run")) return;
+    }
+    this.page.order("play", { what: "step" });
+  }
+}

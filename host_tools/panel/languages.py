@@ -1,0 +1,61 @@
+"""The languages that a panel speaks: the machine behind the page, its teach-in, and how its jobs are read.
+
+    spoken = create("pulses", board, port.write, tell)
+    Api(spoken.machine, Store(folder, spoken.read), spoken.teach)
+"""
+
+from host_tools.clients import setting_names
+from host_tools.panel import taught
+from host_tools.panel.store import gcode_lines
+from passo.config.boardfile import check
+from passo.web.grbl_machine import AXES, GrblMachine
+from passo.web.teach import Teach
+
+# The board file that is meant if none is named; its first link's language is the key.
+BOARDS = {"grbl": "router_3axis", "pulses": "lpt_router"}
+BAUD = {"grbl": 115_200, "pulses": 115_200}
+
+
+class Spoken:
+    """What one language brings: `machine`; `teach`, or None; `read(path)`: a job's lines as its driver takes them; `about`: what
+    the page is to know of it."""
+
+    def __init__(self, machine, teach, read, about):
+        self.machine = machine
+        self.teach = teach
+        self.read = read
+        self.about = about
+
+
+def create(language, board, write, tell, guest=None):
+    """`board`: a board file's table; `write(bytes)`, `tell(event)`, `guest(bytes)` as a machine takes them."""
+    if language == "grbl":
+        return _grbl(write, tell, guest)
+    board = check(board)
+    about = {"scale": [axis["steps_per_m"] / 1000 for axis in board["axes"]]}
+    return {"pulses": _pulses}[language](board, write, tell, about)
+
+
+def _grbl(write, tell, guest):
+    machine = GrblMachine(write, tell, guest)
+    teach = Teach(
+        lambda points, ways: taught.program(points, ways, [float(machine.settings[100 + axis]) for axis in range(len(points[0]))])
+    )
+
+    def see(state):
+        teach.see(state)
+        state["teaching"] = teach.places()
+
+    machine.watcher = see
+    return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))})
+
+
+def _pulses(board, write, tell, about):
+    from passo.control.step_program_intake import lengths_of
+    from passo.web.pulses_machine import PulsesMachine
+
+    machine = PulsesMachine(write, tell, board)
+    about["bits"] = board["step_program"]["port_bits"]
+    lengths = lengths_of(board["axes"])
+    about["fastest"] = min(lengths[1 << axis] for axis in range(len(board["axes"]))) // board["step_program"]["interval_us"]
+    return Spoken(machine, machine.teach, lambda path: path.read_bytes(), about)
