@@ -46,7 +46,7 @@ class AnyMachine:
         self._asking = False
         self._log = []
         self.watcher = None  # watcher(state): told of each report
-        self.state = {"link": False, "state": "", "owner": "page", "alarm": 0, "job": None}
+        self.state = {"link": False, "state": "", "sub": "0", "owner": "page", "alarm": 0, "job": None}
 
     def poll(self, now_ms):
         """Ask, end what has lapsed, go on with the job."""

@@ -136,6 +136,7 @@ export class PulseFile {
     code.textContent = text.slice(at, next).trim();
     const first = Math.max(0, at - AROUND);
     $("lines").replaceChildren(`${first ? "…" : ""}${text.slice(first, at)}`, code, text.slice(next, next + AROUND));
+    $("lines").scrollTop = code.offsetTop - $("lines").offsetTop - $("lines").clientHeight / 2;
     return true;
   }
 

@@ -1,0 +1,137 @@
+"""The page of machines that do not speak G-code, in Chromium: pulse files, and what the page hides for each language.
+
+As tools/test_panel_page.py; `place` and `trace` are those of the virtual board.
+"""
+
+import time
+
+import pytest
+
+from panel_process import PanelProcess
+from test_panel_page import CHROMIUM, DRIVER, Browser, chromium
+
+pytestmark = [
+    pytest.mark.unmeasured,
+    pytest.mark.xdist_group("panel"),
+    pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="NO BROWSER: apt-get install chromium chromium-driver, to test the page"),
+]
+PULSES = "[+300(\n" + "A" * 400 + "\n" + "G" * 200 + "\n)*1500\n" + "D" * 100 + "\n]\n"
+END = (600, 100, 0)
+
+
+@pytest.fixture(scope="module")
+def driver():
+    opened = chromium()
+    yield opened
+    opened.quit()
+
+
+def step_of(browser, value):
+    browser.driver.execute_script(f"document.querySelector('input[name=step][value=\"{value}\"]').click()")
+
+
+def upload(browser, tmp_path, name, text):
+    file = tmp_path / name
+    file.write_text(text)
+    browser.find("upload").send_keys(str(file))
+    browser.until(lambda: name in browser.find("jobs").text and browser.find("jobs").get_attribute("value") == name)
+
+
+def play(browser, what):
+    browser.until(lambda: browser.css(f"[data-play={what}]").is_enabled())
+    browser.tap(f"[data-play={what}]")
+
+
+def steps(panel):
+    """What the machine did, once the panel has ended: places after each step."""
+    return [tuple(row[1:4]) for row in panel.trace()]
+
+
+@pytest.mark.slow
+def test_pulse_files(tmp_path, driver):
+    """Played, paused, moved by hand and back; backward; code by code; taught; the steps are those of the trace."""
+    with PanelProcess(tmp_path, "--board", "lpt_router") as panel:
+        browser = Browser(panel, driver, (1280, 1600))
+        browser.until_state("Ready")
+        hidden = ["card-tool", "card-signals", "card-line", "card-settings", "card-motors", "zero-all", "home", "jog-speed"]
+        assert not [name for name in hidden if browser.find(name).is_displayed()]
+        assert not browser.driver.find_elements("css selector", "[data-way='x+y+']")
+        upload(browser, tmp_path, "part.txt", PULSES)
+        browser.click("check")
+        browser.until(lambda: "no error" in browser.text("job-state"))
+        browser.until_state("Ready")
+        browser.click("run")
+        browser.until(lambda: "Playing" in browser.text("job-state") and browser.place()[0] > 1)
+        assert browser.css("#lines b").text in "AG" and not browser.text("lines").startswith("…")
+        browser.click("hold")
+        browser.until_state("Held")
+        held = browser.place()
+        browser.shot("pulses-held")
+        step_of(browser, 1)
+        browser.tap("[data-way='z+']")
+        browser.until(lambda: browser.place()[2] == 1 and browser.find("by-hand").is_displayed())
+        assert not browser.find("resume").is_enabled()
+        browser.shot("pulses-by-hand")
+        play(browser, "return")
+        browser.until(lambda: "waits" in browser.text("countdown"))
+        assert browser.place()[2] == 0 and browser.place()[0] > held[0]
+        browser.shot("pulses-waits")
+        browser.until(lambda: "Done" in browser.text("job-state"))
+        browser.until(lambda: browser.place() == [place / 80 for place in END])
+        play(browser, "back")
+        browser.until(lambda: "Back at the start" in browser.text("job-state"))
+        browser.until(lambda: browser.place() == [0, 0, 0])
+        browser.click("single")
+        browser.until(lambda: "1 of 706" in browser.text("job-state") and browser.text("state") == "Held")
+        for number in (2, 3, 4):
+            browser.click("single")
+            browser.until(lambda: f"{number} of 706" in browser.text("job-state"))
+        browser.until(lambda: browser.place() == [round(1 / 80, 3), 0, 0])
+        play(browser, "step_back")
+        browser.until(lambda: browser.place() == [0, 0, 0])
+        browser.click("abort")
+        browser.until_state("Ready")
+        for name, text in (("tool_on", "on"), ("tool_off", "off"), ("drives_on", "on"), ("drives_off", "off")):
+            browser.until(lambda: browser.css(f"[data-switch={name}]").is_enabled())
+            browser.tap(f"[data-switch={name}]")
+            browser.until(lambda: browser.css(f"[data-shows={name.split('_')[0]}]").text == text)
+        browser.tap("[data-switch=drives_on]")
+        browser.fill("pace", "600")
+        browser.tap("#pace-form button")
+        browser.until(lambda: browser.text("speed-now") == "600")
+        browser.click("teach-begin")
+        browser.until(lambda: "0 places" in browser.text("teach-state"))
+        step_of(browser, 0)
+        browser.press("x+")
+        browser.until(lambda: browser.place()[0] > 0.5)
+        browser.let_go()
+        browser.until_state("Ready")
+        step_of(browser, 1)
+        browser.tap("[data-way='y+']")
+        browser.until(lambda: browser.place()[1] == 1)
+        browser.until_state("Ready")
+        taught = browser.place()
+        browser.click("teach-save")
+        browser.until(lambda: browser.find("jobs").get_attribute("value") == "taught.txt")
+        browser.click("run")
+        browser.until(lambda: "taught.txt: Done" in browser.text("job-state"))
+        browser.until(lambda: browser.place() == [2 * part for part in taught])
+        assert not [row for row in browser.driver.get_log("browser") if "SyntaxError" in row["message"] or "Uncaught" in row["message"]]
+    walked = steps(panel)
+    assert END in walked and walked[-1] == tuple(round(2 * part * 80) for part in taught)
+    corner = walked.index((400, 0, 0))
+    assert walked[corner : corner + 201] == [(400 + step, step, 0) for step in range(201)]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("board", ["lpt_router"])
+@pytest.mark.parametrize("size, language, theme", [((1280, 1700), "en", "light"), ((390, 4200), "pt", "dark")])
+def test_pictures(tmp_path, driver, board, size, language, theme):
+    """No card is wider than the window, in either language."""
+    with PanelProcess(tmp_path, "--board", board) as panel:
+        browser = Browser(panel, driver, size, f"lang={language}&theme={theme}")
+        time.sleep(0.5)
+        browser.shot(f"{board}-{language}-{size[0]}")
+        assert browser.driver.execute_script("return document.documentElement.scrollWidth - window.innerWidth") <= 0
+        english = browser.driver.execute_script("return [...document.querySelectorAll('section:not([hidden]) h2')].map((each) => each.textContent)")
+        assert ("Mover" in english) == (language == "pt")
