@@ -42,7 +42,7 @@ class PlotterJob:
     def running(self):
         return self._lines is not None
 
-    def run(self, name, lines, passes, checked):
+    def run(self, name, lines, passes, checked, single=False):
         """Begin; `checked`: the lines are only read. Returns 0 or an error."""
         self._name, self._lines, self._passes, self._checked = name, lines, passes, checked
         self._pass = 1
@@ -100,6 +100,7 @@ class PlotterJob:
 class PlotterMachine:
     language = "plotter"
     can = ("home", "jobs", "log")
+    orders = {}
 
     def __init__(self, write, tell, board):
         """`write(bytes)`: to the board; `tell(dict)`: to the page."""
@@ -187,7 +188,7 @@ class PlotterMachine:
         """The language has no word for it."""
         return errors.UNKNOWN_COMMAND
 
-    hold = resume = unlock = zero = go = step = begin_jog = override = output = set = line = give = _wordless
+    hold = resume = unlock = zero = go = step = begin_jog = override = output = set = line = give = play = _wordless
 
     def renew(self, number, beat):
         return False
