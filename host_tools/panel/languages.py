@@ -9,6 +9,7 @@ from host_tools.panel import taught
 from host_tools.panel.store import gcode_lines
 from passo.config.boardfile import check
 from passo.web.grbl_machine import AXES, GrblMachine
+from passo.web.stored import StoredJobs
 from passo.web.teach import Teach
 
 # The board file that is meant if none is named; its first link's language is the key.
@@ -20,7 +21,9 @@ class Spoken:
     """What one language brings: `machine`; `teach`, or None; `read(path)`: a job's lines as its driver takes them; `about`: what
     the page is to know of it."""
 
-    def __init__(self, machine, teach, read, about):
+    def __init__(self, machine, teach, read, about, join=None):
+        """`join(store)`: what of the machine wants its jobs."""
+        self.join = join or (lambda store: None)
         self.machine = machine
         self.teach = teach
         self.read = read
@@ -46,8 +49,11 @@ def _grbl(write, tell, guest):
         teach.see(state)
         state["teaching"] = teach.places()
 
+    def join(store):
+        machine.job = StoredJobs(machine, tell, store.packed)
+
     machine.watcher = see
-    return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))})
+    return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))}, join)
 
 
 def _pulses(board, write, tell, about):

@@ -10,11 +10,12 @@ import re
 
 from host_tools.clients.grbl import tagged
 from host_tools.failure import Failure
-from host_tools.programs import gcode_file
+from host_tools.programs import gcode_file, stored_job
 from passo import errors
 
 MOST_BYTES = 64 << 20  # of all jobs
 _MOST_JOBS = 500
+_MOST_STORED = 8 << 20  # bytes of a job for a board's flash, before it is packed
 _PIECE = 32_768
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._-]{0,59}")
 _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
@@ -63,6 +64,19 @@ class Store:
             return self._read(path)
         except (Failure, OSError):
             return errors.NO_SUCH_JOB
+
+    def packed(self, name):
+        """(bytes, CRC-32, the packed bytes) of a job as a board stores it, or the number of an error."""
+        path = self._path(name)
+        if isinstance(path, int):
+            return path
+        if path.stat().st_size > _MOST_STORED:
+            return errors.JOB_SPACE
+        try:
+            data = stored_job.gcode_job(path)
+        except Failure:
+            return errors.NO_SUCH_JOB
+        return len(data), stored_job.crc(data), stored_job.pack(data)
 
     def text(self, name, at):
         """(text from byte `at` on, at most 32 kB, and how many bytes there are), or the number of an error."""

@@ -43,7 +43,7 @@ class PlotterJob:
         return self._lines is not None
 
     def run(self, name, lines, passes, checked, single=False):
-        """Begin; `checked`: the lines are only read. Returns 0 or an error."""
+        """Begin; `checked`: the lines are only read; `single`: always, as each waits for the answer before. Returns 0 or an error."""
         self._name, self._lines, self._passes, self._checked = name, lines, passes, checked
         self._pass = 1
         self._at = 0

@@ -1,6 +1,9 @@
 """The page's orders: who may give them, what a jog's lease is, and that nothing else moves the machine."""
 
+import os
+
 from boards.router_3axis import BOARD
+from check_jobs import folder
 from draws import Random
 from panel_desk import TICKS_PER_MS, Desk
 from passo import errors
@@ -206,7 +209,8 @@ def check_who_is_far_away_wants_somebody_at_the_machine():
     starts = (
         {"do": "output", "name": "spindle_cw", "rpm": 1000}, {"do": "output", "name": "spindle_ccw"}, {"do": "run", "name": "a"}, {"do": "resume"},
         {"do": "line", "line": "G1 X1 F100 m 03 S1000"}, {"do": "line", "line": "M4"}, {"do": "line", "line": "M(off)3"},
-        {"do": "line", "line": "$F=A"}, {"do": "line", "line": "$N0=M3"},
+        {"do": "line", "line": "G4P0~"},
+        {"do": "stored", "what": "run", "name": "A"}, {"do": "line", "line": "$F=A"}, {"do": "line", "line": "$N0=M3"},
     )  # fmt: skip
     switches["hand"] = 0
     desk.run_ms(100)
@@ -398,6 +402,71 @@ def check_taught_moves_make_the_same_steps():
     assert desk.order("run", name="t") == 0
     desk.settle()
     assert desk.place() == taught
+
+
+def check_the_jobs_of_the_board():
+    where = folder()
+    desk = Desk(jobs={"language": "grbl", "folder": where, "button": "", "start": ""})
+
+    def listed():
+        assert desk.order("stored", what="list") == 0
+        desk.run_ms(100)
+        return [event for event in desk.told if event["t"] == "stored"][-1]["jobs"]
+
+    def ended(how, error=0):
+        desk.settle()
+        job = desk.machine.state["job"]
+        assert (job["how"], job["error"], job["name"]) == (how, error, "PART.NC"), job
+        desk.run_ms(300)
+
+    before = desk.place()
+    assert listed() == []
+    desk.store.put("part.nc", "G21G91\nG1X4F3000\nY4\nX-4\nY-4\n" + "(more)" * 60 + "\n")
+    assert desk.order("stored", what="store", name="PART.NC", job="part.nc") == 0
+    assert desk.order("step", by={"x": 1}, speed=100) == errors.BUSY, "not while it is stored"
+    ended("kept")
+    assert listed() == [["PART.NC", len(desk.store.jobs["part.nc"])]]
+    assert desk.order("stored", what="run", name="PART.NC", check=True) == 0
+    ended("done")
+    assert desk.place() == before and desk.machine.state["state"] == "Idle"
+    assert desk.order("stored", what="run", name="PART.NC") == 0
+    desk.run_ms(250)
+    assert desk.machine.state["state"] == "Run" and desk.order("run", name="part.nc") == errors.BUSY
+    assert desk.order("hold") == 0
+    desk.run_ms(400)
+    stood = desk.place()
+    assert stood != before and desk.machine.state["state"] == "Hold"
+    assert desk.order("resume") == 0
+    ended("done")
+    assert desk.place() == before
+    assert desk.order("stored", what="run", name="PART.NC") == 0
+    desk.run_ms(250)
+    assert desk.order("abort") == 0
+    ended("failed", errors.STOPPED)
+    assert desk.machine.state["state"] == "Idle", "it came to a stand on its path"
+    desk.store.put("part.nc", "G1X1F100\nG5.7\n")
+    assert desk.order("stored", what="store", name="PART.NC", job="part.nc") == 0
+    ended("kept")
+    assert desk.order("stored", what="run", name="PART.NC") == 0
+    desk.settle()
+    job = desk.machine.state["job"]
+    assert job["how"] == "failed" and job["error"] and job["line"] == 2, job
+    for wrong in ("a.nc", "", "PART~", "../X", 5, None):
+        assert desk.order("stored", what="run", name=wrong) == errors.STORED_NAME, wrong
+    assert desk.order("stored", what="run", name="NONE") == 0
+    desk.run_ms(200)
+    assert desk.machine.state["job"]["error"] == errors.NO_JOB
+    assert desk.order("stored", what="delete", name="PART.NC") == 0
+    desk.run_ms(200)
+    assert listed() == []
+    os.rmdir(where)
+
+
+def check_a_board_that_keeps_no_jobs():
+    desk = Desk()
+    assert desk.order("stored", what="list") == 0
+    desk.run_ms(100)
+    assert [event for event in desk.told if event["t"] == "stored"][-1]["jobs"] is None
 
 
 def check_straight_runs():

@@ -34,7 +34,7 @@ MAY_IMPORT = {
     "control": VOCABULARY + ("passo.config", "passo.motion", "passo.steps"),
     "ports": VOCABULARY + ("passo.steps", "passo.drives"),
     # It speaks a language of the board, as any link does, by that language's own encoder.
-    "web": VOCABULARY + ("passo.control", "passo.error_texts", "passo.protocols"),
+    "web": VOCABULARY + ("passo.config.job_keys", "passo.control", "passo.error_texts", "passo.protocols"),
     "app": ("passo",),
     "machine_builder": ("passo",),
     "main": (

@@ -6,9 +6,13 @@
     desk.place()                                    # steps
 """
 
+from binascii import crc32
+
+from check_jobs import stored_form
 from passo.records import COUNT_MASK
 from passo.web.api import Api
 from passo.web.grbl_machine import GrblMachine
+from passo.web.stored import StoredJobs
 from passo.web.teach import Teach
 from router import Machine
 
@@ -29,6 +33,10 @@ class Shelf:
         lines = [line for line in self.jobs[name].encode().split(b"\n")]
         return [(number + 1, lines[number]) for number in range(len(lines)) if lines[number]]
 
+    def packed(self, name):
+        data = self.jobs[name].encode()
+        return len(data), crc32(data) & 0xFFFFFFFF, stored_form(data)
+
     def put(self, name, text):
         self.jobs[name] = text
         return 0
@@ -44,6 +52,7 @@ class Desk:
         self.teach = Teach(recognise and (lambda points, ways: recognise(points, ways, self.scales())))
         self.machine.watcher = self.teach.see
         self.store = Shelf()
+        self.machine.job = StoredJobs(self.machine, self.told.append, self.store.packed)
         self.api = Api(self.machine, self.store, self.teach)
         self.beats = 0
         self._pushed = 0

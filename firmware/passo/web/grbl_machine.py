@@ -97,7 +97,7 @@ class GrblMachine(AnyMachine):
         elif line[:5] == "Grbl ":
             self.end_jog()
             self.job.fail(errors.STOPPED)
-        elif line[:1] == "[" and owner == PAGE:
+        elif line[:1] == "[" and not self.job.heard(line) and owner == PAGE:
             self._tell({"t": "said", "text": line})
         if owner != PAGE or line[:1] != "[" or line[:5] == "[MSG:":
             self.guest.hear(line)
@@ -119,9 +119,10 @@ class GrblMachine(AnyMachine):
         if "Ov" in fields:
             state["ov"] = [int(part) for part in fields["Ov"].split(",")]
             state["on"] = fields.get("A", "")
+            state["stored"] = fields.get("SD", "")
         if self.jog.active:
             self.jog.report(self.place)
-        self.job.report(name)
+        self.job.report("" if name == "Hold" and sub == "1" else name)  # it is still braking
         if self.watcher:
             self.watcher(state)
 

@@ -80,8 +80,12 @@ class Job:
         self._most = len(self._lines)
         return 0
 
+    def heard(self, line):
+        """True if a line in brackets is the job's business alone."""
+        return False
+
     def report(self, state):
-        """A report has come: `state` is its first word."""
+        """A report has come: `state` is its first word, "" while it brakes."""
         if self._lines is None:
             return
         if self._halting:

@@ -15,13 +15,15 @@ def starts(order):
         return order.get("name") in _TOOLS
     if name == "line":
         return _line_starts(str(order.get("line")).upper().replace(" ", ""))
+    if name == "stored":
+        return order.get("what") == "run" and not order.get("check")
     return name in _STARTS and not order.get("check")
 
 
 def _line_starts(line):
-    """The same of a line as typed: M3, M4, a stored job, a start line. An M amid comments may be anything."""
+    """The same of a line as typed: M3, M4, a stored job, a start line, the byte that resumes. An M amid comments may be anything."""
     words = line.split("M")[1:]
-    if line[:3] in ("$F=", "$N0", "$N1") or words and "(" in line:
+    if line[:3] in ("$F=", "$N0", "$N1") or "~" in line or words and "(" in line:
         return True
     for word in words:
         digits = word.lstrip("0")

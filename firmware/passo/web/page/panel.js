@@ -2,6 +2,7 @@
 
 import { Cards } from "./cards.js";
 import { Jog } from "./jog.js";
+import { Kept } from "./kept.js";
 import { Link } from "./link.js";
 import { Picture, read } from "./path.js";
 import { _, choose, languages, preferred } from "./words.js";
@@ -22,6 +23,8 @@ let rules = {};
 let job = { name: "", text: "", lines: [] };
 const link = new Link(told, up);
 const jog = new Jog(link, () => report, refuse, refresh);
+const shelf = new Kept((name, fields) => link.order({ do: name, ...fields }).then((answer) => { refuse(answer.error === 102 ? 0 : answer.error); return answer; }),
+  ask, () => report, () => $("jobs").value);
 const picture = new Picture($("path"));
 const cards = new Cards({ order, ask, picture, report: () => report, until, word: (text) => _(text) });
 let language = "";
@@ -90,6 +93,7 @@ async function useKey() {
   if (proven) {
     await link.order({ do: "settings" });
     await link.order({ do: "log" });
+    shelf.known = false;
   }
 }
 
@@ -107,6 +111,8 @@ function told(message) {
     showSettings(message.settings);
   } else if (message.t === "jobs") {
     takeJobs(message);
+  } else if (message.t === "stored") {
+    shelf.take(message);
   } else if (message.t === "log") {
     showLog(message);
   } else if (message.t === "said") {
@@ -174,7 +180,7 @@ function show() {
 
 function enable() {
   const idle = report.state === "Idle";
-  const busy = Boolean(report.job) && ["load", "run", "halting"].includes(report.job.how);
+  const busy = Boolean(report.job) && ["load", "run", "halting", "store"].includes(report.job.how);
   const mine = report.owner !== "guest";
   const set = (id, on) => { $(id).disabled = !on; };
   for (const id of ["run", "check"]) set(id, idle && !busy && mine && $("jobs").value);
@@ -187,6 +193,7 @@ function enable() {
   set("give", idle && !busy && mine);
   set("take", idle && !mine);
   cards.show(report);
+  if (link.key && $("card-key").hidden) shelf.show(mine && !busy);
 }
 
 function showSignals() {
@@ -223,8 +230,11 @@ function showJob() {
 
 // What is said of a job of lines.
 function described(now, line) {
-  const how = { run: now.checked ? "Checking" : "Running", halting: "Stopping", done: now.checked ? "Checked: no error" : "Done", failed: "Ended" }[now.how];
-  let text = `${now.name}: ${_(how)}, ${_("line {line}, {done} of {lines}", { line, done: now.done, lines: now.lines })}`;
+  const how = { run: now.checked ? "Checking" : "Running", halting: "Stopping", done: now.checked ? "Checked: no error" : "Done", failed: "Ended",
+    store: "Storing", kept: "Kept on the board" }[now.how];
+  let text = `${now.name}: ${_(how)}, `;
+  if (now.stored) text += `${now.done} %${line ? ", " + _("line {line}", { line }) : ""}`;
+  else text += _("line {line}, {done} of {lines}", { line, done: now.done, lines: now.lines });
   if (now.passes > 1) text += `, ${_("pass {pass} of {passes}", { pass: now.pass, passes: now.passes })}`;
   if (now.single && now.how === "run") text += `, ${_("step by step")}`;
   if (report.wait) text += `, ${_("waits {seconds} s", { seconds: report.wait.toFixed(1) })}`;

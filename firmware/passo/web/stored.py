@@ -1,0 +1,197 @@
+"""The jobs that a board keeps (docs/jobs.md), beside those that come line by line: listed, run, checked, deleted, stored.
+
+    machine.job = StoredJobs(machine, tell, packed)
+    machine.orders["stored"]({"do": "stored", "what": "list"})      # the event "stored" follows: names, bytes, and bytes free
+
+`packed(name)`: (bytes, CRC-32, the packed bytes) of a job of the page's own as a board stores it (job_store.py), or the number of an
+error. One line at a time goes to the board: as it writes its flash a Pico's processor stands still.
+"""
+
+from binascii import b2a_base64
+
+from micropython import const
+
+from passo import errors
+from passo.config.job_keys import name_fits
+from passo.web.job import Job
+from passo.web.wire import PAGE
+
+_PIECE = const(54)  # bytes of an upload in a line
+_LOST = const(60)  # reports; then the message that it has ended was lost
+_WHOLE = const(100)  # a job's progress is in per cent
+
+
+class StoredJobs(Job):
+    def __init__(self, machine, tell, packed=None):
+        """`tell(event)`: a dict for every page."""
+        Job.__init__(self, machine)
+        self._tell_pages = tell
+        self._packed = packed
+        self._kept = None  # "run", "check" or "store": what is under way
+        self._upload = []  # lines that are still to be sent
+        self._sent = 0
+        self._waiting = False
+        self._quiet = 0  # reports in a row of a machine at rest that know of no job
+        self._found = []
+        self._free = 0
+        machine.orders["stored"] = self._order
+
+    def _order(self, order):
+        machine = self._machine
+        what, name = order.get("what"), order.get("name")
+        error = machine.refusal() or machine.still()
+        if error:
+            return error
+        if what == "list":
+            self._found = []
+            return 0 if machine.wire.say(PAGE, b"$F", self._listed) else errors.BUSY
+        if not isinstance(name, str) or not name_fits(name):
+            return errors.STORED_NAME
+        if what == "delete":
+            return machine.say(b"$FD=" + name.encode())
+        if what == "run":
+            return self._start(name, "check" if order.get("check") else "run")
+        if what == "store" and self._packed:
+            return self._store(name, order.get("job"))
+        return errors.UNKNOWN_COMMAND
+
+    def _listed(self, error):
+        """`$F` has been answered; a board without jobs does not know it."""
+        self._tell_pages({"t": "stored", "jobs": None if error else self._found, "free": self._free})
+
+    # --- what the board says
+
+    def heard(self, line):
+        """True if a line in brackets is of stored jobs."""
+        if line[:6] == "[FILE:":
+            name, size = line[6:].split("|")[:2]
+            self._found.append([name, int(size[5:])])
+            return True
+        if line[:6] == "[FREE:":
+            self._free = int(line[6:-1])
+            return True
+        if line[:9] == "[MSG:Job " and self._kept in ("run", "check"):
+            if line[-6:] == " done]":
+                self._finish("done", 0)
+            else:
+                words = line[:-1].split(" ")
+                self._line = int(words[-1]) if "line" in words else 0
+                self._finish("failed", int(words[words.index("error") + 1]) if "error" in words else errors.STOPPED)
+        return False
+
+    def report(self, state):
+        told = self._machine.state.get("stored")
+        if told and not Job.running(self) and self._kept is None:
+            self._begin(told.partition(",")[2], "run")  # begun by a button, or with the board
+        if self._kept not in ("run", "check"):
+            Job.report(self, state)
+            return
+        self._quiet = self._quiet + 1 if not told and state in ("Idle", "Check") else 0
+        if told:
+            self._sent = int(told.partition(",")[0])
+        elif self._quiet > _LOST:
+            self._finish("failed", errors.NO_ANSWER)
+            return
+        if self._halting and state in ("Hold", "Idle", "Alarm", "Check", "Door"):
+            self._machine.stop()
+
+    # --- running
+
+    def running(self):
+        return self._kept is not None or Job.running(self)
+
+    def _begin(self, name, what):
+        self.name = name
+        self._kept = what
+        self._sent = self._line = self._failed = self._quiet = 0
+        self._halting = False
+        self._tell_kept("store" if what == "store" else "run", 0)
+
+    def _start(self, name, what):
+        machine = self._machine
+        if machine.state["state"] not in ("Idle", "Alarm") or not machine.wire.room(len(name) + 8):
+            return errors.BUSY
+        self._begin(name, what)
+        if what == "check":
+            machine.say(b"$C")
+        machine.wire.say(PAGE, b"$F=" + name.encode(), self._begun)
+        return 0
+
+    def _begun(self, error):
+        if error > 0 and self._kept in ("run", "check"):
+            self._finish("failed", error)
+
+    def abort(self):
+        if self._kept is None:
+            return Job.abort(self)
+        if self._kept == "store":
+            self._finish("failed", errors.STOPPED)
+            return 0
+        self._halting = True
+        self._failed = errors.STOPPED
+        self._machine.hold()
+        return 0
+
+    def fail(self, error):
+        if self._kept is None:
+            Job.fail(self, error)
+        else:
+            self._finish("failed", self._failed or error)
+
+    def _finish(self, how, error):
+        kept = self._kept
+        if kept is None:
+            return
+        self._tell_kept("kept" if kept == "store" and not error else how, error)
+        self._kept = None
+        self._upload = []
+        self._machine.state["stored"] = ""  # not every report tells it
+        if kept == "check":
+            self._machine.stop()  # a reset leaves the mode
+
+    # --- storing
+
+    def _store(self, name, job):
+        found = self._packed(job) if isinstance(job, str) else errors.NO_SUCH_JOB
+        if isinstance(found, int):
+            return found
+        size, crc, packed = found
+        self._upload = [b"$FS=%s,grbl,%d,%08x,%d" % (name.encode(), size, crc, len(packed))]
+        for at in range(0, len(packed), _PIECE):
+            self._upload.append(b"$F:" + b2a_base64(packed[at : at + _PIECE]).strip())
+        self._upload.append(b"$FE")
+        self._waiting = False
+        self._begin(name, "store")
+        self._count = len(self._upload)
+        return 0
+
+    def poll(self):
+        Job.poll(self)
+        if self._upload and not self._waiting and self._kept == "store":
+            self._waiting = self._machine.wire.say(PAGE, self._upload[0], self._taken)
+
+    def _taken(self, error):
+        self._waiting = False
+        if self._kept != "store":
+            return
+        if error:
+            self._finish("failed", errors.STOPPED if error < 0 else error)
+            return
+        self._upload.pop(0)
+        self._sent = _WHOLE - len(self._upload) * _WHOLE // self._count
+        if not self._upload:
+            self._finish("done", 0)
+
+    # --- what is told
+
+    def _tell_kept(self, how, error):
+        self._machine.state["job"] = {
+            "name": self.name, "how": how, "error": error, "line": self._line, "lines": _WHOLE, "done": _WHOLE if how in ("done", "kept") else self._sent,
+            "pass": 1, "passes": 1, "checked": self._kept == "check", "single": False, "stored": True,
+        }  # fmt: skip
+
+    def refresh(self):
+        if self._kept is None:
+            Job.refresh(self)
+        else:
+            self._tell_kept("halting" if self._halting else "store" if self._kept == "store" else "run", 0)
