@@ -95,6 +95,7 @@ TEXTS = {
     errors.JOB_LANGUAGE: "the job is of another language than the board file's jobs.language",
     errors.JOB_UPLOAD: "no upload is under way, or it has not as many bytes as were announced",
     errors.JOB_STOPPED: "the stored job was stopped before its end",
+    errors.NO_CARD: "no memory card answers: is it in, formatted with FAT, and is the driver sdcard on the board?",
     errors.PRESENCE: "over the network this needs somebody at the machine: hold the button there",
     errors.NO_MEMORY: "no memory is left for arcs: the board file's speeds take it",
     errors.ALARM_LOCKED: "locked: where the machine stands is not known until it is homed",

@@ -13,6 +13,7 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools import boards
 from host_tools.build.tree import build_tree, default_out
 from host_tools.failure import Failure
 from host_tools.resources import HOST_TOOLS
@@ -23,11 +24,19 @@ PROBE_TIMEOUT_S = 30
 COPY_TIMEOUT_S = 600
 
 
-def commands(port, out):
-    """The mpremote commands, as argument lists: ask if a board answers; then copy, remove stale modules and reset."""
+def commands(port, out, drivers=()):
+    """The mpremote commands, as argument lists: ask if a board answers; then copy, remove stale modules and reset. `drivers`: packages
+    of micropython-lib, which mpremote fetches from the internet."""
     mpremote = [sys.executable, "-m", "mpremote", "connect", port]
     copy = ["cp", "-r", str(out / "passo"), ":", "+", "cp", str(out / "main.py"), str(out / "board.py"), ":"]
+    if drivers:
+        copy += ["+", "mip", "install", *drivers]
     return [mpremote + ["exec", "pass"], mpremote + copy + ["+", "run", str(REMOVE_STALE), "+", "reset"]]
+
+
+def drivers_of(board):
+    """The packages of micropython-lib that a board file, a dict, asks for."""
+    return ("sdcard",) if board.get("card") else ()
 
 
 def no_answer(port):
@@ -91,7 +100,7 @@ def flash(
     out = default_out(board)
     rows = build_tree(board, out)
     print(f"{board}: {len(rows)} files, {sum(row[2] for row in rows):,} bytes in {out} (passo build lists them)")
-    asking, copying = commands(port or "PORT", out)
+    asking, copying = commands(port or "PORT", out, drivers_of(boards.load(board)))
     if dry_run:
         print(shlex.join(asking))
         print(shlex.join(copying))

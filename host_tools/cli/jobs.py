@@ -64,6 +64,7 @@ def store(
     file: Annotated[Path, typer.Argument(help="The G-code; with --language plotter a file of packets.")],
     name: Annotated[Optional[str], typer.Option(help="Its name on the board (that of the file, in capitals).")] = None,
     language: Annotated[str, typer.Option(help="grbl or plotter: the board file's jobs.language.")] = "grbl",
+    card: Annotated[Optional[Path], typer.Option(help="Write it on a memory card in this PC: the folder where the card is.")] = None,
     check: Annotated[bool, typer.Option(help="Have the board check each line, in its check mode, once it is stored.")] = True,
     port: Port = None,
     baud: Baud = 115200,
@@ -76,6 +77,8 @@ def store(
         passo jobs store part.gcode
 
         passo jobs store part.gcode --name PART --no-check --port /dev/ttyACM0
+
+        passo jobs store part.gcode --card /media/me/SD
     """
     from host_tools.clients.grbl import Refused
     from host_tools.programs import stored_job
@@ -85,6 +88,10 @@ def store(
     data = stored_job.gcode_job(file) if language == "grbl" else stored_job.plotter_job(file)
     packed = stored_job.pack(data)
     name = (name or stored_job.name_of(file)).upper()
+    if card:
+        written = stored_job.write_on_card(card, name, language, data)
+        print(f"{written}: {len(data)} bytes, {written.stat().st_size} on the card")
+        return
     with _connected(port, baud) as client:
         _, free = _listed(client)
         if len(packed) > free:

@@ -5,13 +5,15 @@
 """
 
 import binascii
+import os
 import re
 import zlib
 from pathlib import Path
 
 from host_tools.failure import Failure
-from passo.config.job_keys import LONGEST_NAME, NAME_LETTERS
-from passo.config.job_store import WINDOW_BITS
+from passo.config.card_store import END_MARK
+from passo.config.job_keys import JOBS, LONGEST_NAME, NAME_LETTERS, name_fits
+from passo.config.job_store import WINDOW_BITS, first_line
 
 
 def pack(data):
@@ -42,6 +44,35 @@ def gcode_job(path):
     for number, line in lines:
         rows[number - 1] = tagged(number, line) if numbered else line
     return b"\n".join(rows) + b"\n"
+
+
+def job_file(language, data):
+    """`data` as a file of a board's folder of jobs."""
+    packed = pack(data)
+    return first_line(language, len(data), crc(data), len(packed)) + packed
+
+
+def write_on_card(card, name, language, data):
+    """Write a job on a memory card, whose files lie in the folder `card`; returns its path. Raises Failure."""
+    if not name_fits(name):
+        raise Failure(f"{name!r} is no job's name: at most {LONGEST_NAME} capitals, digits, '.', '_' and '-'")
+    if not card.is_dir():
+        raise Failure(f"there is no folder {card}: is the card in, and mounted?")
+    folder = card / JOBS["folder"][1].lstrip("/")
+    try:
+        folder.mkdir(exist_ok=True)
+        path = folder / f"{name}.alt"
+        if path.exists():
+            path = path.with_suffix(".job")
+        with open(path, "wb") as file:
+            file.write(job_file(language, data))
+            file.flush()
+            os.fsync(file.fileno())
+            file.write(END_MARK)
+        path.with_suffix(".job" if path.suffix == ".alt" else ".alt").unlink(missing_ok=True)
+    except OSError as error:
+        raise Failure(f"cannot write {name} on {card}: {error.strerror}") from error
+    return path
 
 
 def plotter_job(path):

@@ -8,6 +8,7 @@ from passo.config.job_store import WINDOW_BITS
 from router import Machine, answers, home
 
 JOB = b"G21\nG90\nM3S1000\nG1X5Y2F1200\n\nG2X9Y2I2J0\nG0Z-1\nM5\nM30\n"
+CARD = {"spi": 0, "sck": 22, "mosi": 19, "miso": 20, "cs": 21}
 SQUARE = b"F3000\n" + "".join(["G1X%d.%dY%d\n" % (number % 9, number % 7, number % 5) for number in range(200)]).encode()
 
 
@@ -27,10 +28,10 @@ def folder():
     return "%s/passo-jobs-%d" % (os.getenv("TMPDIR") or "/tmp", time_ns())
 
 
-def make(where=None, **jobs):
+def make(where=None, card=False, **jobs):
     config = {"language": "grbl", "folder": where or folder(), "button": "", "start": ""}
     config.update(jobs)
-    machine = Machine(jobs=config)
+    machine = Machine(jobs=config, card=CARD if card else None)
     machine.folder = config["folder"]
     return machine
 
@@ -203,4 +204,29 @@ def check_start_and_button():
     assert machine.controller.position()[0] == 1600
     said = make(machine.folder, start="NONE").cycles(20)
     assert "[MSG:Job NONE: error 150]" in said, said
+    remove(machine)
+
+
+def check_memory_card():
+    """Jobs on a card: stored, replaced, deleted; one that is taken out loses nothing, and its upload only."""
+    machine = home(make(card=True).ready())
+    card = machine.controller.features["jobs"]._card
+    assert store(machine, "A", JOB) == "ok"
+    assert store(machine, "A", SQUARE) == "ok" and store(machine, "B", JOB) == "ok"
+    assert sorted(os.listdir(machine.folder)) == ["A.alt", "B.job"]
+    listed = machine.do("$F")
+    assert len(listed) == 4 and listed[0].startswith("[FILE:A|SIZE:%d|" % len(SQUARE)), listed
+    card.inside = False
+    for line in ("$F", "$F=A", "$FD=A", "$FS=A,grbl,10,0,20"):
+        assert answers(machine.ask(line)) == ["error:158"], line
+    card.inside = True
+    machine.do("$FS=A,grbl,10,0,20", "$F:AAAA")
+    again = home(make(machine.folder, card=True).ready())
+    assert again.do("$F")[0].startswith("[FILE:A|SIZE:%d|" % len(SQUARE))
+    assert sorted(os.listdir(machine.folder)) == ["A.alt", "B.job"]
+    again.do("$F=B")
+    assert ended(run(again)) == "[MSG:Job B done]"
+    again.do("$FD=A")
+    assert answers(again.ask("$F=A")) == ["error:150"]
+    assert os.listdir(machine.folder) == ["B.job"]
     remove(machine)

@@ -48,7 +48,7 @@ SHARED_PROTOCOLS = ("passo.protocols.gcode",)
 INTEGER_ROOMS = ("motion", "steps")
 BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", "json", "hashlib", "select", "binascii"}
 MORE_BUILT_INS = {
-    "ports": {"math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs"},
+    "ports": {"math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs", "sdcard"},  # the last is a driver of micropython-lib
     "config": {"deflate"},
     "control": {"math"},
     "web": {"socket", "network"},

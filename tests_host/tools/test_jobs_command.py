@@ -35,7 +35,7 @@ def test_jobs_are_numbered_as_their_file(part):
 
 def test_store_run_and_delete(board, part, capsys):
     port = board.line.name
-    jobs.store(part, None, "grbl", True, port, 115200)
+    jobs.store(part, None, "grbl", port=port)
     assert "PART_ONE.GCODE has not been checked" in capsys.readouterr().out
     jobs.run("part_one.gcode", True, True, port, 115200)
     assert board.position()[0] == 0 and board.world.steps > 12_800
@@ -50,13 +50,13 @@ def test_store_run_and_delete(board, part, capsys):
 
 def test_a_job_with_an_error_says_its_line(board, part, capsys):
     port = board.line.name
-    jobs.store(part, "OLD", "grbl", False, port, 115200)
+    jobs.store(part, "OLD", "grbl", check=False, port=port)
     part.write_bytes(b"G21\nG1X1F100\nG1X2G7\n")
     with pytest.raises(Refused, match="line 3: error 20"):
-        jobs.store(part, "BAD", "grbl", False, port, 115200)
+        jobs.store(part, "BAD", "grbl", check=False, port=port)
         jobs.run("BAD", True, True, port, 115200)
     with pytest.raises(Failure, match="packet 1 is no packet"):
-        jobs.store(part, "BAD", "plotter", True, port, 115200)
+        jobs.store(part, "BAD", "plotter", port=port)
     with pytest.raises(Failure, match="bytes of flash"):
         free = shutil.disk_usage("/").free
         _too_large(part, free, port)
@@ -66,9 +66,28 @@ def _too_large(part, free, port):
     packed = stored_job.pack
     stored_job.pack = lambda data: range(free * 2)  # as long as no memory is
     try:
-        jobs.store(part, "BIG", "grbl", False, port, 115200)
+        jobs.store(part, "BIG", "grbl", check=False, port=port)
     finally:
         stored_job.pack = packed
+
+
+def test_a_job_is_written_on_a_card_and_runs_there(tmp_path, part, capsys):
+    """The PC writes twice, one file remains, and a board finds it."""
+    for _ in range(2):
+        jobs.store(part, "P", "grbl", card=tmp_path)
+    assert [path.name for path in (tmp_path / "jobs").iterdir()] == ["P.job"]
+    with pytest.raises(Failure, match="no folder"):
+        jobs.store(part, "P", "grbl", card=tmp_path / "none")
+    with pytest.raises(Failure, match="no job's name"):
+        jobs.store(part, "A B", "grbl", card=tmp_path)
+    card = {"spi": 0, "sck": 22, "mosi": 19, "miso": 20, "cs": 21}
+    running = Running("fast", jobs={"language": "grbl", "folder": str(tmp_path / "jobs")}, card=card)
+    try:
+        jobs.run("P", True, True, running.line.name, 115200)
+        jobs.list_(running.line.name, 115200)
+        assert "P " in capsys.readouterr().out
+    finally:
+        running.close()
 
 
 def test_a_board_without_jobs_says_so():

@@ -151,7 +151,7 @@ _BOARD = {
     "commands": (str, "", 0, 16),  # the link that may command at the start; "": the first
 }
 _WHOLE = "the board file"
-DEVICES = ("inverter", "jobs", "journal", "network", "registers", "tachometer", "tool_change", "weaving")  # device_keys.py
+DEVICES = ("card", "inverter", "jobs", "journal", "network", "registers", "tachometer", "tool_change", "weaving")  # device_keys.py
 _BOARD.update({key: {} for key in DEVICES})
 _ABSENT = ("homing", "gantry", "interlock", "shift", "step_program") + DEVICES  # None if not there
 _OPTIONAL = _ABSENT + ("jog", "planning", "spindle")
@@ -292,9 +292,9 @@ def claimed_pins(board):
             claims.append((board["registers"][key], "input of the registers" if key == "in" else "registers' " + key))
         for item in board["registers"]["edges"]:
             claims.append((item["pin"], "input of the registers' edges of " + item["inputs"]))
-    if board["inverter"]:
-        claims.append((board["inverter"]["tx"], "inverter tx"))
-        claims.append((board["inverter"]["rx"], "inverter rx"))
+    for device, keys in (("inverter", ("tx", "rx")), ("card", ("sck", "mosi", "miso", "cs"))):
+        for key in keys if board[device] else ():
+            claims.append((board[device][key], device + " " + key))
     for link in board["links"]:
         if link["port"].startswith("uart"):
             claims.append((link["tx"], "link %s tx" % link["name"]))
@@ -322,7 +322,7 @@ def _check_pins(board, shift):
         owners[pin] = who
         if outside:
             continue
-        check_pin(board["chip"], pin, who, not who.startswith("input") and not who.endswith(" rx"))
+        check_pin(board["chip"], pin, who, not who.startswith("input") and who[-3:] not in (" rx", "iso"))  # of the card
     for link in board["links"]:
         check_link(board["chip"], link, board["network"])
 

@@ -1,4 +1,4 @@
-"""The keys `inverter`, `network`, `registers`, `tachometer`, `tool_change` and `weaving` of a board file: only boards that have one
+"""The keys `card`, `inverter`, `network`, `registers`, `tachometer`, `tool_change` and `weaving` of a board file: only boards that have one
 of them load this.
 
     rules = extended(rules)         # those of boardfile.py, in whose notation they are
@@ -22,6 +22,13 @@ INVERTER = {
     "timeout_ms": (int, 100, 10, 1000),
     "at_speed_percent": (int, 5, 1, 50),
     "spin_up_ms": (int, 10_000, 100, 120_000),  # by then it has to be at speed
+}
+CARD = {
+    "spi": (int, 1, 0, 2),
+    "sck": (int, ..., 0, 48),
+    "mosi": (int, ..., 0, 48),
+    "miso": (int, ..., 0, 48),
+    "cs": (int, ..., 0, 48),
 }
 TOOL_CHANGE = {
     "at": (list, ..., 2, 2),  # machine coordinates of X and Y, mm: where tools are changed
@@ -73,6 +80,7 @@ def extended(rules, board=None):
         from passo.config.job_keys import JOBS
 
         rules["jobs"] = JOBS
+    rules["card"] = CARD
     rules["inverter"] = INVERTER
     rules["journal"] = JOURNAL
     rules["network"] = NETWORK
@@ -88,6 +96,7 @@ def check(board):
         from passo.config import job_keys
 
         job_keys.check(board)
+    _check_card(board)
     _check_journal(board)
     _check_inverter(board)
     _check_registers(board)
@@ -97,6 +106,20 @@ def check(board):
         from passo.config import network_keys  # most boards have none
 
         network_keys.check(board)
+
+
+def _check_card(board):
+    config = board["card"]
+    if config is None:
+        return
+    if not board["jobs"]:
+        raise BoardError("card: it is for stored jobs, and there is no key jobs")
+    if board["chip"].startswith("esp32"):
+        return
+    for key, rest in (("miso", 0), ("sck", 2), ("mosi", 3)):  # RP2040 datasheet 1.4.3
+        if config[key] & 3 != rest or config[key] >> 3 & 1 != config["spi"]:
+            pins = [str(pin) for pin in range(30) if pin & 3 == rest and pin >> 3 & 1 == config["spi"]]
+            raise BoardError("card.%s of SPI %d is on pin %s, not %d" % (key, config["spi"], ", ".join(pins), config[key]))
 
 
 def _check_journal(board):

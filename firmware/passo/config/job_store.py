@@ -1,6 +1,7 @@
 """Stored jobs: a file each, in a folder of the board's flash or of a memory card.
 
     store = JobStore("/jobs")
+    store.mount()
     store.begin("PART.NC", "grbl", size, crc, stored)       # an upload
     store.add(data)                                         # until it has `stored` bytes
     job = store.uploaded()                                  # read it to its end: job.whole() says whether it is right
@@ -26,7 +27,7 @@ from passo import errors
 
 WINDOW_BITS = const(10)
 _MAGIC = b"job "
-_LONGEST = const(96)  # bytes of a file's first line
+HEAD_BYTES = const(96)  # at most, of a file's first line
 _UPLOAD = "upload.new"
 _END = ".job"
 _SPARE = const(2)  # blocks that an upload leaves free
@@ -51,7 +52,7 @@ class JobFile:
 
     def __init__(self, path):
         self._file = open(path, "rb")
-        line = self._file.readline()[:_LONGEST]
+        line = self._file.readline()[:HEAD_BYTES]
         fields = line[len(_MAGIC) :].split()
         if line[: len(_MAGIC)] != _MAGIC or len(fields) != 5 or line[-10:] != _check(line[:-10]):
             self.close()
@@ -89,11 +90,16 @@ class JobStore:
         self._folder = folder + "/"
         self._file = None  # an upload
         self._name = ""
+        self._upload = ""  # its path
         self._left = 0  # bytes that it still lacks
+
+    def mount(self):
+        """Call it once, before anything else. Removes an upload that a power cut has left."""
         try:
-            os.mkdir(folder)
+            os.mkdir(self._folder[:-1])
         except OSError:
             pass  # it is there
+        self._upload = self._folder + _UPLOAD
         self.abort()
 
     def _path(self, name):
@@ -113,6 +119,8 @@ class JobStore:
         if not hasattr(os, "statvfs"):
             return 0x3FFFFFFF
         found = os.statvfs(self._folder[:-1])
+        if found[4] > found[2]:  # of littlefs MicroPython counts each folder twice: less than nothing is free
+            return 0
         return max(found[4] - _SPARE, 0) * found[0]
 
     # --- uploads
@@ -120,10 +128,19 @@ class JobStore:
     def begin(self, name, language, size, crc, stored):
         """Begin an upload of `stored` bytes; another one under way is forgotten."""
         self.abort()
-        self._file = open(self._folder + _UPLOAD, "wb")
+        self._upload = self._place(name)
+        self._file = open(self._upload, "wb")
         self._name = name
         self._left = stored
         self._file.write(first_line(language, size, crc, stored))
+
+    def _place(self, name):
+        """The file that an upload of this name goes to."""
+        return self._folder + _UPLOAD
+
+    def busy(self):
+        """True while an upload is under way."""
+        return self._file is not None
 
     def add(self, data):
         """Add to the upload. Returns 0, or why not."""
@@ -139,25 +156,23 @@ class JobStore:
             return None
         self._file.close()
         self._file = None
-        return JobFile(self._folder + _UPLOAD)
+        return JobFile(self._upload)
 
     def keep(self):
-        """The upload is right: keep it."""
-        path = self._path(self._name)
-        try:
-            os.rename(self._folder + _UPLOAD, path)
-        except OSError:  # FAT replaces nothing
-            os.remove(path)
-            os.rename(self._folder + _UPLOAD, path)
+        """The upload is right: keep it, at once and in place of an older one."""
+        os.rename(self._upload, self._path(self._name))
         if hasattr(os, "sync"):
             os.sync()
 
     def abort(self):
-        """Forget an upload, also one that a power cut has left."""
+        """Forget an upload."""
         if self._file is not None:
             self._file.close()
             self._file = None
+        self._remove(self._upload)
+
+    def _remove(self, path):
         try:
-            os.remove(self._folder + _UPLOAD)
+            os.remove(path)
         except OSError:
-            pass
+            pass  # there is none

@@ -83,7 +83,16 @@ class Jobs:
         self._machine = machine
         self._queue = queue
         self._config = config
-        self._store = JobStore(getattr(machine.port, "folder", None) or config["folder"])
+        folder = getattr(machine.port, "folder", None) or config["folder"]
+        self._card = None
+        if board["card"]:
+            from passo.config.card_store import CardStore
+
+            self._card = machine.port.card(board["card"])
+            self._store = CardStore(self._card.path + folder)
+        else:
+            self._store = JobStore(folder)
+            self._store.mount()
         self._start = config["start"]
         self.line = JobLine()
         self._number = 0  # of the link
@@ -126,6 +135,16 @@ class Jobs:
             self._machine.notice(errors.NOTICE_JOB_ENDED, (name, error, 0))
         return error
 
+    def _mount(self):
+        """Make sure of the memory card, if there is to be one. Returns the number of an error."""
+        if self._card is not None and not self._store.busy():
+            try:
+                self._card.mount()
+                self._store.mount()
+            except (OSError, ImportError):
+                return errors.NO_CARD
+        return 0
+
     def _ask(self, command):
         machine = self._machine
         what = command.value
@@ -135,6 +154,10 @@ class Jobs:
             return errors.JOB_RUNS
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
+        if what in (commands.JOB_LIST, commands.JOB_DELETE, commands.JOB_OPEN):
+            error = self._mount()
+            if error:
+                return error
         if what == commands.JOB_LIST:
             return machine.accepted(command, ([self._entry(name) for name in self._store.names()], self._store.free()))
         if what == commands.JOB_DELETE:
@@ -187,6 +210,9 @@ class Jobs:
             return errors.LOCKED
         if machine.state not in ("idle", "alarm", "check") or not self._queue.still():
             return errors.BUSY
+        error = self._mount()
+        if error:
+            return error
         file = self._store.open(name)
         if file.language != self._config["language"]:
             file.close()

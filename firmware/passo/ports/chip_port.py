@@ -207,6 +207,17 @@ class ChipPort:
 
         return PinPulses(self._inputs[name], self, least_us)
 
+    def card(self, config):
+        """The memory card of the board file."""
+        from passo.ports.memory_card import MemoryCard  # here: most boards have none
+
+        return MemoryCard(config, self)
+
+    def feed_watchdog(self):
+        """Something takes longer than a cycle may, and is still going on. Only at a stand."""
+        if self._watchdog is not None:
+            self._watchdog.feed()
+
     # --- what start.py asks for
 
     def guard(self):

@@ -117,6 +117,10 @@ class VirtualPort:
             self.lines[name] = MemoryLine()
         return self.lines[name]
 
+    def card(self, config):
+        """The memory card of the board file."""
+        return VirtualCard()
+
     def input(self, name):
         """True while the input is in its active state."""
         return self.world.input(self.now, name) == self._inputs[name]
@@ -244,6 +248,17 @@ class MemoryLine:
 
     def write(self, data):
         self.outgoing += bytes(data)
+
+
+class VirtualCard:
+    """The memory card of a virtual board: a folder of the PC."""
+
+    path = ""
+    inside = True
+
+    def mount(self):
+        if not self.inside:
+            raise OSError("no SD card")
 
 
 class MutedWorld:

@@ -1,0 +1,152 @@
+"""The power goes while a job is stored, at any write of the flash or card: run by test_job_power.py under MicroPython.
+
+    micropython job_power.py lfs | fat
+
+A file system of MicroPython's own on a device in memory. The write at which the power goes is torn: of a block of flash only a
+part has been erased or programmed; of a card, which writes a sector whole, nothing. Then the file system is mounted anew.
+"""
+
+import gc
+import sys
+import vfs
+from binascii import crc32
+
+from passo.config.card_store import CardStore
+from passo.config.job_store import JobStore
+
+OLD = b"G1X1F100\n" * 60
+NEW = b"G1X2F200\n" * 600  # more than a block
+OTHER = b"G1X3F300\n" * 50
+FLASH = 4096, 24
+CARD = 512, 128
+
+
+class Cut(Exception):
+    """The power has gone."""
+
+
+class Device:
+    def __init__(self, block_bytes, blocks):
+        self.data = bytearray(b"\xff" * (block_bytes * blocks))
+        self._block_bytes = block_bytes
+        self._blocks = blocks
+        self.torn = 0  # a write in so many 256ths; 0: not begun
+        self.left = -1  # writes until the power goes
+
+    def readblocks(self, number, view, offset=0):
+        if self.left == 0:
+            raise Cut
+        begin = number * self._block_bytes + offset
+        view[:] = self.data[begin : begin + len(view)]
+
+    def _write(self, begin, data):
+        if self.left == 0:
+            raise Cut
+        self.left -= 1
+        if self.left == 0:
+            data = data[: len(data) * self.torn >> 8]
+        self.data[begin : begin + len(data)] = data
+        if self.left == 0:
+            raise Cut
+
+    def writeblocks(self, number, data, offset=None):
+        self._write(number * self._block_bytes + (offset or 0), data)
+
+    def ioctl(self, what, number):
+        if what == 4:
+            return self._blocks
+        if what == 5:
+            return self._block_bytes
+        if what == 6:
+            self._write(number * self._block_bytes, b"\xff" * self._block_bytes)
+        return 0
+
+
+def stored_form(data):
+    """A deflate stream of stored blocks."""
+    blocks = b""
+    for first in range(0, len(data), 1000):
+        part = data[first : first + 1000]
+        count = len(part)
+        last = first + 1000 >= len(data)
+        blocks += bytes((1 if last else 0, count & 255, count >> 8, ~count & 255, ~count >> 8 & 255)) + part
+    return blocks
+
+
+def store(jobs, name, data):
+    packed = stored_form(data)
+    jobs.begin(name, "grbl", len(data), crc32(data), len(packed))
+    for first in range(0, len(packed), 54):
+        assert jobs.add(packed[first : first + 54]) == 0
+    upload = jobs.uploaded()
+    assert read(upload) == data
+    jobs.keep()
+
+
+def read(job):
+    """What a job reads as. Raises Damaged."""
+    view = memoryview(bytearray(126))
+    parts = []
+    count = job.readinto(view)
+    while count:
+        parts.append(bytes(view[:count]))
+        count = job.readinto(view)
+    job.close()
+    return b"".join(parts)
+
+
+def opened(store):
+    jobs = store("/flash/jobs")
+    jobs.mount()
+    return jobs
+
+
+def cut_at(system, store_class, device, image, writes, torn, name):
+    """Store NEW as `name`, the power gone with the write number `writes`. Returns whether it was cut."""
+    device.data[:] = image
+    device.torn = torn
+    device.left = writes
+    cut = False
+    try:
+        vfs.mount(system(device), "/flash")
+        store(opened(store_class), name, NEW)
+    except Cut:
+        cut = True
+    device.left = -1
+    vfs.umount("/flash")
+    vfs.mount(system(device), "/flash")
+    jobs = opened(store_class)
+    before = {"A": OLD, "B": OTHER}
+    found = {kept: read(jobs.open(kept)) for kept in jobs.names()}
+    wanted = before.copy()
+    wanted[name] = NEW
+    assert found == wanted or cut and found == before, (writes, torn, name, sorted(found))
+    store(jobs, name, NEW)  # and all goes on
+    assert jobs.names() == sorted(wanted)
+    assert read(jobs.open(name)) == NEW
+    vfs.umount("/flash")
+    return cut
+
+
+def main(kind):
+    system, store_class, geometry = (vfs.VfsLfs2, JobStore, FLASH) if kind == "lfs" else (vfs.VfsFat, CardStore, CARD)
+    gc.disable()  # files that a power cut has left open would be closed
+    device = Device(*geometry)
+    system.mkfs(device)
+    vfs.mount(system(device), "/flash")
+    jobs = opened(store_class)
+    store(jobs, "A", OLD)
+    store(jobs, "B", OTHER)
+    vfs.umount("/flash")
+    image = bytes(device.data)
+    cuts = 0
+    for name in ("A", "B", "C"):
+        for torn in (0, 100, 255) if kind == "lfs" else (0,):
+            writes = 1
+            while cut_at(system, store_class, device, image, writes, torn, name):
+                writes += 1
+                cuts += 1
+    print("%d power cuts, nothing lost" % cuts)
+
+
+main(sys.argv[1])
