@@ -96,6 +96,7 @@ FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key o
 WEB = Path("passo", "web")
 NETWORK = WEB / "lines.py"  # only boards with a network have it, and what it imports
 PAGES = WEB / "page"
+OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say
 
 
@@ -159,7 +160,7 @@ def selected(board, firmware=FIRMWARE):
     """The modules that `board` needs. Raises Failure for a chip or a protocol that there is not."""
     if board.get("chip") not in MARCH:
         raise Failure(f"unknown chip {board.get('chip')!r}; known are {', '.join(MARCH)}")
-    files = [path for path in module_files(firmware) if runs_on(path, board["chip"])]
+    files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and (board.get("card") or path not in OF_CARD)]
     known = {language_name(path) for path in files} - {None}
     wanted = {link["protocol"] for link in board.get("links", [])}
     if any(link.get("frames") for link in board.get("links", [])):
