@@ -18,7 +18,7 @@ def panel(
     port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL of the board (socket://host:port).")] = None,
     baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
     protocol: Annotated[
-        Optional[str], typer.Option(help="Language of the link of --port: grbl or pulses. Default: found by asking.")
+        Optional[str], typer.Option(help="Language of the link of --port: grbl, pulses or torch. Default: found by asking.")
     ] = None,
     board: Annotated[
         Optional[str], typer.Option(help="Board file: the demo's machine; of a board on --port, what its language does not tell (steps/mm).")
@@ -42,7 +42,7 @@ def panel(
 
         passo panel --demo --open
 
-        passo panel --demo --board lpt_router --open        # pulse files
+        passo panel --demo --board lpt_router --open        # pulse files; torch_manipulator: the torch
 
         passo panel --port /dev/ttyACM0 --guest /tmp/machine
 

@@ -13,13 +13,13 @@ from passo.web.stored import StoredJobs
 from passo.web.teach import Teach
 
 # The board file that is meant if none is named; its first link's language is the key.
-BOARDS = {"grbl": "router_3axis", "pulses": "lpt_router"}
-BAUD = {"grbl": 115_200, "pulses": 115_200}
+BOARDS = {"grbl": "router_3axis", "pulses": "lpt_router", "torch": "torch_manipulator"}
+BAUD = {"grbl": 115_200, "pulses": 115_200, "torch": 115_200}
 
 
 class Spoken:
-    """What one language brings: `machine`; `teach`, or None; `read(path)`: a job's lines as its driver takes them; `about`: what
-    the page is to know of it."""
+    """What one language brings: `machine`; `teach`, or None; `read(path)`: a job's lines as its driver takes them, None: it knows no
+    jobs; `about`: what the page is to know of it."""
 
     def __init__(self, machine, teach, read, about, join=None):
         """`join(store)`: what of the machine wants its jobs."""
@@ -36,7 +36,7 @@ def create(language, board, write, tell, guest=None):
         return _grbl(write, tell, guest)
     board = check(board)
     about = {"scale": [axis["steps_per_m"] / 1000 for axis in board["axes"]]}
-    return {"pulses": _pulses}[language](board, write, tell, about)
+    return {"pulses": _pulses, "torch": _torch}[language](board, write, tell, about)
 
 
 def _grbl(write, tell, guest):
@@ -65,3 +65,9 @@ def _pulses(board, write, tell, about):
     lengths = lengths_of(board["axes"])
     about["fastest"] = min(lengths[1 << axis] for axis in range(len(board["axes"]))) // board["step_program"]["interval_us"]
     return Spoken(machine, machine.teach, lambda path: path.read_bytes(), about)
+
+
+def _torch(board, write, tell, about):
+    from passo.web.torch_machine import TorchMachine
+
+    return Spoken(TorchMachine(write, tell, board), None, None, about)

@@ -123,8 +123,74 @@ def test_pulse_files(tmp_path, driver):
     assert walked[corner : corner + 201] == [(400 + step, step, 0) for step in range(201)]
 
 
+def field(browser, form, **values):
+    """Fill in the fields of a form."""
+    for name, value in values.items():
+        browser.driver.execute_script(f"document.querySelector('#{form} [name={name}]').value = '{value}'")
+
+
+def send(browser, form):
+    browser.until(lambda: browser.css(f"#{form} button").is_enabled())
+    browser.tap(f"#{form} button")
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("board", ["lpt_router"])
+def test_the_torch(tmp_path, driver):
+    """The relays, a jog, a place on the plane, each axis on its own, a seam, the origin, preferences that ask first."""
+    with PanelProcess(tmp_path, "--board", "torch_manipulator") as panel:
+        browser = Browser(panel, driver, (1280, 2000))
+        browser.until_state("Ready")
+        assert not [name for name in ("card-job", "card-tool", "card-teach", "card-settings", "home") if browser.find(name).is_displayed()]
+        assert browser.css("[data-shows=ours]").text == "off"
+        step_of(browser, 1)
+        browser.tap("[data-way='x+']")
+        browser.until(lambda: "117" in browser.text("message"))
+        browser.tap("[data-switch=motors_on]")
+        browser.until(lambda: browser.css("[data-shows=ours]").text == "on")
+        browser.until_state("Ready")
+        place = lambda: [float(browser.text(f"m-{axis}")) for axis in "xy"]  # noqa: E731
+        browser.tap("[data-way='x+']")
+        browser.until(lambda: place() == [1, 0])
+        step_of(browser, 0)
+        browser.press("y+")
+        browser.until(lambda: place()[1] > 2)
+        browser.let_go()
+        browser.until_state("Ready")
+        browser.fill("goto-x", "10")
+        browser.fill("goto-y", "5")
+        browser.tap("#goto-form button")
+        browser.until(lambda: place() == [10, 5])
+        browser.until_state("Ready")
+        field(browser, "move-form", x=-5, y=5, xv=600, yv=1200)
+        send(browser, "move-form")
+        browser.until(lambda: place() == [5, 10])
+        browser.until_state("Ready")
+        field(browser, "weave-form", x=10, y=0, amplitude=2, pitch=5)
+        send(browser, "weave-form")
+        browser.until_state("Running")
+        browser.shot("torch-weaves")
+        browser.until(lambda: place() == [15, 10])
+        browser.until_state("Ready")
+        for yes in (False, True):
+            field(browser, "preferences-form", jogx=2)
+            send(browser, "preferences-form")
+            browser.answer(yes)
+        browser.until(lambda: browser.text("message") == "")
+        browser.until_state("Ready")
+        browser.click("origin")
+        browser.answer()
+        browser.until(lambda: place() == [0, 0])
+        browser.tap("[data-switch=motors_off]")
+        browser.until(lambda: browser.css("[data-shows=ours]").text == "off")
+        assert not [row for row in browser.driver.get_log("browser") if "SyntaxError" in row["message"] or "Uncaught" in row["message"]]
+    walked = [row[:2] for row in steps(panel)]
+    assert (480, 415) in walked and (240, 830) in walked and walked[-1] == (720, 830)
+    sides = [y for _, y in walked[walked.index((240, 830)) :]]
+    assert abs(max(sides) - 830 - 166) <= 1 and abs(min(sides) - 830 + 166) <= 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("board", ["lpt_router", "torch_manipulator"])
 @pytest.mark.parametrize("size, language, theme", [((1280, 1700), "en", "light"), ((390, 4200), "pt", "dark")])
 def test_pictures(tmp_path, driver, board, size, language, theme):
     """No card is wider than the window, in either language."""

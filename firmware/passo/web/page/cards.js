@@ -1,8 +1,10 @@
 // Cards that only some languages have, and what a job is in a language other than G-code.
 
 import { PulseFile } from "./card_pulses.js";
+import { Torch } from "./card_torch.js";
 
 const $ = (id) => document.getElementById(id);
+const OWN = { pulses: PulseFile, torch: Torch };
 
 export class Cards {
   // page: { order(name, fields), ask(text), picture }
@@ -21,7 +23,7 @@ export class Cards {
   hello(message) {
     this.words = message.can;
     for (const card of document.querySelectorAll("[data-can]")) card.hidden = !this.can(card.dataset.can);
-    this.own = message.language === "pulses" ? new PulseFile(this.page, message) : null;
+    this.own = message.language in OWN ? new OWN[message.language](this.page, message) : null;
   }
 
   // A job's text: the moves of its picture, or null if it is G-code.
@@ -41,11 +43,8 @@ export class Cards {
     if (busy && now.single && mine) $("resume").disabled = false;
     for (const button of document.querySelectorAll("[data-switch]")) button.disabled = !mine || !["Idle", "Hold", "Alarm"].includes(report.state);
     for (const mark of document.querySelectorAll("[data-shows]")) {
-      const on = Boolean(report[mark.dataset.shows]);
-      if (mark.dataset.on !== String(on)) {
-        mark.dataset.on = on;
-        mark.textContent = this.page.word(on ? "on" : "off");
-      }
+      const text = this.page.word(report[mark.dataset.shows] ? "on" : "off");
+      if (mark.textContent !== text) mark.textContent = text;
     }
     if (this.own) this.own.show(report);
   }

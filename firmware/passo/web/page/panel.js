@@ -26,7 +26,7 @@ const jog = new Jog(link, () => report, refuse, refresh);
 const shelf = new Kept((name, fields) => link.order({ do: name, ...fields }).then((answer) => { refuse(answer.error === 102 ? 0 : answer.error); return answer; }),
   ask, () => report, () => $("jobs").value);
 const picture = new Picture($("path"));
-const cards = new Cards({ order, ask, picture, report: () => report, until, word: (text) => _(text) });
+const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until, word: (text) => _(text) });
 let language = "";
 let waiting = [];  // [condition of a job, resolve]
 
