@@ -32,7 +32,7 @@ class HostWatch:
         self._machine = machine
         self._queue = queue
         self._links = board["links"]
-        self._lines = [None] * len(self._links)
+        self._lines = {}  # by the numbers of their links; stored jobs come by another, and need no host
         self._since_ms = 0  # nothing has come from the link that commands, or nothing was under way
 
     def watch(self, number, line):
@@ -47,7 +47,7 @@ class HostWatch:
         machine = self._machine
         now_ms = machine.port.link_ms()
         number = machine.commander
-        line = self._lines[number]
+        line = self._lines.get(number)
         if line is None:
             return
         if line.heard or not self._under_way():
