@@ -11,6 +11,7 @@
 It works while it is called: read(), write(), in_waiting. Raises OSError if the board does not answer, or has been reset.
 """
 
+import re
 import time
 
 from passo.protocols.frames import codec
@@ -26,20 +27,25 @@ _URGENT_MS = 60
 _SILENCE_MS = 60  # before the next frame a delimiter cuts off what noise has left
 _ACK_MS = 40  # an acknowledgement waits for bytes to go with
 _USB_BAUD = 1_000_000
+# Asks a language of lines for something harmless, and makes an error of a line that another program has left unfinished: an empty line would
+# have it carried out.
+_PROBE = b"$G\n"
+_ENDED = re.compile(rb"(ok|error:\d+)\r?\n")
 
 
 def offered(port, wait_s=OFFER_S, text=False):
     """`port`, an open pyserial port, or a FramedPort on it if the board answers HELLO within `wait_s`. `text`: the link's language has
     lines, each of which is answered by one; then a board without frames is found out at once."""
-    framed = FramedPort(port)
-    if framed.begin(wait_s, text):
-        return framed
-    port.timeout = framed.timeout
+    opened = framed = FramedPort(port)
+    if not framed.begin(wait_s, text):
+        port.timeout = framed.timeout
+        opened = port
     if text:
-        port.write(b"\n")  # so that what came of HELLO ends
-        while port.read(1) not in (b"\n", b""):
-            pass
-    return port
+        opened.write(_PROBE)  # what came of HELLO ends, or what another program has written before it in frames
+        heard, end_ms = b"", _milliseconds() + 1000 * wait_s
+        while not _ENDED.search(heard) and _milliseconds() < end_ms:
+            heard += opened.read(1)
+    return opened
 
 
 def _milliseconds():
@@ -65,14 +71,16 @@ class FramedPort:
 
     def begin(self, wait_s, text=False):
         """Open a new session. False if nobody answers HELLO within `wait_s`, or, with `text`, something else answers a line."""
+        asked = not text
         for _ in range(2):
             end_ms = self._clock() + 1000 * wait_s
             self._open = False
             while not self._open:
-                if self._clock() >= end_ms or text and (b"ok\r\n" in self._wire or b"error:" in self._wire):
+                if self._clock() >= end_ms or text and _ENDED.search(self._wire):
                     return False
-                if self._offer() and text:
-                    self._port.write(b"\n")
+                if self._offer() and not asked:
+                    asked = True  # once: every answer has to be waited for
+                    self._port.write(_PROBE)
                 self._poll()
             if self._new:
                 return True
