@@ -30,12 +30,13 @@ class Machine:
     `trace` and `vcd` are files' paths (None: none; True: the trace is kept in memory), `plant_options` go to Plant.
     `radio`: the network of a board file that has one, as host_tools.sim.radio; None: it is off.
     `flash`: the folder that stands for the board's flash: settings and stored jobs; None: they last as long as the machine.
+    `slots`, `pages`: what keeps settings and the job's journal, if not that folder.
     `inverter`: who plays the spindle's inverter, if the board file has one.
     `idle`: False leaves the time in which nothing is under way out of the trace: how long the PC thinks is never twice the
     same, all else is."""
 
     def __init__(
-        self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, radio=None, flash=None, pages=None, **plant_options
+        self, board, lines, mode, sleep=None, protocols=None, trace=None, vcd=None, idle=True, inverter=None, radio=None, flash=None, pages=None, slots=None, **plant_options
     ):
         loaded = boards.load(board) if isinstance(board, str) else board
         self.board = check(loaded)
@@ -51,7 +52,7 @@ class Machine:
         if self.board["journal"]:
             self.port.pages = pages or Pages(Path(flash) / "pages" if flash else None)
         self.port.folder = str(Path(flash) / "jobs") if flash else self._own_folder()
-        slots = FileSlots(str(Path(flash) / "settings")) if flash else None
+        slots = slots or (FileSlots(str(Path(flash) / "settings")) if flash else None)
         self.app = App(check(loaded), self.port, protocols, slots)
         self._homing = False
         self._idle = idle

@@ -2,7 +2,11 @@
 
     pages = Pages(Path("flash/pages"))
     pages.cut_after(1000)       # so many bytes more are programmed or erased, then PowerCut
+
+The byte that is torn keeps some of its bits; of a block whose erasure is torn every byte does.
 """
+
+import random
 
 BLOCK = 4096
 RECORD = 32
@@ -23,9 +27,11 @@ class Pages:
             data = path.read_bytes()
         self.data = bytearray(data or b"\xff" * (BLOCK * self.BLOCKS))
         self._left = None
+        self._random = random.Random(0)  # which bits are torn
 
-    def cut_after(self, count):
+    def cut_after(self, count, seed=0):
         self._left = count
+        self._random = random.Random(seed)
 
     def read(self, block, slot):
         at = block * BLOCK + slot * RECORD
@@ -38,15 +44,28 @@ class Pages:
         self._save()
 
     def erase(self, block):
-        for at in range(block * BLOCK, (block + 1) * BLOCK):
-            self._put(at, 255)
+        first = block * BLOCK
+        if self._left is not None and self._left < BLOCK:
+            for at in range(first, first + BLOCK):
+                self.data[at] |= self._random.getrandbits(8)
+            raise PowerCut
+        self.spend(BLOCK)
+        self.data[first : first + BLOCK] = b"\xff" * BLOCK
         self._save()
 
-    def _put(self, at, byte):
+    def spend(self, count=1):
+        """So many bytes are being programmed or erased. Raises PowerCut if the power does not last for them."""
         if self._left is not None:
-            if not self._left:
+            if self._left < count:
                 raise PowerCut
-            self._left -= 1
+            self._left -= count
+
+    def _put(self, at, byte):
+        try:
+            self.spend()
+        except PowerCut:
+            self.data[at] &= byte | self._random.getrandbits(8)
+            raise
         self.data[at] = byte
 
     def _save(self):
