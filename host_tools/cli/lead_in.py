@@ -25,15 +25,18 @@ def announce(client, lines):
             raise
 
 
-def prepared(client, lines, number, place=None, yes=False):
+def prepared(client, lines, number, place=None, yes=False, end=None):
     """Bring the machine to the start of line `number`, or to `place` (steps) on its way, in the state of the program there.
-    Returns the lines still to be sent. `yes`: do not ask. Raises Failure, also if the operator says no: the tool is up then,
-    spindle and coolant are off."""
+    Returns the lines still to be sent. `yes`: do not ask. `end`: where a program that was interrupted had been before that line, steps.
+    Raises Failure, also if the operator says no: the tool is up then, spindle and coolant are off."""
     from host_tools.programs import replay
 
     machine = replay.Machine.of_answers(client.command("$$"), client.command("$#"))
     state = replay.Replay(machine, lines)
-    stages, rest = state.from_line(number) if place is None else state.from_place(number, place)
+    if place or end:
+        state.check_offsets(number)
+        state = state.begun(number, place or end, place is None)
+    stages, rest = state.from_line(number, end) if place is None else state.from_place(number, place)
     moving = any(what == replay.DOWN for what, _ in stages)
     for what, sent in stages:
         if what == (replay.DOWN if moving else replay.GO) and not yes and not _agreed(stages, what, number):

@@ -14,8 +14,8 @@ _JOURNAL = re.compile(r"\[JOURNAL:([0-9a-f]+)\|(\d+)\|(\d+)\|([-\d,]+)\]")
 
 
 def interrupted(said, lines, stored=0):
-    """`stored`: the CRC-32 of the same program as a stored job. (line to begin at, place in steps or None, whether the position is known) of an answer to `$JR`. Raises Failure if the
-    journal is of another program, or this one has not begun."""
+    """(line to begin at, place in steps or None, whether the position is known) of an answer to `$JR`. `stored`: the CRC-32 of the same
+    program as a stored job. Raises Failure if the journal is of another program, or this one has been done."""
     found = _JOURNAL.search("\n".join(said))
     if not found:
         raise Failure("the board does not say where its job is")
@@ -25,11 +25,30 @@ def interrupted(said, lines, stored=0):
     known = bool(flags & _HOMED)
     if not line:
         return lines[0][0], None, known
+    line = _line_of(lines, line)
     if flags & _DONE:
         if line >= lines[-1][0]:
             raise Failure("the file was done to its end")
         return line + 1, None, known
     return line, [int(part) for part in found[4].split(",")], known
+
+
+def _line_of(lines, number):
+    """The line of the file that has the N word `number`; a file without N words gets the numbers of its lines. Raises Failure."""
+    from host_tools.clients.grbl import N_WORD
+
+    if not any(b"N" in line.upper() for _, line in lines):
+        return number
+    found = [known for known, line in lines if (word := N_WORD.match(line.upper())) and int(word[1]) == number]
+    if len(found) != 1:
+        raise Failure(f"{len(found) or 'no'} lines of the file are N{number}, which was interrupted; begin at a line with passo stream --from")
+    return found[0]
+
+
+def ended(said):
+    """Where the line ended, steps, that an answer to `$JR` says is done; None if none is."""
+    found = _JOURNAL.search("\n".join(said))
+    return [int(part) for part in found[4].split(",")] if int(found[2]) and int(found[3]) & _DONE else None
 
 
 def resume(
@@ -67,16 +86,16 @@ def resume(
         print(f"{file}: interrupted {'before' if place is None else 'in'} line {number}")
         _find_zero(client, known, home, unverified)
         with Panel(client, lines) as panel:
-            for _ in went_on(client, lines, number, place, yes, panel.cycle):
+            for _ in went_on(client, lines, number, place, yes, panel.cycle, ended(said)):
                 panel.done(_)
             client.wait_idle(panel.cycle)
         print(f"{file}: done{', unverified' if unverified and not known else ''}")
 
 
-def went_on(client, lines, number, place, yes, cycle=None):
+def went_on(client, lines, number, place, yes, cycle=None, end=None):
     """Send what is left; yields the numbers of the lines that are answered."""
     numbered = not any(b"N" in line.upper() for _, line in lines)
-    rest = prepared(client, lines, number, place, yes)
+    rest = prepared(client, lines, number, place, yes, end)
     yield from client.stream(rest, True, cycle, numbered)
 
 
@@ -94,7 +113,8 @@ def _find_zero(client, known, home, unverified):
         client.command("$H", 600)
     elif not known and not unverified:
         raise Failure("where the machine stands is not known since then: give --home; or --unverified, if you have seen that zero is right")
-    elif not known:
+    elif client.ask_status()["state"] == "Alarm":  # it came to its stand as it should: where it is remains known
         client.command("$X")
-    if client.ask_status()["state"] == "Alarm":
-        raise Failure("the machine is in alarm: give --home")
+    state = client.ask_status()["state"]
+    if state != "Idle":
+        raise Failure(f"the machine has to be idle, and its state is {state}")

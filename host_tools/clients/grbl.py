@@ -19,7 +19,9 @@ _FRAMED_BYTES = 900  # the same of a framed link, whose credit sees to the rest
 _LONGEST_TAGGED = 72  # characters, of 80 with the number
 _HIGHEST = 9_999_999
 _SLICE_S = 0.02
+_SIGN_S = 0.3  # between two signs of life while an answer is awaited
 RESET = b"\x18"
+N_WORD = re.compile(rb"N(\d+)")
 
 
 class Refused(Failure):
@@ -107,13 +109,17 @@ class GrblClient(Client):
 
     def command(self, line, timeout_s=None):
         """Send one line; returns the lines before its ok. Raises Refused, also if an alarm comes before the ok, or LinkError
-        after `timeout_s`."""
+        after `timeout_s`. A board that minds its host hears `?` as long as it takes."""
         self.alarm = None
         self._write(line.encode() + b"\n")
-        deadline = time.monotonic() + (timeout_s or self.timeout_s)
+        asked = time.monotonic()
+        deadline = asked + (timeout_s or self.timeout_s)
         said = []
-        while time.monotonic() < deadline:
-            heard = self.lines()
+        while (now := time.monotonic()) < deadline:
+            if now - asked >= _SIGN_S:
+                asked = now
+                self.real_time(b"?")
+            heard = [answer for answer in self.lines() if not answer.startswith("<")]
             for at, answer in enumerate(heard):
                 if answer == "ok" and self.alarm is None:
                     self.rest = heard[at + 1 :]

@@ -10,10 +10,10 @@ millimetres in machine coordinates.
 """
 
 import re
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 
-from host_tools.clients.grbl import explain
+from host_tools.clients.grbl import N_WORD, explain, tagged
 from host_tools.failure import Failure
 from passo import commands
 from passo.control import arcs
@@ -27,6 +27,8 @@ _NM = 1_000_000  # a millimetre
 _CLEARANCE_MM = 1.0
 _PLUNGE_MM_MIN = 100.0  # where the program has no feed yet
 _NEAR_STEPS = 2  # from the path: what rounding may make
+_CHANGES = re.compile(rb"G0*10(?!\d)|G(28|30)\.1")  # lines that change what outlasts the program
+_OTHER_MM = 1.0
 
 
 @dataclass
@@ -90,25 +92,35 @@ class _Board:
         self.coolant = 0
 
 
+def _close(place, other):
+    return all(abs(one - two) <= _NEAR_STEPS for one, two in zip(place, other))
+
+
 class Replay:
-    def __init__(self, machine, lines):
-        """`lines`: [(number, bytes)] of gcode_file.read()."""
+    def __init__(self, machine, lines, start=None):
+        """`lines`: [(number, bytes)] of gcode_file.read(). `start`: where the machine stands before them, steps; None: at zero."""
         self._machine = machine
         self._lines = lines
         self._board = _Board(machine)
+        self._board.target = list(start or self._board.target)
         self._offsets = Offsets(len(machine.steps_per_mm), _Memory(machine))
         self._gcode = GCode("xyz"[: len(machine.steps_per_mm)], self._offsets, self._board)
         self._gcode.laser = machine.laser
         self._gcode.max_rpm = round(machine.max_rpm * 1000)
         self._highest = None
+        self._loose = False  # where the line under way begins is not known
 
     # --- the two ways in
 
-    def from_line(self, number):
-        """Begin at line `number` of the file, from where the lines before it end. Raises Failure."""
+    def from_line(self, number, end=None):
+        """Begin at line `number` of the file, from where the lines before it end. `end`: where the machine has been there, steps.
+        Raises Failure."""
         at = self._index(number)
         for index in range(at):
             self._carry_out(index)
+        if end and not _close(end, self._board.target):
+            raise Failure(f"before line {number} the machine was at {self._shown(end)}, and by the file it is at "
+                          f"{self._shown(self._board.target)}: the file or zero has changed, or it began elsewhere")  # fmt: skip
         return self._stages(list(self._board.target), None), self._rest(at)
 
     def from_place(self, number, place):
@@ -122,12 +134,104 @@ class Replay:
         motion = self._single(at)
         if motion is None or list(place) == start:
             return before, self._rest(at)
-        if not self._on_path(motion, start, place):
+        if not self._loose and not self._on_path(motion, start, place):
             raise Failure(f"line {number}: the place {self._shown(place)} is not on its path; the file, or zero, has changed")
         self._board.target = list(motion.target)
         if list(place) == list(motion.target):
             return self._stages(list(place), None), self._rest(at + 1)
-        return self._stages(list(place), self._remainder(motion, start, place)), self._rest(at + 1)
+        *modes, moving = self._remainder(motion, start, place)
+        return self._stages(list(place), [*modes, self._numbered(at, moving)]), self._rest(at + 1)
+
+    def _numbered(self, at, line):
+        """`line` with the number of line `at`: to the journal it is that line."""
+        number, text = self._lines[at]
+        own = N_WORD.match(text.upper())
+        return tagged(int(own[1]) if own else number, line.encode()).decode()
+
+    # --- what is not known of how the program began
+
+    def check_offsets(self, number):
+        """Raise Failure if from line `number` on the program relies on offsets that it changes later, or has changed: what they were
+        when it began is not known."""
+        changed = self._changed()
+        if not changed:
+            return
+        at = self._index(number)
+        twins = [Replay(machine, self._lines) for machine in (self._machine, self._otherwise(changed))]
+        for index in range(len(self._lines)):
+            for twin in twins:
+                twin._carry_out(index)
+            first, second = twins
+            if index >= at - 1:
+                if first._board.target != second._board.target:
+                    raise Failure(f"line {self._lines[index][0]} relies on {', '.join(sorted(changed))}, which the program changes: what it was "
+                                  "when it began is not known; set it, then passo stream --from")  # fmt: skip
+                if first._offsets.systems == second._offsets.systems and first._offsets.homes == second._offsets.homes:
+                    return
+
+    def _changed(self):
+        """{"G54": axes} of the places that the program changes for good."""
+        changed = {}
+        for _, line in self._lines:
+            found = _CHANGES.search(line.upper())
+            if not found or line.startswith(b"$"):
+                continue
+            if found[1]:
+                changed["G" + found[1].decode()] = {0, 1, 2}
+                continue
+            words = dict(re.findall(rb"([PLXYZ])([-+.\d]+)", line.upper()))
+            axes = {"XYZ".index(letter.decode()) for letter in words if letter in (b"X", b"Y", b"Z")}
+            system = int(float(words.get(b"P", 0)))
+            if float(words.get(b"L", 0)) == 1:
+                changed[f"T{system}"] = {2}
+                continue
+            for each in [system - 1] if system else range(SYSTEMS):
+                changed.setdefault(f"G{54 + each}", set()).update(axes)
+        return changed
+
+    def _otherwise(self, changed):
+        """The machine, those places being others."""
+        machine = self._machine
+        count = len(machine.steps_per_mm)
+        systems = dict(machine.systems)
+        for name in [name for name in changed if name[0] == "G"]:
+            places = systems.get(name, [0.0] * count)
+            systems[name] = [place + (_OTHER_MM if axis in changed[name] else 0) for axis, place in enumerate(places)]
+        tools = {name: machine.tools.get(name, 0.0) + _OTHER_MM for name in changed if name[0] == "T"}
+        return replace(machine, systems=systems, tools={**machine.tools, **tools})
+
+    def begun(self, number, place, done):
+        """The replay that begins where the machine stood when the program did, as far as that decides anything: found from `place`, where it was
+        when the line before `number` was `done`, or amid line `number`. Raises Failure if that does not tell."""
+        at = self._index(number)
+        twins = [Replay(self._machine, self._lines, [round(by * scale) for scale in self._machine.steps_per_mm]) for by in (0, _OTHER_MM)]
+        for twin in twins:
+            for index in range(at):
+                twin._carry_out(index)
+        first, second = twins
+        here = list(first._board.target)
+        doubted = [axis for axis in range(len(here)) if here[axis] != second._board.target[axis]]
+        unsure = [axis for axis in range(len(here)) if first._all_offsets(axis) != second._all_offsets(axis) and axis not in doubted]
+        motions = [None if done else twin._single(at) for twin in twins]
+        start = [0] * len(here)
+        loose = False
+        for axis in doubted:
+            if done or motions[0] and motions[0].target[axis] == here[axis]:
+                start[axis] = place[axis] - here[axis]
+            elif motions[0] and motions[0].kind == commands.LINE and not motions[0].per_min and motions[0].target[axis] == motions[1].target[axis]:
+                loose = True  # it comes from anywhere
+            else:
+                unsure.append(axis)
+        if unsure:
+            raise Failure(f"line {self._lines[at][0]}: where {'XYZ'[unsure[0]]} stood when the program began is not known, and decides where "
+                          "this line is; begin with passo stream --from")  # fmt: skip
+        made = Replay(self._machine, self._lines, start)
+        made._loose = loose
+        return made
+
+    def _all_offsets(self, axis):
+        offsets = self._offsets
+        return [offsets.of(system, axis) for system in range(SYSTEMS)], [places[axis] for places in offsets.homes.values()]
 
     def _index(self, number):
         for index, (known, _) in enumerate(self._lines):
@@ -201,15 +305,15 @@ class Replay:
         return f"G94F{motion.feed * 60 / _NM:.4f}"
 
     def _remainder(self, motion, start, place):
-        """The line that leads from `place` to the end of `motion`, absolute and in millimetres."""
+        """The lines that lead from `place` to the end of `motion`, absolute and in millimetres; the last moves."""
         if motion.kind == commands.LINE:
             if not motion.feed and not motion.per_min:
-                return f"G90G21G53G0{self._words(motion.target)}"
+                return ["G90G21", f"G53G0{self._words(motion.target)}"]
             if motion.per_min:  # so much of the minute's part is left
                 long = max(range(len(start)), key=lambda axis: abs(motion.target[axis] - start[axis]))
                 left = (motion.target[long] - place[long]) / (motion.target[long] - start[long])
-                return f"G90G21G93G53G1{self._words(motion.target)}F{motion.per_min / 1000 / left:.3f}"
-            return f"G90G21{self._feed(motion)}G53G1{self._words(motion.target)}"
+                return ["G90G21G93", f"G53G1{self._words(motion.target)}F{motion.per_min / 1000 / left:.3f}"]
+            return [f"G90G21{self._feed(motion)}", f"G53G1{self._words(motion.target)}"]
         if motion.per_min:
             raise Failure("an arc in G93 cannot be gone on with amid its way; begin at its line with --from")
         centre = [start[axis] + by - place[axis] for axis, by in zip((motion.first, motion.second), motion.centre)]
@@ -221,7 +325,7 @@ class Replay:
             for axis in range(len(place))
         )
         plane = {(0, 1): 17, (2, 0): 18, (1, 2): 19}[motion.first, motion.second]
-        return f"G90G21G{plane}{self._feed(motion)}G{2 if motion.clockwise else 3}{ends}{ways}"
+        return [f"G90G21G{plane}{self._feed(motion)}", f"G{2 if motion.clockwise else 3}{ends}{ways}"]
 
     def _stages(self, place, remainder):
         """[(what, lines)] up to the state that holds now, at `place`."""
@@ -246,7 +350,7 @@ class Replay:
             down.append(f"G53G0Z{self._mm(place, 2):.5f}")
         stages.append((DOWN, down + shift))
         laser = ["G0", *self._spindle()] if machine.laser else []
-        stages.append((GO, laser + ([remainder] if remainder else []) + self._modes()))
+        stages.append((GO, laser + (remainder or []) + self._modes()))
         return [(what, lines) for what, lines in stages if lines]
 
     def _up(self):
