@@ -13,7 +13,7 @@ from host_tools.failure import Failure
 from host_tools.programs import gcode_file, replay
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages, PowerCut
-from test_replay import around
+from kills import near
 
 LINES = b"G21G90\nM3S9000\nG0Z-2\nG0X10Y10\nG1Z-4F600\nX22F1500\nY18\nX12Y12\nG0Z-2\nM5\nM30\n"
 ARCS = b"G21G90\nM3S9000\nG0Z-2\nG0X12Y10\nG1Z-4F600\nG2X20Y10I4J0F1500\nG3X12Y10I-4J3\nG0Z-2\nM5\nM30\n"
@@ -152,14 +152,15 @@ def interrupt(name, seed, tmp_path, wanted, lasts_ms):
     except Failure as failure:
         assert "done to its end" in str(failure), (name, seed, failure)
     cut = before | after.cut()
-    missing = wanted - around(around(cut))
-    assert not missing, (name, seed, kind, len(missing), list(missing)[:3])
-    extra = {place for place in cut - around(around(wanted)) if down is None or not beside(place, down)}
-    assert not extra, (name, seed, kind, len(extra), list(extra)[:3])
+    missing = [place for place in wanted - cut if not near(place, cut)]
+    assert not missing, (name, seed, kind, len(missing), missing[:3])
+    extra = [place for place in cut - wanted if not near(place, wanted) and (down is None or not beside(place, down))]
+    assert not extra, (name, seed, kind, len(extra), extra[:3])
     machines = (bench,) if after is bench else (bench, after)
     return sum(len(each.machine.trace.rows()) for each in machines)
 
 
+@pytest.mark.slow  # test_kills.py shows the same
 @pytest.mark.parametrize("name", JOBS)
 def test_interrupted_programs_are_cut_whole(name, tmp_path):
     wanted, lasts_ms = whole(program(name, tmp_path))

@@ -1,0 +1,146 @@
+"""The link, the PC's program, the main loop, the power killed at random moments: the same is cut as if nothing had happened."""
+
+import pytest
+
+from host_tools.clients.grbl import GrblClient
+from host_tools.failure import Failure
+from kill_jobs import JOBS, Job
+from kills import KINDS, Bench, Course, Flash, Killed, Pc, kill_of, killed, kills_of, resume_file
+
+THOUSAND = 1000
+EACH = -(-THOUSAND // len(JOBS))
+# Seeds that have found something, and what.
+FOUND = {
+    "framed": ["s framed 18"],  # the remainder of a line had no number: interrupted again, it was cut again
+    "stored": ["s stored 23"],  # a stored job on a link that is watched ended the main loop; a silent PC was lost while a spindle spun up
+    "laser": ["s laser 7"],
+}
+
+
+def wrong(results):
+    return [f"{kill}: {text}; {story}" for kill, text, story in results if text]
+
+
+@pytest.mark.parametrize("name", JOBS)
+def test_killed(name):
+    number = list(JOBS).index(name)
+    kills = kills_of(2, f"few {name}", 2 * number) + [kill_of(seed, KINDS[int(seed.split()[-1]) % 6]) for seed in FOUND.get(name, ())]
+    results = killed(JOBS[name], kills)
+    assert len(results) == len(kills) and not wrong(results)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", JOBS)
+def test_killed_a_thousand_times(name):
+    results = killed(JOBS[name], kills_of(EACH, f"thousand {name}"))
+    assert len(results) == EACH and not wrong(results)
+
+
+class Interrupted:
+    """A program that is cut off at a share of its time, on a board that goes on alone."""
+
+    def __init__(self, text, tmp_path, begun_s, kind="process", **changes):
+        self.course = Course(Job(text, **changes), tmp_path)
+        self.pc = self.course.pc
+        with self.pc:
+            self.course.begin()
+            self.pc.kills = [(self.course.bench.machine.now_ms() + 1000 * begun_s, kind)]
+            self.pc.strike = lambda _: self.pc.die()
+            with pytest.raises(Killed):
+                self.course.run()
+        self.course.bench.alone()
+
+    def resume(self, text=None, **how):
+        if text is not None:
+            self.course.path.write_bytes(text)
+        self.pc.revive(self.course.bench)
+        with self.pc:
+            resume_file(self.course.path, yes=True, **how)
+            self.course.bench.machine.settle()
+
+    def place(self):
+        return self.course.bench.machine.app.controller.position()
+
+
+SQUARE = b"G21G90\nG1Z-1F1500\nG1X10F1500\nY10\nX0\nY0\nM30\n"
+
+
+@pytest.mark.parametrize("framed", [False, True])
+def test_a_line_that_another_program_has_not_ended_is_not_carried_out(framed, tmp_path):
+    """The cable fails amid `X22`: what has come is `X2`."""
+    job = Job(SQUARE)
+    job.of_link = lambda: {"frames": framed}
+    bench = Bench(job, Flash(tmp_path))
+    pc = Pc(bench)
+    with pc:
+        with GrblClient("memory") as client:
+            client.command("$X")
+            client._write(b"G1F600X2")
+            bench.machine.run_ms(100)
+            pc.dead = True  # its port is never closed in order
+        pc.revive(bench)
+        with GrblClient("memory") as client:
+            assert client.framed == framed
+            assert client.command("$G")[0].startswith("[GC:")
+            assert bench.machine.app.controller.position() == [0, 0, 0]
+
+
+def test_a_machine_that_stopped_in_order_is_gone_on_with_where_it_stands(tmp_path):
+    """A host is lost: alarm 250, and the position is kept. Nothing homes."""
+    square = Interrupted(SQUARE, tmp_path, 1.5)
+    assert square.course.bench.machine.app.controller.state == "alarm"
+    switched = []
+    square.course.bench.machine.plant.listen(lambda *change: switched.append(change))
+    square.resume()
+    assert square.place() == [0, 0, -400] and not switched
+
+
+def test_numbers_of_its_own(tmp_path):
+    """The journal has the N words; the replay counts lines of the file."""
+    lines = [b"N%d%s" % (10 * number, line) for number, line in enumerate(SQUARE.split(), 3)]
+    square = Interrupted(b"\n".join(lines) + b"\n", tmp_path, 1.5, lost="go_on")
+    square.resume()
+    assert square.place() == [0, 0, -400]
+    same = Interrupted(b"".join(b"N7%s\n" % line for line in SQUARE.split()), tmp_path, 1.5)
+    with pytest.raises(Failure, match="7 lines of the file are N7"):
+        same.resume()
+
+
+@pytest.mark.parametrize(("change", "said"), [
+    (b"G10L2P1X5\n", "relies on G54, which the program changes"),
+    (b"G10L20P1X0\n", "relies on G54, which the program changes"),
+    (b"G10L2P2X5\n", None),
+    (b"G28.1\n", None),
+])  # fmt: skip
+def test_offsets_that_the_program_changes_behind_its_place(change, said, tmp_path):
+    """The board has read the line that changes them before the lines ahead of it have been played."""
+    text = b"G21G90\nG1Z-1F1500\nG1X10F1500\nY10\n" + change + b"X0\nY0\nM30\n"
+    square = Interrupted(text, tmp_path, 0.5)
+    if said:
+        with pytest.raises(Failure, match=said):
+            square.resume()
+    else:
+        square.resume()
+        assert square.place() == [0, 0, -400]
+
+
+@pytest.mark.parametrize(("text", "said"), [
+    (b"G21G91\nG1X5Y5F600\nG1X10\nG1Y10\nM30\n", "where X stood when the program began is not known"),
+    (b"G21G90\nG92X0\nG1X5Y5F300\nM30\n", "where X stood when the program began is not known"),
+    (b"G21G90\nG1X5Y5F300\nG1X7\nM30\n", None),
+])  # fmt: skip
+def test_where_it_began_is_not_known(text, said, tmp_path):
+    square = Interrupted(b"G1Z-1F600\n" + text, tmp_path, 0.8)
+    if said:
+        with pytest.raises(Failure, match=said):
+            square.resume()
+    else:
+        square.resume()
+
+
+def test_a_machine_that_only_checks_is_not_gone_on_with(tmp_path):
+    square = Interrupted(SQUARE, tmp_path, 1.5, lost="go_on")
+    square.course.bench.machine.send(b"$C\n")
+    square.course.bench.machine.run_ms(50)
+    with pytest.raises(Failure, match="its state is Check"):
+        square.resume()
