@@ -118,6 +118,12 @@ class Grbl:
 
     # --- bytes to batches
 
+    def begin_file(self):
+        """Modal state as after power-up, offsets stay; of what has come so far nothing is left."""
+        self._forget()
+        self._stale = 0
+        self.gcode.reset()
+
     def collect(self, data, now_ms):
         """Keep `data`. True if fill() may find lines in what is kept; None if there are real-time bytes other than `?`: all of
         `data` is for feed()."""

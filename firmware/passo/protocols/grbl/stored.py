@@ -4,8 +4,8 @@ LIMITS = (8, 126)  # lines not yet answered, from which on no more are given; by
 
 
 def begin(protocol):
-    """The modal state is that after power-up; offsets stay."""
-    protocol.gcode.reset()
+    """The modal state is that after power-up, offsets stay; a line on which another job was stopped is forgotten."""
+    protocol.begin_file()
 
 
 def units(data):
