@@ -80,8 +80,8 @@ endif
 test-all: $(STAMP) $(CLIENTS) $(STUBS)  ## all tests, the slow ones and all of the emulated Pico included
 	$(PYTEST) --tier all $(if $(ARGS),,--cov --cov-report=term) $(ARGS)
 
-soak: $(STAMP)  ## programs interrupted at random for an hour; ARGS='SECONDS SEED'
-	PYTHONPATH=tests_host/sims:tests_host/properties:tests_host/tools:. $(BIN)/python tests_host/sims/soak_jobs.py $(ARGS)
+soak: $(STAMP)  ## machines for virtual days while everything fails, an hour; ARGS="--seed 7 --minutes 5", ARGS=--help
+	PYTHONPATH=tests_host/sims:tests_host/properties:tests_host/tools:. $(BIN)/python tests_host/sims/soak.py $(ARGS)
 
 bench: $(STAMP)  ## the slower measurements
 	$(BIN)/python -m host_tools.bench $(ARGS)

@@ -1,0 +1,160 @@
+"""What every machine of the soak has: a seed, faults counted by kind, the last events, time that jumps, and a measure of its memory.
+
+A machine is a class with `round()`, which raises Wrong (or any error) where it has done what it must not do, and close().
+"""
+
+import gc
+import random
+import sys
+from array import array
+from collections import Counter, deque
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+
+from soak_witness import Witness, Wrong
+
+TICKS_PER_MS = 12_500
+EVENTS = 40
+SAFE_MS = 120  # from whatever stops the machine to tool off, coils and relays included
+HEAP_GROWTH = 4096  # bytes that a machine's objects may grow between two measures, rounds apart
+_SHARED = (type, ModuleType, FunctionType, BuiltinFunctionType, CodeType)
+
+
+def reachable(root, without=()):
+    """Bytes of the objects that `root` leads to, code and `without` left out."""
+    seen = {id(each) for each in without}
+    todo, total = [root], 0
+    while todo:
+        each = todo.pop()
+        if id(each) in seen or isinstance(each, _SHARED):
+            continue
+        seen.add(id(each))
+        if isinstance(each, (bytes, bytearray, str, array, list, dict, tuple, set, int)):
+            total += sys.getsizeof(each)
+        todo += gc.get_referents(each)
+    return total
+
+
+class Bench:
+    NAME = ""
+
+    def __init__(self, seed):
+        self.seed = seed
+        self.dice = random.Random(f"{self.NAME} {seed}")
+        self.faults = Counter()
+        self.events = deque(maxlen=EVENTS)
+        self.machine = None
+        self.witness = None
+        self.rounds = 0
+        self._steps = 0
+        self._past_ms = 0.0  # of boards that have been switched off
+        self._ahead = []  # [(ms, number, what to do)]
+        self._number = 0
+        self._heap = None
+
+    # --- for the record
+
+    def note(self, text):
+        self.events.append(f"{self.now_ms():12.1f} ms  {text}")
+
+    def fault(self, kind, text="", count=1):
+        self.faults[kind] += count
+        self.note(f"FAULT {kind} {text}")
+
+    @property
+    def steps(self):
+        return self._steps + (self.witness.steps if self.witness else 0)
+
+    def now_ms(self):
+        """Virtual ms since the first board was switched on."""
+        return self._past_ms + (self.machine.now_ms() if self.machine else 0)
+
+    # --- the machine
+
+    def switch_on(self, machine, least_ticks):
+        """Another board, the old one is without power."""
+        if self.machine:
+            self._past_ms += self.machine.now_ms()
+            self._steps += self.witness.steps
+        self.machine = machine
+        self.witness = Witness(machine.plant, least_ticks)
+        self._heap = None
+
+    def after(self, ms, what):
+        """Call what() so many ms from now."""
+        self._number += 1
+        self._ahead.append((self.now_ms() + ms, self._number, what))
+        self._ahead.sort(key=lambda entry: entry[:2], reverse=True)
+
+    def forget(self):
+        self._ahead.clear()
+
+    def cycle(self):
+        """One cycle of the board, and what is due then."""
+        self.machine.cycle()
+        while self._ahead and self._ahead[-1][0] <= self.now_ms():
+            self._ahead.pop()[2]()
+
+    def run_ms(self, ms):
+        end = self.now_ms() + ms
+        while self.now_ms() < end:
+            self.cycle()
+
+    def run_until(self, condition, limit_ms, what):
+        end = self.now_ms() + limit_ms
+        while not condition():
+            if self.now_ms() > end:
+                raise Wrong(f"{what}: not within {limit_ms} ms")
+            self.cycle()
+
+    def moving(self):
+        return self.machine.port.pending(self.machine.app.controller.busy())
+
+    def settle(self, limit_ms=600_000):
+        self.cycle()
+        self.run_until(lambda: not self.moving(), limit_ms, "to a stand")
+
+    def jump(self):
+        """Up to three hours in which nobody wants anything: minutes at once, a cycle between."""
+        before = list(self.machine.plant.position)
+        for _ in range(self.dice.choice((0, 0, 1, 5, 60))):
+            self.machine.port.advance(self.dice.randint(1, 180_000) * TICKS_PER_MS)
+            self.machine.cycle()
+        if self.machine.plant.position != before:
+            raise Wrong(f"it moved while nobody wanted anything: {before} → {self.machine.plant.position}")
+
+    # --- what holds always
+
+    def check_plant(self, allowed=()):
+        """Nothing that a real machine could not have followed, but for errors with one of the texts `allowed`."""
+        plant = self.machine.plant
+        wrong = [text for _, text in plant.errors if not any(each in text for each in allowed)]
+        plant.errors.clear()
+        if wrong:
+            raise Wrong(f"the plant: {wrong[:3]}")
+
+    def check_stands(self, tool_off=True):
+        """Nothing steps, and the tool is off. `tool_off`: False if it may be on, as in a hold."""
+        self.run_ms(SAFE_MS)
+        before = list(self.machine.plant.position)
+        self.run_ms(SAFE_MS)
+        if self.machine.plant.position != before:
+            raise Wrong("it moves although it has been stopped")
+        if tool_off and self.machine.plant.tool:
+            raise Wrong("the tool is on although it has been stopped")
+
+    def check_late(self):
+        """No word came late, by the firmware's own log."""
+        counts = self.machine.app.controller.machine.log.counts
+        if counts.get(109):
+            raise Wrong("words came late (error 109)")
+
+    def check_heap(self):
+        """At rest. The first time it is only measured."""
+        app = self.machine.app
+        plant = self.machine.plant
+        outside = [self.machine.port, self.machine.board, plant, self.witness, self, self.machine, *self.machine.lines.values()]
+        size = reachable(app, outside)
+        if self._heap is None:
+            self._heap = size
+        elif size > self._heap + HEAP_GROWTH:
+            raise Wrong(f"the board's objects have grown from {self._heap} to {size} bytes")

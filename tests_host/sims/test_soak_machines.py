@@ -1,0 +1,117 @@
+"""The machines of `make soak` for some seconds; rules broken on purpose, which the soak finds; and what it has found."""
+
+from pathlib import Path
+
+import pytest
+
+import soak
+from host_tools import boards
+from host_tools.programs import stored_job
+from host_tools.sim.machine import VirtualMachine
+from passo.config import job_store
+from passo.control.state import MachineState
+from passo.protocols.frames.line import FramedLine
+from passo.protocols.grbl import stored
+
+
+@pytest.mark.parametrize("name, life, rounds", [("router", 5, 6), ("plotter", 1, 5), ("mill", 1, 1)])
+def test_some_seconds(name, life, rounds, show):
+    machine = soak.live(name, life, rounds)
+    assert machine.steps > 5000 and sum(machine.faults.values()) > 10
+    show(f"soak of the {name}", f"{machine.steps} steps, {dict(machine.faults)}")
+
+
+def doubles(monkeypatch):
+    """A frame that is sent twice counts twice."""
+    monkeypatch.setattr(FramedLine, "_take", lambda self, number, data: (setattr(self, "_next", (number + len(data)) % 4096), data)[1])
+
+
+def takes_wrong_jobs(monkeypatch):
+    """An upload counts whatever its CRC says."""
+    monkeypatch.setattr(job_store.JobFile, "whole", lambda self: True)
+
+
+def drops_nothing(monkeypatch):
+    """A stop drops nothing of what is under way."""
+    monkeypatch.setattr(MachineState, "abort", lambda self: None)
+
+
+def needs_no_homing(monkeypatch):
+    """A board that has just been switched on moves."""
+    monkeypatch.setattr(MachineState, "guard", lambda self: None)
+
+
+def tells_no_reset(monkeypatch):
+    """A reset is not told."""
+    monkeypatch.setattr(MachineState, "restarted", lambda self, command=None: None)
+
+
+def remembers_a_line(monkeypatch):
+    """A job begins with what is left of the one before."""
+    monkeypatch.setattr(stored, "begin", lambda protocol: protocol.gcode.reset())
+
+
+BROKEN = [("router", each) for each in (doubles, takes_wrong_jobs, drops_nothing, needs_no_homing, tells_no_reset, remembers_a_line)]
+
+
+def found(name, monkeypatch, rule, lives, rounds):
+    """The violation that `rule` brings about."""
+    rule(monkeypatch)
+    with pytest.raises(soak.Violation) as violation:
+        for life in range(lives):
+            soak.live(name, life, rounds)
+    assert ": Wrong: " in str(violation.value), violation.value
+    assert "the last 40 events" in str(violation.value) and "make soak ARGS=" in str(violation.value)
+    return violation
+
+
+def test_a_broken_rule_is_found(monkeypatch):
+    found("router", monkeypatch, needs_no_homing, 1, 1)
+
+
+@pytest.mark.slow
+@pytest.mark.unmeasured
+@pytest.mark.parametrize("name, rule", BROKEN)
+def test_broken_rules_are_found(name, rule, monkeypatch, show):
+    violation = found(name, monkeypatch, rule, 12, 20)
+    show(rule.__doc__, str(violation.value).splitlines()[0])
+
+
+# --- what it has found
+
+
+def machine_with_job(lost):
+    """A router that keeps the job A, of many short lines."""
+    board = boards.load("router_3axis")
+    board["jobs"] = {"language": "grbl"}
+    board["links"][0].update(lost=lost, lost_ms=400)
+    machine = VirtualMachine(board, start=(3000, 2500, -1800))
+    data = b"G21G91\n" + b"G1X1.2345Y0.0001F3000\nG1X-1.2345Y-0.0001F3000\n" * 40
+    packed = stored_job.pack(data)
+    line = job_store.first_line("grbl", len(data), stored_job.crc(data), len(packed))
+    (Path(machine.port.folder) / "A.job").write_bytes(line + packed)
+    machine.send(b"$X\n")
+    machine.run_ms(50)
+    return machine
+
+
+def test_a_job_that_was_stopped_amid_a_line_spoils_no_other():
+    machine = machine_with_job("go_on")
+    for after_ms in range(20, 620, 41):
+        machine.send(b"$F=A\n")
+        machine.run_ms(after_ms)
+        machine.send(b"\x18")
+        machine.run_ms(100)
+        machine.send(b"$X\n")
+        machine.run_ms(20)
+    assert b"error 157" in machine.received() and b"error 116" not in machine.received()
+
+
+@pytest.mark.parametrize("lost", ["pause", "stop"])
+def test_a_stored_job_needs_no_host(lost):
+    machine = machine_with_job(lost)
+    machine.send(b"$F=A\n")
+    machine.run_ms(50)
+    begun = machine.now_ms()
+    machine.settle()
+    assert b"[MSG:Job A done]" in machine.received() and machine.now_ms() - begun > 1000
