@@ -76,6 +76,7 @@ JOB_LIST = const(1)
 JOB_DELETE = const(2)
 JOB_OPEN = const(3)  # an upload begins: `target` is (name, language, bytes, their CRC-32, bytes that come)
 JOB_DATA = const(4)  # some of its bytes
+JOB_STATE = const(6)  # what runs, or how the last one has ended
 JOB_CLOSE = const(5)  # it is complete; FINISHED once it has been read back
 
 # STEP_PROGRAM_ADD
@@ -103,6 +104,12 @@ STEPS_PACE = const(5)  # `feed`: mm/min from now on to the next speed of the pro
 STEPS_JOG = const(6)  # `target`: steps of each axis, one axis after the other
 STEPS_HAND_TOOL = const(7)  # `tool`
 STEPS_HAND_DRIVES = const(8)  # `tool`: on
+
+# Where a job is, as a feature's progress() tells the journal: fields of an array, see control/unit_journal.py.
+SPOT_PLACE = const(0)  # units done
+SPOT_TIMES = const(1)  # times to be played, this one included
+SPOT_BACK = const(2)  # 1: towards the start
+SPOT_AXES = const(3)  # steps of each axis from here on
 
 ACCEPTED = const(0)
 REFUSED = const(1)  # `error` says why; nothing moved

@@ -18,6 +18,11 @@ def _lost(board, *ways):
     return [link for link in board["links"] if link["lost"] in ways]
 
 
+def _counted(board):
+    """True if jobs are counted by commands or points, and not by lines."""
+    return [link for link in board["links"] if link["protocol"] in ("plotter", "pulses")]
+
+
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue")
 _OF_WHOLE = ("motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")
@@ -56,7 +61,8 @@ FEATURES = (
     ("admission", "Admission", lambda board: board["network"]),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop")),
     ("resets", "Resets", lambda board: True),
-    ("job_journal", "JobJournal", lambda board: board["journal"]),
+    ("job_journal", "JobJournal", lambda board: board["journal"] and not _counted(board)),
+    ("unit_journal", "UnitJournal", lambda board: board["journal"] and _counted(board)),
     ("jobs", "Jobs", lambda board: board["jobs"]),  # last: it adds a link
 )
 

@@ -9,6 +9,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.failure import Failure
+from passo import errors
 
 app = typer.Typer(help="Programs kept on the board: list, store, check, delete and run them.", no_args_is_help=True)
 
@@ -16,17 +17,26 @@ _BYTES_A_LINE = 54
 _VERIFY_S = 120.0
 _FILE = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LANGUAGE:(\w+)\]")
 _FREE = re.compile(r"\[FREE:(\d+)\]")
+_UNKNOWN = (errors.STATEMENT, errors.NO_CONTROL)
 _NO_JOBS = "the board keeps no jobs: its board file has no key `jobs` (docs/jobs.md)"
 
 Port = Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")]
-Baud = Annotated[int, typer.Option(help="Bits per second of a serial port.")]
+Baud = Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")]
+Protocol = Annotated[str, typer.Option(help="What the link of --port speaks: grbl, pulses or plotter.")]
 
 
-def _connected(port, baud):
+def _connected(port, baud, protocol):
+    """The client of the language; its ask(line) sends `$F` lines."""
     from host_tools.cli import ports
+    from host_tools.cli.link import BAUD
     from host_tools.clients.grbl import GrblClient
+    from host_tools.clients.plotter import PlotterClient
+    from host_tools.clients.pulses import PulsesClient
 
-    return GrblClient(port or ports.only(), baud)
+    kinds = {"grbl": GrblClient, "pulses": PulsesClient, "plotter": PlotterClient}
+    if protocol not in kinds:
+        raise Failure(f"--protocol is {', '.join(kinds)}, not {protocol!r}")
+    return kinds[protocol](port or ports.only(), baud or BAUD[protocol])
 
 
 def _listed(client):
@@ -34,9 +44,9 @@ def _listed(client):
     from host_tools.clients.grbl import Refused
 
     try:
-        said = client.command("$F")
+        said = client.ask("$F")
     except Refused as refused:
-        raise Failure(_NO_JOBS if "error 3," in str(refused) else str(refused)) from None
+        raise Failure(_NO_JOBS if refused.number in _UNKNOWN or "error 3," in str(refused) else str(refused)) from None
     found = {}
     for name, size, stored, crc, language in _FILE.findall("\n".join(said)):
         found[name] = int(size), int(stored), int(crc, 16), language
@@ -45,14 +55,14 @@ def _listed(client):
 
 
 @app.command("list")
-def list_(port: Port = None, baud: Baud = 115200):
+def list_(port: Port = None, baud: Baud = None, protocol: Protocol = "grbl"):
     """List the jobs of a board: bytes, bytes in flash, language.
 
     Example:
 
         passo jobs list --port /dev/ttyACM0
     """
-    with _connected(port, baud) as client:
+    with _connected(port, baud, protocol) as client:
         found, free = _listed(client)
     for name, (size, stored, _, language) in found.items():
         print(f"{name:24} {size:9} bytes, {stored:8} in flash, {language}")
@@ -61,13 +71,14 @@ def list_(port: Port = None, baud: Baud = 115200):
 
 @app.command()
 def store(
-    file: Annotated[Path, typer.Argument(help="The G-code; with --language plotter a file of packets.")],
+    file: Annotated[Path, typer.Argument(help="G-code, a pulse file, or packets of passo draw --packets.")],
     name: Annotated[Optional[str], typer.Option(help="Its name on the board (that of the file, in capitals).")] = None,
-    language: Annotated[str, typer.Option(help="grbl or plotter: the board file's jobs.language.")] = "grbl",
+    language: Annotated[Optional[str], typer.Option(help="grbl, pulses or plotter: the board file's jobs.language (that of the link).")] = None,
     card: Annotated[Optional[Path], typer.Option(help="Write it on a memory card in this PC: the folder where the card is.")] = None,
     check: Annotated[bool, typer.Option(help="Have the board check each line, in its check mode, once it is stored.")] = True,
     port: Port = None,
-    baud: Baud = 115200,
+    baud: Baud = None,
+    protocol: Protocol = "grbl",
 ):
     """Store a file on the board. It counts once it is there whole: until then, and if anything goes wrong, an older one of
     that name stays.
@@ -79,34 +90,37 @@ def store(
         passo jobs store part.gcode --name PART --no-check --port /dev/ttyACM0
 
         passo jobs store part.gcode --card /media/me/SD
+
+        passo jobs store hexagon.txt --protocol pulses
     """
     from host_tools.clients.grbl import Refused
     from host_tools.programs import stored_job
 
-    if language not in ("grbl", "plotter"):
-        raise Failure(f"--language is grbl or plotter, not {language!r}")
-    data = stored_job.gcode_job(file) if language == "grbl" else stored_job.plotter_job(file)
+    language = language or protocol
+    if language not in stored_job.KINDS:
+        raise Failure(f"--language is {', '.join(stored_job.KINDS)}, not {language!r}")
+    make, unit, count = stored_job.KINDS[language]
+    data = make(file)
     packed = stored_job.pack(data)
     name = (name or stored_job.name_of(file)).upper()
     if card:
         written = stored_job.write_on_card(card, name, language, data)
         print(f"{written}: {len(data)} bytes, {written.stat().st_size} on the card")
         return
-    with _connected(port, baud) as client:
+    with _connected(port, baud, protocol) as client:
         _, free = _listed(client)
         if len(packed) > free:
             raise Failure(f"{file} takes {len(packed)} bytes of flash; {free} are free: delete a job (passo jobs list)")
         begun = time.monotonic()
-        client.command(f"$FS={name},{language},{len(data)},{stored_job.crc(data):08x},{len(packed)}")
+        client.ask(f"$FS={name},{language},{len(data)},{stored_job.crc(data):08x},{len(packed)}")
         with _bar(f"storing {name}") as show:
             for first in range(0, len(packed), _BYTES_A_LINE):
-                client.command("$F:" + base64.b64encode(packed[first : first + _BYTES_A_LINE]).decode())
+                client.ask("$F:" + base64.b64encode(packed[first : first + _BYTES_A_LINE]).decode())
                 show(first / len(packed))
-        client.command("$FE", _VERIFY_S)
-        lines = data.count(b"\n")
-        print(f"{name}: {len(data)} bytes, {len(packed)} in flash, {len(packed) / max(lines, 1):.1f} a line, "
+        client.ask("$FE", _VERIFY_S)
+        print(f"{name}: {len(data)} bytes, {len(packed)} in flash, {len(packed) / max(count(data), 1):.2g} a {unit}, "
               f"in {time.monotonic() - begun:.0f} s")  # fmt: skip
-        if check and language == "grbl":
+        if check and language == protocol == "grbl":
             if client.ask_status()["state"] != "Idle":
                 print(f"{name} has not been checked line by line: the machine is not idle. Home it, then: passo jobs check {name}")
                 return
@@ -129,27 +143,29 @@ def _check(client, name):
 
 
 @app.command("check")
-def check_(name: Annotated[str, typer.Argument(help="The job.")], port: Port = None, baud: Baud = 115200):
+def check_(name: Annotated[str, typer.Argument(help="The job.")], port: Port = None, baud: Baud = None, protocol: Protocol = "grbl"):
     """Have the board check every line of a stored job, without moving.
 
     Example:
 
         passo jobs check PART.GCODE
     """
-    with _connected(port, baud) as client:
+    if protocol != "grbl":
+        raise Failure("G-code is checked by the board; other files are checked whole when they are stored")
+    with _connected(port, baud, protocol) as client:
         _check(client, name.upper())
 
 
 @app.command()
-def delete(name: Annotated[str, typer.Argument(help="The job.")], port: Port = None, baud: Baud = 115200):
+def delete(name: Annotated[str, typer.Argument(help="The job.")], port: Port = None, baud: Baud = None, protocol: Protocol = "grbl"):
     """Delete a stored job.
 
     Example:
 
         passo jobs delete PART.GCODE
     """
-    with _connected(port, baud) as client:
-        client.command(f"$FD={name.upper()}")
+    with _connected(port, baud, protocol) as client:
+        client.ask(f"$FD={name.upper()}")
 
 
 @app.command()
@@ -158,7 +174,8 @@ def run(
     home: Annotated[bool, typer.Option(help="Home the machine first.")] = False,
     wait: Annotated[bool, typer.Option(help="Show progress until the job has ended; otherwise return at once.")] = True,
     port: Port = None,
-    baud: Baud = 115200,
+    baud: Baud = None,
+    protocol: Protocol = "grbl",
 ):
     """Run a stored job. It needs no PC: Ctrl-C ends the watching, not the job. `passo send`, `!` and Ctrl-X of any sender stop it.
 
@@ -168,21 +185,21 @@ def run(
 
         passo jobs run PART.GCODE --no-wait
     """
-    with _connected(port, baud) as client:
+    with _connected(port, baud, protocol) as client:
         if home:
-            client.command("$H", 600)
+            client.home()
         if wait:
-            _run(client, name.upper(), "running")
+            (_run if protocol == "grbl" else _watch)(client, name.upper(), "running")
             print(f"{name.upper()}: done")
         else:
-            client.command(f"$F={name.upper()}")
+            client.ask(f"$F={name.upper()}")
 
 
 def _run(client, name, what):
     """Run a job to its end, with progress. Raises Refused if it ended with an error."""
     from host_tools.clients.grbl import LinkError, Refused, alarm_text, explain
 
-    client.command(f"$F={name}")
+    client.ask(f"$F={name}")
     heard = client.rest
     with _bar(f"{what} {name}") as show:
         while True:
@@ -201,6 +218,25 @@ def _run(client, name, what):
             if shown:
                 show(int(shown.partition(",")[0]) / 100)
             heard = client.lines()
+
+
+def _watch(client, name, what):
+    """_run() in a language that has no reports: `$F?` is asked."""
+    from host_tools.clients.refusal import Refused, explain
+
+    client.ask(f"$F={name}")
+    with _bar(f"{what} {name}") as show:
+        while True:
+            time.sleep(0.2)
+            said = client.ask("$F?")
+            under_way = re.search(r"\[JOB:[^|]*\|(\d+)\]", "\n".join(said))
+            if under_way:
+                show(int(under_way[1]) / 100)
+                continue
+            ended = re.search(rf"\[ENDED:{re.escape(name)}\|(\d+)\|(\d+)\]", "\n".join(said))
+            if not ended or ended[1] != "0":
+                raise Refused(f"{name}: {explain('error:' + ended[1]) if ended else 'the board has been reset'}")
+            return
 
 
 class _bar:

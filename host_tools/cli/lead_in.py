@@ -39,7 +39,7 @@ def prepared(client, lines, number, place=None, yes=False, end=None):
     stages, rest = state.from_line(number, end) if place is None else state.from_place(number, place)
     moving = any(what == replay.DOWN for what, _ in stages)
     for what, sent in stages:
-        if what == (replay.DOWN if moving else replay.GO) and not yes and not _agreed(stages, what, number):
+        if what == (replay.DOWN if moving else replay.GO) and not yes and not agreed(f"line {number}: next is {' '.join(next(sent for name, sent in stages if name == what))}"):
             client.command("M5")
             client.command("M9")
             raise Failure("not gone on: the tool is up, spindle and coolant are off")
@@ -49,9 +49,9 @@ def prepared(client, lines, number, place=None, yes=False, end=None):
     return rest
 
 
-def _agreed(stages, what, number):
-    shown = " ".join(next(sent for name, sent in stages if name == what))
+def agreed(next_):
+    """Ask the operator before the tool goes down. Raises Failure if there is nobody."""
     if not sys.stdin.isatty():
         raise Failure("nobody can be asked before the tool goes down; look at the machine, then give --yes")
-    print(f"line {number}: next is {shown}")
+    print(next_)
     return input("The tool goes down. Is the place right, and all clear? [y/N] ").strip().lower() in ("y", "yes")

@@ -1,5 +1,6 @@
 """`passo pulses`: plays files of pulse codes as LPTControl did (forward, backward, repeated); checks and converts them."""
 
+import zlib
 from pathlib import Path
 from typing import Annotated, Optional
 
@@ -107,7 +108,11 @@ def play(
     data = pulse_file.load(file)
     from host_tools.cli.pulses_panel import Panel
 
+    from host_tools.cli.pulses_stream import tell
+    from host_tools.programs.long_pulses import codes_of
+
     with _client(port, baud, log) as client:
+        tell(client, f"$JR={zlib.crc32(codes_of(data)) or 1:08x}")
         try:
             with Panel(client):
                 count = client.send_file(data)

@@ -5,7 +5,10 @@ stopped there and gets the rest of the way as a new stream.
 """
 
 from host_tools.cli.pulses_panel import Panel, status_text
+from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
+from host_tools.programs.job_record import BACK, DONE
+from passo import errors
 
 _JOG = 999_999  # steps in one order
 
@@ -22,6 +25,7 @@ def play_long(client, file, number=0, backward=False, times=1, speed=None, show=
     if speed:
         client.command("speed", speed)
     while True:
+        announce(client, file, number, backward, times)
         chunks = file.backward(number) if backward else file.forward(number, times)
         lead = file.lead_of(number, backward)
         with Panel(client) as panel:
@@ -52,9 +56,29 @@ def play_long(client, file, number=0, backward=False, times=1, speed=None, show=
         backward, times = not backward, 1
 
 
+def announce(client, file, number=0, backward=False, times=1):
+    """Tell a board with a journal what begins: the rest of a LongFile, as a stream."""
+    flags = DONE | (BACK if backward else 0) | min(times, 255) << 8
+    tell(client, f"$JR={file.job_number():08x},{number},{flags},{file.lead_of(number, backward)}")
+
+
+def tell(client, line):
+    """A `$JR` line to a board that may have no journal."""
+    try:
+        client.ask(line)
+    except Refused as refused:
+        if refused.number not in (errors.STATEMENT, errors.NO_CONTROL):
+            raise
+
+
 def go_to(client, file, number):
     """Move by hand, tool off, from the start of the file to where command `number` begins."""
-    place = list(file.seek(number).place)
+    go_by(client, file.seek(number).place)
+
+
+def go_by(client, way):
+    """Move by hand, tool off, by so many steps of each axis, one axis after the other."""
+    place = list(way)
     while any(place):
         words = ["jog"]
         for axis, steps in enumerate(place):
@@ -66,4 +90,4 @@ def go_to(client, file, number):
         with Panel(client) as panel:
             status = panel.follow(False)
         if status["state"] not in ("idle", "hold"):
-            raise Failure(f"not at command {number}: {status_text(status)}")
+            raise Failure(f"not there yet: {status_text(status)}")

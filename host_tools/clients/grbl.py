@@ -10,8 +10,8 @@ import re
 import time
 
 from host_tools.clients.client import Client
+from host_tools.clients.refusal import Refused, explain
 from host_tools.clients.serial_port import LinkError, open_link
-from host_tools.failure import Failure
 from passo.web.wire import fields_of
 
 RX_BYTES = 128
@@ -19,17 +19,10 @@ _FRAMED_BYTES = 900  # the same of a framed link, whose credit sees to the rest
 _LONGEST_TAGGED = 72  # characters, of 80 with the number
 _HIGHEST = 9_999_999
 _SLICE_S = 0.02
+HOME_S = 600
 _SIGN_S = 0.3  # between two signs of life while an answer is awaited
 RESET = b"\x18"
 N_WORD = re.compile(rb"N(\d+)")
-
-
-class Refused(Failure):
-    """The controller refused a line, or raised an alarm; `number` is the file's line, or None."""
-
-    def __init__(self, text, number=None):
-        super().__init__(text)
-        self.number = number
 
 
 class GrblClient(Client):
@@ -130,6 +123,12 @@ class GrblClient(Client):
                 said.append(answer)
         raise LinkError(f"{self.port}: no answer to {line!r}")
 
+    ask = command  # as the clients of all languages have it
+
+    def home(self):
+        """Home the machine, which takes its time."""
+        self.command("$H", HOME_S)
+
     def ask_status(self):
         """The fields of a fresh report."""
         self.status = {}
@@ -196,14 +195,6 @@ class GrblClient(Client):
 def tagged(number, line):
     """`line` with its number, if there is room and it is no $ line."""
     return line if line.startswith(b"$") or len(line) > _LONGEST_TAGGED or number > _HIGHEST else b"N%d%s" % (number, line)
-
-
-def explain(answer):
-    """An `error:N` with its meaning."""
-    from host_tools.language import error_text
-
-    number = re.sub(r"\D", "", answer)
-    return f"error {number}, {error_text(int(number))}" if number else answer
 
 
 def alarm_text(number):

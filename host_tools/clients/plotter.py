@@ -16,10 +16,12 @@ happen.
 import math
 import time
 
+from host_tools.clients import refusal
 from host_tools.clients.wire import LinkError, Wire, packet_name
 from host_tools.language import error_text
 from passo import errors
 from passo.protocols.plotter import host as plotter
+from passo.protocols.plotter.host import WORDS_BYTES
 
 ATTEMPTS = 8  # of one packet
 POLL_S = 1.0  # between two STATUS while something is drawn or homed
@@ -27,6 +29,7 @@ _STOP_S = 10.0  # the longest that a machine may take to come to rest
 
 _ANSWER = {name: byte for byte, name in plotter.ANSWERS.items()}
 RESEND = _ANSWER["RESEND"]
+_WORDS_ATTEMPTS = 3
 _REFUSE_NOTHING = (errors.CHECKSUM, errors.BYTES_DROPPED, errors.WORDS_LATE)  # logged, but no command was refused
 _JOG_NAMES = ("UP", "LEFT", "DOWN", "RIGHT")
 
@@ -102,6 +105,8 @@ class PlotterClient:
         """Home the machine and wait until it stands at 0;0."""
         self._perform("ORIGIN", "ORIGIN_OK", lambda status: False, progress)
 
+    home = origin  # as the clients of all languages have it
+
     def jog(self, name):
         """One jog: UP, LEFT, DOWN or RIGHT."""
         if name not in _JOG_NAMES:
@@ -120,6 +125,30 @@ class PlotterClient:
             if answer != RESEND:
                 raise LinkError(f"{name} was not answered and has not moved the machine; it is not sent twice")
         raise LinkError(f"{name} was asked for again {ATTEMPTS} times: the line is too noisy")
+
+    def ask(self, line, timeout_s=None):
+        """Send a line about stored jobs or the journal, `$F` or `$JR`; returns the lines before its ok. Raises Refused of
+        refusal.py, also if the controller has no such lines."""
+        text = line.encode() + b"\n"
+        text += b" \n"[: -len(text) % WORDS_BYTES]
+        last = len(text) // WORDS_BYTES - 1
+        for number in range(last + 1):
+            at = WORDS_BYTES * number
+            words = number << 8 | text[at], text[at + 1] << 8 | text[at + 2]
+            said = None
+            for attempt in range(_WORDS_ATTEMPTS):
+                self._send("WORDS", *words, repeat=attempt > 0)
+                said = self._wire.text((timeout_s if number == last else None) or self.timeout_s)
+                if said is not None and said[:1] != bytes((RESEND,)):
+                    break
+            else:
+                raise refusal.Refused(f"{line}: the controller does not understand it", errors.STATEMENT)
+            if number < last and said[:1] != bytes((_ANSWER["REQUEST_OK"],)):
+                raise LinkError(f"{line} was cut off: the line is too noisy")
+        *told, answer = said.decode("ascii", "replace").splitlines()
+        if answer != "ok":
+            raise refusal.Refused(f"{line}: {refusal.explain(answer)}", int(answer[6:] or 0) if answer[:6] == "error:" else None)
+        return told
 
     def status(self):
         """The fields of a STATUS answer. Reading clears the controller's error."""

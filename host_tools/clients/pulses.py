@@ -9,6 +9,7 @@
 import time
 
 from host_tools.clients.client import Client
+from host_tools.clients.refusal import Refused, explain
 from host_tools.clients.wire import LinkError, open_port
 from host_tools.failure import Failure
 from host_tools.language import error_text
@@ -17,6 +18,7 @@ from passo.protocols.pulses.report import status_from
 
 POLL_S = 0.1
 TIMEOUT_S = 5.0
+HOME_S = 600.0
 
 
 class PulsesClient(Client):
@@ -41,9 +43,9 @@ class PulsesClient(Client):
         *whole, self._part = (self._part + data.replace(ACK, b"")).split(b"\n")
         return [line.decode("ascii", "replace").strip() for line in whole]
 
-    def _answer(self, wanted, what, timeout_s=TIMEOUT_S, idle=None):
+    def _answer(self, wanted, what, timeout_s=TIMEOUT_S, idle=None, checked=True):
         """The next line for which `wanted(line)`; raises Failure at an error. Keeps other lines, and errors with a line and column
-        of the file being sent. Calls `idle()` while waiting, which may send commands itself."""
+        of the file being sent. Calls `idle()` while waiting, which may send commands itself. `checked`: an error is raised, else returned."""
         deadline = time.monotonic() + timeout_s
         while time.monotonic() < deadline:
             if idle:
@@ -57,7 +59,8 @@ class PulsesClient(Client):
                 else:
                     self.said.append(line)
             if found is not None:
-                check(found, what)
+                if checked:
+                    check(found, what)
                 return found
         raise LinkError(f"no answer on port {self.port} to {what}")
 
@@ -67,6 +70,22 @@ class PulsesClient(Client):
         """Send a control command; raises Failure if it is refused."""
         self.send(frame(*words))
         return self._answer(lambda line: line == "ok", " ".join(map(str, words)))
+
+    def ask(self, line, timeout_s=TIMEOUT_S):
+        """A line about stored jobs or the journal, `$F` or `$JR`: the lines before its ok. Raises Refused."""
+        kept, self.said = self.said, []
+        self.send(frame(line))
+        answer = self._answer(lambda heard: heard == "ok" or heard.startswith("error:"), line, timeout_s, None, False)
+        if answer != "ok":
+            raise Refused(f"{line}: {explain(answer)}", int(answer[6:]))
+        told = [heard for heard in self.said if heard.startswith("[")]
+        self.said = kept + [heard for heard in self.said if not heard.startswith("[")]
+        return told
+
+    def home(self):
+        """Home the machine, which takes its time. Raises Failure."""
+        self.send(frame("home"))
+        self._answer(lambda line: line == "ok", "home", HOME_S)
 
     def status(self):
         """The fields of the status line, as texts."""

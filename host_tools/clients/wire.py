@@ -91,6 +91,23 @@ class Wire:
         except (ValueError, IndexError):
             return "torn", data
 
+    def text(self, timeout_s):
+        """What answers a packet of WORDS: one byte, or lines of which the last is ok or error; None if they do not come."""
+        deadline = time.monotonic() + timeout_s
+        while True:
+            lines = bytes(self._buffer).split(b"\n")
+            if self._buffer and self._buffer[:1] not in (b"[", b"o", b"e"):
+                return self._take(1)
+            if len(lines) > 1 and (lines[-2] == b"ok" or lines[-2].startswith(b"error:")):
+                data = bytes(self._buffer)
+                self._buffer.clear()
+                self._note("<", data, repr(data))
+                return data
+            if time.monotonic() >= deadline:
+                self._buffer.clear()
+                return None
+            self._read()
+
     def _take(self, count):
         data = bytes(self._buffer[:count])
         del self._buffer[:count]

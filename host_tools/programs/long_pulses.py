@@ -11,6 +11,7 @@ and a question for the speed, become `*0`; at the start the drives go off.
 """
 
 import re
+import zlib
 from dataclasses import dataclass
 
 import numpy as np
@@ -150,6 +151,21 @@ class LongFile:
         if self.powers and state.drives:
             yield b"]"  # as before the file's first [
 
+    def job_number(self):
+        """By which a board's journal knows this file: the CRC-32 of its codes, as those of a stored job."""
+        crc = 0
+        for _, block in self._blocks(self._index[0]):
+            crc = zlib.crc32(codes_of(block), crc)
+        return crc or 1
+
+    def highest(self):
+        """The highest place of the last axis, steps from the file's start."""
+        steps = self._vectors[1][-1]
+        tops = [0]
+        for state, block in self._blocks(self._index[0]):
+            tops.append(state.place[-1] + int(np.cumsum(steps[np.frombuffer(block, np.uint8)]).max(initial=0)))
+        return max(tops)
+
     def lead_of(self, number, backward):
         """How many commands make the state at `number`, in front of those of the file."""
         codes = self._lead(self.seek(number), backward)
@@ -178,6 +194,11 @@ class LongFile:
                 parts.append(text.translate(self._mirror)[::-1])
             _note(state, text)
         return b"".join(reversed(parts))
+
+
+def codes_of(data):
+    """A pulse file without its blanks."""
+    return data.translate(None, _BLANK)
 
 
 def _note(state, text):

@@ -75,6 +75,14 @@ def write_on_card(card, name, language, data):
     return path
 
 
+def pulses_job(path):
+    """A pulse file as a job: its codes, without blanks. Raises Failure with line and column of what is wrong."""
+    from host_tools.programs.long_pulses import LongFile, codes_of
+
+    LongFile(path, "xyz")
+    return codes_of(Path(path).read_bytes())
+
+
 def plotter_job(path):
     """An SVG file's packets are made by `passo draw`; here a file of packets is taken as it is, if each is right."""
     from passo.protocols.plotter.protocol import PACKET
@@ -85,3 +93,11 @@ def plotter_job(path):
         if len(packet) != PACKET or sum(packet[:-1]) & 255 != packet[-1]:
             raise Failure(f"{path}: packet {number} is no packet of the plotter's language")
     return data
+
+
+# Of each language: what makes a job of a file; what its bytes in flash are counted by.
+KINDS = {
+    "grbl": (gcode_job, "line", lambda data: data.count(b"\n")),
+    "pulses": (pulses_job, "code", len),
+    "plotter": (plotter_job, "packet", lambda data: len(data) // 6),
+}

@@ -105,20 +105,20 @@ class VirtualMachine(Machine):
     def __init__(self, board="plotter_2014", protocols=None, trace=True, vcd=None, **plant_options):
         loaded = boards.load(board) if isinstance(board, str) else board
         self.lines = {link["name"]: MemoryLine() for link in loaded["links"]}
-        self._first = loaded["links"][0]["name"]
+        self.first = loaded["links"][0]["name"]
         super().__init__(loaded, self.lines, "stepped", None, protocols, trace, vcd, **plant_options)
 
     def send(self, data, link=None):
         """Put bytes on a link, the first one unless named."""
-        self.lines[link or self._first].incoming += bytes(data)
+        self.lines[link or self.first].incoming += bytes(data)
 
     def received(self, link=None):
         """All that the board has said on a link so far; stays there until `take`."""
-        return self.lines[link or self._first].outgoing
+        return self.lines[link or self.first].outgoing
 
     def take(self, link=None):
         """What the board has said since the last `take`."""
-        line = self.lines[link or self._first]
+        line = self.lines[link or self.first]
         data, line.outgoing = line.outgoing, b""
         return data
 

@@ -43,7 +43,7 @@ MAY_IMPORT = {
 }
 
 # Shared by languages; otherwise none imports another.
-SHARED_PROTOCOLS = ("passo.protocols.gcode",)
+SHARED_PROTOCOLS = ("passo.protocols.gcode", "passo.protocols.jobs")
 
 INTEGER_ROOMS = ("motion", "steps")
 BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", "json", "hashlib", "select", "binascii"}
@@ -328,7 +328,7 @@ def features():
 
 
 # A feature for boards that ask for more of it, and what it is derived from.
-MORE_OF = {"homing_groups": "homing"}
+MORE_OF = {"homing_groups": "homing", "unit_journal": "job_journal"}
 
 
 def feature_faults(source, path, names):

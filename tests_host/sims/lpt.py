@@ -16,15 +16,43 @@ from passo.protocols.pulses.report import status_from
 from router import World
 
 
+class Slots:
+    """The journal's pages of flash."""
+
+    BLOCKS = 2
+    SLOTS = 16
+
+    def __init__(self):
+        self._written = {}
+
+    def read(self, block, slot):
+        return self._written.get((block, slot), b"\xff" * 32)
+
+    def write(self, block, slot, data):
+        assert (block, slot) not in self._written, "a page that is not erased"
+        self._written[block, slot] = data
+
+    def erase(self, block):
+        for slot in range(self.SLOTS):
+            self._written.pop((block, slot), None)
+
+
 class Lpt:
-    def __init__(self, **config):
-        board = check(BOARD)
+    def __init__(self, jobs=None, pages=None, **config):
+        """`jobs`: the folder of stored jobs; `pages`: the journal's; `config`: keys of the section step_program."""
+        board = dict(BOARD)
+        if jobs:
+            board["jobs"] = {"language": "pulses", "folder": jobs}
+        if pages:
+            board["journal"] = {"every_ms": 100}
+        board = check(board)
         board["step_program"].update(config)
         self.board = board
         self.world = World((0, 0, 0))
         self.world.switches["stop"] = 0
         self.world.path = []
         self.port = VirtualPort(board, self.world)
+        self.port.pages = pages
         self.app = App(board, self.port)
         self.steps = self.app.controller.features["step_program"]
         self.line = self.port.lines["pc"]

@@ -61,7 +61,7 @@ def test_a_stored_job_has_a_journal_too(part, tmp_path, capsys):
     running = Running("fast", journal={"every_ms": 100}, jobs={"language": "grbl", "folder": str(tmp_path / "jobs")})
     try:
         port = running.line.name
-        jobs.store(part, None, "grbl", False, port, 115200)
+        jobs.store(part, None, "grbl", check=False, port=port)
         jobs.run("PART.NC", True, True, port, 115200)
         resume.resume(part, port, 115200, yes=True)
         assert "interrupted before line 6" in capsys.readouterr().out

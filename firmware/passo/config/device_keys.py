@@ -126,8 +126,10 @@ def _check_journal(board):
     config = board["journal"]
     if config is None:
         return
-    if "grbl" not in [link["protocol"] for link in board["links"]]:
-        raise BoardError("journal: it is for G-code, and no link speaks grbl")
+    spoken = [link["protocol"] for link in board["links"]]
+    counted = "plotter" in spoken or "pulses" in spoken
+    if counted == ("grbl" in spoken):
+        raise BoardError("journal: links speak grbl, or plotter or pulses, and not both")
     if board["chip"] != "rp2040" and board["chip"] != "rp2350":
         raise BoardError("journal: raw pages of flash are for the RP2040 and RP2350")
     if config["power"] and config["power"] not in [item["name"] for item in board["inputs"]]:

@@ -10,7 +10,7 @@ NAME_LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789._-"
 LONGEST_NAME = 24
 LINK = "job"  # the name of the link that stored jobs come by
 JOBS = {
-    "language": ("grbl", "plotter"),
+    "language": ("grbl", "plotter", "pulses"),
     "folder": (str, "/jobs", 2, 100),
     "button": (str, "", 0, LONGEST_NAME),  # the job that the input "job" runs
     "start": (str, "", 0, LONGEST_NAME),  # the job that runs when the board is switched on

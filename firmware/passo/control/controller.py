@@ -14,7 +14,10 @@ from passo.commands import ACCEPTED, DROPPED, REFUSED, Event
 from passo.control.links import OF_ANY_LINK
 from passo.control.state import hooks
 
-_OF_LENDER = (commands.RESUME, commands.OVERRIDE, commands.TOGGLE)  # what the link that has started a stored job may still say
+# What the link that has started a stored job may still say.
+_OF_LENDER = (
+    commands.RESUME, commands.OVERRIDE, commands.TOGGLE, commands.JOB, commands.JOURNAL, commands.STEP_PROGRAM,
+)  # fmt: skip
 
 
 class Controller:

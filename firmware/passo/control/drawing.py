@@ -22,6 +22,7 @@ class Drawing:
         self.speed = board["speed"]["default"]
         self.drawn = 0  # points of the object drawn so far
         self._taken = 0  # points taken from the buffer for this object
+        machine.counting = False
 
     def handlers(self):
         return {
@@ -32,10 +33,12 @@ class Drawing:
         }
 
     def clear(self):
-        """Forget the object."""
+        """Forget the object; what comes next is of no job."""
         self.points.clear()
+        self._machine.counting = False
 
-    homing = clear
+    def homing(self):
+        self.points.clear()
 
     def halt(self):
         self.drawn = self.count_drawn()
@@ -74,8 +77,12 @@ class Drawing:
 
     def _begin(self):
         """The next point may be the first of an object."""
-        if not self.points.count and not self._machine.drawing:
+        machine = self._machine
+        if not self.points.count and not machine.drawing:
             self._taken = self.drawn = 0
+            if machine.announced:
+                machine.counting = True
+                machine.announced = False
 
     # --- batches
 
@@ -156,10 +163,10 @@ class Drawing:
         while self.points.count and queue.room() >= _BLOCKS_A_POINT:
             x, y, tool = self.points.take()
             self._taken += 1
-            queue.line((x, y), self._ticks, tool, self._taken)
+            queue.line((x, y), self._ticks, tool, machine.counted + self._taken)
         if not self.points.count:
             if machine.command is not None and queue.room():
-                queue.lift(self._taken + 1)
+                queue.lift()
             queue.flush()
 
     def poll_end(self, still):
@@ -167,6 +174,7 @@ class Drawing:
         machine = self._machine
         if still and not self.points.count and machine.busy_with(commands.DRAW):
             self.drawn = self._taken
+            machine.counted += self._taken
             machine.drawing = False
             machine.finish(machine.report({}))
 
@@ -181,7 +189,11 @@ class Drawing:
         block = self._queue.playing()
         if block is None and self._queue.empty():
             return self._taken
-        return self.drawn if block is None else max(block.tag - 1, self.drawn)
+        if block is None:
+            return self.drawn
+        if not block.tag:  # the pen goes up behind the last
+            return self._taken
+        return max(block.tag - 1 - self._machine.counted, self.drawn)
 
     def _ticks(self, deltas):
         """How long the line lasts at the speed set, in the board file's sense of speed."""

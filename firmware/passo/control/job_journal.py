@@ -2,7 +2,7 @@
 
     port.pages.read(block, slot) → 32 bytes; write(block, slot, data); erase(block); BLOCKS, SLOTS
 
-A record is 32 bytes: sequence u16, flags u8, 0, job u32, line u32, four positions i32 in steps, CRC-32 of all before. Records follow
+A record is 32 bytes: sequence u16, flags u16, job u32, line u32, four positions i32 in steps, CRC-32 of all before. Records follow
 each other through the blocks; the newest whole one counts, so a power cut at any byte of a write leaves the one before. A block is
 erased only at a stand, and never the one with the newest record. A page takes 0.7 ms, in which no interrupt comes: the words
 that lie ahead, 8 ms and more, play on. An erase takes 45 to 400 ms.
@@ -23,12 +23,12 @@ from passo.records import COUNT_MASK, JOURNAL_BYTES, ROW_KIND, ROW_TAG
 _WAITS = const(8)  # blocks that wait for a tool, behind a line
 DONE = const(1)  # flags: the line has been played to its end, the position is there
 HOMED = const(2)
-_FORM = "<HBBIIiiii"
+_FORM = "<HHIIiiii"
 _EMPTY = b"\xff" * 32
 
 
 def packed(sequence, flags, job, line, position):
-    body = pack(_FORM, sequence, flags, 0, job, line, *position)
+    body = pack(_FORM, sequence, flags, job, line, *position)
     return body + pack("<I", crc32(body) & 0xFFFFFFFF)
 
 
@@ -37,7 +37,7 @@ def unpacked(data):
     if len(data) != JOURNAL_BYTES or unpack("<I", data[28:])[0] != crc32(data[:28]) & 0xFFFFFFFF:
         return None
     fields = unpack(_FORM, data[:28])
-    return fields[0], fields[1], fields[3], fields[4], list(fields[5:])
+    return fields[0], fields[1], fields[2], fields[3], list(fields[4:])
 
 
 class JobJournal:
@@ -51,6 +51,7 @@ class JobJournal:
         self._sequence = 0
         self._block = self._slot = 0  # where the next record goes
         self._job = self._line = self._flags = 0
+        self._least = 0  # lines up to this one are none of the job's that began last
         self._position = [0] * 4
         self._written = None  # what the newest record holds
         self._written_ms = 0
@@ -97,19 +98,26 @@ class JobJournal:
         """`target` None: (job, line, flags, positions) as they are now; else the number of the job that begins."""
         machine = self._machine
         if command.target is None:
-            flags = self._flags & DONE | (HOMED if machine.homed else 0)
+            flags = self._flags & ~HOMED | self._homed()
             return machine.accepted(command, (self._job, self._line, flags, self._position[: self._axes]))
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
-        self._job = command.target
         self._retired = self._queue.retired()
         self._broken = self._moving = False
-        self._line = 0
-        self._flags = HOMED if machine.homed else 0
+        self._line = self._least = 0
         self._sample_place()
+        self._begin(command.target)
+        self._flags |= self._homed()
         self._erase()
         self._write()
         return machine.accepted(command)
+
+    def _begin(self, job):
+        self._job = job if isinstance(job, int) else job[0]
+        self._flags = 0
+
+    def _homed(self):
+        return HOMED if self._machine.homed else 0
 
     # --- what is known: of lines of the job alone, which are those with a number
 
@@ -117,7 +125,7 @@ class JobJournal:
         machine = self._machine
         if self._power and not machine.alarm and machine.inputs.input(self._power):
             machine.raise_alarm(errors.ALARM_POWER, self._power)  # halt() writes what is known
-        if not self._job:
+        if not self._job or not machine.counting:
             return
         if not self._queue.still():
             self._sample(now_ms)
@@ -136,7 +144,7 @@ class JobJournal:
         planner = queue.planner
         queue.retire()
         at = planner.row()
-        if at < 0 or not planner.rows[at + ROW_TAG]:
+        if at < 0 or planner.rows[at + ROW_TAG] <= self._least:
             return
         line = planner.rows[at + ROW_TAG]
         found = list(queue.found())
@@ -146,7 +154,7 @@ class JobJournal:
         self._moving = True
         self._line = line
         self._position[: self._axes] = found
-        self._flags = HOMED if self._machine.homed else 0
+        self._flags = self._homed()
         if now_ms - self._written_ms & COUNT_MASK >= self._interval():
             self._written_ms = now_ms
             self._write()
@@ -163,10 +171,10 @@ class JobJournal:
             line = planner.rows[at + ROW_TAG]
             if line or planner.rows[at + ROW_KIND] != WAIT:
                 break
-        if not line:
+        if line <= self._least:
             return
         self._line = line
-        self._flags = DONE | (HOMED if self._machine.homed else 0)
+        self._flags = DONE | self._homed()
         self._sample_place()
         self._write()
         self._erase()
@@ -175,7 +183,7 @@ class JobJournal:
         """The pins have stopped amid a word; what is queued is dropped next."""
         planner = self._queue.planner
         at = planner.row()
-        if at >= 0 and planner.rows[at + ROW_TAG]:
+        if at >= 0 and planner.rows[at + ROW_TAG] > self._least and self._machine.counting:
             self._line = planner.rows[at + ROW_TAG]
             self._flags &= ~DONE
             self._sample_place()

@@ -21,14 +21,15 @@ class JobLine:
     """The serial line of the job under way: reads its file, and counts what is answered."""
 
     def __init__(self):
-        self._most = 0  # of them that may be unanswered
+        self._most = 0  # units that may be unanswered: lines, packets, codes
+        self._first = self._last = b""  # what is still to be given before the file, and behind it
         self.view = None  # on the bytes read last
         self._stored = None  # the language's module: how its answers are counted
         self._protocol = None
         self._file = None
         self._look = None  # called when something has been answered
         self._damaged = None  # called if the file is damaged, with the number of the error
-        self.given = self.answered = 0  # lines, or packets
+        self.given = self.answered = 0  # units
 
     def join(self, protocol, stored, look, damaged):
         self._protocol = protocol
@@ -41,6 +42,7 @@ class JobLine:
     def begin(self, file):
         self._file = file
         self.given = self.answered = 0
+        self._first, self._last = self._stored.FRAME
         self._stored.begin(self._protocol)
 
     def end(self):
@@ -51,30 +53,37 @@ class JobLine:
 
     def any(self):
         file = self._file
-        return file is not None and file.done < file.size and self.given - self.answered < self._most
+        return file is not None and (file.done < file.size or self._last) and self.given - self.answered < self._most
 
     def read(self):
         """Bytes of the job, good until the next read; b"" if there are none, or too many are not answered."""
         if not self.any():
             return b""
-        try:
-            count = self._file.readinto(self.view)
-        except Damaged as damaged:
-            self._damaged(damaged.args[0])
-            return b""
-        data = self.view[:count]
+        data = self._first
+        if data:
+            self._first = b""
+        elif self._file.done == self._file.size:
+            data = self._last
+            self._last = b""
+        else:
+            try:
+                count = self._file.readinto(self.view)
+            except Damaged as damaged:
+                self._damaged(damaged.args[0])
+                return b""
+            data = self.view[:count]
         self.given += self._stored.units(data)
         return data
 
     def write(self, data):
         if self._file is not None:
-            self.answered += self._stored.answers(bytes(data))
+            self.answered = self._stored.answers(bytes(data), self.answered, self.given)
             self._look()
 
     def done(self):
         """True if all of the file has been given and answered."""
         file = self._file
-        return file.done == file.size and self.given == self.answered
+        return file.done == file.size and not self._last and self.given == self.answered
 
 
 class Jobs:
@@ -99,6 +108,7 @@ class Jobs:
         self._name = ""  # of the job under way
         self._file = None
         self._failed = 0  # the error that has ended it; it is still coming to its stand
+        self._ended = "", 0, 0  # the last one: its name, error, line
         self._noted = None  # the newest entry of the log
         self._reading = None  # the upload that is read back
         machine.links.append(LINK)
@@ -148,6 +158,9 @@ class Jobs:
     def _ask(self, command):
         machine = self._machine
         what = command.value
+        if what == commands.JOB_STATE:
+            file = self._file
+            return machine.accepted(command, self._ended if file is None else (self._name, file.done * 100 // max(file.size, 1)))
         if what == commands.JOB_RUN:
             return self._run(command, command.target or self._config["button"])
         if self._file is not None:
@@ -261,7 +274,7 @@ class Jobs:
         if error == errors.JOB_DAMAGED:
             machine.note(error, self._name)
         machine.tell(Event(DROPPED, None, error))
-        if commands.HOLD in machine.handlers:
+        if commands.HOLD in machine.handlers and commands.STEP_PROGRAM not in machine.handlers:
             machine.drop_at_stand()
         else:
             machine.carry_out(commands.STOP)
@@ -322,4 +335,5 @@ class Jobs:
         self._file = None
         machine.commander = machine.lender
         machine.lender = -1
-        machine.notice(errors.NOTICE_JOB_ENDED, (self._name, error, self.line.answered))
+        self._ended = self._name, error, self.line.answered
+        machine.notice(errors.NOTICE_JOB_ENDED, self._ended)

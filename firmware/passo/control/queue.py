@@ -15,7 +15,7 @@ class Queue:
     def __init__(self, board, planner, feeder, player, port):
         self._board = board
         self._axes = board["axes"]
-        self._planner = planner
+        self._planner = self.planner = planner  # the second for plain lines, see Program.followed(), and for the journal
         self._feeder = feeder
         self._player = player
         self.analogue = feeder.ring.power
@@ -37,7 +37,9 @@ class Queue:
 
     def found(self):
         """The same in an array that is good until something asks the feeder again."""
-        found = self._feeder.found(self._player.played())
+        return self._from_origin(self._feeder.found(self._player.played()))
+
+    def _from_origin(self, found):
         origin = self._origin
         for axis in range(len(found)):
             found[axis] -= origin[axis]
@@ -200,6 +202,11 @@ class Queue:
     def place(self):
         """The place in the step program under way, exact at this moment; None if there is none."""
         return self._feeder.place(self._player.played())
+
+    def spot(self):
+        """(place in the step program under way or None, position), of one moment; the position as found()."""
+        place, found = self._feeder.spot(self._player.played())
+        return place, self._from_origin(found)
 
     def independent(self):
         """The walker of axes that run on their own: one for all."""

@@ -17,6 +17,7 @@ this record and the queue, and no other feature: what it wants of another one it
     ready()                 True if words may be played
     busy()                  True while it is about to move, though nothing is queued
     report(report)          adds to a status report
+    progress(spot)          puts into an array where its job is, for the journal: see control/unit_journal.py
 
     stopped(name)           `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
     halt()                  the pins have stopped; what is queued is dropped next
@@ -58,6 +59,11 @@ class MachineState:
         self.encoders = getattr(port, "encoders", None)
         self.about = ""  # what the port says of itself, for who asks
         self.homed = False
+        self.kept = False  # the position has been counted without a break since a job was announced, see control/unit_journal.py
+        self.counting = True  # what is queued is of the job that the journal knows
+        self.announced = False  # a job is to begin
+        self.counted = 0  # points of it before those that are drawn
+        self.progress = None  # of the feature that has one
         self.weave = None  # what makes seams of lines and arcs, while it does: control/weaving.py
         self.steady_mm_min = 0  # up to so fast there are no ramps, whatever $140 says
         self.alarm = 0
@@ -100,6 +106,8 @@ class MachineState:
         self._active = hooks(features, "active")
         self._held = hooks(features, "held")
         self._reports = hooks(features, "report")
+        for progress in hooks(features, "progress"):
+            self.progress = progress
         for handlers in hooks(features, "handlers"):
             self.handlers.update(handlers())
 
@@ -282,7 +290,7 @@ class MachineState:
         """Stop at once, forget all work, outputs safe. The position is no longer known."""
         self.abort()
         self.forget()
-        self.homed = False
+        self.homed = self.kept = False
         self._call("release")
         self.motors.release()
 
@@ -290,14 +298,17 @@ class MachineState:
         """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log."""
         command = self.command
         if number in errors.AT_STAND:
-            # It comes to its stand as it should: where it is remains known.
-            self.drop_at_stand()
+            # It comes to its stand as it should: where it is remains known. A step program may stop between any two steps.
+            if self.progress:
+                self.abort()
+            else:
+                self.drop_at_stand()
             self.forget()
         elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET, errors.ALARM_STEPS_MISSING,
             errors.ALARM_GANTRY):
             self.abort()
             self.forget()
-            self.homed = False
+            self.homed = self.kept = False
             self._call("release")
             self.switch_off()
         else:

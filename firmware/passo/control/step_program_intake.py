@@ -4,6 +4,7 @@ from array import array
 from micropython import const
 
 from passo import commands, errors
+from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_PLACE, SPOT_TIMES
 from passo.config import setting_numbers as table
 from passo.errors import LATER
 from passo.motion import step_program as marks
@@ -16,6 +17,12 @@ _GATHER_MS = const(50)  # how long a stream is waited for, so that it sets out w
 DRIVES_OFF = const(0)
 DRIVES_ON = const(1)
 ASK = const(2)  # the operator sets the speed
+
+# What is walked.
+IDLE = const(0)
+RUN = const(1)
+HAND = const(2)  # manual moves
+RETURN = const(3)  # the way back of the manual moves
 
 _KINDS = {
     commands.STEPS_WAIT: marks.DWELL,
@@ -55,6 +62,8 @@ class StepProgramIntake:
             return refusal
         if machine.state != "idle" or not self._queue.still():
             return errors.BUSY
+        machine.counting = machine.announced  # else it is not the program that the journal knows
+        machine.announced = False
         self._reset()
         self._streaming = command.tool
         self._loading = not command.tool
@@ -105,6 +114,24 @@ class StepProgramIntake:
         station = ASK if kind == commands.STEPS_ASK else value
         self._powers = self._powers or station == DRIVES_ON
         return self.program.append(marks.mark(marks.STATION, station))
+
+    def progress(self, spot):
+        """For the journal: see unit_journal.py. False if nothing of the program has been played."""
+        walker = self._walker
+        place = walker.place
+        at = self._left_at
+        if self._mode == RUN:
+            found, at = self._queue.spot()
+            if found is not None:
+                place = found
+        elif not self._midway and not (place and walker.at_end()):
+            return False
+        spot[SPOT_PLACE] = place
+        spot[SPOT_TIMES] = self._passes - self._pass + 1
+        spot[SPOT_BACK] = self._backward
+        for axis in range(len(at)):
+            spot[SPOT_AXES + axis] = at[axis]
+        return True
 
     def _room(self):
         """Cells that may be filled: the other half of the window is kept for the way back."""

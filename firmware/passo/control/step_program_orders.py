@@ -7,17 +7,11 @@ from micropython import const
 
 from passo import commands, errors
 from passo.config import setting_numbers as table
-from passo.control.step_program_intake import StepProgramIntake
+from passo.control.step_program_intake import HAND, IDLE, RETURN, RUN, StepProgramIntake
 from passo.motion.step_program import run
 from passo.records import ENDLESS
 
 MOST_PASSES = const(100)
-
-# What is walked.
-IDLE = const(0)
-RUN = const(1)
-HAND = const(2)  # manual moves
-RETURN = const(3)  # the way back of the manual moves
 
 
 class StepProgramOrders(StepProgramIntake):

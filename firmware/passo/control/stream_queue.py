@@ -12,7 +12,6 @@ _LONGEST_MS = const(80_000)  # of one wait: the planner's limit is 85 s
 class StreamQueue(Queue):
     def __init__(self, board, planner, feeder, player, port):
         Queue.__init__(self, board, planner, feeder, player, port)
-        self.planner = planner  # for plain lines: see Program.followed()
         if planner.whole:
             from passo.control import arcs
             from passo.control.chords import Chords

@@ -57,6 +57,13 @@ class Position:
             stepping = -stepping
         return (start + stepping) & COUNT_MASK
 
+    def spot(self, played):
+        """(place(played), found(played)) of one moment."""
+        place = self.place(played)
+        if place is None:
+            self._walk(played)
+        return place, self._found
+
     def place(self, played):
         """The place in the step program under way when `played` words have appeared on the pins; None if there is none."""
         block = self.planner.playing()

@@ -21,10 +21,10 @@ def check(board):
     if board["tool_change"]:
         from passo.protocols.gcode import tool_change  # noqa: F401
     if board["jobs"]:
-        from passo.protocols.grbl.jobs import understand  # noqa: F401
+        from passo.protocols.jobs.files import understand  # noqa: F401
         from passo.protocols.grbl.stored import answers  # noqa: F401
     if board["journal"]:
-        from passo.protocols.grbl.journal import told  # noqa: F401
+        from passo.protocols.jobs.journal import told  # noqa: F401
     axes = _axes(board)
     return None if axes in ("x", "xy", "xyz") else "grbl wants axes x, y, z in this order, not " + axes
 

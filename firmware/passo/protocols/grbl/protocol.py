@@ -301,11 +301,11 @@ class Grbl:
                 text += told(event.value)
             self._start_lines = self._system.start_lines()
         if command.kind == commands.JOB and event.value:
-            from passo.protocols.grbl.jobs import told
+            from passo.protocols.jobs.files import told
 
             text += told(event.value)
         if command.kind == commands.JOURNAL and event.value:
-            from passo.protocols.grbl.journal import told
+            from passo.protocols.jobs.journal import told
 
             text += told(event.value)
         if self._rest and self._rest[0].kind == commands.MORE:
@@ -336,7 +336,7 @@ class Grbl:
         if event.kind == ALARM:
             return b"ALARM:%d\r\n" % (event.error - _ALARMS) if event.error > _ALARMS else b""
         if event.kind == NOTICE and event.error == errors.NOTICE_JOB_ENDED:
-            from passo.protocols.grbl.jobs import ended
+            from passo.protocols.jobs.files import ended
 
             return grbl_report.message(ended(event.value)).encode()
         if event.kind == NOTICE:

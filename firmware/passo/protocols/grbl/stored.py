@@ -1,6 +1,7 @@
 """What grbl's language says of stored jobs: lines, each answered by `ok` or `error`."""
 
 LIMITS = (8, 126)  # lines not yet answered, from which on no more are given; bytes given at once
+FRAME = (b"", b"")  # what stands before a job, and behind it
 
 
 def begin(protocol):
@@ -12,5 +13,5 @@ def units(data):
     return bytes(data).count(b"\n")
 
 
-def answers(said):
-    return said.count(b"ok\r\n") + said.count(b"error:")
+def answers(said, before, given):
+    return before + said.count(b"ok\r\n") + said.count(b"error:")

@@ -72,11 +72,11 @@ class System:
         if line == "$ENC=0" and self._machine.encoders is not None:
             return [Command(commands.ZERO_COUNTS)]
         if line[1:2] == "F" and commands.JOB in self._machine.handlers:
-            from passo.protocols.grbl import jobs  # loaded at the start, by check()
+            from passo.protocols.jobs import files  # loaded at the start, by check()
 
-            return jobs.understand(line)
+            return files.understand(line)
         if line[1:3] == "JR" and commands.JOURNAL in self._machine.handlers:
-            from passo.protocols.grbl import journal  # loaded at the start, by check()
+            from passo.protocols.jobs import journal  # loaded at the start, by check()
 
             return journal.understand(line)
         if line[1:2] == "J":

@@ -23,6 +23,7 @@ COMMANDS = {
     "STOP": plotter.HALT,
     "STATUS": plotter.ASK,
     "LINK": plotter.LINK,
+    "WORDS": plotter.WORDS,
 }
 ANSWERS = {
     0x6B: "REQUEST_OK",
@@ -34,6 +35,7 @@ ANSWERS = {
     0x74: "LINK_OK",
 }
 STATUS_LENGTH = const(12)
+WORDS_BYTES = const(3)  # of a line of text, in a packet
 
 
 def packet(command, x=0, y=0):

@@ -14,8 +14,8 @@ No single byte lost, doubled or flipped can draw a wrong line, as long as the ho
 
 A byte lost and another doubled may leave a good sum behind an unknown command: that is answered as a bad sum is.
 
-STOP, STATUS and LINK (the link of number X commands from now on; 0: this one) are extensions. The board never speaks
-unasked.
+STOP, STATUS, LINK (the link of number X commands from now on; 0: this one) and WORDS (see words.py) are extensions. The board
+never speaks unasked.
 """
 
 # ruff: noqa: F821
@@ -53,6 +53,7 @@ RIGHT = const(0x36)
 HALT = const(0x78)
 ASK = const(0x3F)
 LINK = const(0x74)
+WORDS = const(0x24)
 
 _SIMPLE = {REQUEST: HELLO, END: DRAW, ORIGIN: HOME, HALT: STOP, ASK: STATUS}
 _ON_ACCEPTED = {HELLO: b"k", POINT: b"n", JOG: b"n", SPEED: b"s", HAND_OVER: b"t"}
@@ -118,6 +119,7 @@ class Plotter:
         """`gap_ms`: silence that ends a burst; `jog_up`: the direction, in axes, of UP (RIGHT is a quarter turn on);
         `batch`: a batch.Points of the link."""
         self.batch = batch
+        self.words = None  # PacketWords, if the board has stored jobs or a journal
         self.gap_ms = gap_ms
         up_x, up_y = jog_up
         self._jogs = {
@@ -215,6 +217,8 @@ class Plotter:
             return Command(SPEED, value=x)
         if code == LINK:
             return Command(HAND_OVER, value=x)
+        if code == WORDS and self.words:
+            return self.words.take(data)
         self._why = errors.UNKNOWN_COMMAND
         return None
 
@@ -228,6 +232,9 @@ class Plotter:
     def reply(self, event):
         """The bytes that tell the host of `event`: none where the language has no word for it."""
         command = event.command
+        said = self.words.told(event) if self.words else None
+        if said is not None:
+            return said
         if command.kind == BAD:
             return b"" if command.error == errors.STOPPED else _RESEND
         if event.kind == FINISHED:

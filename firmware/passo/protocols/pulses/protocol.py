@@ -8,6 +8,7 @@ Control commands stand in braces, which are no codes, and may come at any moment
     {run} {run 5} {back} {pause} {stop} {step} {step back}
     {return} {return back} {continue} {continue back}    after manual moves: the way they came, or from here
     {repeat 5} {speed 1200} {jog x 100 y -50} {tool on} {drives off} {home} {unlock} {link} {?} {log}
+    {$F} {$JR} …           stored jobs and the journal, if the board has them: see protocols/jobs
     {motors on}            where relays choose between this board and another controller
 
 With the drives off the steps of a file go out all the same, as from a parallel port, and no motor has current: a dry run,
@@ -37,7 +38,7 @@ from micropython import const
 
 from passo import errors
 from passo.commands import (
-    ACCEPTED, ALARM, BAD, DROPPED, FINISHED, RESTARTED, STATUS, STOP, STEP_PROGRAM, STEPS_ABORT, STEP_PROGRAM_ADD, STEPS_ASK, STEPS_CLOSE,
+    ACCEPTED, ALARM, BAD, DROPPED, FINISHED, NOTICE, RESTARTED, STATUS, STOP, STEP_PROGRAM, STEPS_ABORT, STEP_PROGRAM_ADD, STEPS_ASK, STEPS_CLOSE,
     STEPS_ITEMS, STEPS_OPEN, STEPS_SPEED, STEPS_WAIT, Command,
 )  # fmt: skip
 from passo.protocols.pulses.codes import CODES, MARKS, SPEED_MM_MIN, WAIT_MS
@@ -69,6 +70,7 @@ def frame(*words):
 class Pulses:
     def __init__(self, axes, config):
         """`axes`: their names, at most three count; `config`: the section `step_program` of the board file."""
+        self.words = None  # Words, if the board has stored jobs or a journal
         self._axes = axes[:3]
         self._config = config
         self._known = (1 << len(self._axes)) - 1
@@ -309,7 +311,7 @@ class Pulses:
                 return Command(BAD, error=errors.NO_STEP_PROGRAM)
             self._close(found)
             return None
-        command = understand(words, self._axes)
+        command = self.words.command(verb) if self.words and verb[:1] == "$" else understand(words, self._axes)
         if command.kind == STOP:
             self._mode = _DROP
             self._open = False
@@ -330,6 +332,9 @@ class Pulses:
 
     def reply(self, event):
         command = event.command
+        said = self.words.told(event) if self.words else None
+        if said is not None:
+            return said
         if event.kind == FINISHED:
             if command.kind == STEP_PROGRAM or command.kind == STEP_PROGRAM_ADD:
                 return (event.value + "\n").encode()
@@ -380,4 +385,6 @@ class Pulses:
         """What is said unasked."""
         if event.kind == ALARM:
             return b"alarm:%d\n" % event.error
+        if event.kind == NOTICE and event.error == errors.NOTICE_JOB_ENDED and self.words:
+            return self.words.ended(event.value)
         return b"ready\n" if event.kind == RESTARTED else b""

@@ -1,6 +1,7 @@
 """The `$F` lines: stored jobs, as far as grblHAL has them by the same words.
 
     $F                                      [FILE:NAME|SIZE:bytes|STORED:bytes|CRC:hexadecimal|LANGUAGE:grbl] each, [FREE:bytes]
+    $F?                                     [JOB:NAME|per cent] of the one that runs, else [ENDED:NAME|error|line], error 0: it is done
     $F=NAME                                 run
     $FD=NAME                                delete
     $FS=NAME,LANGUAGE,BYTES,CRC,STORED      an upload of STORED bytes begins; they are a job of BYTES with that CRC-32
@@ -22,6 +23,8 @@ def understand(line):
     """The commands of a line that begins with `$F`, or the number of an error."""
     if line == "$F":
         return _command(commands.JOB_LIST)
+    if line == "$F?":
+        return _command(commands.JOB_STATE)
     if line == "$FE":
         return _command(commands.JOB_CLOSE)
     if line[:3] == "$F=" and line[3:]:
@@ -40,7 +43,11 @@ def understand(line):
 
 
 def told(value):
-    """The lines that answer `$F`."""
+    """The lines that answer `$F` and `$F?`."""
+    if len(value) == 3:
+        return "[ENDED:%s|%d|%d]\r\n" % value
+    if isinstance(value[0], str):
+        return "[JOB:%s|%d]\r\n" % value
     entries, free = value
     lines = ["[FILE:%s|SIZE:%d|STORED:%d|CRC:%08x|LANGUAGE:%s]\r\n" % (name, size, stored, crc, language or "damaged")
              for name, language, size, stored, crc in entries]

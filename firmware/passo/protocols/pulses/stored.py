@@ -1,0 +1,21 @@
+"""What the language of pulse codes says of stored jobs: codes, streamed. Their blocks of CREDIT are answered, and the end."""
+
+from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW
+
+LIMITS = (WINDOW - CREDIT, CREDIT)  # codes not yet answered, from which on no more are given; bytes given at once
+FRAME = (b"{stream}\n", b"{end}")  # what stands before a job, and behind it
+
+
+def begin(protocol):
+    """There is nothing that one job leaves to the next."""
+
+
+def units(data):
+    if data == FRAME[0]:
+        return 0
+    return 1 if data == FRAME[1] else len(data)
+
+
+def answers(said, before, given):
+    """All is answered when the program has been played to its end."""
+    return given if b"end\n" in said else before + CREDIT * said.count(ACK)

@@ -1,0 +1,116 @@
+"""`passo resume` of a pulse file: the tool off, over the place by hand, then the rest as a stream, forward or backward."""
+
+import time
+
+from host_tools.cli.lead_in import agreed
+from host_tools.cli.pulses_panel import Panel, status_text
+from host_tools.cli.pulses_stream import go_by, play_long
+from host_tools.clients.pulses import PulsesClient
+from host_tools.clients.refusal import Refused
+from host_tools.clients.serial_port import LinkError
+from host_tools.failure import Failure
+from host_tools.programs.job_record import BACK, NO_JOURNAL, Record, find_zero
+from host_tools.programs.long_pulses import LongFile
+
+
+_QUIET_S = 1.2
+
+
+def resume(file, port, baud, home, unverified, yes):
+    with PulsesClient(port, baud) as client:
+        status = _awake(client)
+        source = LongFile(file, "xyz"[: len(status["place"].split(","))])
+        try:
+            if any(line.startswith("[JOB:") for line in _asked(client, "$F?")):
+                raise Failure("a stored job runs on the board: passo pulses status, stop")
+            _settle(client, status)
+            record = Record.of(client.ask("$JR"))
+        except Refused as refused:
+            raise Failure(f"{NO_JOURNAL}: {refused}; passo pulses play --from COMMAND needs none") from None
+        if record.job != source.job_number():
+            raise Failure("the board's journal is of another file, or the file has changed; begin at a command with passo pulses play --from")
+        number, times, backward = where(record, source)
+        print(f"{file}: interrupted before command {number}{', backward' if backward else ''}{f', {times} times to go' if times > 1 else ''}")
+        find_zero(record.known, home, unverified, client.home)
+        if client.status()["state"] == "alarm":  # the host was lost, and it came to a stand: where it is remains known
+            client.command("unlock")
+        if client.status()["state"] == "alarm":
+            raise Failure("the machine is in alarm: give --home")
+        _go(client, source, number, record.place, yes)
+        try:
+            play_long(client, source, number, backward, times)
+        except KeyboardInterrupt:
+            client.command("stop")
+            raise Failure("stopped by Ctrl-C") from None
+        with Panel(client) as panel:
+            status = panel.follow(True)
+        print(f"{file}: done{', unverified' if unverified and not record.known else ''}; {status_text(status)}")
+
+
+def _awake(client):
+    """The status. What was cut off amid a command is refused once, a second after its last byte."""
+    try:
+        return client.status()
+    except LinkError:
+        raise
+    except Failure:
+        time.sleep(_QUIET_S)
+        client.lines()
+        client.said = []
+        return client.status()
+
+
+def _asked(client, line):
+    try:
+        return client.ask(line)
+    except Refused:
+        return []  # a board without stored jobs
+
+
+def _settle(client, status):
+    """Bring to a stand what still plays, and end it: the tool is off, and the journal has the place."""
+    if status["state"] in ("run", "hold"):
+        client.command("pause")
+        with Panel(client) as panel:
+            while panel.follow(False)["state"] == "run":
+                pass
+    if status["state"] != "alarm":
+        client.command("stop")
+
+
+def where(record, source):
+    """(command to begin at, times to play, backward) of a Record. Raises Failure if there is nothing left."""
+    number, times = record.line, max(record.flags >> 8, 1)
+    backward = bool(record.flags & BACK)
+    if backward and not number:
+        raise Failure("the file was played back to its start")
+    while not backward and number >= source.total:
+        number, times = number - source.total, times - 1
+        if times < 1:
+            raise Failure("the file was done to its end")
+    return number, 1 if backward else times, backward
+
+
+def _go(client, source, number, place, yes):
+    """The tool off, up, over the place, then down to it, if the operator agrees."""
+    here = _place(client)
+    axes = len(here)
+    place = place[:axes]
+    top = here[-1]
+    if axes == 3:
+        top = max(top, place[2] - source.seek(number).place[2] + source.highest(), place[2])
+        go_by(client, (0, 0, top - here[2]))
+    across = [to - at for to, at in zip(place, here)]
+    if axes == 3:
+        across[2] = 0
+    go_by(client, across)
+    if not yes and not agreed(f"next is command {number}, at {', '.join(map(str, place))} steps"):
+        raise Failure("not gone on: the tool is off")
+    if axes == 3:
+        go_by(client, (0, 0, place[2] - top))
+    if _place(client) != place:
+        raise Failure(f"the machine is not at the place: {_place(client)}, not {place}")
+
+
+def _place(client):
+    return [int(part) for part in client.status()["place"].split(",")]
