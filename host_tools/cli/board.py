@@ -131,7 +131,8 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
             raise Failure(str(error)) from error
         except OSError as error:
             raise Failure(f"cannot write {error.filename}: {error.strerror}") from error
-        watched += [link.serial for link in machine.app.links if link.name not in lines]
+        # Those of the network; a stored job's line has nothing to wait for.
+        watched += [link.serial for link in machine.app.links if link.name not in lines and hasattr(link.serial, "watched")]
         try:
             for index, line in enumerate(lines.values()):
                 print(f"port: {line.name}" if index == 0 else f"port {list(lines)[index]}: {line.name}", flush=True)

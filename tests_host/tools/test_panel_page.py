@@ -162,6 +162,10 @@ def browser(panel, driver):
         assert not [row for row in opened.driver.get_log("browser") if "SyntaxError" in row["message"] or "Uncaught" in row["message"]]
 
 
+def steps(mm):
+    return round(mm * MM)
+
+
 def jogged(browser, way, end):
     """Jog, end it by `end()`, and see it end at rest, some way on."""
     before = browser.place()
@@ -203,7 +207,7 @@ def test_reports_switched_off_come_for_a_jog(browser):
     browser.tap("[data-way='x-']")
     browser.until_state("Moving")
     browser.until_state("Ready")
-    assert browser.place()[0] == round(after[0] - 10, 3)
+    assert steps(browser.place()[0]) == steps(after[0]) - 10 * MM
     assert browser.driver.execute_script("return window.told") - told <= 3
     browser.choose("refresh", "50")
 

@@ -357,7 +357,12 @@ function makePad() {
   }));
 }
 
-function typing(target) { return target.closest("input:not([type=radio]), select, textarea, pre, dialog"); }
+function typing(target) { return target.closest("input, select, textarea, pre, dialog"); }
+
+// Arrows choose a distance that has the focus; chosen by finger or mouse it gives the focus back, and they move the machine.
+for (const label of document.querySelectorAll("#card-jog fieldset label")) {
+  label.onpointerup = () => setTimeout(() => label.firstElementChild.blur());
+}
 
 document.addEventListener("keydown", (event) => {
   if (event.key === "Escape" && !$("ask").open) return link.stop();
