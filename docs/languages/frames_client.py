@@ -109,7 +109,7 @@ class Board:
         if kind == AGAIN:
             self.flying = 0
         elif kind == TAKEN and number == self.urgent:
-            self.urgent, self.taken = (self.urgent + 1) % NUMBERS, True
+            self.first, self.urgent, self.taken = ack, (self.urgent + 1) % NUMBERS, True
         elif kind == DATA:
             known = (self.wanted - number) % NUMBERS
             if known > NUMBERS // 2:
@@ -126,10 +126,10 @@ class Board:
 
     def reset(self):
         """Ctrl-X, ahead of all lines, which are dropped."""
-        self.first, self.taken = (self.first + sum(map(len, self.lines))) % NUMBERS, False
-        self.lines, self.flying = [], 0
+        behind = (self.first + sum(map(len, self.lines[:FRAMES]))) % NUMBERS  # all that may have been sent
+        self.lines, self.flying, self.taken = [], 0, False
         while not self.taken:
-            self.send(CUT, self.urgent, self.first.to_bytes(2, "big") + b"\x18")
+            self.send(CUT, self.urgent, behind.to_bytes(2, "big") + b"\x18")
             self.poll()
 
 

@@ -4,6 +4,7 @@ from draws import Random
 from passo.protocols.frames import codec
 from passo.protocols.frames.codec import ACK, AGAIN, CHECK, CLOSED, CUT, DATA, HEAD, FRAME_HELLO, LEAVE, REPORT, TAKEN, URGENT, WELCOME
 from passo.protocols.frames.line import FramedLine
+from passo.protocols.grbl.lines import Lines
 
 CASES = {
     "check_frames_hold_any_bytes": (("seed", "seed"),),
@@ -119,6 +120,25 @@ def check_hello_in_the_middle():
         wire = Wire()
         assert wire.hear(b"G1X1\n" + codec.HELLO_WIRE + b"~!G1X9\n" + codec.delimited(codec.frame(DATA, 0, 0, 15, b"M3\n")), piece) == b"G1X1\nM3\n"
         assert wire.said()[0][0] == WELCOME
+
+
+def check_a_line_begun_is_not_gone_on_with():
+    """Neither what was begun before a session by its first line, nor what it leaves by plain text: G91 and G0X10 are no line."""
+    for urgent in range(2):
+        lines = Lines()
+        wire = Wire()
+        wire.protocol = lines
+        wire.line = FramedLine(wire, wire, 115_200, lambda: wire.now_ms)
+        lines.take(wire.hear(b"G90\nG91"))
+        lines.take(wire.hear(codec.HELLO_WIRE))
+        if urgent:
+            assert wire.put(codec.frame(URGENT, 0, 0, 15, b"~")) == b"~"
+        lines.take(wire.put(codec.frame(DATA, 0, 0, 15, b"G0X10\nG0X20\nG91")))
+        assert [lines.next() for _ in range(3)] == [b"G90", b"G0X10", b"G0X20"] and lines.begun()
+        wire.put(codec.frame(LEAVE, urgent, 0, 15))
+        assert not lines.begun()
+        lines.take(wire.hear(b"G0X30\n"))
+        assert lines.next() == b"G0X30" and not lines.waiting()
 
 
 def check_bytes_come_once(seed):

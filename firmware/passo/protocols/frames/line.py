@@ -58,6 +58,7 @@ class FramedLine:
         self._clock = clock
         self._space = getattr(link.protocol, "space", None)  # tells how many bytes the language can keep
         self._unfinished = getattr(link.protocol, "pending", None)
+        self._drop_begun = getattr(link.protocol, "drop_begun", None)  # drops a message that has come in part
         self._sender = Sender(baud, _PIECE, True)
         self._state = _PLAIN
         self._held = b""  # plain: what could be the beginning of HELLO
@@ -232,9 +233,16 @@ class FramedLine:
         self._owes = self._todo = True
         if known >= len(data):
             return None
-        self._new = False
+        if self._new:
+            self._use()
         self._next = (number + len(data)) % NUMBERS
         return data[known:] if known else data
+
+    def _use(self):
+        """The session begins to be used, or ends: a message begun on the other side of that is not gone on with."""
+        self._new = False
+        if self._drop_begun:
+            self._drop_begun()
 
     def _take_urgent(self, kind, number, data):
         if not URGENT <= kind <= LEAVE:
@@ -243,7 +251,8 @@ class FramedLine:
         if fresh:
             if kind != URGENT and kind != LEAVE and len(data) < 2:
                 return None
-            self._new = False
+            if self._new or kind == LEAVE:
+                self._use()
             self._urgent = (number + 1) % NUMBERS
             if kind == CUT:
                 behind = data[0] << 8 | data[1]

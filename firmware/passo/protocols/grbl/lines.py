@@ -88,6 +88,11 @@ class Lines:
         """True if a line has begun and not ended."""
         return self._spoilt or self._end > self.whole
 
+    def drop_begun(self):
+        """Forget the line that has begun and not ended."""
+        self._end = self.whole
+        self._spoilt = self._after_return = False
+
     def free(self):
         """Bytes that can be kept."""
         return ROOM - self._end + self.at

@@ -182,6 +182,10 @@ class Grbl:
             return False
         return self._lines.asked or self._waiting()
 
+    def drop_begun(self):
+        """Forget the line that has begun and not ended."""
+        self._lines.drop_begun()
+
     def space(self):
         """Bytes that feed() and collect() can keep."""
         return self._lines.free()
