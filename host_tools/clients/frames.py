@@ -110,8 +110,9 @@ class FramedPort:
     def urgent(self, data, cut=False):
         """Real-time bytes, ahead of what is written. `cut`: the board drops what was written before and has not come."""
         if cut:
-            behind = self._sender.end()
-            self._sender.clear(behind)
+            sender = self._sender  # what may be under way is less than half of the numbers; of more the board would not know the way round
+            behind = (sender.first + min(sender.kept, NUMBERS // 2 - 1)) % NUMBERS
+            sender.clear(behind)
             data = behind.to_bytes(2, "big") + data
         self._urgents.append((CUT if cut else URGENT, data))
         self._pump()

@@ -99,7 +99,7 @@ def test_a_reset_drops_what_was_sent_before_it():
     client, port = joined.client, joined.client._serial
     for line in ("$X", "G21G90", "F6000"):
         client.command(line)
-    for number in range(40):
+    for number in range(500):  # more bytes than half of the numbers
         port.write(b"G1X%d\n" % (number % 2 * 5))
     client.real_time(b"\x18")
     banners = client.banners
