@@ -60,7 +60,7 @@ def work(number, processes, seed, end, names, out):
     the last time, or the text of a violation."""
     spent = dict.fromkeys(names, 0.0)
     life = seed * LIVES + number
-    while time.monotonic() < end:
+    while time.monotonic() < end and multiprocessing.parent_process().is_alive():
         name = min(names, key=lambda each: spent[each] / SHARES[each])
         last = [0, 0.0, Counter(), time.process_time(), 1]
 
@@ -69,10 +69,12 @@ def work(number, processes, seed, end, names, out):
             out.put((name, last[4], *(new - old for new, old in zip(now[:4], last))))
             spent[name] += now[3] - last[3]
             last[:] = now
-            return time.monotonic() >= end
+            return time.monotonic() >= end or not multiprocessing.parent_process().is_alive()
 
         try:
             live(name, life, told=tell)
+        except KeyboardInterrupt:
+            return
         except Violation as violation:
             out.put(str(violation))
             return
@@ -111,7 +113,7 @@ def run(seed, minutes, processes, names, every_s=60):
     for worker in workers:
         worker.start()
     said = time.monotonic()
-    violation = None
+    violation, stopped = None, False
     try:
         while violation is None and (any(worker.is_alive() for worker in workers) or not out.empty()):
             try:
@@ -125,6 +127,8 @@ def run(seed, minutes, processes, names, every_s=60):
             if time.monotonic() - said >= every_s:
                 said = time.monotonic()
                 print(total, flush=True)
+    except KeyboardInterrupt:
+        stopped = True
     finally:
         for worker in workers:
             worker.terminate()
@@ -135,8 +139,8 @@ def run(seed, minutes, processes, names, every_s=60):
     if violation:
         print(violation, file=sys.stderr)
         return 1
-    dead = [worker.exitcode for worker in workers if worker.exitcode]
-    print("0 violations" if not dead else f"a process has died: {dead}")
+    dead = [] if stopped else [worker.exitcode for worker in workers if worker.exitcode]
+    print(("stopped: " if stopped else "") + "0 violations" if not dead else f"a process has died: {dead}")
     return 1 if dead else 0
 
 

@@ -152,7 +152,8 @@ class Bench:
         """At rest. The first time it is only measured."""
         app = self.machine.app
         plant = self.machine.plant
-        outside = [self.machine.port, self.machine.board, plant, self.witness, self, self.machine, *self.machine.lines.values()]
+        machine = self.machine
+        outside = [machine.port, machine.board, machine.inverter, plant, self.witness, self, machine, *machine.lines.values()]
         size = reachable(app, outside)
         if self._heap is None:
             self._heap = size

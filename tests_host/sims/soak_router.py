@@ -18,6 +18,7 @@ What must hold, seen from the wire, the pins and the plant:
 - the place the board tells is the plant's, and a board that cannot know it refuses to move until it is homed;
 - no interval shorter than an axis may step, no word late;
 - stored jobs are there whole or not at all; a full memory says so;
+- the journal, after a power cut at any byte, names the program and a place that its path has passed;
 - the board's objects do not grow.
 """
 
@@ -380,8 +381,12 @@ class Router(Bench):
         link = self.begin()
         start = self.place()
         program = Program(self.dice, start, self.dice.randint(8, 60))
+        program.lines = [(f"N{number}{text}", move) for number, (text, move) in enumerate(program.lines, 1)]
         self.ended = ""
         self.outside = 0
+        if self.carrier == "stream":
+            self.journal = self.dice.randrange(1, 1 << 32)
+            self.do(link, f"$JR={self.journal:08X}")
         self.witness.take()
         if self.carrier == "job":
             self.store_job(link, program)
@@ -396,9 +401,12 @@ class Router(Bench):
             self.stream(link, program)
         self.count_noise()
         self.judge(link, program, start)
+        if self.ended in ("power", "board"):
+            self.check_journal(start)
         self.recover(link)
-        if not self.rounds % LAST and self.known:
+        if not self.rounds % 5 and self.known:
             self.jump()
+        if not self.rounds % LAST and self.known:
             self.check_heap()
 
     def place(self):
@@ -639,9 +647,18 @@ class Router(Bench):
             if self.carrier == "job" or self.policy == "go_on":
                 self.settle()
         elif self.ended:
-            self.check_alive = True
+            if self.ended == "reset":
+                self.await_banner(link)
             self.run_ms(300)
             self.settle_stopped()
+
+    def await_banner(self, link):
+        """A reset may have to be sent again, in frames over a noisy wire."""
+        end_ms = self.now_ms() + 5000
+        while not any(line.startswith("Grbl") for line in link.said):
+            self.hear(link)
+            if self.now_ms() > end_ms:
+                raise Wrong("no banner after a reset")
 
     def forget_but_door(self):
         if self.ended:
@@ -662,12 +679,23 @@ class Router(Bench):
         self.ended = self.ended or "power"
         self.faults["torn page"] += self.pages._left == 0
         self.note("the board is switched off, and on again")
-        self.take_steps()
+        self.last_steps = self.witness.take()
         self.boot(self.place(), Pages(data=self.pages.data))
 
-    def take_steps(self):
-        """The steps of a board that is switched off, for judge()."""
-        self.last_steps = self.witness.take()
+    def check_journal(self, start):
+        """After a power cut: what the journal says of the program under way has been so."""
+        answer, said = self.ask(self.links["pc"], "$JR")
+        found = [re.fullmatch(r"\[JOURNAL:([0-9A-Fa-f]+)\|(\d+)\|(\d+)\|([-\d,]+)\]", line) for line in said]
+        found = [match for match in found if match]
+        if answer != "ok" or not found:
+            raise Wrong(f"$JR is answered with {answer}, {said}")
+        job, line, _, place = found[0].groups()
+        if int(job, 16) != self.journal:
+            return  # nothing has been written since it began
+        self.fault("journal after a power cut")
+        place = tuple(int(at) for at in place.split(","))
+        if int(line) > len(self.sent) or place not in {tuple(start), *map(tuple, self.last_steps.places.tolist())}:
+            raise Wrong(f"the journal says line {line} of {len(self.sent)}, {place}, which the path has not passed")
 
     # --- stored jobs
 
@@ -695,7 +723,8 @@ class Router(Bench):
             self.do(link, f"$FD={name}")
             del self.jobs[name]
             self.check_jobs(link)
-        self.jobs[self.name] = len(data), stored_job.crc(data)
+        self.journal = stored_job.crc(data)
+        self.jobs[self.name] = len(data), self.journal
         self.check_jobs(link)
 
     def upload(self, link, data, packed):
@@ -797,12 +826,9 @@ class Router(Bench):
             return
         if self.links["pc"].port and self.ended == "long cut":
             self.open_frames()
+        link.said.clear()
         link.real_time(b"\x18")
-        end_ms = self.now_ms() + 5000
-        while not any(line.startswith("Grbl") for line in link.said):
-            self.hear(link)
-            if self.now_ms() > end_ms:
-                raise Wrong("no banner after a reset")
+        self.await_banner(link)
         self.drain()
         state = self.check_place(link)
         if state not in ("Alarm", "Idle"):
