@@ -97,6 +97,7 @@ TEXTS = {
     errors.JOB_STOPPED: "the stored job was stopped before its end",
     errors.NO_CARD: "no memory card answers: is it in, formatted with FAT, and is the driver sdcard on the board?",
     errors.PRESENCE: "over the network this needs somebody at the machine: hold the button there",
+    errors.DRAWING: "this file is no SVG drawing that fits on the table: passo draw FILE --dry-run says why",
     errors.NO_MEMORY: "no memory is left for arcs: the board file's speeds take it",
     errors.ALARM_LOCKED: "locked: where the machine stands is not known until it is homed",
     errors.ALARM_HARD_LIMIT: "a limit switch or the emergency stop was hit: the position may be lost",

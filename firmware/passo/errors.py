@@ -99,6 +99,7 @@ JOB_SIZE = const(176)
 JOB_PIECE = const(177)
 NOT_ADMITTED = const(178)
 PRESENCE = const(179)
+DRAWING = const(180)
 
 ALARM_LOCKED = const(200)
 ALARM_HARD_LIMIT = const(201)

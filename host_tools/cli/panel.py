@@ -18,7 +18,7 @@ def panel(
     port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL of the board (socket://host:port).")] = None,
     baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
     protocol: Annotated[
-        Optional[str], typer.Option(help="Language of the link of --port: grbl, pulses or torch. Default: found by asking.")
+        Optional[str], typer.Option(help="Language of the link of --port: grbl, pulses, torch or plotter. Default: grbl, pulses and torch are found by asking.")
     ] = None,
     board: Annotated[
         Optional[str], typer.Option(help="Board file: the demo's machine; of a board on --port, what its language does not tell (steps/mm).")
@@ -42,7 +42,7 @@ def panel(
 
         passo panel --demo --open
 
-        passo panel --demo --board lpt_router --open        # pulse files; torch_manipulator: the torch
+        passo panel --demo --board lpt_router --open        # pulse files; torch_manipulator, plotter_2014, …
 
         passo panel --port /dev/ttyACM0 --guest /tmp/machine
 
@@ -50,38 +50,26 @@ def panel(
     """
     from host_tools import boards
     from host_tools.cli import ports
-    from host_tools.cli.log import spoken
     from host_tools.panel import languages
     from host_tools.panel.board import Demo, Port
     from host_tools.panel.panel import Panel
-    from host_tools.sim.serial_line import PtyLine, TcpLine
 
     if demo and port:
         raise Failure("give --demo or --port, not both")
     if trace and not demo:
         raise Failure("--trace is for --demo")
-    line = None
-    if guest:
-        line = TcpLine(int(guest)) if guest.isdigit() else PtyLine(guest)
+    line = _guest_line(guest) if guest else None
     board = board or (_DEMO if demo else None)
     virtual = Demo(board, ["--trace", str(trace)] if trace else []) if demo else None
     try:
         name = virtual.name if virtual else port or ports.only()
-        language = _language(boards.load(board)) if virtual else protocol or spoken(name, baud or _BAUD)
-        if language not in languages.BOARDS:
-            raise Failure(f"{language}: the panel speaks {', '.join(languages.BOARDS)}")
-        if guest and language != "grbl":
-            raise Failure("--guest is for a board that speaks grbl: a sender beside the page")
+        language = _spoken(_language(boards.load(board)) if virtual else protocol, name, baud, guest)
         table = boards.load(board or languages.BOARDS[language])
         machines = _machines(boards, board, ("grbl",) if guest else tuple(languages.BOARDS)) if demo else ()
 
-        def change(other):
-            table = boards.load(other)
-            return virtual.change(other), _language(table), table
-
         served = Panel(
             lambda changed: Port(name, baud or languages.BAUD[language], changed), jobs, line, host, language, table, machines,
-            change if virtual else None,
+            virtual and (lambda other: _change(virtual, other)),
         )  # fmt: skip
         asyncio.run(served.run(host, http, lambda number: _tell(host, number, served.key, line, open_)))
     finally:
@@ -105,6 +93,33 @@ def _tell(host, number, key, line, open_):
         import webbrowser
 
         webbrowser.open(f"{address}#key={key}")
+
+
+def _guest_line(guest):
+    from host_tools.sim.serial_line import PtyLine, TcpLine
+
+    return TcpLine(int(guest)) if guest.isdigit() else PtyLine(guest)
+
+
+def _change(virtual, name):
+    """Another virtual machine: its port, language and board file."""
+    from host_tools import boards
+
+    table = boards.load(name)
+    return virtual.change(name), _language(table), table
+
+
+def _spoken(language, port, baud, guest):
+    """The language of a board: as given, or else found by asking. Raises Failure if the panel does not speak it."""
+    from host_tools.cli.log import spoken
+    from host_tools.panel import languages
+
+    language = language or spoken(port, baud or _BAUD)
+    if language not in languages.BOARDS:
+        raise Failure(f"{language}: the panel speaks {', '.join(languages.BOARDS)}")
+    if guest and language != "grbl":
+        raise Failure("--guest is for a board that speaks grbl: a sender beside the page")
+    return language
 
 
 def _language(board):

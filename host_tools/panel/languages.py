@@ -13,16 +13,17 @@ from passo.web.stored import StoredJobs
 from passo.web.teach import Teach
 
 # The board file that is meant if none is named; its first link's language is the key.
-BOARDS = {"grbl": "router_3axis", "pulses": "lpt_router", "torch": "torch_manipulator"}
-BAUD = {"grbl": 115_200, "pulses": 115_200, "torch": 115_200}
+BOARDS = {"grbl": "router_3axis", "pulses": "lpt_router", "torch": "torch_manipulator", "plotter": "plotter_2014"}
+BAUD = {"grbl": 115_200, "pulses": 115_200, "torch": 115_200, "plotter": 57_600}
 
 
 class Spoken:
     """What one language brings: `machine`; `teach`, or None; `read(path)`: a job's lines as its driver takes them, None: it knows no
     jobs; `about`: what the page is to know of it."""
 
-    def __init__(self, machine, teach, read, about, join=None):
-        """`join(store)`: what of the machine wants its jobs."""
+    def __init__(self, machine, teach, read, about, join=None, made=None):
+        """`join(store)`: what of the machine wants its jobs; `made`: as a Store takes it."""
+        self.made = made
         self.join = join or (lambda store: None)
         self.machine = machine
         self.teach = teach
@@ -36,7 +37,7 @@ def create(language, board, write, tell, guest=None):
         return _grbl(write, tell, guest)
     board = check(board)
     about = {"scale": [axis["steps_per_m"] / 1000 for axis in board["axes"]]}
-    return {"pulses": _pulses, "torch": _torch}[language](board, write, tell, about)
+    return {"pulses": _pulses, "torch": _torch, "plotter": _plotter}[language](board, write, tell, about)
 
 
 def _grbl(write, tell, guest):
@@ -71,3 +72,12 @@ def _torch(board, write, tell, about):
     from passo.web.torch_machine import TorchMachine
 
     return Spoken(TorchMachine(write, tell, board), None, None, about)
+
+
+def _plotter(board, write, tell, about):
+    from host_tools.panel import drawn
+    from passo.web.plotter_machine import PlotterMachine
+
+    speed = board["speed"]
+    about["speed"] = {name: speed[name] for name in ("unit", "default", "min", "max")}
+    return Spoken(PlotterMachine(write, tell, board), None, drawn.packet_lines, about, made=drawn.job_of(board))

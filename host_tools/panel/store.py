@@ -30,8 +30,10 @@ def gcode_lines(path):
 
 
 class Store:
-    def __init__(self, folder, read):
-        """`read(path)`: what a language's driver takes of a job; Failure or OSError if there is none in it."""
+    def __init__(self, folder, read, made=None):
+        """`read(path)`: what a language's driver takes of a job; Failure or OSError if there is none in it. `made(name, text)`: name
+        and text of the job that a file becomes, or the number of an error; None: a file is a job."""
+        self._made = made
         self._folder = folder
         self._read = read
         folder.mkdir(parents=True, exist_ok=True)
@@ -107,6 +109,11 @@ class Store:
         error = self.name_error(name) or (errors.JOB_SIZE if self._full(name, len(text)) else 0)
         if error:
             return error
+        if self._made:
+            found = self._made(name, text)
+            if isinstance(found, int):
+                return found
+            name, text = found
         path = self._folder / name
         fresh = self._folder / f".{name}.new"
         try:

@@ -85,7 +85,7 @@ class Tab:
 
     def _language(self, protocol):
         if protocol == "plotter":
-            from host_tools.sim.tab_plotter import PlotterMachine
+            from passo.web.plotter_machine import PlotterMachine
 
             return PlotterMachine(self._put, self._tell, self._board)
         from passo.web.grbl_machine import GrblMachine

@@ -20,6 +20,7 @@ from host_tools.build.constants import numbered_only
 from host_tools.build.tree import module_files
 from host_tools.drawings.objects import objects
 from host_tools.failure import Failure
+from host_tools.panel.drawn import packet_words
 from host_tools.resources import FIRMWARE, HOST_TOOLS
 from host_tools.site.npm import Package
 
@@ -29,7 +30,7 @@ MICROPYTHON = Package(
 )  # fmt: skip
 PAGE = FIRMWARE / "passo" / "web" / "page"
 OWN = Path(__file__).resolve().parent
-TAB = ("host_tools/sim/tab.py", "host_tools/sim/tab_jobs.py", "host_tools/sim/tab_plotter.py", "host_tools/sim/plant.py",
+TAB = ("host_tools/sim/tab.py", "host_tools/sim/tab_jobs.py", "host_tools/sim/plant.py",
        "host_tools/sim/parts.py", "host_tools/sim/decoders.py", "host_tools/sim/faults.py")  # fmt: skip
 SHIMS = ("random.py",)
 BOARDS = ("router_3axis", "plotter_2014")  # the first one is shown
@@ -77,16 +78,11 @@ def rosette():
     return "\n".join([*lines, "G0 Z-10", "M5", "G0 X0 Y0", "M2"]) + "\n"
 
 
-def packets(points):
-    """A drawing of 2014 in the words of `passo send`, one packet a line."""
-    return "".join(f"{'LINE' if pen else 'MOVE'} {round(x)} {round(y)}\n" for pen, x, y in points) + "END\n"
-
-
 def jobs():
     """{board: {name: text}} that the tab's machines begin with."""
     return {
         "router_3axis": {"relief.gcode": relief(), "rosette.gcode": rosette()},
-        "plotter_2014": {f"{name}.txt": packets(points) for name, points in objects().items()},
+        "plotter_2014": {f"{name}.txt": packet_words(points) for name, points in objects().items()},
     }
 
 

@@ -129,7 +129,7 @@ def test_a_plotter_refuses_what_is_no_packet_and_stops():
     page = Page("plotter_2014", {"wrong.txt": "MOVE 1 1\nLINE 70000 1\n", "far.txt": "MOVE 9 9\nLINE 4000 3000\nEND\n"})
     page.state("Idle")
     assert page.order(do="run", name="wrong.txt") == errors.UNKNOWN_COMMAND
-    assert page.last["answer"]["error"] and page.order(do="jog", lease=1, beat=0, way={"x": 1}, speed=9) == errors.UNKNOWN_COMMAND
+    assert page.last["answer"]["error"] and page.order(do="zero", axes="x") == errors.UNKNOWN_COMMAND
     assert page.order(do="home") == 0
     page.state("Home")
     page.state("Idle")

@@ -189,8 +189,69 @@ def test_the_torch(tmp_path, driver):
     assert abs(max(sides) - 830 - 166) <= 1 and abs(min(sides) - 830 + 166) <= 1
 
 
+SVG = (
+    '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40"><title>praça</title>'
+    '<rect x="10" y="10" width="20" height="10" fill="none" stroke="black"/></svg>'
+)
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("board", ["lpt_router", "torch_manipulator"])
+def test_the_plotter(tmp_path, driver):
+    """Homed, a place, a drawing from SVG that is drawn point by point, its speed, STOP; a file that is none is named."""
+    with PanelProcess(tmp_path, "--board", "plotter_2014") as panel:
+        browser = Browser(panel, driver, (1280, 1800))
+        browser.until_state("Ready")
+        hidden = ("card-tool", "card-teach", "card-settings", "card-switches", "hold", "resume", "single", "zero-all", "unlock")
+        assert not [name for name in hidden if browser.find(name).is_displayed()]
+        browser.click("home")
+        browser.until_state("Homing")
+        deadline = time.monotonic() + 60  # homing is simulated finely: it may take longer than it lasts
+        while browser.text("state") == "Homing":
+            assert time.monotonic() < deadline
+            time.sleep(0.1)
+        browser.until_state("Ready")
+        place = lambda: [float(browser.text(f"m-{axis}")) for axis in "xy"]  # noqa: E731
+        assert place() == [0, 0]
+        browser.fill("goto-x", "5")
+        browser.fill("goto-y", "4")
+        browser.tap("#goto-form button")
+        browser.until(lambda: place() == [5, 4])
+        browser.press("x+")
+        browser.until(lambda: place()[0] > 7)
+        browser.let_go()
+        browser.until_state("Ready")
+        browser.fill("draw-speed", "700")
+        browser.tap("#draw-speed-form button")
+        file = tmp_path / "none.svg"
+        file.write_text("<svg")
+        browser.find("upload").send_keys(str(file))
+        browser.until(lambda: "180" in browser.text("message"))
+        file = tmp_path / "rectangle.svg"
+        file.write_text(SVG, encoding="utf-8")
+        browser.find("upload").send_keys(str(file))
+        browser.until(lambda: "rectangle.svg.txt" in browser.find("jobs").text)
+        browser.choose("jobs", "rectangle.svg.txt")
+        browser.until(lambda: "LINE" in browser.text("lines"))
+        browser.click("check")
+        browser.until(lambda: "no error" in browser.text("job-state"))
+        browser.click("run")
+        browser.until_state("Running")
+        browser.until(lambda: browser.text("drawn") in ("2", "3"))
+        browser.shot("plotter-draws")
+        browser.until(lambda: "Done" in browser.text("job-state"))
+        browser.until_state("Ready")
+        browser.click("run")
+        browser.until(lambda: browser.text("drawn") in ("1", "2", "3") and browser.text("state") == "Running")
+        browser.click("stop")
+        browser.until(lambda: "Ended" in browser.text("job-state"))
+        browser.until_state("Ready")
+        assert not [row for row in browser.driver.get_log("browser") if "SyntaxError" in row["message"] or "Uncaught" in row["message"]]
+    walked = [row[:2] for row in steps(panel)]
+    assert not [corner for corner in ((100, 200), (300, 200), (300, 300), (100, 300)) if corner not in walked]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("board", ["lpt_router", "torch_manipulator", "plotter_2014"])
 @pytest.mark.parametrize("size, language, theme", [((1280, 1700), "en", "light"), ((390, 4200), "pt", "dark")])
 def test_pictures(tmp_path, driver, board, size, language, theme):
     """No card is wider than the window, in either language."""

@@ -13,8 +13,6 @@ from passo import errors
 from passo.web.jog import Jog, Limits
 from passo.web.lease import Lease, since
 
-_SILENT_MS = const(1500)  # without a report: the link is down
-_DEAD_MS = const(3000)  # it is asked for again
 _JOG_ASK_MS = const(40)  # between two reports, while a jog goes on
 _MOST_LOG = const(100)
 _HUGE = 1e9  # mm/s²: no ramps
@@ -26,6 +24,8 @@ class AnyMachine:
     stood = ("Idle", "Check", "Alarm", "Sleep", "Hold", "Door")
     jogs_from = ("Idle", "Jog")  # states in which a continuous jog may begin
     ask_ms = 40  # between two reports otherwise: 25 a second
+    silent_ms = 1500  # without a report: the link is down
+    again_ms = 3000  # it is asked for again
 
     def __init__(self, tell, job, board=None):
         """`tell(event)`: a dict for every page; `job`: what runs jobs; `board`: the checked board file, for a language that does not
@@ -53,11 +53,11 @@ class AnyMachine:
         self._now_ms = now_ms
         if self.jog.active and not self.lease.alive(now_ms):
             self.end_jog()
-        if since(now_ms, self._asked_ms) >= (_DEAD_MS if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
+        if since(now_ms, self._asked_ms) >= (self.again_ms if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
             self._asked_ms = now_ms
             self._asking = True
             self._ask()
-        if self.state["link"] and since(now_ms, self._heard_ms) > _SILENT_MS:
+        if self.state["link"] and since(now_ms, self._heard_ms) > self.silent_ms:
             self._lose()
         if self.state["link"]:
             self._go_on()

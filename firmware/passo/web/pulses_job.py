@@ -11,14 +11,15 @@ from micropython import const
 from passo import errors
 from passo.commands import STEPS_ABORT
 from passo.protocols.pulses.protocol import Pulses, frame
-from passo.web.pulses_wire import END, LOST
+from passo.web.pulses_wire import END
+from passo.web.wire import LOST
 
 _PIECE = const(256)  # bytes of a file in one call
 _CHECK_PIECE = const(4096)
 _LOST_END = const(4)  # reports of an idle machine after which its "end" has got lost
 
 # What becomes of the file.
-_NONE = const(0)
+_NO_FILE = const(0)
 _OPENING = const(1)
 _SENDING = const(2)
 _CLOSING = const(3)
@@ -30,7 +31,7 @@ class PulsesJob:
         self._machine = machine
         self._axes = "".join([axis["name"] for axis in board["axes"]])
         self._config = board["step_program"]
-        self._phase = _NONE
+        self._phase = _NO_FILE
         self.playing = False  # on its way, or paused in it
         self.paused = False
         self._stream = False
@@ -42,10 +43,10 @@ class PulsesJob:
 
     def sending(self):
         """True while a file goes to the board and nothing of it moves yet."""
-        return self._phase != _NONE and not self._stream
+        return self._phase != _NO_FILE and not self._stream
 
     def running(self):
-        return self._phase != _NONE or self.playing
+        return self._phase != _NO_FILE or self.playing
 
     def run(self, name, data, passes, checked, single=False):
         """Begin; `checked`: the board only looks at it; `single`: play(("step",)) says when a code goes. Returns 0 or an error."""
@@ -100,7 +101,7 @@ class PulsesJob:
     def _closed(self, error):
         if self._phase != _CLOSING:
             return
-        self._phase = _NONE
+        self._phase = _NO_FILE
         if error and error != LOST:
             self._end("failed", error)
         elif self._stream:
@@ -125,7 +126,7 @@ class PulsesJob:
 
     def wrong(self, error, row, column):
         """The board makes no sense of the file, from there on, or cannot keep it."""
-        if self._phase == _NONE:
+        if self._phase == _NO_FILE:
             self._machine.finished(error)
             return
         self._row, self._column = row, column
@@ -152,7 +153,7 @@ class PulsesJob:
                 self.fail(command.error)
                 return
         if self._sent == self._size:
-            self._phase = _NONE
+            self._phase = _NO_FILE
             self._end("done", 0)
 
     def heard(self, line):
@@ -185,7 +186,7 @@ class PulsesJob:
         self._back = fields["going"] == "-"
         if state == "hold":
             self.paused = True
-        self._idle = self._idle + 1 if state == "idle" and not self.paused and self._phase == _NONE else 0
+        self._idle = self._idle + 1 if state == "idle" and not self.paused and self._phase == _NO_FILE else 0
         if self._idle >= _LOST_END:
             self._end("done", 0)
 
@@ -196,7 +197,7 @@ class PulsesJob:
     def fail(self, error):
         """It has ended, for a reason outside of it."""
         if self.running():
-            self._phase = _NONE
+            self._phase = _NO_FILE
             self._end("failed", error)
 
     def _end(self, how, error):
@@ -217,5 +218,5 @@ class PulsesJob:
         """The state's picture of a job that runs."""
         if self.playing:
             self._tell("run", 0)
-        elif self._phase != _NONE:
+        elif self._phase != _NO_FILE:
             self._tell("load", 0)

@@ -32,6 +32,7 @@ _OUTPUTS = ("tool", "drives", "motors")
 
 class PulsesMachine(AnyMachine):
     language = "pulses"
+    again_ms = 1000
     jogs_from = ("Idle", "Jog", "Hold")
 
     def __init__(self, write, tell, board):

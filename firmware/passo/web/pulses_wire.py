@@ -12,12 +12,11 @@ answer to it or not; the next status tells.
 from micropython import const
 
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
+from passo.web.wire import LONGEST, LOST
 
 END = ("end",)
 _ASK = ("?",)
 _MOST = const(8)  # commands under way
-_LONGEST = const(1024)  # bytes of a line from the board; more is noise
-LOST = const(-1)  # answered(LOST): the link was lost before the answer
 
 
 class PulsesWire:
@@ -74,7 +73,7 @@ class PulsesWire:
             data = data.replace(ACK, b"")
         lines = (self._buffer + data).split(b"\n")
         self._buffer = lines.pop()
-        if len(self._buffer) > _LONGEST:
+        if len(self._buffer) > LONGEST:
             self._buffer = b""
         for raw in lines:
             line = "".join([chr(byte) for byte in raw if 32 <= byte < 127])

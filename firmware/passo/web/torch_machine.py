@@ -51,6 +51,7 @@ class NoJob:
 
 class TorchMachine(AnyMachine):
     language = "torch"
+    again_ms = 300
 
     def __init__(self, write, tell, board):
         AnyMachine.__init__(self, tell, NoJob(), board)

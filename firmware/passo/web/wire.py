@@ -13,7 +13,7 @@ from micropython import const
 PAGE = const(0)
 GUEST = const(1)
 RX_ROOM = const(128)  # bytes of lines under way: what every grbl has room for
-_LONGEST = const(1024)  # bytes of a line from the board; more is noise
+LONGEST = const(1024)  # bytes of a line from the board; more is noise
 LOST = const(-1)  # answered(LOST): a reset has dropped the line
 
 
@@ -46,7 +46,7 @@ class Wire:
         """What the board has said."""
         lines = (self._buffer + data).split(b"\n")
         self._buffer = lines.pop()
-        if len(self._buffer) > _LONGEST:
+        if len(self._buffer) > LONGEST:
             self._buffer = b""
         for raw in lines:
             line = "".join([chr(byte) for byte in raw if 32 <= byte < 127])

@@ -1,10 +1,11 @@
 // Cards that only some languages have, and what a job is in a language other than G-code.
 
+import { Plotter } from "./card_plotter.js";
 import { PulseFile } from "./card_pulses.js";
 import { Torch } from "./card_torch.js";
 
 const $ = (id) => document.getElementById(id);
-const OWN = { pulses: PulseFile, torch: Torch };
+const OWN = { plotter: Plotter, pulses: PulseFile, torch: Torch };
 
 export class Cards {
   // page: { order(name, fields), ask(text), picture }
@@ -22,7 +23,7 @@ export class Cards {
   // What the machine can, and what its board file says.
   hello(message) {
     this.words = message.can;
-    for (const card of document.querySelectorAll("[data-can]")) card.hidden = !this.can(card.dataset.can);
+    for (const card of document.querySelectorAll("[data-can]")) card.hidden = !card.dataset.can.split(" ").some((what) => this.can(what));
     this.own = message.language in OWN ? new OWN[message.language](this.page, message) : null;
   }
 

@@ -1,0 +1,36 @@
+// The plotter: a job in the words of its packets, how much of it is drawn, and the speed.
+
+const $ = (id) => document.getElementById(id);
+
+export class Plotter {
+  constructor(page, message) {
+    this.page = page;
+    this.scale = message.scale || [10, 10];
+    const speed = message.speed || { unit: "", default: 1000, min: 1, max: 65535 };
+    const field = $("draw-speed");
+    [field.min, field.max, field.value] = [speed.min, speed.max, speed.default];
+    $("draw-speed-unit").textContent = `${speed.min} … ${speed.max} ${speed.unit}`;
+    $("draw-speed-form").onsubmit = (event) => { event.preventDefault(); page.order("pace", { speed: Number(field.value) }); };
+  }
+
+  // Moves of the picture in mm.
+  read(text) {
+    const moves = [];
+    let from = [0, 0];
+    text.split("\n").forEach((row, index) => {
+      const [word, x, y] = row.split("#")[0].trim().toUpperCase().split(/\s+/);
+      if (word !== "MOVE" && word !== "LINE") return;
+      const to = [Number(x) / this.scale[0], Number(y) / this.scale[1]];
+      moves.push({ line: index + 1, points: [from, to], rapid: word === "MOVE" });
+      from = to;
+    });
+    return moves;
+  }
+
+  show(report) {
+    for (const [name, value] of [["drawn", report.drawn || 0], ["room", report.free === undefined ? "" : report.free]]) {
+      if ($(name).textContent !== String(value)) $(name).textContent = value;
+    }
+    $("draw-speed-form").querySelector("button").disabled = !report.link || report.state !== "Idle";
+  }
+}

@@ -1,0 +1,329 @@
+"""A machine that speaks the plotter's packets, as the page sees it: orders in, one state out.
+
+    machine = PlotterMachine(write, tell, board)    # a checked board file: steps/mm, which way UP goes
+    machine.job.run("square.txt", [(1, b"MOVE 200 150"), (2, b"LINE 200 550"), (3, b"END")], 1, False)
+
+A job is in the words of `passo send`: MOVE and LINE with a place in steps, SPEED, and END, which draws what has been sent. The language
+has no word for "no": STATUS, which is asked all the time, tells what was refused. What is not answered, though a later STATUS is, has
+got lost and is sent again; a point twice is a line of no length. A held jog ends with STOP, which also lifts the pen.
+"""
+
+from micropython import const
+
+from passo import errors
+from passo.protocols.plotter.host import ANSWERS, COMMANDS, STATUS_LENGTH, packet, status_from
+from passo.web.any_machine import AnyMachine
+from passo.web.api import number
+
+_MOST_PLACE = const(65535)
+_LOST = const(3)  # STATUS answered behind a packet that was not
+_ATTEMPTS = const(8)
+_TORN_MS = const(400)  # of a STATUS: the rest does not come any more
+_WORDS = {"END": 0, "SPEED": 1, "LINE": 2, "MOVE": 2}
+_ANSWER_TO = {"LINE": "NEXT", "MOVE": "NEXT", "END": "DONE", "SPEED": "SPEED_OK", "ORIGIN": "ORIGIN_OK", "STOP": "DONE", "LINK": "LINK_OK",
+              "UP": "NEXT", "DOWN": "NEXT", "LEFT": "NEXT", "RIGHT": "NEXT"}  # fmt: skip
+_TAKES_TIME = ("END", "ORIGIN", "STOP")  # answered when they are done
+_ONCE = ("UP", "DOWN", "LEFT", "RIGHT")
+# Logged, but nothing of what was sent was refused: damaged bytes may look like another command.
+_NO_REFUSAL = (errors.CHECKSUM, errors.BYTES_DROPPED, errors.WORDS_LATE, errors.UNKNOWN_COMMAND)
+
+
+def read_line(line):
+    """(name, x, y) of a line of a job; None: no words of the language."""
+    words = line.decode().upper().split()
+    wanted = _WORDS.get(words[0]) if words else None
+    if wanted is None or len(words) != 1 + wanted or [word for word in words[1:] if not word.isdigit() or len(word) > 5]:
+        return None
+    values = [int(word) for word in words[1:]] + [0, 0]
+    return None if max(values) > _MOST_PLACE else (words[0], values[0], values[1])
+
+
+class PlotterJob:
+    """Lines to the board, each as the one before has been answered."""
+
+    def __init__(self, machine):
+        self._machine = machine
+        self._lines = None
+
+    def running(self):
+        return self._lines is not None
+
+    def run(self, name, lines, passes, checked, single=False):
+        """Begin; `checked`: the lines are only read. Returns 0 or an error."""
+        if self._machine.still() or single:
+            return errors.UNKNOWN_COMMAND if single else errors.BUSY
+        self._name, self._lines, self._passes, self._checked = name, lines, passes, checked
+        self._pass = 1
+        self._at = 0
+        self._first = 0  # line of the object's first point
+        self._drawn = 0
+        for at in range(len(lines)):
+            if read_line(lines[at][1]) is None:
+                self._at = at + 1
+                self._end("failed", errors.UNKNOWN_COMMAND)
+                return errors.UNKNOWN_COMMAND
+        if checked or not lines:
+            self._at = len(lines)
+            self._end("done", 0)
+        else:
+            self._next()
+        return 0
+
+    def _next(self):
+        name, x, y = read_line(self._lines[self._at][1])
+        if name in ("LINE", "MOVE") and self._first < 0:
+            self._first = self._at
+        self._machine.send(name, x, y, self._answered)
+        self._tell("run", 0)
+
+    def _answered(self, error):
+        if self._lines is None:
+            return
+        if error:
+            self._end("failed", error)
+            return
+        if read_line(self._lines[self._at][1])[0] == "END":
+            self._first = -1
+            self._drawn = 0
+        self._at += 1
+        if self._at < len(self._lines):
+            self._next()
+        elif self._pass < self._passes:
+            self._pass += 1
+            self._at = self._first = 0
+            self._next()
+        else:
+            self._end("done", 0)
+
+    def report(self, drawn):
+        """So many points of the object have been drawn."""
+        self._drawn = drawn
+
+    def poll(self):
+        """The answers let it go on."""
+
+    def refresh(self):
+        if self._lines is not None:
+            self._tell("run", 0)
+
+    def abort(self):
+        return self._machine.stop() if self.running() else 0
+
+    def fail(self, error):
+        if self._lines is not None:
+            self._end("failed", error)
+
+    def _end(self, how, error):
+        self._tell(how, error)
+        self._lines = None
+
+    def _tell(self, how, error):
+        at = self._at
+        if how == "run" and self._first >= 0:
+            at = min(at, self._first + self._drawn)  # what is drawn, of what has been sent
+        self._machine.state["job"] = {
+            "name": self._name, "how": how, "error": error, "line": self._lines[at - 1][0] if at else 0, "lines": len(self._lines),
+            "done": at, "pass": self._pass, "passes": self._passes, "checked": self._checked, "single": False,
+        }  # fmt: skip
+
+
+class PlotterMachine(AnyMachine):
+    language = "plotter"
+    ask_ms = 60
+    silent_ms = 5000  # a torn packet keeps the board silent for two seconds
+    again_ms = 250
+    can = ("jog", "step", "goto", "home", "jobs", "log", "points")
+
+    def __init__(self, write, tell, board):
+        AnyMachine.__init__(self, tell, PlotterJob(self), board)
+        self._write = write
+        up = board["jog"]["up"]
+        sign = 1 if up[1] == "+" else -1
+        up_x, up_y = (0, sign) if up[0] == "y" else (sign, 0)
+        self._jogs = {(up_x, up_y): "UP", (-up_x, -up_y): "DOWN", (up_y, -up_x): "RIGHT", (-up_y, up_x): "LEFT"}
+        self._travel = [min(axis["travel_steps"], _MOST_PLACE) for axis in board["axes"]]
+        self._buffer = b""
+        self._queue = []  # (name, x, y, answered): the first one is under way
+        self._asked = 0  # STATUS answered since it was sent
+        self._idle = 0  # of these the newest in a row that said idle
+        self._attempts = 0
+        self._steps = None
+        self._way = None
+        self.orders = {"pace": self._pace}
+
+    # --- packets
+
+    def send(self, name, x, y, answered):
+        """A packet behind those that are not answered; answered(error): 0, or why not."""
+        self._queue.append((name, x, y, answered))
+        if len(self._queue) == 1:
+            self._say()
+
+    def _say(self):
+        name, x, y, _ = self._queue[0]
+        self._asked = self._idle = 0
+        self._write(packet(COMMANDS[name], x, y))
+
+    def _end_packet(self, error):
+        """The packet under way is done with."""
+        answered = self._queue.pop(0)[3]
+        self._attempts = 0
+        if error:
+            self._drop(error)
+        elif self._queue:
+            self._say()
+        answered(error)
+
+    def _drop(self, error):
+        """Nothing behind it is sent any more."""
+        lost = self._queue
+        self._queue = []
+        for each in lost:
+            each[3](error)
+
+    def feed(self, data, now_ms):
+        if self._buffer and (now_ms - self._now_ms) % 0x20000000 > _TORN_MS:
+            self._buffer = b""
+        self._now_ms = now_ms
+        self._buffer += bytes(data)
+        while self._buffer:
+            if self._buffer[0] != COMMANDS["STATUS"]:
+                answer = ANSWERS.get(self._buffer[0])
+                self._buffer = self._buffer[1:]
+                self._hear(answer)
+            elif len(self._buffer) < STATUS_LENGTH:
+                return
+            else:
+                try:
+                    status = status_from(self._buffer[:STATUS_LENGTH])
+                except (ValueError, IndexError):
+                    self._buffer = self._buffer[1:]
+                    continue
+                self._buffer = self._buffer[STATUS_LENGTH:]
+                self._report(status)
+
+    def _hear(self, answer):
+        if self._queue and answer == _ANSWER_TO[self._queue[0][0]]:
+            self._end_packet(0)
+
+    def _lose(self):
+        self._buffer = b""
+        self._drop(errors.NO_ANSWER)
+        AnyMachine._lose(self)
+
+    def _ask(self):
+        self._write(packet(COMMANDS["STATUS"]))
+
+    def _report(self, status):
+        state = self.state
+        before, passed = self._steps, (self._now_ms - self._heard_ms) % 0x20000000
+        self._reported()
+        name = status["state"]
+        state["state"] = name[:1].upper() + name[1:]
+        self._steps = [status["x"], status["y"]]
+        self.place = state["m"] = state["w"] = [round(self._steps[axis] / self.scale[axis], 4) for axis in range(2)]
+        if before and passed > 0:
+            far = sum([((self._steps[axis] - before[axis]) / self.scale[axis]) ** 2 for axis in range(2)]) ** 0.5
+            state["feed"] = round(far * 60_000 / passed)
+        state["drawn"], state["free"] = status["drawn"], status["free"]
+        self.job.report(status["drawn"])
+        error = status["error"]
+        alarm = name == "alarm"
+        state["alarm"] = (error or state["alarm"] or errors.NUMBER) if alarm else 0
+        if error and error not in _NO_REFUSAL:
+            self.note(error)
+        self._settle(name, error if error not in _NO_REFUSAL else 0, alarm, status["free"])
+        if self.watcher:
+            self.watcher(state)
+
+    def _settle(self, name, error, alarm, free):
+        """What a STATUS tells of the packet under way, which has not been answered: refused, held back, done, or lost."""
+        if not self._queue:
+            return
+        what = self._queue[0][0]
+        if error or alarm and what not in ("ORIGIN", "STOP"):
+            self._end_packet(error or self.state["alarm"])
+            return
+        self._asked += 1
+        self._idle = self._idle + 1 if name in ("idle", "alarm") else 0
+        waits = what in ("LINE", "MOVE") and free == 0 or what in _TAKES_TIME and not self._idle or name == "jog" and what in _ONCE
+        if waits or (self._idle if what in _TAKES_TIME else self._asked) < _LOST:
+            return
+        self._attempts += 1
+        if what in _ONCE or self._attempts > _ATTEMPTS:
+            self._end_packet(errors.NO_ANSWER)
+        else:
+            self._say()
+
+    # --- orders
+
+    def still(self):
+        return errors.BUSY if self._queue else AnyMachine.still(self)
+
+    def _order(self, name, x=0, y=0):
+        self.send(name, x, y, self.finished)
+        return 0
+
+    def stop(self):
+        """Stop at once, pen up; the drawing is forgotten."""
+        self.lease.end()
+        self.jog.end()
+        self.job.fail(errors.STOPPED)
+        self._drop(0)
+        return self._order("STOP")
+
+    def home(self):
+        return self.still() or self._order("ORIGIN")
+
+    def give(self, owner):
+        """Take the command from another link; the page gives it to none."""
+        return self._order("LINK") if owner == "page" else errors.UNKNOWN_COMMAND
+
+    def _pace(self, order):
+        """The drawing speed, in the unit of the board file."""
+        return self.refusal() or self.still() or self._order("SPEED", int(number(order, "speed", 1, _MOST_PLACE)))
+
+    def _move(self, wanted):
+        """Go to a place in steps, pen up: an object of one point."""
+        error = self.still() or (errors.BUSY if self._steps is None else 0)
+        if error:
+            return error
+        if [axis for axis in range(2) if not 0 <= wanted[axis] <= self._travel[axis]]:
+            return errors.JOG_TRAVEL
+        self._order("MOVE", wanted[0], wanted[1])
+        return self._order("END")
+
+    def step(self, way, speed):
+        """{axis: mm} from here."""
+        if self._steps is None:
+            return errors.BUSY
+        return self._move([self._steps[axis] + round(way.get("xy"[axis], 0) * self.scale[axis]) for axis in range(2)])
+
+    def go(self, place, speed):
+        """{axis: mm}."""
+        if self._steps is None:
+            return errors.BUSY
+        return self._move([round(place["xy"[axis]] * self.scale[axis]) if "xy"[axis] in place else self._steps[axis] for axis in range(2)])
+
+    # --- the jog
+
+    def _may_jog(self, direction):
+        ways = tuple([1 if part > 0 else -1 if part < 0 else 0 for part in direction])
+        return ways in self._jogs and self._steps is not None and not self._queue
+
+    def _start_jog(self, direction, speed):
+        self._way = self._jogs[tuple([1 if part > 0 else -1 if part < 0 else 0 for part in direction])]
+        self.jog.active = True
+
+    def _go_on(self):
+        if self.jog.active and not self._queue:
+            self.send(self._way, 0, 0, self._jogged)
+
+    def _jogged(self, error):
+        if error and self.jog.active:
+            self.lease.end()
+            self.jog.end()
+
+    def _brake(self):
+        self._drop(0)
+        self._order("STOP")

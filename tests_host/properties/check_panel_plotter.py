@@ -1,0 +1,131 @@
+"""The page and the plotter's packets: the square of 2014, places, jogs that end, refusals, and a line that loses bytes."""
+
+from boards.plotter_2014 import BOARD
+from draws import Random
+from language_desk import LanguageDesk
+from panel_desk import TICKS_PER_MS, Shelf
+from passo import errors
+from passo.web.plotter_machine import PlotterMachine
+
+SQUARE = "SPEED 1000\nMOVE 644 314\nLINE 644 454\nLINE 884 454\nLINE 884 314\nLINE 644 314\nEND\n"
+CORNERS = [(644, 314), (644, 454), (884, 454), (884, 314), (644, 314)]
+CASES = {"check_a_line_that_loses_bytes": (("seed", "seed"),)}
+RUNS = {"check_a_line_that_loses_bytes": 3}
+
+
+def homed():
+    desk = LanguageDesk(BOARD, PlotterMachine, Shelf())
+    assert desk.order("home") == 0
+    desk.run_ms(100)
+    desk.until(lambda state: state["state"] == "Idle" and not desk.machine.still())
+    assert desk.place() == [0, 0]
+    return desk
+
+
+def ended(desk):
+    desk.until(lambda state: state["job"] and state["job"]["how"] != "run")
+    desk.settle()
+    return desk.machine.state["job"]
+
+
+def drawn(desk):
+    """Places that the pen was down at."""
+    return [place for _, place, tool in desk.trail.rows if tool]
+
+
+def check_the_square_of_2014():
+    desk = homed()
+    desk.store.put("square.txt", SQUARE)
+    assert desk.order("run", name="square.txt", check=True) == 0
+    assert ended(desk)["how"] == "done" and desk.place() == [0, 0]
+    assert desk.order("run", name="square.txt", passes=2) == 0
+    desk.until(lambda state: state["drawn"] == 3)
+    assert desk.machine.state["job"]["line"] in (3, 4, 5), desk.machine.state["job"]
+    job = ended(desk)
+    assert (job["how"], job["pass"], job["line"], job["lines"]) == ("done", 2, 7, 7), job
+    down = drawn(desk)
+    assert [corner for corner in CORNERS if corner not in down] == []
+    assert [place for place in down if place[0] not in (644, 884) and place[1] not in (314, 454)] == []
+
+
+def check_places_and_jogs():
+    desk = homed()
+    assert desk.order("goto", to={"x": 30, "y": 20}, speed=1) == 0
+    desk.settle()
+    assert desk.place() == [300, 200] and desk.machine.state["m"] == [30, 20] and not drawn(desk)
+    assert desk.order("step", by={"x": -1.5}, speed=1) == 0
+    desk.settle()
+    assert desk.place() == [285, 200]
+    assert desk.order("goto", to={"x": 401}, speed=1) == errors.JOG_TRAVEL
+    assert desk.order("jog", lease=1, beat=desk.beats, way={"x": 1, "y": 1}, speed=1) == errors.BUSY
+    for lease, way, axis, sign in ((2, {"y": 1}, 1, 1), (3, {"x": -1}, 0, -1)):
+        before = desk.place()
+        desk.hold_jog(lease, 480, way=way)
+        at = desk.port.now
+        desk.order("release")
+        desk.settle()
+        assert (desk.place()[axis] - before[axis]) * sign > 30 and desk.place()[1 - axis] == before[1 - axis]
+        took = (desk.trail.rows[-1][0] - at) / TICKS_PER_MS
+        assert took < 100, took
+        assert desk.machine.state["state"] == "Idle", desk.machine.state
+    at = desk.port.now
+    assert desk.order("jog", lease=4, beat=desk.beats, way={"y": 1}, speed=1) == 0
+    desk.settle()
+    took = (desk.trail.rows[-1][0] - at) / TICKS_PER_MS
+    assert 150 < took <= 250, took
+    before = desk.place()
+    desk.run_ms(500)
+    assert desk.place() == before and desk.order("keep", lease=4, beat=desk.beats) == errors.LEASE
+    assert desk.order("step", by={"y": -1}, speed=1) == 0
+    desk.settle()
+    assert desk.place() == [before[0], before[1] - 10]
+
+
+def check_refusals_and_stop():
+    desk = homed()
+    desk.store.put("far.txt", "MOVE 10 10\nLINE 5000 10\nEND\n")
+    assert desk.order("run", name="far.txt") == 0
+    job = ended(desk)
+    assert job["how"] == "failed" and job["error"] == errors.TRAVEL and job["done"] <= 2, job
+    desk.store.put("odd.txt", "MOVE 10 10\nCIRCLE 5\n")
+    assert desk.order("run", name="odd.txt") == errors.UNKNOWN_COMMAND
+    assert desk.machine.state["job"]["line"] == 2
+    desk.store.put("square.txt", SQUARE)
+    assert desk.order("run", name="square.txt") == 0
+    desk.until(lambda state: state["state"] == "Run" and state["drawn"])
+    assert desk.api.order({"do": "stop"}, False)["error"] == 0
+    desk.settle()
+    stood = desk.place()
+    assert desk.machine.state["job"]["error"] == errors.STOPPED and not desk.trail.rows[-1][2]
+    desk.run_ms(500)
+    assert desk.place() == stood
+    desk.machine.job.fail(0)
+    count = len(drawn(desk))
+    assert desk.order("goto", to={"x": 1, "y": 1}, speed=1) == 0
+    desk.settle()
+    assert desk.place() == [10, 10] and len(drawn(desk)) == count, "what was stored of a drawing is drawn later"
+    assert desk.order("pace", speed=0) == errors.ORDER_FIELD and desk.order("pace", speed=500) == 0
+    assert desk.order("zero", axes="x") == errors.UNKNOWN_COMMAND
+
+
+def check_a_line_that_loses_bytes(seed):
+    """Each way now and then: all points are drawn, and nothing else."""
+    desk = homed()
+    random = Random(seed)
+    put, feed = desk._put, desk.machine.feed
+
+    def torn(data):
+        if len(data) and random.between(0, 14) == 0:
+            at = random.between(0, len(data) - 1)
+            data = data[:at] + data[at + 1 :]
+        return bytes(data)
+
+    desk.machine._write = lambda data: put(torn(data))
+    desk.machine.feed = lambda data, now: feed(torn(data), now)
+    desk.store.put("square.txt", SQUARE)
+    assert desk.order("run", name="square.txt") == 0
+    desk.until(lambda state: state["job"]["how"] != "run", 300_000)
+    assert desk.machine.state["job"]["how"] == "done", desk.machine.state
+    down = drawn(desk)
+    assert [corner for corner in CORNERS if corner not in down] == []
+    assert [place for place in down if place[0] not in (644, 884) and place[1] not in (314, 454)] == []
