@@ -230,7 +230,7 @@ class PlotterMachine(AnyMachine):
         error = status["error"]
         alarm = name == "alarm"
         state["alarm"] = (error or state["alarm"] or errors.NUMBER) if alarm else 0
-        if error and error not in _NO_REFUSAL:
+        if error and error not in _NO_REFUSAL and error != errors.STOPPED:
             self.note(error)
         self._settle(name, error if error not in _NO_REFUSAL else 0, alarm, status["free"])
         if self.watcher:
