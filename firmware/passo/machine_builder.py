@@ -79,6 +79,9 @@ def load_all(board, whole):
     if board["network"]:
         forget("network_keys")
         network()
+        for link in board["links"]:
+            if link["port"] == "page":
+                page_line(board, link["protocol"])
     names = wanted(board, languages(board))
     modules = _OF_ALL
     if "program" in names:
@@ -141,14 +144,17 @@ def network():
         raise BoardError("network: it is not on this board (%s): flash it anew" % missing)
 
 
-def page_machine(board, language):
-    """make(write, tell) of what speaks a language for a page: GrblMachine of passo/web/grbl_machine.py. Raises BoardError."""
+def page_line(board, language):
+    """make(server, key, clock_ms): a line that pages speak on, by what speaks a language for them, such as GrblMachine of
+    passo/web/grbl_machine.py. Raises BoardError."""
     kind = language[0].upper() + language[1:] + "Machine"
     try:
+        line = __import__("passo.web.page_line", None, None, ("PageLine",)).PageLine
         found = getattr(__import__("passo.web." + language + "_machine", None, None, (kind,)), kind)
     except ImportError:
-        raise BoardError("network: there is no page for %s" % language)
-    return found if language == "grbl" else lambda write, tell: found(write, tell, board)
+        raise BoardError("network: there is no page for %s on this board" % language)
+    machine = found if language == "grbl" else lambda write, tell: found(write, tell, board)
+    return lambda server, key, clock_ms: line(server, machine, key, clock_ms)
 
 
 def serials(board, port):
@@ -157,7 +163,7 @@ def serials(board, port):
     if board["network"]:
         web = network()
         radio = port.radio if hasattr(port, "radio") else web.Radio(board["network"])
-        networked = web.make(board, radio, port.link_ms, page_machine)
+        networked = web.make(board, radio, port.link_ms, page_line)
     return [networked[link["name"]] if link["name"] in networked else port.serial(link) for link in board["links"]]
 
 
@@ -177,10 +183,13 @@ def wanted(board, languages):
 
 
 def load(names):
-    """[(name, class)] of features."""
-    return [
-        (name, getattr(__import__("passo.control." + name, None, None, (kind,)), kind)) for name, kind, _ in FEATURES if name in names
-    ]
+    """[(name, class)] of features. Raises BoardError."""
+    try:
+        return [
+            (name, getattr(__import__("passo.control." + name, None, None, (kind,)), kind)) for name, kind, _ in FEATURES if name in names
+        ]
+    except ImportError as missing:
+        raise BoardError("the board file asks for what is not on this board (%s): flash it anew" % missing)
 
 
 def guarded(board, languages, settings):

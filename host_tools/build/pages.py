@@ -1,5 +1,5 @@
-"""What a server on the board sends to browsers, as it lies in the board's flash: compressed, and beside the page what the page of a
-PC gets from the PC's own tables.
+"""What a server on the board sends to browsers, as it lies in the board's flash: compressed, in one file, and beside the page what the
+page of a PC gets from the PC's own tables. The file's form: passo/web/files.py.
 
     pack(board, Path("build/torch_pico_w/passo/web/page"))      # [(name, bytes before, bytes packed)]
 """
@@ -10,6 +10,7 @@ import json
 from host_tools.clients import setting_names
 from host_tools.resources import FIRMWARE
 from passo import error_texts
+from passo.web.files import PACK
 
 PAGES = FIRMWARE / "passo" / "web" / "page"
 # The small page of the torch's HTTP table; all other files are those of the page.
@@ -39,11 +40,12 @@ def pack(board, out):
     if "index.html" in texts:
         texts["errors.json"] = json.dumps(error_list()).encode()
         texts["rules.json"] = json.dumps(setting_names.rules(_AXES)).encode()
-    rows = []
-    for name, text in texts.items():
-        out.mkdir(parents=True, exist_ok=True)
-        packed = name not in _AS_THEY_ARE
-        data = gzip.compress(text, 9, mtime=0) if packed else text
-        (out / (name + ".gz" * packed)).write_bytes(data)
-        rows.append((name, len(text), len(data)))
-    return rows
+    if not texts:
+        return []
+    out.mkdir(parents=True, exist_ok=True)
+    packed = {name: gzip.compress(text, 9, mtime=0) for name, text in texts.items() if name not in _AS_THEY_ARE}
+    head = "".join(f"{name} {len(data)}\n" for name, data in packed.items()) + "\n"
+    (out / PACK).write_bytes(head.encode() + b"".join(packed.values()))
+    for name in texts.keys() - packed.keys():
+        (out / name).write_bytes(texts[name])
+    return [(name, len(text), len(packed.get(name, text))) for name, text in texts.items()]

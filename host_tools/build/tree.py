@@ -13,6 +13,7 @@ Left out: ports of other chips and the virtual one, languages that no link of th
 """
 
 import ast
+import copy
 import hashlib
 import json
 import re
@@ -27,6 +28,8 @@ from host_tools.build import mpy, pages
 from host_tools.build.constants import folded, numbered_only
 from host_tools.failure import Failure
 from host_tools.resources import FIRMWARE, MAIN
+from passo import machine_builder
+from passo.config.boardfile import check
 
 FILE_LIST = "files.txt"
 
@@ -95,6 +98,8 @@ PORT_FAMILIES = ("virtual", "rp2", "esp32")
 FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key of this name
 WEB = Path("passo", "web")
 NETWORK = WEB / "lines.py"  # only boards with a network have it, and what it imports
+PAGE_LINE = WEB / "page_line.py"
+BUILDER = Path("passo", "machine_builder.py")
 PAGES = WEB / "page"
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
 OF_ESP32 = ("passo", "config", "shift_keys.py")  # what no other chip's board file may say
@@ -128,8 +133,9 @@ def source_of(path, firmware):
     return MAIN if firmware == FIRMWARE and path == Path("main.py") else firmware / path
 
 
-def modules_imported(path, firmware):
-    """Full names of all that a file imports, or has loaded by name. Raises Failure if it is not Python."""
+def modules_imported(path, firmware, spared=frozenset()):
+    """Full names of all that a file imports, or has loaded by name, without the features `spared`. Raises Failure if it is not
+    Python."""
     found = set()
     try:
         tree = ast.parse(source_of(path, firmware).read_text(encoding="utf-8"))
@@ -140,7 +146,7 @@ def modules_imported(path, firmware):
             found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
         elif isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
-    return found | {f"passo.control.{name}" for name in features_named(tree)}
+    return found | {f"passo.control.{name}" for name in features_named(tree) - spared}
 
 
 def features_named(tree):
@@ -154,6 +160,14 @@ def features_named(tree):
             elif node.targets[0].id == "FEATURES":
                 found |= {row.elts[0].value for row in node.value.elts if not isinstance(row.elts[-1], ast.Constant)}
     return found
+
+
+def spared_features(board):
+    """Features that nothing in the board file asks for: left out where a network takes the room of the flash."""
+    if not board.get("network"):
+        return frozenset()
+    checked = check(copy.deepcopy(board))
+    return frozenset(name for name, _, rule in machine_builder.FEATURES if rule and not rule(checked))
 
 
 def selected(board, firmware=FIRMWARE):
@@ -176,11 +190,13 @@ def selected(board, firmware=FIRMWARE):
         chosen.add(NETWORK)
         for link in board["links"]:
             if link["port"] == "page":
-                chosen.add(WEB / f"{link['protocol']}_machine.py")
+                chosen |= {PAGE_LINE, WEB / f"{link['protocol']}_machine.py"}
+    spared = spared_features(board)
     queue = list(chosen)
     queue.append(Path("main.py"))
     while queue:
-        imported = modules_imported(queue.pop(), firmware)
+        path = queue.pop()
+        imported = modules_imported(path, firmware, spared if path == BUILDER else frozenset())
         more = {modules[name] for name in imported & modules.keys()} - chosen
         chosen |= more
         queue += more

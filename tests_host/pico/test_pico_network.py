@@ -4,25 +4,18 @@ What this does not show: the radio, its driver and lwIP, whose memory lies outsi
 """
 
 import json
-import shutil
-import tempfile
-from pathlib import Path
 
 import pytest
 
+from air import Air, files, pico_w
 from host_tools import boards
-from host_tools.build import tree
-from host_tools.emulator import binary
-from host_tools.emulator.filesystem import folder_files
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.machine import EmulatedMachine
 from passo.protocols.torch import protocol as torch
 from test_pico_torch import steps_of, until_up
 
 
-BAUD = 921_600  # as uart_radio.py
 LEAST_FREE = 25_000  # bytes, with two clients
-RADIO = Path(__file__).with_name("uart_radio.py")
 RATE = 4000  # steps/s
 STEPS = 4000
 LATEST_US = 11  # steps of axes that run on their own may share a word
@@ -41,84 +34,14 @@ def network_board():
     return board
 
 
-def files(board):
-    """The firmware's files with the radio of this test."""
-    with tempfile.TemporaryDirectory() as folder:
-        firmware = Path(folder) / "firmware"
-        shutil.copytree(tree.FIRMWARE, firmware)
-        shutil.copyfile(RADIO, firmware / "passo" / "web" / "radio.py")
-        module = firmware / "passo" / "protocols" / "torch" / "protocol.py"
-        source = module.read_text(encoding="utf-8")
-        for old, new in Z_TOO:
-            assert source.count(old) == 1
-            source = source.replace(old, new)
-        module.write_text(source, encoding="utf-8")
-        path = Path(folder) / "board.py"
-        path.write_text(f"BOARD = {board!r}\n", encoding="utf-8")
-        out = Path(folder) / "out"
-        tree.build_tree(str(path), out, firmware=firmware)
-        return folder_files(out)
-
-
-class Air:
-    """The other end of the UART: connections by number."""
-
-    def __init__(self, machine):
-        self._machine = machine
-        self._wire = machine.pico.uart(1)
-        self._come = b""
-        self._opened = 0
-        self.heard = {}
-        self.ended = set()
-
-    def say(self, kind, number, data=b""):
-        for at in range(0, max(len(data), 1), 200):
-            piece = data[at : at + 200]
-            self._wire.feed(kind + bytes((number, len(piece))) + piece, BAUD)
-
-    def ask(self, text):
-        """Begin a request; the number of its connection."""
-        self._opened += 1
-        self.heard[self._opened] = b""
-        self.say(b"O", self._opened)
-        self.say(b"D", self._opened, text.encode())
-        return self._opened
-
-    def get(self, path):
-        return self.ask(f"GET {path} HTTP/1.1\r\nHost: passo.local\r\nAccept-Encoding: gzip\r\nUser-Agent: Mozilla/5.0\r\n\r\n")
-
-    def look(self):
-        self._come += self._wire.drain()
-        while len(self._come) >= 3 and len(self._come) >= 3 + self._come[2]:
-            kind, number, length = self._come[:1], self._come[1], self._come[2]
-            self.heard[number] += self._come[3 : 3 + length]
-            self._come = self._come[3 + length :]
-            if kind == b"C":
-                self.ended.add(number)
-
-    def answer(self, number, limit_ms=2000):
-        """The body of an answer, once it has ended, and how long it took, ms."""
-        begun = self._machine.now_ms()
-        while number not in self.ended:
-            assert self._machine.now_ms() < begun + limit_ms, self.heard[number]
-            self._machine.run_ms(1)
-            self.look()
-        head, _, body = self.heard[number].partition(b"\r\n\r\n")
-        assert head.startswith(b"HTTP/1.1 200 OK"), head
-        return body, self._machine.now_ms() - begun
-
-
 def events(data):
     return [json.loads(line[6:]) for line in data.split(b"\n") if line.startswith(b"data: ") and line.endswith(b"}")]
 
 
 @pytest.mark.slow
 def test_a_page_while_three_axes_step(show):
-    found = sorted((binary.CACHE / "versions").glob("RPI_PICO_W-*.uf2"))
-    if not found:
-        pytest.skip("NOT TESTED: no MicroPython UF2 for the Pico W")
     board = network_board()
-    machine = EmulatedMachine(board, files(board), uf2=found[-1], start=(1000, 5000, 1000)).boot()
+    machine = EmulatedMachine(board, files(board, "protocols/torch/protocol.py", Z_TOO), uf2=pico_w(), start=(1000, 5000, 1000)).boot()
     air = Air(machine)
     until_up(machine)
     machine.send(torch.frame("CONNECT"))

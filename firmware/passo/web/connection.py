@@ -9,8 +9,6 @@ Of the head only what is looked at is kept. Whatever is longer than the bounds b
 that answers it. A connection carries one request, which may make a WebSocket of it.
 """
 
-import os
-
 from micropython import const
 
 from passo.web.websocket import Frames, accept_of
@@ -66,6 +64,7 @@ class Connection:
         self._count = 0
         self._out = b""
         self._file = None
+        self._left = 0  # bytes of it
 
     # --- the request
 
@@ -159,13 +158,14 @@ class Connection:
 
     # --- the answer
 
-    def answer(self, status, kind, body, more=b"", path=None):
-        """Send `body`, and the file `path` behind it. `kind`: its media type; `more`: lines of the head, each with its end."""
-        size = len(body)
+    def answer(self, status, kind, body, more=b"", path=None, start=0, size=0):
+        """Send `body`, and behind it `size` bytes of the file `path` from `start` on. `kind`: its media type; `more`: lines of the
+        head, each with its end."""
         if path:
-            size += os.stat(path)[6]
             self._file = open(path, "rb")
-        self._begin(status, kind, more + b"Content-Length: %d\r\n" % size)
+            self._file.seek(start)
+            self._left = size
+        self._begin(status, kind, more + b"Content-Length: %d\r\n" % (len(body) + size))
         self._out += body
         self.state = ANSWERED
 
@@ -218,8 +218,9 @@ class Connection:
         """Send what the network takes. True once all has been sent, which never is so of events. Raises OSError if the
         other end has gone."""
         if not self._out and self._file is not None:
-            self._out = self._file.read(_SENT)
-            if not self._out:
+            self._out = self._file.read(min(_SENT, self._left))
+            self._left -= len(self._out)
+            if not self._out or not self._left:
                 self._close_file()
         if self._out:
             try:

@@ -1,9 +1,10 @@
 """The files that a server sends: those of one folder, by names that are there. Nothing that a network says reaches the file system.
 
     files = Folder("passo/web/page/")
-    files.find(b"/panel.js")    # (media type, lines of the head, path); None: there is no such file
+    files.find(b"/panel.js")    # (media type, lines of the head, path, start, bytes); None: there is no such file
 
-A board has them compressed, `panel.js.gz`: it sends them as they are, and every browser takes that.
+A board has most of them in one file, `pages.bin`, because each file takes a block of 4 kB of its flash: lines `NAME BYTES`, the last one
+empty, then the files one after the other, compressed with gzip. They are sent as they are; every browser takes that.
 """
 
 import os
@@ -12,7 +13,7 @@ _KINDS = {
     "html": b"text/html; charset=utf-8", "js": b"text/javascript; charset=utf-8", "css": b"text/css; charset=utf-8",
     "svg": b"image/svg+xml", "json": b"application/json",
 }  # fmt: skip
-_PACKED = ".gz"
+PACK = "pages.bin"
 _FIRST = "index.html"
 
 
@@ -20,7 +21,26 @@ class Folder:
     def __init__(self, path):
         """`path`: with a slash at its end."""
         self.path = path
-        self._names = [name for name in os.listdir(path) if name.replace(_PACKED, "").split(".")[-1] in _KINDS]
+        names = os.listdir(path)
+        self._names = [name for name in names if name.split(".")[-1] in _KINDS]
+        self._packed = {}  # name: (start, bytes)
+        if PACK in names:
+            self._read_pack()
+
+    def _read_pack(self):
+        with open(self.path + PACK, "rb") as file:
+            start = 0
+            while True:
+                line = file.readline()
+                name, _, size = line.decode().strip().partition(" ")
+                if not name:
+                    break
+                self._packed[name] = (start, int(size))
+                start += int(size)
+            head = file.tell()
+        for name in self._packed:
+            start, size = self._packed[name]
+            self._packed[name] = (start + head, size)
 
     def find(self, path):
         try:
@@ -28,6 +48,13 @@ class Folder:
         except ValueError:
             return None
         kind = _KINDS.get(name.split(".")[-1])
-        if name + _PACKED in self._names:
-            return kind, b"Content-Encoding: gzip\r\n", self.path + name + _PACKED
-        return (kind, b"", self.path + name) if name in self._names and kind else None
+        if name in self._packed:
+            start, size = self._packed[name]
+            return kind, b"Content-Encoding: gzip\r\n", self.path + PACK, start, size
+        if name in self._names:
+            return kind, b"", self.path + name, 0, self.size(name)
+        return None
+
+    def size(self, name):
+        """Bytes of a file that is not packed."""
+        return os.stat(self.path + name)[6]

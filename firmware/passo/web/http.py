@@ -63,7 +63,7 @@ class Server:
 
     def serve(self, posts, gets, page):
         """`posts`, `gets`: paths that the language answers; `gets` begins with the one that is shown at / and pushed to pages.
-        `page`: the file behind each answer in HTML."""
+        `page`: the file of the folder that stands behind each answer in HTML."""
         self._posts = posts
         self._gets = gets
         self._page = page
@@ -92,7 +92,7 @@ class Server:
                     connection.answer(200, b"application/json", data, more)
                 else:
                     body = _BEGIN + data + b"</pre>\n"
-                    connection.answer(200, b"text/html; charset=utf-8", body, more, self._page)
+                    connection.answer(200, b"text/html; charset=utf-8", body, more, self.files.path + self._page, 0, self.files.size(self._page))
                 self._go_on(connection)
                 return
 
@@ -282,8 +282,8 @@ class Server:
         elif connection.method != b"GET":
             self._say(connection, 405)
         elif found:
-            kind, more, file = found
-            connection.answer(200, kind, b"", more, file)
+            kind, more, file, start, size = found
+            connection.answer(200, kind, b"", more, file, start, size)
             self._go_on(connection)
         elif path == b"/":
             self._ask(connection, self._gets[0], now_ms)

@@ -1,6 +1,6 @@
 """Links whose bytes come over the network: to the app they are serial lines.
 
-    lines = make(board, radio, clock_ms, machine_of)    # {name of a link: its line}
+    lines = make(board, radio, clock_ms, page_line)     # {name of a link: its line}
     line.join(link, controller)             # once there are both
     line.read(), line.write(data), line.any()
 
@@ -18,9 +18,9 @@ from passo.web.signed import SignedLine
 _FOLDER = __file__[: __file__.rfind("/")] + "/page/" if "/" in __file__ else "page/"
 
 
-def make(board, radio, clock_ms, machine_of):
-    """The lines of the links over the network. `board`: of the board file; `clock_ms()`: the links' clock; `machine_of(board,
-    language)`: what speaks it for a page."""
+def make(board, radio, clock_ms, page_line):
+    """The lines of the links over the network. `board`: of the board file; `clock_ms()`: the links' clock; `page_line(board, language)`
+    gives what makes a line for pages."""
     lines = {}
     links = [link for link in board["links"] if link["port"] in NETWORK_PORTS]
     listener = radio.listen("http") if radio and [link for link in links if link["port"] != "tcp"] else None
@@ -37,9 +37,7 @@ def make(board, radio, clock_ms, machine_of):
         elif listener and link["port"] == "http":
             lines[name] = HttpLine(server, guard, board["network"]["legacy_http"], clock_ms)
         elif listener:
-            from passo.web.page_line import PageLine  # here: few boards have it
-
-            lines[name] = PageLine(server, machine_of(board, link["protocol"]), radio.key, clock_ms)
+            lines[name] = page_line(board, link["protocol"])(server, radio.key, clock_ms)
     return lines
 
 
@@ -75,7 +73,7 @@ class HttpLine:
         admission = controller.features["admission"]
         protocol = link.protocol
         self._guard.admit(admission.admitted if self._legacy else None, protocol.FREE)
-        self._server.serve(protocol.POSTS, protocol.GETS, self._server.files.path + protocol.PAGE)
+        self._server.serve(protocol.POSTS, protocol.GETS, protocol.PAGE)
 
     def any(self):
         return self._server.waiting()
