@@ -78,10 +78,6 @@ def load_all(board, whole):
         forget("shift_keys")
     if board["network"]:
         forget("network_keys")
-        network()
-        for link in board["links"]:
-            if link["port"] == "page":
-                page_line(board, link["protocol"])
     names = wanted(board, languages(board))
     modules = _OF_ALL
     if "program" in names:
@@ -106,6 +102,11 @@ def load_last(board):
     """The same of small modules: they find room when the large ones of the port have theirs."""
     if [link for link in board["links"] if link["frames"]]:
         framed_line()
+    if board["network"]:
+        network()
+        for link in board["links"]:
+            if link["port"] == "page":
+                page_line(board, link["protocol"])
 
 
 def languages(board):

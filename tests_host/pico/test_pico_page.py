@@ -23,6 +23,7 @@ def test_the_page_while_three_axes_step(show):
     """Files, states five times a second to two pages, answers to orders, and STOP without a key: no step is late."""
     board = network_board()
     board["links"][1] = {"name": "page", "port": "page", "protocol": "torch"}
+    board["memory"] = "lean"
     machine = EmulatedMachine(board, files(board, "protocols/torch/protocol.py", Z_TOO), uf2=pico_w(), start=(1000, 9000, 1000)).boot()
     air = Air(machine)
     until_up(machine)
