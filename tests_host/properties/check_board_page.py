@@ -114,17 +114,18 @@ def check_five_states_a_second():
     assert max(gaps) <= 260, gaps
 
 
-def check_two_pages_and_no_more():
-    """A third takes the place of one that has proven nothing; of none that has."""
+def check_four_pages_and_no_more():
+    """A fifth takes the place of one that has proven nothing; of none that has."""
     board = ServedRouter()
     first = board.commanding()
     looker = board.page()
-    second = board.page()
-    assert second.hello and first.alive and not looker.alive
-    assert second.order("log")["log"] == []
-    third = board.page(None)
+    more = [board.page() for _ in range(3)]
+    assert more[2].hello and first.alive and not looker.alive
+    for page in more:
+        assert page.order("log")["log"] == []
+    fifth = board.page(None)
     board.run_ms(100)
-    assert b" 503 " in third.head and not third.alive and first.alive and second.alive
+    assert b" 503 " in fifth.head and not fifth.alive and [page.alive for page in [first] + more] == [True] * 4
 
 
 def stopped_after(board, since):
@@ -273,3 +274,47 @@ def check_a_page_that_says_nothing_is_given_up():
     dead.ponging = False
     board.run_ms(9000)
     assert alive.alive and not dead.alive
+
+
+# --- a sender by a WebSocket
+
+
+def check_a_sender():
+    """Proven lines, cut in any way, at /grbl; without the key only what asks or makes safe; one sender at a time."""
+    board = ServedRouter()
+    sender = board.sender()
+    assert sender.said().find(b"[PASSO:") == 0
+    assert answers(sender, b"$X\n", proven=False) == b"error:%d" % errors.NOT_ADMITTED
+    sender.put(b"?")
+    assert b"<" in sender.said()
+    assert answers(sender, b"$LINK=0") == b"ok" and answers(sender, b"$X") == b"ok"
+    before = list(board.world.place)
+    assert answers(sender, b"G91 G1 X2 F3000", cut=7) == b"ok"
+    board.settle()
+    assert list(board.world.place) == [before[0] + 2 * MM] + before[1:]
+    other = board.sender()
+    board.run_ms(50)
+    assert b" 503 " in other.head, "one that has proven the key keeps its place"
+    sender.line(b"$J=G91X50F3000")
+    board.run_ms(300)
+    sender.wire.close()
+    board.browsers.remove(sender)
+    board.run_ms(600)
+    assert board.controller.state == "idle" and board.world.place[0] < before[0] + 40 * MM, "its jog has ended with it"
+    again = board.sender()
+    assert again.said().find(b"[PASSO:") == 0
+
+
+def answers(sender, line, proven=True, cut=1000):
+    """What a line is answered."""
+    sender.said()
+    if proven:
+        sender.line(line, cut)
+    else:
+        sender.put(line)
+    found = b""
+    for _ in range(100):
+        found += sender.said()
+        if b"ok" in found or b"error" in found:
+            break
+    return [each for each in found.split(b"\r\n") if each[:2] == b"ok" or each[:5] == b"error"][0]

@@ -105,6 +105,9 @@ class ServedRouter(Machine):
         wire.close()
         return data
 
+    def sender(self):
+        return Sender(self)
+
     def commanding(self):
         """A page that has the command of a router that is unlocked."""
         page = self.page()
@@ -134,6 +137,9 @@ def masked(kind, data):
 class Browser:
     """One page: what its script does, without a screen."""
 
+    PATH = b"/ws"
+    ORIGIN = b"Origin: http://127.0.0.1\r\n"
+
     def __init__(self, board, key):
         self._board = board
         self.wire = board.connect()
@@ -148,7 +154,7 @@ class Browser:
         self.count = self.asked = 0
         board.browsers.append(self)
         self.send(
-            b"GET /ws HTTP/1.1\r\nHost: 127.0.0.1\r\nOrigin: http://127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            b"GET " + self.PATH + b" HTTP/1.1\r\nHost: 127.0.0.1\r\n" + self.ORIGIN + b"Upgrade: websocket\r\nConnection: Upgrade\r\n"
             b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
         )
         self.hello = self.wait(lambda message: message["t"] == "hello") if key else None
@@ -184,9 +190,10 @@ class Browser:
             if kind == 9 and self.ponging:
                 self.send(masked(10, data))
             elif kind == 1:
-                self._hear(json.loads(data.decode()))
+                self._hear(data.decode())
 
-    def _hear(self, message):
+    def _hear(self, text):
+        message = json.loads(text)
         if message["t"] == "state":
             self.state = message
             self.pushes.append((self._board.now_ms(), message))
@@ -226,3 +233,37 @@ class Browser:
                 return self.state
             self._board.run_ms(1)
         raise AssertionError("not so: %r" % self.state)
+
+
+class Sender(Browser):
+    """A sender of G-code, which proves its lines."""
+
+    PATH = b"/grbl"
+    ORIGIN = b""
+
+    def __init__(self, board):
+        self._heard = ""
+        Browser.__init__(self, board, None)
+
+    def _hear(self, text):
+        self._heard += text
+        if self._heard[:7] == "[PASSO:" and self.session is None:
+            self.session = Session(KEY, self._heard[7 : self._heard.find("]")])
+
+    def said(self):
+        """What was said since the last time, 20 ms later."""
+        self._board.run_ms(20)
+        heard = self._heard
+        self._heard = ""
+        return heard.encode()
+
+    def put(self, data):
+        self.send(masked(1, data))
+
+    def line(self, body, cut=1000):
+        """A proven line, in pieces of `cut` bytes."""
+        self.count += 1
+        text = body.decode()
+        data = ("%d.%s.%s\n" % (self.count, self.session.proof(str(self.count), text), text)).encode()
+        for at in range(0, len(data), cut):
+            self.put(data[at : at + cut])

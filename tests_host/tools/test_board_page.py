@@ -37,7 +37,7 @@ class Served:
         return self
 
     def __exit__(self, *_):
-        self.client.close()
+        self.client.__exit__()
         self.board.__exit__()
 
     def page(self, key=KEY):

@@ -29,7 +29,7 @@ _WHOLE_MS = const(3000)  # by then a request is whole, and answered
 _SENT_MS = const(10_000)  # and its answer has been taken
 _ALIVE_MS = const(2000)  # a WebSocket without a sign of life is asked for one
 _GONE_MS = const(8000)  # and given up
-PUSH_MS = const(200)
+_PUSH_MS = const(200)
 _PUSHED = const(255)  # the number of the request whose answer is pushed
 _MOST_S = const(60)  # requests a second for the machine
 _BEGIN = b'<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>Passo</title><link rel="icon" href="data:,"><pre id="answer">'
@@ -115,7 +115,7 @@ class Server:
             if self._late(connection, now_ms):
                 self.drop(connection)
                 break
-        if not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= PUSH_MS and self._pages():
+        if not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= _PUSH_MS and self._pages():
             self._pushed_ms = now_ms
             self._pushing = True
             self._requests.append(bytes((_PUSHED, REQUEST_JSON)) + self._gets[0])

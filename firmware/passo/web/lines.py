@@ -24,6 +24,7 @@ def make(board, radio, clock_ms, page_line):
     lines = {}
     links = [link for link in board["links"] if link["port"] in NETWORK_PORTS]
     listener = radio.listen("http") if radio and [link for link in links if link["port"] != "tcp"] else None
+    server = None
     if listener:
         guard = Guard(radio.names, radio.key, nonce(), radio.own)
         server = Server(listener, Folder(getattr(radio, "folder", _FOLDER)), guard)
@@ -32,11 +33,11 @@ def make(board, radio, clock_ms, page_line):
         lines[name] = Silent()
         if link["port"] == "tcp":
             wired = radio.listen("tcp") if radio else None
-            if wired:
-                lines[name] = SignedLine(wired, radio.key)
-        elif listener and link["port"] == "http":
+            if wired or server:
+                lines[name] = SignedLine(wired, radio.key, server)
+        elif server and link["port"] == "http":
             lines[name] = HttpLine(server, guard, board["network"]["legacy_http"], clock_ms)
-        elif listener:
+        elif server:
             lines[name] = page_line(board, link["protocol"])(server, radio.key, clock_ms)
     return lines
 

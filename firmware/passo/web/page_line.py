@@ -17,11 +17,12 @@ from passo.commands import HAND_OVER, Command
 from passo.errors import LATER, BUSY
 from passo.records import COUNT_MASK
 from passo.web.api import Api
-from passo.web.http import PAGES, PUSH_MS
 from passo.web.pages import Pages
 from passo.web.websocket import TEXT, frame
 
-_ASK_MS = const(180)  # between two reports, while no jog goes on
+_ASK_MS = const(150)  # between two reports, while no jog goes on
+_PAGES = const(4)  # at once: each takes 2 to 4 kB
+_FRESH_MS = const(190)  # between two pushes: with a turn of the main loop some 200
 _LATE_MS = const(280)  # then the state is pushed without a report
 
 
@@ -39,7 +40,7 @@ class PageLine:
         self.machine = machine_of(self._say, self._tell)
         self.machine.watcher = self._reported
         self.machine.ask_ms = _ASK_MS
-        self.pages = Pages(BoardApi(self.machine, self._give), key, PAGES)
+        self.pages = Pages(BoardApi(self.machine, self._give), key, _PAGES)
         server.sockets[b"/ws"] = self
         server.calls[b"/stop"] = self._stop
 
@@ -60,7 +61,7 @@ class PageLine:
             self.machine.state["owner"] = "page" if self._controller.machine.commander == self._seat.number else "guest"
             self.machine.poll(now_ms)
             passed = (now_ms - self._pushed_ms) & COUNT_MASK
-            if passed >= (PUSH_MS if self._fresh else _LATE_MS):
+            if passed >= (_FRESH_MS if self._fresh else _LATE_MS):
                 self._push(now_ms)
         said = self._said
         self._said = b""

@@ -1,8 +1,9 @@
-"""A language of lines over a TCP connection: what moves the machine proves the key, a line at a time.
+"""A language of lines over a TCP connection, or a WebSocket: what moves the machine proves the key, a line at a time.
 
 The board begins with `[PASSO:NONCE]`. A line is `COUNT.PROOF.BODY`, see session.py; BODY is a line of the language, or `*` and the two
 hex digits of a real-time byte. Bytes that ask, or make the machine safe, are taken as they are, wherever they stand: `?`, `!`, 0x18,
-0x84, 0x85. Anything else is answered by an error. `passo wifi bridge` is the other end: a pty for a sender.
+0x84, 0x85. Anything else is answered by an error. `passo wifi bridge` is the other end: a pty for a sender. Where a server serves the
+page, it takes the same lines at /grbl by a WebSocket, in messages however they are cut.
 
 One connection at a time. A new one takes the place of one that has proven nothing yet.
 """
@@ -13,6 +14,7 @@ from passo import errors
 from passo.web.connection import AGAIN, READ, UNSENT
 from passo.web.guard import WRONG, nonce
 from passo.web.session import Session
+from passo.web.websocket import TEXT, frame
 
 FREE = b"?!\x18\x84\x85"
 _LINE = const(320)  # bytes of a line, with its proof
@@ -20,19 +22,29 @@ _JOG_CANCEL = FREE[-1:]
 
 
 class SignedLine:
-    def __init__(self, listener, key):
-        """`listener`: a socket that listens; `key`: text."""
-        listener.setblocking(False)
+    browser = False  # a sender names no Origin
+
+    def __init__(self, listener, key, server=None):
+        """`listener`: a socket that listens, or None; `key`: text; `server`: of WebSockets (http.py), or None."""
+        if listener:
+            listener.setblocking(False)
         self._listener = listener
         self._key = key
-        self._socket = None
+        self._server = server
+        if server:
+            server.sockets[b"/grbl"] = self
+        self._socket = self._connection = None  # one of them at most
+        self._said = b""
         self._drop()
         self._gone = False  # a connection has ended, and the language does not know yet
 
     def _drop(self):
         if self._socket is not None:
             self._socket.close()
-        self._socket = self._session = None
+        connection = self._connection
+        self._socket = self._session = self._connection = None
+        if connection:
+            self._server.drop(connection)
         self._line = self._out = b""
         self._wrong = 0
         self._gone = True
@@ -42,7 +54,8 @@ class SignedLine:
 
     def read(self):
         """Bytes for the language."""
-        said = self._receive() if self._socket is not None else b""
+        said = self._said + (self._receive() if self._socket is not None else b"")
+        self._said = b""
         self._accept()  # behind it: who has gone makes room
         if self._gone:
             self._gone = False
@@ -66,30 +79,63 @@ class SignedLine:
 
     def write(self, data):
         """What the language says; lost without a connection."""
-        if self._socket is not None and len(self._out) < UNSENT:
+        if self._connection:
+            self._server.send(self._connection, frame(TEXT, data))
+        elif self._socket is not None and len(self._out) < UNSENT:
             self._out += bytes(data)
             self._send()
 
     def watched(self):
-        return [self._listener] if self._socket is None else [self._listener, self._socket]
+        return [socket for socket in (self._listener, self._socket) if socket]
 
     def close(self):
         self._drop()
-        self._listener.close()
+        if self._listener:
+            self._listener.close()
 
     def _accept(self):
         try:
-            socket, _ = self._listener.accept()
+            socket, _ = self._listener.accept() if self._listener else (None, None)
         except OSError:
             return
-        if self._socket is not None and self._session.opened:
+        if socket is None:
+            return
+        if self._taken():
             socket.close()
             return
-        self._drop()
         socket.setblocking(False)
+        greeting = self._begin()
         self._socket = socket
+        self.write(greeting)
+
+    def _taken(self):
+        """True if there is a connection that has proven the key."""
+        return self._session is not None and self._session.opened
+
+    def _begin(self):
+        """A new session in the place of the one before. Returns what its other end is told first."""
+        self._drop()
         self._session = Session(self._key, nonce())
-        self.write(b"[PASSO:%s]\r\n" % self._session.nonce.encode())
+        return b"[PASSO:%s]\r\n" % self._session.nonce.encode()
+
+    # --- as a WebSocket: see http.py
+
+    def open(self, connection, now_ms):
+        if self._taken():
+            return None
+        greeting = self._begin()
+        self._connection = connection
+        return frame(TEXT, greeting)
+
+    def heard(self, connection, data, now_ms):
+        if len(self._said) + len(data) <= UNSENT:
+            self._said += self._understood(data)
+        return connection is self._connection
+
+    def gone(self, connection):
+        if connection is self._connection:
+            self._connection = None
+            self._drop()
 
     def _send(self):
         try:
@@ -110,7 +156,7 @@ class SignedLine:
             else:
                 said += self._proven(self._line.rstrip(b"\r"))
                 self._line = b""
-                if self._socket is None:
+                if self._session is None:
                     break
         return said
 
