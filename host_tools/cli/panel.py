@@ -18,7 +18,7 @@ def panel(
     port: Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL of the board (socket://host:port).")] = None,
     baud: Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")] = None,
     protocol: Annotated[
-        Optional[str], typer.Option(help="Language of the link of --port: grbl, pulses, torch or plotter. Default: grbl, pulses and torch are found by asking.")
+        Optional[str], typer.Option(help="Language of the link of --port: grbl, pulses, torch, plotter or keys. Default: grbl, pulses and torch are found by asking.")
     ] = None,
     board: Annotated[
         Optional[str], typer.Option(help="Board file: the demo's machine; of a board on --port, what its language does not tell (steps/mm).")

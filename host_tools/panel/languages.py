@@ -13,8 +13,8 @@ from passo.web.stored import StoredJobs
 from passo.web.teach import Teach
 
 # The board file that is meant if none is named; its first link's language is the key.
-BOARDS = {"grbl": "router_3axis", "pulses": "lpt_router", "torch": "torch_manipulator", "plotter": "plotter_2014"}
-BAUD = {"grbl": 115_200, "pulses": 115_200, "torch": 115_200, "plotter": 57_600}
+BOARDS = {"grbl": "router_3axis", "pulses": "lpt_router", "torch": "torch_manipulator", "plotter": "plotter_2014", "keys": "two_motor_kit"}
+BAUD = {"grbl": 115_200, "pulses": 115_200, "torch": 115_200, "plotter": 57_600, "keys": 9600}
 
 
 class Spoken:
@@ -37,7 +37,7 @@ def create(language, board, write, tell, guest=None):
         return _grbl(write, tell, guest)
     board = check(board)
     about = {"scale": [axis["steps_per_m"] / 1000 for axis in board["axes"]]}
-    return {"pulses": _pulses, "torch": _torch, "plotter": _plotter}[language](board, write, tell, about)
+    return {"pulses": _pulses, "torch": _torch, "plotter": _plotter, "keys": _keys}[language](board, write, tell, about)
 
 
 def _grbl(write, tell, guest):
@@ -81,3 +81,9 @@ def _plotter(board, write, tell, about):
     speed = board["speed"]
     about["speed"] = {name: speed[name] for name in ("unit", "default", "min", "max")}
     return Spoken(PlotterMachine(write, tell, board), None, drawn.packet_lines, about, made=drawn.job_of(board))
+
+
+def _keys(board, write, tell, about):
+    from passo.web.keys_machine import KeysMachine
+
+    return Spoken(KeysMachine(write, tell, board), None, None, about)

@@ -70,6 +70,7 @@ class Panel:
         """The board's port has come or goes: its bytes are taken as they come."""
         if self._loop is None:
             return
+        self.machine.attached(opened)
         if opened:
             self._loop.add_reader(fd, self._hear)
         else:

@@ -250,8 +250,40 @@ def test_the_plotter(tmp_path, driver):
     assert not [corner for corner in ((100, 200), (300, 200), (300, 300), (100, 300)) if corner not in walked]
 
 
+def test_each_language_by_the_machine_chooser(tmp_path, driver):
+    """The page becomes that of each machine in turn: its cards, and one thing that moves; what the language lacks is hidden."""
+    with PanelProcess(tmp_path, "--board", "two_motor_kit") as panel:
+        browser = Browser(panel, driver, (1280, 1800))
+        browser.until_state("Ready")
+        assert not [name for name in ("card-place", "card-job", "card-path", "card-line") if browser.find(name).is_displayed()]
+        browser.tap("[data-motor='1 on']")
+        browser.until(lambda: "250 steps/s" in browser.text("motor-1") and browser.text("state") == "Running")
+        browser.tap("[data-motor='1 reverse']")
+        browser.until(lambda: browser.text("motor-1").startswith("anticlockwise"))
+        browser.fill("speed-2", "4")
+        browser.tap("[data-motor='2 speed']")
+        browser.press("y+")
+        browser.until(lambda: "62.5 steps/s" in browser.text("motor-2"))
+        browser.let_go()
+        browser.until(lambda: browser.text("motor-2") == "off")
+        browser.tap("[data-motor='0 off']")
+        browser.until_state("Ready")
+        for board, card, button in (("lpt_router", "card-program", "[data-way='z+']"), ("torch_manipulator", "card-torch", "[data-switch=motors_on]"),
+                                    ("plotter_2014", "card-plotter", "[data-way='x+']")):  # fmt: skip
+            browser.choose("machines", board)
+            browser.click("machine")
+            browser.answer()
+            browser.until(lambda: browser.find(card).is_displayed() and not browser.find("card-keys").is_displayed())
+            browser.until_state("Ready")
+            step_of(browser, 1)
+            browser.tap(button)
+            shown = {"[data-way='z+']": ("m-z", "1.000"), "[data-way='x+']": ("m-x", "1.000")}.get(button)
+            browser.until(lambda: browser.text(shown[0]) == shown[1] if shown else browser.css("[data-shows=ours]").text == "on")
+        assert not [row for row in browser.driver.get_log("browser") if "SyntaxError" in row["message"] or "Uncaught" in row["message"]]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("board", ["lpt_router", "torch_manipulator", "plotter_2014"])
+@pytest.mark.parametrize("board", ["lpt_router", "torch_manipulator", "plotter_2014", "two_motor_kit"])
 @pytest.mark.parametrize("size, language, theme", [((1280, 1700), "en", "light"), ((390, 4200), "pt", "dark")])
 def test_pictures(tmp_path, driver, board, size, language, theme):
     """No card is wider than the window, in either language."""

@@ -75,6 +75,9 @@ class AnyMachine:
         self._heard_ms = self._now_ms
         self.state["link"] = True
 
+    def attached(self, is_open):
+        """The port has been opened, or closed."""
+
     def lost(self):
         """There is no board any more: it is about to be another one."""
         self._lose()

@@ -36,7 +36,7 @@ _OUTPUTS = {"spindle_cw": b"M3", "spindle_ccw": b"M4", "spindle_off": b"M5", "mi
 class GrblMachine(AnyMachine):
     language = "grbl"
     can = (
-        "jog", "step", "goto", "zero", "home", "unlock", "hold", "resume", "overrides", "outputs", "jobs", "settings", "log",
+        "place", "jog", "step", "goto", "zero", "home", "unlock", "hold", "resume", "overrides", "outputs", "jobs", "settings", "log",
         "line", "teach", "signals", "single", "diagonal", "jog_speed",
     )  # fmt: skip
 

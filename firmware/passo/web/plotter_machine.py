@@ -132,7 +132,7 @@ class PlotterMachine(AnyMachine):
     ask_ms = 60
     silent_ms = 5000  # a torn packet keeps the board silent for two seconds
     again_ms = 250
-    can = ("jog", "step", "goto", "home", "jobs", "log", "points")
+    can = ("place", "jog", "step", "goto", "home", "jobs", "log", "points")
 
     def __init__(self, write, tell, board):
         AnyMachine.__init__(self, tell, PlotterJob(self), board)

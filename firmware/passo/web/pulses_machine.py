@@ -46,7 +46,7 @@ class PulsesMachine(AnyMachine):
         self._cut = False  # a jog was cut: its hold is to be taken off
         self._said = None  # steps up to which the jog is said
         self.orders = {"pace": self._pace}
-        words = ["jog", "step", "goto", "unlock", "hold", "resume", "jobs", "log", "program", "teach", "pace", "port", "tool", "drives", "single"]
+        words = ["place", "jog", "step", "goto", "unlock", "hold", "resume", "jobs", "log", "program", "teach", "pace", "port", "tool", "drives", "single"]
         if board["homing"]:
             words.append("home")
         if [output for output in board["outputs"] if output.get("role") == "ours"]:

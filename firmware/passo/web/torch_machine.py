@@ -66,7 +66,7 @@ class TorchMachine(AnyMachine):
         self._way = None  # the jog that is held
         self._repeated_ms = 0
         self.orders = {"move": self._move, "configure": self._configure, "origin": self._origin, "weave": self._weave, "preferences": self._told}
-        words = ["jog", "step", "goto", "jog_speed", "unlock", "log", "origin"]
+        words = ["place", "jog", "step", "goto", "jog_speed", "unlock", "log", "origin"]
         if board["weaving"]:
             words.append("weave")
         if [output for output in board["outputs"] if output["role"] == "ours"]:

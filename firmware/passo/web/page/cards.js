@@ -1,11 +1,12 @@
 // Cards that only some languages have, and what a job is in a language other than G-code.
 
+import { Keys } from "./card_keys.js";
 import { Plotter } from "./card_plotter.js";
 import { PulseFile } from "./card_pulses.js";
 import { Torch } from "./card_torch.js";
 
 const $ = (id) => document.getElementById(id);
-const OWN = { plotter: Plotter, pulses: PulseFile, torch: Torch };
+const OWN = { keys: Keys, plotter: Plotter, pulses: PulseFile, torch: Torch };
 
 export class Cards {
   // page: { order(name, fields), ask(text), picture }
