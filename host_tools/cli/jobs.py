@@ -15,6 +15,7 @@ app = typer.Typer(help="Programs kept on the board: list, store, check, delete a
 
 _BYTES_A_LINE = 54
 _VERIFY_S = 120.0
+_MOST_UNSAID = 100  # ten seconds: not every report has room for it
 _FILE = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LANGUAGE:(\w+)\]")
 _FREE = re.compile(r"\[FREE:(\d+)\]")
 _UNKNOWN = (errors.STATEMENT, errors.NO_CONTROL)
@@ -75,7 +76,7 @@ def store(
     name: Annotated[Optional[str], typer.Option(help="Its name on the board (that of the file, in capitals).")] = None,
     language: Annotated[Optional[str], typer.Option(help="grbl, pulses or plotter: the board file's jobs.language (that of the link).")] = None,
     card: Annotated[Optional[Path], typer.Option(help="Write it on a memory card in this PC: the folder where the card is.")] = None,
-    check: Annotated[bool, typer.Option(help="Have the board check each line, in its check mode, once it is stored.")] = True,
+    check: Annotated[bool, typer.Option(help="Check each line: here before it is sent, and by the board, in its check mode, once it is stored.")] = True,
     port: Port = None,
     baud: Baud = None,
     protocol: Protocol = "grbl",
@@ -109,6 +110,8 @@ def store(
         return
     with _connected(port, baud, protocol) as client:
         _, free = _listed(client)
+        if check and language == "grbl":
+            _check_here(client, file)
         if len(packed) > free:
             raise Failure(f"{file} takes {len(packed)} bytes of flash; {free} are free: delete a job (passo jobs list)")
         begun = time.monotonic()
@@ -128,6 +131,18 @@ def store(
                 _check(client, name)
             except Refused as refused:
                 raise Failure(f"{name} is stored, but not right: {refused}") from None
+
+
+def _check_here(client, file):
+    """Raises Failure at the first line that the firmware's parser refuses, with the machine's settings: what is on the board stays."""
+    from host_tools.programs import gcode_file
+    from host_tools.programs.replay import Machine, Replay
+
+    machine = Machine.of_answers(client.command("$$"), client.command("$#"))
+    try:
+        Replay(machine, gcode_file.read(file)).check()
+    except Failure as failure:
+        raise Failure(f"{file}, {failure}; nothing was stored") from None
 
 
 def _check(client, name):
@@ -201,9 +216,12 @@ def _run(client, name, what):
 
     client.ask(f"$F={name}")
     heard = client.rest
+    unsaid = 0  # reports without a word of the job
     with _bar(f"{what} {name}") as show:
-        while True:
+        while unsaid < _MOST_UNSAID:
             for line in heard:
+                if line.startswith("error:"):
+                    raise Refused(explain(line))
                 if line == f"[MSG:Job {name} done]":
                     return
                 ended = re.match(rf"\[MSG:Job {re.escape(name)}: error (\d+)(?: in line (\d+))?\]", line)
@@ -215,9 +233,11 @@ def _run(client, name, what):
             time.sleep(0.1)
             client.real_time(b"?")
             shown = client.status.get("SD")
+            unsaid = 0 if shown else unsaid + 1
             if shown:
                 show(int(shown.partition(",")[0]) / 100)
             heard = client.lines()
+    raise LinkError(f"{client.port}: the board says nothing of {name} any more: it has ended, and its last message was lost")
 
 
 def _watch(client, name, what):

@@ -239,6 +239,13 @@ class Replay:
                 return index
         raise Failure(f"the file ends before line {number}")
 
+    def check(self):
+        """Raise Failure at the first line that the parser refuses. `$` lines are passed over."""
+        for index, (_, line) in enumerate(self._lines):
+            for command in () if line.startswith(b"$") else self._interpret(index):
+                if command.target is not None:
+                    self._board.target = list(command.target)
+
     # --- replaying
 
     def _interpret(self, index):

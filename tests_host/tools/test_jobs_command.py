@@ -16,6 +16,7 @@ PART = b"(a part) G21 G90\n\nG1 X20 Y0 F6000 ; there\nG0 X0\nM30\n"
 @pytest.fixture
 def board(tmp_path):
     running = Running("fast", jobs={"language": "grbl", "folder": str(tmp_path / "flash")})
+    running.folder = tmp_path / "flash"
     yield running
     running.close()
 
@@ -60,6 +61,55 @@ def test_a_job_with_an_error_says_its_line(board, part, capsys):
     with pytest.raises(Failure, match="bytes of flash"):
         free = shutil.disk_usage("/").free
         _too_large(part, free, port)
+
+
+PNG = b"\x89PNG\r\n\x1a\n\0\0\0\rIHDR"
+LETTER = b"Dear Sir,\nplease find enclosed\n"
+
+
+@pytest.mark.parametrize(
+    "content, why",
+    [
+        (b"", "no line of G-code"),
+        (b"; only a comment\n\n", "no line of G-code"),
+        (PNG, "no text"),
+        (LETTER, "line 1, DearSir,: error"),
+        (b"G21\nG1X1F100\n" + b"G1X2\n" * 500 + b"G1X2G7\nG1X3\n", "line 503, G1X2G7: error 20"),
+    ],
+    ids=["empty", "comments", "picture", "letter", "error"],
+)
+def test_a_stranger_s_file_leaves_the_job_of_that_name(board, part, content, why):
+    """With and without a machine that could check it: nobody has homed it."""
+    port = board.line.name
+    jobs.store(part, "PART", "grbl", port=port)
+    part.write_bytes(content)
+    with pytest.raises(Failure, match=why):
+        jobs.store(part, "PART", "grbl", port=port)
+    jobs.run("PART", True, True, port, 115200)
+    assert board.position()[0] == 0 and board.world.steps > 12_800
+
+
+def test_an_upload_that_is_cut_off_leaves_the_job_of_that_name(board, part, monkeypatch):
+    """The cable comes off amid the upload, and again; then it is stored."""
+    port = board.line.name
+    jobs.store(part, "PART", "grbl", port=port)
+    long = part.with_name("long.gcode")
+    long.write_bytes(b"G21 G90\n" + b"".join(b"G1 X%d F6000\n" % (number * 7919 % 50) for number in range(900)))
+    with jobs._connected(port, 115200) as client:
+        data = stored_job.gcode_job(long)
+        client.command(f"$FS=PART,grbl,{len(data)},{stored_job.crc(data):08x},{len(stored_job.pack(data))}")
+        client.command("$F:AAAA")
+    jobs.run("PART", True, True, port, 115200)
+    assert board.world.steps < 100_000
+    pack = stored_job.pack
+    monkeypatch.setattr(stored_job, "pack", lambda data: pack(data)[:-40] + bytes(40))  # bytes that are not the file's
+    with pytest.raises(Refused, match="error 151"):
+        jobs.store(long, "PART", "grbl", port=port)
+    monkeypatch.setattr(stored_job, "pack", pack)
+    jobs.run("PART", False, True, port, 115200)
+    jobs.store(long, "PART", "grbl", port=port)
+    jobs.list_(port, 115200)
+    assert [entry.name for entry in board.folder.iterdir()] == ["PART.job"]
 
 
 def _too_large(part, free, port):

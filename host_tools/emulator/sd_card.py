@@ -1,0 +1,151 @@
+"""A memory card (SDHC) on a SPI of an emulated Pico, as the SD specification has it for SPI mode.
+
+    card = SdCard(pico, board["card"], bytearray(4 << 20))     # the bytes on it, kept up to date: multiples of 512 KiB
+    card.inside = False                                         # taken out: DO floats, and is pulled up
+
+Commands 0, 8, 9, 12, 16, 17, 18, 24, 25, 55, 58 and ACMD41; checksums of commands 0 and 8, as a card checks them. A block that is
+written keeps it busy for `WRITE_BYTES` bytes of clock.
+"""
+
+from collections import deque
+
+SECTOR = 512
+WRITE_BYTES = 100
+_CSD_UNIT = 512 * 1024
+_IDLE, _ILLEGAL, _BAD_CRC = 0x01, 0x04, 0x08
+_TOKEN, _TOKEN_MANY, _TOKEN_STOP = 0xFE, 0xFC, 0xFD
+_ACCEPTED = 0x05
+_HIGH = 0xFF
+
+
+def _crc7(data):
+    crc = 0
+    for byte in data:
+        crc ^= byte
+        for _ in range(8):
+            crc = (crc << 1 ^ (0x12 if crc & 0x80 else 0)) & 0xFF
+    return crc | 1
+
+
+class SdCard:
+    def __init__(self, pico, config, data):
+        if len(data) % _CSD_UNIT or not data:
+            raise ValueError("a card has a multiple of 512 KiB")
+        self.data = data
+        self.inside = True
+        self.reads = self.writes = 0  # sectors
+        self._spi = pico.chip.spi[config["spi"]]
+        self._selected = False
+        self._power_up()
+        self._shifted = pico.chip.clock.create_alarm(self._done)
+        self._spi.on_transmit = self._transmit
+        pico.pads.listen(config["cs"], self._select)
+        self._reply = _HIGH
+
+    def _power_up(self):
+        self._idle = True
+        self._asked = 0  # times for ACMD41
+        self._application = False
+        self._command = bytearray()
+        self._out = deque()
+        self._reading = None  # the next sector of a read of many
+        self._writing = None  # the next sector to be written
+        self._many = False
+        self._block = None  # bytes of the block that comes
+
+    def _select(self, _, state):
+        self._selected = state == 0
+        self._command.clear()
+
+    def _transmit(self, value):
+        self._reply = self._exchange(value) if self.inside and self._selected else _HIGH
+        if not self.inside:
+            self._power_up()
+        self._shifted.schedule(8e9 / self._spi.clock_frequency)
+
+    def _done(self):
+        self._spi.complete_transmit(self._reply)
+
+    def _exchange(self, value):
+        """The byte that goes out while `value` comes in."""
+        if not self._out and self._reading is not None:
+            self._put_block(self._sector(self._reading))
+            self._reading += 1
+        reply = self._out.popleft() if self._out else _HIGH
+        if self._block is not None:
+            self._take(value)
+        elif self._command or value & 0xC0 == 0x40:
+            self._command.append(value)
+            if len(self._command) == 6:
+                self._obey(bytes(self._command))
+                self._command.clear()
+        elif self._writing is not None:
+            if value == (_TOKEN_MANY if self._many else _TOKEN):
+                self._block = bytearray()
+            elif value == _TOKEN_STOP and self._many:
+                self._writing = None
+                self._out.extend([_HIGH] + [0] * WRITE_BYTES)
+        return reply
+
+    def _take(self, value):
+        self._block.append(value)
+        if len(self._block) < SECTOR + 2:
+            return
+        at = self._writing * SECTOR
+        self.data[at : at + SECTOR] = self._block[:SECTOR]
+        self.writes += 1
+        self._block = None
+        self._writing = self._writing + 1 if self._many else None
+        self._out.extend([0xE0 | _ACCEPTED] + [0] * WRITE_BYTES)
+
+    def _sector(self, number):
+        self.reads += 1
+        return self.data[number * SECTOR : (number + 1) * SECTOR]
+
+    def _put_block(self, data):
+        self._out.extend([_HIGH, _TOKEN, *data, 0, 0])
+
+    def _csd(self):
+        units = len(self.data) // _CSD_UNIT - 1
+        csd = bytearray(16)
+        csd[0] = 0x40
+        csd[7:10] = units.to_bytes(3, "big")
+        return csd
+
+    def _obey(self, command):
+        number, argument = command[0] & 0x3F, int.from_bytes(command[1:5], "big")
+        application, self._application = self._application, False
+        self._reading = None
+        self._out.clear()
+        self._out.append(_HIGH)
+        if number == 12:
+            self._out.append(_HIGH)  # a byte of stuffing
+        if number in (0, 8) and command[5] != _crc7(command[:5]):
+            self._out.append(_BAD_CRC | self._idle)
+            return
+        if number == 0:
+            self._power_up()
+            self._out.extend([_HIGH, _IDLE])
+        elif number == 8:
+            self._out.extend([_IDLE, *command[1:5]])
+        elif number == 55:
+            self._application = True
+            self._out.append(int(self._idle))
+        elif number == 41 and application:
+            self._asked += 1
+            self._idle = self._asked < 3
+            self._out.append(int(self._idle))
+        elif number == 58:
+            self._out.extend([int(self._idle), 0x40 if self._idle else 0xC0, 0xFF, 0x80, 0])
+        elif self._idle or number not in (9, 12, 16, 17, 18, 24, 25):
+            self._out.append(_ILLEGAL | self._idle)
+        else:
+            self._out.append(0)
+            if number == 9:
+                self._put_block(self._csd())
+            elif number == 17:
+                self._put_block(self._sector(argument))
+            elif number == 18:
+                self._reading = argument
+            elif number in (24, 25):
+                self._writing, self._many = argument, number == 25
