@@ -128,6 +128,24 @@ def cut_at(system, store_class, device, image, writes, torn, name):
     return cut
 
 
+def full(system, store_class, device, image):
+    """An upload that finds no room leaves what was there, and the room it took."""
+    device.data[:] = image
+    vfs.mount(system(device), "/flash")
+    jobs = opened(store_class)
+    before = jobs.free()
+    for name in ("A", "C"):
+        jobs.begin(name, "grbl", 10, 0, 1 << 20)
+        try:
+            while True:
+                jobs.add(bytes(500))
+        except OSError:
+            jobs.abort()
+        assert jobs.names() == ["A", "B"] and jobs.free() == before, (jobs.names(), jobs.free(), before)
+        assert read(jobs.open("A")) == OLD and read(jobs.open("B")) == OTHER
+    vfs.umount("/flash")
+
+
 def main(kind):
     system, store_class, geometry = (vfs.VfsLfs2, JobStore, FLASH) if kind == "lfs" else (vfs.VfsFat, CardStore, CARD)
     gc.disable()  # files that a power cut has left open would be closed
@@ -146,6 +164,7 @@ def main(kind):
             while cut_at(system, store_class, device, image, writes, torn, name):
                 writes += 1
                 cuts += 1
+    full(system, store_class, device, image)
     print("%d power cuts, nothing lost" % cuts)
 
 
