@@ -47,6 +47,11 @@ class NoisyWire:
         self.sent += len(data)
         self._waiting += data
 
+    def drop(self):
+        """What is on its way never comes."""
+        self._waiting.clear()
+        self._free = 0.0
+
     def take(self, now_ms):
         """What comes within this millisecond."""
         if not self._waiting:

@@ -65,7 +65,8 @@ class Plotter(Bench):
         self.port = None
         self.cable = True
         self.noise(0)
-        self.wires[0].take(1 << 40)
+        for wire in self.wires:
+            wire.drop()
         self.run_ms(100)
         self.wire.data = self._heard = b""
         self.known = False
@@ -302,6 +303,7 @@ class Plotter(Bench):
         if self.ended == "long cut":
             self.run_ms(LOST_MS + 1000)
         else:
+            self.cable = True
             self.run_ms(800)
         self.settle()
 

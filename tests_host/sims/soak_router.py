@@ -301,7 +301,8 @@ class Router(Bench):
         self.switch_on(machine, LEAST_TICKS)
         self._board_ms = int(self.now_ms())
         self.wire.data = b""
-        self.wires[0].take(1 << 40)
+        for wire in self.wires:
+            wire.drop()
         self.cable = True
         self.noise(0)
         self.run_ms(100)
@@ -641,16 +642,19 @@ class Router(Bench):
 
     def await_end(self, link):
         """What the program's end brings."""
-        self.forget_but_door()
+        if not self.ended:
+            return
+        self.forget()
         if self.ended == "long cut":
             self.run_ms(LOST_MS + 1000)
             if self.carrier == "job" or self.policy == "go_on":
                 self.settle()
-        elif self.ended:
+        else:
+            self.cable = True
             if self.ended == "reset":
                 self.await_banner(link)
             self.run_ms(300)
-            self.settle_stopped()
+            self.await_stand()
 
     def await_banner(self, link):
         """A reset may have to be sent again, in frames over a noisy wire."""
@@ -660,11 +664,7 @@ class Router(Bench):
             if self.now_ms() > end_ms:
                 raise Wrong("no banner after a reset")
 
-    def forget_but_door(self):
-        if self.ended:
-            self.forget()
-
-    def settle_stopped(self):
+    def await_stand(self):
         """What stopped it lets it brake, at most; a hold may stand."""
         before = None
         end_ms = self.now_ms() + 20_000
