@@ -1,9 +1,6 @@
 """`passo draw`: an SVG file, drawn by the plotter."""
 
-import contextlib
-import signal
 import sys
-import time
 from pathlib import Path
 from typing import Optional
 
@@ -28,6 +25,8 @@ Examples:
 The page lies with its lower left corner at 0;0, in its real size. It is reduced if it is larger than the table and has
 lines beyond it. To change pens, draw one layer after the other: they fall on each other if the options of size and position
 are the same.
+
+If the board keeps a journal (docs/jobs.md), --continue goes on amid a line, at the very step.
 
 Ctrl-C stops the machine, pen up. --continue with the same options goes on from there, also after the board was unplugged or
 the PC went to sleep.
@@ -56,6 +55,7 @@ def draw(
     resume: bool = typer.Option(False, "--continue", help="Continue a drawing that was interrupted."),
     journal: Optional[Path] = typer.Option(None, help="Where progress is kept; default FILE.svg.journal."),
     dry_run: bool = typer.Option(False, "--dry-run", help="Say what would be drawn; needs no port."),
+    packets: Optional[Path] = typer.Option(None, metavar="FILE", help="Write the packets, for passo jobs store; needs no port."),
     preview: Optional[Path] = typer.Option(None, metavar="PNG", help="Write a picture of what would be drawn."),
     log: Optional[Path] = typer.Option(None, help="Save the conversation on the wire to this file."),
     timeout: float = typer.Option(3.0, min=0.5, help="Seconds an answer may take."),
@@ -63,13 +63,15 @@ def draw(
     from rich.console import Console
 
     from host_tools.drawings import drawing
+    from host_tools.programs.drawn import write_packets
     from host_tools.programs.journal import Journal
 
-    machine = _plotter(board)
-    options = drawing.Options(
-        margin=margin, fit=fit, center=center, scale=scale, origin=_corner(origin), place=place, tolerance=tolerance,
-        crop=crop, layers=tuple(layer or ()),
-    )  # fmt: skip
+    said = {
+        "board": board, "fit": fit, "center": center, "scale": scale, "origin": origin, "place": place, "margin": margin,
+        "tolerance": tolerance, "layer": layer, "crop": crop, "speed": speed, "points": points,
+    }  # fmt: skip
+    machine = plotter(board)
+    options = options_of(said)
     console = Console()
     with console.status(f"reading {file}") as status:
         plan = drawing.load(file, machine, options, lambda text, share: status.update(f"{text} {file}: {share:.0%}"))
@@ -78,17 +80,30 @@ def draw(
         _picture(preview, plan, machine, seconds, file)
     if dry_run:
         return
-    record = Journal(journal or Journal.beside(file), plan.digest(points), points)
-    if resume:
-        record.resume()
-    else:
+    objects = plan.objects(points)
+    if packets:
+        write_packets(packets, objects, home, speed)
+        console.print(f"  {packets}: to be stored by passo jobs store {packets} --protocol plotter")
+        return
+    record = Journal(journal or Journal.beside(file), plan.digest(points), points, said)
+    if not resume:
         record.probe()
         if record.begun():
             console.print("  [yellow]begun before and not finished: it is drawn anew; --continue would go on[/yellow]")
-    _draw(console, plan, machine, record, port, baud, speed, home, log, timeout)
+    from host_tools.cli.draw_run import Way, run
+
+    run(console, objects, machine, record, port, baud, speed, Way(resume, home), log, timeout)
 
 
 draw.__doc__ = EXAMPLES
+
+
+def options_of(said):
+    """The Options of those that the command was given, a dict; what is not in it is as by default."""
+    from host_tools.drawings.drawing import Options
+
+    known = {key: said[key] for key in ("margin", "fit", "center", "scale", "place", "tolerance", "crop") if key in said}
+    return Options(origin=_corner(said.get("origin")), layers=tuple(said.get("layer") or ()), **known)
 
 
 def _corner(text):
@@ -101,7 +116,7 @@ def _corner(text):
     return x, y
 
 
-def _plotter(name):
+def plotter(name):
     """The checked board file. Raises Failure if none of its links speaks the plotter's language."""
     from host_tools import boards
     from passo.config.boardfile import BoardError, check
@@ -148,109 +163,3 @@ def _picture(path, plan, machine, seconds, file):
     title = f"{file.name} at {drawing.percent(plan.scale)} %, about {estimate.clock(seconds)}"
     table = (0.0, 0.0, *placement.table_mm(machine))
     plot.save(path, plot.strokes_of_lines(plan.lines, plan.steps_per_mm), title, table, plan.page_mm)
-
-
-def _draw(console, plan, machine, record, port, baud, speed, home, log, timeout):
-    from host_tools.cli import ports
-    from host_tools.clients.plotter import Cancelled, PlotterClient
-    from host_tools.clients.wire import LinkError
-    from host_tools.programs.job import Broken, Job
-
-    begun = time.monotonic()
-    with PlotterClient(port or ports.only(), baud, timeout, log) as client:
-        with _cancelled_by_signals(client):
-            job = Job(client, plan.objects(record.most), record, lambda text: console.print(f"[yellow]{text}[/yellow]"))
-            try:
-                with console.status("homing" if home else "preparing"):
-                    _prepare(client, speed, home)
-                with _Progress(console, job, machine, speed) as progress:
-                    job.run(progress)
-            except Broken as broken:
-                raise Failure(f"{broken}, pen up; go on with the same command and --continue ({record.path})") from None
-            except Cancelled:
-                client.stop()
-                raise Failure("stopped before drawing began") from None
-            except LinkError as error:
-                if not job.begun:
-                    raise
-                raise Failure(
-                    f"{error}\n{job.reached()} drawn for certain; when the machine is there again, go on with the same "
-                    f"command and --continue ({record.path})"
-                ) from error
-        record.finish()
-        console.print(
-            f"drawn in {time.monotonic() - begun:.0f} s: {client.packets} packets, {client.resends} sent again"
-        )
-
-
-@contextlib.contextmanager
-def _cancelled_by_signals(client):
-    """Ctrl-C, a closed terminal and the end of the session stop the machine."""
-    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
-    before = [(number, signal.signal(number, lambda *_: client.cancel())) for number in numbers]
-    try:
-        yield
-    finally:
-        for number, handler in before:
-            signal.signal(number, handler)
-
-
-def _prepare(client, speed, home):
-    status = client.request()
-    if status["state"] not in ("idle", "alarm"):
-        raise Failure("the machine is moving; stop it first: passo send STOP")
-    client.stop()  # drops points that a program before left unfinished
-    if home:
-        client.origin()
-    if speed is not None:
-        client.speed(speed)
-
-
-class _Progress:
-    """A bar that fills with the estimated time, and the time left by the pace kept so far."""
-
-    def __init__(self, console, job, machine, speed):
-        from rich.progress import BarColumn, Progress, TextColumn
-
-        from host_tools.programs import estimate
-
-        self._clock = estimate.clock
-        times = estimate.Estimate(machine, speed)
-        self._spans = [times.object_s(points) for points in job.objects]
-        self._totals = [sum(span) for span in self._spans]
-        self._client = job.client
-        self._begun = time.monotonic()
-        self._points = sum(len(points) for points in job.objects)
-        self._counts = [len(points) for points in job.objects]
-        start = (job.journal.object, job.journal.drawn) if job.journal else (0, 0)
-        self._first = self._done(*start)
-        self._bar = Progress(
-            TextColumn("drawing"),
-            BarColumn(),
-            TextColumn("{task.percentage:3.0f} %"),
-            TextColumn("{task.description}"),
-            console=console,
-        )
-        self._task = self._bar.add_task("", total=max(sum(self._totals), 1e-9))
-        self(*start)
-
-    def __enter__(self):
-        self._bar.start()
-        return self
-
-    def __exit__(self, *_):
-        self._bar.stop()
-
-    def __call__(self, number, drawn):
-        done = self._done(number, drawn)
-        left = sum(self._totals) - done
-        gained = done - self._first
-        if gained > 5:
-            left *= (time.monotonic() - self._begun) / gained
-        points = sum(self._counts[:number]) + drawn
-        text = f"{points}/{self._points} points, {self._client.resends} sent again, {self._clock(left)} left"
-        self._bar.update(self._task, completed=done, description=text)
-
-    def _done(self, number, drawn):
-        done = sum(self._totals[:number])
-        return done + sum(self._spans[number][:drawn]) if number < len(self._spans) else done

@@ -142,6 +142,7 @@ class PlotterClient:
                 if said is not None and said[:1] != bytes((RESEND,)):
                     break
             else:
+                self._settle("WORDS")  # which clears the error
                 raise refusal.Refused(f"{line}: the controller does not understand it", errors.STATEMENT)
             if number < last and said[:1] != bytes((_ANSWER["REQUEST_OK"],)):
                 raise LinkError(f"{line} was cut off: the line is too noisy")

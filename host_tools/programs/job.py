@@ -27,6 +27,19 @@ class Job:
         self._warn = warn
         self._warned = False
         self._at = (0, 0)  # objects drawn, and points of the next one
+        self._led = False  # the pen is where the next point's line goes on
+
+    @property
+    def start(self):
+        """(object, points of it drawn) to begin at."""
+        return (self.journal.object, self.journal.drawn) if self.journal else self._at
+
+    def begin(self, spot):
+        """Go on at a Spot of drawn.py, where the pen is."""
+        self._at = spot.number, spot.drawn
+        self._led = spot.done > 0
+        if self.journal:
+            self.journal.object, self.journal.drawn = self._at
 
     def run(self, progress=None):
         """Draw what is not drawn yet by the journal. Calls `progress(number, drawn)`: points drawn of object `number`.
@@ -34,7 +47,7 @@ class Job:
         Writes the journal about once a second. Raises Broken after client.cancel(), LinkError if the link or the machine
         fails; in both cases it stops the machine, if it can be reached, and writes the journal.
         """
-        first, drawn = (self.journal.object, self.journal.drawn) if self.journal else (0, 0)
+        first, drawn = self.start
         self.begun = True
         for number in range(first, len(self.objects)):
             self._save(number, drawn)
@@ -44,7 +57,8 @@ class Job:
 
     def _draw(self, number, skip, progress):
         """Draw object `number` from its point `skip` on."""
-        points, lead = remaining(self.objects[number], skip)
+        points, lead = (self.objects[number][skip:], 0) if self._led else remaining(self.objects[number], skip)
+        self._led = False
         if not points:
             return
         client = self.client

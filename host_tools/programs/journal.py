@@ -13,11 +13,12 @@ from host_tools.failure import Failure
 
 
 class Journal:
-    def __init__(self, path, digest, most):
-        """`digest`: identifies drawing and position; `most`: points that an object may have."""
+    def __init__(self, path, digest, most, options=None):
+        """`digest`: identifies drawing and position; `most`: points that an object may have; `options`: those of the command."""
         self.path = Path(path)
         self.digest = digest
         self.most = most
+        self.options = options or {}
         self.object = 0  # the first object not finished
         self.drawn = 0  # points of it that have been drawn
 
@@ -26,10 +27,18 @@ class Journal:
         """The journal's usual place."""
         return Path(str(drawing_path) + ".journal")
 
+    @staticmethod
+    def options_of(path):
+        """The options that a drawing was begun with, by its file; {} if there is none."""
+        try:
+            return dict(json.loads(Path(path).read_text(encoding="utf-8")).get("options", {}))
+        except (OSError, ValueError, AttributeError, TypeError):
+            return {}
+
     def save(self, number, drawn=0):
         """Note that objects before `number` are drawn, and the first `drawn` points of that one."""
         self.object, self.drawn = number, drawn
-        record = {"digest": self.digest, "points_per_object": self.most, "object": number, "drawn": drawn}
+        record = {"digest": self.digest, "points_per_object": self.most, "object": number, "drawn": drawn, "options": self.options}
         try:
             os.replace(self._write(json.dumps(record) + "\n"), self.path)
         except OSError as error:

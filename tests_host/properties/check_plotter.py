@@ -2,23 +2,25 @@
 
 from passo import error_texts, errors
 from passo.commands import (
-    ACCEPTED, BAD, DRAW, FINISHED, HAND_OVER, HELLO, HOME, JOG, POINT, REFUSED, SPEED, STATUS, STOP, Command, Event,
+    ACCEPTED, BAD, DRAW, FINISHED, HAND_OVER, HELLO, HOME, JOB, JOG, POINT, REFUSED, SPEED, STATUS, STOP, Command, Event,
 )
 from passo.protocols.plotter import host as plotter
 from passo.protocols.plotter.host import ANSWERS, COMMANDS, PACKET, Plotter, packet, status_bytes, status_from
+from passo.protocols.plotter.words import PacketWords
 
 GAP_MS = 5
 COORDINATE = 65535
+KNOWN = tuple(sorted([code for name, code in COMMANDS.items() if name != "WORDS"]))  # which only boards with jobs or a journal know
 CASES = {
     "check_every_packet_in_any_chunks": (
         ("points", "list", 12, ("pen", 0, 1), ("x", 0, COORDINATE), ("y", 0, COORDINATE)), ("chunk", 1, 17),
     ),
     "check_two_faults_are_not_passed_over": (
-        ("code", "choice") + tuple(sorted(COMMANDS.values())),
+        ("code", "choice") + KNOWN,
         ("x", 0, COORDINATE), ("y", 0, COORDINATE), ("lost", 0, 5), ("doubled", 0, 4),
     ),
     "check_single_faults": (
-        ("code", "choice") + tuple(sorted(COMMANDS.values())),
+        ("code", "choice") + KNOWN,
         ("x", 0, COORDINATE), ("y", 0, COORDINATE), ("flip", 1, 255),
     ),
     "check_noise": (("noise", "bytes", 40), ("x", 0, COORDINATE), ("y", 0, COORDINATE)),
@@ -72,7 +74,7 @@ def check_every_command():
     }
     for name, code in COMMANDS.items():
         commands = feed_all(Plotter(GAP_MS), packet(code, 300, 7), 0)
-        assert [command.kind for command in commands] == [kinds[name]]
+        assert [command.kind for command in commands] == [kinds.get(name, BAD)]  # WORDS: of boards with jobs or a journal
 
 
 def check_jog_directions():
@@ -204,3 +206,28 @@ def check_error_table():
     for number in error_texts.numbers():
         assert 0 <= number <= 255 and len(error_texts.text(number)) > 5
     assert error_texts.text(999) == "error 999"
+
+
+def packets_of(line, first=0):
+    """The packets of a line of text, numbered from `first`."""
+    data = line.encode() + b"\n"
+    data += b" \n"[: -len(data) % 3]
+    parts = [data[at : at + 3] for at in range(0, len(data), 3)]
+    return [packet(COMMANDS["WORDS"], first + number << 8 | part[0], part[1] << 8 | part[2]) for number, part in enumerate(parts)]
+
+
+def check_lines_in_packets():
+    """A line in packets, one of which comes twice; one that does not follow; one that is no line."""
+    made = Plotter(GAP_MS)
+    made.words = PacketWords({"jobs": True, "journal": None})
+    first, second, last = packets_of("$FD=PART")
+    for data in (first, second, second):
+        command = feed_all(made, data, 0)[0]
+        assert command.kind == HELLO and made.reply(Event(ACCEPTED, command)) == b"k"
+    command = feed_all(made, last, 0)[0]
+    assert command.kind == JOB and command.target == "PART"
+    assert made.reply(Event(ACCEPTED, command)) == b"ok\n" and made.reply(Event(REFUSED, command, 150)) == b"error:150\n"
+    for data, answer in ((packets_of("$F", 1)[0], b"r"), (packets_of("$X")[0], b"error:3\n"), (packets_of("$JR")[0], b"k"), (packets_of("$JR")[1], b"error:3\n")):
+        command = feed_all(made, data, 0)[0]
+        event = Event(ACCEPTED, command) if command.kind == HELLO else Event(REFUSED, command, command.error)
+        assert made.reply(event) == answer, (data, answer)

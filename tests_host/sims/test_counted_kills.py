@@ -1,14 +1,15 @@
-"""Pulse programs interrupted at random, by everything that may fail: `passo resume` ends them with the same picture."""
+"""Pulse programs and drawings interrupted at random, by everything that may fail: `passo resume` ends them with the same picture."""
 
-import tempfile
+import math
 from collections import Counter
-from pathlib import Path
 
 import pytest
+from rich.console import Console
 
-from counted_kills import EVERY_MS, LOST_MS, Job, kill, resumed, whole
+from counted_kills import EVERY_MS, Job, kill, resumed, whole
 from host_tools import boards
-from host_tools.cli import jobs, pulses
+from host_tools.cli import draw_run, jobs, pulses
+from host_tools.programs import drawn
 
 # Down, an outline with diagonals, a wait, another speed, up. It begins and ends elsewhere, and crosses nothing.
 CODES = (
@@ -34,7 +35,7 @@ class Pulses(Job):
     def board(self):
         made = boards.load("lpt_router")
         made["journal"] = {"every_ms": EVERY_MS}
-        made["links"][0].update(lost="stop", lost_ms=LOST_MS)
+        made["links"][0].update(lost="stop", lost_ms=self.lost_ms)
         if self.way == "job":
             made["jobs"] = {"language": "pulses"}
         return made
@@ -49,6 +50,84 @@ class Pulses(Job):
 
     def resume(self, home, unverified):
         resumed(self, home, unverified)
+
+
+def outline(x, y, count=40, size=60):
+    """A star whose lines do not cross: [(pen down, x, y)], closed."""
+    corners = []
+    for number in range(count):
+        radius = size * (1 if number % 2 else 3)
+        corners.append((round(x + radius * math.cos(math.tau * number / count)), round(y + radius * math.sin(math.tau * number / count))))
+    return [(number > 0, *place) for number, place in enumerate([*corners, corners[0]])]
+
+
+OBJECTS = [outline(200, 200), outline(650, 230) + outline(640, 220, 12, 10), outline(1100, 220, 9)]
+
+
+class Drawing(Job):
+    near = True  # from amid a line its rest may run a step beside it
+    twice = 3  # steps: the pen goes down where it went up, and beside it
+    start = (300, 200)
+    lost_ms = 1500
+    homes = True
+
+    def __init__(self, folder, way):
+        self.file = folder / "map.packets"
+        self.file.write_bytes(drawn.packets_of(OBJECTS, True))
+        self.name = f"drawing {way}"
+        self.way = way
+        self.alone = way == "job"
+
+    def board(self):
+        made = boards.load("plotter_2014")
+        made["journal"] = {"every_ms": EVERY_MS}
+        made["tool"].update(on_ms=20, off_ms=20)
+        made["speed"].update(overhead_us=0, default=250)
+        made["homing"].update(seek_steps_s=2000, locate_steps_s=500)
+        made["links"][0].update(lost="stop", lost_ms=self.lost_ms)
+        if self.way == "job":
+            made["jobs"] = {"language": "plotter"}
+        return made
+
+    steps_s = 2000
+
+    def begin(self, machine, rng):
+        where = {"port": "virtual", "baud": 57600}
+        if self.way == "job":
+            jobs.store(self.file, protocol="plotter", name="MAP", language=None, **where)
+            jobs.run("MAP", home=False, wait=True, protocol="plotter", **where)
+        else:
+            draw_run.run(Console(quiet=True), OBJECTS, machine.board, None, "virtual", 57600, None, draw_run.Way())
+
+    def resume(self, home, unverified):
+        resumed(self, home, unverified)
+
+
+@pytest.mark.parametrize("way", ("sent", "job"))
+def test_drawings_are_gone_on_with(way, tmp_path):
+    job = Drawing(tmp_path, way)
+    facts = whole(job)
+    for seed in range(2):
+        kill(job, seed, *facts)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("way", ("sent", "job"))
+def test_drawings_seventy_times(way, tmp_path):
+    job = Drawing(tmp_path, way)
+    facts = whole(job)
+    kinds = Counter(kill(job, seed, *facts)[0] for seed in range(100, 170))
+    assert len(kinds) == 4, kinds
+
+
+# (way, seed): a pulse cut short by the halt of a lost host; a stand that came behind a poll, and the tool stayed on.
+FOUND = (("stored", 218), ("stream", 273))
+
+
+@pytest.mark.parametrize("way, seed", FOUND)
+def test_seeds_that_found_something(way, seed, tmp_path):
+    job = Pulses(tmp_path, way)
+    kill(job, seed, *whole(job))
 
 
 @pytest.mark.parametrize("way", ("stream", "stored", "job"))

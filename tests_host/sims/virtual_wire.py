@@ -8,7 +8,7 @@ A read lets the machine go on by a cycle; to sleep lets it go on for so long. `s
 
 import contextlib
 
-from host_tools.cli import jobs, pulses_panel, resume_pulses
+from host_tools.cli import draw_run, jobs, pulses_panel, resume_pulses
 from host_tools.clients import plotter, pulses, wire
 from host_tools.programs import job
 
@@ -69,7 +69,7 @@ class Wire:
 def plugged(machine, cycles=None):
     """The PC is plugged in, until the end or until it is killed."""
     made = Wire(machine, cycles)
-    kept = [(module, module.time) for module in (pulses, pulses_panel, plotter, wire, job, jobs, resume_pulses)]
+    kept = [(module, module.time) for module in (pulses, pulses_panel, plotter, wire, job, jobs, resume_pulses, draw_run)]
     kept_open = pulses.open_port, wire.open_port
     try:
         for module, _ in kept:

@@ -298,11 +298,8 @@ class MachineState:
         """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log."""
         command = self.command
         if number in errors.AT_STAND:
-            # It comes to its stand as it should: where it is remains known. A step program may stop between any two steps.
-            if self.progress:
-                self.abort()
-            else:
-                self.drop_at_stand()
+            # It comes to its stand as it should: where it is remains known.
+            self.drop_at_stand()
             self.forget()
         elif number in (errors.ALARM_HARD_LIMIT, errors.ALARM_INTERLOCK, errors.ALARM_RESET, errors.ALARM_STEPS_MISSING,
             errors.ALARM_GANTRY):

@@ -50,6 +50,7 @@ class StepProgramPlayer(StepProgramOrders):
         machine.counting = False
         self._command = None  # to be told when the program's end, or its start, is reached
         self._mode = IDLE
+        self._dropped = False  # at its stand, and not yet cleared
         self._reset()
 
     def _reset(self):
@@ -91,13 +92,28 @@ class StepProgramPlayer(StepProgramOrders):
         return self._midway and self._mode == IDLE
 
     def clear(self):
-        """All motion has been dropped: back to the program's start; what was streamed is forgotten."""
+        """All motion has been dropped, or is to be at its stand: back to the program's start; what was streamed is forgotten."""
+        if self._machine.dropping and self._mode != IDLE:
+            self._next = self._drop
+            return
         self._power_back()
         if self._streaming or self._loading:
             self._reset()
         self._walker.rewind()
         self._walker.pause(self._least_ticks)
         self._stand()
+
+    def dropped(self):
+        """The stand came behind poll(), and the walk is off the queue."""
+        if self._mode != IDLE:
+            self._next = None
+            self._off(self._mode)
+            self._drop()
+
+    def _drop(self):
+        """At the stand; the journal has a cycle to look where that is."""
+        self._queue.rest(False)
+        self._dropped = True
 
     def _fail(self):
         """What was stored is forgotten; what was played as it came stops, the tool off."""
@@ -164,6 +180,10 @@ class StepProgramPlayer(StepProgramOrders):
 
     def poll(self, now_ms):
         machine = self._machine
+        if self._dropped:
+            self._dropped = False
+            self.clear()
+            return
         if self._held and not machine.hold:  # resumed by a button
             if self._held == RETURN:
                 self._go_back(self._backward)
@@ -193,12 +213,7 @@ class StepProgramPlayer(StepProgramOrders):
         lit = self._queue.lit()
         self._queue.drop()
         self._queue.tool = lit
-        self._mode = IDLE
-        self._power_back()
-        if mode == RUN:
-            self._left_at = self._queue.target[:]
-        else:
-            self._hand.cut()
+        self._off(mode)
         action = self._next
         self._next = None
         if action is not None:
@@ -207,6 +222,14 @@ class StepProgramPlayer(StepProgramOrders):
         else:
             self._held = mode
             self._queue.hold(True)
+
+    def _off(self, mode):
+        self._mode = IDLE
+        self._power_back()
+        if mode == RUN:
+            self._left_at = self._queue.target[:]
+        else:
+            self._hand.cut()
 
     def _arrive(self):
         """A walk has been played to its end."""

@@ -1,0 +1,177 @@
+"""Draws objects of points on a plotter, from their start or where they were interrupted: progress, signals, the board's journal."""
+
+import contextlib
+import signal
+import time
+from typing import NamedTuple
+
+from host_tools.cli.lead_in import agreed
+from host_tools.clients.plotter import POLL_S
+from host_tools.clients.refusal import Refused
+from host_tools.failure import Failure
+from host_tools.programs import drawn, job_record
+
+
+class Way(NamedTuple):
+    """How a drawing begins: `resume`: where it was interrupted; `home` first; without that, and the position is not known, only if
+    `unverified`; `strict`: only by the board's journal; `ask` before the pen goes down."""
+
+    resume: bool = False
+    home: bool = True
+    unverified: bool = False
+    strict: bool = False
+    ask: bool = False
+
+
+def run(console, objects, machine, record, port, baud, speed, way, log=None, timeout=3.0, numbers=()):
+    """Draw `objects`; `record`: the Journal beside the drawing, or None; `machine`: a checked board file, for the times; `numbers`:
+    other numbers by which the board may know the drawing. Raises Failure."""
+    from host_tools.cli import ports
+    from host_tools.clients.plotter import Cancelled, PlotterClient
+    from host_tools.clients.wire import LinkError
+    from host_tools.programs.job import Broken, Job
+
+    begun = time.monotonic()
+    with PlotterClient(port or ports.only(), baud, timeout, log) as client:
+        with _cancelled_by_signals(client):
+            job = Job(client, objects, record, lambda text: console.print(f"[yellow]{text}[/yellow]"))
+            try:
+                with console.status("homing" if way.home else "preparing"):
+                    _prepare(client, way)
+                    spot = _spot(client, objects, record, way, numbers)
+                    if way.home:
+                        client.origin()
+                    if speed is not None:
+                        client.speed(speed)
+                if spot:
+                    console.print(f"  interrupted {spot}")
+                    job.begin(spot)
+                    drawn.announce(client, objects, spot)
+                elif not way.resume:
+                    drawn.announce(client, objects, drawn.Spot(0, 0))
+                if spot and spot.done:
+                    _lead(client, objects, spot, way)
+                with _Progress(console, job, machine, speed) as progress:
+                    job.run(progress)
+            except Broken as broken:
+                raise Failure(f"{broken}, pen up; {_again(record)}") from None
+            except Cancelled:
+                client.stop()
+                raise Failure("stopped before drawing began") from None
+            except LinkError as error:
+                if not job.begun:
+                    raise
+                raise Failure(
+                    f"{error}\n{job.reached()} drawn for certain; when the machine is there again, {_again(record)}"
+                ) from error
+        if record:
+            record.finish()
+        console.print(
+            f"drawn in {time.monotonic() - begun:.0f} s: {client.packets} packets, {client.resends} sent again"
+        )
+
+
+@contextlib.contextmanager
+def _cancelled_by_signals(client):
+    """Ctrl-C, a closed terminal and the end of the session stop the machine."""
+    numbers = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
+    before = [(number, signal.signal(number, lambda *_: client.cancel())) for number in numbers]
+    try:
+        yield
+    finally:
+        for number, handler in before:
+            signal.signal(number, handler)
+
+
+def _again(record):
+    return f"go on with the same command and --continue ({record.path})" if record else "go on with passo resume"
+
+
+def _prepare(client, way):
+    """The machine at rest. What it still draws of an interrupted drawing is drawn to its end."""
+    while True:
+        status = client.request()
+        if status["state"] in ("idle", "alarm"):
+            break
+        if not way.resume:
+            raise Failure("the machine is moving; stop it first: passo send STOP")
+        time.sleep(POLL_S)
+    client.stop()  # drops points that a program before left unfinished
+
+
+def _spot(client, objects, record, way, numbers):
+    """Where the drawing goes on, by the board's journal, if it is of this drawing; else by that of the PC. Raises Failure."""
+    if not way.resume:
+        return None
+    found = None
+    try:
+        found = job_record.Record.of(client.ask("$JR"))
+    except Refused as refused:
+        if way.strict:
+            raise Failure(f"{job_record.NO_JOURNAL}: {refused}; passo draw --continue needs none") from None
+    if found and found.job in (drawn.number_of(objects), *numbers):
+        job_record.find_zero(found.known, way.home, way.unverified, lambda: None)
+        return drawn.spot_of(found, objects)
+    if way.strict:
+        raise Failure("the board's journal is of another drawing, or it was drawn with other options: give them to passo draw --continue")
+    record.resume()
+    return drawn.spot_at(objects, record.object, record.drawn) if found else None
+
+
+def _lead(client, objects, spot, way):
+    """Pen up, over the place; then the operator is asked."""
+    start = spot.start(objects)
+    client.point(False, *start)
+    client.end(1)
+    if way.ask and not agreed(f"next is point {spot.done + 1}, from {start[0]}, {start[1]} steps"):
+        raise Failure("not gone on: the pen is up")
+
+
+class _Progress:
+    """A bar that fills with the estimated time, and the time left by the pace kept so far."""
+
+    def __init__(self, console, job, machine, speed):
+        from rich.progress import BarColumn, Progress, TextColumn
+
+        from host_tools.programs import estimate
+
+        self._clock = estimate.clock
+        times = estimate.Estimate(machine, speed)
+        self._spans = [times.object_s(points) for points in job.objects]
+        self._totals = [sum(span) for span in self._spans]
+        self._client = job.client
+        self._begun = time.monotonic()
+        self._points = sum(len(points) for points in job.objects)
+        self._counts = [len(points) for points in job.objects]
+        start = job.start
+        self._first = self._done(*start)
+        self._bar = Progress(
+            TextColumn("drawing"),
+            BarColumn(),
+            TextColumn("{task.percentage:3.0f} %"),
+            TextColumn("{task.description}"),
+            console=console,
+        )
+        self._task = self._bar.add_task("", total=max(sum(self._totals), 1e-9))
+        self(*start)
+
+    def __enter__(self):
+        self._bar.start()
+        return self
+
+    def __exit__(self, *_):
+        self._bar.stop()
+
+    def __call__(self, number, drawn):
+        done = self._done(number, drawn)
+        left = sum(self._totals) - done
+        gained = done - self._first
+        if gained > 5:
+            left *= (time.monotonic() - self._begun) / gained
+        points = sum(self._counts[:number]) + drawn
+        text = f"{points}/{self._points} points, {self._client.resends} sent again, {self._clock(left)} left"
+        self._bar.update(self._task, completed=done, description=text)
+
+    def _done(self, number, drawn):
+        done = sum(self._totals[:number])
+        return done + sum(self._spans[number][:drawn]) if number < len(self._spans) else done

@@ -1,0 +1,40 @@
+"""`passo resume` of a drawing: pen up, to the place, pen down; the rest as `passo draw` draws it."""
+
+from rich.console import Console
+
+from host_tools.cli import draw
+from host_tools.cli.draw_run import Way, run
+from host_tools.failure import Failure
+from host_tools.programs import drawn, stored_job
+from host_tools.programs.journal import Journal
+
+_POINTS = 1000
+_BOARD = "plotter_2014"
+
+
+def resume(file, port, baud, home, unverified, yes):
+    way = Way(True, home, unverified, True, not yes)
+    record = None
+    if file.suffix.lower() == ".svg":
+        objects, machine, record, speed = _drawing(file)
+        numbers = drawn.numbers_of_stored(objects, speed)
+    else:
+        data = stored_job.plotter_job(file)
+        objects, speed = drawn.objects_of(data)
+        machine = draw.plotter(_BOARD)
+        numbers = [stored_job.crc(data)]
+    if not objects:
+        raise Failure(f"{file} draws nothing")
+    run(Console(), objects, machine, record, port, baud, speed, way, numbers=numbers)
+
+
+def _drawing(file):
+    """An SVG file with the options that it was begun with."""
+    from host_tools.drawings import drawing
+
+    place = Journal.beside(file)
+    said = Journal.options_of(place)
+    machine = draw.plotter(said.get("board", _BOARD))
+    most = said.get("points", _POINTS)
+    plan = drawing.load(file, machine, draw.options_of(said), lambda text, share: None)
+    return plan.objects(most), machine, Journal(place, plan.digest(most), most, said), said.get("speed")
