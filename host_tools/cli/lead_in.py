@@ -25,18 +25,24 @@ def announce(client, lines):
             raise
 
 
+def staged(machine, lines, number, place=None, end=None):
+    """(stages, rest) as a Replay gives them, of a `machine` as it says it is: see prepared(). Raises Failure."""
+    from host_tools.programs import replay
+
+    state = replay.Replay(machine, lines)
+    if place or end:
+        state.check_offsets(number)
+        state = state.begun(number, place or end, place is None)
+    return state.from_line(number, end) if place is None else state.from_place(number, place)
+
+
 def prepared(client, lines, number, place=None, yes=False, end=None):
     """Bring the machine to the start of line `number`, or to `place` (steps) on its way, in the state of the program there.
     Returns the lines still to be sent. `yes`: do not ask. `end`: where a program that was interrupted had been before that line, steps.
     Raises Failure, also if the operator says no: the tool is up then, spindle and coolant are off."""
     from host_tools.programs import replay
 
-    machine = replay.Machine.of_answers(client.command("$$"), client.command("$#"))
-    state = replay.Replay(machine, lines)
-    if place or end:
-        state.check_offsets(number)
-        state = state.begun(number, place or end, place is None)
-    stages, rest = state.from_line(number, end) if place is None else state.from_place(number, place)
+    stages, rest = staged(replay.Machine.of_answers(client.command("$$"), client.command("$#")), lines, number, place, end)
     moving = any(what == replay.DOWN for what, _ in stages)
     for what, sent in stages:
         if what == (replay.DOWN if moving else replay.GO) and not yes and not agreed(f"line {number}: next is {' '.join(next(sent for name, sent in stages if name == what))}"):

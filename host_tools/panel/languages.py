@@ -6,10 +6,10 @@
 
 from host_tools.clients import setting_names
 from host_tools.panel import taught
+from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import gcode_lines
 from passo.config.boardfile import check
 from passo.web.grbl_machine import AXES, GrblMachine
-from passo.web.stored import StoredJobs
 from passo.web.teach import Teach
 
 # The board file that is meant if none is named; its first link's language is the key.
@@ -51,7 +51,7 @@ def _grbl(write, tell, guest):
         state["teaching"] = teach.places()
 
     def join(store):
-        machine.job = StoredJobs(machine, tell, store.packed)
+        machine.job = RecoverableJobs(machine, tell, store)
 
     machine.watcher = see
     return Spoken(machine, teach, gcode_lines, {"rules": setting_names.rules(len(AXES))}, join)

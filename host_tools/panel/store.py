@@ -15,6 +15,7 @@ from passo import errors
 
 MOST_BYTES = 64 << 20  # of all jobs
 _MOST_JOBS = 500
+_MOST_KNOWN = 4 << 20  # bytes of jobs among which the one is looked for that was interrupted
 _MOST_STORED = 8 << 20  # bytes of a job for a board's flash, before it is packed
 _PIECE = 32_768
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9 ._-]{0,59}")
@@ -24,9 +25,7 @@ _RESERVED = re.compile(r"(?i)(con|prn|aux|nul|com\d|lpt\d)(\..*)?")
 def gcode_lines(path):
     """[(number, bytes)] as they are sent: without comments, numbered if the file does not number them itself. Raises Failure."""
     lines = gcode_file.read(path)
-    if any(b"N" in line.upper() for _, line in lines):
-        return lines
-    return [(number, tagged(number, line)) for number, line in lines]
+    return Store.numbered(lines, lines)
 
 
 class Store:
@@ -38,6 +37,7 @@ class Store:
         self._read = read
         folder.mkdir(parents=True, exist_ok=True)
         self._coming = {}  # name: pieces so far
+        self._programs = {}  # (name, time, bytes): what has been read of them
 
     def names(self):
         """[(name, bytes)] in alphabetical order."""
@@ -66,6 +66,34 @@ class Store:
             return self._read(path)
         except (Failure, OSError):
             return errors.NO_SUCH_JOB
+
+    def programs(self):
+        """[(name, lines, CRC-32 as a stored job)] of the jobs by which a board's journal may know one: the newest, up to a bound. Lines
+        are gcode_file.read()'s."""
+        paths = sorted((path for path in (self._folder / name for name, _ in self.names())), key=lambda path: -path.stat().st_mtime_ns)
+        found, bytes_ = [], 0
+        for path in paths:
+            state = path.stat()
+            bytes_ += state.st_size
+            if bytes_ > _MOST_KNOWN:
+                break
+            key = path.name, state.st_mtime_ns, state.st_size
+            if key not in self._programs:
+                try:
+                    self._programs[key] = gcode_file.read(path), stored_job.crc(stored_job.gcode_job(path))
+                except Failure:
+                    self._programs[key] = None
+            if self._programs[key]:
+                found.append((path.name, *self._programs[key]))
+        self._programs = {key: value for key, value in self._programs.items() if key[0] in [path.name for path in paths]}
+        return found
+
+    @staticmethod
+    def numbered(rest, lines):
+        """Lines of a program as they are sent: numbered if the whole program `lines` does not number them itself."""
+        if any(b"N" in line.upper() for _, line in lines):
+            return rest
+        return [(number, tagged(number, line)) for number, line in rest]
 
     def packed(self, name):
         """(bytes, CRC-32, the packed bytes) of a job as a board stores it, or the number of an error."""

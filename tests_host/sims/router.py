@@ -90,13 +90,15 @@ def answers(said):
 
 
 class Machine:
-    def __init__(self, world=None, slots=None, whole=True, radio=None, **changes):
+    def __init__(self, world=None, slots=None, whole=True, radio=None, pages=None, **changes):
         board = check(BOARD)
         board.update(changes)
         if "interlock" in changes:
             board = check(board)  # the port wants it compiled
         self.world = world or World()
         self.port = VirtualPort(board, self.world, radio=radio)
+        if pages:
+            self.port.pages = pages
         self.slots = slots or MemorySlots()
         self.app = App(check(board), self.port, None, self.slots, whole)
         self.controller = self.app.controller

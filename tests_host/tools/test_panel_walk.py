@@ -14,6 +14,7 @@ from panel_process import PanelProcess
 pytestmark = [*of_pages, pytest.mark.slow]
 MM_Z = 400  # steps
 HOMING_S = 120
+CUT = "G21 G90 F1200\nG1 X5 Y5\nX15\nG4 P1.5\nY12\nX5 Y5\n"
 ARC = "G91 G2 X4 Y-4 J-4 F1500"
 NAME = """
 const nameOf = (e) => e.id || e.dataset.way || e.dataset.output || e.dataset.override || (e.type === "radio" && e.name + e.value)
@@ -80,9 +81,11 @@ def walk(tmp_path_factory, driver):
     folder = tmp_path_factory.mktemp("walk")
     board = boards.load("router_3axis")
     board["jobs"] = {"language": "grbl"}
+    board["journal"] = {"every_ms": 1000}
     file = folder / "keeping.py"
     file.write_text(f'"""A router that keeps jobs."""\n\nBOARD = {board!r}\n')
     (folder / "square.gcode").write_text(SQUARE)
+    (folder / "cut.gcode").write_text(CUT)
     with PanelProcess(folder, "--board", str(file)) as panel:
         with Walker(panel, driver, key=False) as stranger:
             stranger.click("stop")
@@ -92,7 +95,7 @@ def walk(tmp_path_factory, driver):
             used = stranger.noted()
         with Walker(panel, driver) as page:
             homed = home(page)
-            for part in (moves, jobs, kept_jobs, tool, teach, looks):
+            for part in (moves, jobs, interrupted, kept_jobs, tool, teach, looks):
                 part(page, folder)
             page.until_state("Ready")
             page.shot("walk")
@@ -178,6 +181,30 @@ def jobs(page, folder):
     page.click("abort")
     page.until(lambda: "Ended" in page.text("job-state"))
     page.until_state("Ready")
+
+
+def interrupted(page, folder):
+    """A job that is ended amid a line is offered: left once, and gone on with."""
+    page.find("upload").send_keys(str(folder / "cut.gcode"))
+    page.until(lambda: page.driver.execute_script("return document.getElementById('jobs').value") == "cut.gcode" and "X15" in page.text("lines"))
+    for name in ("recover-drop", "recover-begin"):
+        page.until_state("Ready")
+        page.until(lambda: page.find("run").is_enabled())
+        page.click("run")
+        page.until(lambda: "line 4" in page.text("job-state") or "line 3" in page.text("job-state"))
+        page.click("abort")
+        page.until(lambda: page.find("recover-row").is_displayed())
+        if name == "recover-drop":  # in doubt where it is, the operator may vouch for it
+            page.driver.execute_script("document.getElementById('recover-doubt').hidden = false")
+            page.click("recover-sure")
+        page.click(name)
+    page.until(lambda: "Next: " in page.text("recover-text"))
+    page.shot("recover")
+    page.click("recover-down")
+    page.until(lambda: "cut.gcode: Done" in page.text("job-state"))
+    page.until(lambda: not page.find("recover-row").is_displayed())
+    page.until_state("Ready")
+    page.choose("jobs", "square.gcode")
 
 
 def kept_jobs(page, folder):

@@ -5,6 +5,7 @@ import { Jog } from "./jog.js";
 import { Kept } from "./kept.js";
 import { Link } from "./link.js";
 import { Picture, read } from "./path.js";
+import { Recover } from "./recover.js";
 import { _, choose, languages, preferred } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -25,6 +26,7 @@ const link = new Link(told, up);
 const jog = new Jog(link, () => report, refuse, refresh);
 const shelf = new Kept((name, fields) => link.order({ do: name, ...fields }).then((answer) => { refuse(answer.error === 102 ? 0 : answer.error); return answer; }),
   ask, () => report, () => $("jobs").value);
+const recover = new Recover((name, fields) => order(name, fields));
 const picture = new Picture($("path"));
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until, word: (text) => _(text) });
 let language = "";
@@ -113,6 +115,8 @@ function told(message) {
     takeJobs(message);
   } else if (message.t === "stored") {
     shelf.take(message);
+  } else if (message.t === "refused") {
+    say(message.text);
   } else if (message.t === "log") {
     showLog(message);
   } else if (message.t === "said") {
@@ -193,6 +197,7 @@ function enable() {
   set("give", idle && !busy && mine);
   set("take", idle && !mine);
   cards.show(report);
+  recover.show(report.recover, mine && !busy, idle);
   if (link.key && $("card-key").hidden) shelf.show(mine && !busy);
 }
 

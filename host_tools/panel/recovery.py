@@ -1,0 +1,179 @@
+"""Goes on with a job of the panel that was interrupted, where the board's journal says: what `passo resume` does, for the page.
+
+    machine.job = RecoverableJobs(machine, tell, store)
+    machine.state["recover"]        # {"name", "line", "known", "next"}: offered; "next": what the tool does when it goes down
+    machine.orders["recover"]({"do": "recover", "what": "begin"})   # tool up, over the place, outputs on; then it asks
+    machine.orders["recover"]({"do": "recover", "what": "down"})    # the rest of the program; "drop": spindle and coolant off
+
+The journal is asked once the machine is at rest: at the start, after homing, and when a job has ended. Each job tells the board its
+number as it begins. A board without journal refuses that, and nothing is offered.
+"""
+
+from host_tools.cli.lead_in import number_of, staged
+from host_tools.cli.resume import ended, interrupted
+from host_tools.failure import Failure
+from host_tools.programs import replay
+from passo import errors
+from passo.web.stored import StoredJobs
+from passo.web.wire import PAGE
+
+_REST = ("Idle", "Alarm")
+
+
+class RecoverableJobs(StoredJobs):
+    def __init__(self, machine, tell, store):
+        StoredJobs.__init__(self, machine, tell, store.packed)
+        self._tell_all = tell
+        self._store = store
+        self._asked = False  # the journal is known, or has been asked for
+        self._keeps = False  # the board has one
+        self._collects = None  # lines of answers, while they are wanted
+        self._stage = ""  # "over": on its way, "ask": over the place, and the operator is asked
+        self._rest = []
+        self._place = None  # where it waits for the answer
+        machine.state["recover"] = None
+        machine.orders["recover"] = self._recover
+
+    def heard(self, line):
+        if self._collects is not None and line[:5] != "[MSG:":
+            self._collects.append(line)
+            return True
+        return StoredJobs.heard(self, line)
+
+    def report(self, state):
+        machine = self._machine
+        if state == "Home":
+            self._asked = False
+        if not self._asked and state in _REST and machine.settings and not self.running() and not machine.refusal():
+            self._collects = []
+            self._asked = machine.wire.say(PAGE, b"$JR", self._journal)
+        StoredJobs.report(self, state)
+
+    def fail(self, error):
+        if error == errors.NO_ANSWER:
+            self._asked = False
+        StoredJobs.fail(self, error)
+
+    # --- what is offered
+
+    def _journal(self, error):
+        said, self._collects = self._collects or [], None
+        self._keeps = not error
+        self._machine.state["recover"] = None if error else self._offer(said)
+
+    def _offer(self, said):
+        for name, lines, crc in self._store.programs():
+            try:
+                number, _, known = interrupted(said, lines, crc)
+            except Failure:
+                continue
+            left = b"".join(line.upper() for known, line in lines if known >= number)
+            if number > lines[0][0] and any(letter in left for letter in b"XYZ"):  # else only outputs were left, and are off
+                return {"name": name, "line": number, "known": known, "next": ""}
+        return None
+
+    # --- orders
+
+    def _recover(self, order):
+        machine = self._machine
+        what, offer = order.get("what"), machine.state["recover"]
+        error = machine.refusal() or machine.still()
+        if error:
+            return error
+        if offer is None:
+            return errors.NO_SUCH_JOB
+        if what == "drop":
+            return self._drop()
+        if machine.state["state"] != "Idle":
+            return errors.LOCKED
+        if what == "begin":
+            return self._begin_again(bool(order.get("unverified")) or offer["known"])
+        if what == "down" and self._stage == "ask":
+            return self._down()
+        return errors.ORDER_FIELD
+
+    def _drop(self):
+        machine = self._machine
+        self._stage = ""
+        machine.state["recover"] = None
+        return machine.say(b"M5") or machine.say(b"M9")
+
+    def _begin_again(self, sure):
+        if not sure:
+            return errors.NOT_HOMED
+        self._collects = []
+        machine = self._machine
+        if not machine.wire.say(PAGE, b"$JR") or not machine.wire.say(PAGE, b"$#", self._told):
+            self._collects = None
+            return errors.BUSY
+        return 0
+
+    def _told(self, error):
+        said, self._collects = self._collects or [], None
+        offer = self._machine.state["recover"]
+        if error or offer is None:
+            return
+        try:
+            lead, self._rest, next_ = self._plan(offer["name"], said)
+        except Failure as failure:
+            self._tell_all({"t": "refused", "text": str(failure)})
+            return
+        self._next = next_
+        if not StoredJobs.run(self, offer["name"], lead, 1, False):
+            self._stage = "over"
+
+    def _plan(self, name, said):
+        """(lines up to where the operator is asked, those behind, what comes next). Raises Failure."""
+        program = [(lines, crc) for found, lines, crc in self._store.programs() if found == name]
+        if not program:
+            raise Failure(f"{name} has gone")
+        lines, crc = program[0]
+        number, place, _ = interrupted(said, lines, crc)
+        settings = [f"${key}={value}" for key, value in self._machine.settings.items()]
+        stages, rest = staged(replay.Machine.of_answers(settings, said), lines, number, place, ended(said))
+        asks = replay.DOWN if any(what == replay.DOWN for what, _ in stages) else replay.GO
+        parts, next_ = ([], []), ""
+        for what, sent in stages:
+            if what == asks:
+                next_ = " ".join(_text(line) for line in sent)
+            parts[bool(next_)].extend((number, _text(line).encode()) for line in [*sent, "G4P0"])
+        return parts[0], parts[1] + self._store.numbered(rest, lines), next_
+
+    def _down(self):
+        if self._machine.place != self._place:
+            return errors.COMMANDED_ELSEWHERE  # it has been moved since
+        error = StoredJobs.run(self, self._machine.state["recover"]["name"], self._rest, 1, False)
+        if not error:
+            self._stage = ""
+            self._machine.state["recover"] = None
+        return error
+
+    # --- jobs
+
+    def run(self, name, lines, passes, checked, single=False):
+        self._stage = ""
+        if self._keeps and not checked:
+            machine = self._machine
+            error = machine.still()
+            number = next((number_of(text) for found, text, _ in self._store.programs() if found == name), 0)
+            if error or number and not machine.wire.say(PAGE, b"$JR=%08x" % number):
+                return error or errors.BUSY
+        error = StoredJobs.run(self, name, lines, passes, checked, single)
+        if not error:
+            self._machine.state["recover"] = None
+        return error
+
+    def _end(self, how, error):
+        StoredJobs._end(self, how, error)
+        offer = self._machine.state["recover"]
+        if self._stage == "over" and offer and how == "done":
+            self._stage = "ask"
+            self._place = list(self._machine.place)
+            self._machine.state["recover"] = {**offer, "next": self._next}
+        else:
+            self._stage = ""
+            self._asked = False
+
+
+def _text(line):
+    return line if isinstance(line, str) else line.decode()

@@ -1,0 +1,117 @@
+"""A job of the page whose board loses its power goes on where it was: offered, asked before the tool goes down, and only there."""
+
+import pytest
+
+from host_tools.panel.recovery import RecoverableJobs
+from host_tools.panel.store import Store, gcode_lines
+from host_tools.sim.pages import Pages
+from panel_desk import Desk
+from passo import errors
+from passo.config.boardfile import check
+from router import BOARD, World
+
+JOB = "G21G90G54\nF3000\nM3S5000\nG0Z-2\nG0X4Y4\nG1Z-4\nX8\nY8\nX4\nY4\nG0Z-2\nM5\nM30\n"
+STEPS, STEPS_Z = 320, 400
+START = (600, 500, -400)
+
+
+def desk(tmp_path, pages, place=START, alarm=False):
+    board = dict(BOARD)
+    board["journal"] = {"every_ms": 200}
+    made = Desk(world=World(place), pages=pages, journal=check(board)["journal"])
+    store = Store(tmp_path / "jobs", gcode_lines)
+    made.machine.job = RecoverableJobs(made.machine, made.told.append, store)
+    made.store = made.api.store = store
+    made.run_ms(300)
+    return made
+
+
+def bottom(path):
+    """Places passed at the lowest Z, the tool on: what has been cut, beside where the tool came down."""
+    lowest = min(row[3] for row in path)
+    return {row[1:4] for row in path if row[3] == lowest and row[4]}
+
+
+def home(made):
+    assert made.order("home") == 0
+    made.run_ms(300)
+    made.settle()
+    made.run_ms(300)
+
+
+@pytest.fixture
+def cut(tmp_path):
+    """(a desk beside a board that was switched on again amid the job, the path until then)."""
+    pages = Pages()
+    made = desk(tmp_path, pages)
+    assert made.machine.state["recover"] is None
+    assert made.store.put("part.gcode", JOB) == 0
+    home(made)
+    made.board.world.path = []
+    assert made.order("run", name="part.gcode") == 0
+    while made.machine.state["w"][1] < 6 or made.machine.state["m"][2] > -3:
+        made.cycle()
+    world = made.board.world
+    again = desk(tmp_path, pages, world.place)
+    again.board.world.tool = 0
+    return again, bottom(world.path)
+
+
+def whole(tmp_path):
+    made = desk(tmp_path, Pages())
+    made.store.put("part.gcode", JOB)
+    home(made)
+    made.board.world.path = []
+    assert made.order("run", name="part.gcode") == 0
+    made.settle()
+    assert made.machine.state["job"]["how"] == "done", made.machine.state["job"]
+    assert made.machine.state["recover"] is None, "it has been done to its end"
+    return bottom(made.board.world.path)
+
+
+def test_it_goes_on_where_it_was(cut, tmp_path):
+    made, before = cut
+    offer = made.machine.state["recover"]
+    assert offer["name"] == "part.gcode" and offer["line"] in (7, 8) and not offer["known"] and not offer["next"]
+    assert made.order("recover", what="begin") == errors.NOT_HOMED
+    assert made.order("recover", what="down") == errors.ORDER_FIELD
+    home(made)
+    assert made.machine.state["recover"]["known"]
+    path = made.board.world.path = []
+    assert made.order("recover", what="begin") == 0
+    made.run_ms(200)
+    made.settle()
+    assert "Z" in made.machine.state["recover"]["next"], made.machine.state
+    assert made.board.world.tool == 1 and min(row[3] for row in path) > -3 * STEPS_Z, "the tool is on, and up"
+    assert made.order("recover", what="down") == 0
+    made.settle()
+    job = made.machine.state["job"]
+    assert job["how"] == "done" and made.board.world.tool == 0, job
+    after = bottom(path)
+    (tmp_path / "other").mkdir()
+    assert before | after == whole(tmp_path / "other") and len(before & after) < len(after) / 2, "cut twice"
+    made.run_ms(200)
+    assert made.machine.state["recover"] is None
+
+
+def test_it_does_not_go_down_elsewhere(cut):
+    made, _ = cut
+    home(made)
+    assert made.order("recover", what="begin") == 0
+    made.run_ms(200)
+    made.settle()
+    assert made.order("step", by={"x": 1}, speed=1000) == 0
+    made.settle()
+    assert made.order("recover", what="down") == errors.COMMANDED_ELSEWHERE
+    assert made.order("recover", what="drop") == 0
+    made.run_ms(200)
+    assert made.board.world.tool == 0 and made.machine.state["recover"] is None
+    assert made.order("recover", what="down") == errors.NO_SUCH_JOB
+
+
+def test_a_board_without_journal_offers_nothing(tmp_path):
+    made = Desk()
+    made.machine.job = RecoverableJobs(made.machine, made.told.append, Store(tmp_path, gcode_lines))
+    made.run_ms(500)
+    assert made.machine.state["recover"] is None
+    assert made.order("recover", what="begin") == errors.NO_SUCH_JOB
