@@ -24,7 +24,7 @@ class RecoverableJobs(StoredJobs):
     def __init__(self, machine, tell, store):
         StoredJobs.__init__(self, machine, tell, store.packed)
         self._tell_all = tell
-        self._store = store
+        self._files = store
         self._asked = False  # the journal is known, or has been asked for
         self._keeps = False  # the board has one
         self._collects = None  # lines of answers, while they are wanted
@@ -62,7 +62,7 @@ class RecoverableJobs(StoredJobs):
         self._machine.state["recover"] = None if error else self._offer(said)
 
     def _offer(self, said):
-        for name, lines, crc in self._store.programs():
+        for name, lines, crc in self._files.programs():
             try:
                 number, _, known = interrupted(said, lines, crc)
             except Failure:
@@ -124,7 +124,7 @@ class RecoverableJobs(StoredJobs):
 
     def _plan(self, name, said):
         """(lines up to where the operator is asked, those behind, what comes next). Raises Failure."""
-        program = [(lines, crc) for found, lines, crc in self._store.programs() if found == name]
+        program = [(lines, crc) for found, lines, crc in self._files.programs() if found == name]
         if not program:
             raise Failure(f"{name} has gone")
         lines, crc = program[0]
@@ -137,7 +137,7 @@ class RecoverableJobs(StoredJobs):
             if what == asks:
                 next_ = " ".join(_text(line) for line in sent)
             parts[bool(next_)].extend((number, _text(line).encode()) for line in [*sent, "G4P0"])
-        return parts[0], parts[1] + self._store.numbered(rest, lines), next_
+        return parts[0], parts[1] + self._files.numbered(rest, lines), next_
 
     def _down(self):
         if self._machine.place != self._place:
@@ -155,7 +155,7 @@ class RecoverableJobs(StoredJobs):
         if self._keeps and not checked:
             machine = self._machine
             error = machine.still()
-            number = next((number_of(text) for found, text, _ in self._store.programs() if found == name), 0)
+            number = next((number_of(text) for found, text, _ in self._files.programs() if found == name), 0)
             if error or number and not machine.wire.say(PAGE, b"$JR=%08x" % number):
                 return error or errors.BUSY
         error = StoredJobs.run(self, name, lines, passes, checked, single)

@@ -12,7 +12,7 @@ from passo.web.lease import FRESH_MS, LEASE_MS, Lease
 from passo.web.pace import Pace
 from passo.web.session import Session, hex_of, hmac, make_key, read_key, shown
 from passo.web.teach import lines_of
-from passo.web.wire import PAGE, Wire
+from passo.web.wire import PAGE, Wire, dwell_ms
 
 SPEED = 3000
 MM = 320  # steps
@@ -467,6 +467,22 @@ def check_a_board_that_keeps_no_jobs():
     assert desk.order("stored", what="list") == 0
     desk.run_ms(100)
     assert [event for event in desk.told if event["t"] == "stored"][-1]["jobs"] is None
+
+
+def check_a_wait_is_counted_down():
+    desk = Desk()
+    seen = []
+    desk.machine.watcher = lambda state: seen.append((desk.now_ms(), state["wait"]))
+    desk.store.put("a", "G21G91\nG1X1F3000\nG4 P0.8\nX-1\n")
+    assert desk.order("run", name="a") == 0
+    desk.settle()
+    waits = [(at, left) for at, left in seen if left]
+    assert len(waits) > 12 and 0.7 <= waits[0][1] <= 0.8 and waits[-1][1] < 0.1, waits
+    for at, left in waits:
+        assert abs(left * 1000 - (800 - (at - waits[0][0]))) <= 60, (at, left, waits[0])
+    assert seen[-1][1] == 0
+    for line, wanted in ((b"G4P2", 2000), (b"N7 G04 P.25", 250), (b"g4p1.5", 1500), (b"G40P2", 0), (b"G4X1", 0), (b"G1X4P2", 0), (b"G4P.", 0), (b"", 0)):
+        assert dwell_ms(line) == wanted, line
 
 
 def check_straight_runs():

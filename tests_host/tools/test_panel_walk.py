@@ -14,7 +14,7 @@ from panel_process import PanelProcess
 pytestmark = [*of_pages, pytest.mark.slow]
 MM_Z = 400  # steps
 HOMING_S = 120
-CUT = "G21 G90 F1200\nG1 X5 Y5\nX15\nG4 P1.5\nY12\nX5 Y5\n"
+CUT = "G21 G90 F400\nG1 X5 Y5\nX15\nG4 P1.5\nY12\nX5 Y5\n"
 ARC = "G91 G2 X4 Y-4 J-4 F1500"
 NAME = """
 const nameOf = (e) => e.id || e.dataset.way || e.dataset.output || e.dataset.override || (e.type === "radio" && e.name + e.value)
@@ -184,21 +184,27 @@ def jobs(page, folder):
 
 
 def interrupted(page, folder):
-    """A job that is ended amid a line is offered: left once, and gone on with."""
+    """A job that is ended amid a line is offered: after STOP only if the operator vouches for zero, and left; then gone on with."""
     page.find("upload").send_keys(str(folder / "cut.gcode"))
     page.until(lambda: page.driver.execute_script("return document.getElementById('jobs').value") == "cut.gcode" and "X15" in page.text("lines"))
     for name in ("recover-drop", "recover-begin"):
         page.until_state("Ready")
         page.until(lambda: page.find("run").is_enabled())
         page.click("run")
-        page.until(lambda: "line 4" in page.text("job-state") or "line 3" in page.text("job-state"))
-        page.click("abort")
-        page.until(lambda: page.find("recover-row").is_displayed())
-        if name == "recover-drop":  # in doubt where it is, the operator may vouch for it
-            page.driver.execute_script("document.getElementById('recover-doubt').hidden = false")
+        page.until(lambda: "line 3," in page.text("job-state"))
+        page.click("stop" if name == "recover-drop" else "abort")
+        if name == "recover-drop":
+            page.until_state("Alarm")
+            page.click("unlock")
+            page.until(lambda: page.find("recover-doubt").is_displayed() and not page.find("recover-begin").is_enabled())
+            page.shot("recover-doubt")
             page.click("recover-sure")
-        page.click(name)
-    page.until(lambda: "Next: " in page.text("recover-text"))
+        page.until(lambda: page.find("recover-begin").is_displayed())
+        page.click("recover-begin")
+        page.until(lambda: "Next: " in page.text("recover-text"))
+        if name == "recover-drop":
+            page.click(name)
+            page.until(lambda: not page.find("recover-row").is_displayed())
     page.shot("recover")
     page.click("recover-down")
     page.until(lambda: "cut.gcode: Done" in page.text("job-state"))

@@ -16,7 +16,8 @@ from passo.web.guest import Guest
 from passo.web.jog import Limits
 from passo.web.job import Job
 from passo.web.any_machine import AnyMachine
-from passo.web.wire import GUEST, PAGE, Wire, fields_of
+from passo.web.lease import since
+from passo.web.wire import GUEST, PAGE, Wire, dwell_ms, fields_of
 
 AXES = "xyza"
 _RESET = b"\x18"
@@ -46,6 +47,8 @@ class GrblMachine(AnyMachine):
         self.wire = Wire(write, self._heard)
         self.guest = Guest(self, guest)
         self._offset = None
+        self._waits = b""  # the line that is answered next
+        self._wait_ms = self._counted_ms = 0
         self._known = False  # the settings have been asked for
 
     # --- bytes
@@ -116,6 +119,7 @@ class GrblMachine(AnyMachine):
         state["rpm"] = float(speeds[1]) if len(speeds) > 1 else 0.0
         state["pins"] = fields.get("Pn", "")
         state["line"] = int(fields.get("Ln", "0"))
+        self._count_down(name == "Run" and not state["feed"])
         if "Ov" in fields:
             state["ov"] = [int(part) for part in fields["Ov"].split(",")]
             state["on"] = fields.get("A", "")
@@ -125,6 +129,17 @@ class GrblMachine(AnyMachine):
         self.job.report("" if name == "Hold" and sub == "1" else name)  # it is still braking
         if self.watcher:
             self.watcher(state)
+
+    def _count_down(self, stands):
+        """How long a G4 still lasts: its line is answered at its end, and the machine stands meanwhile."""
+        line = self.wire.oldest()
+        if line is not self._waits:
+            self._waits = line
+            self._wait_ms = dwell_ms(line)
+        elif self._wait_ms and stands:
+            self._wait_ms = max(0, self._wait_ms - since(self._now_ms, self._counted_ms))
+        self._counted_ms = self._now_ms
+        self.state["wait"] = self._wait_ms / 1000 if stands else 0
 
     def _places(self, fields):
         if "WCO" in fields:

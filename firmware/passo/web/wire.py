@@ -21,7 +21,7 @@ class Wire:
     def __init__(self, write, heard):
         self.write = write
         self._heard = heard
-        self._under_way = []  # (owner, bytes, answered)
+        self._under_way = []  # (owner, line, answered)
         self._bytes = 0
         self._buffer = b""
 
@@ -37,10 +37,14 @@ class Wire:
         """Send a line without its end, if there is room."""
         if not self.room(len(line)):
             return False
-        self._under_way.append((owner, len(line) + 1, answered))
+        self._under_way.append((owner, line, answered))
         self._bytes += len(line) + 1
         self.write(line + b"\n")
         return True
+
+    def oldest(self):
+        """The line that is answered next, b"" if there is none."""
+        return self._under_way[0][1] if self._under_way else b""
 
     def feed(self, data):
         """What the board has said."""
@@ -71,12 +75,28 @@ class Wire:
     def _answer(self, error, line):
         if not self._under_way:
             return
-        owner, length, answered = self._under_way.pop(0)
-        self._bytes -= length
+        owner, line_said, answered = self._under_way.pop(0)
+        self._bytes -= len(line_said) + 1
         if answered:
             answered(error)
         if owner == GUEST:
             self._heard(line, GUEST)
+
+
+def dwell_ms(line):
+    """Milliseconds for which a line of G-code makes the machine wait (G4 P…); 0 if it does not."""
+    text = line.decode().upper().replace(" ", "")
+    for code in ("G4P", "G04P"):
+        _, found, rest = text.partition(code)
+        count = 0
+        while count < len(rest) and rest[count] in "0123456789.":
+            count += 1
+        if found and count:
+            try:
+                return int(float(rest[:count]) * 1000)
+            except ValueError:
+                return 0
+    return 0
 
 
 def fields_of(report):
