@@ -48,11 +48,8 @@ def panel(
 
         passo panel --port /dev/ttyACM0 --host 0.0.0.0      # for a phone; give it the key that is shown
     """
-    from host_tools import boards
     from host_tools.cli import ports
-    from host_tools.panel import languages
-    from host_tools.panel.board import Demo, Port
-    from host_tools.panel.panel import Panel
+    from host_tools.panel.board import Demo
 
     if demo and port:
         raise Failure("give --demo or --port, not both")
@@ -62,15 +59,7 @@ def panel(
     board = board or (_DEMO if demo else None)
     virtual = Demo(board, ["--trace", str(trace)] if trace else []) if demo else None
     try:
-        name = virtual.name if virtual else port or ports.only()
-        language = _spoken(_language(boards.load(board)) if virtual else protocol, name, baud, guest)
-        table = boards.load(board or languages.BOARDS[language])
-        machines = _machines(boards, board, ("grbl",) if guest else tuple(languages.BOARDS)) if demo else ()
-
-        served = Panel(
-            lambda changed: Port(name, baud or languages.BAUD[language], changed), jobs, line, host, language, table, machines,
-            virtual and (lambda other: _change(virtual, other)),
-        )  # fmt: skip
+        served = _made(virtual, virtual.name if virtual else port or ports.only(), baud, protocol, board, line, jobs, host)
         asyncio.run(served.run(host, http, lambda number: _tell(host, number, served.key, line, open_)))
     finally:
         if virtual:
@@ -95,6 +84,22 @@ def _tell(host, number, key, line, open_):
         webbrowser.open(f"{address}#key={key}")
 
 
+def _made(virtual, name, baud, protocol, board, line, jobs, host):
+    """The Panel of the board on port `name`."""
+    from host_tools import boards
+    from host_tools.panel import languages
+    from host_tools.panel.board import Port
+    from host_tools.panel.panel import Panel
+
+    language = _spoken(_language(boards.load(board)) if virtual else protocol, name, baud, line)
+    table = boards.load(board or languages.BOARDS[language])
+    machines = _machines(boards, board, ("grbl",) if line else tuple(languages.BOARDS)) if virtual else ()
+    return Panel(
+        lambda changed: Port(name, baud or languages.BAUD[language], changed), jobs, line, host, language, table, machines,
+        virtual and (lambda other: _change(virtual, other)),
+    )  # fmt: skip
+
+
 def _guest_line(guest):
     from host_tools.sim.serial_line import PtyLine, TcpLine
 
@@ -114,12 +119,29 @@ def _spoken(language, port, baud, guest):
     from host_tools.cli.log import spoken
     from host_tools.panel import languages
 
-    language = language or spoken(port, baud or _BAUD)
+    if not language:
+        language = spoken(port, baud or _BAUD)
+        if language == "torch":
+            _check_torch(port, baud)
     if language not in languages.BOARDS:
         raise Failure(f"{language}: the panel speaks {', '.join(languages.BOARDS)}")
     if guest and language != "grbl":
         raise Failure("--guest is for a board that speaks grbl: a sender beside the page")
     return language
+
+
+def _check_torch(port, baud):
+    """Raise Failure if nothing answers: the torch is found by its silence to what others answer."""
+    from host_tools.clients.torch import TorchClient
+    from host_tools.clients.wire import LinkError
+
+    try:
+        with TorchClient(port, baud or _BAUD, timeout_s=1.0) as client:
+            answers = client.status() is not None
+    except LinkError:
+        answers = False
+    if not answers:
+        raise Failure(f"{port}: no answer in grbl, pulses or Passo's torch; of a plotter or a kit of keys say --protocol plotter, --protocol keys")
 
 
 def _language(board):

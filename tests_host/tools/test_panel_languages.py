@@ -8,7 +8,7 @@ import time
 import pytest
 
 from panel_process import PanelProcess
-from test_panel_page import CHROMIUM, DRIVER, Browser, chromium
+from test_panel_page import CHROMIUM, DRIVER, Browser, axe, chromium, serious_faults  # noqa: F401
 
 pytestmark = [
     pytest.mark.unmeasured,
@@ -285,12 +285,14 @@ def test_each_language_by_the_machine_chooser(tmp_path, driver):
 @pytest.mark.slow
 @pytest.mark.parametrize("board", ["lpt_router", "torch_manipulator", "plotter_2014", "two_motor_kit"])
 @pytest.mark.parametrize("size, language, theme", [((1280, 1700), "en", "light"), ((390, 4200), "pt", "dark")])
-def test_pictures(tmp_path, driver, board, size, language, theme):
-    """No card is wider than the window, in either language."""
+def test_pictures(tmp_path, driver, axe, board,  # noqa: F811
+                   size, language, theme):
+    """No card is wider than the window, in either language; axe-core finds no serious fault."""
     with PanelProcess(tmp_path, "--board", board) as panel:
         browser = Browser(panel, driver, size, f"lang={language}&theme={theme}")
         time.sleep(0.5)
         browser.shot(f"{board}-{language}-{size[0]}")
         assert browser.driver.execute_script("return document.documentElement.scrollWidth - window.innerWidth") <= 0
+        assert not serious_faults(browser, axe)
         english = browser.driver.execute_script("return [...document.querySelectorAll('section:not([hidden]) h2')].map((each) => each.textContent)")
         assert ("Mover" in english) == (language == "pt")

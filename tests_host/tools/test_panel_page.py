@@ -420,6 +420,14 @@ LOOKS += [pytest.param(size, language, theme, marks=pytest.mark.slow) for size i
           for theme in ("light", "dark") if (size, language, theme) not in LOOKS]  # fmt: skip
 
 
+def serious_faults(browser, axe):
+    """What axe-core finds on the page that is serious: [(rule, nodes)]."""
+    browser.driver.execute_cdp_cmd("Runtime.evaluate", {"expression": axe})
+    found = browser.driver.execute_async_script(
+        "const done = arguments[0]; axe.run({resultTypes: ['violations']}).then((result) => done(JSON.stringify(result.violations)))")
+    return [(rule["id"], [node["html"][:120] for node in rule["nodes"]]) for rule in json.loads(found) if rule["impact"] in ("serious", "critical")]
+
+
 @pytest.mark.parametrize("size, language, theme", LOOKS)
 def test_axe_finds_no_serious_fault(panel, driver, axe, size, language, theme):
     with Browser(panel, driver, size, f"lang={language}&theme={theme}") as browser:
@@ -427,10 +435,7 @@ def test_axe_finds_no_serious_fault(panel, driver, axe, size, language, theme):
         browser.shot(f"{language}-{theme}-{size[0]}")
         wide = browser.driver.execute_script("return document.documentElement.scrollWidth - window.innerWidth")
         assert wide <= 0, f"{wide} pixels beyond the window"
-        browser.driver.execute_cdp_cmd("Runtime.evaluate", {"expression": axe})
-        found = browser.driver.execute_async_script(
-            "const done = arguments[0]; axe.run({resultTypes: ['violations']}).then((result) => done(JSON.stringify(result.violations)))")
-        serious = [(rule["id"], [node["html"][:120] for node in rule["nodes"]]) for rule in json.loads(found) if rule["impact"] in ("serious", "critical")]
+        serious = serious_faults(browser, axe)
         assert not serious, serious
 
 

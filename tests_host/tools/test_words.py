@@ -15,6 +15,7 @@ pytestmark = pytest.mark.quick
 CATALOGUE = json.loads((FOLDER / "pt.json").read_text(encoding="utf-8"))
 MODULES = sorted(path.name for path in FOLDER.glob("*.js") if path.name != "torch.js")  # that one has words of its own
 TABLES = ("SIGNALS", "STATES", "OVERRIDES", "BITS", "HOW")  # whose texts are shown by way of _()
+WHOLE_TABLES = ("LACKS",)  # all of whose values are
 # Words of the documents, and what an English text with them has to say in Portuguese.
 TERMS = {"spindle": "fuso", "step program": "programa de pulsos", "homing": "origem", "door": "porta", "speed": ("velocidade", "rotação"),
          "inverter": "inversor", "gantry": "pórtico", "motor": "motor", "alarm": "alarm"}  # fmt: skip
@@ -57,6 +58,8 @@ def script_texts():
     for name in TABLES:
         table = re.search(rf"const {name} = (.*?);\n", source, re.DOTALL)[1]
         found |= {text for text in re.findall(r'"([^"]*)"', table) if re.search("[A-Z][a-z]", text)}
+    for name in WHOLE_TABLES:
+        found |= set(re.findall(r': "([^"]+)"', re.search(rf"const {name} = (.*?);\n", source, re.DOTALL)[1]))
     shown = re.search(r"const how = \{(.*?)\}\[", source, re.DOTALL)[1]
     return found | set(re.findall(r'"([^"]+)"', shown))
 

@@ -162,10 +162,11 @@ export class PulseFile {
     if (bits) {
       this.names = [];
       [...bits].forEach((place, n) => { if (place !== "-") this.names[Number(place)] = BITS[7 - n]; });
-      this.port = -1;
+      this.port = "";
     }
-    if (this.port === value) return;
-    this.port = value;
+    const shown = `${value} ${document.documentElement.lang}`;
+    if (this.port === shown) return;
+    this.port = shown;
     $("port").replaceChildren(...[7, 6, 5, 4, 3, 2, 1, 0].filter((bit) => this.names[bit]).map((bit) => {
       const item = document.createElement("li");
       const on = Boolean(value >> bit & 1);

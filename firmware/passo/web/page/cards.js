@@ -4,12 +4,17 @@ import { Keys } from "./card_keys.js";
 import { Plotter } from "./card_plotter.js";
 import { PulseFile } from "./card_pulses.js";
 import { Torch } from "./card_torch.js";
+import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
+// What a machine and its language may lack.
+const LACKS = { place: "the position", home: "seeking the origin", zero: "a zero of the work", goto: "going to a place", jobs: "jobs", hold: "pause",
+  single: "single steps", teach: "teach-in", outputs: "spindle and coolant", overrides: "overrides", signals: "input signals",
+  line: "a command line", settings: "settings" };
 const OWN = { keys: Keys, plotter: Plotter, pulses: PulseFile, torch: Torch };
 
 export class Cards {
-  // page: { order(name, fields), ask(text), picture }
+  // page: { order(name, fields), ask(text), picture, report(), proven(), until(wanted) }
   constructor(page) {
     this.page = page;
     this.own = null;
@@ -25,6 +30,7 @@ export class Cards {
   hello(message) {
     this.words = message.can;
     for (const card of document.querySelectorAll("[data-can]")) card.hidden = !card.dataset.can.split(" ").some((what) => this.can(what));
+    this.language = message.language;
     this.own = message.language in OWN ? new OWN[message.language](this.page, message) : null;
   }
 
@@ -45,10 +51,18 @@ export class Cards {
     if (busy && now.single && mine) $("resume").disabled = false;
     for (const button of document.querySelectorAll("[data-switch]")) button.disabled = !mine || !["Idle", "Hold", "Alarm"].includes(report.state);
     for (const mark of document.querySelectorAll("[data-shows]")) {
-      const text = this.page.word(report[mark.dataset.shows] ? "on" : "off");
+      const text = _(report[mark.dataset.shows] ? "on" : "off");
       if (mark.textContent !== text) mark.textContent = text;
     }
+    this.tellLacks();
     if (this.own) this.own.show(report);
+  }
+
+  // What is hidden, and why.
+  tellLacks() {
+    const lacks = Object.keys(LACKS).filter((what) => !this.can(what)).map((what) => _(LACKS[what]));
+    const text = lacks.length ? _("This machine speaks {language}. Hidden, because it has no word for it: {lacks}.", { language: this.language, lacks: lacks.join(", ") }) : "";
+    if ($("lacks").textContent !== text) $("lacks").textContent = text;
   }
 
   // One line, or one code, and no more. A job that does not run yet begins so.

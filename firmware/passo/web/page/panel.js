@@ -28,7 +28,7 @@ const shelf = new Kept((name, fields) => link.order({ do: name, ...fields }).the
   ask, () => report, () => $("jobs").value);
 const recover = new Recover((name, fields) => order(name, fields));
 const picture = new Picture($("path"));
-const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until, word: (text) => _(text) });
+const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
 let waiting = [];  // [condition of a job, resolve]
 
