@@ -15,7 +15,7 @@ class Job:
     other = "serial"
     axes = 3
     depth = -3 * 400  # steps of Z
-    changes = {"journal": {"every_ms": 200}}
+    changes = {"journal": {"every_ms": 200, "power": "power"}}
     lost = "stop"
 
     def __init__(self, text, **changes):
@@ -26,6 +26,7 @@ class Job:
     def board(self):
         made = boards.load(self.name)
         made.update(self.changes)
+        made["inputs"].append({"name": "power", "pin": 22, "active": 0, "pull": "up"})
         made["homing"].update(locate_steps_s=2000, pull_off_steps=200, debounce_ms=2)
         for link in made["links"]:
             if link["name"] == self.link:

@@ -15,6 +15,7 @@ What may fail, of KINDS:
     power       memory is gone; flash is as it is
     torn        the same, amid the next write of flash: at any of its bytes
     reset       another program sends Ctrl-X
+    fail        the power-fail input becomes active; 15 ms later the power is gone
 """
 
 import contextlib
@@ -35,14 +36,15 @@ from host_tools.sim.pages import Pages, PowerCut
 from passo.config.journal import MemorySlots
 from passo.records import LEAD_TICKS, TICKS_PER_MS
 
-KINDS = ("link", "process", "freeze", "power", "torn", "reset")
-GONE = ("freeze", "power", "torn")  # the board begins anew
+KINDS = ("link", "process", "freeze", "power", "torn", "reset", "fail")
+GONE = ("freeze", "power", "torn", "fail")  # the board begins anew
 NEAR = 2  # steps: what rounding may make
 START = (1500, 1200, -900)
 LOST_MS = 1000
 FREEZE_MS = 1000  # until the watchdog resets
 HEARTBEAT_MS = 170  # until interrupts bring the machine to a stand
 FEED_MS = 3
+LASTS_MS = 15  # the capacitors
 BAUD = 115_200
 
 
@@ -369,12 +371,15 @@ class Round:
         elif kind == "reset":
             machine.send(b"\x18", self.job.other)
             machine.run_ms(300)
+        elif kind == "fail":
+            machine.plant.set_input(machine.port.now, "power", True)
+            machine.run_ms(LASTS_MS)
+            self.check(machine.plant.tool == 0, "the tool is on while the capacitors last")
         elif kind == "freeze":
             bench.freeze()
         else:
             machine.port.advance(rng.randrange(8 * TICKS_PER_MS))
-        self.check(not machine.plant.errors, f"the plant: {machine.plant.errors[:2]}")
-        self.check(not bench.record.dragged, f"dragged through the work: {bench.record.dragged[:2]}")
+        self.judge_plant(bench)
         lost = kind in GONE
         self.settle(bench, bench.recorded if lost else None)
         if lost:
@@ -407,6 +412,12 @@ class Round:
 
     def close(self, place):
         return any(abs(place[0] - x) + abs(place[1] - y) <= 160 for x, y in self.places)
+
+    def judge_plant(self, bench):
+        """What stops inside a word may end a pulse too soon: where it is then is not sure to a step, and it homes."""
+        found = [text for _, text in bench.machine.plant.errors if text != "STEP pulse too short"]
+        self.check(not found, f"the plant: {found[:2]}")
+        self.check(not bench.record.dragged, f"dragged through the work: {bench.record.dragged[:2]}")
 
     def check(self, right, text):
         if not right:
@@ -463,7 +474,7 @@ class Round:
             share, kind = again
             self.pc.revive(bench)
             self.pc.strike = self.struck
-            self.pc.kills = [(begun_ms + share * (self.lasts_ms + 3000), kind)]
+            self.pc.kills = [(begun_ms + share * ((1 - self.kill["at"]) * self.lasts_ms + 3000), kind)]
             try:
                 more = self.go_on(bench)
                 self.pc.kills = []
@@ -478,18 +489,17 @@ class Round:
         self.go_on(bench)
         bench = self.pc.bench
         self.check(bench.machine.plant.tool == 0, "the tool is on at the end")
-        self.check(not bench.record.dragged, f"dragged through the work: {bench.record.dragged[:2]}")
-        self.check(not bench.machine.plant.errors, f"the plant: {bench.machine.plant.errors[:2]}")
+        self.judge_plant(bench)
         self.settle(bench, None)
         missing = [place for place in self.cells if place not in self.seen and not near(place, self.seen)]
         self.check(not missing, f"missing: {len(missing)}, {missing[:2]}")
 
 
-def kill_of(seed, kind=None):
-    """A moment, and one of KINDS unless it is given, by the seed; of every fourth the resumption is killed, too: `again`."""
+def kill_of(seed, kind=None, kinds=KINDS):
+    """A moment, and one of `kinds` unless it is given, by the seed; of every fourth the resumption is killed, too: `again`."""
     rng = random.Random(seed)
-    again = [(rng.random(), rng.choice(KINDS))] if rng.random() < 0.25 else []
-    return {"seed": seed, "at": rng.random(), "kind": kind or rng.choice(KINDS), "again": again}
+    again = [(rng.random(), rng.choice(kinds))] if rng.random() < 0.25 else []
+    return {"seed": seed, "at": rng.random(), "kind": kind or rng.choice(kinds), "again": again}
 
 
 def kills_of(count, seed, first=0):

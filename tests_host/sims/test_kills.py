@@ -9,9 +9,9 @@ from kills import KINDS, Bench, Course, Flash, Killed, Pc, kill_of, killed, kill
 
 THOUSAND = 1000
 EACH = -(-THOUSAND // len(JOBS))
+BEFORE = KINDS[:6]  # of the seeds below
 # Seeds that have found something, and what.
 FOUND = {
-    "framed": ["s framed 18"],  # the remainder of a line had no number: interrupted again, it was cut again
     "stored": ["s stored 23"],  # a stored job on a link that is watched ended the main loop; a silent PC was lost while a spindle spun up
     "laser": ["s laser 7"],
 }
@@ -24,9 +24,16 @@ def wrong(results):
 @pytest.mark.parametrize("name", JOBS)
 def test_killed(name):
     number = list(JOBS).index(name)
-    kills = kills_of(2, f"few {name}", 2 * number) + [kill_of(seed, KINDS[int(seed.split()[-1]) % 6]) for seed in FOUND.get(name, ())]
+    kills = kills_of(2, f"few {name}", 2 * number) + [kill_of(seed, BEFORE[int(seed.split()[-1]) % 6], BEFORE) for seed in FOUND.get(name, ())]
     results = killed(JOBS[name], kills)
     assert len(results) == len(kills) and not wrong(results)
+
+
+@pytest.mark.parametrize("name", ["lines", "laser"])
+def test_a_supply_that_fails_with_a_warning_loses_nothing(name):
+    """The place is written while the capacitors last: nothing is cut twice."""
+    results = killed(JOBS[name], [kill_of(f"warned {name}", "fail", ["fail"])])
+    assert len(results) == 1 and not wrong(results)
 
 
 @pytest.mark.slow
@@ -63,6 +70,26 @@ class Interrupted:
 
 
 SQUARE = b"G21G90\nG1Z-1F1500\nG1X10F1500\nY10\nX0\nY0\nM30\n"
+
+
+def test_what_is_left_of_a_line_is_that_line_to_the_journal(tmp_path):
+    """Interrupted once more amid it, the program is gone on with there."""
+    long = Interrupted(b"G21G90\nG1Z-1F1500\nG1X20F400\nY5\nM30\n", tmp_path, 1.2)
+    first = long.place()[0]
+    now_ms = int(long.course.bench.machine.now_ms())
+    long.pc.kills = [(at_ms, None) for at_ms in range(now_ms, now_ms + 20_000, 50)]
+    long.pc.strike = lambda _: long.pc.die() if long.place()[0] > first + 300 else None
+    with pytest.raises(Killed):
+        long.resume()
+    long.pc.kills = []
+    long.course.bench.alone()
+    second = long.place()
+    long.course.bench.machine.send(b"$JR\n")
+    long.course.bench.machine.run_ms(50)
+    assert first + 300 < second[0] < 6400
+    assert b"|3|2|%d,0,-400]" % second[0] in long.course.bench.machine.take()
+    long.resume()
+    assert long.place() == [6400, 1600, -400]
 
 
 @pytest.mark.parametrize("framed", [False, True])
