@@ -46,7 +46,7 @@ SECTIONS = {
     "weaving": ("weaving", "Seams walked from side to side. See [weaving](weaving.md)."),
     "network": (
         "network",
-        "Wi-Fi of a Pico W or an ESP32: links with the port `http` (torch) or `tcp` (grbl). The radio is off until `passo wifi` has given it a name and a "
+        "Wi-Fi of a Pico W or an ESP32: links with the port `http` (torch), `page` (the page) or `tcp` (grbl). The radio is off until `passo wifi` has given it a name and a "
         "passphrase. See [network](network.md).",
     ),
     "registers": (
@@ -193,7 +193,7 @@ MEANINGS = {
     "registers.edges.inputs": "Names of inputs behind 74HC165, with blanks between them.",
     "registers.tool": "The output, 100 … 123, that follows the tool's pin: within 3 ms, at once in a halt; -1: none.",
     "network.host": "The board's name in the network: `http://passo.local/`.",
-    "network.http_port": "TCP port of the links with the port `http`.",
+    "network.http_port": "TCP port of the links with the ports `http` and `page`.",
     "network.tcp_port": "TCP port of the links with the port `tcp`.",
     "network.legacy_http": "Torch: who sends no key may move the machine, from the board's own access point only, and only for the minutes "
     "that somebody at the machine gives.",
@@ -231,7 +231,7 @@ MEANINGS = {
     "encoders.index": "Name of the input of its index pulse, if it has one: log entry 143 if the encoder itself loses counts.",
     "encoders.settle_ms": "So long behind the last step a motor has come to rest, and its error is exact, ms. The largest counts for all.",
     "links.name": "Its name: `passo board --link NAME=PATH`, the log.",
-    "links.port": "`usb`, or `uart0` …; with a [network](#network) also `http` and `tcp`. See the pins a UART may use in [wiring](wiring.md#serial-lines).",
+    "links.port": "`usb`, or `uart0` …; with a [network](#network) also `http`, `page` and `tcp`. See the pins a UART may use in [wiring](wiring.md#serial-lines).",
     "links.tx": "UART: the pin that sends.",
     "links.rx": "UART: the pin that receives.",
     "links.baud": "UART: bits a second.",

@@ -10,6 +10,7 @@ from host_tools.failure import Failure
 
 _JOBS = Path.home() / ".local" / "share" / "passo" / "jobs"
 _DEMO = "router_3axis"
+_WEBSOCKET = "ws:"
 _BAUD = 115200  # a link is asked at it what it speaks
 
 
@@ -27,7 +28,7 @@ def panel(
     http: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: any free one.")] = 8080,
     jobs: Annotated[Path, typer.Option(help="Folder of the jobs.")] = _JOBS,
     guest: Annotated[
-        Optional[str], typer.Option(metavar="PATH|TCP", help="A pty (a symlink to it) or a TCP port for a sender beside the page.")
+        Optional[str], typer.Option(metavar="PATH|TCP|ws:PORT", help="A pty (a symlink to it), a TCP port or a WebSocket for a sender beside the page.")
     ] = None,
     trace: Annotated[Optional[Path], typer.Option(metavar="FILE.csv", help="The demo writes where the machine is.")] = None,
     open_: Annotated[bool, typer.Option("--open/--no-open", help="Open the page in this PC's browser.")] = False,
@@ -45,6 +46,8 @@ def panel(
         passo panel --demo --board lpt_router --open        # pulse files; torch_manipulator, plotter_2014, …
 
         passo panel --port /dev/ttyACM0 --guest /tmp/machine
+
+        passo panel --port /dev/ttyACM0 --guest ws:8081     # for UGS: ws://127.0.0.1:8081/
 
         passo panel --port /dev/ttyACM0 --host 0.0.0.0      # for a phone; give it the key that is shown
     """
@@ -102,7 +105,10 @@ def _made(virtual, name, baud, protocol, board, line, jobs, host):
 
 def _guest_line(guest):
     from host_tools.sim.serial_line import PtyLine, TcpLine
+    from host_tools.sim.websocket_line import WebSocketLine
 
+    if guest.startswith(_WEBSOCKET) and guest[len(_WEBSOCKET) :].isdigit():
+        return WebSocketLine(int(guest[len(_WEBSOCKET) :]))
     return TcpLine(int(guest)) if guest.isdigit() else PtyLine(guest)
 
 

@@ -173,6 +173,9 @@ def bridge(
     tcp_port: Annotated[int, typer.Option(help="The board file's network.tcp_port.")] = 23,
     link: Annotated[Optional[str], typer.Option(help="A symlink to the pty for the sender.")] = None,
     tcp: Annotated[Optional[int], typer.Option(min=0, max=65535, help="A TCP socket for the sender, not a pty. 0: any free port.")] = None,
+    websocket: Annotated[
+        Optional[int], typer.Option(min=0, max=65535, help="A WebSocket for the sender, not a pty. 0: any free port.")
+    ] = None,
 ):
     """Give a grbl sender on this PC the board over its network. Every line is proven by the key, which is never sent.
 
@@ -181,12 +184,18 @@ def bridge(
         passo wifi bridge passo.local --key ABCD-EFGH-JKLM-NPQR --link /tmp/router
 
         PASSO_KEY=ABCD-EFGH-JKLM-NPQR passo wifi bridge 192.168.4.1 --tcp 5000
+
+        passo wifi bridge passo.local --key ABCD-EFGH-JKLM-NPQR --websocket 8081
     """
     from host_tools.clients.signed import Bridge
     from host_tools.sim.serial_line import PtyLine, TcpLine
+    from host_tools.sim.websocket_line import WebSocketLine
     from passo.web import session
 
-    line = TcpLine(tcp) if tcp is not None else PtyLine(link)
+    if websocket is not None:
+        line = WebSocketLine(websocket)
+    else:
+        line = TcpLine(tcp) if tcp is not None else PtyLine(link)
     try:
         made = Bridge(host, tcp_port, session.read_key(key), line)
         print(f"port: {line.name}", flush=True)
