@@ -45,9 +45,7 @@ def panel(
 
         passo panel --demo --board lpt_router --open        # pulse files; torch_manipulator, plotter_2014, …
 
-        passo panel --port /dev/ttyACM0 --guest /tmp/machine
-
-        passo panel --port /dev/ttyACM0 --guest ws:8081     # for UGS: ws://127.0.0.1:8081/
+        passo panel --port /dev/ttyACM0 --guest /tmp/machine        # or 5000, or ws:8081
 
         passo panel --port /dev/ttyACM0 --host 0.0.0.0      # for a phone; give it the key that is shown
     """

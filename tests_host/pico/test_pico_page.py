@@ -20,8 +20,9 @@ from test_pico_network import LATEST_US, LEAST_FREE, RATE, Z_TOO, network_board
 from test_pico_torch import steps_of, until_up
 
 STEPS = 16_000
-POINTS = 2500
-WINDOW = 16
+POINTS = 2000
+WINDOW = 6
+AGAIN_MS = 100
 
 
 @pytest.mark.slow
@@ -96,13 +97,17 @@ def test_the_page_while_three_axes_step(show):
 def points_s(machine):
     """Points a second that a plotter takes over its cable, at full speed."""
     sent = heard = 0
-    begun = machine.now_ms()
+    begun = told = machine.now_ms()
     while heard < POINTS:
+        if machine.now_ms() > told + AGAIN_MS:  # what has got lost is sent again
+            sent, told = heard, machine.now_ms()
         while sent < POINTS and sent < heard + WINDOW:
             machine.send(packet(COMMANDS["LINE"], 100 + sent % 1000, 100 + sent // 2))
             sent += 1
         machine.run_ms(1)
-        heard += machine.take().count(NEXT)
+        answers = machine.take().count(NEXT)
+        if answers:
+            heard, told = heard + answers, machine.now_ms()
         assert machine.now_ms() < begun + 20_000, heard
     return POINTS * 1000 / (machine.now_ms() - begun)
 
@@ -110,8 +115,8 @@ def points_s(machine):
 @pytest.mark.slow
 def test_pages_that_look_on_cost_a_stream_little(show):
     """Points a second of a plotter that is sent to at full speed, without pages and with two that are pushed the state."""
-    board = {**boards.load("plotter_pico_w"), "network": {"host": "passo"}, "memory": "lean", "store_points": 4 * POINTS}
-    cable = {**board["links"][0], "baud": 460_800}
+    board = {**boards.load("plotter_pico_w"), "network": {"host": "passo"}, "memory": "lean", "store_points": 2 * POINTS + 100}
+    cable = {**board["links"][0], "baud": 230_400}
     board["links"] = [cable, {"name": "page", "port": "page", "protocol": "plotter"}]
     machine = EmulatedMachine(board, files(board), uf2=pico_w(), trace=None).boot()
     machine.run_until(lambda: b"code in" in machine.pico.console.text, 5000)
