@@ -5,7 +5,7 @@
     _("{package} is not installed").format(package="numpy")
 
 The words of numbered errors and of settings are the page's (firmware/passo/web/page/pt.json), those of the command its own
-(pt.json beside this file). `passo --lang` chooses; without it LANGUAGE, LC_ALL, LC_MESSAGES and LANG do, as for any program.
+(pt.json beside this file): what commands are for, and the options that many of them have. `passo --lang` chooses; without it LANGUAGE, LC_ALL, LC_MESSAGES and LANG do, as for any program.
 """
 
 import gettext
@@ -59,6 +59,23 @@ def preferred(environment):
 def _(text):
     """`text` in the language chosen."""
     return catalogue(_chosen or preferred(os.environ)).gettext(text)
+
+
+def summary(help_):
+    """What a command is for: the first paragraph of its help, in one line."""
+    return " ".join((help_ or "").partition("\n\n")[0].split())
+
+
+def speak(command):
+    """Put what a click command and its subcommands are for, and their options, into the language chosen. What the catalogue lacks stays
+    English."""
+    for each in [command, *command.params]:
+        english = each.english = getattr(each, "english", getattr(each, "help", None))
+        if english:
+            first, blank, rest = english.partition("\n\n")
+            each.help = _(summary(first)) + blank + rest if summary(first) != _(summary(first)) else english
+    for other in getattr(command, "commands", {}).values():
+        speak(other)
 
 
 def error_text(number):

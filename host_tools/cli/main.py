@@ -64,6 +64,14 @@ def _show_version(wanted: bool):
         raise typer.Exit()
 
 
+def _choose(context: typer.Context, lang: Optional[str]):
+    """Before all other options: --help behind it speaks that language."""
+    if lang is not None and lang not in language.LANGUAGES:
+        raise Failure(f"--lang is {' or '.join(language.LANGUAGES)}, not {lang!r}")
+    language.choose(lang)
+    language.speak(context.command)
+
+
 @app.callback(invoke_without_command=True)
 def _passo(
     context: typer.Context,
@@ -71,7 +79,11 @@ def _passo(
         bool, typer.Option("--version", help="Show the version and end.", callback=_show_version, is_eager=True)
     ] = False,
     lang: Annotated[
-        Optional[str], typer.Option(metavar="pt|en", help="Language of numbered errors and settings; LANG's unless given.")
+        Optional[str],
+        typer.Option(
+            metavar="pt|en", is_eager=True, callback=_choose,
+            help="Language of numbered errors, settings and what --help says of commands; LANG's unless given.",
+        ),
     ] = None,
     _frames: Annotated[
         Optional[bool],
@@ -82,9 +94,6 @@ def _passo(
     ] = None,
 ):
     """Passo: a motion controller for stepper machines. Draw, send, watch, and try it all on a virtual board."""
-    if lang is not None and lang not in language.LANGUAGES:
-        raise Failure(f"--lang is {' or '.join(language.LANGUAGES)}, not {lang!r}")
-    language.choose(lang)
     if context.invoked_subcommand is None:
         print(context.get_help())
         print(first_steps())
@@ -140,7 +149,9 @@ app.add_typer(wifi, name="wifi")
 def main():
     """Run `passo`. Failures and errors of the system become one line on stderr and exit status 1."""
     try:
-        app()
+        command = typer.main.get_command(app)
+        language.speak(command)
+        command()
     except Failure as failure:
         print(f"passo: {failure}", file=sys.stderr)
         sys.exit(1)

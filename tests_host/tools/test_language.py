@@ -38,8 +38,25 @@ def said():
     return set().union(*(texts(path.read_text(encoding="utf-8")) for path in HOST_TOOLS.rglob("*.py")))
 
 
+def helps(command):
+    """(what each command is for, the help of options)."""
+    purposes, options = {language.summary(command.help)}, {param.help for param in command.params if getattr(param, "help", None)}
+    for other in getattr(command, "commands", {}).values():
+        more = helps(other)
+        purposes |= more[0]
+        options |= more[1]
+    return purposes, options
+
+
 def test_every_text_has_its_words_and_no_words_are_left_over():
-    assert said() == set(WORDS)
+    """Of options, those that many commands have."""
+    import typer
+
+    from host_tools.cli.main import app
+
+    purposes, options = helps(typer.main.get_command(app))
+    assert not (said() | purposes) - set(WORDS)
+    assert not set(WORDS) - said() - purposes - options
 
 
 def test_words_have_the_fields_of_their_text():
@@ -85,5 +102,8 @@ def test_the_command_in_portuguese():
     asked, by_environment = passo("--lang", "pt"), passo(LANGUAGE="pt_BR")
     assert "Comece por aqui" in asked.stdout and asked.stdout == by_environment.stdout
     assert "Try this first" in passo("--lang", "en", LANGUAGE="pt").stdout
+    for words in (("--lang", "pt", "draw", "--help"), ("draw", "--help")):
+        assert "Desenhar um arquivo SVG na plotadora" in passo(*words, LANGUAGE="pt").stdout
+    assert "Draw an SVG file" in passo("--lang", "en", "draw", "--help", LANGUAGE="pt").stdout
     refused = passo("--lang", "xx", "ports")
     assert refused.returncode == 1 and re.search("--lang is en or pt, not 'xx'", refused.stderr)
