@@ -96,5 +96,5 @@ def test_properties(core, module):
     free = int(core.run("gc.collect()\nprint(gc.mem_free())"))
     if free < HEAP.get(module, 0):
         pytest.skip(f"{module} wants {HEAP[module]} bytes of heap, the build has {free}")
-    said = core.run(f"import micro_runner\nprint(micro_runner.main(['--few={tiers.FEW}', {module!r}]))")
+    said = core.run(f"import micro_runner\nprint(micro_runner.main(['--few', '--most={tiers.FEW}', {module!r}]))")
     assert " 0 failed" in said, said

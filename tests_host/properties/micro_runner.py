@@ -1,10 +1,10 @@
 """Runs check modules without pytest: under MicroPython, and under CPython for comparison.
 
-    MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/micro_runner.py [--few=N] [--slow] check_line
+    MICROPYPATH=build/unix/STATE:tests_host/properties:tests_host/sims:. micropython tests_host/properties/micro_runner.py [--few] [--most=N] [--slow] check_line
 
 Each `check_*` function of each module named in `CASES` runs `RUNS[name]` times (100 unless told) with values from a
 generator seeded by its name, after what `EXAMPLES[name]` lists; one without parameters runs once. With --few only those
-with parameters run, and at most N times; what `SLOW` names runs with --slow only. Prints every failure with its arguments
+with parameters run; with --most=N each at most N times; what `SLOW` names runs with --slow only. Prints every failure with its arguments
 and a closing count; the exit status is 1 if anything failed.
 """
 
@@ -45,7 +45,7 @@ def run_check(name, check, specs, runs, examples=()):
     return runs, False
 
 
-def run_module(module_name, few=None, slow=True):
+def run_module(module_name, few=False, slow=True, most=1_000_000):
     """Run the checks of a module; returns (checks, runs, failures)."""
     module = __import__(module_name)
     cases = getattr(module, "CASES", {})
@@ -53,13 +53,11 @@ def run_module(module_name, few=None, slow=True):
     examples = getattr(module, "EXAMPLES", {})
     left_out = () if slow else getattr(module, "SLOW", ())
     names = [name for name in dir(module) if name.startswith("check_") and callable(getattr(module, name))]
-    names = sorted([name for name in names if name not in left_out and (few is None or name in cases)])
+    names = sorted([name for name in names if name not in left_out and (not few or name in cases)])
     total = failures = 0
     for name in names:
         specs = cases.get(name, ())
-        runs = counts.get(name, DEFAULT_RUNS) if specs else 1
-        if few is not None:
-            runs = min(runs, few)
+        runs = min(counts.get(name, DEFAULT_RUNS), most) if specs else 1
         made, failed = run_check(name, getattr(module, name), specs, runs, examples.get(name, ()))
         total += made
         failures += failed
@@ -68,19 +66,19 @@ def run_module(module_name, few=None, slow=True):
 
 def main(arguments):
     checks = runs = failures = 0
-    few, slow = None, "--slow" in arguments
+    few, slow, most = "--few" in arguments, "--slow" in arguments, 1_000_000
     for argument in arguments:
-        if argument.startswith("--few="):
-            few = int(argument[6:])
+        if argument.startswith("--most="):
+            most = int(argument[7:])
     for module_name in arguments:
         if module_name.startswith("--"):
             continue
-        counted = run_module(module_name, few, slow)
+        counted = run_module(module_name, few, slow, most)
         checks += counted[0]
         runs += counted[1]
         failures += counted[2]
     print("%d checks, %d runs, %d failed" % (checks, runs, failures))
-    return 1 if failures or not checks and few is None else 0
+    return 1 if failures or not checks and not few else 0
 
 
 if __name__ == "__main__":

@@ -162,7 +162,11 @@ def test_every_board_starts(name):
     assert machine.app.controller.state in ("idle", "alarm") and not machine.plant.errors
 
 
-@pytest.mark.parametrize("name", boards.names())
+# One of each chip and language is built with each commit, the rest in all the tests; and many are built for the emulated Pico.
+BUILT = ("mill_2004", "plotter_esp32", "plotter_pico_2", "torch_pico_w", "two_motor_kit")
+
+
+@pytest.mark.parametrize("name", [pytest.param(name, marks=() if name in BUILT else pytest.mark.slow) for name in boards.names()])
 def test_every_board_builds(tmp_path, name):
     app = typer.Typer()
     app.command()(build)
