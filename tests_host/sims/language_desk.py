@@ -6,13 +6,23 @@
     desk.place()                        # steps
 """
 
-from host_tools.sim.plant import Plant
+import sys
+
 from panel_desk import PUSH_MS, TICKS_PER_MS, Shelf
 from passo.app import App
 from passo.config.boardfile import check
 from passo.ports.virtual import MemoryLine, VirtualPort
 from passo.records import COUNT_MASK
 from passo.web.api import Api
+
+if sys.implementation.name == "micropython":  # the package's own start is for a PC: here it is only a folder
+
+    class _Folder:
+        __path__ = __file__.rsplit("/", 3)[0] + "/host_tools"
+
+    sys.modules["host_tools"] = _Folder
+    sys.path.insert(0, _Folder.__path__ + "/site")  # with a random of what the plant takes
+from host_tools.sim.plant import Plant  # noqa: E402
 
 
 class Path:
