@@ -6,15 +6,14 @@
 
 A round is a program at random, over one of the two links or as a stored job. While it runs: noise on the wire, a cable that is cut and
 plugged in again, holds, overrides, the door, the other link that wants to command, garbage on it, jobs that it wants stored or
-deleted; and at most one of what ends a program: a reset, the emergency stop, a limit switch that is hit, a line out of the
-travel, a board that is reset, a power cut that tears what is being written. Then the operator finds his way out, and the next round begins.
+deleted; and at most one of what ends a program: a reset, the emergency stop, which may bounce, a line out of the travel, a board that is reset, a power cut that tears what is being written. Then the operator finds his way out, and the next round begins.
 
 What must hold, seen from the wire, the pins and the plant:
 
 - the path is that of the lines sent, in their order, each once, step by step; what stopped the program ends it on the path;
 - of all lines that were answered with ok nothing is missing, unless something has ended the program;
 - one answer a line, in order, and none that is not of the language;
-- no alarm that nothing has caused; after a stop nothing moves and the tool is off;
+- no alarm that nothing has caused; after a stop, and while the door is open, nothing moves and the tool is off;
 - the place the board tells is the plant's, and a board that cannot know it refuses to move until it is homed;
 - no interval shorter than an axis may step, no word late;
 - stored jobs are there whole or not at all; a full memory says so;
@@ -47,11 +46,12 @@ PLAIN_BYTES = 100  # of lines that are not answered
 FRAMED_BYTES = 500
 FLASH = 56 * 1024
 LAST = 20  # rounds between two measures of the heap
+DOOR_MS = 800  # after which an open door has brought it to a stand, tool off
 OUTSIDE = "G90G0X5000"  # a line out of the travel
 ASKED, SENT = 1, 2
 OF_LANGUAGE = re.compile(r"ok|error:\d+|ALARM:\d+|<[^<>]*>|\[[^\[\]]*\]|Grbl 1\.1.*|")
 HARMLESS = ("hold", "override", "question", "door", "fight", "garbage", "cut", "noise", "store", "delete", "hand over")
-ENDS = ("reset", "other reset", "stop", "limit", "outside", "board", "power", "power", "long cut")
+ENDS = ("reset", "other reset", "stop", "stop bounces", "outside", "board", "power", "power", "long cut")
 
 
 def board():
@@ -502,8 +502,7 @@ class Router(Bench):
                 link.real_time(b"?")
         elif kind == "door":
             self.fault("door")
-            self.press("door", True)
-            self.after(self.dice.uniform(30, 1200), lambda: self.close_door(link))
+            self.open_door(self.dice.uniform(30, 1500), link)
         elif kind == "fight" and not other.port:
             self.fault("fight")
             for line in ("G91G0X5", "M3S1000", "$X", "$H", "G92X0", "$J=G91X1F100"):
@@ -535,7 +534,16 @@ class Router(Bench):
     def press(self, name, active):
         self.machine.plant.set_input(self.machine.port.now, name, active)
 
-    def close_door(self, link):
+    def open_door(self, ms, link):
+        self.press("door", True)
+        seen = []
+        if ms > DOOR_MS + 100:
+            self.after(DOOR_MS, lambda: seen.append(self.place()))
+        self.after(ms, lambda: self.close_door(link, seen))
+
+    def close_door(self, link, seen):
+        if seen and not self.ended and (seen[0] != self.place() or self.machine.plant.tool):
+            raise Wrong(f"the door has been open for {DOOR_MS} ms, and it still moves or cuts")
         self.press("door", False)
         self.after(20, lambda: self.go_on(link))
 
@@ -572,8 +580,7 @@ class Router(Bench):
             other.real_time(b"\x18")
         elif kind == "stop":
             self.press("stop", True)
-        elif kind == "limit":
-            self.ended = "stop"  # a limit switch that is hit while the emergency stop's wire is shaken
+        elif kind == "stop bounces":
             tick = machine.port.now
             machine.plant.inject("stop", sorted({tick + self.dice.randint(1, 400_000) for _ in range(7)})[:5])
         elif kind == "outside":
