@@ -45,14 +45,25 @@ def prepared(client, lines, number, place=None, yes=False, end=None):
     stages, rest = staged(replay.Machine.of_answers(client.command("$$"), client.command("$#")), lines, number, place, end)
     moving = any(what == replay.DOWN for what, _ in stages)
     for what, sent in stages:
-        if what == (replay.DOWN if moving else replay.GO) and not yes and not agreed(f"line {number}: next is {' '.join(next(sent for name, sent in stages if name == what))}"):
-            client.command("M5")
-            client.command("M9")
-            raise Failure("not gone on: the tool is up, spindle and coolant are off")
+        if what == (replay.DOWN if moving else replay.GO) and not yes:
+            _ask(client, f"line {number}: next is {' '.join(sent)}")
         for line in sent:
             client.command(line, _WAIT_S)
         client.command("G4P0", _WAIT_S)
     return rest
+
+
+def _ask(client, next_):
+    """Raise Failure unless the operator agrees; spindle and coolant are off then, and if nobody can be asked or the question is broken off."""
+    agrees = False
+    try:
+        agrees = agreed(next_)
+    finally:
+        if not agrees:
+            client.command("M5")
+            client.command("M9")
+    if not agrees:
+        raise Failure("not gone on: the tool is up, spindle and coolant are off")
 
 
 def agreed(next_):

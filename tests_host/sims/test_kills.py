@@ -2,6 +2,7 @@
 
 import pytest
 
+from host_tools.cli import lead_in
 from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
 from kill_jobs import JOBS, Job
@@ -57,12 +58,10 @@ class Interrupted:
                 self.course.run()
         self.course.bench.alone()
 
-    def resume(self, text=None, **how):
-        if text is not None:
-            self.course.path.write_bytes(text)
+    def resume(self, yes=True):
         self.pc.revive(self.course.bench)
         with self.pc:
-            resume_file(self.course.path, yes=True, **how)
+            resume_file(self.course.path, yes=yes)
             self.course.bench.machine.settle()
 
     def place(self):
@@ -120,6 +119,23 @@ def test_a_machine_that_stopped_in_order_is_gone_on_with_where_it_stands(tmp_pat
     square.course.bench.machine.plant.listen(lambda *change: switched.append(change))
     square.resume()
     assert square.place() == [0, 0, -400] and not switched
+
+
+@pytest.mark.parametrize("stopped", ["nobody", "no", "Ctrl-C"])
+def test_the_tool_stays_up_and_the_spindle_goes_off_unless_somebody_agrees(stopped, tmp_path, monkeypatch):
+    def answer(_):
+        assert square.course.bench.machine.plant.tool, "it is asked with the spindle on"
+        if stopped == "Ctrl-C":
+            raise KeyboardInterrupt
+        return False
+
+    square = Interrupted(b"M3S1000\n" + SQUARE, tmp_path, 1.5)
+    if stopped != "nobody":
+        monkeypatch.setattr(lead_in, "agreed", answer)
+    with pytest.raises(Failure):
+        square.resume(yes=False)
+    square.course.bench.machine.settle()
+    assert square.place()[2] == 0 and not square.course.bench.machine.plant.tool
 
 
 def test_numbers_of_its_own(tmp_path):
