@@ -402,7 +402,8 @@ def test_a_lost_link_ends_the_jog(browser, panel, how):
             assert children
             for process in children:
                 os.kill(process, 9)
-        browser.until(lambda: browser.text("state") == "Ready")
+        time.sleep(0.5)  # a computer that is late lets the machine stand between two pieces of a jog; its lease is over by now
+        browser.until_state("Ready")
         stood = browser.place()
         cable.whole = True
         time.sleep(1)

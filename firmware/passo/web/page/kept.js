@@ -36,7 +36,8 @@ export class Kept {
     const before = $("kept").value;
     $("kept").replaceChildren(...message.jobs.map(([name, size]) => new Option(`${name} (${Math.ceil(size / 1024)} kB)`, name)));
     if (message.jobs.some(([name]) => name === before)) $("kept").value = before;
-    $("kept-free").textContent = _("{free} kB free on the board", { free: Math.floor(message.free / 1024) });
+    for (const id of ["kept-list", "kept-check", "kept-run", "kept-remove"]) $(id).hidden = !message.jobs.length;
+    $("kept-free").textContent = _("{free} MB free on the board", { free: (message.free / 1048576).toFixed(1) });
   }
 
   // Ask for the list once the machine is at rest; `free`: nothing runs, and this page commands.

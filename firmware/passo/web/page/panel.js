@@ -126,6 +126,7 @@ function told(message) {
 }
 
 function hello(message) {
+  $("address").textContent = location.origin;
   if (message.rules) rules = message.rules;
   else table("rules.json").then((found) => { rules = found; });
   cards.hello(message);
@@ -235,7 +236,8 @@ function showJob() {
 
 // What is said of a job of lines.
 function described(now, line) {
-  const how = { run: now.checked ? "Checking" : "Running", halting: "Stopping", done: now.checked ? "Checked: no error" : "Done", failed: "Ended",
+  const held = report.state === "Hold";
+  const how = { run: now.checked ? "Checking" : held ? "Held" : "Running", halting: "Stopping", done: now.checked ? "Checked: no error" : "Done", failed: "Ended",
     store: "Storing", kept: "Kept on the board" }[now.how];
   let text = `${now.name}: ${_(how)}, `;
   if (now.stored) text += `${now.done} %${line ? ", " + _("line {line}", { line }) : ""}`;
