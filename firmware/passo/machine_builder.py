@@ -25,6 +25,9 @@ def _counted(board):
 
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue")
+# One after the other, not one within the other: code of what is being imported cannot be moved to flash.
+_OF_NETWORK = ("websocket", "connection", "session", "guard", "http", "files", "signed", "lines")
+_OF_PAGE = ("lease", "jog", "pace", "pages", "api", "any_machine")
 _OF_WHOLE = ("motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")
 
 
@@ -103,9 +106,12 @@ def load_last(board):
     if [link for link in board["links"] if link["frames"]]:
         framed_line()
     if board["network"]:
-        network()
+        for module in _OF_NETWORK:
+            __import__("passo.web." + module)
         for link in board["links"]:
             if link["port"] == "page":
+                for module in _OF_PAGE:
+                    __import__("passo.web." + module)
                 page_line(board, link["protocol"])
 
 

@@ -19,6 +19,7 @@ from board_browser import KEY, masked
 from host_tools.build import tree
 from host_tools.emulator import binary
 from host_tools.emulator.filesystem import folder_files
+from host_tools.emulator.heap import Heap
 from passo.web.session import Session
 
 BAUD = 921_600  # as uart_radio.py
@@ -85,6 +86,15 @@ class Air:
 
     def get(self, path):
         return self.ask(f"GET {path} HTTP/1.1\r\nHost: passo.local\r\nAccept-Encoding: gzip\r\nUser-Agent: Mozilla/5.0\r\n\r\n")
+
+    def collected(self):
+        """The heap behind a collection of garbage: the freest of the moments that follow."""
+        self.say(b"G", 0)
+        found = []
+        for _ in range(12):
+            self.run_ms(8)
+            found.append(Heap(self._machine.pico))
+        return max(found, key=lambda heap: heap.free)
 
     def look(self):
         self._come += self._wire.drain()

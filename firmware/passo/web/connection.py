@@ -178,6 +178,7 @@ class Connection:
         """It is a WebSocket from now on; `owner` is told what comes."""
         self.owner = owner
         self._frames = Frames(_MESSAGE_BYTES)
+        self.method = self.path = self.body = self.query = self.host = self.origin = self.proof = b""
         self._out = b"HTTP/1.1 101 Switching Protocols\r\nUpgrade: websocket\r\nConnection: Upgrade\r\nSec-WebSocket-Accept: %s\r\n\r\n" % (
             accept_of(self.key)
         )

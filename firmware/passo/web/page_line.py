@@ -119,7 +119,11 @@ class PageLine:
                     self._server.drop(page.socket)
                     break
         page = self.pages.enter(connection, {}, now_ms)
-        return packed(page.hello) if page else None
+        if page is None:
+            return None
+        hello = packed(page.hello)
+        page.hello = None  # it has done its duty
+        return hello
 
     def heard(self, connection, data, now_ms):
         """A message. False: the page is to be closed. Raises ValueError if it is no text."""
