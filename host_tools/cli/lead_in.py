@@ -2,10 +2,12 @@
 goes down."""
 
 import binascii
+import select
 import sys
 
 from host_tools.failure import Failure
 
+_SIGN_S = 0.3
 _WAIT_S = 600  # that a way, a spindle or a dwell may take
 
 
@@ -43,6 +45,17 @@ def prepared(client, lines, number, place=None, yes=False, end=None):
     from host_tools.programs import replay
 
     stages, rest = staged(replay.Machine.of_answers(client.command("$$"), client.command("$#")), lines, number, place, end)
+    try:
+        _carry_out(client, stages, number, yes)
+    except KeyboardInterrupt:
+        client.halt()
+        raise Failure("not gone on: stopped on the way there") from None
+    return rest
+
+
+def _carry_out(client, stages, number, yes):
+    from host_tools.programs import replay
+
     moving = any(what == replay.DOWN for what, _ in stages)
     for what, sent in stages:
         if what == (replay.DOWN if moving else replay.GO) and not yes:
@@ -50,14 +63,13 @@ def prepared(client, lines, number, place=None, yes=False, end=None):
         for line in sent:
             client.command(line, _WAIT_S)
         client.command("G4P0", _WAIT_S)
-    return rest
 
 
 def _ask(client, next_):
     """Raise Failure unless the operator agrees; spindle and coolant are off then, and if nobody can be asked or the question is broken off."""
     agrees = False
     try:
-        agrees = agreed(next_)
+        agrees = agreed(next_, client.ask_status)
     finally:
         if not agrees:
             client.command("M5")
@@ -66,9 +78,13 @@ def _ask(client, next_):
         raise Failure("not gone on: the tool is up, spindle and coolant are off")
 
 
-def agreed(next_):
-    """Ask the operator before the tool goes down. Raises Failure if there is nobody."""
+def agreed(next_, idle=None):
+    """Ask the operator before the tool goes down; `idle()` is called several times a second meanwhile, so that a board that minds its
+    host, the spindle on, hears of it. Raises Failure if there is nobody."""
     if not sys.stdin.isatty():
         raise Failure("nobody can be asked before the tool goes down; look at the machine, then give --yes")
     print(next_)
-    return input("The tool goes down. Is the place right, and all clear? [y/N] ").strip().lower() in ("y", "yes")
+    print("The tool goes down. Is the place right, and all clear? [y/N] ", end="", flush=True)
+    while idle and not select.select([sys.stdin], [], [], _SIGN_S)[0]:
+        idle()
+    return sys.stdin.readline().strip().lower() in ("y", "yes")

@@ -116,18 +116,12 @@ def _resume_gcode(file, port, baud, home, unverified, yes):
         state = client.ask_status()["state"]
         if state != "Idle":
             raise Failure(f"the machine has to be idle, and its state is {state}")
+        rest = prepared(client, lines, number, place, yes, ended(said))
         with Panel(client, lines) as panel:
-            for _ in went_on(client, lines, number, place, yes, panel.cycle, ended(said)):
-                panel.done(_)
+            for done in client.stream(rest, True, panel.cycle, panel.numbered):
+                panel.done(done)
             client.wait_idle(panel.cycle)
         print(f"{file}: done{', unverified' if unverified and not known else ''}")
-
-
-def went_on(client, lines, number, place, yes, cycle=None, end=None):
-    """Send what is left; yields the numbers of the lines that are answered."""
-    numbered = not any(b"N" in line.upper() for _, line in lines)
-    rest = prepared(client, lines, number, place, yes, end)
-    yield from client.stream(rest, True, cycle, numbered)
 
 
 def _settled(client):

@@ -1,5 +1,7 @@
 """The link, the PC's program, the main loop, the power killed at random moments: the same is cut as if nothing had happened."""
 
+import io
+
 import pytest
 
 from host_tools.cli import lead_in
@@ -123,7 +125,7 @@ def test_a_machine_that_stopped_in_order_is_gone_on_with_where_it_stands(tmp_pat
 
 @pytest.mark.parametrize("stopped", ["nobody", "no", "Ctrl-C"])
 def test_the_tool_stays_up_and_the_spindle_goes_off_unless_somebody_agrees(stopped, tmp_path, monkeypatch):
-    def answer(_):
+    def answer(*_):
         assert square.course.bench.machine.plant.tool, "it is asked with the spindle on"
         if stopped == "Ctrl-C":
             raise KeyboardInterrupt
@@ -136,6 +138,40 @@ def test_the_tool_stays_up_and_the_spindle_goes_off_unless_somebody_agrees(stopp
         square.resume(yes=False)
     square.course.bench.machine.settle()
     assert square.place()[2] == 0 and not square.course.bench.machine.plant.tool
+
+
+class Operator(io.StringIO):
+    """Looks at the machine for a while, then types."""
+
+    def __init__(self, text, pc, looks):
+        super().__init__(text)
+        self._pc = pc
+        self.looks = looks
+
+    def isatty(self):
+        return True
+
+    def select(self, *_):
+        self.looks -= 1
+        if self.looks < 0:
+            return [self], [], []
+        self._pc.sleep(0.3)
+        return [], [], []
+
+
+@pytest.mark.parametrize("typed", ["y", "n"])
+def test_a_board_that_minds_its_host_waits_for_the_operator(typed, tmp_path, monkeypatch):
+    square = Interrupted(b"M3S1000\n" + SQUARE, tmp_path, 1.5)
+    operator = Operator(typed + "\n", square.pc, 30)
+    monkeypatch.setattr(lead_in, "sys", type("", (), {"stdin": operator}))
+    monkeypatch.setattr(lead_in, "select", operator)
+    if typed == "y":
+        square.resume(yes=False)
+        assert square.place() == [0, 0, -400]
+    else:
+        with pytest.raises(Failure, match="spindle and coolant are off"):
+            square.resume(yes=False)
+    assert operator.looks == -1 and not square.course.bench.machine.plant.tool
 
 
 def test_numbers_of_its_own(tmp_path):
