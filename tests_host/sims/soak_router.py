@@ -6,7 +6,8 @@
 
 A round is a program at random, over one of the two links or as a stored job. While it runs: noise on the wire, a cable that is cut and
 plugged in again, holds, overrides, the door, the other link that wants to command, garbage on it, jobs that it wants stored or
-deleted; and at most one of what ends a program: a reset, the emergency stop, which may bounce, a line out of the travel, a board that is reset, a power cut that tears what is being written. Then the operator finds his way out, and the next round begins.
+deleted; and at most one of what ends a program: a reset, the emergency stop, which may bounce, a line out of the travel, a board that
+is reset, a power cut that tears what is being written. Then the operator finds his way out, and the next round begins.
 
 What must hold, seen from the wire, the pins and the plant:
 
@@ -141,7 +142,7 @@ class Link:
         self.waiting = []  # lines sent that are not answered
         self.told = []  # [(line, answer)]
         self.said = []  # everything else
-        self.lost = False  # the session has ended
+        self.stale = 0  # lines that were on their way as the board began anew: they may be answered
         self._text = b""
 
     def send(self, line):
@@ -175,6 +176,9 @@ class Link:
         if not OF_LANGUAGE.fullmatch(line):
             raise Wrong(f"{self.name}: the board says {line!r}")
         if line == "ok" or line.startswith("error:"):
+            if not self.waiting and self.stale:
+                self.stale -= 1
+                return
             if not self.waiting:
                 raise Wrong(f"{self.name}: an answer to nothing: {line}")
             asked = self.waiting.pop(0)
@@ -186,6 +190,7 @@ class Link:
                 self.bench.note(f"{self.name}: {line}")
             self.said.append(line)
             if line.startswith("Grbl"):
+                self.stale += len(self.waiting)
                 self.waiting.clear()
 
     def under_way(self):
@@ -193,7 +198,7 @@ class Link:
 
     def forget(self):
         """What has been said; a line that is still coming is not."""
-        self.waiting, self.told, self.said = [], [], []
+        self.waiting, self.told, self.said, self.stale = [], [], [], 0
 
     def begin(self, port=None):
         """A new session: in frames over `port`, or in plain text."""
@@ -384,7 +389,7 @@ class Router(Bench):
         program = Program(self.dice, start, self.dice.randint(8, 60))
         program.lines = [(f"N{number}{text}", move) for number, (text, move) in enumerate(program.lines, 1)]
         self.ended = ""
-        self.outside = 0
+        self.outside, self.door = 0, False
         if self.carrier == "stream":
             self.journal = self.dice.randrange(1, 1 << 32)
             self.do(link, f"$JR={self.journal:08X}")
@@ -500,7 +505,7 @@ class Router(Bench):
         elif kind == "question":
             for _ in range(self.dice.randint(1, 20)):
                 link.real_time(b"?")
-        elif kind == "door":
+        elif kind == "door" and not self.door:
             self.fault("door")
             self.open_door(self.dice.uniform(30, 1500), link)
         elif kind == "fight" and not other.port:
@@ -535,6 +540,7 @@ class Router(Bench):
         self.machine.plant.set_input(self.machine.port.now, name, active)
 
     def open_door(self, ms, link):
+        self.door = True
         self.press("door", True)
         seen = []
         if ms > DOOR_MS + 100:
@@ -544,6 +550,7 @@ class Router(Bench):
     def close_door(self, link, seen):
         if seen and not self.ended and (seen[0] != self.place() or self.machine.plant.tool):
             raise Wrong(f"the door has been open for {DOOR_MS} ms, and it still moves or cuts")
+        self.door = False
         self.press("door", False)
         self.after(20, lambda: self.go_on(link))
 
