@@ -19,6 +19,17 @@ _BURST = 20  # bytes, on average
 _UNDER_WAY = 900  # bytes of lines that are not answered
 
 
+def damaged(dice, data):
+    """`data` with one byte lost, doubled or flipped."""
+    at = dice.randrange(len(data))
+    kind = dice.choice(("lost", "doubled", "flipped"))
+    if kind == "lost":
+        return data[:at] + data[at + 1 :]
+    if kind == "doubled":
+        return data[: at + 1] + data[at:]
+    return data[:at] + bytes([data[at] ^ dice.randint(1, 255)]) + data[at + 1 :]
+
+
 class NoisyWire:
     """One direction: bytes come a while after they have been put, in order."""
 

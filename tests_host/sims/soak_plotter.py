@@ -9,12 +9,11 @@ from host_tools import boards
 from host_tools.clients.frames import FramedPort
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import PowerCut
-from noisy_wire import NoisyWire
+from noisy_wire import NoisyWire, damaged
 from passo.protocols.plotter.host import ANSWERS, COMMANDS, STATUS_LENGTH, packet, status_from
 from soak_bench import Bench, Wrong
 from soak_router import Wire
 from soak_witness import Line, follow
-from test_whole_plotter import damaged
 
 TRAVEL = (4000, 3000)
 HALF_US = 50  # shortest half period of a step

@@ -9,6 +9,7 @@ import tiers
 
 from host_tools import boards
 from host_tools.sim.machine import VirtualMachine
+from noisy_wire import damaged
 from passo.protocols.plotter.host import COMMANDS, RESYNC_MS, packet, status_from
 
 GAP_MS = boards.load("plotter_2014")["links"][0]["idle_gap_ms"]
@@ -35,17 +36,6 @@ def random_object(dice, count):
         x, y = max(0, x + dice.randint(-9, 9)), max(0, y + dice.randint(-9, 9))
         points.append(("MOVE" if dice.random() < 0.1 else "LINE", x, y))
     return points
-
-
-def damaged(dice, data):
-    """`data` with one byte lost, doubled or flipped."""
-    at = dice.randrange(len(data))
-    kind = dice.choice(("lost", "doubled", "flipped"))
-    if kind == "lost":
-        return data[:at] + data[at + 1 :]
-    if kind == "doubled":
-        return data[: at + 1] + data[at:]
-    return data[:at] + bytes([data[at] ^ dice.randint(1, 255)]) + data[at + 1 :]
 
 
 def send(machine, data, dice):
