@@ -31,6 +31,15 @@ def check_the_motors_are_handed_over_and_back():
     assert not desk.machine.state["ours"]
 
 
+def check_nothing_starts_from_another_computer():
+    """A board that wants somebody at the machine: this language cannot tell who is there."""
+    desk = connected(network={"presence": "button"}, inputs=[{"name": "button", "pin": 16, "active": 0, "pull": "up"}])
+    for order in ({"do": "weave"}, {"do": "play", "what": "run"}, {"do": "run", "name": "a"}):
+        assert desk.api.order(order, True, True)["error"] in (errors.PRESENCE, errors.UNKNOWN_COMMAND), order
+    assert desk.api.order({"do": "weave"}, True, True)["error"] == errors.PRESENCE
+    assert desk.api.order({"do": "output", "name": "motors_on"}, True, True)["error"] == 0
+
+
 def check_straight_and_on_their_own():
     """A place on the plane is reached straight: both axes end together. Each axis at its own speed: they do not."""
     desk = connected()

@@ -189,6 +189,27 @@ def test_the_torch(tmp_path, driver):
     assert abs(max(sides) - 830 - 166) <= 1 and abs(min(sides) - 830 + 166) <= 1
 
 
+@pytest.mark.slow
+def test_a_job_of_grbl_step_by_step(tmp_path, driver):
+    """One line a press, the one under way marked; Resume goes on with the rest."""
+    with PanelProcess(tmp_path) as panel:
+        browser = Browser(panel, driver, (1280, 1600))
+        browser.until(lambda: browser.text("state") in ("Ready", "Alarm"))
+        if browser.text("state") == "Alarm":
+            browser.click("unlock")
+        browser.until_state("Ready")
+        start = browser.place()
+        upload(browser, tmp_path, "square.gcode", "G21 G91\nG1 X4 F3000\nY4\nX-4\nY-4\n")
+        for line, by in ((1, (0, 0)), (2, (4, 0)), (3, (4, 4))):
+            browser.until(lambda: browser.text("state") == "Ready")
+            browser.click("single")
+            browser.until(lambda: f"line {line}, {line} of 5" in browser.text("job-state"))
+            browser.until(lambda: [round(now - then, 3) for now, then in zip(browser.place(), start)] == [*by, 0])
+        assert "step by step" in browser.text("job-state") and browser.css("#lines b").text.startswith("3")
+        browser.click("resume")
+        browser.until(lambda: "Done" in browser.text("job-state") and browser.place() == start)
+
+
 SVG = (
     '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40"><title>praça</title>'
     '<rect x="10" y="10" width="20" height="10" fill="none" stroke="black"/></svg>'

@@ -25,7 +25,6 @@ export class PulseFile {
     this.marked = -1;
     $("pace").max = message.fastest || "";
     $("pace-most").textContent = message.fastest ? `1 … ${message.fastest}` : "";
-    $("teach-name").value = "taught.txt";
     $("pace-form").onsubmit = (event) => { event.preventDefault(); page.order("pace", { speed: Number($("pace").value) }); };
     this.showPort(0, message.bits || "76543210");
   }

@@ -31,6 +31,7 @@ export class Cards {
     this.words = message.can;
     for (const card of document.querySelectorAll("[data-can]")) card.hidden = !card.dataset.can.split(" ").some((what) => this.can(what));
     this.language = message.language;
+    $("teach-name").value = message.language === "pulses" ? "taught.txt" : "taught.gcode";
     this.own = message.language in OWN ? new OWN[message.language](this.page, message) : null;
   }
 

@@ -105,9 +105,10 @@ function told(message) {
     jog.report();
     show();
   } else if (message.t === "hello" || message.t === "machine") {
-    if (language && language !== message.language) return location.reload();
+    const other = Boolean(language) && language !== message.language || message.t === "machine";
     language = message.language;
     hello(message);
+    if (other) anew();
   } else if (message.t === "settings") {
     setAxes(message.axes);
     showSettings(message.settings);
@@ -123,6 +124,17 @@ function told(message) {
     $("said").textContent = ($("said").textContent + message.text + "\n").slice(-4000);
     $("said").scrollTop = $("said").scrollHeight;
   }
+}
+
+// Another machine: what was shown of the one before is of no use.
+function anew() {
+  job = { name: "", text: "", lines: [] };
+  for (const id of ["jobs", "lines", "settings", "log"]) $(id).replaceChildren();
+  for (const id of ["job-state", "said"]) $(id).textContent = "";
+  $("progress").value = 0;
+  picture.show([]);
+  say("");
+  useKey();
 }
 
 function hello(message) {
