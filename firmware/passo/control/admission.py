@@ -58,7 +58,7 @@ class Admission:
         return handle
 
     def report(self, report):
-        if self._presence:
+        if self._presence and "pins" in report:  # of the languages only grbl tells inputs
             report["pins"] += "N" if self._machine.port.input(self._presence) else "n"
 
     def admitted(self):
