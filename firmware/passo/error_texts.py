@@ -96,6 +96,7 @@ TEXTS = {
     errors.JOB_UPLOAD: "no upload is under way, or it has not as many bytes as were announced",
     errors.JOB_STOPPED: "the stored job was stopped before its end",
     errors.NO_CARD: "no memory card answers: is it in, formatted with FAT, and is the driver sdcard on the board?",
+    errors.JOB_MEMORY: "no memory is left to read the job with: reset the board, or take a link out of its board file",
     errors.PRESENCE: "over the network this needs somebody at the machine: hold the button there",
     errors.DRAWING: "this file is no SVG drawing that fits on the table: passo draw FILE --dry-run says why",
     errors.NO_MEMORY: "no memory is left for arcs: the board file's speeds take it",

@@ -241,10 +241,8 @@ class Replay:
 
     def check(self):
         """Raise Failure at the first line that the parser refuses. `$` lines are passed over."""
-        for index, (_, line) in enumerate(self._lines):
-            for command in () if line.startswith(b"$") else self._interpret(index):
-                if command.target is not None:
-                    self._board.target = list(command.target)
+        for command in (made for at, row in enumerate(self._lines) if row[1][:1] != b"$" for made in self._interpret(at)):
+            self._board.target = self._board.target if command.target is None else list(command.target)
 
     # --- replaying
 

@@ -95,7 +95,7 @@ def test_an_upload_that_is_cut_off_leaves_the_job_of_that_name(board, part, monk
     jobs.store(part, "PART", "grbl", port=port)
     long = part.with_name("long.gcode")
     long.write_bytes(b"G21 G90\n" + b"".join(b"G1 X%d F6000\n" % (number * 7919 % 50) for number in range(900)))
-    with jobs._connected(port, 115200) as client:
+    with jobs._connected(port, 115200, "grbl") as client:
         data = stored_job.gcode_job(long)
         client.command(f"$FS=PART,grbl,{len(data)},{stored_job.crc(data):08x},{len(stored_job.pack(data))}")
         client.command("$F:AAAA")

@@ -26,7 +26,7 @@ class JobLine:
         self.view = None  # on the bytes read last
         self._stored = None  # the language's module: how its answers are counted
         self._protocol = None
-        self._file = None
+        self._file = self._store = None
         self._look = None  # called when something has been answered
         self._damaged = None  # called if the file is damaged, with the number of the error
         self.given = self.answered = 0  # units
@@ -39,8 +39,9 @@ class JobLine:
         self._look = look
         self._damaged = damaged
 
-    def begin(self, file):
+    def begin(self, file, store):
         self._file = file
+        self._store = store
         self.given = self.answered = 0
         self._first, self._last = self._stored.FRAME
         self._stored.begin(self._protocol)
@@ -48,7 +49,7 @@ class JobLine:
     def end(self):
         """Nothing more of the file comes."""
         if self._file is not None:
-            self._file.close()
+            self._store.close(self._file)
             self._file = None
 
     def any(self):
@@ -136,7 +137,10 @@ class Jobs:
             error = self._ask(command)
         except Damaged as damaged:
             error = damaged.args[0]
-        except (OSError, MemoryError):
+        except MemoryError:
+            self._store.abort()
+            error = errors.JOB_MEMORY
+        except OSError:
             self._store.abort()
             error = errors.NO_JOB if command.value in (commands.JOB_RUN, commands.JOB_DELETE) else errors.JOB_SPACE
         if error and command.link is None:  # a button, or the start: there is nobody to answer
@@ -230,6 +234,7 @@ class Jobs:
         if file.language != self._config["language"]:
             file.close()
             return errors.JOB_LANGUAGE
+        self._store.begin_reading(file)
         journal = machine.handlers.get(commands.JOURNAL)
         if journal and not machine.checking:
             journal(commands.Command(commands.JOURNAL, file.crc or 1))
@@ -239,7 +244,7 @@ class Jobs:
         self._noted = self._newest()
         machine.lender = machine.commander
         machine.commander = self._number
-        self.line.begin(file)
+        self.line.begin(file, self._store)
         if command.link is not None:
             return machine.accepted(command)
         return 0
@@ -294,7 +299,7 @@ class Jobs:
     def _read_back(self, error):
         """The upload has been read to its end, or is not right."""
         machine = self._machine
-        self._reading.close()
+        self._store.close(self._reading)
         self._reading = None
         if not error:
             try:
@@ -323,7 +328,7 @@ class Jobs:
     def clear(self):
         """All work has been dropped: by a stop, a reset, an alarm."""
         if self._reading is not None:
-            self._reading.close()
+            self._store.close(self._reading)
             self._reading = None
             self._store.abort()
         if self._file is not None and not self._failed:
