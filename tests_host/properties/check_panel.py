@@ -183,7 +183,7 @@ def check_without_the_key_only_stop():
     before = desk.place()
     fields = {"by": {"x": 1}, "to": {"x": 1}, "way": {"x": 1}, "speed": 100, "lease": 1, "beat": desk.beats, "axes": "x",
               "name": "a", "line": "G0X1", "what": "begin", "number": 100, "value": 1, "at": 0, "text": "G0X1"}  # fmt: skip
-    for name in sorted(desk.api._orders):
+    for name in sorted(desk.api._orders) + sorted(desk.machine.orders):
         assert desk.order(name, False, **fields) == errors.NO_SESSION, name
         desk.run_ms(20)
     assert desk.place() == before and desk.machine.state["state"] == "Idle"
@@ -260,7 +260,7 @@ def check_noise_moves_nothing(seed):
     desk = Desk()
     random = Random(seed)
     before = desk.place()
-    names = sorted(desk.api._orders) + ["", "look", "reset"]
+    names = sorted(desk.api._orders) + sorted(desk.machine.orders) + ["", "look", "reset"]
     for _ in range(60):
         fields = {"by": {random.choice("xyzq"): random.between(-50, 50)}, "speed": random.between(-5, 5000)}
         for name in ("lease", "beat", "at", "number"):
