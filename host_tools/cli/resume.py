@@ -64,6 +64,9 @@ def resume(
     The board's journal says which line was under way, and where. State is replayed, nothing moves; the tool goes up, over the
     place, spindle and coolant go on, and you are asked before it goes down. The board file has to have the key `journal`.
 
+    A program in a dialect of its own is compiled again, as passo stream did; one with a tool table is resumed by the file that
+    passo compile makes of it, if that is what was streamed.
+
     A .txt is a pulse file, an .svg or .packets a drawing, with the options that it was begun with; anything else is G-code.
 
     Examples:
@@ -99,16 +102,19 @@ def _resume_plotter(*arguments):
 def _resume_gcode(file, port, baud, home, unverified, yes):
     from host_tools.cli.stream import Panel
     from host_tools.clients.grbl import GrblClient, Refused
-    from host_tools.programs import gcode_file, stored_job
+    from host_tools.programs import compiler, gcode_file, stored_job
 
-    lines = gcode_file.read(file)
+    program = compiler.read(file)
+    compiler.tell(program)
+    plain = program.listing is None
+    lines = gcode_file.read(file) if plain else list(program.rows())
     with GrblClient(port, baud) as client:
         _settled(client)
         try:
             said = client.command("$JR")
         except Refused as refused:
             raise Failure(f"{NO_JOURNAL}: {refused}; passo stream --from LINE needs none") from None
-        number, place, known = interrupted(said, lines, stored_job.crc(stored_job.gcode_job(file)))
+        number, place, known = interrupted(said, lines, stored_job.crc(stored_job.gcode_job(file)) if plain else 0)
         print(f"{file}: interrupted {'before' if place is None else 'in'} line {number}")
         find_zero(known, home, unverified, client.home)
         if client.ask_status()["state"] == "Alarm":  # it came to its stand as it should: where it is remains known

@@ -1,15 +1,20 @@
 """Pulse programs and drawings interrupted at random, by everything that may fail: `passo resume` ends them with the same picture."""
 
+import inspect
 import math
 from collections import Counter
 
 import pytest
 from rich.console import Console
 
-from counted_kills import EVERY_MS, Job, kill, resumed, whole
+from counted_kills import EVERY_MS, Cycles, Job, beside, cut, kill, resumed, whole
 from host_tools import boards
-from host_tools.cli import draw_run, jobs, pulses
+from host_tools.cli import draw, draw_run, jobs, pulses
+from host_tools.failure import Failure
 from host_tools.programs import drawn
+from host_tools.sim.pages import Pages
+from passo.protocols.plotter.host import COMMANDS, packet
+from virtual_wire import Killed, plugged
 
 # Down, an outline with diagonals, a wait, another speed, up. It begins and ends elsewhere, and crosses nothing.
 CODES = (
@@ -145,3 +150,55 @@ def test_pulse_programs_fifty_times(way, tmp_path):
     facts = whole(job)
     kinds = Counter(kill(job, seed, *facts)[0] for seed in range(100, 150))
     assert len(kinds) == 4, kinds
+
+
+SVG = (
+    '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="40mm" viewBox="0 0 60 40">'
+    '<path d="M5 5 L50 8 L45 30 L10 35 Z" fill="none" stroke="black"/></svg>'
+)
+
+
+def test_an_svg_file_is_gone_on_with_by_its_name(tmp_path):
+    """With the options that it was begun with, by what lies beside it; and not if it has changed."""
+    job = Drawing(tmp_path, "sent")
+    job.file = tmp_path / "map.svg"
+    job.file.write_text(SVG)
+    machine, other = job.machine(Pages(), job.start), job.machine(Pages(), job.start)
+    options = {
+        name: parameter.default.default for name, parameter in inspect.signature(draw.draw).parameters.items() if name != "file"
+    }
+    options.update(port="virtual", origin="20,30", speed=400)
+    cycles = Cycles(other)
+    with plugged(other):
+        draw.draw(job.file, **options)
+    job.file.with_name("map.svg.journal").unlink(missing_ok=True)
+    with pytest.raises(Killed), plugged(machine, cycles.count * 93 // 100):
+        draw.draw(job.file, **options)
+    machine.ask(packet(COMMANDS["STOP"]))
+    before = cut(machine)
+    with plugged(machine):
+        job.resume(False, False)
+    made, wanted = cut(machine), cut(other)
+    assert 0 < sum(before.values()) < sum(wanted.values())
+    assert set(wanted) <= beside(made) and set(made) <= beside(wanted)
+    job.file.write_text(SVG.replace("45 30", "45 31"))
+    with plugged(machine), pytest.raises(Failure, match="another drawing"):
+        job.resume(False, False)
+
+
+@pytest.mark.parametrize("kind, way, share", ((Pulses, "stream", 0.002), (Pulses, "stored", 0.002), (Drawing, "sent", 0.002)))
+def test_frames_carry_the_language_over_a_noisy_line(kind, way, share, tmp_path):
+    """As by `passo --frames`: bytes are lost, doubled or flipped, and each step is the one that it should be."""
+    job = kind(tmp_path, way)
+    wanted, _, _ = whole(job)
+    plain = job.board
+    job.board = lambda: with_frames(plain())
+    machine = job.machine(Pages(), job.start)
+    with plugged(machine, framed=True, share=share):
+        job.begin(machine, None)
+    assert cut(machine) == wanted and not machine.plant.errors
+
+
+def with_frames(board):
+    board["links"][0].update(frames=True, lost="go_on")
+    return board

@@ -7,7 +7,7 @@ from host_tools.cli.lead_in import number_of
 from host_tools.cli.resume import interrupted
 from host_tools.clients.grbl import GrblClient, tagged
 from host_tools.failure import Failure
-from host_tools.programs import gcode_file
+from host_tools.programs import compiler, gcode_file
 from running_router import Running
 
 PART = b"G21 G90\nG1 X20 Y5 F3000\nG1 X20 Y15\nG1 X5 Y15\nG0 X0 Y0\nM30\n"
@@ -44,6 +44,28 @@ def test_a_lost_pc(board, part, capsys):
     part.write_bytes(PART + b"G4P0\n")
     with pytest.raises(Failure, match="another file"):
         resume.resume(part, board.line.name, 115200, yes=True)
+
+
+NGC = "#1=5\no100 while [#1 lt 20]\nG1 X#1 F3000\nG1 Y#1\n#1=[#1+5]\no100 endwhile\nG0 X0 Y0\nM30\n"
+
+
+def test_a_compiled_program(board, tmp_path, capsys):
+    """Streamed as it is, or as the file that passo compile makes of it, it is gone on with as any G-code."""
+    part, listing = tmp_path / "part.ngc", tmp_path / "part.gcode"
+    part.write_text(NGC)
+    program = compiler.compile_file(part, None)
+    listing.write_text(program.listing.text(program.texts))
+    for file, lines in ((part, list(program.rows())), (listing, gcode_file.read(listing))):
+        with GrblClient(board.line.name) as client:
+            client.connect()
+            client.command("$H", 600)
+            client.command(f"$JR={number_of(lines):08x}")
+            for number, line in lines[:5]:
+                client.command(tagged(number, line).decode())
+            client.wait_idle()
+        resume.resume(file, board.line.name, 115200, yes=True)
+        assert f"interrupted before line {lines[5][0]}" in capsys.readouterr().out
+        assert board.position() == [0, 0, 0]
 
 
 def test_a_board_that_was_reset_has_to_home(board, part):
