@@ -11,8 +11,11 @@ from host_tools.sim.machine import VirtualMachine
 from passo.config import job_store
 from passo.control.inputs import Inputs
 from passo.control.state import MachineState
+from passo.ports.virtual_interlock import VirtualInterlock
 from passo.protocols.frames.line import FramedLine
 from passo.protocols.grbl import stored
+from passo.protocols.plotter.host import PACKET
+from passo.protocols.plotter.protocol import Plotter as PlotterLanguage
 
 
 @pytest.mark.parametrize("name, life, rounds", [("router", 5, 6), ("plotter", 1, 5), ("mill", 1, 1)])
@@ -52,25 +55,52 @@ def remembers_a_line(monkeypatch):
     monkeypatch.setattr(stored, "begin", lambda protocol: protocol.gcode.reset())
 
 
+def believes_any_sum(monkeypatch):
+    """A packet is drawn whatever its sum."""
+    hear = PlotterLanguage._hear
+
+    def believing(self, data, now_ms):
+        data = bytes(data)
+        if len(data) == PACKET:
+            data = data[:-1] + bytes([sum(data[:-1]) & 255])
+        hear(self, data, now_ms)
+
+    monkeypatch.setattr(PlotterLanguage, "_hear", believing)
+
+
+def filters_nothing(monkeypatch):
+    """The interlock takes each edge for a change that lasts."""
+    begin = VirtualInterlock.__init__
+
+    def hasty(self, *arguments):
+        begin(self, *arguments)
+        self._ticks = [0] * len(self._ticks)
+
+    monkeypatch.setattr(VirtualInterlock, "__init__", hasty)
+
+
 BROKEN = {
-    doubles: "an answer to nothing",
-    ignores_the_door: "the door has been open",
-    drops_nothing: "homed, it stands at",
-    needs_no_homing: "cannot know where it is, and is Idle",
-    tells_no_reset: "no banner",
-    remembers_a_line: "error 116 in line 1",
+    doubles: ("router", "an answer to nothing"),
+    ignores_the_door: ("router", "the door has been open"),
+    drops_nothing: ("router", "homed, it stands at"),
+    needs_no_homing: ("router", "cannot know where it is, and is Idle"),
+    tells_no_reset: ("router", "no banner"),
+    remembers_a_line: ("router", "error 116 in line 1"),
+    believes_any_sum: ("plotter", "Wrong: no answer to LINE"),
+    filters_nothing: ("mill", "AssertionError: (220, "),
 }
 
 
 def found(rule, monkeypatch, lives, rounds):
-    """What the soak says of a router that breaks `rule`."""
+    """What the soak says of a machine that breaks `rule`."""
+    name, wanted = BROKEN[rule]
     rule(monkeypatch)
     with pytest.raises(soak.Violation) as violation:
         for life in range(lives):
-            soak.live("router", life, rounds)
+            soak.live(name, life, rounds)
     text = str(violation.value)
-    assert BROKEN[rule] in text, text
-    assert "the last 40 events" in text and 'make soak ARGS="--machine router --life ' in text
+    assert wanted in text, text
+    assert "events:" in text and f'make soak ARGS="--machine {name} --life ' in text
     return text
 
 
