@@ -7,16 +7,12 @@
 import tempfile
 from pathlib import Path
 
+from host_tools.drawings.packets import packet_words
 from host_tools.failure import Failure
 from passo import errors
 
 _MOST_POINTS = 1000  # of one object
 _MOST_BYTES = 4 << 20  # of a file: the page's server waits for it
-
-
-def packet_words(points):
-    """An object, [(pen_down, x, y)], in the words of `passo send`, one packet a line."""
-    return "".join(f"{'LINE' if pen else 'MOVE'} {round(x)} {round(y)}\n" for pen, x, y in points) + "END\n"
 
 
 def job_of(board):
@@ -39,9 +35,3 @@ def job_of(board):
         return name + ".txt", "".join(packet_words(points) for points in plan.objects(_MOST_POINTS))
 
     return made
-
-
-def packet_lines(path):
-    """[(number, bytes)] of a job in these words; blank lines and what follows a # are left out. Raises OSError."""
-    lines = [line.split("#")[0].strip() for line in path.read_text(encoding="latin-1").splitlines()]
-    return [(number, line.encode("latin-1")) for number, line in enumerate(lines, 1) if line]

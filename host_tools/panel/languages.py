@@ -75,12 +75,13 @@ def _torch(board, write, tell, about):
 
 
 def _plotter(board, write, tell, about):
+    from host_tools.drawings.packets import packet_lines
     from host_tools.panel import drawn
     from passo.web.plotter_machine import PlotterMachine
 
     speed = board["speed"]
     about["speed"] = {name: speed[name] for name in ("unit", "default", "min", "max")}
-    return Spoken(PlotterMachine(write, tell, board), None, drawn.packet_lines, about, made=drawn.job_of(board))
+    return Spoken(PlotterMachine(write, tell, board), None, packet_lines, about, made=drawn.job_of(board))
 
 
 def _keys(board, write, tell, about):

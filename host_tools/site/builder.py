@@ -19,8 +19,8 @@ from host_tools import boards
 from host_tools.build.constants import numbered_only
 from host_tools.build.tree import module_files
 from host_tools.drawings.objects import objects
+from host_tools.drawings.packets import packet_words
 from host_tools.failure import Failure
-from host_tools.panel.drawn import packet_words
 from host_tools.resources import FIRMWARE, HOST_TOOLS
 from host_tools.site.npm import Package
 
