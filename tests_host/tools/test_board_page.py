@@ -1,6 +1,7 @@
 """The page that a board serves itself, under the same attacks as that of `passo panel`, while a cable streams to it."""
 
 import csv
+import os
 import re
 import socket
 
@@ -10,6 +11,7 @@ from host_tools import boards
 from host_tools.clients.grbl import GrblClient
 from panel_process import TICK_US, PageClient
 from test_board_command import Board
+from test_panel_page import CHROMIUM, DRIVER, Browser
 from test_panel_network import FASTER, FASTEST_TICKS, JOB, ask, paces, paths, random_requests, refused_sockets, replays, request
 from test_panel_network import too_much, without_a_key, wrong_hosts, wrong_keys
 
@@ -20,31 +22,39 @@ KEY = "ABCDEFGHJKLMNPQR"
 class Served:
     """`passo board` with a page, and what the attacks want to know of it."""
 
-    def __init__(self, folder):
-        config = {**boards.load("router_3axis"), "network": {"host": "passo"}}
-        config["links"] = [config["links"][0], {"name": "page", "port": "page", "protocol": "grbl"}]
+    def __init__(self, folder, name="router_3axis"):
+        config = {**boards.load(name), "network": {"host": "passo"}}
+        config["links"] = [config["links"][0], {"name": "page", "port": "page", "protocol": config["links"][0]["protocol"]}]
         path = folder / "served.py"
         path.write_text(f'"""A router with a page."""\n\nBOARD = {config!r}\n')
         self.trace_file = folder / "trace.csv"
         self.board = Board("--board", path, "--http", 0, "--key", KEY, "--trace", self.trace_file, links=3)
         self.host = re.match(r"http: http://(\S+)/#key=", self.board.lines[1])[1]
         self.port = int(self.host.split(":")[1])
+        self.address = f"http://{self.host}/"
         self.key = KEY
-        self.client = GrblClient(self.board.port, timeout_s=60)
-        self.client.connect()
+        self.client = None
 
     def __enter__(self):
         return self
 
     def __exit__(self, *_):
-        self.client.__exit__()
+        if self.client:
+            self.client.__exit__()
         self.board.__exit__()
+
+    def cable(self):
+        """A client of grbl on the board's cable."""
+        self.client = GrblClient(self.board.port, timeout_s=60)
+        self.client.connect()
+        return self.client
 
     def page(self, key=KEY):
         return PageClient(self.host, key)
 
     def run(self, work):
         """Stream JOB, and do a piece of `work` behind each line that is answered, until both have ended."""
+        self.cable()
         for line in ("$X", *FASTER, *JOB.splitlines()[:2]):
             self.client.command(line)
         pieces = iter(work)
@@ -94,9 +104,44 @@ def test_under_attack(tmp_path, count):
 
 def test_stop_needs_no_key(tmp_path):
     with Served(tmp_path) as served:
-        served.client.command("$X")
-        served.client.command("G1 X60 F3000")
+        cable = served.cable()
+        cable.command("$X")
+        cable.command("G1 X60 F3000")
         assert b" 200" in ask(served, request(served, b"POST /stop HTTP/1.1"))
         page = served.page()
         page.until(lambda state: state["state"] == "Alarm")
         assert 0 <= page.state["m"][0] < 60
+
+
+@pytest.mark.parametrize("name", ["router_3axis", "torch_manipulator", "plotter_2014", "lpt_router"])
+def test_each_language(tmp_path, name):
+    """The same page before each machine: it takes the command, and what it asks for is done."""
+    with Served(tmp_path, name) as served:
+        page = served.page()
+        page.until(lambda state: state["link"])
+        assert page.order("give", to="page")["error"] == 0
+        page.until(lambda state: state["owner"] == "page")
+        for order, fields in (("unlock", {}), ("output", {"name": "motors_on"})):
+            page.order(order, **fields)
+        before = page.until(lambda state: "m" in state)["m"]
+        assert page.order("step", by={"x": 2}, speed=60)["error"] == 0
+        state = page.until(lambda state: state["m"][0] != before[0] and state["state"] in ("Idle", "Stopped"))
+        assert abs(state["m"][0] - before[0] - 2) < 0.11
+
+
+@pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="NO BROWSER: apt-get install chromium chromium-driver, to test the page")
+def test_in_a_browser(tmp_path):
+    """What a board leaves out is hidden, and the rest works."""
+    with Served(tmp_path) as served, Browser(served) as browser:
+        assert not browser.find("card-teach").is_displayed() and not browser.find("jobs").is_displayed()
+        assert browser.find("hold").is_displayed()
+        browser.click("take")
+        browser.until(lambda: browser.text("owner") == "this page")
+        browser.until(browser.find("unlock").is_enabled)
+        browser.click("unlock")
+        browser.until(lambda: browser.text("state") == "Ready")
+        faults = [entry for entry in browser.driver.get_log("browser") if entry["level"] == "SEVERE"]
+        assert not faults
+        shots = os.environ.get("PASSO_SHOTS")
+        if shots:
+            browser.driver.save_screenshot(f"{shots}/board.png")

@@ -26,6 +26,7 @@ SLOTS = const(6)  # as many as a browser opens at once
 PAGES = const(2)
 _STEPS = const(2)  # connections that are gone on with in one call
 _WHOLE_MS = const(3000)  # by then a request is whole, and answered
+_LOOK_MS = const(50)  # between two looks for who takes too long
 _SENT_MS = const(10_000)  # and its answer has been taken
 _ALIVE_MS = const(2000)  # a WebSocket without a sign of life is asked for one
 _GONE_MS = const(8000)  # and given up
@@ -55,7 +56,7 @@ class Server:
         self.connections = []
         self._requests = []
         self._number = 0
-        self._now_ms = 0
+        self._now_ms = self._looked_ms = 0
         self._pushed_ms = 0
         self._pushing = False
         self._second_ms = 0
@@ -111,14 +112,19 @@ class Server:
             elif steps:
                 steps -= 1
                 self._step(found, now_ms)
-        for connection in self.connections:
-            if self._late(connection, now_ms):
-                self.drop(connection)
-                break
+        if (now_ms - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
+            self._looked_ms = now_ms
+            self._end_late(now_ms)
         if not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= _PUSH_MS and self._pages():
             self._pushed_ms = now_ms
             self._pushing = True
             self._requests.append(bytes((_PUSHED, REQUEST_JSON)) + self._gets[0])
+
+    def _end_late(self, now_ms):
+        for connection in self.connections:
+            if self._late(connection, now_ms):
+                self.drop(connection)
+                break
 
     def _late(self, connection, now_ms):
         """True if it takes too long."""

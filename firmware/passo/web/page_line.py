@@ -20,9 +20,10 @@ from passo.web.api import Api
 from passo.web.pages import Pages
 from passo.web.websocket import TEXT, frame
 
-_ASK_MS = const(150)  # between two reports, while no jog goes on
+_ASK_MS = const(190)  # between two reports, while no jog goes on: with a turn of the main loop some 200
+_POLL_MS = const(20)  # between two looks at what is to be done, while no jog goes on
 _PAGES = const(4)  # at once: each takes 2 to 4 kB
-_FRESH_MS = const(190)  # between two pushes: with a turn of the main loop some 200
+_FRESH_MS = const(150)  # between two pushes, each behind a report
 _LATE_MS = const(280)  # then the state is pushed without a report
 
 
@@ -35,7 +36,7 @@ class PageLine:
         self._clock_ms = clock_ms
         self._said = b""
         self._fresh = False  # a report has come since the last push
-        self._pushed_ms = 0
+        self._pushed_ms = self._polled_ms = 0
         self._seat = self._controller = None
         self.machine = machine_of(self._say, self._tell)
         self.machine.watcher = self._reported
@@ -57,7 +58,8 @@ class PageLine:
         """Bytes for the language."""
         now_ms = self._clock_ms()
         self._server.poll(now_ms)
-        if self.pages.pages:
+        if self.pages.pages and (self._fresh or self.machine.jog.active or (now_ms - self._polled_ms) & COUNT_MASK >= _POLL_MS):
+            self._polled_ms = now_ms
             self.machine.state["owner"] = "page" if self._controller.machine.commander == self._seat.number else "guest"
             self.machine.poll(now_ms)
             passed = (now_ms - self._pushed_ms) & COUNT_MASK

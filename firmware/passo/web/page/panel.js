@@ -208,7 +208,7 @@ function enable() {
   set("resume", ["Hold", "Door"].includes(report.state) && mine);
   set("abort", busy);
   set("give", idle && !busy && mine);
-  set("take", idle && !mine);
+  set("take", (idle || report.state === "Alarm") && !mine);
   cards.show(report);
   recover.show(report.recover, mine && !busy, idle);
   if (link.key && $("card-key").hidden) shelf.show(mine && !busy);
