@@ -270,3 +270,21 @@ def test_sources_are_refused_by_an_interpreter_that_compiles_them_wrongly(monkey
     else:
         exec(code, names)
         assert "Start" in names
+
+
+def test_the_page_of_a_board_is_small(tmp_path):
+    """One file for the flash, compressed: each file of the page is in it, as it is."""
+    import gzip
+
+    from host_tools.build import pages
+    from passo.web.files import Folder
+
+    board = {"network": {}, "links": [{"port": "usb", "protocol": "grbl"}, {"port": "page", "protocol": "grbl"}]}
+    names = [name for name, _, _ in pages.pack(board, tmp_path)]
+    files = Folder(f"{tmp_path}/")
+    for name in pages.names_of(board):
+        _, _, path, start, size = files.find(b"/" + name.encode())
+        with open(path, "rb") as file:
+            file.seek(start)
+            assert gzip.decompress(file.read(size)) == (pages.PAGES / name).read_bytes()
+    assert {"errors.json", "rules.json"} < set(names) and (tmp_path / "pages.bin").stat().st_size < 60_000

@@ -40,6 +40,8 @@ class PageLine:
         self._seat = self._controller = None
         self.machine = machine_of(self._say, self._tell)
         self.machine.watcher = self._reported
+        if hasattr(self.machine, "attached"):  # of a language in which the board never speaks
+            self.machine.attached(True)
         self.machine.ask_ms = _ASK_MS
         self.pages = Pages(BoardApi(self.machine, self._give), key, _PAGES)
         server.sockets[b"/ws"] = self
