@@ -98,7 +98,7 @@ def carded(make_machine, driver, tmp_path):
 
 
 def test_a_job_runs_from_a_card_at_50_khz(carded, show):
-    data = dense_job(int(os.environ.get("PASSO_JOB_BYTES", "20000")))
+    data = dense_job(int(os.environ.get("PASSO_JOB_BYTES", "8000")))
     wanted, count, _, seconds = streamed(data)
     machine, card = carded({"BIG": data})
     listed = ask(machine, b"$F")
