@@ -279,7 +279,7 @@ def test_the_page_of_a_board_is_small(tmp_path):
     from host_tools.build import pages
     from passo.web.files import Folder
 
-    board = {"network": {}, "links": [{"port": "usb", "protocol": "grbl"}, {"port": "page", "protocol": "grbl"}]}
+    board = {"network": {"host": "passo"}, "links": [{"port": "usb", "protocol": "grbl"}, {"port": "page", "protocol": "grbl"}]}
     names = [name for name, _, _ in pages.pack(board, tmp_path)]
     files = Folder(f"{tmp_path}/")
     for name in pages.names_of(board):
