@@ -18,7 +18,7 @@ from passo.protocols.torch import protocol as torch
 from test_pico_network import LATEST_US, LEAST_FREE, RATE, Z_TOO, network_board
 from test_pico_torch import steps_of, until_up
 
-STEPS = 16_000
+STEPS = 20_000
 POINTS = 600
 ROUNDS = 4
 WINDOW = 4
@@ -45,7 +45,7 @@ def test_the_page_while_three_axes_step(show):
     machine.send(torch.move(STEPS, RATE, STEPS, -RATE))
     begun = machine.now_ms()
     took = {"/": [], "/panel.js": [], "order": []}
-    while machine.now_ms() < begun + 1e3 * STEPS / RATE - 1800:
+    while machine.now_ms() < begun + 1e3 * STEPS / RATE - 2500:
         for name, found in took.items():
             if name == "order":
                 answer, ms = pages[0].order("log")
