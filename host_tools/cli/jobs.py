@@ -136,7 +136,8 @@ def store(
 def _check_here(client, file):
     """Raises Failure at the first line that the firmware's parser refuses, with the machine's settings: what is on the board stays."""
     from host_tools.programs import gcode_file
-    from host_tools.programs.replay import Machine, Replay
+    from host_tools.programs.replay import Replay
+    from host_tools.programs.replayed_machine import Machine
 
     machine = Machine.of_answers(client.command("$$"), client.command("$#"))
     try:

@@ -1,19 +1,14 @@
 """How `passo stream --from` and `passo resume` get a machine to where a program goes on: step by step, and asked before the tool
 goes down."""
 
-import binascii
 import select
 import sys
 
 from host_tools.failure import Failure
+from host_tools.programs.interrupted import number_of
 
 _SIGN_S = 0.3
 _WAIT_S = 600  # that a way, a spindle or a dwell may take
-
-
-def number_of(lines):
-    """The number by which a board's journal knows a program."""
-    return binascii.crc32(b"\n".join(line for _, line in lines)) or 1
 
 
 def announce(client, lines):
@@ -27,24 +22,14 @@ def announce(client, lines):
             raise
 
 
-def staged(machine, lines, number, place=None, end=None):
-    """(stages, rest) as a Replay gives them, of a `machine` as it says it is: see prepared(). Raises Failure."""
-    from host_tools.programs import replay
-
-    state = replay.Replay(machine, lines)
-    if place or end:
-        state.check_offsets(number)
-        state = state.begun(number, place or end, place is None)
-    return state.from_line(number, end) if place is None else state.from_place(number, place)
-
-
 def prepared(client, lines, number, place=None, yes=False, end=None):
     """Bring the machine to the start of line `number`, or to `place` (steps) on its way, in the state of the program there.
     Returns the lines still to be sent. `yes`: do not ask. `end`: where a program that was interrupted had been before that line, steps.
     Raises Failure, also if the operator says no: the tool is up then, spindle and coolant are off."""
-    from host_tools.programs import replay
+    from host_tools.programs.interrupted import staged
+    from host_tools.programs.replayed_machine import Machine
 
-    stages, rest = staged(replay.Machine.of_answers(client.command("$$"), client.command("$#")), lines, number, place, end)
+    stages, rest = staged(Machine.of_answers(client.command("$$"), client.command("$#")), lines, number, place, end)
     try:
         _carry_out(client, stages, number, yes)
     except KeyboardInterrupt:

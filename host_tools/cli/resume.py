@@ -5,49 +5,15 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.cli.lead_in import number_of, prepared
+from host_tools.cli.lead_in import prepared
 from host_tools.cli.link import BAUD
 from host_tools.failure import Failure
-from host_tools.programs.job_record import NO_JOURNAL, Record, find_zero
-
-
-def interrupted(said, lines, stored=0):
-    """(line to begin at, place in steps or None, whether the position is known) of an answer to `$JR`. `stored`: the CRC-32 of the same
-    program as a stored job. Raises Failure if the journal is of another program, or this one has been done."""
-    record = Record.of(said)
-    line = record.line
-    if record.job not in (number_of(lines), stored):
-        raise Failure("the board's journal is of another file, or the file has changed; begin at a line with passo stream --from")
-    if not line:
-        return lines[0][0], None, record.known
-    line = _line_of(lines, line)
-    if record.done:
-        if line >= lines[-1][0]:
-            raise Failure("the file was done to its end")
-        return line + 1, None, record.known
-    return line, record.place, record.known
+from host_tools.programs.interrupted import ended, interrupted
+from host_tools.programs.job_record import NO_JOURNAL, find_zero
 
 
 Protocol = Annotated[Optional[str], typer.Option(help="grbl, pulses or plotter; default by the file's name.")]
 _LANGUAGES = {".txt": "pulses", ".svg": "plotter", ".packets": "plotter"}
-
-
-def _line_of(lines, number):
-    """The line of the file that has the N word `number`; a file without N words gets the numbers of its lines. Raises Failure."""
-    from host_tools.clients.grbl import N_WORD
-
-    if not any(b"N" in line.upper() for _, line in lines):
-        return number
-    found = [known for known, line in lines if (word := N_WORD.match(line.upper())) and int(word[1]) == number]
-    if len(found) != 1:
-        raise Failure(f"{len(found) or 'no'} lines of the file are N{number}, which was interrupted; begin at a line with passo stream --from")
-    return found[0]
-
-
-def ended(said):
-    """Where the line ended, steps, that an answer to `$JR` says is done; None if none is."""
-    record = Record.of(said)
-    return record.place if record.line and record.done else None
 
 
 def resume(

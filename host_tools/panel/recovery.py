@@ -9,10 +9,10 @@ The journal is asked once the machine is at rest: at the start, after homing, an
 number as it begins. A board without journal refuses that, and nothing is offered.
 """
 
-from host_tools.cli.lead_in import number_of, staged
-from host_tools.cli.resume import ended, interrupted
 from host_tools.failure import Failure
 from host_tools.programs import replay
+from host_tools.programs.interrupted import ended, interrupted, number_of, staged
+from host_tools.programs.replayed_machine import Machine
 from passo import errors
 from passo.web.stored import StoredJobs
 from passo.web.wire import PAGE
@@ -130,7 +130,7 @@ class RecoverableJobs(StoredJobs):
         lines, crc = program[0]
         number, place, _ = interrupted(said, lines, crc)
         settings = [f"${key}={value}" for key, value in self._machine.settings.items()]
-        stages, rest = staged(replay.Machine.of_answers(settings, said), lines, number, place, ended(said))
+        stages, rest = staged(Machine.of_answers(settings, said), lines, number, place, ended(said))
         asks = replay.DOWN if any(what == replay.DOWN for what, _ in stages) else replay.GO
         parts, next_ = ([], []), ""
         for what, sent in stages:

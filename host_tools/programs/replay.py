@@ -10,66 +10,24 @@ millimetres in machine coordinates.
 """
 
 import re
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from functools import partial
 
 from host_tools.clients.grbl import N_WORD, explain, tagged
 from host_tools.failure import Failure
+from host_tools.programs.replayed_machine import NM, Board, Memory
 from passo import commands
-from passo.control import arcs
 from passo.protocols.gcode.codes import CYCLES, G73, G82, G83, MOTION
 from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.reader import NONE
 
 OFFSETS, UP, OVER, OUTPUTS, DOWN, GO = "offsets", "tool up", "to the place", "spindle and coolant", "tool down", "go on"
-_NM = 1_000_000  # a millimetre
 _CLEARANCE_MM = 1.0
 _PLUNGE_MM_MIN = 100.0  # where the program has no feed yet
 _NEAR_STEPS = 2  # from the path: what rounding may make
 _CHANGES = re.compile(rb"G0*10(?!\d)|G(28|30)\.1")  # lines that change what outlasts the program
 _OTHER_MM = 1.0
-
-
-@dataclass
-class Machine:
-    """What the controller says of itself."""
-
-    steps_per_mm: list
-    top_mm: float  # the highest place of Z, machine coordinates
-    homes: bool
-    laser: bool
-    max_rpm: float
-    systems: dict = field(default_factory=dict)  # "G54": mm of each axis
-    tools: dict = field(default_factory=dict)  # "T1": mm
-
-    @classmethod
-    def of_answers(cls, settings, parameters, axes=3):
-        """From the answers to `$$` and `$#`."""
-        values = {int(number): float(value) for number, value in re.findall(r"\$(\d+)=([\d.]+)", "\n".join(settings))}
-        axes = len([number for number in range(100, 103) if number in values])
-        systems = {name: [float(part) for part in places.split(",")]
-                   for name, places in re.findall(r"\[(G5[4-9]|G28|G30):([-\d.,]+)\]", "\n".join(parameters))}  # fmt: skip
-        tools = {name: float(length) for name, length in re.findall(r"\[(T\d+):([-\d.]+)\]", "\n".join(parameters))}
-        upward = not int(values.get(23, 0)) >> 2 & 1
-        top = 0.0 if upward or axes < 3 else values[132]
-        return cls(
-            [values[100 + axis] for axis in range(axes)], top, values.get(22, 0) > 0, values.get(32, 0) > 0, values.get(30, 1000), systems, tools
-        )  # fmt: skip
-
-
-class _Memory:
-    """Work offsets as the firmware's Offsets keep them."""
-
-    def __init__(self, machine):
-        self._texts = {name: ",".join(str(round(place * _NM)) for place in places) for name, places in machine.systems.items()}
-        self._texts.update({name: str(round(length * _NM)) for name, length in machine.tools.items()})
-
-    def get(self, key):
-        return self._texts.get(key)
-
-    def put(self, key, text):
-        self._texts[key] = text
 
 
 def _all(made):
@@ -81,17 +39,6 @@ def _all(made):
             yield command
 
 
-class _Board:
-    """What the parser asks of a machine."""
-
-    arcs = arcs
-
-    def __init__(self, machine):
-        self.steps_per_m = [round(scale * 1000) for scale in machine.steps_per_mm]
-        self.target = [0] * len(machine.steps_per_mm)
-        self.coolant = 0
-
-
 def _close(place, other):
     return all(abs(one - two) <= _NEAR_STEPS for one, two in zip(place, other))
 
@@ -101,9 +48,9 @@ class Replay:
         """`lines`: [(number, bytes)] of gcode_file.read(). `start`: where the machine stands before them, steps; None: at zero."""
         self._machine = machine
         self._lines = lines
-        self._board = _Board(machine)
+        self._board = Board(machine)
         self._board.target = list(start or self._board.target)
-        self._offsets = Offsets(len(machine.steps_per_mm), _Memory(machine))
+        self._offsets = Offsets(len(machine.steps_per_mm), Memory(machine))
         self._gcode = GCode("xyz"[: len(machine.steps_per_mm)], self._offsets, self._board)
         self._gcode.laser = machine.laser
         self._gcode.max_rpm = round(machine.max_rpm * 1000)
@@ -307,7 +254,7 @@ class Replay:
     def _feed(self, motion):
         if motion.per_min:
             return f"G93F{motion.per_min / 1000:.3f}"
-        return f"G94F{motion.feed * 60 / _NM:.4f}"
+        return f"G94F{motion.feed * 60 / NM:.4f}"
 
     def _remainder(self, motion, start, place):
         """The lines that lead from `place` to the end of `motion`, absolute and in millimetres; the last moves."""
@@ -326,7 +273,7 @@ class Replay:
         ways = "".join(f"{letters[axis]}{by / self._machine.steps_per_mm[axis]:.5f}"
                        for axis, by in zip((motion.first, motion.second), centre))  # fmt: skip
         ends = "".join(
-            f"{'XYZ'[axis]}{self._mm(motion.target, axis) - self._offsets.of(self._gcode.system, axis) / _NM:.5f}"
+            f"{'XYZ'[axis]}{self._mm(motion.target, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}"
             for axis in range(len(place))
         )
         plane = {(0, 1): 17, (2, 0): 18, (1, 2): 19}[motion.first, motion.second]
@@ -349,7 +296,7 @@ class Replay:
         down = []
         if depth:
             down.append(f"G53G0Z{min(self._mm(place, 2) + _CLEARANCE_MM, self._up()):.5f}")
-            feed = min(gcode.feed * 60 / _NM or _PLUNGE_MM_MIN, _PLUNGE_MM_MIN)
+            feed = min(gcode.feed * 60 / NM or _PLUNGE_MM_MIN, _PLUNGE_MM_MIN)
             down.append(f"G94G53G1Z{self._mm(place, 2):.5f}F{feed:.1f}")
         elif len(place) > TOOL_AXIS:
             down.append(f"G53G0Z{self._mm(place, 2):.5f}")
@@ -367,19 +314,19 @@ class Replay:
     def _places(self):
         lines = ["G90G21G94G17G40G49M5M9", f"G{54 + self._gcode.system}", "G92.1"]
         for system in range(SYSTEMS):
-            kept = [round(place * _NM) for place in self._machine.systems.get(f"G{54 + system}", [0] * self._gcode.axes)]
+            kept = [round(place * NM) for place in self._machine.systems.get(f"G{54 + system}", [0] * self._gcode.axes)]
             if kept[: self._gcode.axes] != list(self._offsets.systems[system]):
-                places = "".join(f"{'XYZ'[axis]}{place / _NM:.5f}" for axis, place in enumerate(self._offsets.systems[system]))
+                places = "".join(f"{'XYZ'[axis]}{place / NM:.5f}" for axis, place in enumerate(self._offsets.systems[system]))
                 lines.append(f"G10L2P{system + 1}{places}")
         if self._offsets.tool:
-            lines.append(f"G43.1Z{self._offsets.tool / _NM:.5f}")
+            lines.append(f"G43.1Z{self._offsets.tool / NM:.5f}")
         return lines
 
     def _shift(self, place):
         if not any(self._offsets.shift):
             return []
         words = "".join(
-            f"{'XYZ'[axis]}{self._mm(place, axis) - self._offsets.of(self._gcode.system, axis) / _NM:.5f}" for axis in range(len(place))
+            f"{'XYZ'[axis]}{self._mm(place, axis) - self._offsets.of(self._gcode.system, axis) / NM:.5f}" for axis in range(len(place))
         )
         return [f"G92{words}"]
 
@@ -397,7 +344,7 @@ class Replay:
         feed = ""
         if gcode.per_minute:
             unit = 25.4 if gcode.inches else 1
-            feed = f"F{gcode.feed * 60 / _NM / unit:.5f}"
+            feed = f"F{gcode.feed * 60 / NM / unit:.5f}"
         words += f"G{94 if gcode.per_minute else 93}"
         motion = 80 if self._unsaid() else gcode.motion // 100
         return [words, f"G{motion}{feed}"]
@@ -429,7 +376,7 @@ class Replay:
         """The words of a canned cycle that `line` leaves to those before it. `height`: where Z stands, nm."""
         gcode = self._gcode
         above, bottom, dwell, peck = gcode.cycle
-        unit = 25.4 * _NM if gcode.inches else _NM
+        unit = 25.4 * NM if gcode.inches else NM
         zero = self._offsets.of(gcode.system, TOOL_AXIS)
         words = {
             "R": (above - (zero if gcode.absolute else height)) / unit,

@@ -3,7 +3,8 @@
 from boards.router_3axis import BOARD
 from passo import errors
 from passo.config.journal import MemorySlots
-from passo.protocols.grbl.protocol import plain_text, real_time
+from passo.protocols.grbl.lines import plain_text
+from passo.protocols.grbl.protocol import real_time
 from passo.protocols.grbl.report import decimal
 from draws import Random
 from router import BANNER, UNHOMED, Machine, answers

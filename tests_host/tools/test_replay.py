@@ -3,7 +3,7 @@
 import pytest
 
 from host_tools.failure import Failure
-from host_tools.programs import gcode_file, replay
+from host_tools.programs import gcode_file, replay, replayed_machine
 from router import Machine, World, answers, home
 
 slow = pytest.mark.slow
@@ -65,7 +65,7 @@ def lines_of(text, tmp_path):
 
 
 def facts(machine):
-    return replay.Machine.of_answers(machine.ask("$$"), machine.ask("$#"))
+    return replayed_machine.Machine.of_answers(machine.ask("$$"), machine.ask("$#"))
 
 
 def modes(machine):

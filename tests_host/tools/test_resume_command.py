@@ -3,8 +3,7 @@
 import pytest
 
 from host_tools.cli import jobs, resume
-from host_tools.cli.lead_in import number_of
-from host_tools.cli.resume import interrupted
+from host_tools.programs.interrupted import interrupted, number_of
 from host_tools.clients.grbl import GrblClient, tagged
 from host_tools.failure import Failure
 from host_tools.programs import compiler, gcode_file

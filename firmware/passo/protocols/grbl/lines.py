@@ -62,6 +62,11 @@ def copy(text: ptr8, begin: int, data: ptr8, count: int, room: int) -> int:
     return last | (begin + count - end) << 12
 
 
+def plain_text(line):
+    """A `$` line as text, capitals, without blanks and comments; what is no ASCII is left out."""
+    return bytes(bare(line)).decode().upper()
+
+
 class Lines:
     def __init__(self):
         self.text = b""  # a bytearray(ROOM) from the first byte on: many a link never says anything

@@ -27,7 +27,7 @@ from passo.commands import ACCEPTED, ALARM, DROPPED, NOTICE, REFUSED, RESTARTED,
 from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.words import LONGEST, bare, rounded
-from passo.protocols.grbl.lines import Lines
+from passo.protocols.grbl.lines import Lines, plain_text
 from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, answer
 from passo.records import NM_PER_M, SETTING_LASER, SETTING_MAX_RPM
@@ -395,8 +395,3 @@ class Grbl:
         if measures and touched:
             self.gcode.offsets.measured(system.probed[2])
         return grbl_report.probe(system.probed, touched, system.inches())
-
-
-def plain_text(line):
-    """A `$` line as text, capitals, without blanks and comments; what is no ASCII is left out."""
-    return bytes(bare(line)).decode().upper()

@@ -1,0 +1,58 @@
+"""Where a program of G-code was interrupted, by the board's journal, and how it is gone on with."""
+
+import binascii
+
+from host_tools.failure import Failure
+from host_tools.programs.job_record import Record
+
+
+def number_of(lines):
+    """The number by which a board's journal knows a program."""
+    return binascii.crc32(b"\n".join(line for _, line in lines)) or 1
+
+
+def interrupted(said, lines, stored=0):
+    """(line to begin at, place in steps or None, whether the position is known) of an answer to `$JR`. `stored`: the CRC-32 of the same
+    program as a stored job. Raises Failure if the journal is of another program, or this one has been done."""
+    record = Record.of(said)
+    line = record.line
+    if record.job not in (number_of(lines), stored):
+        raise Failure("the board's journal is of another file, or the file has changed; begin at a line with passo stream --from")
+    if not line:
+        return lines[0][0], None, record.known
+    line = _line_of(lines, line)
+    if record.done:
+        if line >= lines[-1][0]:
+            raise Failure("the file was done to its end")
+        return line + 1, None, record.known
+    return line, record.place, record.known
+
+
+def _line_of(lines, number):
+    """The line of the file that has the N word `number`; a file without N words gets the numbers of its lines. Raises Failure."""
+    from host_tools.clients.grbl import N_WORD
+
+    if not any(b"N" in line.upper() for _, line in lines):
+        return number
+    found = [known for known, line in lines if (word := N_WORD.match(line.upper())) and int(word[1]) == number]
+    if len(found) != 1:
+        raise Failure(f"{len(found) or 'no'} lines of the file are N{number}, which was interrupted; begin at a line with passo stream --from")
+    return found[0]
+
+
+def ended(said):
+    """Where the line ended, steps, that an answer to `$JR` says is done; None if none is."""
+    record = Record.of(said)
+    return record.place if record.line and record.done else None
+
+
+def staged(machine, lines, number, place=None, end=None):
+    """(stages, rest) as a Replay gives them, of a `machine` as it says it is, for line `number`, or `place` (steps) on its way. `end`: where
+    a program that was interrupted had been before that line, steps. Raises Failure."""
+    from host_tools.programs import replay
+
+    state = replay.Replay(machine, lines)
+    if place or end:
+        state.check_offsets(number)
+        state = state.begun(number, place or end, place is None)
+    return state.from_line(number, end) if place is None else state.from_place(number, place)

@@ -1,0 +1,60 @@
+"""The machine that a program is replayed for: what it says of itself, as the firmware's parser asks for it."""
+
+import re
+from dataclasses import dataclass, field
+
+from passo.control import arcs
+
+NM = 1_000_000  # a millimetre
+
+
+@dataclass
+class Machine:
+    """What the controller says of itself."""
+
+    steps_per_mm: list
+    top_mm: float  # the highest place of Z, machine coordinates
+    homes: bool
+    laser: bool
+    max_rpm: float
+    systems: dict = field(default_factory=dict)  # "G54": mm of each axis
+    tools: dict = field(default_factory=dict)  # "T1": mm
+
+    @classmethod
+    def of_answers(cls, settings, parameters, axes=3):
+        """From the answers to `$$` and `$#`."""
+        values = {int(number): float(value) for number, value in re.findall(r"\$(\d+)=([\d.]+)", "\n".join(settings))}
+        axes = len([number for number in range(100, 103) if number in values])
+        systems = {name: [float(part) for part in places.split(",")]
+                   for name, places in re.findall(r"\[(G5[4-9]|G28|G30):([-\d.,]+)\]", "\n".join(parameters))}  # fmt: skip
+        tools = {name: float(length) for name, length in re.findall(r"\[(T\d+):([-\d.]+)\]", "\n".join(parameters))}
+        upward = not int(values.get(23, 0)) >> 2 & 1
+        top = 0.0 if upward or axes < 3 else values[132]
+        return cls(
+            [values[100 + axis] for axis in range(axes)], top, values.get(22, 0) > 0, values.get(32, 0) > 0, values.get(30, 1000), systems, tools
+        )  # fmt: skip
+
+
+class Memory:
+    """Work offsets as the firmware's Offsets keep them."""
+
+    def __init__(self, machine):
+        self._texts = {name: ",".join(str(round(place * NM)) for place in places) for name, places in machine.systems.items()}
+        self._texts.update({name: str(round(length * NM)) for name, length in machine.tools.items()})
+
+    def get(self, key):
+        return self._texts.get(key)
+
+    def put(self, key, text):
+        self._texts[key] = text
+
+
+class Board:
+    """What the parser asks of a machine."""
+
+    arcs = arcs
+
+    def __init__(self, machine):
+        self.steps_per_m = [round(scale * 1000) for scale in machine.steps_per_mm]
+        self.target = [0] * len(machine.steps_per_mm)
+        self.coolant = 0
