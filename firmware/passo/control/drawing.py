@@ -4,6 +4,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.batch import POINTS
+from passo.control.counted_job import CountedJob
 from passo.control.point_buffer import PointBuffer
 from passo.errors import LATER
 from passo.motion.integers import length_nm
@@ -22,7 +23,7 @@ class Drawing:
         self.speed = board["speed"]["default"]
         self.drawn = 0  # points of the object drawn so far
         self._taken = 0  # points taken from the buffer for this object
-        machine.counting = False
+        self._job = machine.job = CountedJob()
 
     def handlers(self):
         return {
@@ -35,7 +36,7 @@ class Drawing:
     def clear(self):
         """Forget the object; what comes next is of no job."""
         self.points.clear()
-        self._machine.counting = False
+        self._job.counting = False
 
     def homing(self):
         self.points.clear()
@@ -80,9 +81,9 @@ class Drawing:
         machine = self._machine
         if not self.points.count and not machine.drawing:
             self._taken = self.drawn = 0
-            if machine.announced:
-                machine.counting = True
-                machine.announced = False
+            if self._job.announced:
+                self._job.counting = True
+                self._job.announced = False
 
     # --- batches
 
@@ -163,7 +164,7 @@ class Drawing:
         while self.points.count and queue.room() >= _BLOCKS_A_POINT:
             x, y, tool = self.points.take()
             self._taken += 1
-            queue.line((x, y), self._ticks, tool, machine.counted + self._taken)
+            queue.line((x, y), self._ticks, tool, self._job.counted + self._taken)
         if not self.points.count:
             if machine.command is not None and queue.room():
                 queue.lift()
@@ -174,7 +175,7 @@ class Drawing:
         machine = self._machine
         if still and not self.points.count and machine.busy_with(commands.DRAW):
             self.drawn = self._taken
-            machine.counted += self._taken
+            self._job.counted += self._taken
             machine.drawing = False
             machine.finish(machine.report({}))
 
@@ -193,7 +194,7 @@ class Drawing:
             return self.drawn
         if not block.tag:  # the pen goes up behind the last
             return self._taken
-        return max(block.tag - 1 - self._machine.counted, self.drawn)
+        return max(block.tag - 1 - self._job.counted, self.drawn)
 
     def _ticks(self, deltas):
         """How long the line lasts at the speed set, in the board file's sense of speed."""

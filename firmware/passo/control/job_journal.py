@@ -121,11 +121,16 @@ class JobJournal:
 
     # --- what is known: of lines of the job alone, which are those with a number
 
+    def _counting(self):
+        """What is queued may be of the job: of lines those with a number are, others have been announced."""
+        job = self._machine.job
+        return job is None or job.counting
+
     def poll(self, now_ms):
         machine = self._machine
         if self._power and not machine.alarm and machine.inputs.input(self._power):
             machine.raise_alarm(errors.ALARM_POWER, self._power)  # halt() writes what is known
-        if not self._job or not machine.counting:
+        if not self._job or not self._counting():
             return
         if not self._queue.still():
             self._sample(now_ms)
@@ -183,7 +188,7 @@ class JobJournal:
         """The pins have stopped amid a word; what is queued is dropped next."""
         planner = self._queue.planner
         at = planner.row()
-        if at >= 0 and planner.rows[at + ROW_TAG] > self._least and self._machine.counting:
+        if at >= 0 and planner.rows[at + ROW_TAG] > self._least and self._counting():
             self._line = planner.rows[at + ROW_TAG]
             self._flags &= ~DONE
             self._sample_place()

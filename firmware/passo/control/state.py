@@ -17,7 +17,6 @@ this record and the queue, and no other feature: what it wants of another one it
     ready()                 True if words may be played
     busy()                  True while it is about to move, though nothing is queued
     report(report)          adds to a status report
-    progress(spot)          puts into an array where its job is, for the journal: see control/unit_journal.py
 
     stopped(name)           `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
     halt()                  the pins have stopped; what is queued is dropped next
@@ -59,11 +58,7 @@ class MachineState:
         self.encoders = getattr(port, "encoders", None)
         self.about = ""  # what the port says of itself, for who asks
         self.homed = False
-        self.kept = False  # the position has been counted without a break since a job was announced, see control/unit_journal.py
-        self.counting = True  # what is queued is of the job that the journal knows
-        self.announced = False  # a job is to begin
-        self.counted = 0  # points of it before those that are drawn
-        self.progress = None  # of the feature that has one
+        self.job = None  # a CountedJob, of the feature that plays commands or points; lines have numbers of their own
         self.weave = None  # what makes seams of lines and arcs, while it does: control/weaving.py
         self.steady_mm_min = 0  # up to so fast there are no ramps, whatever $140 says
         self.alarm = 0
@@ -106,8 +101,6 @@ class MachineState:
         self._active = hooks(features, "active")
         self._held = hooks(features, "held")
         self._reports = hooks(features, "report")
-        for progress in hooks(features, "progress"):
-            self.progress = progress
         for handlers in hooks(features, "handlers"):
             self.handlers.update(handlers())
 
@@ -286,11 +279,17 @@ class MachineState:
         self.drawing = self.jogging = self.active = self.fresh = False
         self.command = None
 
+    def lose_place(self):
+        """Nobody knows any more where the motors are."""
+        self.homed = False
+        if self.job:
+            self.job.kept = False
+
     def shut_down(self):
         """Stop at once, forget all work, outputs safe. The position is no longer known."""
         self.abort()
         self.forget()
-        self.homed = self.kept = False
+        self.lose_place()
         self._call("release")
         self.motors.release()
 
@@ -305,7 +304,7 @@ class MachineState:
             errors.ALARM_GANTRY):
             self.abort()
             self.forget()
-            self.homed = self.kept = False
+            self.lose_place()
             self._call("release")
             self.switch_off()
         else:

@@ -12,6 +12,7 @@ from micropython import const
 
 from passo import commands
 from passo.commands import FINISHED, Event
+from passo.control.counted_job import CountedJob
 from passo.control.step_program_intake import ASK, DRIVES_ON, HAND, IDLE, RETURN, RUN, lengths_of
 from passo.control.step_program_orders import StepProgramOrders
 from passo.motion.step_program import StepProgram
@@ -47,7 +48,8 @@ class StepProgramPlayer(StepProgramOrders):
         self._barred = False  # the operator wants no current: no move by hand switches them on
         self._without = None  # where a walk began that no motor has current for
         self._origin = [0] * len(axes)  # where the program begins
-        machine.counting = False
+        machine.job = CountedJob()
+        machine.job.progress = self.progress
         self._command = None  # to be told when the program's end, or its start, is reached
         self._mode = IDLE
         self._dropped = False  # at its stand, and not yet cleared
@@ -138,7 +140,7 @@ class StepProgramPlayer(StepProgramOrders):
         """The end of a walk, or of a part of it; the next one has current if the drives are on."""
         if self._without is not None:
             if self._queue.position() != self._without:
-                self._machine.homed = self._machine.kept = False  # the motors are not where the steps lead to
+                self._machine.lose_place()  # the motors are not where the steps lead to
             self._without = None
             self._machine.motors.unpower(0)
 

@@ -62,8 +62,9 @@ class StepProgramIntake:
             return refusal
         if machine.state != "idle" or not self._queue.still():
             return errors.BUSY
-        machine.counting = machine.announced  # else it is not the program that the journal knows
-        machine.announced = False
+        job = machine.job
+        job.counting = job.announced  # else it is not the program that the journal knows
+        job.announced = False
         self._reset()
         self._streaming = command.tool
         self._loading = not command.tool

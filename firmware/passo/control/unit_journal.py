@@ -42,18 +42,19 @@ class UnitJournal(JobJournal):
         self._done = self._least = line if flags & DONE else max(line - 1, 0)
         if place is not None:
             self._position[: len(place)] = place
-        machine.counted = self._done - lead
-        machine.announced = True
-        machine.kept = not machine.alarm
-        machine.counting = False
+        job = machine.job
+        job.counted = self._done - lead
+        job.announced = True
+        job.kept = not machine.alarm
+        job.counting = False
 
     def _homed(self):
-        return HOMED if self._machine.homed or self._machine.kept else 0
+        return HOMED if self._machine.homed or self._machine.job.kept else 0
 
     def poll(self, now_ms):
         JobJournal.poll(self, now_ms)
-        machine = self._machine
-        if not machine.progress or not machine.counting or not self._job:
+        job = self._machine.job
+        if not job.progress or not job.counting or not self._job:
             return
         if not self._queue.still():
             if now_ms - self._written_ms & COUNT_MASK < self._interval():
@@ -63,13 +64,14 @@ class UnitJournal(JobJournal):
 
     def halt(self):
         JobJournal.halt(self)
-        if self._machine.progress and self._machine.counting and self._job:
+        job = self._machine.job
+        if job.progress and job.counting and self._job:
             self._walked()
 
     def _walked(self):
         """Write down where the step program is."""
         spot = self._spot
-        if not self._machine.progress(spot):
+        if not self._machine.job.progress(spot):
             return
         count = max(spot[SPOT_PLACE] - self._lead, 0)
         self._line = self._done - count if self._back else self._done + count
