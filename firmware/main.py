@@ -61,6 +61,8 @@ def main():
         port = start.port(board)
         app = App(board, port, None, FileSlots("settings"), start.whole, start.rooms)
         forget("passo.machine_builder")
+        if board["network"]:
+            forget("passo.network_builder")
         if said:
             print(said)
             app.tell(said)

@@ -102,7 +102,7 @@ class App:
                 made.serial = self.controller.features["host_watch"].watch(number, made.serial)
             self.links.append(made)
         if board["network"]:
-            machine_builder.join(self.links, self.controller)
+            machine_builder.network().join(self.links, self.controller)
         if board["jobs"]:
             self._add_jobs(languages, shared, most)
         self.controller.start()

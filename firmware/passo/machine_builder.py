@@ -26,8 +26,6 @@ def _counted(board):
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue")
 # One after the other, not one within the other: code of what is being imported cannot be moved to flash.
-_OF_NETWORK = ("websocket", "connection", "session", "guard", "http", "files", "signed", "lines")
-_OF_PAGE = ("lease", "jog", "pace", "pages", "api", "any_machine")
 _OF_WHOLE = ("motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")
 
 
@@ -106,13 +104,7 @@ def load_last(board):
     if [link for link in board["links"] if link["frames"]]:
         framed_line()
     if board["network"]:
-        for module in _OF_NETWORK:
-            __import__("passo.web." + module)
-        for link in board["links"]:
-            if link["port"] == "page":
-                for module in _OF_PAGE:
-                    __import__("passo.web." + module)
-                page_line(board, link["protocol"])
+        network().load(board)
 
 
 def languages(board):
@@ -146,39 +138,16 @@ def framed_line():
 def network():
     """The module of links over the network; only boards that have one load it. Raises BoardError."""
     try:
-        return __import__("passo.web.lines", None, None, ("make",))
+        return __import__("passo.network_builder", None, None, ("load",))
     except ImportError as missing:
         raise BoardError("network: it is not on this board (%s): flash it anew" % missing)
 
 
-def page_line(board, language):
-    """make(server, key, clock_ms): a line that pages speak on, by what speaks a language for them, such as GrblMachine of
-    passo/web/grbl_machine.py. Raises BoardError."""
-    kind = language[0].upper() + language[1:] + "Machine"
-    try:
-        line = __import__("passo.web.page_line", None, None, ("PageLine",)).PageLine
-        found = getattr(__import__("passo.web." + language + "_machine", None, None, (kind,)), kind)
-    except ImportError:
-        raise BoardError("network: there is no page for %s on this board" % language)
-    machine = found if language == "grbl" else lambda write, tell: found(write, tell, board)
-    return lambda server, key, clock_ms: line(server, machine, key, clock_ms)
-
-
 def serials(board, port):
     """The serial line of each link of the board file."""
-    networked = {}
     if board["network"]:
-        web = network()
-        radio = port.radio if hasattr(port, "radio") else web.Radio(board["network"])
-        networked = web.make(board, radio, port.link_ms, page_line)
-    return [networked[link["name"]] if link["name"] in networked else port.serial(link) for link in board["links"]]
-
-
-def join(links, controller):
-    """Tell the links over the network whom they serve."""
-    for link in links:
-        if hasattr(link.serial, "join"):
-            link.serial.join(link, controller)
+        return network().serials(board, port)
+    return [port.serial(link) for link in board["links"]]
 
 
 def wanted(board, languages):

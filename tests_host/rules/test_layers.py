@@ -37,6 +37,7 @@ MAY_IMPORT = {
     "web": VOCABULARY + ("passo.config.job_keys", "passo.control", "passo.error_texts", "passo.protocols"),
     "app": ("passo",),
     "machine_builder": ("passo",),
+    "network_builder": ("passo",),
     "main": (
         "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.port_pins", "passo.config.board_error", "passo.config.journal", "passo.ports", "board",
     ),
@@ -111,10 +112,10 @@ def import_faults(source, path):
         top = name.split(".")[0]
         if not (within(name, allowed) or top in built_ins and top != "passo"):
             faults.append(f"{path}:{line}: {room} may not import {name}")
-    if room not in ("machine_builder", "main"):
+    if room not in ("machine_builder", "network_builder", "main"):
         for node in ast.walk(tree(source)):
             if isinstance(node, ast.Name) and node.id == "__import__":
-                faults.append(f"{path}:{node.lineno}: only the machine builder loads modules by name")
+                faults.append(f"{path}:{node.lineno}: only builders load modules by name")
     return faults
 
 
