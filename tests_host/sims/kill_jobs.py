@@ -17,6 +17,7 @@ class Job:
     depth = -3 * 400  # steps of Z
     changes = {"journal": {"every_ms": 200, "power": "power"}}
     lost = "stop"
+    seek_steps_s = 8000  # a main loop that hangs amid a seek lets it run on for 200 ms, and the hard end lies 5 mm behind the sensor
 
     def __init__(self, text, **changes):
         self.text = text
@@ -27,7 +28,7 @@ class Job:
         made = boards.load(self.name)
         made.update(self.changes)
         made["inputs"].append({"name": "power", "pin": 22, "active": 0, "pull": "up"})
-        made["homing"].update(locate_steps_s=2000, pull_off_steps=200, debounce_ms=2)
+        made["homing"].update(seek_steps_s=self.seek_steps_s, locate_steps_s=2000, pull_off_steps=200, debounce_ms=2)
         for link in made["links"]:
             if link["name"] == self.link:
                 link.update(lost=self.lost, lost_ms=LOST_MS, **self.of_link())
@@ -63,6 +64,7 @@ class Laser(Job):
     other = "usb"
     axes = 2
     depth = None
+    seek_steps_s = 1800  # 22.5 mm/s
 
 
 def _picture(rows=10, columns=16):
