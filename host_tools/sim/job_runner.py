@@ -369,7 +369,7 @@ class Frames:
 def _lines_of(stream):
     """The lines of the job: they come in blocks, because reading a line takes a call of the system for each byte."""
     while True:
-        size = int(stream.readline())
+        size = int(stream.readline() or 0)  # nothing: nobody sends any more
         if not size:
             return
         for line in stream.read(size).split(b"\n"):

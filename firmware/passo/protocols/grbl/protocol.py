@@ -265,7 +265,7 @@ class Grbl:
         if isinstance(line, str):
             self._start_line = line
             line = line.encode()
-        if b"$" in line and line.strip()[:1] == b"$":
+        if b"$" in line and bare(line)[:1] == b"$":
             result = self._system.execute(line.decode() if line[:3] == b"$F:" else plain_text(line))
         elif not line.strip() or line.strip() == b"%":
             result = answer("")
