@@ -14,7 +14,7 @@ from passo.control.state import MachineState
 from passo.ports.virtual_interlock import VirtualInterlock
 from passo.protocols.frames.line import FramedLine
 from passo.protocols.grbl import stored
-from passo.protocols.plotter.host import PACKET
+from passo.protocols.plotter.host import COMMANDS, PACKET, packet
 from passo.protocols.plotter.protocol import Plotter as PlotterLanguage
 
 
@@ -153,3 +153,21 @@ def test_a_stored_job_needs_no_host(lost):
     begun = machine.now_ms()
     machine.settle()
     assert b"[MSG:Job A done]" in machine.received() and machine.now_ms() - begun > 1000
+
+
+def test_a_packet_that_ends_in_zero_can_be_sent_again():
+    """On a link with frames a zero could begin a question for them; it is not kept until the packet is sent again."""
+    board = boards.load("plotter_2014")
+    board["links"][0]["frames"] = True
+    machine = VirtualMachine(board, start=(300, 200))
+    data = packet(COMMANDS["MOVE"], 425, 233)
+    assert data[-1] == 0
+    machine.run_ms(50)
+    machine.send(data[:2] + data[1:])
+    answers = []
+    while len(answers) < 9 and b"n" not in answers:
+        machine.run_until(lambda: machine.received(), 3000)
+        answers.append(machine.take())
+        if answers[-1] == b"r":
+            machine.send(data)
+    assert answers == [b"r", b"n"]
