@@ -531,8 +531,9 @@ class Router(Bench):
             other.send(f"$LINK={list(self.links).index(other.name) + 1}")
 
     def go_on(self, link):
-        """Until it does: `~` may come before the stand."""
-        if not self.ended and self.machine.app.controller.machine.hold:
+        """Until it does: `~` may come before the stand, and `!` may still be on its way."""
+        coming = link.port and link.port._urgents
+        if not self.ended and (self.machine.app.controller.machine.hold or coming):
             link.real_time(b"~")
             self.after(100, lambda: self.go_on(link))
 
@@ -839,7 +840,9 @@ class Router(Bench):
             self.check_place(link)
             return
         if self.links["pc"].port and self.ended == "long cut":
+            stale = len(link.waiting)  # which the board may still answer, to whoever listens
             self.open_frames()
+            link.stale = stale
         link.said.clear()
         link.real_time(b"\x18")
         self.await_banner(link)
