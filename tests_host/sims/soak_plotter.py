@@ -344,3 +344,10 @@ class Plotter(Bench):
             self.ask("STOP", wanted="DONE")
         self.machine.take("panel")
         self.check_place()
+        self.run_until_quiet()
+
+    def run_until_quiet(self):
+        """The session's last acknowledgements."""
+        end_ms = self.now_ms() + 300
+        while self.now_ms() < end_ms:
+            self.hear()

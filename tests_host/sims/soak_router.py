@@ -411,6 +411,7 @@ class Router(Bench):
             self.check_journal(start)
         self.recover(link)
         if not self.rounds % 5 and self.known:
+            self.drain()
             self.jump()
         if not self.rounds % LAST and self.known:
             self.check_heap()
