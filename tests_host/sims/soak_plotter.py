@@ -303,8 +303,24 @@ class Plotter(Bench):
             self.run_ms(LOST_MS + 1000)
         else:
             self.cable = True
+            if self.ended == "stop":
+                self.say_stop()
             self.run_ms(800)
         self.settle()
+
+    def say_stop(self):
+        """Until it is done: behind a damaged packet it is dropped, and asked for again."""
+        again_ms = self.now_ms() + RESEND_MS
+        end_ms = self.now_ms() + 10 * RESEND_MS
+        while True:
+            answers = self.hear()
+            if "DONE" in answers:
+                return
+            if "RESEND" in answers or self.now_ms() > again_ms:
+                again_ms = self.now_ms() + RESEND_MS
+                self.put(packet(COMMANDS["STOP"]))
+            if self.now_ms() > end_ms:
+                raise Wrong("STOP is not answered")
 
     def judge(self, start):
         faults = sum([wire.faults for wire in self.wires])
