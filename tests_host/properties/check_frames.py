@@ -224,14 +224,16 @@ def check_lost_answers_end_the_session():
 
 
 def check_credit_follows_what_waits():
-    """A language that cannot take more gives no credit, and gives it back unasked."""
-    wire = Wire().opened()
-    wire.waiting.append(1)
-    wire.put(codec.frame(DATA, 0, 0, 15, b"a"))
-    assert wire.said()[-1][3] == 0
-    wire.waiting.pop()
-    wire.line.read()
-    assert [(frame[0], frame[3]) for frame in wire.said()] == [(ACK, 4)]
+    """While commands wait there is little credit, for STOP and STATUS; if many do, none. It is given back unasked."""
+    for count, credit in ((1, 1), (31, 1), (32, 0), (60, 0)):
+        wire = Wire().opened()
+        wire.waiting += [1] * count
+        wire.put(codec.frame(DATA, 0, 0, 15, b"a"))
+        assert wire.said()[-1][3] == credit
+        while wire.waiting:
+            wire.waiting.pop()
+        wire.line.read()
+        assert [(frame[0], frame[3]) for frame in wire.said()] == [(ACK, 4)]
 
 
 def check_leave():

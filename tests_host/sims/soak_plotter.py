@@ -41,11 +41,16 @@ def board():
 class Plotter(Bench):
     NAME = "plotter"
 
-    def __init__(self, seed):
+    def __init__(self, seed, given=None, framed=None):
+        """`given`: another board file than board(), checked by nobody; `framed`: whether the link has frames, None: at random."""
         super().__init__(seed)
-        self.board = board()
-        self.board["links"][0]["lost"] = self.policy = self.dice.choice(("go_on", "stop"))
+        self.board = given or board()
+        self.policy = self.dice.choice(("go_on", "stop"))
+        self.board["links"][0].setdefault("lost", self.policy)
         self.framed = self.dice.random() < 0.5
+        if framed is not None:
+            self.framed = framed
+        self.ended = ""
         self.wires = [NoisyWire(f"{seed} 0", 0), NoisyWire(f"{seed} 1", 0)]
         self.wire = Wire(self)
         self.cable = True
@@ -352,18 +357,17 @@ class Plotter(Bench):
             return
         if self.ended == "long cut" and self.port:
             self.open_frames()
-        end_ms = self.now_ms() + RESEND_MS
-        while self.now_ms() < end_ms:
-            self.hear()
+        self.hear_ms(RESEND_MS)
         if self.ended:
             self.ended = ""
             self.ask("STOP", wanted="DONE")
         self.machine.take("panel")
         self.check_place()
-        self.run_until_quiet()
+        self.hear_ms(300)  # the session's last acknowledgements
 
-    def run_until_quiet(self):
-        """The session's last acknowledgements."""
-        end_ms = self.now_ms() + 300
+    def hear_ms(self, ms):
+        """What comes within so many ms."""
+        answers, end_ms = [], self.now_ms() + ms
         while self.now_ms() < end_ms:
-            self.hear()
+            answers += self.hear()
+        return answers

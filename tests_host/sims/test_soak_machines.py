@@ -16,6 +16,7 @@ from passo.protocols.frames.line import FramedLine
 from passo.protocols.grbl import stored
 from passo.protocols.plotter.host import COMMANDS, PACKET, packet
 from passo.protocols.plotter.protocol import Plotter as PlotterLanguage
+from soak_plotter import Plotter
 
 
 @pytest.mark.parametrize("name, life, rounds", [("router", 5, 6), ("plotter", 1, 5), ("mill", 1, 1)])
@@ -171,3 +172,25 @@ def test_a_packet_that_ends_in_zero_can_be_sent_again():
         if answers[-1] == b"r":
             machine.send(data)
     assert answers == [b"r", b"n"]
+
+
+@pytest.mark.parametrize("name", ["STOP", "STATUS"])
+def test_what_never_waits_overtakes_what_does(name):
+    """In frames too: while a point waits for room the board takes STOP, and hears a host that only asks."""
+    board = boards.load("plotter_2014")
+    board["store_points"] = 10
+    board["links"][0].update(frames=True, lost="stop", lost_ms=3000)
+    plotter = Plotter(0, board, framed=True)
+    plotter.ask("ORIGIN", wanted="ORIGIN_OK")
+    for number in range(130):  # more than buffer and planner take  # more than the buffer and the planner take
+        plotter.put(packet(COMMANDS["LINE"], 3000 * (number % 2), 10 * number))
+        plotter.hear_ms(20)
+    assert plotter.machine.app.links[0].waiting
+    for _ in range(20):
+        plotter.put(packet(COMMANDS["STATUS"]))
+        assert any(isinstance(answer, dict) for answer in plotter.hear_ms(250))
+    assert plotter.moving()
+    if name == "STOP":
+        plotter.put(packet(COMMANDS["STOP"]))
+        plotter.hear_ms(150)
+        assert not plotter.moving()

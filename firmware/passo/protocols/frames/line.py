@@ -36,6 +36,7 @@ _KEPT = const(4000)  # bytes of answers that nobody takes
 _PIECE = const(48)  # of a long answer
 _PACKET = const(64)  # bytes of a read behind which more may wait
 _CONFIRM_MS = const(1000)  # a host says something in frames after WELCOME, or the link is plain again
+_MANY = const(32)  # commands that wait: more are not asked for
 _FEW = const(4)  # credits of a language that does not say how much it takes
 
 
@@ -278,7 +279,8 @@ class FramedLine:
     def _credit(self):
         if self._space:
             return min(MOST_CREDIT, self._space() // CREDIT_BYTES)
-        return 0 if self._link.waiting else _FEW
+        waiting = len(self._link.waiting)
+        return _FEW if not waiting else 1 if waiting < _MANY else 0  # STOP and STATUS do not wait for what waits
 
     def _frame(self, kind, number=0, data=b""):
         """A frame with the newest acknowledgement."""
