@@ -675,7 +675,7 @@ class Router(Bench):
     def await_banner(self, link):
         """A reset may have to be sent again, in frames over a noisy wire."""
         end_ms = self.now_ms() + 5000
-        while not any(line.startswith("Grbl") for line in link.said):
+        while not any(line.startswith("Grbl") for line in link.said) or link.port and link.port._urgents:
             self.hear(link)
             if self.now_ms() > end_ms:
                 raise Wrong("no banner after a reset")
