@@ -254,6 +254,8 @@ class Plotter(Bench):
                 self.fault("point outside")
                 self.put(packet(COMMANDS["LINE"], TRAVEL[0] + 900, 5))
                 self.run_ms(50)
+                if self.ended:
+                    return
         if self.ask("END", wanted="DONE", wire=True) is not None:
             self.drawn = True
 
