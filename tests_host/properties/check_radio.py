@@ -63,6 +63,7 @@ class Started:
         self.network = Network(chip)
         before = sys.modules.get("network")
         sys.modules["network"] = self.network
+        usual = radio.FILE
         radio.FILE = "wifi_of_check_%s.json" % chip
         try:
             if written is not None:
@@ -75,6 +76,7 @@ class Started:
                 sys.modules["network"] = before
             if written is not None:
                 os.remove(radio.FILE)
+            radio.FILE = usual
 
 
 def changed(data, **more):
