@@ -10,7 +10,8 @@ No single byte lost, doubled or flipped can draw a wrong line, as long as the ho
 - A lost byte leaves a packet unfinished. After RESYNC_MS it is dropped and RESEND follows.
 - A doubled byte makes seven. Their first six could be valid by chance (1 in 256), so six bytes in which a byte
   repeats its neighbour are held for `gap_ms`. If a seventh arrives that would make them another valid packet with one
-  of the twins removed, nobody knows which was meant: they are dropped, and RESEND follows.
+  of the twins removed, nobody knows which was meant: they are dropped, and RESEND follows. A checksum that comes twice
+  leaves one byte behind a packet that has its answer: after RESYNC_MS alone it is dropped, and nothing follows.
 
 A byte lost and another doubled may leave a good sum behind an unknown command: that is answered as a bad sum is.
 
@@ -186,6 +187,9 @@ class Plotter:
             if quiet:
                 commands.append(self._dropped(self._why))
         elif self._bytes and (now_ms - self._since) & COUNT_MASK >= RESYNC_MS:
+            if len(self._bytes) == 1 and self._bytes[0] == self._before:
+                self._bytes = b""
+                return commands
             commands.append(self._dropped(errors.BYTES_DROPPED))
         return commands
 
