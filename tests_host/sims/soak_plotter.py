@@ -253,7 +253,9 @@ class Plotter(Bench):
             if self.dice.random() < 0.005:
                 self.fault("point outside")
                 self.put(packet(COMMANDS["LINE"], TRAVEL[0] + 900, 5))
-                self.run_ms(50)
+                answers = self.hear_ms(50)  # RESEND, if the packet before left a byte in front of it
+                if any(answer == "NEXT" for answer in answers):
+                    raise Wrong("a point outside is answered with NEXT")
                 if self.ended:
                     return
         if self.ask("END", wanted="DONE", wire=True) is not None:
