@@ -11,6 +11,7 @@ import sys
 import vfs
 from binascii import crc32
 
+from check_jobs import stored_form
 from passo.config import job_store
 from passo.config.card_store import CardStore
 from passo.config.job_store import JobStore
@@ -68,17 +69,6 @@ class Device:
         if what == 6:
             self._write(number * self._block_bytes, b"\xff" * self._block_bytes)
         return 0
-
-
-def stored_form(data):
-    """A deflate stream of stored blocks."""
-    blocks = b""
-    for first in range(0, len(data), 1000):
-        part = data[first : first + 1000]
-        count = len(part)
-        last = first + 1000 >= len(data)
-        blocks += bytes((1 if last else 0, count & 255, count >> 8, ~count & 255, ~count >> 8 & 255)) + part
-    return blocks
 
 
 def store(jobs, name, data):

@@ -108,20 +108,23 @@ class Drawing(Job):
         resumed(self, home, unverified)
 
 
-@pytest.mark.parametrize("way", ("sent", "job"))
-def test_drawings_are_gone_on_with(way, tmp_path):
-    job = Drawing(tmp_path, way)
+WAYS = ((Drawing, "sent"), (Drawing, "job"), (Pulses, "stream"), (Pulses, "stored"), (Pulses, "job"))
+
+
+@pytest.mark.parametrize("kind, way", WAYS)
+def test_it_is_gone_on_with(kind, way, tmp_path):
+    job = kind(tmp_path, way)
     facts = whole(job)
     for seed in range(2):
         kill(job, seed, *facts)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("way", ("sent", "job"))
-def test_drawings_seventy_times(way, tmp_path):
-    job = Drawing(tmp_path, way)
+@pytest.mark.parametrize("kind, way", WAYS)
+def test_it_is_gone_on_with_sixty_times(kind, way, tmp_path):
+    job = kind(tmp_path, way)
     facts = whole(job)
-    kinds = Counter(kill(job, seed, *facts)[0] for seed in range(100, 170))
+    kinds = Counter(kill(job, seed, *facts)[0] for seed in range(100, 160))
     assert len(kinds) == 4, kinds
 
 
@@ -133,23 +136,6 @@ FOUND = (("stored", 218), ("stream", 273))
 def test_seeds_that_found_something(way, seed, tmp_path):
     job = Pulses(tmp_path, way)
     kill(job, seed, *whole(job))
-
-
-@pytest.mark.parametrize("way", ("stream", "stored", "job"))
-def test_pulse_programs_are_gone_on_with(way, tmp_path):
-    job = Pulses(tmp_path, way)
-    facts = whole(job)
-    for seed in range(2):
-        kill(job, seed, *facts)
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize("way", ("stream", "stored", "job"))
-def test_pulse_programs_fifty_times(way, tmp_path):
-    job = Pulses(tmp_path, way)
-    facts = whole(job)
-    kinds = Counter(kill(job, seed, *facts)[0] for seed in range(100, 150))
-    assert len(kinds) == 4, kinds
 
 
 SVG = (
