@@ -23,7 +23,7 @@ EVERY_MS = 100
 
 
 class Job:
-    """What is interrupted. A subclass says how it begins, and what its machine is."""
+    """What is interrupted. A subclass has begin(machine, rng), the PC's part to the end of the job, and says what its machine is."""
 
     file = None  # its path
     board = None
@@ -37,10 +37,6 @@ class Job:
         made.cycle()
         made.take()
         return made
-
-    def begin(self, machine, rng):
-        """The PC's part, to the end of the job."""
-        raise NotImplementedError
 
 
 def cut(machine, first=0):
