@@ -10,6 +10,7 @@ from array import array
 from collections import Counter, deque
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 
+from noisy_wire import BAUD, NoisyWire
 from soak_witness import Witness, Wrong
 
 TICKS_PER_MS = 12_500
@@ -159,3 +160,83 @@ class Bench:
             self._heap = size
         elif size > self._heap + HEAP_GROWTH:
             raise Wrong(f"the board's objects have grown from {self._heap} to {size} bytes")
+
+
+class Wire:
+    """The PC's end of link `pc`, as a serial port for FramedPort: while it waits a cycle of the board passes."""
+
+    baudrate = BAUD
+    timeout = 0.05
+
+    def __init__(self, bench):
+        self._bench = bench
+        self.data = b""
+
+    @property
+    def in_waiting(self):
+        return len(self.data)
+
+    def read(self, size):
+        if not self.data:
+            self._bench.cycle()
+        data, self.data = self.data, b""
+        return data
+
+    def write(self, data):
+        self._bench.wires[0].put(data)
+
+    def close(self):
+        """The cable stays."""
+
+
+class Cabled(Bench):
+    """A machine whose link `pc` is a cable, with noise on it, that may be cut."""
+
+    def __init__(self, seed):
+        super().__init__(seed)
+        self.wires = [NoisyWire(f"{seed} 0", 0), NoisyWire(f"{seed} 1", 0)]
+        self.wire = Wire(self)
+        self.cable = True
+        self._counted = 0  # faults of the wires
+        self._board_ms = 0  # up to which bytes have come
+
+    def plug_in(self):
+        """Behind switch_on(): a quiet cable, with nothing on it."""
+        self._board_ms = int(self.now_ms())
+        self.wire.data = b""
+        for wire in self.wires:
+            wire.drop()
+        self.cable = True
+        self.noise(0)
+
+    def cycle(self):
+        super().cycle()
+        now = int(self.now_ms())
+        self._board_ms = max(self._board_ms, now - 1000)
+        machine = self.machine
+        said = machine.take("pc")
+        if self.cable:
+            self.wires[1].put(said)
+        while self._board_ms < now:
+            self._board_ms += 1
+            data = self.wires[0].take(self._board_ms)
+            if self.cable:
+                machine.send(data, "pc")
+                self.wire.data += self.wires[1].take(self._board_ms)
+
+    def noise(self, share):
+        for wire in self.wires:
+            wire.set(share)
+
+    def count_noise(self):
+        faults = sum([wire.faults for wire in self.wires])
+        if faults > self._counted:
+            self.faults["byte on the wire"] += faults - self._counted
+            self._counted = faults
+
+    def unplug(self, ms):
+        self.cable = False
+        self.after(ms, self.plug)
+
+    def plug(self):
+        self.cable = True

@@ -9,10 +9,9 @@ from host_tools import boards
 from host_tools.clients.frames import FramedPort
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import PowerCut
-from noisy_wire import NoisyWire, damaged
+from noisy_wire import damaged
 from passo.protocols.plotter.host import ANSWERS, COMMANDS, STATUS_LENGTH, packet, status_from
-from soak_bench import Bench, Wrong
-from soak_router import Wire
+from soak_bench import Cabled, Wrong
 from soak_witness import Line, follow
 
 TRAVEL = (4000, 3000)
@@ -38,7 +37,7 @@ def board():
     return made
 
 
-class Plotter(Bench):
+class Plotter(Cabled):
     NAME = "plotter"
 
     def __init__(self, seed, given=None, framed=None):
@@ -51,10 +50,6 @@ class Plotter(Bench):
         if framed is not None:
             self.framed = framed
         self.ended = ""
-        self.wires = [NoisyWire(f"{seed} 0", 0), NoisyWire(f"{seed} 1", 0)]
-        self.wire = Wire(self)
-        self.cable = True
-        self._counted = 0
         self._heard = b""
         self.note(f"seed {seed}, {'frames' if self.framed else 'packets'}, lost host: {self.policy}")
         self.boot((700, 500))
@@ -65,12 +60,8 @@ class Plotter(Bench):
     def boot(self, start):
         self.forget()
         self.switch_on(VirtualMachine(self.board, trace=None, start=start, seed=self.dice.randrange(1 << 30)), LEAST_TICKS)
-        self._board_ms = int(self.now_ms())
         self.port = None
-        self.cable = True
-        self.noise(0)
-        for wire in self.wires:
-            wire.drop()
+        self.plug_in()
         self.run_ms(100)
         self.wire.data = self._heard = b""
         self.known = False
@@ -86,27 +77,8 @@ class Plotter(Bench):
             raise Wrong("no session of frames")
         self.port = port
 
-    def noise(self, share):
-        for wire in self.wires:
-            wire.set(share)
-
     def place(self):
         return list(self.machine.plant.position)
-
-    def cycle(self):
-        super().cycle()
-        now = int(self.now_ms())
-        self._board_ms = max(self._board_ms, now - 1000)
-        machine = self.machine
-        said = machine.take("pc")
-        if self.cable:
-            self.wires[1].put(said)
-        while self._board_ms < now:
-            self._board_ms += 1
-            data = self.wires[0].take(self._board_ms)
-            if self.cable:
-                machine.send(data, "pc")
-                self.wire.data += self.wires[1].take(self._board_ms)
 
     # --- packets and answers
 
@@ -285,13 +257,6 @@ class Plotter(Bench):
             self.fault("short cut")
             self.unplug(self.dice.uniform(5, 700))
 
-    def unplug(self, ms):
-        self.cable = False
-        self.after(ms, self.plug)
-
-    def plug(self):
-        self.cable = True
-
     def end(self, kind):
         if self.ended:
             return
@@ -332,10 +297,7 @@ class Plotter(Bench):
                 raise Wrong("STOP is not answered")
 
     def judge(self, start):
-        faults = sum([wire.faults for wire in self.wires])
-        if faults > self._counted:
-            self.faults["byte on the wire"] += faults - self._counted
-            self._counted = faults
+        self.count_noise()
         if self.ended in ("power", "board"):
             steps = self.last_steps
         else:

@@ -31,8 +31,7 @@ from host_tools.clients.frames import FramedPort
 from host_tools.programs import stored_job
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages, PowerCut
-from noisy_wire import BAUD, NoisyWire
-from soak_bench import Bench, Wrong
+from soak_bench import Cabled, Wrong
 from soak_flash import Flash
 from soak_witness import Arc, Line, follow
 
@@ -206,34 +205,7 @@ class Link:
         self.port, self._text = port, b""
 
 
-class Wire:
-    """The PC's end of link `pc`, as a serial port for FramedPort: while it waits a cycle of the board passes."""
-
-    baudrate = BAUD
-    timeout = 0.05
-
-    def __init__(self, bench):
-        self._bench = bench
-        self.data = b""
-
-    @property
-    def in_waiting(self):
-        return len(self.data)
-
-    def read(self, size):
-        if not self.data:
-            self._bench.cycle()
-        data, self.data = self.data, b""
-        return data
-
-    def write(self, data):
-        self._bench.wires[0].put(data)
-
-    def close(self):
-        """The cable stays."""
-
-
-class Router(Bench):
+class Router(Cabled):
     NAME = "router"
 
     def __init__(self, seed):
@@ -243,11 +215,6 @@ class Router(Bench):
         self.flash = Flash(FLASH)
         self.jobs = {}  # name: (program, lines) of what is stored
         self.torn = None  # name of a job whose upload a power cut has torn
-        self.wires = [NoisyWire(f"{seed} 0", 0), NoisyWire(f"{seed} 1", 0)]
-        self._counted = 0
-        self.wire = Wire(self)
-        self.cable = True
-        self._board_ms = 0
         self.links = {name: Link(self, name) for name in ("pc", "serial")}
         self.note(f"seed {seed}, lost host: {self.policy}")
         self.boot((9000, 7000, -1800), Pages())
@@ -269,32 +236,6 @@ class Router(Bench):
             return data
         return self.machine.take(link)
 
-    def cycle(self):
-        super().cycle()
-        now = int(self.now_ms())
-        if now - self._board_ms > 1000:
-            self._board_ms = now - 1000
-        machine = self.machine
-        said = machine.take("pc")
-        if self.cable:
-            self.wires[1].put(said)
-        while self._board_ms < now:
-            self._board_ms += 1
-            data = self.wires[0].take(self._board_ms)
-            if self.cable:
-                machine.send(data, "pc")
-                self.wire.data += self.wires[1].take(self._board_ms)
-
-    def noise(self, share):
-        for wire in self.wires:
-            wire.set(share)
-
-    def count_noise(self):
-        faults = sum([wire.faults for wire in self.wires])
-        if faults > self._counted:
-            self.faults["byte on the wire"] += faults - self._counted
-            self._counted = faults
-
     # --- the board
 
     def boot(self, start, pages):
@@ -304,12 +245,7 @@ class Router(Bench):
         self.forget()
         machine = VirtualMachine(self.board, trace=None, pages=pages, start=start, seed=self.dice.randrange(1 << 30))
         self.switch_on(machine, LEAST_TICKS)
-        self._board_ms = int(self.now_ms())
-        self.wire.data = b""
-        for wire in self.wires:
-            wire.drop()
-        self.cable = True
-        self.noise(0)
+        self.plug_in()
         self.run_ms(100)
         for link in self.links.values():
             self.from_board(link.name)
@@ -555,13 +491,6 @@ class Router(Bench):
         self.door = False
         self.press("door", False)
         self.after(20, lambda: self.go_on(link))
-
-    def unplug(self, ms):
-        self.cable = False
-        self.after(ms, self.plug)
-
-    def plug(self):
-        self.cable = True
 
     def tear(self, count):
         if not self.ended:
