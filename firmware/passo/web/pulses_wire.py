@@ -12,7 +12,7 @@ answer to it or not; the next status tells.
 from micropython import const
 
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
-from passo.web.wire import LONGEST, LOST
+from passo.web.wire import LOST, whole_lines
 
 END = ("end",)
 _ASK = ("?",)
@@ -71,14 +71,9 @@ class PulsesWire:
         if acks:
             self.room += acks * CREDIT
             data = data.replace(ACK, b"")
-        lines = (self._buffer + data).split(b"\n")
-        self._buffer = lines.pop()
-        if len(self._buffer) > LONGEST:
-            self._buffer = b""
-        for raw in lines:
-            line = "".join([chr(byte) for byte in raw if 32 <= byte < 127])
-            if line:
-                self._line(line)
+        lines, self._buffer = whole_lines(self._buffer + data)
+        for line in lines:
+            self._line(line)
 
     def _line(self, line):
         if line[:1] == "<":

@@ -13,7 +13,7 @@ from micropython import const
 PAGE = const(0)
 GUEST = const(1)
 RX_ROOM = const(128)  # bytes of lines under way: what every grbl has room for
-LONGEST = const(1024)  # bytes of a line from the board; more is noise
+_LONGEST = const(1024)  # bytes of a line from the board; more is noise
 LOST = const(-1)  # answered(LOST): a reset has dropped the line
 
 
@@ -48,17 +48,13 @@ class Wire:
 
     def feed(self, data):
         """What the board has said."""
-        lines = (self._buffer + data).split(b"\n")
-        self._buffer = lines.pop()
-        if len(self._buffer) > LONGEST:
-            self._buffer = b""
-        for raw in lines:
-            line = "".join([chr(byte) for byte in raw if 32 <= byte < 127])
+        lines, self._buffer = whole_lines(self._buffer + data)
+        for line in lines:
             if line == "ok":
                 self._answer(0, line)
             elif line[:6] == "error:" and line[6:].isdigit():
                 self._answer(int(line[6:]), line)
-            elif line:
+            else:
                 if line[:5] == "Grbl ":
                     self.drop()
                 self._heard(line, self._under_way[0][0] if self._under_way else None)
@@ -81,6 +77,14 @@ class Wire:
             answered(error)
         if owner == GUEST:
             self._heard(line, GUEST)
+
+
+def whole_lines(data):
+    """(texts of the lines in `data` that are whole and not empty, what is left of the next one). Noise is left out."""
+    rows = data.split(b"\n")
+    rest = rows.pop()
+    lines = ["".join([chr(byte) for byte in row if 32 <= byte < 127]) for row in rows]
+    return [line for line in lines if line], rest if len(rest) <= _LONGEST else b""
 
 
 def dwell_ms(line):
