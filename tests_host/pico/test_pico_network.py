@@ -12,7 +12,7 @@ from host_tools import boards
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.machine import EmulatedMachine
 from passo.protocols.torch import protocol as torch
-from test_pico_torch import steps_of, until_up
+from test_pico_torch import until_up, worst_us
 
 
 LEAST_FREE = 25_000  # bytes, with two clients
@@ -72,11 +72,7 @@ def test_a_page_while_three_axes_step(show):
     status = torch.answer_from(machine.take())[1]
     rows = machine.trace.rows()[known:]
     places = [each["px"] for each in events(air.heard[pages[0]])[pushed:]]
-    worst = 0
-    for axis in range(3):
-        times = steps_of(rows, axis)
-        assert len(times) == STEPS
-        worst = max(worst, *[abs(us - times[0] - i * 1e6 / RATE) for i, us in enumerate(times)])
+    worst = worst_us(rows, STEPS, RATE)
     show(
         "HTTP on a Pico W, three axes stepping",
         f"{alone.free} bytes free without clients, {served.free} with two pages ({served.largest} in one piece); {len(places)} pushes in "

@@ -16,7 +16,7 @@ from host_tools.emulator.sender import NEXT
 from passo.protocols.plotter.host import COMMANDS, packet
 from passo.protocols.torch import protocol as torch
 from test_pico_network import LATEST_US, LEAST_FREE, RATE, Z_TOO, network_board
-from test_pico_torch import steps_of, until_up
+from test_pico_torch import until_up, worst_us
 
 STEPS = 20_000
 POINTS = 600
@@ -62,12 +62,7 @@ def test_the_page_while_three_axes_step(show):
     machine.run_ms(1e3 * STEPS / RATE - passed + 300)
     served = air.collected()
     pages[0].look()
-    worst = 0
-    rows = machine.trace.rows()[known:]
-    for axis in range(3):
-        times = steps_of(rows, axis)
-        assert len(times) == STEPS
-        worst = max(worst, *[abs(us - times[0] - i * 1e6 / RATE) for i, us in enumerate(times)])
+    worst = worst_us(machine.trace.rows()[known:], STEPS, RATE)
     show(
         "The page on a Pico W, three axes stepping",
         f"{alone.free} bytes free without clients, {served.free} with two pages ({served.largest} in one piece); {pushes} pushes in {passed:.0f} ms; "

@@ -29,6 +29,16 @@ def steps_of(rows, axis):
     return [row[0] for before, row in zip(rows, rows[1:]) if row[1 + axis] != before[1 + axis]]
 
 
+def worst_us(rows, count, rate):
+    """How far a step of three axes, of which each makes `count` at `rate` a second, is off its time, in microseconds."""
+    worst = 0
+    for axis in range(3):
+        times = steps_of(rows, axis)
+        assert len(times) == count
+        worst = max(worst, *[abs(us - times[0] - i * 1e6 / rate) for i, us in enumerate(times)])
+    return worst
+
+
 def test_moves_on_the_pico(make_machine, show):
     machine = make_machine("torch_manipulator")
     until_up(machine)

@@ -5,8 +5,9 @@ import os
 from boards.router_3axis import BOARD
 from check_jobs import folder
 from draws import Random
-from panel_desk import TICKS_PER_MS, Desk
+from panel_desk import Desk
 from passo import errors
+from passo.records import TICKS_PER_MS
 from passo.web.jog import Limits
 from passo.web.lease import FRESH_MS, LEASE_MS, Lease
 from passo.web.pace import Pace

@@ -2,8 +2,8 @@
 
 from boards.two_motor_kit import BOARD
 from language_desk import LanguageDesk
-from panel_desk import TICKS_PER_MS
 from passo import errors
+from passo.records import TICKS_PER_MS
 from passo.web.keys_machine import KeysMachine
 
 

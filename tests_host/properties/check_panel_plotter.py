@@ -3,8 +3,9 @@
 from boards.plotter_2014 import BOARD
 from draws import Random
 from language_desk import LanguageDesk
-from panel_desk import TICKS_PER_MS, Shelf
+from panel_desk import Shelf
 from passo import errors
+from passo.records import TICKS_PER_MS
 from passo.web.plotter_machine import PlotterMachine
 
 SQUARE = "SPEED 1000\nMOVE 644 314\nLINE 644 454\nLINE 884 454\nLINE 884 314\nLINE 644 314\nEND\n"
@@ -112,7 +113,7 @@ def check_a_line_that_loses_bytes(seed):
     """Each way now and then: all points are drawn, and nothing else."""
     desk = homed()
     random = Random(seed)
-    put, feed = desk._put, desk.machine.feed
+    put, feed = desk.put, desk.machine.feed
 
     def torn(data):
         if len(data) and random.between(0, 14) == 0:

@@ -1,8 +1,8 @@
 """The page and pulse files: what is played is what was stored, forward, backward and code by code; a jog ends; teach-in is the same steps."""
 
 from draws import Random
-from panel_desk import TICKS_PER_MS
 from passo import errors
+from passo.records import TICKS_PER_MS
 from pulses_desk import PulsesDesk
 
 MM = 80  # steps

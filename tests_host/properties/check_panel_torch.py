@@ -2,8 +2,8 @@
 
 from boards.torch_manipulator import BOARD
 from language_desk import LanguageDesk
-from panel_desk import TICKS_PER_MS
 from passo import errors
+from passo.records import TICKS_PER_MS
 from passo.web.torch_machine import TorchMachine
 
 

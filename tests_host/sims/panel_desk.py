@@ -1,4 +1,4 @@
-"""The page's side of the wire beside a router on a virtual port, in stepped time: what a server does, without a network.
+"""The page's side of the wire beside a router on a virtual port, in stepped time.
 
     desk = Desk()
     desk.order("step", by={"x": 5}, speed=1000)     # 0: its error
@@ -9,15 +9,12 @@
 from binascii import crc32
 
 from check_jobs import stored_form
-from passo.records import COUNT_MASK
 from passo.web.api import Api
 from passo.web.grbl_machine import GrblMachine
 from passo.web.stored import StoredJobs
 from passo.web.teach import Teach
 from router import Machine
-
-TICKS_PER_MS = 12_500
-PUSH_MS = 50
+from stepped_desk import SteppedDesk
 
 
 class Shelf:
@@ -42,20 +39,18 @@ class Shelf:
         return 0
 
 
-class Desk:
+class Desk(SteppedDesk):
     def __init__(self, guest=None, recognise=None, **changes):
         """A router, unlocked in the middle of its travel, and a page that commands it. `recognise`: Teach's; `changes`: of the board
         file."""
-        self.board = Machine(**changes)
-        self.told = []
-        self.machine = GrblMachine(self.board.put, self.told.append, guest)
+        self.board = board = Machine(**changes)
+        SteppedDesk.__init__(self, board.app, board.port, board.line)
+        self.machine = GrblMachine(self.put, self.told.append, guest)
         self.teach = Teach(recognise and (lambda points, ways: recognise(points, ways, self.scales())))
         self.machine.watcher = self.teach.see
         self.store = Shelf()
         self.machine.job = StoredJobs(self.machine, self.told.append, self.store.packed)
         self.api = Api(self.machine, self.store, self.teach)
-        self.beats = 0
-        self._pushed = 0
         self.run_ms(300)
         assert self.order("unlock") == 0
         self.run_ms(300)
@@ -65,35 +60,9 @@ class Desk:
         """Steps a mm of each axis, as the board has told."""
         return [float(self.machine.settings[100 + axis]) for axis in range(len(self.machine.axes))]
 
-    def now_ms(self):
-        return (self.board.port.now // TICKS_PER_MS) & COUNT_MASK
-
-    def order(self, do, proven=True, **fields):
-        """The error of an order's answer; 0: none."""
-        return self.ask(do, proven, **fields).get("error", 0)
-
-    def ask(self, do, proven=True, **fields):
-        fields["do"] = do
-        return self.api.order(fields, proven)
-
     def cycle(self):
-        board = self.board
-        board.app.cycle()
-        data = board.line.outgoing
-        board.line.outgoing = b""
-        now = self.now_ms()
-        self.machine.feed(bytes(data), now)
-        self.machine.poll(now)
+        SteppedDesk.cycle(self)
         self.machine.guest.poll()
-        if (now - self._pushed) & COUNT_MASK >= PUSH_MS:
-            self._pushed = now
-            self.beats += 1
-            self.machine.beat(self.beats)
-
-    def run_ms(self, milliseconds):
-        end = self.board.port.now + milliseconds * TICKS_PER_MS
-        while self.board.port.now < end:
-            self.cycle()
 
     def settle(self):
         """Until the last report says that nothing moves."""
@@ -104,11 +73,3 @@ class Desk:
 
     def place(self):
         return list(self.board.world.place)
-
-    def hold_jog(self, lease, milliseconds, **fields):
-        """Hold a jog for so long, renewed each 60 ms."""
-        assert self.order("jog", lease=lease, beat=self.beats, **fields) == 0
-        while milliseconds > 0:
-            self.run_ms(60)
-            milliseconds -= 60
-            assert self.order("keep", lease=lease, beat=self.beats) == 0

@@ -6,7 +6,7 @@ What is used is noted in the page, from its events; at the end nothing of its DO
 import time
 
 import pytest
-from test_panel_page import MM, SQUARE, Browser, driver, jogged, pytestmark as of_pages  # noqa: F401
+from test_panel_page import MM, SQUARE, Browser, driver, jogged, pytestmark as of_pages, switched  # noqa: F401
 
 from host_tools import boards
 from panel_process import PanelProcess
@@ -171,13 +171,15 @@ def jobs(page, folder):
     page.type("passes", "1")
     page.click("run")
     page.until_state("Running")
-    page.click("abort")
-    page.until(lambda: "Ended" in page.text("job-state"))
-    page.until_state("Ready")
+    aborted(page)
     page.click("single")
     page.until(lambda: "step by step" in page.text("job-state"))
     page.click("single")
     page.until_state("Ready")
+    aborted(page)
+
+
+def aborted(page):
     page.click("abort")
     page.until(lambda: "Ended" in page.text("job-state"))
     page.until_state("Ready")
@@ -232,21 +234,10 @@ def kept_jobs(page, folder):
 
 
 def tool(page, folder):
-    def switch(name, text):
-        def done():
-            if text in page.text("signals"):
-                return True
-            if page.text("state") == "Ready":
-                page.tap(f"[data-output='{name}']")
-                time.sleep(0.5)
-            return False
-
-        page.until(done)
-
     page.type("rpm", "12000")
     for name, text in (("spindle_ccw", "Spindle: on"), ("spindle_off", "Spindle: off"), ("spindle_cw", "Spindle: on"), ("spindle_off", "Spindle: off"),
                        ("flood", "Coolant: on"), ("coolant_off", "Coolant: off"), ("mist", "Mist: on"), ("coolant_off", "Mist: off")):  # fmt: skip
-        switch(name, text)
+        page.until(lambda: switched(page, name, text))
     page.until_state("Ready")
     for button, what, text in (("feed+10", "feed", "110 %"), ("feed-10", "feed", "100 %"), ("feed100", "feed", "100 %"), ("rapid25", "rapid", "25 %"),
                                ("rapid50", "rapid", "50 %"), ("rapid100", "rapid", "100 %"), ("spindle+10", "spindle", "110 %"),
