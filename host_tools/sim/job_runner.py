@@ -215,6 +215,8 @@ class Runner:
         link = dict(board["links"][0])
         link["protocol"] = "grbl"
         board["links"] = [link]
+        for key in ("journal", "jobs", "network"):  # what needs flash or a radio, and changes no step
+            board[key] = None
         self.board = board
         self._sink = sink
         port = VirtualPort(board, Resting(board), player=BulkPlayer)

@@ -151,6 +151,17 @@ def test_the_same_as_edge_by_edge(board, name):
         assert_same(job, world, begun)
 
 
+def test_a_board_with_flash_and_radio(tmp_path):
+    """Its jobs, its journal and its network take no part."""
+    file = tmp_path / "kept.py"
+    more = {"journal": {"every_ms": 500}, "jobs": {"language": "grbl"}, "network": {"host": "passo"}}
+    file.write_text(f"import runpy\nBOARD = runpy.run_path({str(boards.path('router_3axis'))!r})['BOARD'] | {more}\n")
+    for inside in [True, False] if job_module.micropython() else [True]:
+        job = VirtualJob(str(file), inside=inside)
+        job.run(enumerate([b"G1X2F600"], 1))
+        assert not job.errors and job.high[0] == 2
+
+
 @needs_micropython
 @pytest.mark.parametrize("name", ["laser_raster", "smooth", "units", "slow"])
 def test_the_same_under_both_interpreters(name):
