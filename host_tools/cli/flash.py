@@ -8,6 +8,7 @@ import os
 import shlex
 import subprocess
 import sys
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated, Optional
 
@@ -60,6 +61,8 @@ def check_port(port):
 
 def probe(command, port):
     """Raises Failure unless a MicroPython board answers."""
+    if find_spec("mpremote") is None:
+        raise Failure("mpremote, which talks to the board, is not installed: pip install mpremote")
     check_port(port)
     try:
         result = subprocess.run(command, capture_output=True, text=True, timeout=PROBE_TIMEOUT_S)

@@ -1,5 +1,6 @@
 """`passo machine`: several machines on one board: board files that are stored there, of which one is chosen."""
 
+import contextlib
 import hashlib
 import re
 import subprocess
@@ -11,7 +12,7 @@ from typing import Annotated
 import typer
 
 from host_tools.build.tree import build_tree, default_out
-from host_tools.cli.flash import COPY_TIMEOUT_S, check_port, commands, copy, probe, reason_of
+from host_tools.cli.flash import COPY_TIMEOUT_S, PROBE_TIMEOUT_S, check_port, commands, copy, probe, reason_of
 from host_tools.failure import Failure
 from host_tools.resources import HOST_TOOLS
 
@@ -78,6 +79,17 @@ def add(
 
     Example: passo machine add boards/mine.py --port /dev/ttyACM0
     """
+    told = store(board, port, "tell()")
+    name = Path(board).stem
+    print(f"{name} is stored: passo machine choose {name}")
+    for line in told:
+        if line.startswith("machine ") and not line.endswith(": ready"):
+            print(line)
+
+
+def store(board, port, call, out=None):
+    """Store a machine, and what is missing of its firmware; then `call` of machines.py, and a restart. `out`: folder of the build.
+    Returns the lines that the call prints. Raises Failure."""
     from host_tools import boards
 
     name = Path(board).stem
@@ -90,7 +102,7 @@ def add(
         raise Failure("there is no machine on this board yet: passo flash first")
     if there != chip:
         raise Failure(f"this board is an {there}, and {name} is for an {chip}")
-    out = default_out(board)
+    out = out or default_out(board)
     build_tree(board, out)
     files = sorted(path for path in (out / "passo").rglob("*.*") if path.name != "files.txt")
     lines = [f"{path.relative_to(out).as_posix()} {hashlib.sha256(path.read_bytes()).hexdigest()[:16]}\n" for path in files]
@@ -100,11 +112,19 @@ def add(
         (stored / "modules.txt").write_text("".join(lines), encoding="ascii")
         (stored / "board.py").write_bytes((out / "board.py").read_bytes())
         copy([*_mpremote(port), "cp", "-r", str(out / "passo"), str(stored.parent), ":"], port)
-    told = _run(port, "tell()", "+", "reset")
-    print(f"{name} is stored: passo machine choose {name}")
-    for line in told:
-        if line.startswith("machine ") and not line.endswith(": ready"):
-            print(line)
+    return _run(port, call, "+", "reset")
+
+
+def become(board, port):
+    """Store a machine, choose it and start the board with it; what fails starts the board with the machine it had. The board must
+    stand, and nobody use its port. Takes some ten seconds, a minute if much has to be copied. Raises Failure."""
+    try:
+        with tempfile.TemporaryDirectory() as folder:
+            store(board, port, f"choose({Path(board).stem!r})", Path(folder))
+    except Failure:
+        with contextlib.suppress(subprocess.SubprocessError):
+            subprocess.run([*_mpremote(port), "reset"], capture_output=True, timeout=PROBE_TIMEOUT_S)
+        raise
 
 
 @app.command()

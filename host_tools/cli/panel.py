@@ -8,7 +8,9 @@ import typer
 
 from host_tools.failure import Failure
 
-_JOBS = Path.home() / ".local" / "share" / "passo" / "jobs"
+_SHARE = Path.home() / ".local" / "share" / "passo"
+_JOBS = _SHARE / "jobs"
+_OWN = _SHARE / "boards"
 _DEMO = "router_3axis"
 _WEBSOCKET = "ws:"
 _BAUD = 115200  # a link is asked at it what it speaks
@@ -26,6 +28,8 @@ def panel(
     ] = None,
     host: Annotated[str, typer.Option(help="Address to serve; 0.0.0.0: also phones in this network.")] = "127.0.0.1",
     http: Annotated[int, typer.Option(min=0, max=65535, help="Port of the page; 0: any free one.")] = 8080,
+    own: Annotated[Path, typer.Option("--boards", help="Folder of your own board files, which a board on --port may become.")] = _OWN,
+    prompt: Annotated[Optional[str], typer.Option(help="Port of MicroPython's prompt, to choose a machine; default: --port.")] = None,
     jobs: Annotated[Path, typer.Option(help="Folder of the jobs.")] = _JOBS,
     guest: Annotated[
         Optional[str], typer.Option(metavar="PATH|TCP|ws:PORT", help="A pty (a symlink to it), a TCP port or a WebSocket for a sender beside the page.")
@@ -48,8 +52,9 @@ def panel(
         passo panel --port /dev/ttyACM0 --guest /tmp/machine        # or 5000, or ws:8081
 
         passo panel --port /dev/ttyACM0 --host 0.0.0.0      # for a phone; give it the key that is shown
+
+        passo panel --port /dev/ttyUSB0 --prompt /dev/ttyACM0 --board plotter_2014      # it may also become another machine
     """
-    from host_tools.cli import ports
     from host_tools.panel.board import Demo
 
     if demo and port:
@@ -60,7 +65,7 @@ def panel(
     board = board or (_DEMO if demo else None)
     virtual = Demo(board, ["--trace", str(trace)] if trace else []) if demo else None
     try:
-        served = _made(virtual, virtual.name if virtual else port or ports.only(), baud, protocol, board, line, jobs, host)
+        served = _made(virtual, port, baud, protocol, board, line, jobs, host, own, prompt)
         asyncio.run(served.run(host, http, lambda number: _tell(host, number, served.key, line, open_)))
     finally:
         if virtual:
@@ -85,20 +90,50 @@ def _tell(host, number, key, line, open_):
         webbrowser.open(f"{address}#key={key}")
 
 
-def _made(virtual, name, baud, protocol, board, line, jobs, host):
-    """The Panel of the board on port `name`."""
+def _made(virtual, port, baud, protocol, board, line, jobs, host, own, prompt):
+    """The Panel of a virtual board, or of the board on `port`; None: the only one that is connected."""
     from host_tools import boards
+    from host_tools.cli import ports
     from host_tools.panel import languages
     from host_tools.panel.board import Port
     from host_tools.panel.panel import Panel
 
+    name = virtual.name if virtual else port or ports.only()
     language = _spoken(_language(boards.load(board)) if virtual else protocol, name, baud, line)
+    machines, change = _demos(virtual, line) if virtual else _cable(name, prompt, board, own, line)
     table = boards.load(board or languages.BOARDS[language])
-    machines = _machines(boards, board, ("grbl",) if line else tuple(languages.BOARDS)) if virtual else ()
     return Panel(
-        lambda changed: Port(name, baud or languages.BAUD[language], changed), jobs, line, host, language, table, machines,
-        virtual and (lambda other: _change(virtual, other)),
-    )  # fmt: skip
+        lambda changed: Port(name, baud or languages.BAUD[language], changed), jobs, line, host, language, table, machines, change
+    )
+
+
+def _speaking(guest):
+    """The languages of machines to choose from."""
+    from host_tools.panel import languages
+
+    return ("grbl",) if guest else tuple(languages.BOARDS)
+
+
+def _demos(virtual, guest):
+    """The virtual machines to choose from, and what starts one."""
+    from host_tools import boards
+
+    def change(name):
+        table = boards.load(name)
+        return virtual.change(name), table["links"][0], table
+
+    return _machines(boards, virtual.board, _speaking(guest)), change
+
+
+def _cable(port, prompt, board, own, guest):
+    """The machines that the board on `port` may become, and what makes it one."""
+    from host_tools.cli.machine import become
+    from host_tools.panel.cable import Cable
+
+    cable = Cable(port, prompt or port, board or "", own, _speaking(guest), become)
+    for what in cable.wrong:
+        print(f"left out: {what}")
+    return cable.names(), cable.change
 
 
 def _guest_line(guest):
@@ -108,14 +143,6 @@ def _guest_line(guest):
     if guest.startswith(_WEBSOCKET) and guest[len(_WEBSOCKET) :].isdigit():
         return WebSocketLine(int(guest[len(_WEBSOCKET) :]))
     return TcpLine(int(guest)) if guest.isdigit() else PtyLine(guest)
-
-
-def _change(virtual, name):
-    """Another virtual machine: its port, language and board file."""
-    from host_tools import boards
-
-    table = boards.load(name)
-    return virtual.change(name), _language(table), table
 
 
 def _spoken(language, port, baud, guest):

@@ -15,20 +15,21 @@ class Port:
 
     def __init__(self, name, baud, changed):
         self.name = name
-        self._baud = baud
+        self.baud = baud
         self._changed = changed
         self._serial = None
+        self._lent = False
         self._tried = 0.0
 
     def open(self):
         """Open the port. Raises LinkError."""
         self._tried = time.monotonic()
-        self._serial = open_exclusively(self.name, self._baud, 0)
+        self._serial = open_exclusively(self.name, self.baud, 0)
         self._changed(self._serial.fileno(), True)
 
     def look(self):
         """Try to open a port that went away, now and then."""
-        if self._serial is None and time.monotonic() - self._tried >= _AGAIN_S:
+        if self._serial is None and not self._lent and time.monotonic() - self._tried >= _AGAIN_S:
             try:
                 self.open()
             except LinkError:
@@ -54,6 +55,16 @@ class Port:
     def close(self):
         if self._serial is not None:
             self._lose()
+
+    def lend(self):
+        """Leave the port to another program until take()."""
+        self._lent = True
+        self.close()
+
+    def take(self, name, baud):
+        """The board is at this port, and it is free again. It is opened by look(), once it is there."""
+        self.name, self.baud = name, baud
+        self._lent = False
 
     def _lose(self):
         opened, self._serial = self._serial, None

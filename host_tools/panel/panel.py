@@ -5,6 +5,7 @@ import os
 import signal
 import socket
 
+from host_tools.failure import Failure
 from host_tools.panel import languages
 from host_tools.panel.server import PUSH_MS, Server, clock_ms
 from host_tools.panel.store import Store
@@ -13,8 +14,10 @@ from passo import errors
 from passo.web import session
 from passo.web.api import Api
 
+_HALF_WAY = ("Hold", "Door")  # stands, but with motion that is to be gone on with
 FOLDER = ROOT / "firmware" / "passo" / "web" / "page"
 TICK_S = 0.01
+SETTLE_S = 0.3  # a move that began just before has been reported by then
 
 
 def names_of(host):
@@ -39,13 +42,14 @@ def names_of(host):
 class Panel:
     def __init__(self, make_port, jobs, guest, host, language, board, machines=(), change=None):
         """`make_port(changed)`: a Port; `jobs`: folder; `guest`: a serial line for a sender, or None; `language` of the board, and its
-        file's table; `machines`: names of board files to choose from, the present one first; `change(name)`: port, language and table
-        of another one."""
+        file's table; `machines`: names of board files to choose from, the present one first, "" if it is not known; `change(name)`: port,
+        link and table of another one, or a Failure: it has the port for itself, and may take a minute."""
         self._loop = None
         self._port = make_port(self._changed)
         self._guest = guest
         self._watched = []
         self._change = change
+        self._changing = None  # the task of a change of machine
         self._jobs = jobs
         self._machines = list(machines)
         self.key = session.make_key(os.urandom)
@@ -90,16 +94,41 @@ class Panel:
             self.machine.guest.feed(data)
 
     def _choose(self, name):
-        if name not in self._machines:
+        """Another machine. The answer to the order comes before the change: pages are told how it ends."""
+        if not name or name not in self._machines:
             return errors.ORDER_FIELD
-        self._port.close()
-        self.machine.lost()
-        self._port.name, language, board = self._change(name)
-        self._machines.remove(name)
-        self._machines.insert(0, name)
-        self._speak(language, board)
+        error = errors.BUSY if self._changing else self._unfit()
+        if not error:
+            self._changing = asyncio.ensure_future(self._become(name))
+        return error
+
+    def _unfit(self):
+        """0, or why the board may not be stopped and started anew now."""
+        if self.machine.state["link"] and self.machine.refusal():
+            return self.machine.refusal()
+        return errors.BUSY if self.machine.still() or self.machine.state["state"] in _HALF_WAY else 0
+
+    async def _become(self, name):
+        try:
+            await asyncio.sleep(SETTLE_S)
+            error = self._unfit()
+            if error:
+                self.machine.note(error)
+                return
+            self._port.lend()
+            self.machine.lost()
+            self._tell({"t": "changing", "name": name})
+            port, link, board = await self._loop.run_in_executor(None, self._change, name)
+        except Failure as failure:
+            self._port.take(self._port.name, self._port.baud)
+            self._tell({"t": "refused", "text": str(failure)})
+            return
+        finally:
+            self._changing = None
+        self._machines = [name] + [other for other in self._machines if other not in ("", name)]
+        self._speak(link["protocol"], board)
+        self._port.take(port, link.get("baud") or languages.BAUD[link["protocol"]])
         self.server.change(self.api, self._about)
-        return 0
 
     def _watch_guest(self):
         """A pty without a client is always ready, with nothing to read: it is not watched."""
@@ -114,10 +143,10 @@ class Panel:
         self._hear_guest()
 
     async def run(self, host, port, ready):
-        """Serve until stop(). `ready(port)`: it listens."""
+        """Serve until end(). `ready(port)`: it listens."""
         self._loop = asyncio.get_running_loop()
         for number in (signal.SIGTERM, signal.SIGINT):
-            self._loop.add_signal_handler(number, self._stopped.set)
+            self._loop.add_signal_handler(number, self.end)
         self._port.open()
         serving = asyncio.ensure_future(self.server.serve(host, port))
         try:
@@ -130,7 +159,13 @@ class Panel:
         finally:
             self.machine.end_jog()
             serving.cancel()
+            if self._changing:  # a board whose files are half copied would not start
+                await asyncio.wait([self._changing])
             self._port.close()
+
+    def end(self):
+        """Serve no more."""
+        self._stopped.set()
 
     async def _turn(self):
         pushed = clock_ms()

@@ -27,8 +27,8 @@ class PanelProcess:
         self.folder = folder
         self.trace_file = folder / "trace.csv"
         self.jobs = folder / "jobs"
-        words = [sys.executable, "-m", "host_tools.cli", "panel", "--demo", "--http", "0", "--jobs", str(self.jobs),
-                 "--trace", str(self.trace_file), *options]  # fmt: skip
+        demo = [] if "--port" in options else ["--demo", "--trace", str(self.trace_file)]
+        words = [sys.executable, "-m", "host_tools.cli", "panel", "--http", "0", "--jobs", str(self.jobs), *demo, *options]
         self._process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
         said = ""
         while "Ctrl-C" not in said:
@@ -97,6 +97,14 @@ class PageClient:
             if wanted(message):
                 return message
         raise TimeoutError(str(self.state))
+
+    def said(self, kind):
+        """The next message of a kind that nobody has asked for."""
+        while not [message for message in self.told if message["t"] == kind]:
+            self._find(lambda message: message["t"] == kind)
+        found = next(message for message in self.told if message["t"] == kind)
+        self.told.remove(found)
+        return found
 
     def until(self, wanted):
         """Listen until a state is as wanted."""

@@ -5,7 +5,7 @@ from functools import partial
 import pytest
 from typer.testing import CliRunner
 
-from host_tools.cli import machine
+from host_tools.cli import flash, machine
 from host_tools.cli.main import app
 from host_tools.failure import Failure
 from test_flash import board, folder, put, wait_for  # noqa: F401  fixtures
@@ -86,3 +86,21 @@ def test_a_moving_machine_stays_as_it_is():
             machine._at_rest(running.line.name)
     finally:
         running.close()
+
+
+def test_what_becomes_another_machine_and_what_fails(folder, board, small):  # noqa: F811
+    port, files = board
+    put(files, "board.py", 'BOARD = {"chip": "rp2040", "name": "x"}')
+    with pytest.raises(Failure, match="is an rp2040, and mks_dlc32 is for an esp32"):
+        machine.become("mks_dlc32", port)
+    assert wait_for(files / ".reset") and '"name": "x"' in (files / "board.py").read_text(), "it starts as what it was"
+    (files / ".reset").unlink()
+    machine.become("lpt_router", port)
+    assert wait_for(files / ".reset") and '"name": "lpt_router"' in (files / "board.py").read_text()
+    assert (files / "machines/chosen").read_text() == "lpt_router" and not list(folder.glob("build"))
+
+
+def test_a_pc_without_mpremote(folder, monkeypatch):  # noqa: F811
+    monkeypatch.setattr(flash, "find_spec", lambda name: None)
+    with pytest.raises(Failure, match="pip install mpremote"):
+        machine.become("lpt_router", "/dev/null")

@@ -116,6 +116,8 @@ function told(message) {
     takeJobs(message);
   } else if (message.t === "stored") {
     shelf.take(message);
+  } else if (message.t === "changing") {
+    say(_("The board becomes {name}: this may take a minute…", { name: message.name }));
   } else if (message.t === "refused") {
     say(message.text);
   } else if (message.t === "log") {
@@ -148,7 +150,7 @@ function hello(message) {
   setAxes(message.axes);
   const machines = message.machines || [];
   $("machine-row").hidden = !machines.length;
-  $("machines").replaceChildren(...machines.map((name) => new Option(name, name)));
+  $("machines").replaceChildren(...machines.map((name) => new Option(name || "—", name)));
 }
 
 function setAxes(wanted) {
@@ -202,6 +204,7 @@ function enable() {
   const set = (id, on) => { $(id).disabled = !on; };
   for (const id of ["run", "check"]) set(id, idle && !busy && mine && $("jobs").value);
   for (const id of ["remove", "zero-all", "teach-begin", "teach-save"]) set(id, (idle || report.state === "Alarm") && !busy);
+  set("machine", (idle || report.state === "Alarm" || report.link === false) && !busy && mine);
   set("home", (idle || report.state === "Alarm") && !busy && mine);
   set("unlock", report.state === "Alarm" && mine);
   set("hold", ["Run", "Jog", "Home"].includes(report.state));
@@ -440,7 +443,7 @@ $("teach-save").onclick = async () => {
 };
 $("machine").onclick = async () => {
   const name = $("machines").value;
-  if (await ask(_("Restart as {name}?", { name }))) order("machine", { name });
+  if (name && await ask(_("Restart as {name}?", { name }))) order("machine", { name });
 };
 
 function makeOverrides() {
