@@ -214,11 +214,10 @@ class FramedLine:
             return None
         self._confirmed = True
         data = self._view[begin + HEAD : end - CHECK]
+        self._sender.acknowledged(ack, credit, self._clock())
         if kind == DATA:
-            self._sender.acknowledged(ack, credit, self._clock())
             return self._take(number, data)
         if kind == ACK or kind == AGAIN:
-            self._sender.acknowledged(ack, credit, self._clock())
             if kind == AGAIN:
                 self._sender.again()
             self._send()

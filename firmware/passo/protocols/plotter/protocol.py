@@ -253,6 +253,12 @@ class Plotter:
         """The board never speaks unasked."""
         return b""
 
+    def drop_begun(self):
+        """A packet that has come in part is not gone on with."""
+        self._bytes = b""
+        self._before = -1
+        self._broken = False
+
     def drop(self, event):
         """What has come so far is not believed any more, and not asked for again."""
         if self._bytes:

@@ -371,6 +371,10 @@ class Pulses:
         self._credit -= acks * CREDIT
         return ACK * acks
 
+    def drop_begun(self):
+        """A control command that has come in part is not gone on with."""
+        self._frame = None
+
     def drop(self, event):
         """Nothing that has come so far is done any more."""
         if self._frame is not None:
