@@ -78,7 +78,7 @@ class Board:
         now = time.monotonic()
         if not self.open:
             return
-        if not self.flying:
+        if not self.lines:
             self.heard_at = now
         elif now - self.heard_at > 0.25:
             self.hello(5)

@@ -20,6 +20,8 @@ from passo.protocols.frames.sender import Sender
 
 SLICE_S = 0.004  # a look at the wire
 OFFER_S = 0.25  # after which a board without frames is one
+SURE_S = 1.0  # the same on a wire that may be bad
+_LEAVES = 10  # attempts to end another program's session: on a wire that loses 1 % of the bytes each third fails
 _OFFER_AGAIN_MS = 80
 _SILENT_MS = 250  # then nothing but HELLO is sent
 _LOST_MS = 5000
@@ -30,14 +32,15 @@ _USB_BAUD = 1_000_000
 # Asks a language of lines for something harmless, and makes an error of a line that another program has left unfinished: an empty line would
 # have it carried out.
 _PROBE = b"$G\n"
-_ENDED = re.compile(rb"(ok|error:\d+)\r?\n")
+_ENDED = re.compile(rb"(?:^|\n)(ok|error:\d+)\r?\n")
 
 
-def offered(port, wait_s=OFFER_S, text=False):
+def offered(port, wait_s=OFFER_S, text=False, patient=False):
     """`port`, an open pyserial port, or a FramedPort on it if the board answers HELLO within `wait_s`. `text`: the link's language has
-    lines, each of which is answered by one; then a board without frames is found out at once."""
+    lines, each of which is answered by one; then a board without frames is found out at once, unless `patient`: on a bad wire one that has
+    them may miss the first HELLO."""
     opened = framed = FramedPort(port)
-    if not framed.begin(wait_s, text):
+    if not framed.begin(wait_s, text and not patient):
         port.timeout = framed.timeout
         opened = port
     if text:
@@ -67,16 +70,20 @@ class FramedPort:
         self._asked_ms = 0
         self._owes_ms = None  # since when an acknowledgement is owed
         self._new = self._open = False
-        self._heard_ms = self._said_ms = self._sent_ms = clock()
+        self._delimited = False  # a byte 0 has come, which no language of lines has
+        self._said_ms = 0  # of HELLO; 0: not yet
+        self._heard_ms = self._sent_ms = clock()
 
     def begin(self, wait_s, text=False):
-        """Open a new session. False if nobody answers HELLO within `wait_s`, or, with `text`, something else answers a line."""
+        """Open a new session. False if nobody answers HELLO within `wait_s`, or, with `text`, something else answers a line. Raises OSError if
+        another program's session cannot be ended."""
         asked = not text
-        for _ in range(2):
-            end_ms = self._clock() + 1000 * wait_s
+        for _ in range(_LEAVES):
+            begun_ms = self._clock()
             self._open = False
             while not self._open:
-                if self._clock() >= end_ms or text and _ENDED.search(self._wire):
+                patience_s = max(wait_s, SURE_S) if self._delimited else wait_s
+                if self._clock() - begun_ms >= 1000 * patience_s or text and not self._delimited and _ENDED.search(self._wire):
                     return False
                 if self._offer() and not asked:
                     asked = True  # once: every answer has to be waited for
@@ -85,7 +92,7 @@ class FramedPort:
             if self._new:
                 return True
             self._leave()  # another program's session: end it, and begin anew
-        return False
+        raise OSError("the session of frames that another program has left open does not end")
 
     # --- the face of a serial port
 
@@ -104,6 +111,7 @@ class FramedPort:
         return data
 
     def write(self, data):
+        self._expect_nothing()
         self._sender.put(data)
         self._pump()
 
@@ -161,14 +169,18 @@ class FramedPort:
             self._poll()
         self._urgents, self._said_ms = [], 0
 
+    def _expect_nothing(self):
+        """If no acknowledgement, no credit and no TAKEN is awaited, the board may be silent up to now."""
+        if not self._sender.kept and self._urgent_ms is None:
+            self._heard_ms = self._clock()
+
     def _pump(self):
         """Send what may be sent now."""
         if not self._open:
             return
         now_ms, sender = self._clock(), self._sender
-        if not sender.flying and self._urgent_ms is None:
-            self._heard_ms = now_ms  # nothing is expected
-        elif now_ms - self._heard_ms > _SILENT_MS:
+        self._expect_nothing()
+        if now_ms - self._heard_ms > _SILENT_MS:
             if now_ms - self._heard_ms > _LOST_MS:
                 raise OSError("the board does not answer any more")
             self._offer()
@@ -184,6 +196,7 @@ class FramedPort:
     def _poll(self):
         data = self._port.read(max(1, self._port.in_waiting))
         *whole, self._wire = (self._wire + data).split(b"\0")
+        self._delimited = self._delimited or bool(whole)
         for chunk in whole:
             if len(chunk) >= codec.HEAD + codec.CHECK:
                 self._understand(bytearray(chunk))

@@ -17,7 +17,7 @@ import math
 import time
 
 from host_tools.clients import refusal
-from host_tools.clients.wire import LinkError, Wire, packet_name
+from host_tools.clients.wire import ANSWER, RESEND, LinkError, Wire, packet_name
 from host_tools.language import error_text
 from passo import errors
 from passo.protocols.plotter import host as plotter
@@ -27,8 +27,6 @@ ATTEMPTS = 8  # of one packet
 POLL_S = 1.0  # between two STATUS while something is drawn or homed
 _STOP_S = 10.0  # the longest that a machine may take to come to rest
 
-_ANSWER = {name: byte for byte, name in plotter.ANSWERS.items()}
-RESEND = _ANSWER["RESEND"]
 _WORDS_ATTEMPTS = 3
 _REFUSE_NOTHING = (errors.CHECKSUM, errors.BYTES_DROPPED, errors.WORDS_LATE)  # logged, but no command was refused
 _JOG_NAMES = ("UP", "LEFT", "DOWN", "RIGHT")
@@ -115,11 +113,11 @@ class PlotterClient:
         for attempt in range(ATTEMPTS):
             self._send(name, repeat=attempt > 0)
             answer = self._await(self.timeout_s)
-            if answer == _ANSWER["NEXT"]:
+            if answer == ANSWER["NEXT"]:
                 return
             status, seen = self._settle(name)
             moved = status["state"] == "jog" or (status["x"], status["y"]) != (before["x"], before["y"])
-            if _ANSWER["NEXT"] in seen or moved:
+            if ANSWER["NEXT"] in seen or moved:
                 return
             self._check(status, name)
             if answer != RESEND:
@@ -144,7 +142,7 @@ class PlotterClient:
             else:
                 self._settle("WORDS")  # which clears the error
                 raise refusal.Refused(f"{line}: the controller does not understand it", errors.STATEMENT)
-            if number < last and said[:1] != bytes((_ANSWER["REQUEST_OK"],)):
+            if number < last and said[:1] != bytes((ANSWER["REQUEST_OK"],)):
                 raise LinkError(f"{line} was cut off: the line is too noisy")
         *told, answer = said.decode("ascii", "replace").splitlines()
         if answer != "ok":
@@ -164,10 +162,10 @@ class PlotterClient:
             self._send("STOP", repeat=repeat)
             repeat = True
             answer = self._await(self.timeout_s)
-            while answer not in (None, RESEND, _ANSWER["DONE"]):
+            while answer not in (None, RESEND, ANSWER["DONE"]):
                 answer = self._await(self.timeout_s)
             status, seen = self._settle("STOP", answer)
-            if _ANSWER["DONE"] in [answer] + seen and status["state"] in ("idle", "alarm"):
+            if ANSWER["DONE"] in [answer] + seen and status["state"] in ("idle", "alarm"):
                 return status
         raise LinkError("the machine does not stop: switch it off")
 
@@ -184,7 +182,7 @@ class PlotterClient:
 
     def _deliver(self, name, expected_name, x=0, y=0):
         """Send a packet that is answered at once; repeat it until it is answered."""
-        expected = _ANSWER[expected_name]
+        expected = ANSWER[expected_name]
         self._send(name, x, y)
         answer = self._await(self.timeout_s)
         for attempt in range(ATTEMPTS):
@@ -211,7 +209,7 @@ class PlotterClient:
 
     def _perform(self, name, expected_name, finished, progress):
         """Send a packet that is answered when it has been carried out, and wait for that."""
-        expected = _ANSWER[expected_name]
+        expected = ANSWER[expected_name]
         self._send(name)
         idle = attempts = 0
         while True:

@@ -26,14 +26,14 @@ class LinkError(Failure):
 
 def open_link(port, baud, slice_s, text):
     """As open_exclusively(), without old input; a FramedPort if the board has frames. It is asked if the language is of lines, each answered
-    by one (`text`), or if `frames` says so."""
-    from host_tools.clients.frames import offered
+    by one (`text`), or if `frames` says so; then for longer, as the wire may be bad."""
+    from host_tools.clients.frames import SURE_S, offered
 
     opened = open_exclusively(port, baud, slice_s)
     try:
         opened.reset_input_buffer()
         if text if frames is None else frames:
-            opened = offered(opened, text=text)
+            opened = offered(opened, SURE_S, text, True) if frames else offered(opened, text=text)
             opened.reset_input_buffer()
         return opened
     except OSError as error:

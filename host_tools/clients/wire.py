@@ -14,7 +14,10 @@ from passo.protocols.plotter import host as plotter
 
 _SLICE_S = 0.05  # how long one read waits: the finest grain of every time-out
 _STATUS_GAP_S = 0.5  # a STATUS answer that stalls this long is torn
+_STALE_S = 0.3  # after which a RESEND is meant for the last packet
 
+ANSWER = {name: byte for byte, name in plotter.ANSWERS.items()}
+RESEND = ANSWER["RESEND"]
 NAMES = {code: name for name, code in plotter.COMMANDS.items()}
 
 
@@ -92,9 +95,17 @@ class Wire:
             return "torn", data
 
     def text(self, timeout_s):
-        """What answers a packet of WORDS: one byte, or lines of which the last is ok or error; None if they do not come."""
+        """What answers a packet of WORDS: one byte, or lines of which the last is ok or error; None if they do not come. A RESEND that
+        something follows was meant for what another program has left behind."""
         deadline = time.monotonic() + timeout_s
         while True:
+            if self._buffer and self._buffer[0] == RESEND:
+                quiet = time.monotonic() + _STALE_S
+                while len(self._buffer) == 1 and time.monotonic() < quiet:
+                    self._read()
+                told = self._take(1)
+                if not self._buffer:
+                    return told
             lines = bytes(self._buffer).split(b"\n")
             if self._buffer and self._buffer[:1] not in (b"[", b"o", b"e"):
                 return self._take(1)

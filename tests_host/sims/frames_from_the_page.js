@@ -151,7 +151,7 @@ function work () {
   }
   if (leaving) return
   const cut = urgents.some(([kind]) => kind === KIND.CUT)
-  const waits = flying || urgentSent
+  const waits = out.length || urgentSent
   if (waits && now - lastFrame > 250) {
     if (now - lastHello >= 80) { lastHello = now; say(HELLO) }
     return
