@@ -17,6 +17,7 @@ BAUD = 115_200
 _BYTES_MS = BAUD / 10_000
 _BURST = 20  # bytes, on average
 _UNDER_WAY = 900  # bytes of lines that are not answered
+_LONGEST_MS = 1000  # of a jump of time: what is older has come
 
 
 def damaged(dice, data):
@@ -101,6 +102,46 @@ class NoisyWire:
         return bytes(out)
 
 
+class Cable:
+    """Both directions between the PC and link `link` of a VirtualMachine."""
+
+    def __init__(self, seed, link=None):
+        self.wires = [NoisyWire(f"{seed} 0", 0), NoisyWire(f"{seed} 1", 0)]  # to the board, and from it
+        self.plugged = True
+        self.arrived = b""  # at the PC
+        self._link = link
+        self._at_ms = 0
+
+    def set(self, share):
+        for wire in self.wires:
+            wire.set(share)
+
+    def faults(self):
+        return sum([wire.faults for wire in self.wires])
+
+    def renew(self, now_ms):
+        """A quiet cable, with nothing on it."""
+        self._at_ms = int(now_ms)
+        self.arrived = b""
+        for wire in self.wires:
+            wire.drop()
+        self.plugged = True
+        self.set(0)
+
+    def carry(self, machine, now_ms):
+        """What comes until `now_ms`, at both ends."""
+        self._at_ms = max(self._at_ms, int(now_ms) - _LONGEST_MS)
+        said = machine.take(self._link)
+        if self.plugged:
+            self.wires[1].put(said)
+        while self._at_ms < int(now_ms):
+            self._at_ms += 1
+            data = self.wires[0].take(self._at_ms)
+            if self.plugged:
+                machine.send(data, self._link)
+                self.arrived += self.wires[1].take(self._at_ms)
+
+
 class _Language:
     """Answers each line, by its own text unless `answer` is another."""
 
@@ -171,10 +212,14 @@ class Pair:
         self._language = _Language(answer)
         self._line = FramedLine(self._language, _Board(self), BAUD, lambda: self.now_ms)
         self._count_frames()
-        self.port = FramedPort(_Host(self), lambda: self.now_ms)
+        self.port = self.opened()
         assert self.port.begin(1)
         for wire in self.wires:
             wire.set(share)
+
+    def opened(self):
+        """The port of another program on the PC, which has not begun."""
+        return FramedPort(_Host(self), lambda: self.now_ms)
 
     def _count_frames(self):
         understand = self._line._understand

@@ -10,7 +10,7 @@ from array import array
 from collections import Counter, deque
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 
-from noisy_wire import BAUD, NoisyWire
+from noisy_wire import BAUD, Cable
 from soak_witness import Witness, Wrong
 
 TICKS_PER_MS = 12_500
@@ -170,20 +170,20 @@ class Wire:
 
     def __init__(self, bench):
         self._bench = bench
-        self.data = b""
 
     @property
     def in_waiting(self):
-        return len(self.data)
+        return len(self._bench.line.arrived)
 
     def read(self, size):
-        if not self.data:
+        line = self._bench.line
+        if not line.arrived:
             self._bench.cycle()
-        data, self.data = self.data, b""
+        data, line.arrived = line.arrived, b""
         return data
 
     def write(self, data):
-        self._bench.wires[0].put(data)
+        self._bench.line.wires[0].put(data)
 
     def close(self):
         """The cable stays."""
@@ -194,49 +194,23 @@ class Cabled(Bench):
 
     def __init__(self, seed):
         super().__init__(seed)
-        self.wires = [NoisyWire(f"{seed} 0", 0), NoisyWire(f"{seed} 1", 0)]
+        self.line = Cable(seed, "pc")
         self.wire = Wire(self)
-        self.cable = True
         self._counted = 0  # faults of the wires
-        self._board_ms = 0  # up to which bytes have come
-
-    def plug_in(self):
-        """Behind switch_on(): a quiet cable, with nothing on it."""
-        self._board_ms = int(self.now_ms())
-        self.wire.data = b""
-        for wire in self.wires:
-            wire.drop()
-        self.cable = True
-        self.noise(0)
 
     def cycle(self):
         super().cycle()
-        now = int(self.now_ms())
-        self._board_ms = max(self._board_ms, now - 1000)
-        machine = self.machine
-        said = machine.take("pc")
-        if self.cable:
-            self.wires[1].put(said)
-        while self._board_ms < now:
-            self._board_ms += 1
-            data = self.wires[0].take(self._board_ms)
-            if self.cable:
-                machine.send(data, "pc")
-                self.wire.data += self.wires[1].take(self._board_ms)
-
-    def noise(self, share):
-        for wire in self.wires:
-            wire.set(share)
+        self.line.carry(self.machine, self.now_ms())
 
     def count_noise(self):
-        faults = sum([wire.faults for wire in self.wires])
+        faults = self.line.faults()
         if faults > self._counted:
             self.faults["byte on the wire"] += faults - self._counted
             self._counted = faults
 
     def unplug(self, ms):
-        self.cable = False
+        self.line.plugged = False
         self.after(ms, self.plug)
 
     def plug(self):
-        self.cable = True
+        self.line.plugged = True

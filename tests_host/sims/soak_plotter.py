@@ -61,9 +61,9 @@ class Plotter(Cabled):
         self.forget()
         self.switch_on(VirtualMachine(self.board, trace=None, start=start, seed=self.dice.randrange(1 << 30)), LEAST_TICKS)
         self.port = None
-        self.plug_in()
+        self.line.renew(self.now_ms())
         self.run_ms(100)
-        self.wire.data = self._heard = b""
+        self.line.arrived = self._heard = b""
         self.known = False
         if self.framed:
             self.open_frames()
@@ -86,7 +86,7 @@ class Plotter(Cabled):
         if self.port:
             self.port.write(data)
         else:
-            self.wires[0].put(data)
+            self.line.wires[0].put(data)
 
     def hear(self):
         """The answers that have come: their names, and the fields of STATUS."""
@@ -94,8 +94,8 @@ class Plotter(Cabled):
             self._heard += self.port.read(256) if self.port.in_waiting else b""
         else:
             self.cycle()
-            self._heard += self.wire.data
-            self.wire.data = b""
+            self._heard += self.line.arrived
+            self.line.arrived = b""
         found = []
         while self._heard:
             if self._heard[0] == COMMANDS["STATUS"]:
@@ -159,7 +159,7 @@ class Plotter(Cabled):
         self.witness.take()
         moves = self.drawing(start)
         if self.port:
-            self.noise(self.dice.choice((0, 0.003, 0.01, 0.02)))
+            self.line.set(self.dice.choice((0, 0.003, 0.01, 0.02)))
         self.plan()
         self.accepted = []
         self.drawn = False
@@ -182,7 +182,7 @@ class Plotter(Cabled):
             self.check_heap()
 
     def begin(self):
-        self.noise(0)
+        self.line.set(0)
         self.note(f"round {self.rounds}")
         if not self.known:
             before = self.place()
@@ -242,7 +242,7 @@ class Plotter(Cabled):
             self.after(self.dice.uniform(0, 12_000), lambda: self.end(kind))
 
     def harmless(self, kind):
-        if self.ended or not self.cable:
+        if self.ended or not self.line.plugged:
             return
         if kind == "fight":
             self.fault("fight")
@@ -252,7 +252,7 @@ class Plotter(Cabled):
             self.fault("garbage")
             self.machine.send(bytes(self.dice.randrange(256) for _ in range(50)), "panel")
         elif kind == "noise" and self.port:
-            self.noise(self.dice.choice((0, 0.003, 0.01, 0.02)))
+            self.line.set(self.dice.choice((0, 0.003, 0.01, 0.02)))
         elif kind == "cut" and self.port:
             self.fault("short cut")
             self.unplug(self.dice.uniform(5, 700))
@@ -276,7 +276,7 @@ class Plotter(Cabled):
         if self.ended == "long cut":
             self.run_ms(LOST_MS + 1000)
         else:
-            self.cable = True
+            self.line.plugged = True
             if self.ended == "stop":
                 self.say_stop()
             self.run_ms(800)
@@ -317,8 +317,8 @@ class Plotter(Cabled):
 
     def recover(self):
         self.forget()
-        self.noise(0)
-        self.cable = True
+        self.line.set(0)
+        self.line.plugged = True
         if self.ended in ("power", "board"):
             return
         if self.ended == "long cut" and self.port:

@@ -226,13 +226,13 @@ class Router(Cabled):
 
     def to_board(self, link, data):
         if link == "pc":
-            self.wires[0].put(data)
+            self.line.wires[0].put(data)
         else:
             self.machine.send(data, link)
 
     def from_board(self, link):
         if link == "pc":
-            data, self.wire.data = self.wire.data, b""
+            data, self.line.arrived = self.line.arrived, b""
             return data
         return self.machine.take(link)
 
@@ -245,7 +245,7 @@ class Router(Cabled):
         self.forget()
         machine = VirtualMachine(self.board, trace=None, pages=pages, start=start, seed=self.dice.randrange(1 << 30))
         self.switch_on(machine, LEAST_TICKS)
-        self.plug_in()
+        self.line.renew(self.now_ms())
         self.run_ms(100)
         for link in self.links.values():
             self.from_board(link.name)
@@ -266,7 +266,7 @@ class Router(Cabled):
     def plain(self):
         """The PC's link without frames."""
         link = self.links["pc"]
-        self.noise(0)
+        self.line.set(0)
         self.run_ms(50)
         if link.port:
             try:
@@ -337,7 +337,7 @@ class Router(Cabled):
         else:
             if link.port:
                 share = self.dice.choice((0, 0.003, 0.01, 0.02))
-                self.noise(share)
+                self.line.set(share)
                 self.note(f"noise {share}")
             self.plan(link, program)
             self.stream(link, program)
@@ -357,7 +357,7 @@ class Router(Cabled):
 
     def begin(self):
         """Homed, idle, a link that commands; and which way the program will come."""
-        self.noise(0)
+        self.line.set(0)
         link = self.links[self.dice.choice(("pc", "pc", "pc", "serial"))]
         self.carrier = self.dice.choice(("stream", "stream", "stream", "job"))
         framed = link.name == "pc" and self.dice.random() < 0.85
@@ -428,7 +428,7 @@ class Router(Cabled):
         return self.links["serial" if link.name == "pc" else "pc"]
 
     def harmless(self, kind, link):
-        if self.ended or not self.cable:
+        if self.ended or not self.line.plugged:
             return
         other = self.other(link)
         machine = self.machine
@@ -458,7 +458,7 @@ class Router(Cabled):
             self.fault("short cut")
             self.unplug(self.dice.uniform(5, 700))
         elif kind == "noise" and link.port:
-            self.noise(self.dice.choice((0, 0.003, 0.01, 0.02)))
+            self.line.set(self.dice.choice((0, 0.003, 0.01, 0.02)))
         elif kind in ("store", "delete") and not other.port:
             self.fault("job amid a program")
             for name in list(self.jobs)[:1] + ["NONE"]:
@@ -595,7 +595,7 @@ class Router(Cabled):
             if self.carrier == "job" or self.policy == "go_on":
                 self.settle()
         else:
-            self.cable = True
+            self.line.plugged = True
             if self.ended == "reset":
                 self.await_banner(link)
             self.run_ms(300)
@@ -755,8 +755,8 @@ class Router(Cabled):
     def recover(self, link):
         """The operator's way out."""
         self.forget()
-        self.noise(0)
-        self.cable = True
+        self.line.set(0)
+        self.line.plugged = True
         for name in ("stop", "door"):
             noise = self.machine.plant.noise.get(name)
             if noise and noise.flipped:

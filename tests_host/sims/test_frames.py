@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from framed_job import MachineAndClient
+from host_tools.clients.frames import OFFER_S, SURE_S
 from host_tools.resources import ROOT
 from noisy_wire import Pair
 from passo.protocols.frames import codec
@@ -49,6 +50,91 @@ def test_a_noisy_wire_loses_no_line():
     pair.stream(20_000)
     assert pair.wires[0].faults > 3000 and pair.wires[1].faults > 3000
     assert percentile(pair.recoveries, 0.99) <= RECOVERY_MS
+
+
+def spoilt(wire, count):
+    """A byte of each of the next `count` writes is flipped."""
+    put, left = wire.put, [count]
+
+    def spoil(data):
+        if left[0]:
+            left[0] -= 1
+            data = data[:5] + bytes((data[5] ^ 64,)) + data[6:]
+        put(data)
+
+    wire.put = spoil
+
+
+@pytest.mark.parametrize("side", [0, 1])
+def test_a_bad_wire_is_not_taken_for_a_board_without_frames(side):
+    """HELLO, or WELCOME, is damaged again and again."""
+    pair = Pair()
+    pair.port._leave()
+    port = pair.opened()
+    spoilt(pair.wires[side], 6)
+    assert port.begin(SURE_S if side == 0 else OFFER_S, side == 1)
+    port.write(b"G1X1\n")
+    while b"\n" not in port.read(10):
+        assert pair.now_ms < 2000
+
+
+def test_a_session_that_was_left_open_is_ended_on_a_bad_wire():
+    pair = Pair()
+    pair.port.write(b"G1\n")
+    while not pair.port.read(10):
+        pass
+    port = pair.opened()
+    send, left = port._send, [4]
+
+    def lost(kind, *rest):
+        if kind != codec.LEAVE or not left[0]:
+            return send(kind, *rest)
+        left[0] -= 1
+
+    port._send = lost
+    assert port.begin(OFFER_S) and not left[0]
+    port._send = lambda kind, *rest: None if kind == codec.LEAVE else send(kind, *rest)
+    port.write(b"G1\n")
+    while not port.read(10):
+        pass
+    other = pair.opened()
+    other._leave = lambda: None
+    with pytest.raises(OSError, match="another program"):
+        other.begin(OFFER_S)
+
+
+def test_questions_acknowledge_what_the_board_has_said():
+    """A program that asks all the time needs no other acknowledgement."""
+    pair = Pair()
+    for number in range(30):
+        pair.port.write(b"G1X%d\n" % number)
+    while pair._line._sender.kept or pair.port._sender.kept:
+        if not pair.port._urgents:
+            pair.port.urgent(b"?")
+        assert pair.port.in_waiting < 400 and pair.now_ms < 600
+
+
+def test_credit_is_asked_for_if_the_word_of_it_is_lost():
+    """The board has no room, then it has; its ACK is lost, and nothing else is under way."""
+    pair = Pair()
+    pair._language.space = lambda: 0
+    pair._line._space = pair._language.space
+    pair.now_ms += 10_000  # in which nobody wants anything
+    pair.port.write(b"G1X1\n")
+    while not pair.port.read(10):
+        pass
+    pair.port.write(b"G1X2\n")
+    for _ in range(100):
+        pair.port.read(10)
+    assert not pair.port._sender.flying and pair.port._sender.kept
+    pair._line._space = lambda: 1024
+    wire, put = pair.wires[1], pair.wires[1].put
+    wire.put = lambda data: None
+    pair.tick()
+    wire.put = put
+    until_ms = pair.now_ms + 500
+    while not pair.port.read(10):
+        assert pair.now_ms < until_ms
 
 
 @pytest.mark.slow

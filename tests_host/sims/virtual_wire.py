@@ -3,33 +3,40 @@
     with plugged(machine):
         resume.resume(file, "virtual", yes=True, …)
 
-A read lets the machine go on by a cycle; to sleep lets it go on for so long. `stopped(cycles)` ends the PC amid its work: Killed.
+A read lets the machine go on by a cycle; to sleep lets it go on for so long. `plugged(machine, cycles)` ends the PC amid its work: Killed.
 """
 
 import contextlib
-import random
 
 from host_tools.cli import draw_run, jobs, pulses_panel, resume_pulses
-from host_tools.clients import plotter, pulses, wire
-from host_tools.clients.frames import FramedPort
+from host_tools.clients import frames, grbl, plotter, pulses, serial_port, wire
 from host_tools.programs import job
+from noisy_wire import BAUD, Cable
+
+STALLED_S = 300  # what a command does here takes a tenth of that
 
 
 class Killed(BaseException):
     """The PC's process is gone: nothing of it runs any more."""
 
 
+class Stalled(AssertionError):
+    """A command does not come to its end."""
+
+
 class Wire:
     """A serial port, and the module time, of a VirtualMachine."""
 
-    baudrate = 115_200
+    baudrate = BAUD
 
-    def __init__(self, machine, cycles=None, share=0.0):
-        """`cycles`: so many of the board's, then the PC is killed; `share` of the bytes are lost, doubled or flipped."""
-        self._rng = random.Random(share)
-        self._share = share
+    def __init__(self, machine, cycles=None, share=0.0, seed=0):
+        """`cycles`: so many of the board's, then the PC is killed; `share` of the bytes are lost, doubled or flipped, at random by `seed`."""
         self._machine = machine
         self._cycles = cycles
+        self._end = self.monotonic() + STALLED_S
+        self.cable = Cable(seed)
+        self.cable.renew(machine.now_ms())
+        self.cable.set(share)
         self.timeout = 0.01
 
     def _cycle(self):
@@ -37,32 +44,28 @@ class Wire:
             if not self._cycles:
                 raise Killed
             self._cycles -= 1
+        if self.monotonic() > self._end:
+            raise Stalled
         self._machine.cycle()
+        self.cable.carry(self._machine, self._machine.now_ms())
 
     @property
     def in_waiting(self):
-        return len(self._machine.received())
+        return len(self.cable.arrived)
 
     def write(self, data):
-        self._machine.send(self._noisy(data))
+        self.cable.wires[0].put(data)
 
     def read(self, size=1):
+        cable = self.cable
         end = self.monotonic() + self.timeout
-        while not self._machine.received() and self.monotonic() < end:
+        while not cable.arrived and self.monotonic() < end:
             self._cycle()
-        data = self._machine.take()
-        line = self._machine.lines[self._machine.first]
-        line.outgoing = data[size:]
-        return self._noisy(data[:size])
+        data, cable.arrived = cable.arrived[:size], cable.arrived[size:]
+        return data
 
-    def _noisy(self, data):
-        if not self._share:
-            return data
-        made = bytearray()
-        for byte in data:
-            kind = self._rng.randrange(3) if self._rng.random() < self._share else None
-            made += (b"", bytes((byte, byte)), bytes((byte ^ 1 << self._rng.randrange(8),)), bytes((byte,)))[3 if kind is None else kind]
-        return bytes(made)
+    def reset_input_buffer(self):
+        self.cable.arrived = b""
 
     def close(self):
         pass
@@ -74,30 +77,26 @@ class Wire:
 
     time = monotonic
 
+    def monotonic_ns(self):
+        return int(self.monotonic() * 1e9)
+
     def sleep(self, seconds):
         end = self.monotonic() + seconds
         while self.monotonic() < end:
             self._cycle()
 
 
-def _framed(made):
-    opened = FramedPort(made, lambda: round(1000 * made.monotonic()))
-    assert opened.begin(2.0), "the board has no frames"
-    return opened
-
-
 @contextlib.contextmanager
-def plugged(machine, cycles=None, framed=False, share=0.0):
-    """The PC is plugged in, until the end or until it is killed. `framed`: as by `passo --frames`."""
-    made = Wire(machine, cycles, share)
-    kept = [(module, module.time) for module in (pulses, pulses_panel, plotter, wire, job, jobs, resume_pulses, draw_run)]
-    kept_open = pulses.open_port, wire.open_port
-    try:
-        for module, _ in kept:
-            module.time = made
-        pulses.open_port = wire.open_port = lambda port, baud: _framed(made) if framed else made
-        yield
-    finally:
-        for module, clock in kept:
-            module.time = clock
-        pulses.open_port, wire.open_port = kept_open
+def plugged(machine, cycles=None, framed=False, share=0.0, seed=0):
+    """The PC is plugged in, until the end or until it is killed: a Wire. `framed`: as by `passo --frames`."""
+    made = Wire(machine, cycles, share, seed)
+    timed = (frames, grbl, pulses, pulses_panel, plotter, wire, job, jobs, resume_pulses, draw_run)
+    with contextlib.ExitStack() as patches:
+        for module, name, value in (
+            *((module, "time", made) for module in timed),
+            (serial_port, "frames", framed),
+            (serial_port, "open_exclusively", lambda *_: made),
+        ):  # fmt: skip
+            patches.callback(setattr, module, name, getattr(module, name))
+            setattr(module, name, value)
+        yield made
