@@ -30,8 +30,9 @@ def ended(desk):
 
 
 def drawn(desk):
-    """Places that the pen was down at."""
-    return [place for _, place, tool in desk.trail.rows if tool]
+    """Places that the pen was down at, without a second time in a row: it goes up and down there."""
+    places = [place for _, place, tool in desk.trail.rows if tool]
+    return [places[at] for at in range(len(places)) if not at or places[at] != places[at - 1]]
 
 
 def check_the_square_of_2014():
@@ -107,6 +108,78 @@ def check_refusals_and_stop():
     assert desk.place() == [10, 10] and len(drawn(desk)) == count, "what was stored of a drawing is drawn later"
     assert desk.order("pace", speed=0) == errors.ORDER_FIELD and desk.order("pace", speed=500) == 0
     assert desk.order("zero", axes="x") == errors.UNKNOWN_COMMAND
+
+
+def check_point_by_point_and_back():
+    """The same lines as in one go, a point at each press; back with the pen up, and forward again; from the end of a job, too."""
+    desk = homed()
+    desk.store.put("square.txt", SQUARE)
+
+    def play(what):
+        error = desk.order("play", what=what)
+        desk.run_ms(200)
+        desk.until(lambda state: state["state"] == "Idle" and not desk.machine._queue)
+        desk.run_ms(100)
+        return error
+
+    def job():
+        return desk.machine.state["job"]
+
+    assert desk.order("play", what="step") == errors.NO_SUCH_JOB
+    assert desk.order("run", name="square.txt", single=True) == 0
+    assert play("step_back") == 0 and desk.place() == [0, 0] and not job()["back"]
+    assert play("step") == 0 and job()["done"] == 1 and desk.place() == [0, 0], "the speed"
+    seen = []
+    for number in range(len(CORNERS)):
+        assert play("step") == 0
+        seen.append(tuple(desk.place()))
+        assert job()["how"] == "run" and job()["line"] == number + 2 and desk.machine.state["pen"] == "up", job()
+    assert seen == CORNERS
+    once = drawn(desk)
+    assert job()["back"] and play("step_back") == 0 and tuple(desk.place()) == CORNERS[3] and drawn(desk) == once
+    assert play("step") == 0 and tuple(desk.place()) == CORNERS[4] and len(drawn(desk)) > len(once)
+    count = len(drawn(desk))
+    assert play("back") == 0
+    desk.until(lambda state: not state["job"]["back"] and state["state"] == "Idle")
+    desk.settle()
+    assert tuple(desk.place()) == CORNERS[0] and len(drawn(desk)) == count and job()["line"] == 2
+    assert play("run") == 0
+    assert ended(desk)["how"] == "done" and tuple(desk.place()) == CORNERS[-1]
+    assert drawn(desk)[count - 1 :] == once, "another path than point by point"
+    assert desk.order("play", what="step_back") == 0
+    desk.until(lambda state: state["state"] == "Run")
+    assert desk.order("play", what="back") == errors.BUSY and desk.machine.state["pen"] == "up"
+    desk.run_ms(2000)
+    assert tuple(desk.place()) == CORNERS[3] and job()["how"] == "run"
+    assert desk.order("goto", to={"x": 1}, speed=1) == errors.BUSY
+    assert desk.order("abort") == 0
+    desk.settle()
+    assert job()["error"] == errors.STOPPED and play("back") == errors.NO_SUCH_JOB
+
+
+def check_a_step_stops_a_drawing_that_runs():
+    """What has been sent is drawn; the rest waits. Where the pen is follows from what is drawn."""
+    desk = homed()
+    desk.store.put("square.txt", SQUARE.replace("SPEED 1000", "SPEED 3000"))
+    assert desk.order("run", name="square.txt", passes=2) == 0
+    pens = []
+    while not desk.machine.shown()["job"]["done"] >= 4:
+        desk.cycle()
+        tool = bool(desk.trail.rows and desk.trail.rows[-1][2])
+        pens.append((tool, desk.machine.state["pen"]))
+    assert (True, "down") in pens and (False, "up") in pens
+    assert len([1 for tool, pen in pens if (pen == "down") != tool]) < len(pens) // 4, "more than what reports lag"
+    assert desk.order("play", what="step") == 0
+    desk.until(lambda state: state["state"] == "Idle")
+    desk.run_ms(500)
+    stood = desk.place()
+    assert desk.machine.state["job"]["how"] == "run" and tuple(stood) in CORNERS and desk.machine.state["pen"] == "up"
+    desk.run_ms(500)
+    assert desk.place() == stood
+    assert desk.order("play", what="run") == 0
+    job = ended(desk)
+    assert (job["how"], job["pass"]) == ("done", 2)
+    assert [corner for corner in CORNERS if drawn(desk).count(corner) < 2] == []
 
 
 def check_a_line_that_loses_bytes(seed):

@@ -221,13 +221,20 @@ SVG = (
 )
 
 
+def played(browser, what):
+    """Press a button of the plotter's card."""
+    button = f"#card-plotter [data-play={what}]"
+    browser.until(lambda: browser.css(button).is_enabled())
+    browser.tap(button)
+
+
 @pytest.mark.slow
 def test_the_plotter(tmp_path, driver):
     """Homed, a place, a drawing from SVG that is drawn point by point, its speed, STOP; a file that is none is named."""
     with PanelProcess(tmp_path, "--board", "plotter_2014") as panel:
         browser = Browser(panel, driver, (1280, 1800))
         browser.until_state("Ready")
-        hidden = ("card-tool", "card-teach", "card-settings", "card-switches", "hold", "resume", "single", "zero-all", "unlock")
+        hidden = ("card-tool", "card-teach", "card-settings", "card-switches", "hold", "resume", "zero-all", "unlock")
         assert not [name for name in hidden if browser.find(name).is_displayed()]
         browser.click("home")
         browser.until_state("Homing")
@@ -262,10 +269,24 @@ def test_the_plotter(tmp_path, driver):
         browser.until(lambda: "no error" in browser.text("job-state"))
         browser.click("run")
         browser.until_state("Running")
-        browser.until(lambda: browser.text("drawn") in ("2", "3"))
+        browser.until(lambda: browser.text("drawn") in ("2", "3") and browser.text("pen") == "down")
         browser.shot("plotter-draws")
         browser.until(lambda: "Done" in browser.text("job-state"))
         browser.until_state("Ready")
+        assert browser.text("pen") == "up"
+        end = place()
+        played(browser, "step_back")
+        browser.until(lambda: place() != end)
+        played(browser, "back")
+        browser.until(lambda: "line 1, 1 of" in browser.text("job-state") and not browser.css("#card-plotter [data-play=back]").is_enabled())
+        start = place()
+        browser.click("single")
+        browser.until(lambda: "line 2, 2 of" in browser.text("job-state") and "step by step" in browser.text("job-state"))
+        assert place() != start
+        browser.shot("plotter-step")
+        played(browser, "run")
+        browser.until(lambda: "Done" in browser.text("job-state"))
+        browser.until(lambda: place() == end)
         browser.click("run")
         browser.until(lambda: browser.text("drawn") in ("1", "2", "3") and browser.text("state") == "Running")
         browser.click("stop")

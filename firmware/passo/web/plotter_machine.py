@@ -3,8 +3,8 @@
     machine = PlotterMachine(write, tell, board)    # a checked board file: steps/mm, which way UP goes
     machine.job.run("square.txt", [(1, b"MOVE 200 150"), (2, b"LINE 200 550"), (3, b"END")], 1, False)
 
-A job is in the words of `passo send`: MOVE and LINE with a place in steps, SPEED, and END, which draws what has been sent. The language
-has no word for "no": STATUS, which is asked all the time, tells what was refused. What is not answered, though a later STATUS is, has
+A job (plotter_job.py) is in the words of `passo send`: MOVE and LINE with a place in steps, SPEED, and END, which draws what has been
+sent. Where the pen is, is known from that, and from the points drawn that STATUS counts. The language has no word for "no": STATUS, which is asked all the time, tells what was refused. What is not answered, though a later STATUS is, has
 got lost and is sent again; a point twice is a line of no length. A held jog ends with STOP, which also lifts the pen.
 """
 
@@ -14,12 +14,12 @@ from passo import errors
 from passo.protocols.plotter.host import ANSWERS, COMMANDS, STATUS_LENGTH, packet, status_from
 from passo.web.any_machine import AnyMachine
 from passo.web.api import number
+from passo.web.plotter_job import PlotterJob
 
 _MOST_PLACE = const(65535)
 _LOST = const(3)  # STATUS answered behind a packet that was not
 _ATTEMPTS = const(8)
 _TORN_MS = const(400)  # of a STATUS: the rest does not come any more
-_WORDS = {"END": 0, "SPEED": 1, "LINE": 2, "MOVE": 2}
 _ANSWER_TO = {"LINE": "NEXT", "MOVE": "NEXT", "END": "DONE", "SPEED": "SPEED_OK", "ORIGIN": "ORIGIN_OK", "STOP": "DONE", "LINK": "LINK_OK",
               "UP": "NEXT", "DOWN": "NEXT", "LEFT": "NEXT", "RIGHT": "NEXT"}  # fmt: skip
 _TAKES_TIME = ("END", "ORIGIN", "STOP")  # answered when they are done
@@ -28,111 +28,12 @@ _ONCE = ("UP", "DOWN", "LEFT", "RIGHT")
 _NO_REFUSAL = (errors.CHECKSUM, errors.BYTES_DROPPED, errors.WORDS_LATE, errors.UNKNOWN_COMMAND)
 
 
-def read_line(line):
-    """(name, x, y) of a line of a job; None: no words of the language."""
-    words = line.decode().upper().split()
-    wanted = _WORDS.get(words[0]) if words else None
-    if wanted is None or len(words) != 1 + wanted or [word for word in words[1:] if not word.isdigit() or len(word) > 5]:
-        return None
-    values = [int(word) for word in words[1:]] + [0, 0]
-    return None if max(values) > _MOST_PLACE else (words[0], values[0], values[1])
-
-
-class PlotterJob:
-    """Lines to the board, each as the one before has been answered."""
-
-    def __init__(self, machine):
-        self._machine = machine
-        self._lines = None
-
-    def running(self):
-        return self._lines is not None
-
-    def run(self, name, lines, passes, checked, single=False):
-        """Begin; `checked`: the lines are only read. Returns 0 or an error."""
-        if self._machine.still() or single:
-            return errors.UNKNOWN_COMMAND if single else errors.BUSY
-        self._name, self._lines, self._passes, self._checked = name, lines, passes, checked
-        self._pass = 1
-        self._at = 0
-        self._first = 0  # line of the object's first point
-        self._drawn = 0
-        for at in range(len(lines)):
-            if read_line(lines[at][1]) is None:
-                self._at = at + 1
-                self._end("failed", errors.UNKNOWN_COMMAND)
-                return errors.UNKNOWN_COMMAND
-        if checked or not lines:
-            self._at = len(lines)
-            self._end("done", 0)
-        else:
-            self._next()
-        return 0
-
-    def _next(self):
-        name, x, y = read_line(self._lines[self._at][1])
-        if name in ("LINE", "MOVE") and self._first < 0:
-            self._first = self._at
-        self._machine.send(name, x, y, self._answered)
-        self._tell("run", 0)
-
-    def _answered(self, error):
-        if self._lines is None:
-            return
-        if error:
-            self._end("failed", error)
-            return
-        if read_line(self._lines[self._at][1])[0] == "END":
-            self._first = -1
-            self._drawn = 0
-        self._at += 1
-        if self._at < len(self._lines):
-            self._next()
-        elif self._pass < self._passes:
-            self._pass += 1
-            self._at = self._first = 0
-            self._next()
-        else:
-            self._end("done", 0)
-
-    def report(self, drawn):
-        """So many points of the object have been drawn."""
-        self._drawn = drawn
-
-    def poll(self):
-        """The answers let it go on."""
-
-    def refresh(self):
-        if self._lines is not None:
-            self._tell("run", 0)
-
-    def abort(self):
-        return self._machine.stop() if self.running() else 0
-
-    def fail(self, error):
-        if self._lines is not None:
-            self._end("failed", error)
-
-    def _end(self, how, error):
-        self._tell(how, error)
-        self._lines = None
-
-    def _tell(self, how, error):
-        at = self._at
-        if how == "run" and self._first >= 0:
-            at = min(at, self._first + self._drawn)  # what is drawn, of what has been sent
-        self._machine.state["job"] = {
-            "name": self._name, "how": how, "error": error, "line": self._lines[at - 1][0] if at else 0, "lines": len(self._lines),
-            "done": at, "pass": self._pass, "passes": self._passes, "checked": self._checked, "single": False,
-        }  # fmt: skip
-
-
 class PlotterMachine(AnyMachine):
     language = "plotter"
     ask_ms = 60
     silent_ms = 5000  # a torn packet keeps the board silent for two seconds
     again_ms = 250
-    can = ("place", "jog", "step", "goto", "home", "jobs", "log", "points")
+    can = ("place", "jog", "step", "goto", "home", "jobs", "single", "log", "points")
 
     def __init__(self, write, tell, board):
         AnyMachine.__init__(self, tell, PlotterJob(self), board)
@@ -228,6 +129,7 @@ class PlotterMachine(AnyMachine):
         state["drawn"], state["free"] = status["drawn"], status["free"]
         self.job.report(status["drawn"])
         error = status["error"]
+        state["pen"] = self._pen(name)
         alarm = name == "alarm"
         state["alarm"] = (error or state["alarm"] or errors.NUMBER) if alarm else 0
         if error and error not in _NO_REFUSAL and error != errors.STOPPED:
@@ -235,6 +137,17 @@ class PlotterMachine(AnyMachine):
         self._settle(name, error if error not in _NO_REFUSAL else 0, alarm, status["free"])
         if self.watcher:
             self.watcher(state)
+
+    def _pen(self, name):
+        """up, down, or "": not known. It goes up behind each object."""
+        if name == "hold":
+            return self.state.get("pen", "")
+        if name != "run":
+            return "up"
+        down = self.job.pen_is_down()
+        if down is None and not self._queue:
+            return ""  # another link draws
+        return "down" if down else "up"
 
     def _settle(self, name, error, alarm, free):
         """What a STATUS tells of the packet under way, which has not been answered: refused, held back, done, or lost."""
@@ -256,6 +169,14 @@ class PlotterMachine(AnyMachine):
             self._say()
 
     # --- orders
+
+    def stands_at(self, line):
+        """True if the last STATUS has the place of a line of a job, (name, x, y)."""
+        return self._steps == [line[1], line[2]]
+
+    def play(self, what):
+        """A drawing point by point: step, step_back, back, run."""
+        return self.job.play(what)
 
     def still(self):
         return errors.BUSY if self._queue else AnyMachine.still(self)

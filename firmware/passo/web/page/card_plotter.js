@@ -1,4 +1,6 @@
-// The plotter: a job in the words of its packets, how much of it is drawn, and the speed.
+// The plotter: a job in the words of its packets, how much of it is drawn, the pen, and the speed.
+
+import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 
@@ -28,8 +30,15 @@ export class Plotter {
   }
 
   show(report) {
-    for (const [name, value] of [["drawn", report.drawn || 0], ["room", report.free === undefined ? "" : report.free]]) {
+    const pen = { up: _("up"), down: _("down") }[report.pen] || _("not known");
+    for (const [name, value] of [["pen", pen], ["drawn", report.drawn || 0], ["room", report.free === undefined ? "" : report.free]]) {
       if ($(name).textContent !== String(value)) $(name).textContent = value;
+    }
+    const now = report.job || {};
+    const mine = report.link && report.owner !== "guest";
+    const free = mine && report.state === "Idle" && Boolean(now.back);
+    for (const [what, on] of [["run", mine && now.how === "run" && now.single], ["back", free], ["step_back", free]]) {
+      document.querySelector(`#card-plotter [data-play=${what}]`).disabled = !on;
     }
     $("draw-speed-form").querySelector("button").disabled = !report.link || report.state !== "Idle";
   }

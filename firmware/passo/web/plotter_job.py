@@ -1,0 +1,234 @@
+"""A drawing under way in the plotter's packets: each line as the one before has been answered; point by point, and back the same way.
+
+    job = PlotterJob(machine)
+    job.run("square.txt", [(1, b"MOVE 200 150"), (2, b"LINE 200 550"), (3, b"END")], 1, False)
+    job.play("step")                    # one point more, then it stands; also of a job that runs
+    job.play("step_back")               # to the point before it, pen up; "back": to the first one, "run": forward, all the rest
+
+The language has no word for pause: a job that goes point by point sends END behind each of them, so the pen is up where it stands.
+What has been sent already is drawn before a job that runs comes to its stand.
+"""
+
+from passo import errors
+
+_WORDS = {"END": 0, "SPEED": 1, "LINE": 2, "MOVE": 2}
+_MOST_PLACE = 65535
+
+
+def read_line(line):
+    """(name, x, y) of a line of a job; None: no words of the language."""
+    words = line.decode().upper().split()
+    wanted = _WORDS.get(words[0]) if words else None
+    if wanted is None or len(words) != 1 + wanted or [word for word in words[1:] if not word.isdigit() or len(word) > 5]:
+        return None
+    values = [int(word) for word in words[1:]] + [0, 0]
+    return None if max(values) > _MOST_PLACE else (words[0], values[0], values[1])
+
+
+class PlotterJob:
+    def __init__(self, machine):
+        self._machine = machine
+        self._lines = None
+        self._ended = None  # the lines of a job that is done: it may go back from there
+        self._backward = False
+        self._open = 0
+
+    def running(self):
+        return self._lines is not None
+
+    def run(self, name, lines, passes, checked, single=False):
+        """Begin; `checked`: the lines are only read; `single`: play("step") says when a point is drawn. Returns 0 or an error."""
+        if self._machine.still():
+            return errors.BUSY
+        self._name, self._lines, self._passes, self._checked = name, lines, passes, checked
+        self._begin(0, single)
+        for at in range(len(lines)):
+            if read_line(lines[at][1]) is None:
+                self._at = at + 1
+                self._end("failed", errors.UNKNOWN_COMMAND)
+                return errors.UNKNOWN_COMMAND
+        if checked or not lines:
+            self._at = len(lines)
+            self._end("done", 0)
+        else:
+            self._go()
+        return 0
+
+    def _begin(self, at, single):
+        self._pass = 1
+        self._at = at  # the line that is sent next, or under way
+        self._first = -1  # line of the object's first point
+        self._open = 0  # points sent of an object that has no END yet
+        self._drawn = 0  # of these
+        self._single = single
+        self._granted = False  # one line more may go
+        self._backward = self._once = False
+        self._busy = False  # a packet is not answered
+
+    # --- forward
+
+    def _go(self):
+        """Send what comes next, if nothing is under way."""
+        if self._lines is None or self._busy:
+            return
+        if self._backward:
+            self._go_back()
+        elif self._single and self._open:
+            self._send("END", 0, 0, self._closed)
+        elif not self._single or self._granted:
+            self._granted = False
+            self._forward()
+        if self._lines is not None:
+            self._tell("run", 0)
+
+    def _forward(self):
+        while self._single and self._at < len(self._lines) and self._name_at(self._at) == "END":
+            self._at += 1  # each point has had its own
+        if self._at < len(self._lines):
+            name, x, y = read_line(self._lines[self._at][1])
+            if name in ("LINE", "MOVE"):
+                if not self._open:
+                    self._first = self._at
+                self._open += 1
+            self._send(name, x, y, self._answered)
+        elif self._pass < self._passes:
+            self._pass += 1
+            self._at = 0
+            self._go()
+        else:
+            self._end("done", 0)
+
+    def _send(self, name, x, y, answered):
+        self._busy = True
+        self._machine.send(name, x, y, answered)
+
+    def _failed(self, error):
+        """True if the job has ended, or does by this answer."""
+        self._busy = False
+        if self._lines is not None and error:
+            self._end("failed", error)
+        return self._lines is None
+
+    def _answered(self, error):
+        if not self._failed(error):
+            if self._name_at(self._at) == "END":
+                self._close()
+            self._at += 1
+            self._go()
+
+    def _closed(self, error):
+        if not self._failed(error):
+            self._close()
+            self._go()
+
+    def _close(self):
+        """The object is drawn."""
+        self._open = self._drawn = 0
+        self._first = -1
+
+    # --- backward
+
+    def _name_at(self, at):
+        return read_line(self._lines[at][1])[0]
+
+    def _before(self, at):
+        """The last line before `at` that has a point, or -1."""
+        while at > 0:
+            at -= 1
+            if self._name_at(at) in ("LINE", "MOVE"):
+                return at
+        return -1
+
+    def _back_to(self):
+        """The line of the point before the one at which the machine stands, or -1."""
+        return self._before(self._before(self._at))
+
+    def _go_back(self):
+        to = self._back_to()
+        if to < 0:
+            self._backward = False
+            return
+        _, x, y = read_line(self._lines[to][1])
+        self._send("MOVE", x, y, self._sent_back)
+
+    def _sent_back(self, error):
+        if not self._failed(error):
+            self._send("END", 0, 0, self._stands_back)
+
+    def _stands_back(self, error):
+        if not self._failed(error):
+            self._at = self._back_to() + 1
+            if self._once:
+                self._backward = False
+            self._go()
+
+    # --- orders
+
+    def play(self, what):
+        """`what`: step, step_back, back, run. Returns 0 or an error."""
+        if what not in ("step", "step_back", "back", "run"):
+            return errors.UNKNOWN_COMMAND
+        if self._lines is None and (what in ("step", "run") or not self._at_its_end()):
+            return errors.NO_SUCH_JOB
+        if what == "run" or what == "step" and (self._backward or not self._single):
+            self._backward = False
+            self._single = what == "step"  # what has been sent is drawn
+        elif self._busy or self._backward:
+            return errors.BUSY
+        else:
+            self._granted = what == "step"
+            self._backward = not self._granted
+            self._once = what == "step_back"
+        self._go()
+        return 0
+
+    def _at_its_end(self):
+        """True if a job that is done has been taken up where it ended: it may go back."""
+        lines = self._ended
+        if lines is None or self._machine.still():
+            return False
+        self._lines = lines
+        if not self._machine.stands_at(read_line(lines[max(0, self._before(len(lines)))][1])):
+            self._lines = self._ended = None
+            return False
+        self._begin(len(lines), True)
+        return True
+
+    def pen_is_down(self):
+        """True if the point under way is one that the pen draws to; None: what moves is not of this job."""
+        if self._lines is None or not self._open:
+            return None if self._lines is None or not self._backward else False
+        return self._drawn < self._open and self._name_at(self._first + self._drawn) == "LINE"
+
+    def report(self, drawn):
+        """So many points of the object have been drawn."""
+        self._drawn = drawn
+
+    def poll(self):
+        """The answers let it go on."""
+
+    def refresh(self):
+        if self._lines is not None:
+            self._tell("run", 0)
+
+    def abort(self):
+        return self._machine.stop() if self.running() else 0
+
+    def fail(self, error):
+        if self._lines is not None:
+            self._end("failed", error)
+
+    def _end(self, how, error):
+        self._tell(how, error)
+        self._ended = self._lines if how == "done" and not self._checked else None
+        self._lines = None
+
+    def _tell(self, how, error):
+        at = self._at
+        if how == "run" and self._first >= 0:
+            at = min(at, self._first + self._drawn)  # what is drawn, of what has been sent
+        self._machine.state["job"] = {
+            "name": self._name, "how": how, "error": error, "line": self._lines[at - 1][0] if at else 0, "lines": len(self._lines),
+            "done": at, "pass": self._pass, "passes": self._passes, "checked": self._checked, "single": self._single,
+            "back": how == "done" and not self._checked or self._single and not self._busy and self._back_to() >= 0,
+        }  # fmt: skip
