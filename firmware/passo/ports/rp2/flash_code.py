@@ -53,7 +53,7 @@ _ROUND = const(24_000)  # each takes 20 to 40 ms
 _LITTLE = const(10_000)  # the same while less than _TIGHT bytes are free
 _TIGHT = const(50_000)
 _STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
-_PIECE = const(2_600)  # bytes: if no free piece is as large, a room that was kept is given back
+_PIECE = const(2_600)  # bytes: if no free piece is as large, nor as the file, a room that was kept is given back
 _LEAST = const(2_000)  # what a round wants itself
 _FEW = const(12_000)  # the same if no more are free in all: the largest modules take as much
 _WORK_ROWS = const(96)
@@ -135,16 +135,17 @@ class FlashCode:
 
     def open(self, path):
         """An .mpy for the import: its functions are noted, those of earlier ones perhaps redirected."""
-        if self._is_short():
+        file = self._real.open(path, "rb")
+        table = self._blocks.table(file)
+        size = table[0] if table else 0
+        if self._is_short(size):
             if self._largest() < _LEAST:
                 self._give_room()  # a round wants some itself
             self._round()
-            if self._is_short():
+            if self._is_short(size):
                 self._give_room()
         if self._read > self._limit or self._read > self._look_at_read and self._is_tight():
             self._round()
-        file = self._real.open(path, "rb")
-        table = self._blocks.table(file)
         if table is None:  # the interpreter would read on for ever
             raise ValueError(path + " is not whole: flash it anew")
         if self._words:
@@ -251,8 +252,8 @@ class FlashCode:
         if self._rooms:
             self._rooms.pop(1 if len(self._rooms) > 1 else 0)
 
-    def _is_short(self):
-        return self._largest() < _PIECE or self._words and self._words[FREE] < _FEW
+    def _is_short(self, size):
+        return self._largest() < min(size, _PIECE) or self._words and self._words[FREE] < _FEW
 
     def _largest(self):
         if not self._words:
