@@ -23,10 +23,10 @@ def path(name):
     if str(name).endswith(".py"):
         found = Path(name).expanduser()
         if not found.is_file():
-            raise Failure(f"no board file {name}")
+            raise Failure("no board file {}", name)
         return found
     if name not in names():
-        raise Failure(f"unknown board {name!r}; known are {', '.join(names())}, or give the path of a .py file")
+        raise Failure("unknown board {!r}; known are {}, or give the path of a .py file", name, ", ".join(names()))
     return BOARDS / f"{name}.py"
 
 
@@ -36,10 +36,10 @@ def load(name):
     try:
         module = runpy.run_path(str(found))
     except Exception as error:
-        raise Failure(f"board file {found} cannot be read: {error}") from error
+        raise Failure("board file {} cannot be read: {}", found, error) from error
     board = module.get("BOARD")
     if not isinstance(board, dict):
-        raise Failure(f"board file {found} has no BOARD = {{...}}")
+        raise Failure("board file {} has no BOARD = {{...}}", found)
     return board
 
 

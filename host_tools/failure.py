@@ -1,5 +1,23 @@
 """The error for users: one line that says what was wrong, where, and what would be right."""
 
+from host_tools.language import _, filled
+
 
 class Failure(Exception):
-    """Ends a verb of `passo` with its text on stderr and exit status 1."""
+    """Ends a verb of `passo` with its text on stderr and exit status 1.
+
+        raise Failure("no file {}", path)       # a text of the catalogue (language.py), and the values for its fields
+
+    str() is English, told() the language that was chosen. A value may be another failure."""
+
+    def __str__(self):
+        return filled(*self.args) if self.args else ""
+
+    def told(self):
+        """The text, in the language that was chosen."""
+        return _(*(each.told() if isinstance(each, Failure) else each for each in self.args)) if self.args else ""
+
+
+def reason(error):
+    """Why the system refused something (an OSError), in the language that was chosen."""
+    return _(error.strerror or str(error))

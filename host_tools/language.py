@@ -1,16 +1,18 @@
 """What `passo` says in another language, by gettext: the English text is the key.
 
     choose("pt")
-    error_text(18)                                              # "a máquina está ocupada: …"
-    _("{package} is not installed").format(package="numpy")
+    error_text(18)                              # "a máquina está ocupada: …"
+    _("{} files in {}", 12, out)                # fields as in str.format(), filled in behind the look-up
+    raise Failure("no file {}", path)           # likewise (failure.py), looked up when it is shown
 
 The words of numbered errors and of settings are the page's (firmware/passo/web/page/pt.json), those of the command its own
-(pt.json beside this file): what commands are for, and the options that many of them have. `passo --lang` chooses; without it LANGUAGE, LC_ALL, LC_MESSAGES and LANG do, as for any program.
+(pt.json beside this file): help, failures, and what is printed for people. What programs read is in no language: the port that a
+board prints, CSV, G-code. `passo --lang` chooses; without it LANGUAGE, LC_ALL, LC_MESSAGES and LANG do, as for any program.
 """
 
 import gettext
-import json
 import os
+import re
 from functools import lru_cache
 
 from host_tools.resources import FIRMWARE, HOST_TOOLS
@@ -24,6 +26,8 @@ class Catalogue(gettext.NullTranslations):
     """Words from JSON files; what they lack is said in English."""
 
     def __init__(self, *files):
+        import json
+
         super().__init__()
         self.words = {}
         for file in files:
@@ -56,24 +60,52 @@ def preferred(environment):
     return "en"
 
 
-def _(text):
-    """`text` in the language chosen."""
-    return catalogue(_chosen or preferred(os.environ)).gettext(text)
+def chosen():
+    """The one of LANGUAGES that is spoken."""
+    return _chosen or preferred(os.environ)
 
 
-def summary(help_):
-    """What a command is for: the first paragraph of its help, in one line."""
-    return " ".join((help_ or "").partition("\n\n")[0].split())
+def filled(text, *values, **named):
+    """`text` with its fields; one without values is taken as it is, braces and all."""
+    return text.format(*values, **named) if values or named else text
+
+
+def N_(text):
+    """`text`, which a `_` elsewhere looks up: for tables."""
+    return text
+
+
+def _(text, *values, **named):
+    """`text` in the language chosen, with its fields."""
+    return filled(catalogue(chosen()).gettext(text), *values, **named)
+
+
+def line_text(number):
+    """What line `number` of a file is called."""
+    return _("line {}", number)
+
+
+def pieces(help_):
+    """The paragraphs of a help as (what stands before, a text of the catalogue, what follows). Of an example, which is indented, the text
+    is the comment behind it."""
+    for paragraph in (help_ or "").split("\n\n"):
+        example = re.match(r"(\s+.*?)(#|$)\s*(.*)|(Example:)(.*)", paragraph, re.DOTALL)
+        if not example:
+            yield "", " ".join(paragraph.split()), ""
+        elif example[4]:
+            yield "", example[4], example[5]
+        else:
+            yield example[1] + example[2] + " " * bool(example[3]), example[3], ""
 
 
 def speak(command):
-    """Put what a click command and its subcommands are for, and their options, into the language chosen. What the catalogue lacks stays
-    English."""
+    """Put the help of a command and its subcommands, and of their options, into the language chosen."""
     for each in [command, *command.params]:
         english = each.english = getattr(each, "english", getattr(each, "help", None))
-        if english:
-            first, blank, rest = english.partition("\n\n")
-            each.help = _(summary(first)) + blank + rest if summary(first) != _(summary(first)) else english
+        if english and catalogue(chosen()) is not catalogue("en"):
+            each.help = "\n\n".join(before + _(text) + after for before, text, after in pieces(english))
+        else:
+            each.help = english
     for other in getattr(command, "commands", {}).values():
         speak(other)
 

@@ -3,6 +3,7 @@
     budget(check(BOARD))        # [("pins", "26 of 26 of a Pico"), ("PIO", "5 of 8 state machines, …"), …]
 """
 
+from host_tools.language import _
 from passo.config.boardfile import claimed_pins
 
 PICO_PINS = (*range(23), 26, 27, 28)  # that a Pico brings out
@@ -14,26 +15,26 @@ _BLOCK = 32  # instructions
 def budget(board):
     """[(name, text)] of a checked board."""
     claimed = sorted(pin for pin, _ in claimed_pins(board))
-    rows = [("pins", _pins(board, claimed))]
+    rows = [(_("pins"), _pins(board, claimed))]
     if board["chip"] in RP2_BLOCKS:
         rows.append(("PIO", _pio(board)))
     if board["registers"]:
-        rows.append(("shift registers", _registers(board)))
-    uarts = [(board["inverter"]["port"], "inverter")] if board["inverter"] else []
-    uarts += [(link["port"], f"link {link['name']}") for link in board["links"] if link["port"] != "usb"]
-    rows.append(("serial lines", ", ".join(f"{port}: {who}" for port, who in sorted(uarts)) or "none but USB"))
+        rows.append((_("shift registers"), _registers(board)))
+    uarts = [(board["inverter"]["port"], _("inverter"))] if board["inverter"] else []
+    uarts += [(link["port"], _("link {}", link["name"])) for link in board["links"] if link["port"] != "usb"]
+    rows.append((_("serial lines"), ", ".join(f"{port}: {who}" for port, who in sorted(uarts)) or _("none but USB")))
     return rows
 
 
 def _pins(board, claimed):
     if board["chip"] not in RP2_BLOCKS:
-        return f"{len(claimed)} in use: {', '.join(map(str, claimed))}"
+        return _("{} in use: {}", len(claimed), ", ".join(map(str, claimed)))
     inside = [pin for pin in claimed if pin not in PICO_PINS]
     free = [pin for pin in PICO_PINS if pin not in claimed]
-    text = f"{len(claimed) - len(inside)} of {len(PICO_PINS)} of a Pico"
+    text = _("{} of {} of a Pico", len(claimed) - len(inside), len(PICO_PINS))
     if inside:
-        text += f"; not brought out: {', '.join(map(str, inside))}"
-    return text + (f"; free: {', '.join(map(str, free))}" if free else "; none free")
+        text += _("; not brought out: {}", ", ".join(map(str, inside)))
+    return text + (_("; free: {}", ", ".join(map(str, free))) if free else _("; none free"))
 
 
 def _pio(board):
@@ -41,12 +42,12 @@ def _pio(board):
     blocks = RP2_BLOCKS[board["chip"]]
     encoders = len(board["encoders"])
     player = 1
-    parts = ["player 1 in block 0"]
+    parts = [_("player 1 in block 0")]
     if encoders:
-        parts.append(f"encoders {encoders} in block 1, whose {_BLOCK} instructions they fill")
+        parts.append(_("encoders {} in block 1, whose {} instructions they fill", encoders, _BLOCK))
     free = [_MACHINES - player, 0 if encoders else _MACHINES, *[_MACHINES] * (blocks - 2)]
-    parts.append("free: " + ", ".join(f"{count} in block {block}" for block, count in enumerate(free) if count))
-    return f"{player + encoders} of {blocks * _MACHINES} state machines: {'; '.join(parts)}"
+    parts.append(_("free: {}", ", ".join(_("{} in block {}", count, block) for block, count in enumerate(free) if count)))
+    return _("{} of {} state machines: {}", player + encoders, blocks * _MACHINES, "; ".join(parts))
 
 
 def _registers(board):
@@ -54,4 +55,4 @@ def _registers(board):
 
     inputs = sum(item["pin"] >= REGISTER_BIT for item in board["inputs"])
     outputs = sum(item["pin"] >= REGISTER_BIT for item in board["outputs"]) + (board["registers"]["tool"] >= 0)
-    return f"{inputs} of {8 * board['registers']['inputs']} inputs, {outputs} of {8 * board['registers']['outputs']} outputs"
+    return _("{} of {} inputs, {} of {} outputs", inputs, 8 * board["registers"]["inputs"], outputs, 8 * board["registers"]["outputs"])

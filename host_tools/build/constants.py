@@ -28,7 +28,7 @@ class _Module:
         try:
             self.tree = ast.parse(text)
         except SyntaxError as error:
-            raise Failure(f"{path}:{error.lineno}: {error.msg}") from None
+            raise Failure("{}:{}: {}", path, error.lineno, error.msg) from None
         self.nodes = list(ast.walk(self.tree))
         self.bound = {}  # name: how many times
         methods = {id(node) for owner in self.nodes if isinstance(owner, ast.ClassDef) for node in owner.body}

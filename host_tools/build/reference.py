@@ -24,7 +24,7 @@ def text(name):
     wanted = "\n".join([BEGIN, "", *PAGES[name](), "", END])
     found = re.subn(re.escape(BEGIN) + ".*?" + re.escape(END), lambda _: wanted, text, flags=re.DOTALL)
     if found[1] != 1:
-        raise Failure(f"{path} must have the two marks once")
+        raise Failure("{} must have the two marks once", path)
     return found[0]
 
 
@@ -48,10 +48,10 @@ def board_keys():
                 continue
             meaning = meanings.pop(path, None)
             if meaning is None:
-                raise Failure(f"host_tools/build/board_keys.py does not say what {path} means")
+                raise Failure("host_tools/build/board_keys.py does not say what {} means", path)
             rows.append(f"| `{key}` | {_kind(rule)} | {_default(rule, boardfile.MUST)} | {meaning} |")
     if meanings:
-        raise Failure(f"host_tools/build/board_keys.py has keys that no board file has: {', '.join(meanings)}")
+        raise Failure("host_tools/build/board_keys.py has keys that no board file has: {}", ", ".join(meanings))
     return rows[1:]
 
 

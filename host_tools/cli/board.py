@@ -8,7 +8,8 @@ from typing import Annotated, List, Optional
 
 import typer
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import _
 
 FLUSH_S = 0.5  # longest time before buffered rows are written
 
@@ -81,12 +82,12 @@ def board(
     from passo.config.boardfile import BoardError, check
 
     if time_ not in ("real", "fast"):
-        raise Failure(f"--time is real or fast, not {time_!r}")
+        raise Failure("--time is real or fast, not {!r}", time_)
     config = boards.load(board)
     try:
         check(config)
     except BoardError as error:
-        raise Failure(f"board {board}: {error}") from error
+        raise Failure("board {}: {}", board, error) from error
     options = {
         "start": _positions(start),
         "bounce_ms": bounce_ms,
@@ -128,9 +129,9 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
                 **options,
             )
         except (BoardError, ValueError) as error:
-            raise Failure(str(error)) from error
+            raise Failure("{}", error) from error
         except OSError as error:
-            raise Failure(f"cannot write {error.filename}: {error.strerror}") from error
+            raise Failure("cannot write {}: {}", error.filename, reason(error)) from error
         # Those of the network; a stored job's line has nothing to wait for.
         watched += [link.serial for link in machine.app.links if link.name not in lines and hasattr(link.serial, "watched")]
         try:
@@ -156,7 +157,7 @@ def _radio(config, ports, key):
     for kind in wanted:
         if not {"http": {"http", "page"}, "tcp": {"tcp"}}[kind] & set(has):
             option = "--http" if kind == "http" else "--signed"
-            raise Failure(f"{option}: no link of the board file {config['name']} has the port {kind}, see docs/network.md")
+            raise Failure("{}: no link of the board file {} has the port {}, see docs/network.md", option, config["name"], kind)
     return LoopbackRadio(wanted, session.read_key(key) if key else session.make_key(os.urandom), config) if wanted else None
 
 
@@ -184,7 +185,7 @@ def _summary(plant):
     """What the machine could not follow, on stderr."""
     if plant.error_count:
         tick, text = plant.errors[0]
-        typer.echo(f"the machine: {plant.error_count} errors; the first at {tick / 12_500:.3f} ms: {text}", err=True)
+        typer.echo(_("the machine: {} errors; the first at {:.3f} ms: {}", plant.error_count, tick / 12500, text), err=True)
 
 
 def _pairs(option, texts, names):
@@ -194,10 +195,10 @@ def _pairs(option, texts, names):
         name, equals, value = text.partition("=")
         if names is None:
             if not equals:
-                raise Failure(f"{option} {text}: NAME=VALUE is wanted")
+                raise Failure("{} {}: NAME=VALUE is wanted", option, text)
         elif not equals or name not in names:
             if equals and "/" not in name:
-                raise Failure(f"{option} {text}: there is no link {name!r}; known are {', '.join(names)}")
+                raise Failure("{} {}: there is no link {!r}; known are {}", option, text, name, ", ".join(names))
             name, value = names[0], text
         pairs[name] = value
     return pairs
@@ -215,4 +216,4 @@ def _positions(text):
     try:
         return [int(part) for part in text.split(",")]
     except ValueError:
-        raise Failure(f"--start {text}: whole steps are wanted, one number an axis, for example 300,200") from None
+        raise Failure("--start {}: whole steps are wanted, one number an axis, for example 300,200", text) from None

@@ -7,6 +7,7 @@ import typer
 
 from host_tools.build.tree import build_tree, default_out, write_package
 from host_tools.failure import Failure
+from host_tools.language import _
 
 
 def print_sizes(title, rows):
@@ -14,13 +15,13 @@ def print_sizes(title, rows):
     from rich.console import Console
     from rich.table import Table
 
-    table = Table("file", title=title)
-    for heading in ("source", "on the board"):
+    table = Table(_("file"), title=title)
+    for heading in (_("source"), _("on the board")):
         table.add_column(heading, justify="right")
     for row in rows:
         table.add_row(row[0], *[f"{size:,}" for size in row[1:]])
     table.add_section()
-    table.add_row("bytes in all", *[f"{sum(column):,}" for column in list(zip(*rows))[1:]])
+    table.add_row(_("bytes in all"), *[f"{sum(column):,}" for column in list(zip(*rows))[1:]])
     Console().print(table)
 
 
@@ -34,7 +35,7 @@ def print_budget(name):
     try:
         rows = budget(check(boards.load(name)))
     except BoardError as error:
-        raise Failure(f"{name}: {error}") from None
+        raise Failure("{}: {}", name, error) from None
     width = max(len(title) for title, _ in rows)
     for title, text in rows:
         print(f"{title:<{width}}  {text}")
@@ -54,5 +55,5 @@ def build(
     out = out or default_out(board)
     rows = build_tree(board, out, march)
     write_package(out)
-    print_sizes(f"{board} in {out}", rows)
+    print_sizes(_("{} in {}", board, out), rows)
     print_budget(board)

@@ -5,7 +5,8 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import _
 
 _AXES = "xyza"
 _TABLE = """\
@@ -80,7 +81,7 @@ def _fits(rows, used, reading):
     for axis in _AXES:
         own = [row for row in rows if row.axis == axis]
         if own and axis not in used:
-            raise Failure(f"the machine has no axis {axis.upper()}: steps/mm are known of {', '.join(used).upper()}")
+            raise Failure("the machine has no axis {}: steps/mm are known of {}", axis.upper(), ", ".join(used).upper())
         if own:
             fits.append(calibration.fit_axis(own, used[axis], reading))
     return fits
@@ -89,54 +90,66 @@ def _fits(rows, used, reading):
 def told(fit, used):
     """What was found of an axis, in lines."""
     name = fit.axis.upper()
-    yield f"{name}  steps/mm {fit.steps_per_mm:.3f} ± {fit.u_steps_per_mm:.3f}, {used:g} were used; scale {fit.scale:.5f} ± {fit.u_scale:.5f}"
-    what = "backlash" if fit.split else "backlash (with the readings' offset)"
-    yield f"   {what} {fit.backlash:.3f} ± {fit.u_backlash:.3f} mm" + (f", offset of the readings {fit.offset:.3f} mm" if fit.split else "")
+    text = _("{}  steps/mm {:.3f} ± {:.3f}, {:g} were used; scale {:.5f} ± {:.5f}")
+    yield text.format(name, fit.steps_per_mm, fit.u_steps_per_mm, used, fit.scale, fit.u_scale)
+    if fit.split:
+        yield _("   backlash {:.3f} ± {:.3f} mm, offset of the readings {:.3f} mm", fit.backlash, fit.u_backlash, fit.offset)
+    else:
+        yield _("   backlash (with the readings' offset) {:.3f} ± {:.3f} mm", fit.backlash, fit.u_backlash)
     for commanded, measured, rest, sigma in fit.left:
-        yield f"   {commanded:8g} mm commanded, {measured:.3f} measured ± {sigma:.3f}, {rest:+.3f} from the line"
-    chance = "" if fit.chance is None else f"; by chance {_percent(fit.chance)}"
-    yield f"   χ² {fit.chi2:.2f} of {fit.freedom} degrees of freedom{chance}"
+        yield _("   {:8g} mm commanded, {:.3f} measured ± {:.3f}, {:+.3f} from the line", commanded, measured, sigma, rest)
+    chance = "" if fit.chance is None else _("; by chance {}", _percent(fit.chance))
+    yield _("   χ² {:.2f} of {} degrees of freedom", fit.chi2, fit.freedom) + chance
     yield f"   {_VERDICTS[fit.verdict](fit)}"
 
 
 def _percent(chance):
-    return f"{chance:.0%}" if chance >= 0.01 else f"{chance:.1%}" if chance >= 0.001 else "less than 0.1%"
+    return f"{chance:.0%}" if chance >= 0.01 else f"{chance:.1%}" if chance >= 0.001 else _("less than 0.1%")
 
 
 def _mechanics(fit):
     worst = max(fit.left, key=lambda row: abs(row[2] / row[3]))
-    text = f"MECHANICS, or the measuring: {worst[0]:g} mm lies {abs(worst[2]):.2f} mm off the best line, {abs(worst[2] / worst[3]):.0f} times what its readings scatter"
+    text = _("MECHANICS, or the measuring: {:g} mm lies {:.2f} mm off the best line, {:.0f} times what its readings scatter")
+    text = text.format(worst[0], abs(worst[2]), abs(worst[2] / worst[3]))
     if abs(fit.scale - 1) > 2 * fit.u_scale:
-        text += f"; beside it the scale is wrong: {fit.steps_per_mm:.2f} steps/mm would be nearer"
+        text += _("; beside it the scale is wrong: {:.2f} steps/mm would be nearer", fit.steps_per_mm)
     return text
 
 
 def _scale(fit):
-    return f"SCALE: lengths come out {abs(fit.scale - 1):.2%} too {'long' if fit.scale > 1 else 'short'}; with {fit.steps_per_mm:.3f} steps/mm they are right" + _play(fit)
+    if fit.scale > 1:
+        text = _("SCALE: lengths come out {:.2%} too long; with {:.3f} steps/mm they are right")
+    else:
+        text = _("SCALE: lengths come out {:.2%} too short; with {:.3f} steps/mm they are right")
+    return text.format(abs(fit.scale - 1), fit.steps_per_mm) + _play(fit)
 
 
 def _play(fit):
     if fit.backlash > 2 * fit.u_backlash:
-        return f". Backlash of {fit.backlash:.2f} mm after each turn stays"
+        return _(". Backlash of {:.2f} mm after each turn stays", fit.backlash)
     if fit.backlash < -2 * fit.u_backlash:
-        return f". All lengths are {-fit.backlash:.2f} mm too long: measure between the same edges"
+        return _(". All lengths are {:.2f} mm too long: measure between the same edges", -fit.backlash)
     return ""
 
 
 _VERDICTS = {
-    "right": lambda fit: "RIGHT: the steps/mm are as good as these lengths can tell" + _play(fit),
+    "right": lambda fit: _("RIGHT: the steps/mm are as good as these lengths can tell") + _play(fit),
     "scale": _scale,
     "mechanics": _mechanics,
-    "unknown": lambda fit: "UNKNOWN: give three lengths or more with several readings each, to tell the scale from the mechanics",
+    "unknown": lambda fit: _("UNKNOWN: give three lengths or more with several readings each, to tell the scale from the mechanics"),
 }  # fmt: skip
 
 
 def told_square(square):
     sure = abs(square.mm_m) > 2 * square.u_mm_m
     first, second = square.axes.upper()
-    side = "towards" if square.mm_m > 0 else "away from"
-    verdict = f"{second} leans {side} {first}+: turn it by {abs(square.degrees):.3f}°" if sure else "square, as far as these diagonals can tell"
-    return f"{first}{second} {square.mm_m:+.2f} ± {square.u_mm_m:.2f} mm at 1 m: {verdict}"
+    if not sure:
+        verdict = _("square, as far as these diagonals can tell")
+    elif square.mm_m > 0:
+        verdict = _("{} leans towards {}+: turn it by {:.3f}°", second, first, abs(square.degrees))
+    else:
+        verdict = _("{} leans away from {}+: turn it by {:.3f}°", second, first, abs(square.degrees))
+    return _("{}{} {:+.2f} ± {:.2f} mm at 1 m: {}", first, second, square.mm_m, square.u_mm_m, verdict)
 
 
 def _given(text):
@@ -145,7 +158,7 @@ def _given(text):
     except ValueError:
         values = []
     if not 1 <= len(values) <= 4 or min(values) <= 0:
-        raise Failure(f"--steps-per-mm wants one number an axis, above 0, as in 48,83, not {text!r}")
+        raise Failure("--steps-per-mm wants one number an axis, above 0, as in 48,83, not {!r}", text)
     return dict(zip(_AXES, values))
 
 
@@ -170,18 +183,18 @@ def _write(fits, port, baud, anyway):
 
     doubtful = [fit.axis.upper() for fit in fits if fit.verdict in ("mechanics", "unknown")]
     if doubtful and not anyway:
-        raise Failure(f"nothing is written: {', '.join(doubtful)} has no scale to be trusted; --anyway writes it all the same")
+        raise Failure("nothing is written: {} has no scale to be trusted; --anyway writes it all the same", ", ".join(doubtful))
     wanted = [fit for fit in fits if anyway or fit.verdict == "scale"]
     if not wanted:
-        print("nothing to write: the steps/mm are right")
+        print(_("nothing to write: the steps/mm are right"))
         return
     with GrblClient(port, baud) as client:
         client.connect()
         for fit in wanted:
             line = f"${100 + _AXES.index(fit.axis)}={fit.steps_per_mm:.3f}"
             client.command(line)
-            print(f"written: {line}")
-    print("home the machine again before it cuts: its millimetres have changed")
+            print(_("written: {}", line))
+    print(_("home the machine again before it cuts: its millimetres have changed"))
 
 
 def _write_pattern(calibration, table, pattern, text, strokes, feed):
@@ -190,9 +203,9 @@ def _write_pattern(calibration, table, pattern, text, strokes, feed):
     except ValueError:
         lengths = []
     if len(set(lengths)) < 2 or min(lengths) <= 0 or max(lengths) > 10_000:
-        raise Failure(f"--lengths wants two different lengths or more, in mm, as in 10,20,50,100, not {text!r}")
+        raise Failure("--lengths wants two different lengths or more, in mm, as in 10,20,50,100, not {!r}", text)
     if table.exists():
-        raise Failure(f"{table} is there already: name a new table, or move that one away")
+        raise Failure("{} is there already: name a new table, or move that one away", table)
     files = {table: _TABLE}
     for axis in "xy":
         path = pattern.with_name(f"{pattern.stem}_{axis}{pattern.suffix}")
@@ -202,5 +215,5 @@ def _write_pattern(calibration, table, pattern, text, strokes, feed):
         try:
             path.write_text(content, encoding="utf-8")
         except OSError as error:
-            raise Failure(f"cannot write {path}: {error.strerror}") from error
+            raise Failure("cannot write {}: {}", path, reason(error)) from error
         print(path)

@@ -2,7 +2,6 @@
 
 import contextlib
 import itertools
-import re
 import sys
 import time
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 _MOST_SHOWN = 20  # errors
 _TELL_S = 0.2
@@ -67,7 +67,7 @@ def check(
     compiler.tell(program)
     job = VirtualJob(board, changes, _zero(at), start, drawn=bool(out))
     _run(job, program)
-    for line in summary(job, program.origin):
+    for line in summary(job):
         print(line)
     if out:
         picture(out, job, file.name)
@@ -80,19 +80,17 @@ def _judge(job, program):
     for number, text, what in job.errors[:_MOST_SHOWN]:
         typer.echo(f"{program.place(number)}: {text}: {what}", err=True)
     if job.errors:
-        raise Failure(f"{program.path}: {job.error_count} lines would be refused; the first is {program.origin(job.errors[0][0])}")
+        raise Failure("{}: {} lines would be refused; the first is {}", program.path, job.error_count, program.origin(job.errors[0][0]))
     too_long = [text for text in map(_excess, range(len(job.steps_per_mm)), itertools.repeat(job)) if text]
     if too_long:
-        raise Failure(f"{program.path} is larger than the machine: {', '.join(too_long)}")
+        raise Failure("{} is larger than the machine: {}", program.path, ", ".join(too_long))
 
 
 def _run(job, program):
     """Run all lines, with progress. Raises Failure if the job cannot go on; it names the program's line."""
-    try:
-        with _shown(program) as progress:
-            job.run(program.rows(), progress)
-    except Failure as failure:
-        raise Failure(re.sub(r"^line (\d+)", lambda found: program.origin(int(found[1])), str(failure))) from None
+    job.origin = program.origin
+    with _shown(program) as progress:
+        job.run(program.rows(), progress)
 
 
 def _zero(text):
@@ -102,7 +100,7 @@ def _zero(text):
     try:
         return [float(part) for part in text.split(",")]
     except ValueError:
-        raise Failure(f"--at {text}: millimetres are wanted, one number an axis, for example 20,30,-35") from None
+        raise Failure("--at {}: millimetres are wanted, one number an axis, for example 20,30,-35", text) from None
 
 
 def _machine(port, baud):
@@ -139,7 +137,7 @@ def _excess(number, job):
     # Travel and place are whole steps, each rounded once.
     if length <= travel + 1 / job.steps_per_mm[number]:
         return ""
-    return f"{axis['name'].upper()} goes {length:.1f} of {travel:.1f} mm"
+    return _("{} goes {:.1f} of {:.1f} mm", axis["name"].upper(), length, travel)
 
 
 @contextlib.contextmanager
@@ -176,24 +174,24 @@ def table_mm(board):
     return left, bottom, right, top
 
 
-def summary(job, origin="line {}".format):
-    """What the job would do, in lines of text; `origin(number)`: what a line is called."""
+def summary(job):
+    """What the job would do, in lines of text."""
     from host_tools.programs.gcode_file import clock
 
-    yield f"time    {clock(job.seconds)} ({job.seconds:.1f} s), {job.track.steps} words with a step"
+    yield _("time    {} ({:.1f} s), {} words with a step", clock(job.seconds), job.seconds, job.track.steps)
     for number, axis in enumerate(job.board["axes"]):
         low, high = job.low[number], job.high[number]
-        note = "  MORE THAN THE TRAVEL" if _excess(number, job) else ""
+        note = "  " + _("MORE THAN THE TRAVEL") if _excess(number, job) else ""
         fastest = job.track.fastest[number]
-        yield f"{axis['name'].upper()}       {low:9.3f} … {high:9.3f} mm, up to {fastest:.0f} mm/min{note}"
+        yield _("{}       {:9.3f} … {:9.3f} mm, up to {:.0f} mm/min", axis["name"].upper(), low, high, fastest) + note
     for number, text in job.pauses[:_MOST_SHOWN]:
-        yield f"pause   {origin(number)}: {text}: it goes on when the operator resumes"
+        yield _("pause   {}: {}: it goes on when the operator resumes", job.origin(number), text)
     if len(job.pauses) > _MOST_SHOWN:
-        yield f"        and {len(job.pauses) - _MOST_SHOWN} more pauses"
+        yield _("        and {} more pauses", len(job.pauses) - _MOST_SHOWN)
     for number, text in job.skipped[:_MOST_SHOWN]:
-        yield f"skipped {origin(number)}: {text}: no part of a job"
+        yield _("skipped {}: {}: no part of a job", job.origin(number), text)
     for number, text in job.probes[:_MOST_SHOWN]:
-        yield f"probe   {origin(number)}: {text}: nothing is touched here, it goes its whole way"
+        yield _("probe   {}: {}: nothing is touched here, it goes its whole way", job.origin(number), text)
 
 
 def plot_accelerations(axes, job):
@@ -204,7 +202,7 @@ def plot_accelerations(axes, job):
         for limit in (axis["accel_mm_s2"], -axis["accel_mm_s2"]):
             axes.axhline(limit, color=color, linewidth=0.5, linestyle=(0, (4, 6 + 2 * number)))
     axes.set_xlabel("s")
-    axes.set_ylabel("mm/s² of each axis")
+    axes.set_ylabel(_("mm/s² of each axis"))
     axes.grid(color="#e6e6e6", linewidth=0.5)
     axes.legend(loc="upper right")
 
@@ -214,9 +212,9 @@ def _show_table(axes, job):
     from host_tools.drawings import plot
 
     table = [round(side, 2) for side in table_mm(job.board)]
-    plot.show_box(axes, table, "table", plot.TABLE)
-    plot.show_box(axes, [round(side, 2) for side in (*job.low[:2], *job.high[:2])], "job", "#1a1a2e")
-    axes.plot(0, 0, "o", color="#2a9d3f", markersize=4, label="machine zero" if job.placed else "machine zero, as work zero")
+    plot.show_box(axes, table, _("table"), plot.TABLE)
+    plot.show_box(axes, [round(side, 2) for side in (*job.low[:2], *job.high[:2])], _("job"), "#1a1a2e")
+    axes.plot(0, 0, "o", color="#2a9d3f", markersize=4, label=_("machine zero") if job.placed else _("machine zero, as work zero"))
     axes.set_aspect("equal", adjustable="box")
     axes.margins(0.08)
     axes.tick_params(labelsize=6)
@@ -247,7 +245,7 @@ def picture(path, job, title):
     above, speed, acceleration = parts["above"], parts["speed"], parts["acceleration"]
     for lowered, color, width in ((False, "#9cc3e6", 0.6), (True, "#1a1a2e", 0.9)):
         lines = [part for kind, places in job.track.strokes if kind == lowered for part in _parts(places[:, :2])]
-        labels = ("above Z0", "below Z0") if job.track.by_height else ("tool off", "tool on")
+        labels = (_("above Z0"), _("below Z0")) if job.track.by_height else (_("tool off"), _("tool on"))
         label = labels[lowered]
         above.add_collection(LineCollection(lines, colors=color, linewidths=width, label=label))
     above.autoscale()
@@ -257,13 +255,13 @@ def picture(path, job, title):
     else:
         parts["table"].set_axis_off()
     above.set_title(f"{title}, {clock(job.seconds)} ({job.seconds:.1f} s)")
-    above.set_xlabel("x in mm")
-    above.set_ylabel("y in mm")
+    above.set_xlabel(_("x in mm"))
+    above.set_ylabel(_("y in mm"))
     above.grid(color="#e6e6e6", linewidth=0.5)
     above.legend(loc="upper right")
     samples = job.track.samples
     speed.plot(samples[:, 0], samples[:, 1], color="#1a1a2e", linewidth=0.7)
-    speed.set_ylabel("mm/min along the path")
+    speed.set_ylabel(_("mm/min along the path"))
     speed.grid(color="#e6e6e6", linewidth=0.5)
     plot_accelerations(acceleration, job)
     acceleration.sharex(speed)

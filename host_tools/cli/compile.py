@@ -6,6 +6,7 @@ from typing import Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 _MOST_LABELS = 60  # of a picture
 
@@ -40,14 +41,14 @@ def compile_(
     from host_tools.programs.compiler import compile_file
 
     if out and out != Path("-") and out.exists() and out.resolve() == file.resolve():
-        raise Failure(f"{out} is the program itself")
+        raise Failure("{} is the program itself", out)
     program = compile_file(file, dialect, tools, _place(start), bound, skip)
     for warning in program.listing.warnings:
-        typer.echo(f"warning: {warning}", err=True)
+        typer.echo(_("warning: {}", warning), err=True)
     text = program.listing.text(program.texts)
     if out and out != Path("-"):
         out.write_text(text, encoding="ascii")
-        typer.echo(f"{out}: {len(program.listing.codes)} lines of G-code, of {file} as {program.dialect}", err=True)
+        typer.echo(_("{}: {} lines of G-code, of {} as {}", out, len(program.listing.codes), file, program.dialect), err=True)
     elif not picture or out:
         typer.echo(text, nl=False)
     if picture:
@@ -62,7 +63,7 @@ def _place(text):
     try:
         x, y, z = (float(part) for part in text.split(","))
     except ValueError:
-        raise Failure(f"--start {text}: three numbers are wanted, mm of X, Y and Z: --start 0,0,5") from None
+        raise Failure("--start {}: three numbers are wanted, mm of X, Y and Z: --start 0,0,5", text) from None
     return x, y, z
 
 
@@ -84,18 +85,18 @@ def save_picture(path, program):
     colors = plt.get_cmap("turbo")
     rapids = [[point[:2] for point in stroke.points] for stroke in strokes if stroke.rapid]
     cuts = [stroke for stroke in strokes if not stroke.rapid]
-    axes.add_collection(LineCollection(rapids, colors="#9cc3e6", linewidths=0.7, linestyles="dashed", label="rapid"))
+    axes.add_collection(LineCollection(rapids, colors="#9cc3e6", linewidths=0.7, linestyles="dashed", label=_("rapid")))
     axes.add_collection(
         LineCollection(
             [[point[:2] for point in stroke.points] for stroke in cuts], linewidths=1.2,
-            colors=[colors(order[stroke.source] / max(1, len(order) - 1)) for stroke in cuts], label="feed, by line of the program",
+            colors=[colors(order[stroke.source] / max(1, len(order) - 1)) for stroke in cuts], label=_("feed, by line of the program"),
         )
     )  # fmt: skip
     holes = [stroke.points[-1] for stroke in cuts if stroke.points[0][:2] == stroke.points[-1][:2] and len(stroke.points) == 2]
     if holes:
-        axes.plot([point[0] for point in holes], [point[1] for point in holes], "o", color="#d03030", markersize=4, label="down")
+        axes.plot([point[0] for point in holes], [point[1] for point in holes], "o", color="#d03030", markersize=4, label=_("down"))
     _label(axes, cuts or strokes, len(program.texts) > 1)
-    finish(figure, axes, f"{program.name} ({program.dialect}): {len(program.listing.codes)} lines of G-code")
+    finish(figure, axes, _("{} ({}): {} lines of G-code", program.name, program.dialect, len(program.listing.codes)))
     write(figure, path)
 
 
@@ -107,7 +108,7 @@ def _label(axes, strokes, files):
         if max(box) > longest.get(stroke.source, (0, None))[0]:
             longest[stroke.source] = max(box), stroke
     shown = sorted(longest.values(), key=lambda each: -each[0])[:_MOST_LABELS]
-    for _, stroke in shown:
+    for size, stroke in shown:
         points = stroke.points
         middle = points[len(points) // 2]
         if len(points) == 2:

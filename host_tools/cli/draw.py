@@ -7,6 +7,7 @@ from typing import Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 EXAMPLES = """Draw an SVG file on the plotter.
 
@@ -73,8 +74,8 @@ def draw(
     machine = plotter(board)
     options = options_of(said)
     console = Console()
-    with console.status(f"reading {file}") as status:
-        plan = drawing.load(file, machine, options, lambda text, share: status.update(f"{text} {file}: {share:.0%}"))
+    with console.status(_("reading {}", file)) as status:
+        plan = drawing.load(file, machine, options, lambda text, share: status.update(f"{_(text)} {file}: {share:.0%}"))
     seconds = _describe(console, plan, options, machine, speed)
     if preview:
         _picture(preview, plan, machine, seconds, file)
@@ -83,13 +84,13 @@ def draw(
     objects = plan.objects(points)
     if packets:
         write_packets(packets, objects, home, speed)
-        console.print(f"  {packets}: to be stored by passo jobs store {packets} --protocol plotter")
+        console.print(_("  {0}: to be stored by passo jobs store {0} --protocol plotter", packets))
         return
     record = Journal(journal or Journal.beside(file), plan.digest(points), points, said)
     if not resume:
         record.probe()
         if record.begun():
-            console.print("  [yellow]begun before and not finished: it is drawn anew; --continue would go on[/yellow]")
+            console.print(_("  [yellow]begun before and not finished: it is drawn anew; --continue would go on[/yellow]"))
     from host_tools.cli.draw_run import Way, run
 
     run(console, objects, machine, record, port, baud, speed, Way(resume, home), log, timeout)
@@ -112,7 +113,7 @@ def _corner(text):
     try:
         x, y = (float(part) for part in text.split(","))
     except ValueError:
-        raise Failure(f"--origin wants two lengths in mm, as in 30,40, not {text!r}") from None
+        raise Failure("--origin wants two lengths in mm, as in 30,40, not {!r}", text) from None
     return x, y
 
 
@@ -124,11 +125,15 @@ def plotter(name):
     try:
         board = check(boards.load(name))
     except BoardError as error:
-        raise Failure(f"board {name}: {error}") from error
+        raise Failure("board {}: {}", name, error) from error
     spoken = sorted({link["protocol"] for link in board["links"]})
     if "plotter" not in spoken:
-        way = "; docs/gcode.md says how a drawing becomes G-code for passo stream" if "grbl" in spoken else ""
-        raise Failure(f"board {name} speaks {', '.join(spoken)}: passo draw speaks to plotters only{way}")
+        if "grbl" in spoken:
+            raise Failure(
+                "board {} speaks {}: passo draw speaks to plotters only; docs/gcode.md says how a drawing becomes G-code for passo stream",
+                name, ", ".join(spoken),
+            )
+        raise Failure("board {} speaks {}: passo draw speaks to plotters only", name, ", ".join(spoken))
     return board
 
 
@@ -142,15 +147,18 @@ def _describe(console, plan, options, machine, speed):
     down, up = plan.lengths_mm()
     times = estimate.Estimate(machine, speed)
     total = sum(times.object_s(plan.objects(sys.maxsize)[0]))
-    console.print(f"[bold]{escape(plan.name)}[/bold] at {drawing.percent(plan.scale)} % of its real size")
-    for name, (left, bottom, right, top) in (("page ", plan.page_mm), ("drawn", plan.box_mm)):
-        console.print(f"  {name} {right - left:.1f} × {top - bottom:.1f} mm, corner at {left:.1f}, {bottom:.1f}")
+    console.print(_("[bold]{}[/bold] at {} % of its real size", escape(plan.name), drawing.percent(plan.scale)))
+    for text, (left, bottom, right, top) in (
+        (_("  page  {:.1f} × {:.1f} mm, corner at {:.1f}, {:.1f}"), plan.page_mm),
+        (_("  drawn {:.1f} × {:.1f} mm, corner at {:.1f}, {:.1f}"), plan.box_mm),
+    ):
+        console.print(text.format(right - left, top - bottom, left, bottom))
     if len(plan.layers) > 1:
         named = ", ".join(f"{number} {name or ''}".rstrip() for number, name in plan.layers.items())
-        chosen = f", drawn: {', '.join(map(str, options.layers))}" if options.layers else ""
-        console.print(f"  layers {escape(named)}{chosen}")
-    console.print(f"  {len(plan.lines)} lines, {plan.points()} points")
-    console.print(f"  pen down {down / 1000:.2f} m, pen up {up / 1000:.2f} m, about {estimate.clock(total)}")
+        chosen = _(", drawn: {}", ", ".join(map(str, options.layers))) if options.layers else ""
+        console.print(_("  layers {}", escape(named)) + chosen)
+    console.print(_("  {} lines, {} points", len(plan.lines), plan.points()))
+    console.print(_("  pen down {:.2f} m, pen up {:.2f} m, about {}", down / 1000, up / 1000, estimate.clock(total)))
     for note in plan.notes:
         console.print(f"  [yellow]{escape(note)}[/yellow]")
     return total
@@ -160,6 +168,6 @@ def _picture(path, plan, machine, seconds, file):
     from host_tools.drawings import drawing, placement, plot
     from host_tools.programs import estimate
 
-    title = f"{file.name} at {drawing.percent(plan.scale)} %, about {estimate.clock(seconds)}"
+    title = _("{} at {} %, about {}", file.name, drawing.percent(plan.scale), estimate.clock(seconds))
     table = (0.0, 0.0, *placement.table_mm(machine))
     plot.save(path, plot.strokes_of_lines(plan.lines, plan.steps_per_mm), title, table, plan.page_mm)

@@ -9,6 +9,7 @@ from host_tools.cli.lead_in import agreed
 from host_tools.clients.plotter import POLL_S
 from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
+from host_tools.language import _
 from host_tools.programs import drawn, job_record
 
 
@@ -36,7 +37,7 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
         with _cancelled_by_signals(client):
             job = Job(client, objects, record, lambda text: console.print(f"[yellow]{text}[/yellow]"))
             try:
-                with console.status("homing" if way.home else "preparing"):
+                with console.status(_("homing") if way.home else _("preparing")):
                     _prepare(client, way)
                     spot = _spot(client, objects, record, way, numbers)
                     if way.home:
@@ -44,7 +45,7 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                     if speed is not None:
                         client.speed(speed)
                 if spot:
-                    console.print(f"  interrupted {spot}")
+                    console.print(_("  interrupted {}", spot))
                     job.begin(spot)
                     drawn.announce(client, objects, spot)
                 elif not way.resume:
@@ -54,7 +55,7 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                 with _Progress(console, job, machine, speed) as progress:
                     job.run(progress)
             except Broken as broken:
-                raise Failure(f"{broken}, pen up; {_again(record)}") from None
+                raise Failure("{}, pen up; {}", broken, _again(record)) from None
             except Cancelled:
                 client.stop()
                 raise Failure("stopped before drawing began") from None
@@ -62,13 +63,13 @@ def run(console, objects, machine, record, port, baud, speed, way, log=None, tim
                 if not job.begun:
                     raise
                 raise Failure(
-                    f"{error}\n{job.reached()} drawn for certain; when the machine is there again, {_again(record)}"
+                    "{}\n{} drawn for certain; when the machine is there again, {}",
+                    error, job.reached(), _again(record),
                 ) from error
         if record:
             record.finish()
-        console.print(
-            f"drawn in {time.monotonic() - begun:.0f} s: {client.packets} packets, {client.resends} sent again"
-        )
+        took = time.monotonic() - begun
+        console.print(_("drawn in {:.0f} s: {} packets, {} sent again", took, client.packets, client.resends))
 
 
 @contextlib.contextmanager
@@ -84,7 +85,7 @@ def _cancelled_by_signals(client):
 
 
 def _again(record):
-    return f"go on with the same command and --continue ({record.path})" if record else "go on with passo resume"
+    return _("go on with the same command and --continue ({})", record.path) if record else _("go on with passo resume")
 
 
 def _prepare(client, way):
@@ -108,7 +109,7 @@ def _spot(client, objects, record, way, numbers):
         found = job_record.Record.of(client.ask("$JR"))
     except Refused as refused:
         if way.strict:
-            raise Failure(f"{job_record.NO_JOURNAL}: {refused}; passo draw --continue needs none") from None
+            raise Failure("the board has no journal (docs/jobs.md): {}; passo draw --continue needs none", refused) from None
     if found and found.job in (drawn.number_of(objects), *numbers):
         job_record.find_zero(found.known, way.home, way.unverified, lambda: None)
         return drawn.spot_of(found, objects)
@@ -123,7 +124,7 @@ def _lead(client, objects, spot, way):
     start = spot.start(objects)
     client.point(False, *start)
     client.end(1)
-    if way.ask and not agreed(f"next is point {spot.done + 1}, from {start[0]}, {start[1]} steps"):
+    if way.ask and not agreed(_("next is point {}, from {}, {} steps", spot.done + 1, *start)):
         raise Failure("not gone on: the pen is up")
 
 
@@ -146,7 +147,7 @@ class _Progress:
         start = job.start
         self._first = self._done(*start)
         self._bar = Progress(
-            TextColumn("drawing"),
+            TextColumn(_("drawing")),
             BarColumn(),
             TextColumn("{task.percentage:3.0f} %"),
             TextColumn("{task.description}"),
@@ -169,7 +170,7 @@ class _Progress:
         if gained > 5:
             left *= (time.monotonic() - self._begun) / gained
         points = sum(self._counts[:number]) + drawn
-        text = f"{points}/{self._points} points, {self._client.resends} sent again, {self._clock(left)} left"
+        text = _("{}/{} points, {} sent again, {} left", points, self._points, self._client.resends, self._clock(left))
         self._bar.update(self._task, completed=done, description=text)
 
     def _done(self, number, drawn):

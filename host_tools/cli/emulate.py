@@ -9,7 +9,8 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.cli.board import BounceMs, Faults, Seed, StartPlace, TraceFile, VcdFile, _pairs, _positions, _summary
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import _
 
 SLICE_US = 2000  # how long the emulated Pico runs before its lines are served again
 LAG_S = 0.1  # if it lags behind the wall clock by more, it does not catch up
@@ -65,7 +66,7 @@ def emulate(
         "seed": seed,
     }
     if not blank:
-        tell(f"building the firmware of {board}")
+        tell(_("building the firmware of {}", board))
     machine = _machine(board, {} if blank else None, trace, vcd, uf2, options)
     try:
         serve(machine, {0: uart0, 1: uart1}, tcp, blank)
@@ -82,9 +83,9 @@ def _machine(board, files, trace, vcd, uf2, options):
     try:
         return EmulatedMachine(board, files, trace, vcd, uf2, **options)
     except (BoardError, ValueError) as error:
-        raise Failure(f"board {board}: {error}") from error
+        raise Failure("board {}: {}", board, error) from error
     except OSError as error:
-        raise Failure(f"cannot write {error.filename}: {error.strerror}") from error
+        raise Failure("cannot write {}: {}", error.filename, reason(error)) from error
 
 
 def tell(text):
@@ -110,13 +111,13 @@ def serve(machine, symlinks, tcp, blank=False):
         if not ptys and usb is None:
             raise Failure("all links of this board are on USB: give --tcp to open it")
         if not blank:
-            tell("the Pico starts: it loads the firmware for some two seconds of its own time, up to a minute of yours")
+            tell(_("the Pico starts: it loads the firmware for some two seconds of its own time, up to a minute of yours"))
         machine.boot(lambda: stopped)
         if usb is not None and not stopped:
             print(f"usb: {usb.name}", flush=True)
         _loop(machine, ptys, usb, stopped, pressed, blank)
     except TimeoutError as error:
-        raise Failure(f"the Pico does not start: {error}") from error
+        raise Failure("the Pico does not start: {}", error) from error
     finally:
         for line in [*ptys.values(), *([usb] if usb else [])]:
             line.close()
@@ -128,7 +129,7 @@ def _announce(machine, ptys, blank):
         if machine.now_ms() < UP_LIMIT_MS:
             return False
         said = machine.pico.console.text.decode("utf-8", "replace").strip()
-        tell(f"the firmware has not come up{': its console says' if said else ''}\n{said}".strip())
+        tell(_("the firmware has not come up: its console says\n{}", said) if said else _("the firmware has not come up"))
     for index, (name, line) in enumerate(ptys.items()):
         print(f"port: {line.name}" if index == 0 else f"port {name}: {line.name}", flush=True)
     return True

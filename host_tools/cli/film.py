@@ -7,6 +7,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 
 def film(
@@ -34,7 +35,7 @@ def film(
 
     out = out or trace.with_suffix(".gif")
     if out.suffix.lower() not in (".gif", ".mp4"):
-        raise Failure(f"{out}: a film is a .gif or an .mp4")
+        raise Failure("{}: a film is a .gif or an .mp4", out)
     if out.suffix.lower() == ".mp4":
         import imageio_ffmpeg  # noqa: F401  before the trace is read, not after it
     scale = scale_of(steps_per_mm, board)
@@ -48,4 +49,4 @@ def film(
             count = films.write(out, moves, scale, seconds, speed, per_second, progress)
     else:
         count = films.write(out, moves, scale, seconds, speed, per_second)
-    print(f"{out}: {count} frames")
+    print(_("{}: {} frames", out, count))

@@ -17,6 +17,7 @@ import typer
 from host_tools import boards
 from host_tools.build.tree import build_tree, default_out
 from host_tools.failure import Failure
+from host_tools.language import _
 from host_tools.resources import HOST_TOOLS
 
 REMOVE_STALE = HOST_TOOLS / "build" / "remove_stale.py"
@@ -42,8 +43,9 @@ def drivers_of(board):
 
 def no_answer(port):
     return Failure(
-        f"no MicroPython board answers on {port}: is it the right port (passo ports), and does no other program use it? "
-        "A running Passo lets go for two seconds after a reset"
+        "no MicroPython board answers on {}: is it the right port (passo ports), and does no other program use it? A running Passo "
+        "lets go for two seconds after a reset",
+        port,
     )
 
 
@@ -56,7 +58,7 @@ def reason_of(output):
 def check_port(port):
     """Raises Failure if there is no such port, before anything is built for it."""
     if "://" not in port and os.sep in port and not Path(port).exists():
-        raise Failure(f"there is no port {port}: is the board plugged in? (passo ports)")
+        raise Failure("there is no port {}: is the board plugged in? (passo ports)", port)
 
 
 def probe(command, port):
@@ -69,9 +71,9 @@ def probe(command, port):
     except subprocess.TimeoutExpired:
         raise no_answer(port) from None
     if result.returncode:
-        reason = reason_of(result.stderr or result.stdout)
-        if "failed to access" in reason or "no device" in reason:
-            raise Failure(f"{reason} (passo ports)")
+        said = reason_of(result.stderr or result.stdout)
+        if "failed to access" in said or "no device" in said:
+            raise Failure("{} (passo ports)", said)
         raise no_answer(port)
 
 
@@ -80,9 +82,9 @@ def copy(command, port):
     try:
         result = subprocess.run(command, stderr=subprocess.PIPE, text=True, timeout=COPY_TIMEOUT_S)
     except subprocess.TimeoutExpired:
-        raise Failure(f"the board on {port} stopped answering while its files were copied: flash it again") from None
+        raise Failure("the board on {} stopped answering while its files were copied: flash it again", port) from None
     if result.returncode:
-        raise Failure(f"copying to {port} ended early: {reason_of(result.stderr)}; flash it again")
+        raise Failure("copying to {} ended early: {}; flash it again", port, reason_of(result.stderr))
 
 
 def flash(
@@ -102,7 +104,7 @@ def flash(
         check_port(port)
     out = default_out(board)
     rows = build_tree(board, out)
-    print(f"{board}: {len(rows)} files, {sum(row[2] for row in rows):,} bytes in {out} (passo build lists them)")
+    print(_("{}: {} files, {:,} bytes in {} (passo build lists them)", board, len(rows), sum(row[2] for row in rows), out))
     asking, copying = commands(port or "PORT", out, drivers_of(boards.load(board)))
     if dry_run:
         print(shlex.join(asking))
@@ -110,4 +112,4 @@ def flash(
         return
     probe(asking, port)
     copy(copying, port)
-    print(f"{board} runs on {port}")
+    print(_("{} runs on {}", board, port))

@@ -8,6 +8,7 @@ import typer
 
 from host_tools import boards
 from host_tools.failure import Failure
+from host_tools.language import _
 
 MOST_INPUTS = 12  # of one row: 4096 lines
 
@@ -25,7 +26,7 @@ class Table:
 
         section = board.get("interlock")
         if not section:
-            raise Failure(f"board {board.get('name')} has no interlock")
+            raise Failure("board {} has no interlock", board.get("name"))
         self.board = check(board)
         self.bits = interlock_table.gates(self.board)
         self.inputs = [item["name"] for item in self.board["inputs"]]
@@ -77,7 +78,7 @@ class Row:
 def truth_table(row):
     """The lines of a row's truth table."""
     if len(row.names) > MOST_INPUTS:
-        return [f"{row.name} = {row.text()}", f"    {len(row.names)} inputs: too many for a table"]
+        return [f"{row.name} = {row.text()}", _("    {} inputs: too many for a table", len(row.names))]
     lines = [f"{row.name} = {row.text()}", "    " + " ".join(row.names) + f"  {row.name}"]
     for levels, value in row.lines():
         lines.append("    " + " ".join(f"{level:>{len(name)}}" for name, level in zip(row.names, levels)) + f"  {value:>{len(row.name)}}")
@@ -106,13 +107,13 @@ def draw(table, path):
             at = names.index(state)
             axes.plot(at, line, "s", ms=11, mec="black", mfc="black" if states[state] else "white", zorder=2)
     axes.set_xticks(range(len(names)), names, rotation=60, ha="left")
-    axes.set_yticks(range(len(rows)), [name if number == 0 else "or" for name, number, _ in rows])
+    axes.set_yticks(range(len(rows)), [name if number == 0 else _("or") for name, number, _ in rows])
     axes.set_xlim(-0.6, len(names) - 0.4)
     axes.set_ylim(len(rows) - 0.5, -0.5)
     axes.xaxis.tick_top()
     axes.tick_params(length=0)
     axes.grid(color="0.85", lw=0.6, zorder=1)
-    axes.set_title(f"{table.board['name']}: allowed if every ■ is active and every □ is not", pad=12, fontsize=10)
+    axes.set_title(_("{}: allowed if every ■ is active and every □ is not", table.board["name"]), pad=12, fontsize=10)
     for spine in axes.spines.values():
         spine.set_visible(False)
     figure.savefig(path, dpi=110, bbox_inches="tight")
@@ -137,9 +138,9 @@ def interlock(
     try:
         table = Table(boards.load(board))
     except BoardError as error:
-        raise Failure(f"{board}: {error}") from None
+        raise Failure("{}: {}", board, error) from None
     for row in (table.rows if rows else table.gated()).values():
         print("\n".join(truth_table(row)), end="\n\n")
     if out:
         draw(table, out)
-        print(f"drawn: {out}")
+        print(_("drawn: {}", out))

@@ -9,6 +9,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _
 from passo import errors
 
 app = typer.Typer(help="Programs kept on the board: list, store, check, delete and run them.", no_args_is_help=True)
@@ -19,7 +20,6 @@ _MOST_UNSAID = 100  # ten seconds: not every report has room for it
 _FILE = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LANGUAGE:(\w+)\]")
 _FREE = re.compile(r"\[FREE:(\d+)\]")
 _UNKNOWN = (errors.STATEMENT, errors.NO_CONTROL)
-_NO_JOBS = "the board keeps no jobs: its board file has no key `jobs` (docs/jobs.md)"
 
 Port = Annotated[Optional[str], typer.Option(help="Serial port, pty or pyserial URL (socket://host:port).")]
 Baud = Annotated[Optional[int], typer.Option(help="Bits per second of a serial port.")]
@@ -36,7 +36,7 @@ def _connected(port, baud, protocol):
 
     kinds = {"grbl": GrblClient, "pulses": PulsesClient, "plotter": PlotterClient}
     if protocol not in kinds:
-        raise Failure(f"--protocol is {', '.join(kinds)}, not {protocol!r}")
+        raise Failure("--protocol is {}, not {!r}", ", ".join(kinds), protocol)
     return kinds[protocol](port or ports.only(), baud or BAUD[protocol])
 
 
@@ -47,7 +47,9 @@ def _listed(client):
     try:
         said = client.ask("$F")
     except Refused as refused:
-        raise Failure(_NO_JOBS if refused.number in _UNKNOWN or "error 3," in str(refused) else str(refused)) from None
+        if refused.number in _UNKNOWN:
+            raise Failure("the board keeps no jobs: its board file has no key `jobs` (docs/jobs.md)") from None
+        raise
     found = {}
     for name, size, stored, crc, language in _FILE.findall("\n".join(said)):
         found[name] = int(size), int(stored), int(crc, 16), language
@@ -65,9 +67,9 @@ def list_(port: Port = None, baud: Baud = None, protocol: Protocol = "grbl"):
     """
     with _connected(port, baud, protocol) as client:
         found, free = _listed(client)
-    for name, (size, stored, _, language) in found.items():
-        print(f"{name:24} {size:9} bytes, {stored:8} in flash, {language}")
-    print(f"{len(found)} jobs, {free // 1024} kB free")
+    for name, (size, stored, crc, language) in found.items():
+        print(_("{:24} {:9} bytes, {:8} in flash, {}", name, size, stored, language))
+    print(_("{} jobs, {} kB free", len(found), free // 1024))
 
 
 @app.command()
@@ -99,38 +101,38 @@ def store(
 
     language = language or protocol
     if language not in stored_job.KINDS:
-        raise Failure(f"--language is {', '.join(stored_job.KINDS)}, not {language!r}")
+        raise Failure("--language is {}, not {!r}", ", ".join(stored_job.KINDS), language)
     make, unit, count = stored_job.KINDS[language]
     data = make(file)
     packed = stored_job.pack(data)
     name = (name or stored_job.name_of(file)).upper()
     if card:
         written = stored_job.write_on_card(card, name, language, data)
-        print(f"{written}: {len(data)} bytes, {written.stat().st_size} on the card")
+        print(_("{}: {} bytes, {} on the card", written, len(data), written.stat().st_size))
         return
     with _connected(port, baud, protocol) as client:
-        _, free = _listed(client)
+        free = _listed(client)[1]
         if check and language == "grbl":
             _check_here(client, file)
         if len(packed) > free:
-            raise Failure(f"{file} takes {len(packed)} bytes of flash; {free} are free: delete a job (passo jobs list)")
+            raise Failure("{} takes {} bytes of flash; {} are free: delete a job (passo jobs list)", file, len(packed), free)
         begun = time.monotonic()
         client.ask(f"$FS={name},{language},{len(data)},{stored_job.crc(data):08x},{len(packed)}")
-        with _bar(f"storing {name}") as show:
+        with _bar(_("storing {}", name)) as show:
             for first in range(0, len(packed), _BYTES_A_LINE):
                 client.ask("$F:" + base64.b64encode(packed[first : first + _BYTES_A_LINE]).decode())
                 show(first / len(packed))
         client.ask("$FE", _VERIFY_S)
-        print(f"{name}: {len(data)} bytes, {len(packed)} in flash, {len(packed) / max(count(data), 1):.2g} a {unit}, "
-              f"in {time.monotonic() - begun:.0f} s")  # fmt: skip
+        took, each = time.monotonic() - begun, len(packed) / max(count(data), 1)
+        print(_("{}: {} bytes, {} in flash, {:.2g} a {}, in {:.0f} s", name, len(data), len(packed), each, _(unit), took))
         if check and language == protocol == "grbl":
             if client.ask_status()["state"] != "Idle":
-                print(f"{name} has not been checked line by line: the machine is not idle. Home it, then: passo jobs check {name}")
+                print(_("{0} has not been checked line by line: the machine is not idle. Home it, then: passo jobs check {0}", name))
                 return
             try:
                 _check(client, name)
             except Refused as refused:
-                raise Failure(f"{name} is stored, but not right: {refused}") from None
+                raise Failure("{} is stored, but not right: {}", name, refused) from None
 
 
 def _check_here(client, file):
@@ -143,7 +145,7 @@ def _check_here(client, file):
     try:
         Replay(machine, gcode_file.read(file)).check()
     except Failure as failure:
-        raise Failure(f"{file}, {failure}; nothing was stored") from None
+        raise Failure("{}, {}; nothing was stored", file, failure) from None
 
 
 def _check(client, name):
@@ -152,10 +154,10 @@ def _check(client, name):
         raise Failure("the machine has to be idle: home or unlock it first")
     client.command("$C")
     try:
-        _run(client, name, "checking")
+        _run(client, name, _("checking {}", name))
     finally:
         client.reset()
-    print(f"{name}: every line is understood")
+    print(_("{}: every line is understood", name))
 
 
 @app.command("check")
@@ -205,32 +207,33 @@ def run(
         if home:
             client.home()
         if wait:
-            (_run if protocol == "grbl" else _watch)(client, name.upper(), "running")
-            print(f"{name.upper()}: done")
+            (_run if protocol == "grbl" else _watch)(client, name.upper(), _("running {}", name.upper()))
+            print(_("{}: done", name.upper()))
         else:
             client.ask(f"$F={name.upper()}")
 
 
-def _run(client, name, what):
-    """Run a job to its end, with progress. Raises Refused if it ended with an error."""
+def _run(client, name, text):
+    """Run a job to its end, with progress and its `text`. Raises Refused if it ended with an error."""
     from host_tools.clients.grbl import LinkError, Refused, alarm_text, explain
 
     client.ask(f"$F={name}")
     heard = client.rest
     unsaid = 0  # reports without a word of the job
-    with _bar(f"{what} {name}") as show:
+    with _bar(text) as show:
         while unsaid < _MOST_UNSAID:
             for line in heard:
                 if line.startswith("error:"):
-                    raise Refused(explain(line))
+                    raise Refused("{}", explain(line))
                 if line == f"[MSG:Job {name} done]":
                     return
                 ended = re.match(rf"\[MSG:Job {re.escape(name)}: error (\d+)(?: in line (\d+))?\]", line)
                 if ended:
-                    why = f"alarm {client.alarm}: {alarm_text(client.alarm)}" if client.alarm else explain(f"error:{ended[1]}")
-                    raise Refused(f"line {ended[2]}: {why}" if ended[2] else why)
+                    alarm = client.alarm and _("alarm {}: {}", client.alarm, alarm_text(client.alarm))
+                    why = alarm or explain(f"error:{ended[1]}")
+                    raise Refused("line {}: {}", ended[2], why) if ended[2] else Refused("{}", why)
             if client.silent():
-                raise LinkError(f"{client.port}: no answer any more; the job goes on without it")
+                raise LinkError("{}: no answer any more; the job goes on without it", client.port)
             time.sleep(0.1)
             client.real_time(b"?")
             shown = client.status.get("SD")
@@ -238,15 +241,15 @@ def _run(client, name, what):
             if shown:
                 show(int(shown.partition(",")[0]) / 100)
             heard = client.lines()
-    raise LinkError(f"{client.port}: the board says nothing of {name} any more: it has ended, and its last message was lost")
+    raise LinkError("{}: the board says nothing of {} any more: it has ended, and its last message was lost", client.port, name)
 
 
-def _watch(client, name, what):
+def _watch(client, name, text):
     """_run() in a language that has no reports: `$F?` is asked."""
     from host_tools.clients.refusal import Refused, explain
 
     client.ask(f"$F={name}")
-    with _bar(f"{what} {name}") as show:
+    with _bar(text) as show:
         while True:
             time.sleep(0.2)
             said = client.ask("$F?")
@@ -256,7 +259,7 @@ def _watch(client, name, what):
                 continue
             ended = re.search(rf"\[ENDED:{re.escape(name)}\|(\d+)\|(\d+)\]", "\n".join(said))
             if not ended or ended[1] != "0":
-                raise Refused(f"{name}: {explain('error:' + ended[1]) if ended else 'the board has been reset'}")
+                raise Refused("{}: {}", name, explain("error:" + ended[1]) if ended else _("the board has been reset"))
             return
 
 

@@ -9,6 +9,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 _TOKEN = re.compile(r"([ABab])\s*(\d+)|([C-Jc-j])|(\d+(?:\.\d+)?)\s*(ms|s)\b|(\S+)")
 _LEAVE = ("q", "\x03", "\x04", "\x1b")
@@ -67,13 +68,13 @@ def parse(text):
     items = []
     for speed, number, key, amount, unit, other in _TOKEN.findall(text):
         if other:
-            raise Failure(f"{other!r} is no key: A n, B n with n = 1 … {SLOWEST}, C … J, or a wait such as 2s or 500ms")
+            raise Failure("{!r} is no key: A n, B n with n = 1 … {}, C … J, or a wait such as 2s or 500ms", other, SLOWEST)
         if amount:
             items.append(float(amount) / (1000 if unit == "ms" else 1))
         elif key:
             items.append(key.upper().encode())
         elif not 1 <= int(number) <= SLOWEST:
-            raise Failure(f"{speed.upper()} {number}: the speed is 1 (fastest) … {SLOWEST}")
+            raise Failure("{} {}: the speed is 1 (fastest) … {}", speed.upper(), number, SLOWEST)
         else:
             items.append(bytes([ord(speed.upper()), int(number)]))
     return items
@@ -106,7 +107,7 @@ class Kit:
             self._serial.write(data)
             self._serial.flush()
         except (OSError, ValueError) as error:
-            raise LinkError(f"port {self._serial.port} went away: {error}") from error
+            raise LinkError("port {} went away: {}", self._serial.port, error) from error
         self._note(data)
 
     def _note(self, data):
@@ -128,16 +129,16 @@ class Kit:
 
         motors = []
         for motor in range(2):
-            state = "off"
+            state = _("off")
             if self.on[motor]:
-                way = "anticlockwise" if self.reverse[motor] else "clockwise"
-                state = f"{way}, {1000 / (STEP_MS * self.speed[motor]):.1f} steps/s (speed {self.speed[motor]})"
-            motors.append(f"motor {motor + 1}: {state}")
+                way = _("anticlockwise") if self.reverse[motor] else _("clockwise")
+                state = _("{}, {:.1f} steps/s (speed {})", way, 1000 / (STEP_MS * self.speed[motor]), self.speed[motor])
+            motors.append(_("motor {}: {}", motor + 1, state))
         return "   ".join(motors)
 
 
 def _live(kit):
-    print("A n, B n: speed    C D I: on    E F J: off    G H: reverse    q: both off, and leave")
+    print(_("A n, B n: speed    C D I: on    E F J: off    G H: reverse    q: both off, and leave"))
     with _raw_terminal():
         while True:
             print(f"\r\x1b[K{kit}", end="", flush=True)
@@ -157,7 +158,7 @@ def _speed(kit, key):
     """Read the speed's digits up to Enter."""
     digits = ""
     while True:
-        print(f"\r\x1b[Kspeed of motor {1 + (key == 'B')}: {digits}", end="", flush=True)
+        print("\r\x1b[K" + _("speed of motor {}: {}", 1 + (key == "B"), digits), end="", flush=True)
         character = sys.stdin.read(1)
         if character.isdigit():
             digits += character
@@ -169,7 +170,7 @@ def _speed(kit, key):
         try:
             kit.play(parse(f"{key}{digits}"))
         except Failure as failure:
-            print(f"\r\x1b[K{failure}\r")
+            print(f"\r\x1b[K{failure.told()}\r")
 
 
 @contextmanager

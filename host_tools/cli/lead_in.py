@@ -5,7 +5,9 @@ import select
 import sys
 
 from host_tools.failure import Failure
+from host_tools.language import _
 from host_tools.programs.interrupted import number_of
+from passo import errors
 
 _SIGN_S = 0.3
 _WAIT_S = 600  # that a way, a spindle or a dwell may take
@@ -18,7 +20,7 @@ def announce(client, lines):
     try:
         client.command(f"$JR={number_of(lines):08x}")
     except Refused as refused:
-        if "error 3," not in str(refused) and "error 8," not in str(refused):
+        if refused.number not in (errors.STATEMENT, errors.BUSY):
             raise
 
 
@@ -44,7 +46,7 @@ def _carry_out(client, stages, number, yes):
     moving = any(what == replay.DOWN for what, _ in stages)
     for what, sent in stages:
         if what == (replay.DOWN if moving else replay.GO) and not yes:
-            _ask(client, f"line {number}: next is {' '.join(sent)}")
+            _ask(client, _("line {}: next is {}", number, " ".join(sent)))
         for line in sent:
             client.command(line, _WAIT_S)
         client.command("G4P0", _WAIT_S)
@@ -69,7 +71,7 @@ def agreed(next_, idle=None):
     if not sys.stdin.isatty():
         raise Failure("nobody can be asked before the tool goes down; look at the machine, then give --yes")
     print(next_)
-    print("The tool goes down. Is the place right, and all clear? [y/N] ", end="", flush=True)
+    print(_("The tool goes down. Is the place right, and all clear? [y/N]"), end=" ", flush=True)
     while idle and not select.select([sys.stdin], [], [], _SIGN_S)[0]:
         idle()
-    return sys.stdin.readline().strip().lower() in ("y", "yes")
+    return sys.stdin.readline().strip().lower() in _("y, yes").split(", ")

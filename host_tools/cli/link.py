@@ -5,6 +5,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _, error_text
 
 BAUD = {"plotter": 57600, "grbl": 115200, "torch": 115200, "pulses": 115200}
 _ANSWER_S = 3.0
@@ -36,16 +37,16 @@ def link(
     from host_tools.cli import ports
 
     if protocol not in BAUD:
-        raise Failure(f"--protocol {protocol}: it has no word for that; ask on a link that speaks {', '.join(BAUD)}")
+        raise Failure("--protocol {}: it has no word for that; ask on a link that speaks {}", protocol, ", ".join(BAUD))
     port = port or ports.only()
     baud = baud or BAUD[protocol]
     if protocol == "grbl":
         print(_grbl(port, baud, number))
     elif number is None:
-        raise Failure(f"{protocol} has no word for who commands; give the number of a link")
+        raise Failure("{} has no word for who commands; give the number of a link", protocol)
     else:
         {"plotter": _plotter, "torch": _torch, "pulses": _pulses}[protocol](port, baud, number)
-        print(f"link {number} commands" if number else "this link commands")
+        print(_("link {} commands", number) if number else _("this link commands"))
 
 
 def _grbl(port, baud, number):
@@ -56,9 +57,9 @@ def _grbl(port, baud, number):
             client.command(f"$LINK={number}")
         told = [line for line in client.command("$LINK") if line.startswith("[LINK:")]
     if not told:
-        raise Failure(f"{port} does not say who commands")
+        raise Failure("{} does not say who commands", port)
     commander, name = told[0][6:-1].split(",", 1)
-    return f"link {commander}, {name}, commands"
+    return _("link {}, {}, commands", commander, name)
 
 
 def _plotter(port, baud, number):
@@ -78,7 +79,6 @@ def _torch(port, baud, number):
 
 def _pulses(port, baud, number):
     from host_tools.clients.wire import LinkError, open_port
-    from host_tools.language import error_text
     from passo.protocols.pulses import protocol as pulses
 
     line = open_port(port, baud)
@@ -90,6 +90,6 @@ def _pulses(port, baud, number):
         line.close()
     if answer.startswith("error:"):
         number = int(answer[6:].split()[0])
-        raise Failure(f"refused: error {number}, {error_text(number)}")
+        raise Failure("refused: error {}, {}", number, error_text(number))
     if answer != "ok":
-        raise LinkError(f"{port}: no answer, or not one of pulses: {answer!r}")
+        raise LinkError("{}: no answer, or not one of pulses: {!r}", port, answer)

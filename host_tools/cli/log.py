@@ -5,6 +5,7 @@ from typing import Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _, error_text
 
 _ANSWER_S = 0.5
 _QUIET_S = 0.02  # silence that separates the next bytes from the question
@@ -30,7 +31,7 @@ def log(
     from host_tools.cli import ports
 
     if protocol not in (None, *BAUD):
-        raise Failure(f"--protocol {protocol}: it has no word for the log; ask on a link that speaks {', '.join(BAUD)}")
+        raise Failure("--protocol {}: it has no word for the log; ask on a link that speaks {}", protocol, ", ".join(BAUD))
     port = port or ports.only()
     baud = baud or BAUD[protocol or "grbl"]
     protocol = protocol or spoken(port, baud)
@@ -71,7 +72,7 @@ def _torch(port, baud):
     with TorchClient(port, baud) as client:
         entries = client.log()
     if entries is None:
-        raise Failure(f"{port}: no answer, or a board that keeps no log; is it one of --protocol {', '.join(BAUD)}?")
+        raise Failure("{}: no answer, or a board that keeps no log; is it one of --protocol {}?", port, ", ".join(BAUD))
     return told(entries)
 
 
@@ -84,35 +85,32 @@ def _pulses(port, baud):
 
 def _plotter(port, baud):
     from host_tools.clients.plotter import PlotterClient
-    from host_tools.language import error_text
-
     with PlotterClient(port, baud) as client:
         number = client.status()["error"]
-    return [f"the last: {number:>3}  {error_text(number)}" if number else "nothing since it was last asked"]
+    return [_("the last: {:>3}  {}", number, error_text(number)) if number else _("nothing since it was last asked")]
 
 
 def told(entries):
-    return [entry_text(*entry) for entry in entries] or ["nothing since the start"]
+    return [entry_text(*entry) for entry in entries] or [_("nothing since the start")]
 
 
 def entry_text(ms, number, who):
-    from host_tools.language import error_text
-
     return f"{ms / 1000:12.3f} s  {who:<10} {number:>3}  {error_text(number)}"
 
 
 def pin_text(name, active, trips, glitches, at_ms, lasted_ms):
     """An input of the interlock: what it has done since the start."""
-    text = f"input {name}: {'active' if active == '1' else 'inactive'}, stopped the machine {trips} times, {glitches} glitches"
+    state = _("active") if active == "1" else _("inactive")
+    text = _("input {}: {}, stopped the machine {} times, {} glitches", name, state, trips, glitches)
     if int(at_ms):
-        lasted = "and still is" if lasted_ms == "-1" else f"for {int(lasted_ms) / 1000:.3f} s"
-        text += f"; last became active at {int(at_ms) / 1000:.3f} s, {lasted}"
+        lasted = _("and still is") if lasted_ms == "-1" else _("for {:.3f} s", int(lasted_ms) / 1000)
+        text += _("; last became active at {:.3f} s, {}", int(at_ms) / 1000, lasted)
     return text
 
 
 def shown(line):
     """A line of $LOG as people read it; None for any other."""
-    name, _, fields = line.strip("[]").partition(":")
+    name, colon, fields = line.strip("[]").partition(":")
     if name == "LOG":
         ms, number, who = fields.split(",", 2)
         return entry_text(int(ms), int(number), who)
@@ -120,5 +118,5 @@ def shown(line):
         return pin_text(*fields.rsplit(",", 5))
     if name == "LOGGED":
         counts = [part.split("x") for part in fields.split(",") if part]
-        return "since the start: " + (", ".join(f"{count} times {number}" for count, number in counts) or "nothing")
+        return _("since the start: {}", ", ".join(_("{} times {}", count, number) for count, number in counts) or _("nothing"))
     return None

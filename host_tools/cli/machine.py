@@ -14,6 +14,7 @@ import typer
 from host_tools.build.tree import build_tree, default_out
 from host_tools.cli.flash import COPY_TIMEOUT_S, PROBE_TIMEOUT_S, check_port, commands, copy, probe, reason_of
 from host_tools.failure import Failure
+from host_tools.language import _
 from host_tools.resources import HOST_TOOLS
 
 app = typer.Typer(
@@ -49,9 +50,9 @@ def _run(port, call, *more):
             [*_mpremote(port), "exec", text, *more], capture_output=True, text=True, timeout=COPY_TIMEOUT_S
         )
     except subprocess.TimeoutExpired:
-        raise Failure(f"the board on {port} stopped answering") from None
+        raise Failure("the board on {} stopped answering", port) from None
     if result.returncode:
-        raise Failure(reason_of(result.stderr or result.stdout).removeprefix("ValueError: "))
+        raise Failure("{}", reason_of(result.stderr or result.stdout).removeprefix("ValueError: "))
     return result.stdout.splitlines()
 
 
@@ -67,7 +68,7 @@ def list_(port: Port):
     for name, state in found:
         print(f"{'*' if name == now else ' '} {name:<20} {state}")
     if not found:
-        print("no machine is stored: passo machine add BOARD")
+        print(_("no machine is stored: passo machine add BOARD"))
 
 
 @app.command()
@@ -81,7 +82,7 @@ def add(
     """
     told = store(board, port, "tell()")
     name = Path(board).stem
-    print(f"{name} is stored: passo machine choose {name}")
+    print(_("{0} is stored: passo machine choose {0}", name))
     for line in told:
         if line.startswith("machine ") and not line.endswith(": ready"):
             print(line)
@@ -94,14 +95,14 @@ def store(board, port, call, out=None):
 
     name = Path(board).stem
     if not re.fullmatch(r"\w{1,32}", name):
-        raise Failure(f"{name!r} is no name for a machine: letters, digits and _")
+        raise Failure("{!r} is no name for a machine: letters, digits and _", name)
     chip = boards.load(board).get("chip")
     told = _run(port, "tell()")
     there = next((line[5:] for line in told if line.startswith("chip ")), None)
     if there is None:
         raise Failure("there is no machine on this board yet: passo flash first")
     if there != chip:
-        raise Failure(f"this board is an {there}, and {name} is for an {chip}")
+        raise Failure("this board is an {}, and {} is for an {}", there, name, chip)
     out = out or default_out(board)
     build_tree(board, out)
     files = sorted(path for path in (out / "passo").rglob("*.*") if path.name != "files.txt")
@@ -139,10 +140,10 @@ def choose(
     Example: passo machine choose lpt_router --port /dev/ttyACM0
     """
     if not re.fullmatch(r"\w{1,32}", name):
-        raise Failure(f"{name!r} is no name of a machine")
+        raise Failure("{!r} is no name of a machine", name)
     _at_rest(port)
     _run(port, f"choose({name!r})", "+", "reset")
-    print(f"{name} is chosen, and the board starts with it")
+    print(_("{} is chosen, and the board starts with it", name))
 
 
 def _at_rest(port):
@@ -156,4 +157,4 @@ def _at_rest(port):
     except Failure:
         return
     if state.partition(":")[0] not in ("Idle", "Alarm", "Sleep", "Check"):
-        raise Failure(f"the machine is not at rest: {state}; stop it first")
+        raise Failure("the machine is not at rest: {}; stop it first", state)

@@ -34,7 +34,7 @@ from host_tools.cli.stream import stream
 from host_tools.cli.torch import app as torch
 from host_tools.cli.watch import watch
 from host_tools.cli.wifi import app as wifi
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from host_tools.language import _
 from host_tools.resources import ROOT
 
@@ -67,7 +67,7 @@ def _show_version(wanted: bool):
 def _choose(context: typer.Context, lang: Optional[str]):
     """Before all other options: --help behind it speaks that language."""
     if lang is not None and lang not in language.LANGUAGES:
-        raise Failure(f"--lang is {' or '.join(language.LANGUAGES)}, not {lang!r}")
+        raise Failure("--lang is en or pt, not {!r}", lang)
     language.choose(lang)
     language.speak(context.command)
 
@@ -82,7 +82,7 @@ def _passo(
         Optional[str],
         typer.Option(
             metavar="pt|en", is_eager=True, callback=_choose,
-            help="Language of numbered errors, settings and what --help says of commands; LANG's unless given.",
+            help="Language of all that is said to people; LANG's unless given.",
         ),
     ] = None,
     _frames: Annotated[
@@ -132,7 +132,7 @@ def explain_missing(name):
         return _("this command needs Linux, macOS or WSL, because Windows has no pseudo-terminals")
     for extra, packages in EXTRAS.items():
         if package in packages:
-            return _("{package} is not installed: in the project's folder, pip install '.[{extra}]'").format(package=package, extra=extra)
+            return _("{package} is not installed: in the project's folder, pip install '.[{extra}]'", package=package, extra=extra)
     return None
 
 
@@ -153,7 +153,7 @@ def main():
         language.speak(command)
         command()
     except Failure as failure:
-        print(f"passo: {failure}", file=sys.stderr)
+        print(f"passo: {failure.told()}", file=sys.stderr)
         sys.exit(1)
     except ModuleNotFoundError as missing:
         explained = explain_missing(missing.name)
@@ -163,7 +163,7 @@ def main():
         sys.exit(1)
     except OSError as refusal:
         where = f"{refusal.filename}: " if refusal.filename else ""
-        print(f"passo: {where}{refusal.strerror or refusal}", file=sys.stderr)
+        print(f"passo: {where}{reason(refusal)}", file=sys.stderr)
         sys.exit(1)
 
 

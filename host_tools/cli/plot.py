@@ -59,5 +59,5 @@ def scale_of(text, board):
     except ValueError:
         numbers = []
     if len(numbers) not in (1, 2) or min(numbers) <= 0:
-        raise Failure(f"--steps-per-mm wants one or two numbers above 0, as in 10 or 48,83, not {text!r}")
+        raise Failure("--steps-per-mm wants one or two numbers above 0, as in 10 or 48,83, not {!r}", text)
     return numbers[0], numbers[-1]

@@ -1,6 +1,7 @@
 """`passo ports`: the serial ports that look like a board."""
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 # Vendor and product of the chips that boards have at their USB plug; a product of None means any of that vendor.
 _BOARDS = [
@@ -41,7 +42,7 @@ def only():
     if not boards:
         raise Failure("no board is connected; name its port with --port")
     if len(boards) > 1:
-        raise Failure(f"several boards are connected ({', '.join(item[0] for item in boards)}); choose one with --port")
+        raise Failure("several boards are connected ({}); choose one with --port", ", ".join(item[0] for item in boards))
     return boards[0][0]
 
 
@@ -58,7 +59,7 @@ def ports():
     boards = found()
     if not boards:
         raise Failure("no board is connected (a virtual one starts with: passo board)")
-    table = Table("port", "board", "serial number")
+    table = Table(_("port"), _("board"), _("serial number"))
     for row in boards:
         table.add_row(*row)
     Console().print(table)

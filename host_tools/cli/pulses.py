@@ -8,6 +8,7 @@ import typer
 
 from host_tools.cli.pulses_files import BOARD, BoardName, PulseFile, check, convert, example, image, ramps
 from host_tools.failure import Failure
+from host_tools.language import _
 
 app = typer.Typer(
     help="""Play files of pulse codes, as LPTControl did, and convert them.
@@ -50,15 +51,16 @@ def _follow(client, wait, playing):
             status = panel.follow(playing)
     except KeyboardInterrupt:
         client.command("stop")
-        raise Failure(f"stopped by Ctrl-C at {status_text(client.status())}") from None
+        raise Failure("stopped by Ctrl-C at {}", status_text(client.status())) from None
     for line in client.said:
-        check(line, "the run")
+        check(line, _("the run"))
     print(status_text(status))
     if status["state"] == "alarm":
         raise Failure("the machine is in alarm")
     if status["state"] == "hold" and playing:
-        way = "passo pulses speed N goes on" if status["ask"] == "1" else "passo pulses run goes on, stop ends it"
-        raise Failure(f"paused at command {status['at']} of {status['of']}: {way}")
+        if status["ask"] == "1":
+            raise Failure("paused at command {} of {}: passo pulses speed N goes on", status["at"], status["of"])
+        raise Failure("paused at command {} of {}: passo pulses run goes on, stop ends it", status["at"], status["of"])
     return status
 
 
@@ -119,7 +121,7 @@ def play(
         except KeyboardInterrupt:
             client.command("stop")
             raise Failure("stopped by Ctrl-C") from None
-        print(f"{file}: {count} commands")
+        print(_("{}: {} commands", file, count))
         if speed:
             client.command("speed", speed)
         client.command("run", repeat)
@@ -140,7 +142,7 @@ def _stream(file, repeat, speed, begin, back, port, baud, wait, log):
         source = LongFile(file, axes)
         number = source.total if back and begin is None else begin or 0
         source.seek(number)
-        print(f"{file}: {source.total} commands")
+        print(_("{}: {} commands", file, source.total))
         try:
             if begin is not None:
                 go_to(client, source, number)
@@ -174,8 +176,8 @@ def reverse(port: Port = None, baud: Baud = 115200, wait: Wait = True):
     status = _order(("back",), port, baud, wait, playing=True)
     if status and status["state"] == "idle" and int(status["at"]):
         raise Failure(
-            f"not back at the start, but at command {status['at']} of {status['of']}: what was streamed before is forgotten; "
-            "passo pulses run goes forward again"
+            "not back at the start, but at command {} of {}: what was streamed before is forgotten; passo pulses run goes forward again",
+            status["at"], status["of"],
         )
 
 
@@ -262,13 +264,13 @@ def jog(
 
     axes = {axis["name"]: axis["steps_per_m"] / 1000 for axis in boards.load(board)["axes"]}
     if len(words) % 2:
-        raise Failure(f"an axis and a number are wanted, as in x 10 y -5, not {' '.join(words)}")
+        raise Failure("an axis and a number are wanted, as in x 10 y -5, not {}", " ".join(words))
     order = ["jog"]
     for axis, number in zip(words[::2], words[1::2]):
         try:
             count = round(float(number) * (1 if steps else axes[axis]))
         except (KeyError, ValueError, OverflowError):
-            raise Failure(f"{axis} {number}: an axis ({', '.join(axes)}) and a number are wanted") from None
+            raise Failure("{} {}: an axis ({}) and a number are wanted", axis, number, ", ".join(axes)) from None
         order += [axis, count]
     _order(order, port, baud, wait)
 
@@ -276,7 +278,7 @@ def jog(
 def _switch(name):
     def switch(state: Annotated[str, typer.Argument(metavar="on|off")], port: Port = None, baud: Baud = 115200):
         if state not in ("on", "off"):
-            raise Failure(f"{name} on or off, not {state}")
+            raise Failure("{} on or off, not {}", name, state)
         _order((name, state), port, baud)
 
     switch.__doc__ = f"Switch the {name} by hand, at a stand.\n\nExample: passo pulses {name} on"

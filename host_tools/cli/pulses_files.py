@@ -5,7 +5,8 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import _
 
 BoardName = Annotated[str, typer.Option("--board", help="Board file: a name of boards/, or the path of a .py file.")]
 PulseFile = Annotated[Path, typer.Argument(help="The pulse file.")]
@@ -21,9 +22,9 @@ def _board(name):
     try:
         board = check(boards.load(name))
     except BoardError as error:
-        raise Failure(f"board {name}: {error}") from error
+        raise Failure("board {}: {}", name, error) from error
     if not board["step_program"]:
-        raise Failure(f"board {name} has no section step_program")
+        raise Failure("board {} has no section step_program", name)
     return board, "".join(axis["name"] for axis in board["axes"])[:3]
 
 
@@ -39,11 +40,11 @@ def check(file: PulseFile, board: BoardName = BOARD):
 
     config, axes = _board(board)
     course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["step_program"], file), config)
-    print(f"commands {course.commands}, {course.steps} of them steps; {clock(course.seconds)} ({course.seconds:.1f} s)")
+    print(_("commands {}, {} of them steps; {} ({:.1f} s)", course.commands, course.steps, clock(course.seconds), course.seconds))
     for number, axis in enumerate(config["axes"]):
         per_mm = axis["steps_per_m"] / 1000
         low, high, end = (place[number] / per_mm for place in (course.low, course.high, course.place))
-        print(f"{axis['name'].upper()} {low:9.3f} … {high:9.3f} mm, ends at {end:.3f}")
+        print(_("{} {:9.3f} … {:9.3f} mm, ends at {:.3f}", axis["name"].upper(), low, high, end))
 
 
 def convert(
@@ -75,7 +76,7 @@ def convert(
 
     config, axes = _board(board)
     if side not in (None, "left", "right"):
-        raise Failure(f"--side is left or right, not {side!r}")
+        raise Failure("--side is left or right, not {!r}", side)
     if side and not (out and out.suffix.lower() in GCODE):
         raise Failure("--side makes G-code of a pulse file: name it, as in -o part.gcode")
     if file.suffix.lower() in GCODE:
@@ -90,7 +91,7 @@ def convert(
         beside = ({"left": LEFT, "right": RIGHT}[side], radius) if side else None
         text, counts = pulse_gcode.to_gcode(found, config, beside)
         _write(target, text)
-        print(f"{counts['lines']} lines and {counts['arcs']} arcs of {counts['steps']} steps")
+        print(_("{} lines and {} arcs of {} steps", counts["lines"], counts["arcs"], counts["steps"]))
     else:
         course = pulse_file.Course(pulse_file.items(pulse_file.load(file), axes, config["step_program"], file), config)
         target = out or file.with_suffix(".png")
@@ -102,7 +103,7 @@ def _write(target, text):
     try:
         target.write_text(text, encoding="ascii")
     except OSError as error:
-        raise Failure(f"cannot write {target}: {error.strerror}") from error
+        raise Failure("cannot write {}: {}", target, reason(error)) from error
 
 
 def ramps(
@@ -124,7 +125,7 @@ def ramps(
     config, axes = _board(board)
     accel = accel or config["step_program"]["accel_mm_s2"]
     if not accel:
-        raise Failure(f"board {board} asks for no acceleration: step_program.accel_mm_s2 is 0; give --accel")
+        raise Failure("board {} asks for no acceleration: step_program.accel_mm_s2 is 0; give --accel", board)
     target = out or file.with_name(f"{file.stem}_ramps{file.suffix}")
     found = pulse_file.items(pulse_file.load(file), axes, config["step_program"], file)
     text = with_ramps(found, config, accel)
@@ -132,7 +133,7 @@ def ramps(
     if not same_steps(found, made, len(axes)):
         raise Failure("the steps would not be the same: this is a fault of passo")
     _write(target, text)
-    print(f"{target}: {len(made)} cells, {pulse_file.Course(made, config).seconds:.1f} s")
+    print(_("{}: {} cells, {:.1f} s", target, len(made), pulse_file.Course(made, config).seconds))
 
 
 def image(file: PulseFile, board: BoardName = BOARD):
@@ -157,7 +158,7 @@ def image(file: PulseFile, board: BoardName = BOARD):
         elif kind:
             continue
         byte = port_byte(item & 255 if item & 15 else 0, tool, drives, config["step_program"])
-        for _ in range(item >> 8 if item & 15 else 1):
+        for each in range(item >> 8 if item & 15 else 1):
             print(f"{byte:02X}")
 
 
@@ -177,11 +178,11 @@ def example(
     from host_tools.programs import pulse_shapes
 
     if shape not in pulse_shapes.SHAPES:
-        raise Failure(f"{shape!r} is no example; known are {', '.join(sorted(pulse_shapes.SHAPES))}")
-    config, _ = _board(board)
+        raise Failure("{!r} is no example; known are {}", shape, ", ".join(sorted(pulse_shapes.SHAPES)))
+    config = _board(board)[0]
     scale = {axis["steps_per_m"] for axis in config["axes"][:2]}
     if len(scale) != 1:
-        raise Failure(f"board {board}: X and Y differ in steps/mm, and a diagonal would not be one")
+        raise Failure("board {}: X and Y differ in steps/mm, and a diagonal would not be one", board)
     per_mm = scale.pop() / 1000
     z_per_mm = config["axes"][-1]["steps_per_m"] / 1000
     target = out or Path(f"{shape}.txt")

@@ -14,6 +14,7 @@ import sys
 import time
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 _COMMANDS = {"p": "pause", "r": "run", "b": "back"}
 _SHOW_S = 0.25
@@ -21,19 +22,21 @@ _SHOW_S = 0.25
 
 def status_text(status):
     """A status in one line for people."""
-    parts = [f"{status['state']:<5} command {status['at']} of {status['of']}"]
+    parts = [_("{:<5} command {} of {}", status["state"], status["at"], status["of"])]
     if status["pass"] != "1/1":
-        parts.append(f"pass {status['pass']}")
-    parts.append(f"{'backward' if status['going'] == '-' else 'forward'} at {status['speed']} mm/min")
+        parts.append(_("pass {}", status["pass"]))
+    speed = status["speed"]
+    parts.append(_("backward at {} mm/min", speed) if status["going"] == "-" else _("forward at {} mm/min", speed))
     if status["wait"] != "0":
-        parts.append(f"waits {int(status['wait']) / 1000:.1f} s")
+        parts.append(_("waits {:.1f} s", int(status["wait"]) / 1000))
     if status["ask"] == "1":
-        parts.append("WAITS FOR A SPEED")
+        parts.append(_("WAITS FOR A SPEED"))
     if status["manual"] != "0":
-        parts.append(f"{status['manual']} steps by hand")
-    parts.append(f"place {status['place']}")
-    parts.append(f"tool {'on' if status['tool'] == '1' else 'off'}")
-    return ", ".join(parts) + f", port {status['port']}"
+        parts.append(_("{} steps by hand", status["manual"]))
+    parts.append(_("place {}", status["place"]))
+    parts.append(_("tool on") if status["tool"] == "1" else _("tool off"))
+    parts.append(_("port {}", status["port"]))
+    return ", ".join(parts)
 
 
 class Panel:
@@ -93,7 +96,7 @@ class Panel:
                 self._client.command(_COMMANDS[key])
             elif key == "s":
                 self._client.command("stop")
-                raise Stopped(f"stopped at {status_text(self._client.status())}")
+                raise Stopped("stopped at {}", status_text(self._client.status()))
             elif key.isdigit():
                 self._typed += key
             elif key in "\r\n" and self._typed:
@@ -104,7 +107,7 @@ class Panel:
         except (LinkError, Stopped):
             raise
         except Failure as refused:
-            self._typed, self._said = "", str(refused)
+            self._typed, self._said = "", refused.told()
 
     def _show(self, status):
         if not sys.stderr.isatty():
@@ -112,8 +115,8 @@ class Panel:
         self._shown = time.monotonic()
         text = status_text(status)
         if self._terminal:
-            keys = "r go on" if status["state"] == "hold" else "p pause"
-            text += f"  ({keys}, b back, s stop, a number and Enter: mm/min) {self._typed}{self._said}"
+            keys = _("r go on") if status["state"] == "hold" else _("p pause")
+            text += "  " + _("({}, b back, s stop, a number and Enter: mm/min)", keys) + f" {self._typed}{self._said}"
         print("\r\x1b[K" + text, end="", file=sys.stderr, flush=True)
 
 

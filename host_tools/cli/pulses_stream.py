@@ -7,6 +7,7 @@ stopped there and gets the rest of the way as a new stream.
 from host_tools.cli.pulses_panel import Panel, status_text
 from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
+from host_tools.language import _
 from host_tools.programs.job_record import BACK, DONE
 from passo import errors
 
@@ -42,7 +43,7 @@ def play_long(client, file, number=0, backward=False, times=1, speed=None, show=
                 status = panel.follow(True)
                 if "oldest" not in client.said:
                     for line in client.said:
-                        check(line, "the run")
+                        check(line, _("the run"))
                     return status
             except _Oldest:
                 pass
@@ -90,4 +91,4 @@ def go_by(client, way):
         with Panel(client) as panel:
             status = panel.follow(False)
         if status["state"] not in ("idle", "hold"):
-            raise Failure(f"not there yet: {status_text(status)}")
+            raise Failure("not there yet: {}", status_text(status))

@@ -8,8 +8,9 @@ import typer
 from host_tools.cli.lead_in import prepared
 from host_tools.cli.link import BAUD
 from host_tools.failure import Failure
+from host_tools.language import _
 from host_tools.programs.interrupted import ended, interrupted
-from host_tools.programs.job_record import NO_JOURNAL, find_zero
+from host_tools.programs.job_record import find_zero
 
 
 Protocol = Annotated[Optional[str], typer.Option(help="grbl, pulses or plotter; default by the file's name.")]
@@ -49,7 +50,7 @@ def resume(
 
     protocol = protocol or _LANGUAGES.get(file.suffix.lower(), "grbl")
     if protocol not in _RESUMES:
-        raise Failure(f"--protocol is {', '.join(_RESUMES)}, not {protocol!r}")
+        raise Failure("--protocol is {}, not {!r}", ", ".join(_RESUMES), protocol)
     _RESUMES[protocol](file, port or ports.only(), baud or BAUD[protocol], home, unverified, yes)
 
 
@@ -79,28 +80,28 @@ def _resume_gcode(file, port, baud, home, unverified, yes):
         try:
             said = client.command("$JR")
         except Refused as refused:
-            raise Failure(f"{NO_JOURNAL}: {refused}; passo stream --from LINE needs none") from None
+            raise Failure("the board has no journal (docs/jobs.md): {}; passo stream --from LINE needs none", refused) from None
         number, place, known = interrupted(said, lines, stored_job.crc(stored_job.gcode_job(file)) if plain else 0)
-        print(f"{file}: interrupted {'before' if place is None else 'in'} line {number}")
+        print(_("{}: interrupted before line {}", file, number) if place is None else _("{}: interrupted in line {}", file, number))
         find_zero(known, home, unverified, client.home)
         if client.ask_status()["state"] == "Alarm":  # it came to its stand as it should: where it is remains known
             client.command("$X")
         state = client.ask_status()["state"]
         if state != "Idle":
-            raise Failure(f"the machine has to be idle, and its state is {state}")
+            raise Failure("the machine has to be idle, and its state is {}", state)
         rest = prepared(client, lines, number, place, yes, ended(said))
         with Panel(client, lines) as panel:
             for done in client.stream(rest, True, panel.cycle, panel.numbered):
                 panel.done(done)
             client.wait_idle(panel.cycle)
-        print(f"{file}: done{', unverified' if unverified and not known else ''}")
+        print(_("{}: done, unverified", file) if unverified and not known else _("{}: done", file))
 
 
 def _settled(client):
     """What was queued when the cable was cut is played to its end; nothing is reset while it moves."""
     state = client.ask_status()["state"]
     if state.startswith(("Hold", "Door")):
-        raise Failure(f"the machine is held ({state}): ~ goes on, Ctrl-X ends it")
+        raise Failure("the machine is held ({}): ~ goes on, Ctrl-X ends it", state)
     if state in ("Run", "Jog", "Home"):
         client.wait_idle()
 

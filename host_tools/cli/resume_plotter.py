@@ -24,7 +24,7 @@ def resume(file, port, baud, home, unverified, yes):
         machine = draw.plotter(_BOARD)
         numbers = [stored_job.crc(data)]
     if not objects:
-        raise Failure(f"{file} draws nothing")
+        raise Failure("{} draws nothing", file)
     run(Console(), objects, machine, record, port, baud, speed, way, numbers=numbers)
 
 

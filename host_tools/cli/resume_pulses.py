@@ -9,7 +9,8 @@ from host_tools.clients.pulses import PulsesClient
 from host_tools.clients.refusal import Refused
 from host_tools.clients.serial_port import LinkError
 from host_tools.failure import Failure
-from host_tools.programs.job_record import BACK, NO_JOURNAL, Record, find_zero
+from host_tools.language import _
+from host_tools.programs.job_record import BACK, Record, find_zero
 from host_tools.programs.long_pulses import LongFile
 
 
@@ -26,11 +27,12 @@ def resume(file, port, baud, home, unverified, yes):
             _settle(client, status)
             record = Record.of(client.ask("$JR"))
         except Refused as refused:
-            raise Failure(f"{NO_JOURNAL}: {refused}; passo pulses play --from COMMAND needs none") from None
+            raise Failure("the board has no journal (docs/jobs.md): {}; passo pulses play --from COMMAND needs none", refused) from None
         if record.job != source.job_number():
             raise Failure("the board's journal is of another file, or the file has changed; begin at a command with passo pulses play --from")
         number, times, backward = where(record, source)
-        print(f"{file}: interrupted before command {number}{', backward' if backward else ''}{f', {times} times to go' if times > 1 else ''}")
+        way = _(", backward") if backward else _(", {} times to go", times) if times > 1 else ""
+        print(_("{}: interrupted before command {}", file, number) + way)
         find_zero(record.known, home, unverified, client.home)
         if client.status()["state"] == "alarm":  # the host was lost, and it came to a stand: where it is remains known
             client.command("unlock")
@@ -44,7 +46,8 @@ def resume(file, port, baud, home, unverified, yes):
             raise Failure("stopped by Ctrl-C") from None
         with Panel(client) as panel:
             status = panel.follow(True)
-        print(f"{file}: done{', unverified' if unverified and not record.known else ''}; {status_text(status)}")
+        done = _("{}: done, unverified", file) if unverified and not record.known else _("{}: done", file)
+        print(f"{done}; {status_text(status)}")
 
 
 def _awake(client):
@@ -104,12 +107,12 @@ def _go(client, source, number, place, yes):
     if axes == 3:
         across[2] = 0
     go_by(client, across)
-    if not yes and not agreed(f"next is command {number}, at {', '.join(map(str, place))} steps"):
+    if not yes and not agreed(_("next is command {}, at {} steps", number, ", ".join(map(str, place)))):
         raise Failure("not gone on: the tool is off")
     if axes == 3:
         go_by(client, (0, 0, place[2] - top))
     if _place(client) != place:
-        raise Failure(f"the machine is not at the place: {_place(client)}, not {place}")
+        raise Failure("the machine is not at the place: {}, not {}", _place(client), place)
 
 
 def _place(client):

@@ -15,6 +15,7 @@ from host_tools import boards
 from host_tools.clients.plotter import PlotterClient
 from host_tools.drawings import contours, drawing, objects, plot
 from host_tools.failure import Failure
+from host_tools.language import _
 from host_tools.programs.job import Job
 from host_tools.sim.measure import measure, read_trace
 
@@ -49,10 +50,10 @@ def draw(name, job, trace):
             process.wait(10)
         except subprocess.TimeoutExpired:
             process.kill()
-            raise Failure(f"{name}: the virtual board did not stop") from None
+            raise Failure("{}: the virtual board did not stop", name) from None
         process.stdout.close()
     if process.returncode:
-        raise Failure(f"{name}: the virtual board ended with status {process.returncode}")
+        raise Failure("{}: the virtual board ended with status {}", name, process.returncode)
     return client
 
 
@@ -61,7 +62,7 @@ def _port(process):
     for line in process.stdout:
         if line.startswith("port: "):
             return line.split(": ", 1)[1].strip()
-    raise Failure(f"the virtual board did not start (status {process.wait(_START_S)})")
+    raise Failure("the virtual board did not start (status {})", process.wait(_START_S))
 
 
 def main():
@@ -72,30 +73,30 @@ def main():
     out.mkdir(exist_ok=True)
     begun = time.monotonic()
     console = Console()
-    table = Table("drawing", *(_right(head) for head in ("points", "packets", "resends", "steps", "time s", "off line",
-                                                         "path")), title=f"Passo on {BOARD}")
+    heads = (_("points"), _("packets"), _("resends"), _("steps"), _("time s"), _("off line"), _("path"))
+    table = Table(_("drawing"), *map(_right, heads), title=_("Passo on {}", BOARD))
     scale = boards.steps_per_mm(boards.load(BOARD))
     faults = []
     for name, job in jobs(out).items():
         trace = out / f"{name}.csv"
-        with console.status(f"drawing {name}"):
+        with console.status(_("drawing {}", name)):
             client = draw(name, job, trace)
             rows = read_trace(trace)
             points = [point for points in job for point in points]
             result = measure(rows, points)
             plot.save(out / f"{name}.png", plot.strokes_of_trace(rows[result.first :], scale), name)
         if result.deviation > LARGEST_DEVIATION:
-            result.faults.append(f"strays {result.deviation:.3f} steps from its line")
+            result.faults.append(_("strays {:.3f} steps from its line", result.deviation))
         faults += [f"{name}: {fault}" for fault in result.faults]
         table.add_row(
             name, str(len(points)), str(client.packets), str(client.resends), str(result.steps),
-            f"{result.time_s:.3f}", f"{result.deviation:.3f}", "wrong" if result.faults else "exact",
+            f"{result.time_s:.3f}", f"{result.deviation:.3f}", _("wrong") if result.faults else _("exact"),
         )
     console.print(table)
-    console.print("off line: largest distance from the ideal line, in steps on the minor axis; at most ½ is exact")
-    console.print(f"pictures and traces in {out}/, {time.monotonic() - begun:.0f} s")
+    console.print(_("off line: largest distance from the ideal line, in steps on the minor axis; at most ½ is exact"))
+    console.print(_("pictures and traces in {}/, {:.0f} s", out, time.monotonic() - begun))
     if faults:
-        raise Failure(f"{len(faults)} faults; the first: {faults[0]}")
+        raise Failure("{} faults; the first: {}", len(faults), faults[0])
 
 
 def _right(head):
@@ -108,5 +109,5 @@ if __name__ == "__main__":
     try:
         main()
     except Failure as failure:
-        print(f"run: {failure}", file=sys.stderr)
+        print(f"run: {failure.told()}", file=sys.stderr)
         sys.exit(1)

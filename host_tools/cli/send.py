@@ -10,6 +10,7 @@ from typing import Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _, error_text
 
 ARGUMENTS = {"LINE": 2, "MOVE": 2, "SPEED": 1, "LINK": 1}
 _HEX = re.compile(r"[0-9a-fA-F]{2}$")
@@ -69,12 +70,14 @@ def parse(words):
             continue
         name = tokens.pop(0).upper()
         if name not in plotter.COMMANDS:
-            raise Failure(f"{name!r} is no packet; known are {', '.join(sorted(plotter.COMMANDS))}, or bytes in hex")
+            raise Failure("{!r} is no packet; known are {}, or bytes in hex", name, ", ".join(sorted(plotter.COMMANDS)))
         count = ARGUMENTS.get(name, 0)
         numbers, tokens = tokens[:count], tokens[count:]
         if len(numbers) < count or not all(number.isdigit() and int(number) < 65536 for number in numbers):
-            raise Failure(f"{name} wants {count} number{'s' if count > 1 else ''} from 0 to 65535, "
-                          f"not {' '.join(numbers) or 'nothing'}")
+            given = " ".join(numbers) or "-"
+            if count == 1:
+                raise Failure("{} wants a number from 0 to 65535, not {}", name, given)
+            raise Failure("{} wants {} numbers from 0 to 65535, not {}", name, count, given)
         items.append((name, tuple(int(number) for number in numbers)))
     return items
 
@@ -93,7 +96,7 @@ def _converse(client):
                 _send(client, item)
         except Failure as failure:
             failed = failure
-            print(failure, file=sys.stderr)
+            print(failure.told(), file=sys.stderr)
     if failed and not tty:
         raise Failure("not every packet was carried out")
 
@@ -109,46 +112,44 @@ def _send(client, item):
         return
     name, numbers = item
     data = plotter.packet(plotter.COMMANDS[name], *numbers)
-    print(f"Sending: {packet_text(data)}", end="", flush=True)
+    print(_("Sending: {}", packet_text(data)), end="", flush=True)
     resends, begun = client.resends, time.monotonic()
     try:
         answer = _ACTIONS[name](client, *numbers)
     except Cancelled:
         client.stop()
-        print("    stopped")
+        print("    " + _("stopped"))
         raise Failure("stopped by Ctrl-C: pen up, object dropped") from None
     except Failure:
-        print("    Received: nothing")
+        print("    " + _("Received: nothing"))
         raise
     took = time.monotonic() - begun
-    again = f"    (sent {client.resends - resends} times more)" if client.resends > resends else ""
-    print(f"    Received: {answer}{again}")
+    again = "    " + _("(sent {} times more)", client.resends - resends) if client.resends > resends else ""
+    print("    " + _("Received: {}", answer) + again)
     if name in ("END", "ORIGIN"):
-        print(f"Time: {took:.3f} s")
+        print(_("Time: {:.3f} s", took))
 
 
 def _send_raw(client, data):
     from host_tools.clients.wire import LinkError, answer_text, packet_text
 
-    print(f"Sending: {packet_text(data)}", end="", flush=True)
+    print(_("Sending: {}", packet_text(data)), end="", flush=True)
     events = client.raw(data)
     shown = []
     for kind, value in events:
         if kind == "answer":
             shown.append(answer_text(bytes([value])))
         else:
-            shown.append(_status_text(value) if kind == "status" else f"torn {value.hex(' ')}")
-    print(f"    Received: {', '.join(shown) or 'nothing'}")
+            shown.append(_status_text(value) if kind == "status" else _("torn {}", value.hex(" ")))
+    print("    " + (_("Received: {}", ", ".join(shown)) if shown else _("Received: nothing")))
     if not shown:
         raise LinkError("no answer")
 
 
 def _status_text(status):
-    from host_tools.language import error_text
-
-    error = f", error {status['error']}: {error_text(status['error'])}" if status["error"] else ""
-    return (f"STATUS {status['state']} at {status['x']}, {status['y']}, {status['drawn']} points drawn, "
-            f"room for {status['free']}{error}")
+    fields = (status[name] for name in ("state", "x", "y", "drawn", "free"))
+    error = _(", error {}: {}", status["error"], error_text(status["error"])) if status["error"] else ""
+    return _("STATUS {} at {}, {}, {} points drawn, room for {}", *fields) + error
 
 
 def _done(action, answer):

@@ -12,7 +12,8 @@ from typing import Optional
 import typer
 
 from host_tools.clients.grbl import Refused
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import _
 
 VERSION = 2
 _HEADER = "; passo settings, version "
@@ -44,14 +45,14 @@ def settings(
     from host_tools.clients.setting_names import table
 
     if action not in ("show", "backup", "restore"):
-        raise Failure(f"show, backup or restore, not {action!r}")
+        raise Failure("show, backup or restore, not {!r}", action)
     if action != "show" and file is None:
-        raise Failure(f"passo settings {action} FILE: the file is missing")
+        raise Failure("passo settings {} FILE: the file is missing", action)
     wanted, version = read(file) if action == "restore" else ([], VERSION)
     with GrblClient(port or ports.only(), baud) as client:
         if action == "restore":
             changed = restore(client, meant(client, wanted, version))
-            print(f"{len(changed)} of {len(wanted)} lines were different and are restored")
+            print(_("{} of {} lines were different and are restored", len(changed), len(wanted)))
             return
         lines = backup(client)
         if action == "backup" and masks(client) is not None:
@@ -62,8 +63,8 @@ def settings(
     try:
         file.write_text("\n".join(lines) + "\n", encoding="ascii")
     except OSError as error:
-        raise Failure(f"cannot write {file}: {error.strerror}") from error
-    print(f"{file}: {len(lines)} lines")
+        raise Failure("cannot write {}: {}", file, reason(error)) from error
+    print(_("{}: {} lines", file, len(lines)))
 
 
 def backup(client):
@@ -71,7 +72,7 @@ def backup(client):
     lines = [line for line in client.command("$$") if line.startswith("$")]
     lines += [line for line in client.command("$N") if line.startswith("$N")]
     for line in client.command("$#"):
-        name, _, places = line.strip("[]").partition(":")
+        name, colon, places = line.strip("[]").partition(":")
         if name in _KEPT_OFFSETS:
             words = "".join(axis + value for axis, value in zip("XYZA", places.split(",")))
             lines.append(f"G10L2P{_KEPT_OFFSETS.index(name) + 1}{words}")
@@ -125,19 +126,19 @@ def read(file):
     try:
         lines = file.read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeError) as error:
-        raise Failure(f"cannot read {file}: {error}") from error
+        raise Failure("cannot read {}: {}", file, error) from error
     version = None
     for number, line in enumerate(lines, 1):
         if line.startswith(_HEADER) and line[len(_HEADER) :].isdigit():
             version = int(line[len(_HEADER) :])
             if version > VERSION:
-                raise Failure(f"{file} is of a later passo: version {version}; this one knows {VERSION}")
+                raise Failure("{} is of a later passo: version {}; this one knows {}", file, version, VERSION)
             lines[number - 1] = ""
         elif line and not line.startswith(("$", "G10L1P", "G10L2P")):
-            raise Failure(f"{file}, line {number}: {line!r} is no setting")
+            raise Failure("{}, line {}: {!r} is no setting", file, number, line)
     lines = [line for line in lines if line]
     if not lines:
-        raise Failure(f"{file} has no settings")
+        raise Failure("{} has no settings", file)
     return lines, version or (1 if _is_passo(lines) else VERSION)
 
 

@@ -5,6 +5,8 @@ from typing import Annotated, Optional
 
 import typer
 
+from host_tools.language import _
+
 
 def site(
     out: Annotated[Path, typer.Option("--out", help="Folder to write; emptied first, if it holds an older site.")] = Path("build/site"),
@@ -27,9 +29,9 @@ def site(
 
     from host_tools.site import builder
 
-    with Console(stderr=True).status("MicroPython from npm, the firmware, the page"):
+    with Console(stderr=True).status(_("MicroPython from npm, the firmware, the page")):
         size = builder.build(out, builder.package())
-    print(f"site: {out}, {len(list(out.iterdir()))} files, {size / 1e6:.1f} MB")
+    print(_("site: {}, {} files, {:.1f} MB", out, len(list(out.iterdir())), size / 1e6))
     if serve is not None:
         _serve(out, serve)
 
@@ -44,7 +46,7 @@ def _serve(folder, port):
             """Requests of a page are no news."""
 
     with ThreadingHTTPServer(("127.0.0.1", port), partial(Quiet, directory=folder)) as server:
-        print(f"page: http://127.0.0.1:{server.server_port}/\nCtrl-C ends it.", flush=True)
+        print(f"page: http://127.0.0.1:{server.server_port}/\n" + _("Ctrl-C ends it."), flush=True)
         try:
             server.serve_forever()
         except KeyboardInterrupt:

@@ -6,10 +6,14 @@ import typer
 
 from host_tools.cli.log import BAUD, shown, spoken
 from host_tools.failure import Failure
+from host_tools.language import N_, _
 
 _REPORTS = 40  # of grbl, until one has said what each says only now and then
-_PINS = {"P": "probe", "D": "door", "H": "hold", "R": "reset", "S": "resume", "N": "presence", "n": "nobody at the machine"}
-_ACCESSORIES = {"S": "spindle clockwise", "C": "spindle counter-clockwise", "F": "flood", "M": "mist"}
+_PINS = {
+    "P": N_("probe"), "D": N_("door"), "H": N_("hold"), "R": N_("reset"), "S": N_("resume"), "N": N_("presence"),
+    "n": N_("nobody at the machine"),
+}  # fmt: skip
+_ACCESSORIES = {"S": N_("spindle clockwise"), "C": N_("spindle counter-clockwise"), "F": N_("flood"), "M": N_("mist")}
 
 
 def status(
@@ -32,14 +36,14 @@ def status(
     from host_tools.cli import ports
 
     if protocol not in (None, *BAUD):
-        raise Failure(f"--protocol {protocol}: it has no word for the status; ask on a link that speaks {', '.join(BAUD)}")
+        raise Failure("--protocol {}: it has no word for the status; ask on a link that speaks {}", protocol, ", ".join(BAUD))
     port = port or ports.only()
     baud = baud or BAUD[protocol or "grbl"]
     protocol = protocol or spoken(port, baud)
     rows = {"grbl": _grbl, "torch": _torch, "pulses": _pulses, "plotter": _plotter}[protocol](port, baud)
-    width = max(len(name) for name, _ in rows)
+    width = max(len(_(row[0])) for row in rows)
     for name, text in rows:
-        print(f"{name:<{width}}  {text}".rstrip())
+        print(f"{_(name):<{width}}  {text}".rstrip())
 
 
 def _grbl(port, baud):
@@ -47,7 +51,7 @@ def _grbl(port, baud):
 
     with GrblClient(port, baud) as client:
         fields = {}
-        for _ in range(_REPORTS):
+        for again in range(_REPORTS):
             fields = {**fields, **client.ask_status()}
             if "WCO" in fields and "Ov" in fields:
                 break
@@ -61,24 +65,24 @@ def _grbl(port, baud):
 
 def grbl_rows(fields, encoders, log):
     """[(name, text)] of the fields of status reports, the lines of $ENC and those of $LOG."""
-    rows = [("state", fields["state"])]
+    rows = [(N_("state"), fields["state"])]
     offset = _numbers(fields.get("WCO", ""))
-    for name, key, other, sign in (("machine", "MPos", "WPos", 1), ("work", "WPos", "MPos", -1)):
+    for name, key, other, sign in ((N_("machine"), "MPos", "WPos", 1), (N_("work"), "WPos", "MPos", -1)):
         place = _numbers(fields.get(key, ""))
         if not place and key not in fields and offset and other in fields:
             place = [at + sign * by for at, by in zip(_numbers(fields[other]), offset)]
         if place:
             rows.append((name, "  ".join(f"{axis} {at:.3f}" for axis, at in zip("XYZA", place))))
-    feed, rpm, *_ = (*fields.get("FS", "0,0").split(","), "0")
-    on = [_ACCESSORIES[letter] for letter in fields.get("A", "") if letter in _ACCESSORIES]
-    rows.append(("moves", ", ".join([f"{feed} mm/min", f"S {rpm}", *on])))
+    feed, rpm = (*fields.get("FS", "0,0").split(","), "0")[:2]
+    on = [_(_ACCESSORIES[letter]) for letter in fields.get("A", "") if letter in _ACCESSORIES]
+    rows.append((N_("moves"), ", ".join([f"{feed} mm/min", f"S {rpm}", *on])))
     if "Ov" in fields:
-        rows.append(("overrides", "feed {} %, rapids {} %, spindle {} %".format(*fields["Ov"].split(","))))
-    active = [_PINS.get(letter, f"limit {letter}") for letter in fields.get("Pn", "")]
-    rows.append(("active", ", ".join(active) or "no input"))
+        rows.append((N_("overrides"), _("feed {} %, rapids {} %, spindle {} %", *fields["Ov"].split(","))))
+    active = [_(_PINS[letter]) if letter in _PINS else _("limit {}", letter) for letter in fields.get("Pn", "")]
+    rows.append((N_("active"), ", ".join(active) or _("no input")))
     for line in encoders:
         motor, count, error, most = line[5:-1].split(",")
-        rows.append((f"encoder {motor}", f"{count} counts, {error} steps off, {most} at most"))
+        rows.append((_("encoder {}", motor), _("{} counts, {} steps off, {} at most", count, error, most)))
     for text in map(shown, log):
         if text:
             rows.append(("", text))
@@ -96,7 +100,7 @@ def _torch(port, baud):
     with TorchClient(port, baud) as client:
         fields, log = client.status(), client.log()
     if fields is None:
-        raise Failure(f"{port}: no answer, or a board that has no word for its state; is it one of --protocol {', '.join(BAUD)}?")
+        raise Failure("{}: no answer, or a board that has no word for its state; is it one of --protocol {}?", port, ", ".join(BAUD))
     rows = [(name, str(value)) for name, value in fields.items()]
     return rows + [("", line) for line in told(log or [])]
 

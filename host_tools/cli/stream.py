@@ -14,6 +14,7 @@ import typer
 from host_tools.cli.lead_in import announce, prepared
 from host_tools.clients.grbl import LinkError
 from host_tools.failure import Failure
+from host_tools.language import _, line_text
 from host_tools.programs.gcode_time import Remaining
 
 _STATUS_S = 0.25
@@ -65,7 +66,7 @@ def stream(
     from host_tools.programs import compiler, gcode_file, gcode_time
 
     if flow not in ("count", "ok"):
-        raise Failure(f"--flow is count or ok, not {flow!r}")
+        raise Failure("--flow is count or ok, not {!r}", flow)
     program = compiler.read(file, dialect, tools)
     compiler.tell(program)
     lines = list(program.rows())
@@ -79,7 +80,7 @@ def stream(
             for number in client.stream(lines, flow == "count", panel.cycle, panel.numbered, program.origin):
                 panel.done(number)
             client.wait_idle(panel.cycle)
-        print(f"{file}: {len(lines)} lines in {gcode_file.clock(panel.seconds())}")
+        print(_("{}: {} lines in {}", file, len(lines), gcode_file.clock(panel.seconds())))
 
 
 def _make_ready(client, home, unlock):
@@ -107,7 +108,7 @@ class Aborted(Failure):
 class Panel:
     """The progress bar and the keys. `seconds`: estimated time of each line; `origin(number)`: what a line is called."""
 
-    def __init__(self, client, lines, seconds=None, origin="line {}".format):
+    def __init__(self, client, lines, seconds=None, origin=line_text):
         self._client = client
         self._origin = origin
         self._remaining = Remaining(seconds or [1.0] * len(lines))
@@ -144,7 +145,7 @@ class Panel:
             self._client.report(0)
         if kind is KeyboardInterrupt:
             self._client.halt()
-            raise Aborted(f"aborted at {self._origin(self._line)}") from None
+            raise Aborted("aborted at {}", self._origin(self._line)) from None
 
     def seconds(self):
         """How long the job has been moving."""
@@ -166,7 +167,7 @@ class Panel:
         now = time.monotonic()
         self._pause(self._client.status.get("state", "").startswith(("Hold", "Door")), now)
         if self._asked and self._client.silent():
-            raise LinkError(f"port {self._client.port}: no answer any more, at {self._origin(self._line)}")
+            raise LinkError("port {}: no answer any more, at {}", self._client.port, self._origin(self._line))
         if now - self._asked >= _STATUS_S:
             self._asked = now
             if self._asks:
@@ -189,7 +190,7 @@ class Panel:
             self._client.real_time(b"~")
         elif key == "a":
             self._client.halt()
-            raise Aborted(f"aborted at {self._origin(self._line)}")
+            raise Aborted("aborted at {}", self._origin(self._line))
 
     def _show(self):
         text = self.text()
@@ -203,11 +204,9 @@ class Panel:
         gone = self.seconds()
         left = clock(self._remaining.at(done, gone))
         place = status.get("MPos") or status.get("WPos") or ""
-        keys = "PAUSED: r resumes, a aborts" if self._paused_at is not None else "p pause, a abort"
-        return (
-            f"{self._remaining.share:4.0%} {self._origin(self._line)}  {status.get('state', '')} {place}  "
-            f"{clock(gone)} gone, {left} left  ({keys})"
-        )
+        keys = _("PAUSED: r resumes, a aborts") if self._paused_at is not None else _("p pause, a abort")
+        times = _("{} gone, {} left", clock(gone), left)
+        return f"{self._remaining.share:4.0%} {self._origin(self._line)}  {status.get('state', '')} {place}  {times}  ({keys})"
 
 
 def progress_bar(transient=False):

@@ -7,6 +7,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _, error_text
 
 app = typer.Typer(
     help="""Drive the torch manipulator: each axis at its own speed to its own target.
@@ -54,7 +55,7 @@ class Units:
 
     def text(self, x, y):
         if self.steps:
-            return f"X {x} Y {y} steps"
+            return _("X {} Y {} steps", x, y)
         return f"X {x / self.per_mm[0]:.3f} Y {y / self.per_mm[1]:.3f} mm"
 
 
@@ -66,7 +67,7 @@ def _client(port, baud, log):
 
 
 def status_text(units, status):
-    motors = {True: ", motors here", False: ", motors with the other controller", None: ""}[status["ours"]]
+    motors = {True: _(", motors here"), False: _(", motors with the other controller"), None: ""}[status["ours"]]
     return f"{status['state']:<5} {units.text(status['x'], status['y'])}{motors}"
 
 
@@ -84,7 +85,7 @@ def _finish(client, units, wait):
         status = client.wait(show)
     except KeyboardInterrupt:
         x, y = client.counts("STOP")
-        raise Failure(f"stopped by Ctrl-C after {units.text(x, y)}") from None
+        raise Failure("stopped by Ctrl-C after {}", units.text(x, y)) from None
     finally:
         if live:
             print("\r\x1b[K", end="", file=sys.stderr)
@@ -169,7 +170,7 @@ def jog(
     from passo.protocols.torch import protocol as torch
 
     if direction.lower() not in JOGS:
-        raise Failure(f"jog {', '.join(JOGS[:3])} or {JOGS[3]}, not {direction!r}")
+        raise Failure("jog {} or {}, not {!r}", ", ".join(JOGS[:3]), JOGS[3], direction)
     units = Units(board, steps)
     with _client(port, baud, log) as client:
         client.jog(direction.upper(), times)
@@ -191,19 +192,17 @@ def info(
     """
     import time
 
-    from host_tools.language import error_text
-
     units = Units(board, steps)
     with _client(port, baud, log) as client:
         try:
             while True:
                 made = client.counts()
                 status = client.status()
-                text = f"made {units.text(*made)}"
+                text = _("made {}", units.text(*made))
                 if status:
-                    text = f"{status_text(units, status)}; {text}; {status['dropped']} dropped"
+                    text = _("{}; {}; {} dropped", status_text(units, status), text, status["dropped"])
                     if status["error"]:
-                        text += f"; error {status['error']}, {error_text(status['error'])}"
+                        text += _("; error {}, {}", status["error"], error_text(status["error"]))
                 print(text, flush=True)
                 if not watch:
                     return
@@ -224,7 +223,7 @@ def halt(
     """
     units = Units(board, steps)
     with _client(port, baud, log) as client:
-        print(f"stopped after {units.text(*client.counts('STOP'))}")
+        print(_("stopped after {}", units.text(*client.counts("STOP"))))
 
 
 @app.command(context_settings=_NUMBERS)
@@ -254,13 +253,13 @@ def weave(
     from passo.protocols.torch import protocol as torch
 
     if shape not in NAMES[1:]:
-        raise Failure(f"{shape!r} is no shape; {', '.join(NAMES[1:])}")
+        raise Failure("{!r} is no shape; {}", shape, ", ".join(NAMES[1:]))
     units = Units(board, False)
     try:
         places = [float(part) for part in (centre or "0,0").split(",")]
         to_x, to_y = (units.count(axis, place) for axis, place in enumerate(places))
     except (ValueError, OverflowError, IndexError):
-        raise Failure(f"--centre wants two numbers, as in 0,20, not {centre!r}") from None
+        raise Failure("--centre wants two numbers, as in 0,20, not {!r}", centre) from None
     spec = NAMES.index(shape), round(amplitude * 1000), round(pitch * 1000), left, right, 1 if along else 0
     data = torch.weave(spec, units.count(0, x), units.count(1, y), max(round(speed * 1000 / 60), 1), (to_x, to_y), clockwise)
     with _client(port, baud, log) as client:
@@ -277,7 +276,7 @@ def origin(port: Port = None, baud: Baud = 115200, log: Log = None):
         passo torch origin
     """
     _plain("ORIGIN", port, baud, log)
-    print("the origin is here")
+    print(_("the origin is here"))
 
 
 @app.command()
@@ -302,7 +301,7 @@ def config(
     speeds = units.speed(0, x_speed, speed), units.speed(1, y_speed, speed)
     with _client(port, baud, log) as client:
         client.order(torch.configure(*jogs, *speeds))
-    print(f"jogs of {jogs[0]} and {jogs[1]} steps at {speeds[0]} and {speeds[1]} steps/s")
+    print(_("jogs of {} and {} steps at {} and {} steps/s", *jogs, *speeds))
 
 
 @app.command()
@@ -314,7 +313,7 @@ def connect(port: Port = None, baud: Baud = 115200, log: Log = None):
         passo torch connect
     """
     _plain("CONNECT", port, baud, log)
-    print("the motors are this board's")
+    print(_("the motors are this board's"))
 
 
 @app.command()
@@ -326,7 +325,7 @@ def disconnect(port: Port = None, baud: Baud = 115200, log: Log = None):
         passo torch disconnect
     """
     _plain("DISCONNECT", port, baud, log)
-    print("the motors are the original controller's")
+    print(_("the motors are the original controller's"))
 
 
 @app.command()
@@ -346,7 +345,7 @@ def unlock(port: Port = None, baud: Baud = 115200, log: Log = None):
             status = client.order(torch.passo(torch.UNLOCK_OF, value))
         if status["state"] == "alarm":
             raise Failure("the alarm is still there")
-    print("unlocked")
+    print(_("unlocked"))
 
 
 @app.command()
@@ -366,7 +365,7 @@ def admit(
 
     with _client(port, baud, log) as client:
         client.order(torch.passo(torch.ADMIT_OF, minutes))
-    print(f"admitted for {minutes} minutes" if minutes else "no longer admitted")
+    print(_("admitted for {} minutes", minutes) if minutes else _("no longer admitted"))
 
 
 def _plain(name, port, baud, log):

@@ -7,6 +7,7 @@ import typer
 
 from host_tools.cli.log import BAUD, spoken
 from host_tools.failure import Failure
+from host_tools.language import N_, _
 
 _MAP = 48, 18  # characters
 _MOST_PLACES = 4000
@@ -40,7 +41,7 @@ def watch(
     from host_tools.cli import ports
 
     if protocol not in (None, *BAUD):
-        raise Failure(f"--protocol {protocol}: it has no word for the status; ask on a link that speaks {', '.join(BAUD)}")
+        raise Failure("--protocol {}: it has no word for the status; ask on a link that speaks {}", protocol, ", ".join(BAUD))
     port = port or ports.only()
     baud = baud or BAUD[protocol or "grbl"]
     protocol = protocol or spoken(port, baud)
@@ -82,7 +83,7 @@ def _grbl(client, known):
         known.pop(gone, None)
     known.update(fresh)
     rows = [row for row in grbl_rows(known, [], []) if row[0]]
-    rows.insert(1, ("line", known.get("Ln", "-")))
+    rows.insert(1, (N_("line"), known.get("Ln", "-")))
     places = [float(part) for part in (known.get("MPos") or known.get("WPos") or "0,0").split(",")]
     return rows, tuple((*places, 0.0)[:2])
 
@@ -127,7 +128,7 @@ class View:
         table = Table.grid(padding=(0, 2))
         for name, text in self._rows:
             color = _STATE_COLORS.get(text.partition(":")[0].lower(), "") if name == "state" else ""
-            table.add_row(Text(name, "dim"), Text(text, f"bold {color}".strip() if name == "state" else ""))
+            table.add_row(Text(_(name), "dim"), Text(text, f"bold {color}".strip() if name == "state" else ""))
         return Panel(Columns([table, Text(braille(self.places, *_MAP))], padding=(0, 4)), title=self._title)
 
 

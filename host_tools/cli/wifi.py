@@ -10,6 +10,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 FILE = "wifi.json"  # on the board: passo/web/radio.py reads it
 _TIMEOUT_S = 60
@@ -72,9 +73,9 @@ def _saved(port):
 def checked(name, passphrase):
     """Raises Failure unless a radio can take both."""
     if not 1 <= len(name.encode()) <= _NAME_BYTES:
-        raise Failure(f"a network's name has 1 to {_NAME_BYTES} bytes, not {len(name.encode())}")
+        raise Failure("a network's name has 1 to {} bytes, not {}", _NAME_BYTES, len(name.encode()))
     if not _LEAST <= len(passphrase) <= _MOST or not all(" " <= letter <= "~" for letter in passphrase):
-        raise Failure(f"a WPA2 passphrase has {_LEAST} to {_MOST} letters, digits or signs, without accents")
+        raise Failure("a WPA2 passphrase has {} to {} letters, digits or signs, without accents", _LEAST, _MOST)
     if len(set(passphrase)) < 4 or name in passphrase:
         raise Failure("this passphrase is guessed at once: take another")
 
@@ -86,7 +87,7 @@ def _set(mode, name, passphrase, port, new_key):
 
     port = _port(port)
     if passphrase is None:
-        passphrase = typer.prompt("passphrase", hide_input=True, confirmation_prompt=mode == "access")
+        passphrase = typer.prompt(_("passphrase"), hide_input=True, confirmation_prompt=mode == "access")
     checked(name, passphrase)
     before = _saved(port)
     key = before["key"] if before and "key" in before and not new_key else session.make_key(os.urandom)
@@ -94,13 +95,13 @@ def _set(mode, name, passphrase, port, new_key):
         path = Path(folder) / FILE
         path.touch(mode=0o600)
         path.write_text(json.dumps({"mode": mode, "name": name, "passphrase": passphrase, "key": key}))
-        _, status = _mpremote(port, "cp", str(path), ":" + FILE, "+", "reset")
+        status = _mpremote(port, "cp", str(path), ":" + FILE, "+", "reset")[1]
     if status:
-        raise Failure(f"the board on {port} did not take the file: try again")
-    print(f"{'access point' if mode == 'access' else 'station of'} {name}; the board starts anew")
+        raise Failure("the board on {} did not take the file: try again", port)
+    print(_("access point {}; the board starts anew", name) if mode == "access" else _("station of {}; the board starts anew", name))
     print(f"key: {session.shown(key)}")
     if len(passphrase) < _WEAK:
-        print(f"a passphrase of {_WEAK} characters or more would be harder to guess", file=sys.stderr)
+        print(_("a passphrase of {} characters or more would be harder to guess", _WEAK), file=sys.stderr)
 
 
 NewKey = Annotated[bool, typer.Option("--new-key", help="Another key: pages that have the old one move nothing any more.")]
@@ -146,9 +147,10 @@ def show(port: Port = None):
 
     found = _saved(_port(port))
     if not found:
-        print("the radio is off")
+        print(_("the radio is off"))
         return
-    print(f"{'access point' if found['mode'] == 'access' else 'station of'} {found['name']}")
+    name = found["name"]
+    print(_("access point {}", name) if found["mode"] == "access" else _("station of {}", name))
     print(f"key: {session.shown(found['key'])}")
 
 
@@ -163,7 +165,7 @@ def off(port: Port = None):
     port = _port(port)
     _mpremote(port, "rm", ":" + FILE)
     _mpremote(port, "reset")
-    print("the radio is off")
+    print(_("the radio is off"))
 
 
 @app.command()

@@ -14,6 +14,7 @@ It works while it is called: read(), write(), in_waiting. Raises OSError if the 
 import re
 import time
 
+from host_tools.language import _
 from passo.protocols.frames import codec
 from passo.protocols.frames.codec import ACK, AGAIN, CUT, DATA, HELLO_WIRE, LEAVE, NUMBERS, REPORT, TAKEN, URGENT, WELCOME
 from passo.protocols.frames.sender import Sender
@@ -78,7 +79,7 @@ class FramedPort:
         """Open a new session. False if nobody answers HELLO within `wait_s`, or, with `text`, something else answers a line. Raises OSError if
         another program's session cannot be ended."""
         asked = not text
-        for _ in range(_LEAVES):
+        for again in range(_LEAVES):
             begun_ms = self._clock()
             self._open = False
             while not self._open:
@@ -182,7 +183,7 @@ class FramedPort:
         self._expect_nothing()
         if now_ms - self._heard_ms > _SILENT_MS:
             if now_ms - self._heard_ms > _LOST_MS:
-                raise OSError("the board does not answer any more")
+                raise OSError(_("the board does not answer any more"))
             self._offer()
             return
         if self._urgents and (self._urgent_ms is None or now_ms - self._urgent_ms >= _URGENT_MS):
@@ -213,7 +214,7 @@ class FramedPort:
         if kind == WELCOME:
             self._welcome(data, number, ack, credit)
         elif self._open and kind == codec.CLOSED:
-            raise OSError("answers of the board were lost")
+            raise OSError(_("answers of the board were lost"))
         elif self._open:
             self._sender.acknowledged(ack, credit, self._heard_ms)
             if kind == DATA:
@@ -232,7 +233,7 @@ class FramedPort:
             self._sender.clear(ack)
             self._send(ACK)
         elif new and (self._sender.first or self._urgent):
-            raise OSError("the board has been reset")
+            raise OSError(_("the board has been reset"))
         self._sender.acknowledged(ack, credit, self._heard_ms)
 
     def _take(self, number, data):

@@ -12,6 +12,7 @@ import time
 from host_tools.clients.client import Client
 from host_tools.clients.refusal import Refused, explain
 from host_tools.clients.serial_port import LinkError, open_link
+from host_tools.language import _, error_text, line_text
 from passo.web.wire import fields_of
 
 RX_BYTES = 128
@@ -94,7 +95,9 @@ class GrblClient(Client):
         while self.banners == before:
             said += self.lines()
             if time.monotonic() > deadline:
-                raise LinkError(f"{self.port}: no grbl answers there" + (f", but {said[0]!r}" if said else ""))
+                if said:
+                    raise LinkError("{}: no grbl answers there, but {!r}", self.port, said[0])
+                raise LinkError("{}: no grbl answers there", self.port)
         deadline = time.monotonic() + 0.2
         while time.monotonic() < deadline:
             self.lines()
@@ -118,10 +121,11 @@ class GrblClient(Client):
                     self.rest = heard[at + 1 :]
                     return said
                 if answer == "ok" or answer.startswith("error:"):
-                    why = explain(answer) if self.alarm is None else f"alarm {self.alarm}: {alarm_text(self.alarm)}"
-                    raise Refused(f"{line}: {why}")
+                    if self.alarm is not None:
+                        raise Refused("{}: alarm {}: {}", line, self.alarm, alarm_text(self.alarm))
+                    raise Refused("{}: {}", line, explain(answer), number=int(answer.partition(":")[2] or 0))
                 said.append(answer)
-        raise LinkError(f"{self.port}: no answer to {line!r}")
+        raise LinkError("{}: no answer to {!r}", self.port, line)
 
     ask = command  # as the clients of all languages have it
 
@@ -137,10 +141,10 @@ class GrblClient(Client):
         while not self.status:
             self.lines()
             if time.monotonic() > deadline:
-                raise LinkError(f"{self.port}: no status report")
+                raise LinkError("{}: no status report", self.port)
         return self.status
 
-    def stream(self, lines, count=True, idle=None, numbered=False, origin="line {}".format):
+    def stream(self, lines, count=True, idle=None, numbered=False, origin=line_text):
         """Send [(number, bytes)]; yields each number as its line is answered.
 
         `count`: keep up to 128 bytes under way, 900 in frames; otherwise each line waits for the answer to the previous one. Calls `idle()`
@@ -155,15 +159,15 @@ class GrblClient(Client):
                 under_way.append(waiting.pop())
                 self._write(under_way[-1][-1] + b"\n")
             for answer in self.lines():
-                number, line, _ = under_way[0] if under_way else (None, b"", b"")
-                where = f"{origin(number)}, {line.decode('ascii', 'replace')}" if under_way else "after the last line"
+                number, line = under_way[0][:2] if under_way else (None, b"")
+                where = f"{origin(number)}, {line.decode('ascii', 'replace')}" if under_way else _("after the last line")
                 if answer.startswith("ALARM:"):
-                    raise Refused(f"{where}: alarm {self.alarm}: {alarm_text(self.alarm)}", number)
+                    raise Refused("{}: alarm {}: {}", where, self.alarm, alarm_text(self.alarm), number=number)
                 if answer.startswith("error:") and under_way:
                     self.halt()
-                    raise Refused(f"{where}: {explain(answer)}", number)
+                    raise Refused("{}: {}", where, explain(answer), number=number)
                 if answer.startswith("Grbl "):
-                    raise LinkError(f"{where}: the controller was reset")
+                    raise LinkError("{}: the controller was reset", where)
                 if answer == "ok" and under_way:
                     yield under_way.pop(0)[0]
             if idle:
@@ -186,7 +190,7 @@ class GrblClient(Client):
         """Wait until nothing moves."""
         while self.ask_status()["state"] not in ("Idle", "Check", "Sleep"):
             if self.alarm is not None or self.status["state"] == "Alarm":
-                raise Refused(f"alarm {self.alarm}: {alarm_text(self.alarm or 0)}")
+                raise Refused("alarm {}: {}", self.alarm, alarm_text(self.alarm or 0))
             if idle:
                 idle()
             time.sleep(0.1)
@@ -198,6 +202,4 @@ def tagged(number, line):
 
 
 def alarm_text(number):
-    from host_tools.language import error_text
-
     return error_text(200 + number)

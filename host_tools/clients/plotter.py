@@ -37,7 +37,10 @@ class Refused(LinkError):
 
     def __init__(self, what, number, alarm):
         self.number = number
-        super().__init__(f"{what} was refused: {'alarm' if alarm else 'error'} {number}, {error_text(number)}")
+        if alarm:
+            super().__init__("{} was refused: alarm {}, {}", what, number, error_text(number))
+        else:
+            super().__init__("{} was refused: error {}, {}", what, number, error_text(number))
 
 
 class Cancelled(Exception):
@@ -121,8 +124,8 @@ class PlotterClient:
                 return
             self._check(status, name)
             if answer != RESEND:
-                raise LinkError(f"{name} was not answered and has not moved the machine; it is not sent twice")
-        raise LinkError(f"{name} was asked for again {ATTEMPTS} times: the line is too noisy")
+                raise LinkError("{} was not answered and has not moved the machine; it is not sent twice", name)
+        raise LinkError("{} was asked for again {} times: the line is too noisy", name, ATTEMPTS)
 
     def ask(self, line, timeout_s=None):
         """Send a line about stored jobs or the journal, `$F` or `$JR`; returns the lines before its ok. Raises Refused of
@@ -141,12 +144,13 @@ class PlotterClient:
                     break
             else:
                 self._settle("WORDS")  # which clears the error
-                raise refusal.Refused(f"{line}: the controller does not understand it", errors.STATEMENT)
+                raise refusal.Refused("{}: the controller does not understand it", line, number=errors.STATEMENT)
             if number < last and said[:1] != bytes((ANSWER["REQUEST_OK"],)):
-                raise LinkError(f"{line} was cut off: the line is too noisy")
+                raise LinkError("{} was cut off: the line is too noisy", line)
         *told, answer = said.decode("ascii", "replace").splitlines()
         if answer != "ok":
-            raise refusal.Refused(f"{line}: {refusal.explain(answer)}", int(answer[6:] or 0) if answer[:6] == "error:" else None)
+            number = int(answer[6:] or 0) if answer[:6] == "error:" else None
+            raise refusal.Refused("{}: {}", line, refusal.explain(answer), number=number)
         return told
 
     def status(self):
@@ -201,7 +205,7 @@ class PlotterClient:
                 self._check(status, name)
             self._send(name, x, y, repeat=True)
             answer = self._await(self.timeout_s)
-        raise LinkError(f"{name} was not understood in {ATTEMPTS} attempts: the line is too noisy")
+        raise LinkError("{} was not understood in {} attempts: the line is too noisy", name, ATTEMPTS)
 
     def _withheld(self, name, status):
         """True while the controller holds NEXT back because its memory is full: it draws, and there will be room."""
@@ -228,7 +232,7 @@ class PlotterClient:
             if idle > 1 or (idle and answer == RESEND):
                 attempts += 1
                 if attempts == ATTEMPTS:
-                    raise LinkError(f"{name} was not carried out in {ATTEMPTS} attempts: the line is too noisy")
+                    raise LinkError("{} was not carried out in {} attempts: the line is too noisy", name, ATTEMPTS)
                 self._send(name, repeat=True)
                 idle = 0
 
@@ -273,10 +277,10 @@ class PlotterClient:
                 if kind != "answer" or value == RESEND or value not in plotter.ANSWERS:
                     break
         if heard is None:
-            raise LinkError(f"no answer to {name} on {self._wire.port}: is the controller on, and the baud right?")
+            raise LinkError("no answer to {} on {}: is the controller on, and the baud right?", name, self._wire.port)
         if heard not in plotter.ANSWERS:
-            raise LinkError(f"{self._wire.port} answers, but not in the plotter's language (byte {heard:#04x})")
-        raise LinkError(f"the controller on {self._wire.port} answers {plotter.ANSWERS[heard]} but not STATUS")
+            raise LinkError("{} answers, but not in the plotter's language (byte {:#04x})", self._wire.port, heard)
+        raise LinkError("the controller on {} answers {} but not STATUS", self._wire.port, plotter.ANSWERS[heard])
 
     def _event(self, timeout_s):
         """wire.event in slices, so that cancel() is noticed."""

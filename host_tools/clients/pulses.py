@@ -12,7 +12,7 @@ from host_tools.clients.client import Client
 from host_tools.clients.refusal import Refused, explain
 from host_tools.clients.wire import LinkError, open_port
 from host_tools.failure import Failure
-from host_tools.language import error_text
+from host_tools.language import _, error_text
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
 from passo.protocols.pulses.report import status_from
 
@@ -62,7 +62,7 @@ class PulsesClient(Client):
                 if checked:
                     check(found, what)
                 return found
-        raise LinkError(f"no answer on port {self.port} to {what}")
+        raise LinkError("no answer on port {} to {}", self.port, what)
 
     # --- commands
 
@@ -77,7 +77,7 @@ class PulsesClient(Client):
         self.send(frame(line))
         answer = self._answer(lambda heard: heard == "ok" or heard.startswith("error:"), line, timeout_s, None, False)
         if answer != "ok":
-            raise Refused(f"{line}: {explain(answer)}", int(answer[6:]))
+            raise Refused("{}: {}", line, explain(answer), number=int(answer[6:]))
         told = [heard for heard in self.said if heard.startswith("[")]
         self.said = kept + [heard for heard in self.said if not heard.startswith("[")]
         return told
@@ -131,7 +131,7 @@ class PulsesClient(Client):
                 check(line, "the file")
                 self.said.append(line)
             if not stream and time.monotonic() - latest > TIMEOUT_S:
-                raise LinkError(f"port {self.port} takes no more of the file")
+                raise LinkError("port {} takes no more of the file", self.port)
         self.send(frame("end"))  # behind all that is still to be played of a stream
         limit_s = float("inf") if stream else TIMEOUT_S
         return int(self._answer(lambda line: line.startswith("ok "), "end", limit_s, idle or (lambda: None)).split()[1])
@@ -153,8 +153,11 @@ class PulsesClient(Client):
 
 def check(line, what):
     """Raise Failure if `line` is an error or an alarm."""
-    kind, _, rest = line.partition(":")
+    kind, colon, rest = line.partition(":")
     if kind in ("error", "alarm") and rest:
-        number, _, where = rest.partition(" ")
+        number, blank, where = rest.partition(" ")
         text = error_text(int(number)) if number.isdigit() else rest
-        raise Failure(f"{what}{': ' + where if where else ''}: {kind} {number}: {text}")
+        place = f"{what}: {where.replace('line', _('line')).replace('column', _('column'))}" if where else what
+        if kind == "alarm":
+            raise Failure("{}: alarm {}: {}", place, number, text)
+        raise Failure("{}: error {}: {}", place, number, text)

@@ -38,7 +38,7 @@ def open_link(port, baud, slice_s, text):
         return opened
     except OSError as error:
         opened.close()
-        raise LinkError(f"port {port} went away: {error}") from error
+        raise LinkError("port {} went away: {}", port, error) from error
 
 
 def open_exclusively(port, baud, slice_s):
@@ -61,10 +61,10 @@ def open_exclusively(port, baud, slice_s):
             os.close(lock)
         number = getattr(error, "errno", None)
         if number in (errno.EAGAIN, errno.EBUSY, errno.EACCES) and (others := _users_of(port)):
-            raise LinkError(f"port {port} is in use by {others}") from error
+            raise LinkError("port {} is in use by {}", port, others) from error
         if number in (errno.EAGAIN, errno.EBUSY):
-            raise LinkError(f"port {port} is in use by another program") from error
-        raise LinkError(f"cannot open port {port}: {os.strerror(number) if number else error}") from error
+            raise LinkError("port {} is in use by another program", port) from error
+        raise LinkError("cannot open port {}: {}", port, os.strerror(number) if number else error) from error
 
 
 def _keep_others_out(opened):

@@ -74,7 +74,7 @@ def describe(line, axes):
         return _("sent when the board starts"), "", ""
     offset = re.match(r"G10L2P(\d)", line)
     if offset:
-        return _("origin of {system}").format(system=f"G{53 + int(offset[1])}"), "", ""
+        return _("origin of {system}", system=f"G{53 + int(offset[1])}"), "", ""
     setting = re.match(r"\$(\d+)=", line)
     found = rule(int(setting[1]), axes) if setting else None
     if not found:

@@ -32,7 +32,7 @@ class Bridge:
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._nonce = self._greeting()
         except OSError as error:
-            raise Failure(f"no board answers at {host}, port {port}: {error}") from error
+            raise Failure("no board answers at {}, port {}: {}", host, port, error) from error
 
     def _greeting(self):
         while b"\n" not in self._rest:
@@ -58,7 +58,7 @@ class Bridge:
             if typed:
                 self._socket.sendall(self._signed(typed))
         except OSError as error:
-            raise Failure(f"the board has hung up: {error}") from error
+            raise Failure("the board has hung up: {}", error) from error
         if data == b"":
             raise Failure("the board has hung up: is it the right key?")
         if data:

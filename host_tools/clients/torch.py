@@ -74,7 +74,7 @@ class TorchClient(Client):
         """(x, y) in steps since the last move or jog, as INFO or STOP is answered."""
         fields = self._ask(torch.frame(name), name, self.timeout_s)
         if fields is None:
-            raise LinkError(f"{self.port}: no answer to {name}; is it the torch's board, and its speed?")
+            raise LinkError("{}: no answer to {}; is it the torch's board, and its speed?", self.port, name)
         return fields["x"], fields["y"]
 
     def status(self):
@@ -83,7 +83,7 @@ class TorchClient(Client):
             return None
         fields = self._ask(torch.passo(torch.STATUS_OF), "PASSO", self.timeout_s if self.ours else _PASSO_S)
         if fields is None and self.ours:
-            raise LinkError(f"{self.port}: no status any more")
+            raise LinkError("{}: no status any more", self.port)
         if fields is None:
             self.counts()
         self.ours = fields is not None
@@ -95,7 +95,7 @@ class TorchClient(Client):
         while True:
             fields = self._ask(torch.passo(torch.LOG_OF, len(entries)), "LOG", self.timeout_s if entries else _PASSO_S)
             if fields is None and entries:
-                raise LinkError(f"{self.port}: the log breaks off")
+                raise LinkError("{}: the log breaks off", self.port)
             if fields is None:
                 return None
             if fields["number"]:
@@ -111,7 +111,7 @@ class TorchClient(Client):
         self.send(data)
         after = self.status()
         if before and after["dropped"] != before["dropped"]:
-            raise Refused(f"the board did not do it: error {after['error']}, {error_text(after['error'])}")
+            raise Refused("the board did not do it: error {}, {}", after["error"], error_text(after["error"]))
         return after
 
     def jog(self, direction, times=1):
@@ -137,7 +137,7 @@ class TorchClient(Client):
             if show:
                 show(status)
             if status["state"] == "alarm":
-                raise Refused(f"alarm {status['error']}, {error_text(status['error'])}")
+                raise Refused("alarm {}, {}", status["error"], error_text(status["error"]))
             if status["state"] not in ("run", "jog"):
                 return status
             time.sleep(POLL_S)

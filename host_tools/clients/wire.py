@@ -132,7 +132,7 @@ class Wire:
             raise self._gone(error) from error
 
     def _gone(self, error):
-        return LinkError(f"port {self.port} went away: {error}")
+        return LinkError("port {} went away: {}", self.port, error)
 
     def _note(self, arrow, data, text):
         if self._log:

@@ -19,6 +19,7 @@ from host_tools import boards
 from host_tools.drawings import placement
 from host_tools.drawings.placement import MM_PER_PX, Options, percent  # noqa: F401
 from host_tools.failure import Failure
+from host_tools.language import N_, _
 
 _JOIN_MM = 0.05  # lines whose ends are this close are joined
 _EDGE_MM = 0.1  # a line outside the page by less is moved onto its edge
@@ -84,10 +85,10 @@ def load(path, board, options=None, progress=None):
     progress = progress or (lambda text, share: None)
     steps_per_mm = boards.steps_per_mm(board)
     if options.place not in ("page", "outlines"):
-        raise Failure(f"--place takes page or outlines, not {options.place!r}")
+        raise Failure("--place takes page or outlines, not {!r}", options.place)
     if options.scale is not None and options.scale <= 0:
         raise Failure("--scale must be above 0")
-    progress("reading", 0.0)
+    progress(N_("reading"), 0.0)
     file = SvgFile(path)
     factor = options.scale or 1.0
     if options.place == "page" and options.fit and options.scale is None:
@@ -116,18 +117,18 @@ def load(path, board, options=None, progress=None):
 def _read(file, path, factor, options, progress):
     """The page, cropped; curves as fine as `options.tolerance` after scaling by `factor`."""
     deviation_px = options.tolerance / 4 / MM_PER_PX / max(factor, 1e-3)
-    page = file.outlines(deviation_px, lambda share: progress("reading", share))
+    page = file.outlines(deviation_px, lambda share: progress(N_("reading"), share))
     page.layers = {number: lines for number, lines in page.layers.items() if lines}
     if not page.layers:
-        raise Failure(f"{path}: nothing to draw: {_why_empty(page)}")
+        raise Failure("{}: nothing to draw: {}", path, _why_empty(page))
     if options.crop:
-        progress("cropping", 0.0)
+        progress(N_("cropping"), 0.0)
         whole = _length(page.layers)
         page.layers = {number: _cropped(lines, page.size_px) for number, lines in page.layers.items()}
         page.layers = {number: lines for number, lines in page.layers.items() if lines}
         page.lost_mm = (whole - _length(page.layers)) * MM_PER_PX
         if not page.layers:
-            raise Failure(f"{path}: nothing to draw: all of it lies outside the page (--no-crop draws it)")
+            raise Failure("{}: nothing to draw: all of it lies outside the page (--no-crop draws it)", path)
     return page
 
 
@@ -152,27 +153,27 @@ def _chosen(page, path, options):
         return page.layers
     unknown = sorted(set(options.layers) - set(page.layers))
     if unknown:
-        raise Failure(f"{path} has no layer {unknown[0]}; it has {', '.join(map(str, sorted(page.layers)))}")
+        raise Failure("{} has no layer {}; it has {}", path, unknown[0], ", ".join(map(str, sorted(page.layers))))
     return {number: page.layers[number] for number in options.layers}
 
 
 def _why_empty(page):
     if page.left_out:
-        return f"of what it has, nothing can be drawn: {_counted(page.left_out)}"
-    return "the file has no lines, curves or shapes"
+        return _("of what it has, nothing can be drawn: {}", _counted(page.left_out))
+    return _("the file has no lines, curves or shapes")
 
 
 def _counted(left_out):
-    return ", ".join(f"{count} × {what}" if count > 1 else what for what, count in sorted(left_out.items()))
+    return ", ".join(f"{count} × {_(what)}" if count > 1 else _(what) for what, count in sorted(left_out.items()))
 
 
 def _notes_of(page):
     if page.left_out:
-        yield f"left out, or not as it should be: {_counted(page.left_out)}"
+        yield _("left out, or not as it should be: {}", _counted(page.left_out))
     if page.unpainted:
-        yield f"{page.unpainted} × a shape without stroke and fill, which a viewer does not show, is drawn"
+        yield _("{} × a shape without stroke and fill, which a viewer does not show, is drawn", page.unpainted)
     if page.lost_mm > 0.1:
-        yield f"{page.lost_mm:.0f} mm of lines lie outside the page and are left out; --no-crop draws them"
+        yield _("{:.0f} mm of lines lie outside the page and are left out; --no-crop draws them", page.lost_mm)
 
 
 def _ordered(layers, tolerance_mm, progress):
@@ -190,7 +191,7 @@ def _ordered(layers, tolerance_mm, progress):
         thin = []
         for index, line in enumerate(joined(lines, _JOIN_MM)):
             if index % 64 == 0:
-                progress("ordering", (done + index) / count)
+                progress(N_("ordering"), (done + index) / count)
             if len(line) > 2:
                 points = numpy.column_stack((line.real, line.imag))
                 kept = numpy.asarray(LineString(points).simplify(tolerance_mm / 2).coords)

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import _, line_text
 from host_tools.sim.trace import HEADER
 
 SIZE = 960, 720
@@ -36,15 +37,15 @@ def load(path):
     try:
         with open(path, encoding="utf-8", errors="replace") as file:
             if file.readline().strip() != HEADER:
-                raise Failure(f"{path} is not a trace: its first line should be {HEADER}")
+                raise Failure("{} is not a trace: its first line should be {}", path, HEADER)
             try:
                 rows = np.loadtxt(file, delimiter=",", ndmin=2)
             except ValueError as error:
-                raise Failure(f"{path}: {_where(path)}: not a row of a trace") from error
+                raise Failure("{}: {}: not a row of a trace", path, _where(path)) from error
     except OSError as error:
-        raise Failure(f"cannot read trace {path}: {error.strerror}") from error
+        raise Failure("cannot read trace {}: {}", path, reason(error)) from error
     if rows.shape[0] < 2 or rows.shape[1] != 6 or not np.isfinite(rows).all():
-        raise Failure(f"{path}: {_where(path)}: nothing moves in it, or a row is none of a trace")
+        raise Failure("{}: {}: nothing moves in it, or a row is none of a trace", path, _where(path))
     return Moves(rows[:, 0] / 1e6, rows[:, 1:5], rows[:, 5])
 
 
@@ -56,10 +57,10 @@ def _where(path):
         for fields in reader:
             try:
                 if len(fields) != 6 or not all(math.isfinite(float(field)) for field in fields):
-                    return f"line {reader.line_num}"
+                    return line_text(reader.line_num)
             except ValueError:
-                return f"line {reader.line_num}"
-    return "its end"
+                return line_text(reader.line_num)
+    return _("its end")
 
 
 def times(moves, seconds, speed, per_second):
@@ -69,7 +70,7 @@ def times(moves, seconds, speed, per_second):
     length = span / speed if speed else seconds
     count = max(2, round(length * per_second))
     if count > MOST_FRAMES:
-        raise Failure(f"a film of {count} frames is too long, {MOST_FRAMES} at most: take a higher --speed, or fewer --seconds")
+        raise Failure("a film of {} frames is too long, {} at most: take a higher --speed, or fewer --seconds", count, MOST_FRAMES)
     return first + span * np.arange(count) / (count - 1)
 
 
@@ -153,9 +154,9 @@ def write(path, moves, scale, seconds=20.0, speed=None, per_second=20, progress=
         elif kind == "mp4":
             _mp4(path, frames(), per_second)
         else:
-            raise Failure(f"{path}: a film is a .gif or an .mp4")
+            raise Failure("{}: a film is a .gif or an .mp4", path)
     except OSError as error:
-        raise Failure(f"cannot write {path}: {error.strerror or error}") from error
+        raise Failure("cannot write {}: {}", path, reason(error)) from error
     return len(moments)
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 from host_tools import boards
 from host_tools.failure import Failure
+from host_tools.language import _
 
 MM_PER_PX = 25.4 / 96
 
@@ -53,7 +54,7 @@ def fitted(box_px, board, options):
     """The factor that makes a box fill the table within the margin."""
     room = [table - 2 * options.margin for table in table_mm(board)]
     if min(room) <= 0:
-        raise Failure(f"a margin of {options.margin:g} mm leaves no room on the table")
+        raise Failure("a margin of {:g} mm leaves no room on the table", options.margin)
     size = [(high - low) * MM_PER_PX for low, high in (box_px[::2], box_px[1::2])]
     return min(space / length for space, length in zip(room, size) if length > 1e-9) if max(size) > 1e-6 else 1.0
 
@@ -77,16 +78,17 @@ class Placement:
             self.factor = min([1.0] + [table / length for table, length in zip(self._table, size) if length > 1e-9])
             self._stand(options)
             if self.factor < 1:
-                self.notes.append(
-                    f"the {options.place} of {size[0]:.1f} × {size[1]:.1f} mm {'does' if options.place == 'page' else 'do'}"
-                    f" not fit the table of {self._table[0]:g} × {self._table[1]:g} mm: drawn at {percent(self.factor)} %"
-                )
+                if options.place == "page":
+                    text = _("the page of {:.1f} × {:.1f} mm does not fit the table of {:g} × {:g} mm: drawn at {} %")
+                else:
+                    text = _("the outlines of {:.1f} × {:.1f} mm do not fit the table of {:g} × {:g} mm: drawn at {} %")
+                self.notes.append(text.format(*size, *self._table, percent(self.factor)))
         if not self._has_room(outlines_px):
             left, low, right, high = self.on_table(outlines_px)
             raise Failure(
-                f"the drawing, {right - left:.1f} × {high - low:.1f} mm with its corner at {left:.1f}, {low:.1f}, leaves "
-                f"the table of {self._table[0]:g} × {self._table[1]:g} mm; use --fit, --place outlines, or another "
-                "--scale or --origin"
+                "the drawing, {:.1f} × {:.1f} mm with its corner at {:.1f}, {:.1f}, leaves the table of {:g} × {:g} mm; use --fit, "
+                "--place outlines, or another --scale or --origin",
+                right - left, high - low, left, low, self._table[0], self._table[1],
             )
 
     def _stand(self, options):

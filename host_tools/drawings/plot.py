@@ -2,6 +2,7 @@
 marked, the table around it."""
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 _DOWN = "#1a1a2e"
 _UP = "#9cc3e6"
@@ -71,14 +72,14 @@ def save(path, strokes, title, table=None, page=None, order=False):
         colors = plt.get_cmap("turbo")([i / len(lines) for i in range(len(lines))]) if order and pen_down else color
         axes.add_collection(
             LineCollection(lines, colors=colors, linewidths=width, capstyle="round", joinstyle="round",
-                           label="pen down" if pen_down else "pen up")
+                           label=_("pen down") if pen_down else _("pen up"))
         )
-    for box, label, color, style in ((table, "table", TABLE, "-"), (page, "page", _PAGE, (0, (5, 4)))):
+    for box, label, color, style in ((table, _("table"), TABLE, "-"), (page, _("page"), _PAGE, (0, (5, 4)))):
         if box is not None:
             show_box(axes, [round(side, 2) for side in box], label, color, style)
     start, end = strokes[0][1][0], strokes[-1][1][-1]
-    axes.plot(*start, "o", color="#2a9d3f", markersize=8, label=f"start {start[0]:.1f}, {start[1]:.1f}")
-    axes.plot(*end, "s", color="#d03030", markersize=7, label=f"end {end[0]:.1f}, {end[1]:.1f}")
+    axes.plot(*start, "o", color="#2a9d3f", markersize=8, label=_("start {:.1f}, {:.1f}", *start))
+    axes.plot(*end, "s", color="#d03030", markersize=7, label=_("end {:.1f}, {:.1f}", *end))
     finish(figure, axes, title)
     write(figure, path)
 
@@ -88,8 +89,8 @@ def finish(figure, axes, title):
     axes.autoscale()
     axes.margins(0.04)
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel("x in mm")
-    axes.set_ylabel("y in mm")
+    axes.set_xlabel(_("x in mm"))
+    axes.set_ylabel(_("y in mm"))
     axes.set_title(title)
     axes.grid(color="#e6e6e6", linewidth=0.5)
     axes.set_axisbelow(True)
@@ -103,6 +104,6 @@ def write(figure, path, dpi=130):
     try:
         figure.savefig(path, dpi=dpi)
     except (OSError, ValueError) as error:
-        raise Failure(f"cannot write {path}: {error}") from error
+        raise Failure("cannot write {}: {}", path, error) from error
     finally:
         plt.close(figure)

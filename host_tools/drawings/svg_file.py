@@ -21,6 +21,7 @@ import numpy
 from host_tools.drawings import svg_area, svg_geometry, svg_style, svg_text
 from host_tools.drawings.svg_style import local_name
 from host_tools.failure import Failure
+from host_tools.language import N_
 
 _DEFAULT_PX = 1000.0  # of a file that says neither its size nor its viewBox
 _CLIP_PX = 0.02  # a line along the edge of its clip path is inside: 5 µm
@@ -57,11 +58,11 @@ class SvgFile:
         try:
             self._root = ElementTree.parse(path).getroot()
         except FileNotFoundError as error:
-            raise Failure(f"no file {path}") from error
+            raise Failure("no file {}", path) from error
         except (OSError, ElementTree.ParseError, ValueError, LookupError) as error:
-            raise Failure(f"{path} is not an SVG file that can be read: {error}") from error
+            raise Failure("{} is not an SVG file that can be read: {}", path, error) from error
         if local_name(self._root.tag) != "svg":
-            raise Failure(f"{path} is not an SVG file: it begins with <{self._root.tag}>")
+            raise Failure("{} is not an SVG file: it begins with <{}>", path, self._root.tag)
         self._by_id = {}
         texts = []
         self._count = 0
@@ -96,7 +97,7 @@ class SvgFile:
         self._done = 0
         self._page = Page(self.size_px)
         if self._sheet.unknown:
-            self._page.left_out["style rule that cannot be read"] += len(self._sheet.unknown)
+            self._page.left_out[N_("style rule that cannot be read")] += len(self._sheet.unknown)
         width, height = self.size_px
         if width <= 0 or height <= 0:
             return self._page
@@ -150,7 +151,7 @@ class SvgFile:
             self._note_left_out(tag, inner.style)
             return []
         if lines and inner.style.get("mask", "none") != "none":
-            self._page.left_out["mask"] += 1
+            self._page.left_out[N_("mask")] += 1
         return self._clipped(lines, element, inner) if lines else lines
 
     def _inside(self, element, context):
@@ -174,8 +175,8 @@ class SvgFile:
         return [child for child in [next(plain, None)] if child is not None]
 
     def _note_left_out(self, tag, style):
-        kinds = {"image": "picture", "foreignObject": "text or other content that is not SVG",
-                 "flowRoot": "text in a frame (convert it to text or to paths)"}  # fmt: skip
+        kinds = {"image": N_("picture"), "foreignObject": N_("text or other content that is not SVG"),
+                 "flowRoot": N_("text in a frame (convert it to text or to paths)")}  # fmt: skip
         if tag in kinds and style.get("visibility", "visible") == "visible":
             self._page.left_out[kinds[tag]] += 1
 
@@ -196,7 +197,7 @@ class SvgFile:
             self._page.unpainted += 1
         for name in ("marker-start", "marker-mid", "marker-end"):
             if style.get(name, "none") != "none":
-                self._page.left_out["marker (arrow head)"] += 1
+                self._page.left_out[N_("marker (arrow head)")] += 1
         if stroked and style.get("stroke-linecap", "butt") == "butt":
             lines = [line for line in lines if len(line) > 2 or line[0] != line[-1]]
         if stroked:
@@ -211,7 +212,7 @@ class SvgFile:
             self._segments[key] = svg_geometry.path_segments(data) if data else ([], True)
         segments, whole = self._segments[key]
         if not whole:
-            self._page.left_out["rest of a path behind a mistake in it"] += 1
+            self._page.left_out[N_("rest of a path behind a mistake in it")] += 1
         return segments
 
     def _basic(self, tag, element, context):
@@ -231,7 +232,7 @@ class SvgFile:
     def _text(self, element, context):
         self._done += 1
         if context.style.get("writing-mode", "").startswith(("v", "tb")):
-            self._page.left_out["vertical text"] += 1
+            self._page.left_out[N_("vertical text")] += 1
             return []
         letters = svg_text.collect(element, context.style, self._style, context.viewport, self._page.left_out)
         stretch = svg_geometry.stretch(context.matrix)
@@ -243,7 +244,7 @@ class SvgFile:
     def _use(self, element, context):
         target = self._by_id.get((element.get("href") or element.get(_HREF) or "").removeprefix("#"))
         if target is None:
-            self._page.left_out["<use> of something that is not in the file"] += 1
+            self._page.left_out[N_("<use> of something that is not in the file")] += 1
             return []
         if target in context.used or len(context.used) > _DEEPEST:
             return []
@@ -295,7 +296,7 @@ class SvgFile:
             return lines
         clip = self._by_id.get(match[1])
         if clip is None or local_name(clip.tag) != "clipPath":
-            self._page.left_out["clip path that is not in the file"] += 1
+            self._page.left_out[N_("clip path that is not in the file")] += 1
             return lines
         area = self._area(clip, lines, context, 0)
         return svg_area.clipped(lines, svg_area.grown(area, _CLIP_PX))

@@ -13,6 +13,7 @@ import sys
 from pathlib import Path
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 CACHE = Path("~/.cache/passo").expanduser()
 RELEASE = "1.27.0"  # the firmware needs 1.26 or later
@@ -45,7 +46,7 @@ def find_uf2():
     if named:
         path = Path(named).expanduser()
         if not path.is_file():
-            raise Unavailable(f"PASSO_UF2 names {named}, which is no file")
+            raise Unavailable("PASSO_UF2 names {}, which is no file", named)
         return checked(path)
     cached = sorted(CACHE.glob("*.uf2"), key=lambda path: path.stat().st_mtime)
     return checked(cached[-1] if cached else _resolved())
@@ -55,33 +56,33 @@ def checked(path):
     """`path`, if it is a whole UF2 with MicroPython for the RP2040. Raises Unavailable with what it is instead."""
     data = Path(path).read_bytes()
     if len(data) < BLOCK_BYTES or len(data) % BLOCK_BYTES:
-        raise Unavailable(f"{path} is no UF2 file: {len(data)} bytes are not whole blocks of {BLOCK_BYTES}")
+        raise Unavailable("{} is no UF2 file: {} bytes are not whole blocks of {}", path, len(data), BLOCK_BYTES)
     blocks = len(data) // BLOCK_BYTES
     for number in range(blocks):
         first, second, flags, _, _, _, total, family = struct.unpack_from("<8I", data, number * BLOCK_BYTES)
         last = struct.unpack_from("<I", data, (number + 1) * BLOCK_BYTES - 4)[0]
         if (first, second, last) != (MAGIC_START, MAGIC_SECOND, MAGIC_END):
-            raise Unavailable(f"{path} is no UF2 file: block {number} of {blocks} has not the numbers of one")
+            raise Unavailable("{} is no UF2 file: block {} of {} has not the numbers of one", path, number, blocks)
         if not flags & FAMILY_PRESENT or family != RP2040_FAMILY:
-            raise Unavailable(f"{path} is not for the RP2040 of a Pico: its family is {family:#010x}")
+            raise Unavailable("{} is not for the RP2040 of a Pico: its family is {:#010x}", path, family)
         if total != blocks:
-            raise Unavailable(f"{path} is not whole: {blocks} of {total} blocks")
+            raise Unavailable("{} is not whole: {} of {} blocks", path, blocks, total)
     if b"MicroPython" not in data:
-        raise Unavailable(f"{path} holds no MicroPython")
+        raise Unavailable("{} holds no MicroPython", path)
     return path
 
 
 def _resolved():
     from rp2040py.utils.firmware_retrieve import MICROPYTHON, retrieve
 
-    hint = f"set PASSO_UF2 to one, or put it into {CACHE} (micropython.org/download/RPI_PICO, v1.26 or later)"
+    hint = _("set PASSO_UF2 to one, or put it into {} (micropython.org/download/RPI_PICO, v1.26 or later)", CACHE)
     if os.environ.get("PASSO_OFFLINE"):
-        raise Unavailable(f"no MicroPython UF2 for the Pico: {hint}")
-    print(f"fetching MicroPython {RELEASE} for the Pico from micropython.org, once", file=sys.stderr, flush=True)
+        raise Unavailable("no MicroPython UF2 for the Pico: {}", hint)
+    print(_("fetching MicroPython {} for the Pico from micropython.org, once", RELEASE), file=sys.stderr, flush=True)
     try:
         path = retrieve(MICROPYTHON, RELEASE, BOARD)
     except OSError as error:
-        raise Unavailable(f"no MicroPython UF2 for the Pico, and none can be downloaded ({error}): {hint}") from None
+        raise Unavailable("no MicroPython UF2 for the Pico, and none can be downloaded ({}): {}", error, hint) from None
     if path is None:
-        raise Unavailable(f"no MicroPython UF2 for the Pico, and none can be downloaded: {hint}")
+        raise Unavailable("no MicroPython UF2 for the Pico, and none can be downloaded: {}", hint)
     return path

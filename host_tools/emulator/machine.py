@@ -52,7 +52,7 @@ class EmulatedMachine:
     def __init__(self, board="plotter_2014", files=None, trace=True, vcd=None, uf2=None, leave_out=(), **plant_options):
         loaded = board if isinstance(board, dict) else boards.load(board)
         if loaded.get("chip") != "rp2040":
-            raise Failure(f"an RP2040 is emulated, and the board file is for {loaded.get('chip')}")
+            raise Failure("an RP2040 is emulated, and the board file is for {}", loaded.get("chip"))
         self.board = check(loaded)
         if files is None:
             files = written(board) if isinstance(board, dict) else firmware_files(str(board))

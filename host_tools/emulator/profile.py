@@ -196,7 +196,7 @@ def read_symbols(path):
     with open(path, "rb") as file:
         data = file.read()
     if data[:6] != b"\x7fELF\x01\x01":
-        raise Failure(f"{path} is no 32-bit ELF file")
+        raise Failure("{} is no 32-bit ELF file", path)
     offset, = struct.unpack_from("<I", data, 32)
     size, count = struct.unpack_from("<HH", data, 46)
     sections = [struct.unpack_from("<10I", data, offset + place * size) for place in range(count)]
@@ -213,7 +213,7 @@ def read_symbols(path):
             elif info & 15 == _FUNCTION:
                 found.append((value & ~1, extent, text))
     if not found:
-        raise Failure(f"{path} names no functions")
+        raise Failure("{} names no functions", path)
     found.sort()
     following = [start for start, *_ in found[1:]] + [found[-1][0]]
     # Functions in assembly have no length: they end where the next one begins.

@@ -26,14 +26,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import N_, _
 
 DOUBT = 0.01  # less likely than that by chance: the line does not explain the lengths
 SURE = 2.0  # standard uncertainties
 READING_MM = 0.02  # of a caliper
 _LONGEST_MM = 100_000.0
 _NUMBER = r"\d+(?:\.\d*)?|\.\d+"
-_FORM = "axis, commanded mm, measured mm, and if known: sigma, readings, turn or same"
+_FORM = N_("axis, commanded mm, measured mm, and if known: sigma, readings, turn or same")
 
 
 @dataclass
@@ -79,14 +80,14 @@ def read(path):
     try:
         text = open(path, encoding="utf-8", errors="replace").read()
     except OSError as error:
-        raise Failure(f"cannot read {path}: {error.strerror}") from error
+        raise Failure("cannot read {}: {}", path, reason(error)) from error
     rows = []
     for number, line in enumerate(text.splitlines(), 1):
         fields = re.split(r"[\s,;]+", line.partition("#")[0].strip().lower())
         if fields != [""] and fields[0] != "axis":
             rows.append(_row(f"{path}:{number}", fields))
     if not rows:
-        raise Failure(f"{path} has no line with a length: {_FORM}")
+        raise Failure("{} has no line with a length: {}", path, _(_FORM))
     return rows
 
 
@@ -94,21 +95,21 @@ def _row(where, fields):
     axis, *rest = fields
     diagonal = re.fullmatch(r"([xyza])([xyza])[+-]", axis)
     if not (diagonal and diagonal[1] != diagonal[2]) and axis not in ("x", "y", "z", "a"):
-        raise Failure(f"{where}: {axis!r} is no axis; x, y, z, a, or a diagonal: xy+, xy-")
+        raise Failure("{}: {!r} is no axis; x, y, z, a, or a diagonal: xy+, xy-", where, axis)
     if len(rest) < 2 or len(rest) > 5:
-        raise Failure(f"{where}: a line has {_FORM}")
+        raise Failure("{}: a line has {}", where, _(_FORM))
     sides = rest[0].split("x") if diagonal else rest[:1]
     if len(sides) != (2 if diagonal else 1):
-        raise Failure(f"{where}: a diagonal's commanded sides are written 100x80, not {rest[0]!r}")
+        raise Failure("{}: a diagonal's commanded sides are written 100x80, not {!r}", where, rest[0])
     for name, text in zip(("commanded", "commanded", "measured", "sigma")[2 - len(sides) :], (*sides, *rest[1:3])):
         if not re.fullmatch(_NUMBER, text) or not (0 if name == "sigma" else 1e-6) <= float(text) <= _LONGEST_MM:
-            raise Failure(f"{where}: {name} {text!r} is no length in mm")
+            raise Failure("{}: {} {!r} is no length in mm", where, name, text)
     readings = rest[3] if len(rest) > 3 else "1"
     if not re.fullmatch(r"[1-9]\d{0,5}", readings):
-        raise Failure(f"{where}: {readings!r} is no number of readings")
+        raise Failure("{}: {!r} is no number of readings", where, readings)
     after = rest[4] if len(rest) > 4 else "turn"
     if after not in ("turn", "same"):
-        raise Failure(f"{where}: after what? turn or same, not {after!r}")
+        raise Failure("{}: after what? turn or same, not {!r}", where, after)
     sigma = float(rest[2]) if len(rest) > 2 else 0.0
     return Row(axis, tuple(map(float, sides)), float(rest[1]), sigma, int(readings), after == "turn")
 
@@ -135,7 +136,7 @@ def fit_axis(rows, steps_per_mm, reading=READING_MM):
     axis = rows[0].axis
     lengths = np.array([commanded[0] for commanded, _, _, _ in points])
     if len(set(lengths)) < 2:
-        raise Failure(f"{axis.upper()}: at least two different lengths are wanted, the longer the better")
+        raise Failure("{}: at least two different lengths are wanted, the longer the better", axis.upper())
     measured, sigma = np.array([point[2] for point in points]), np.array([point[3] for point in points])
     turned = np.array([1.0 if turn else 0.0 for _, turn, _, _ in points])
     split = 0 < turned.sum() < len(points) and len(points) > 2
@@ -184,18 +185,18 @@ def squareness(rows, scales, reading=READING_MM):
     """
     found = []
     kinds = {}
-    for commanded, _, mean, sigma, axis in [
+    for commanded, turn, mean, sigma, axis in [
         (*point, axis) for axis in sorted({row.axis for row in rows}) for point in pooled([row for row in rows if row.axis == axis], reading)
     ]:
         kinds.setdefault((axis[:2], commanded), {})[axis[2]] = mean, sigma
     for (axes, (first, second)), both in kinds.items():
         if len(both) < 2:
-            raise Failure(f"{axes}: the other diagonal of {first:g}x{second:g} is missing")
+            raise Failure("{}: the other diagonal of {:g}x{:g} is missing", axes, first, second)
         (plus, u_plus), (minus, u_minus) = both["+"], both["-"]
         sides = 4 * first * scales.get(axes[0], 1.0) * second * scales.get(axes[1], 1.0)
         cosine = (plus * plus - minus * minus) / sides
         if abs(cosine) > 0.5:
-            raise Failure(f"{axes}: these are no diagonals of {first:g}x{second:g}: {plus:g} and {minus:g}")
+            raise Failure("{}: these are no diagonals of {:g}x{:g}: {:g} and {:g}", axes, first, second, plus, minus)
         uncertain = 2 * math.hypot(plus * u_plus, minus * u_minus) / sides
         found.append(Square(axes, 1000 * cosine, 1000 * uncertain, math.degrees(math.asin(cosine))))
     return found

@@ -97,13 +97,13 @@ def _dot(a, b):
 
 def offset(contour, side, radius):
     """[(piece, number in the contour)] beside the contour; its first begins, and its last ends, square to the contour. Raises
-    ProgramError with `detail` of the pair of pieces; its `pieces` are their numbers."""
+    ProgramError, without a detail if it is a pair of pieces; its `pieces` are their numbers."""
     path = []
     for number, piece in enumerate(contour):
         beside = _beside(piece, side * radius)
         if beside is None:
             if piece.radius < radius - SMALL:
-                raise _misfit(f"radius {piece.radius:.3f} of the arc, {radius:.3f} of the tool", number, number)
+                raise _misfit(number, number, "radius {:.3f} of the arc, {:.3f} of the tool", piece.radius, radius)
             continue  # the tool turns on the spot: it has the arc's own radius
         if path:
             before, origin = path[-1]
@@ -143,8 +143,8 @@ def lead(place, corner, start, side, radius):
     return [Piece(place, touch), Piece(touch, start, corner, side == LEFT)]
 
 
-def _misfit(detail, first, second):
-    error = ProgramError(DOES_NOT_FIT, detail)
+def _misfit(first, second, detail="", *values):
+    error = ProgramError(DOES_NOT_FIT, detail, *values)
     error.pieces = (first, second)
     return error
 
@@ -170,13 +170,13 @@ def _meet(before, beside, number):
         return before, beside
     found = [point for point in crossings(first, beside) if _within(first, point) and _within(beside, point)]
     if not found:
-        raise _misfit("between", origin, number)
+        raise _misfit(origin, number)
     # Of two crossings the first one on the way: what lies behind it would be cut into.
     point = min(found, key=lambda point: _along(beside, point) - _along(first, point))
     whole = first.centre is not None and abs(first.start - first.end) < SMALL
     cut = _shortened(first, first.start, point)
     if abs(cut.start - cut.end) < SMALL and whole:
-        raise _misfit("between", origin, number)
+        raise _misfit(origin, number)
     return (cut, origin), _shortened(beside, point, beside.end)
 
 

@@ -11,7 +11,8 @@ import sys
 import time
 from pathlib import Path
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import _, line_text
 from host_tools.programs import gcode_file, tool_table
 from host_tools.programs.listing import Listing
 
@@ -42,7 +43,8 @@ class _Progress:
         if self._done % 1000 == 0 and time.monotonic() - self._told > _TELL_S:
             self._told = time.monotonic()
             self._shown = True
-            print(f"\rcompiling: {self._done} lines carried out, at {source}   ", end="", file=sys.stderr, flush=True)
+            text = _("compiling: {} lines carried out, at {}", self._done, source)
+            print(f"\r{text}   ", end="", file=sys.stderr, flush=True)
 
     def end(self):
         if self._shown:
@@ -68,14 +70,14 @@ class Program:
     def origin(self, number):
         """Where line `number` comes from, as text: "line 12", of a compiled program "part.ngc:12, listing line 40"."""
         if self.listing is None:
-            return f"line {number}"
-        return f"{self.listing.origin(number) or self.name}, listing line {number}"
+            return line_text(number)
+        return _("{}, listing line {}", self.listing.origin(number) or self.name, number)
 
     def place(self, number):
         """The same for the beginning of an error: "path/part.ngc:12"."""
         if self.listing is None:
             return f"{self.path}:{number}"
-        return f"{self.path.parent / self.listing.origin(number)}: listing line {number}"
+        return _("{}: listing line {}", self.path.parent / self.listing.origin(number), number)
 
 
 def text_of(path):
@@ -83,9 +85,9 @@ def text_of(path):
     try:
         data = Path(path).read_bytes()
     except OSError as error:
-        raise Failure(f"cannot read {path}: {error.strerror}") from error
+        raise Failure("cannot read {}: {}", path, reason(error)) from error
     if b"\0" in data:
-        raise Failure(f"{path} is no text: there are zero bytes in it")
+        raise Failure("{} is no text: there are zero bytes in it", path)
     return data.decode("utf-8", "replace")
 
 
@@ -94,7 +96,7 @@ def detect(path):
     Failure if there are words of both dialects."""
     suffix = path.suffix.lower()
     if suffix in _SUFFIXES:
-        return _SUFFIXES[suffix], f"its name ends in {path.suffix}"
+        return _SUFFIXES[suffix], _("its name ends in {}", path.suffix)
     found = {}
     for number, line in gcode_file.lines(path):
         if line.startswith(b"$"):
@@ -103,9 +105,9 @@ def detect(path):
         for dialect, sign in _SIGNS.items():
             match = dialect not in found and sign.search(words if dialect == "ngc" else _NAMES.sub("", words))
             if match:
-                found[dialect] = f"line {number} has {match[0]}"
+                found[dialect] = _("line {} has {}", number, match[0])
     if len(found) > 1:
-        raise Failure(f"{path}: words of two dialects, num ({found['num']}) and ngc ({found['ngc']}): give --dialect num or ngc")
+        raise Failure("{}: words of two dialects, num ({}) and ngc ({}): give --dialect num or ngc", path, found["num"], found["ngc"])
     return next(iter(found.items()), ("plain", ""))
 
 
@@ -115,11 +117,11 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
     /. Raises Failure."""
     path = Path(path)
     if dialect is None:
-        dialect, _ = detect(path)
+        dialect = detect(path)[0]
         if dialect == "plain":
-            raise Failure(f"{path} has no word of num or ngc: it can be sent as it is; --dialect compiles it all the same")
+            raise Failure("{} has no word of num or ngc: it can be sent as it is; --dialect compiles it all the same", path)
     if dialect not in DIALECTS:
-        raise Failure(f"--dialect is {' or '.join(DIALECTS)}, not {dialect!r}")
+        raise Failure("--dialect is num or ngc, not {!r}", dialect)
     text = text_of(path)
     table = tool_table.read(tools) if tools else {}
     listing = Listing(bound)
@@ -142,7 +144,7 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
         if listing.progress:
             listing.progress.end()
     if not listing.codes:
-        raise Failure(f"{path} does nothing")
+        raise Failure("{} does nothing", path)
     listing.begin(HEADER)
     return Program(path, dialect, listing, texts)
 
@@ -151,25 +153,22 @@ def read(path, dialect=None, tools=None):
     """A Program for a sender: compiled if `dialect` says so, or its words need it, or a tool table is given; "plain" keeps it as it
     is. Raises Failure."""
     path = Path(path)
-    reason = ""
+    why = ""
     if dialect is None:
-        dialect, reason = detect(path)
+        dialect, why = detect(path)
         if dialect == "plain" and tools:
-            dialect, reason = "ngc", "there is a tool table"
+            dialect, why = "ngc", _("there is a tool table")
     if dialect == "plain":
         return Program(path, dialect)
     program = compile_file(path, dialect, tools)
-    program.reason = reason
+    program.reason = why
     return program
 
 
 def tell(program):
     """Say on stderr that a program was compiled, if nobody asked for it, and what its compiler warns of."""
     if program.reason:
-        print(
-            f"{program.name}: compiled as {program.dialect}, because {program.reason}: {program.last_number()} lines; "
-            "--dialect plain sends it as it is",
-            file=sys.stderr,
-        )
+        text = _("{}: compiled as {}, because {}: {} lines; --dialect plain sends it as it is")
+        print(text.format(program.name, program.dialect, program.reason, program.last_number()), file=sys.stderr)
     for warning in program.listing.warnings if program.listing else ():
-        print(f"warning: {warning}", file=sys.stderr)
+        print(_("warning: {}", warning), file=sys.stderr)

@@ -6,6 +6,7 @@ contour, and so is the path against the ten pieces before and behind, as control
 away is a warning, because several passes of a pocket may overlap.
 """
 
+from host_tools.language import _
 from host_tools.programs.compensation import SMALL, Piece, gouges, lead, offset
 from host_tools.programs.program_errors import (
     COMPENSATED, DOES_NOT_FIT, ENTRY, ENTRY_GOUGES, EXIT_GOUGES, GOUGES, PLANE, ProgramError,
@@ -81,11 +82,12 @@ class Contour:
             path = offset(contour, self.side, self.radius)
         except ProgramError as error:
             first, second = (told[number].source for number in error.pieces)
-            if error.detail == "between":
-                error.detail = f"a tool of radius {self.radius:g} between lines {first.line} and {second.line}"
-            raise error.at(second) from None
+            if error.args[0]:
+                raise error.at(second) from None
+            lines = first.line, second.line
+            raise ProgramError(DOES_NOT_FIT, "a tool of radius {:g} between lines {} and {}", self.radius, *lines, place=second) from None
         if contour and not path:
-            raise ProgramError(DOES_NOT_FIT, "a hole of the tool's own radius", told[0].source)
+            raise ProgramError(DOES_NOT_FIT, "a hole of the tool's own radius", place=told[0].source)
         if contour:
             way_in = self._lead(entry.piece.start, contour[0].start, path[0][0].start, self.side, entry, ENTRY_GOUGES)
             self._end = contour[-1].end
@@ -119,12 +121,13 @@ class Contour:
             motion = entry or self._told[number]
             if _above(motion, self._told[against]):
                 continue
-            detail = f"{far:.3f} mm from line {self._told[against].source.line}, with a tool of radius {self.radius:g}"
+            line = self._told[against].source.line
             if entry or abs(number - against) <= LOOK_AHEAD:
-                raise ProgramError(error, detail, motion.source)
+                raise ProgramError(error, "{:.3f} mm from line {}, with a tool of radius {:g}", far, line, self.radius, place=motion.source)
             if (motion.source, self._told[against].source) not in warned:
                 warned.add((motion.source, self._told[against].source))
-                self._path.listing.warnings.append(f"{motion.source}: the tool comes to {detail}")
+                warning = _("{}: the tool comes to {:.3f} mm from line {}, with a tool of radius {:g}", motion.source, far, line, self.radius)
+                self._path.listing.warnings.append(warning)
 
     def leave(self, begin, place, rapid, feed, source):
         """Append what comes before the straight way out from `begin` to `place`. Raises ProgramError if the way cuts into the contour."""

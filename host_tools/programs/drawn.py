@@ -9,7 +9,8 @@ import zlib
 from typing import NamedTuple, Optional
 
 from host_tools.clients.refusal import Refused
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import _
 from host_tools.programs.job_record import DONE
 from passo import errors
 from passo.protocols.plotter.host import COMMANDS, PACKET, packet
@@ -31,7 +32,7 @@ class Spot(NamedTuple):
         return self.place or before[1:]
 
     def __str__(self):
-        return f"in the line to point {self.done + 1}" if self.place else f"before point {self.done + 1}"
+        return _("in the line to point {}", self.done + 1) if self.place else _("before point {}", self.done + 1)
 
 
 def packets_of(objects, home=False, speed=None):
@@ -50,7 +51,7 @@ def write_packets(path, objects, home, speed):
     try:
         path.write_bytes(packets_of(objects, home, speed))
     except OSError as error:
-        raise Failure(f"cannot write {path}: {error.strerror}") from error
+        raise Failure("cannot write {}: {}", path, reason(error)) from error
 
 
 def objects_of(data):

@@ -2,7 +2,7 @@
 
 import re
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 
 _COMMENT = re.compile(rb"\([^)]*\)?|;.*", re.DOTALL)
 _PROGRAM = re.compile(rb"[Oo:]\d+$")  # a program's number, which CAM programs begin with
@@ -22,7 +22,7 @@ def lines(path):
             number = 0
             for raw in file:
                 if b"\0" in raw:
-                    raise Failure(f"{path} is no text: there are zero bytes in it")
+                    raise Failure("{} is no text: there are zero bytes in it", path)
                 for line in raw.splitlines():
                     number += 1
                     stripped = strip(line)
@@ -30,9 +30,9 @@ def lines(path):
                         empty = False
                         yield number, stripped
     except OSError as error:
-        raise Failure(f"cannot read {path}: {error.strerror}") from error
+        raise Failure("cannot read {}: {}", path, reason(error)) from error
     if empty:
-        raise Failure(f"{path} has no line of G-code")
+        raise Failure("{} has no line of G-code", path)
 
 
 def last_number(path):
@@ -41,7 +41,7 @@ def last_number(path):
         with open(path, "rb") as file:
             return sum(len(raw.splitlines()) for raw in file)
     except OSError as error:
-        raise Failure(f"cannot read {path}: {error.strerror}") from error
+        raise Failure("cannot read {}: {}", path, reason(error)) from error
 
 
 def strip(line):

@@ -36,7 +36,7 @@ def _line_of(lines, number):
         return number
     found = [known for known, line in lines if (word := N_WORD.match(line.upper())) and int(word[1]) == number]
     if len(found) != 1:
-        raise Failure(f"{len(found) or 'no'} lines of the file are N{number}, which was interrupted; begin at a line with passo stream --from")
+        raise Failure("{} lines of the file are N{}, which was interrupted; begin at a line with passo stream --from", len(found), number)
     return found[0]
 
 

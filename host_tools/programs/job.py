@@ -9,9 +9,10 @@ import time
 from host_tools.clients.plotter import POLL_S, Cancelled
 from host_tools.clients.wire import LinkError
 from host_tools.failure import Failure
+from host_tools.language import _
 
 
-class Broken(Exception):
+class Broken(Failure):
     """The drawing was interrupted and the machine stopped, pen up; the journal says where."""
 
 
@@ -93,7 +94,7 @@ class Job:
             except LinkError:
                 pass  # out of reach: the journal has what was drawn at the last status
             if isinstance(reason, Cancelled):
-                raise Broken(f"stopped at object {number + 1} of {len(self.objects)}") from reason
+                raise Broken("stopped at object {} of {}", number + 1, len(self.objects)) from reason
             raise
         if progress:
             progress(number + 1, 0)
@@ -102,7 +103,7 @@ class Job:
         """Progress as text."""
         number, drawn = self._at
         points = sum(len(points) for points in self.objects[:number]) + drawn
-        return f"{points} of {sum(map(len, self.objects))} points"
+        return _("{} of {} points", points, sum(map(len, self.objects)))
 
     def _save(self, number, drawn):
         self._at = (number, drawn)
@@ -114,7 +115,7 @@ class Job:
             if self._warn is None:
                 raise
             if not self._warned:
-                self._warn(f"{failure}. The drawing goes on; if interrupted, it cannot be continued from here")
+                self._warn(_("{}. The drawing goes on; if interrupted, it cannot be continued from here", failure.told()))
             self._warned = True
 
 

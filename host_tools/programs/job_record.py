@@ -5,7 +5,6 @@ from typing import NamedTuple
 
 from host_tools.failure import Failure
 
-NO_JOURNAL = "the board has no journal (docs/jobs.md)"
 DONE, KNOWN, BACK = 1, 2, 4  # flags
 _JOURNAL = re.compile(r"\[JOURNAL:([0-9a-f]+)\|(\d+)\|(\d+)\|([-\d,]+)\]")
 

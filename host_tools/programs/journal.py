@@ -9,7 +9,7 @@ import json
 import os
 from pathlib import Path
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 
 
 class Journal:
@@ -66,7 +66,7 @@ class Journal:
         return fresh
 
     def _unwritable(self, error):
-        return Failure(f"journal {self.path} cannot be written: {error.strerror}; --journal names another place")
+        return Failure("journal {} cannot be written: {}; --journal names another place", self.path, reason(error))
 
     def resume(self):
         """Continue from the file. Raises Failure if there is none, it belongs to another drawing, or cannot be written."""
@@ -79,13 +79,14 @@ class Journal:
             record = json.loads(self.path.read_text(encoding="utf-8"))
             digest, number, drawn = record["digest"], int(record["object"]), int(record["drawn"])
         except FileNotFoundError as error:
-            raise Failure(f"nothing to continue: there is no journal {self.path}") from error
+            raise Failure("nothing to continue: there is no journal {}", self.path) from error
         except (OSError, ValueError, KeyError, TypeError) as error:
-            raise Failure(f"journal {self.path} cannot be read: {error}") from error
+            raise Failure("journal {} cannot be read: {}", self.path, error) from error
         if digest != self.digest:
             raise Failure(
-                f"cannot continue: the drawing or its placement is not that of journal {self.path}; "
-                "use the options of the first run, or draw it anew without --continue"
+                "cannot continue: the drawing or its placement is not that of journal {}; use the options of the first run, or "
+                "draw it anew without --continue",
+                self.path,
             )
         self.object, self.drawn = number, drawn
         return number > 0 or drawn > 0

@@ -44,7 +44,7 @@ class Listing:
     def add(self, code, source, stroke=None):
         """Append a line of G-code. Raises ProgramError if there are too many."""
         if len(self.codes) >= self._bound:
-            raise ProgramError(ENDLESS, f"{self._bound} lines have been made", source)
+            raise ProgramError(ENDLESS, "{} lines have been made", self._bound, place=source)
         self.codes.append(code)
         self.sources.append(source)
         if stroke:

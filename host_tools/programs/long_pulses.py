@@ -16,7 +16,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 
 BLOCK = 1 << 18
 _TOKEN = re.compile(rb"[A-Z\s]+|[*+]\d+|[\[\]()$@]")
@@ -53,7 +53,7 @@ class LongFile:
         self._end = state
         self.total = state.number
         if not self.total:
-            raise Failure(f"{path} has no command")
+            raise Failure("{} has no command", path)
 
     def _blocks(self, state):
         """(state, bytes) of each block from `state` on; none ends amid a number."""
@@ -70,7 +70,7 @@ class LongFile:
                     yield state, block
                     state = self._after(state, block)
         except OSError as error:
-            raise Failure(f"cannot read {self._path}: {error.strerror}") from error
+            raise Failure("cannot read {}: {}", self._path, reason(error)) from error
 
     def _check(self, state, block):
         from host_tools.language import error_text
@@ -97,7 +97,7 @@ class LongFile:
             error = errors.NUMBER_MISSING if block[at : at + 1] in b"*+" else errors.NO_CODE
         before = self._read(0, state.at) + block[:at]
         line, column = before.count(b"\n") + 1, at + state.at - (before.rfind(b"\n") + 1) + 1
-        raise Failure(f"{self._path}:{line}:{column}: error {error}: {error_text(error)}")
+        raise Failure("{}:{}:{}: error {}: {}", self._path, line, column, error, error_text(error))
 
     def _read(self, begin, end):
         with open(self._path, "rb") as file:
@@ -120,7 +120,7 @@ class LongFile:
     def seek(self, number):
         """The State before command `number`, 0 … total. Raises Failure."""
         if not 0 <= number <= self.total:
-            raise Failure(f"{self._path} has {self.total} commands: there is no place {number}")
+            raise Failure("{} has {} commands: there is no place {}", self._path, self.total, number)
         if number == self.total:
             return self._end
         low = [state.number for state in self._index]

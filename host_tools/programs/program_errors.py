@@ -4,6 +4,7 @@
 """
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 SYNTAX = 300
 BRACKETS = 301
@@ -81,12 +82,12 @@ TEXTS = {
 
 
 class ProgramError(Failure):
-    """A program is refused. `number` is of this table, `detail` says what exactly; file and line may come later."""
+    """A program is refused. `number` is of this table; `detail`, a text with `values` for its fields, says what exactly; file and line
+    may come later."""
 
-    def __init__(self, number, detail="", place=None):
-        super().__init__()
+    def __init__(self, number, detail="", *values, place=None):
+        super().__init__(detail, *values)
         self.number = number
-        self.detail = detail
         self.place = place
 
     def at(self, place):
@@ -95,6 +96,11 @@ class ProgramError(Failure):
         return self
 
     def __str__(self):
+        return self._whole(f"error {self.number}: {TEXTS[self.number]}", super().__str__())
+
+    def told(self):
+        return self._whole(_("error {}: {}", self.number, _(TEXTS[self.number])), super().told())
+
+    def _whole(self, error, detail):
         where = f"{self.place}: " if self.place else ""
-        detail = f": {self.detail}" if self.detail else ""
-        return f"{where}error {self.number}: {TEXTS[self.number]}{detail}"
+        return f"{where}{error}: {detail}" if detail else f"{where}{error}"

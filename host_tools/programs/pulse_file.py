@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 
 _LETTERS = {}
 
@@ -12,7 +12,7 @@ def load(path):
     try:
         return Path(path).read_bytes()
     except OSError as error:
-        raise Failure(f"cannot read {path}: {error.strerror}") from error
+        raise Failure("cannot read {}: {}", path, reason(error)) from error
 
 
 def items(data, axes, config, name="the file"):
@@ -27,7 +27,7 @@ def items(data, axes, config, name="the file"):
     for command in protocol.feed(data, 0) + protocol.feed(frame("end"), 0):
         if command.value == STEPS_ABORT:
             line, column = command.target
-            raise Failure(f"{name}:{line}:{column}: error {command.error}: {error_text(command.error)}")
+            raise Failure("{}:{}:{}: error {}: {}", name, line, column, command.error, error_text(command.error))
         if command.value == STEPS_ITEMS:
             found += command.target
     return found
@@ -129,7 +129,7 @@ class Converter:
         for number, line in lines:
             error = self._gcode.interpret(line)
             if error:
-                raise Failure(f"line {number}: {line.decode()}: error {error}: {error_text(error)}")
+                raise Failure("line {}: {}: error {}: {}", number, line.decode(), error, error_text(error))
             for command in self._gcode.commands:
                 self._take(number, line, command)
             if self._gcode.ended:
@@ -159,7 +159,7 @@ class Converter:
         elif kind == commands.SPINDLE:
             self._set_tool(bool(command.tool))
         elif kind not in (commands.COOLANT, commands.SYNC, commands.OVERRIDE):  # the last: M2 ends every override
-            raise Failure(f"line {number}: {line.decode()}: a pulse file has no word for that")
+            raise Failure("line {}: {}: a pulse file has no word for that", number, line.decode())
 
     def _set_tool(self, on):
         if on != self._tool:
@@ -168,7 +168,7 @@ class Converter:
 
     def _set_speed(self, number, line, command):
         if command.per_min:
-            raise Failure(f"line {number}: {line.decode()}: inverse time (G93) has no place in a pulse file")
+            raise Failure("line {}: {}: inverse time (G93) has no place in a pulse file", number, line.decode())
         speed = max(round(command.feed * 60 / 1_000_000), 1) if command.feed else 0
         if speed != self._speed:
             self._speed = speed
@@ -185,7 +185,7 @@ class Converter:
                     walker.walk(self._out, 0, count)
                     letters += [letter_of(mask, negative & mask) for mask in self._out[:count]]
         except ValueError as error:
-            raise Failure(f"line {number}: {line.decode()}: {error}") from error
+            raise Failure("line {}: {}: {}", number, line.decode(), error) from error
         if letters:
             self._parts.append("".join(letters))
 

@@ -178,11 +178,11 @@ class _Compensated(_Writer):
         try:
             path = list(compensation.offset(pieces, self._side, self._radius))
         except ProgramError as error:
-            raise Failure(f"a contour that begins at {_at(pieces[0].start)}: {error}") from error
+            raise Failure("a contour that begins at {}: {}", _at(pieces[0].start), error) from error
         too_near = compensation.gouges([piece for piece, _ in path], pieces, self._radius)
         if too_near:
             near = path[too_near[0][0]][0].start
-            raise Failure(f"the tool would cut into its own contour near {_at(near)}: its radius of {self._radius:g} mm is too large")
+            raise Failure("the tool would cut into its own contour near {}: its radius of {:g} mm is too large", _at(near), self._radius)
         first = path[0][0].start
         self._lines += [f"G0 X{_text(first.real)} Y{_text(first.imag)}", "M3 S1000"]
         for piece, number in path:

@@ -66,8 +66,10 @@ class Replay:
         for index in range(at):
             self._carry_out(index)
         if end and not _close(end, self._board.target):
-            raise Failure(f"before line {number} the machine was at {self._shown(end)}, and by the file it is at "
-                          f"{self._shown(self._board.target)}: the file or zero has changed, or it began elsewhere")  # fmt: skip
+            raise Failure(
+                "before line {} the machine was at {}, and by the file it is at {}: the file or zero has changed, or it began elsewhere",
+                number, self._shown(end), self._shown(self._board.target),
+            )
         return self._stages(list(self._board.target), None), self._rest(at)
 
     def from_place(self, number, place):
@@ -82,7 +84,7 @@ class Replay:
         if motion is None or list(place) == start:
             return before, self._rest(at)
         if not self._loose and not self._on_path(motion, start, place):
-            raise Failure(f"line {number}: the place {self._shown(place)} is not on its path; the file, or zero, has changed")
+            raise Failure("line {}: the place {} is not on its path; the file, or zero, has changed", number, self._shown(place))
         self._board.target = list(motion.target)
         if list(place) == list(motion.target):
             return self._stages(list(place), None), self._rest(at + 1)
@@ -111,8 +113,11 @@ class Replay:
             first, second = twins
             if index >= at - 1:
                 if first._board.target != second._board.target:
-                    raise Failure(f"line {self._lines[index][0]} relies on {', '.join(sorted(changed))}, which the program changes: what it was "
-                                  "when it began is not known; set it, then passo stream --from")  # fmt: skip
+                    raise Failure(
+                        "line {} relies on {}, which the program changes: what it was when it began is not known; set it, then "
+                        "passo stream --from",
+                        self._lines[index][0], ", ".join(sorted(changed)),
+                    )
                 if first._offsets.systems == second._offsets.systems and first._offsets.homes == second._offsets.homes:
                     return
 
@@ -170,8 +175,11 @@ class Replay:
             else:
                 unsure.append(axis)
         if unsure:
-            raise Failure(f"line {self._lines[at][0]}: where {'XYZ'[unsure[0]]} stood when the program began is not known, and decides where "
-                          "this line is; begin with passo stream --from")  # fmt: skip
+            raise Failure(
+                "line {}: where {} stood when the program began is not known, and decides where this line is; begin with passo "
+                "stream --from",
+                self._lines[at][0], "XYZ"[unsure[0]],
+            )
         made = Replay(self._machine, self._lines, start)
         made._loose = loose
         return made
@@ -184,7 +192,7 @@ class Replay:
         for index, (known, _) in enumerate(self._lines):
             if known >= number:
                 return index
-        raise Failure(f"the file ends before line {number}")
+        raise Failure("the file ends before line {}", number)
 
     def check(self):
         """Raise Failure at the first line that the parser refuses. `$` lines are passed over."""
@@ -196,16 +204,16 @@ class Replay:
     def _interpret(self, index):
         number, line = self._lines[index]
         if line.startswith(b"$"):
-            raise Failure(f"line {number}, {line.decode('ascii', 'replace')}: a $ line cannot be replayed; begin behind it")
+            raise Failure("line {}, {}: a $ line cannot be replayed; begin behind it", number, line.decode("ascii", "replace"))
         error = self._gcode.interpret(line)
         if error:
-            raise Failure(f"line {number}, {line.decode('ascii', 'replace')}: {explain(f'error:{error}')}")
+            raise Failure("line {}, {}: {}", number, line.decode("ascii", "replace"), explain(f"error:{error}"))
         return list(_all(self._gcode.commands))
 
     def _carry_out(self, index):
         for command in self._interpret(index):
             if command.kind == commands.PROBE:
-                raise Failure(f"line {self._lines[index][0]} probes: where it touched is not known; begin before it")
+                raise Failure("line {} probes: where it touched is not known; begin before it", self._lines[index][0])
             if command.target is not None:
                 self._board.target = list(command.target)
                 if len(command.target) > TOOL_AXIS:

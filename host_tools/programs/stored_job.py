@@ -10,7 +10,8 @@ import re
 import zlib
 from pathlib import Path
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import N_
 from passo.config.card_store import END_MARK
 from passo.config.job_keys import JOBS, LONGEST_NAME, NAME_LETTERS, name_fits
 from passo.config.job_store import WINDOW_BITS, first_line
@@ -55,9 +56,9 @@ def job_file(language, data):
 def write_on_card(card, name, language, data):
     """Write a job on a memory card, whose files lie in the folder `card`; returns its path. Raises Failure."""
     if not name_fits(name):
-        raise Failure(f"{name!r} is no job's name: at most {LONGEST_NAME} capitals, digits, '.', '_' and '-'")
+        raise Failure("{!r} is no job's name: at most {} capitals, digits, '.', '_' and '-'", name, LONGEST_NAME)
     if not card.is_dir():
-        raise Failure(f"there is no folder {card}: is the card in, and mounted?")
+        raise Failure("there is no folder {}: is the card in, and mounted?", card)
     folder = card / JOBS["folder"][1].lstrip("/")
     try:
         folder.mkdir(exist_ok=True)
@@ -71,7 +72,7 @@ def write_on_card(card, name, language, data):
             file.write(END_MARK)
         path.with_suffix(".job" if path.suffix == ".alt" else ".alt").unlink(missing_ok=True)
     except OSError as error:
-        raise Failure(f"cannot write {name} on {card}: {error.strerror}") from error
+        raise Failure("cannot write {} on {}: {}", name, card, reason(error)) from error
     return path
 
 
@@ -91,13 +92,13 @@ def plotter_job(path):
     packets = [data[at : at + PACKET] for at in range(0, len(data), PACKET)]
     for number, packet in enumerate(packets, 1):
         if len(packet) != PACKET or sum(packet[:-1]) & 255 != packet[-1]:
-            raise Failure(f"{path}: packet {number} is no packet of the plotter's language")
+            raise Failure("{}: packet {} is no packet of the plotter's language", path, number)
     return data
 
 
 # Of each language: what makes a job of a file; what its bytes in flash are counted by.
 KINDS = {
-    "grbl": (gcode_job, "line", lambda data: data.count(b"\n")),
-    "pulses": (pulses_job, "code", len),
-    "plotter": (plotter_job, "packet", lambda data: len(data) // 6),
+    "grbl": (gcode_job, N_("line"), lambda data: data.count(b"\n")),
+    "pulses": (pulses_job, N_("code"), len),
+    "plotter": (plotter_job, N_("packet"), lambda data: len(data) // 6),
 }

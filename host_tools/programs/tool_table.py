@@ -8,7 +8,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 
 _WORD = re.compile(r"([A-Z])\s*([-+]?\d*\.?\d+)", re.IGNORECASE)
 
@@ -29,17 +29,17 @@ def read(path):
     try:
         lines = Path(path).read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError as error:
-        raise Failure(f"cannot read {path}: {error.strerror}") from error
+        raise Failure("cannot read {}: {}", path, reason(error)) from error
     for number, line in enumerate(lines, 1):
         told = line.partition(";")[0].strip()
         if not told:
             continue
         words = {letter.upper(): float(value) for letter, value in _WORD.findall(told)}
         if _WORD.sub("", told).strip() or not words.get("T", 0) > 0 or words["T"] % 1:
-            raise Failure(f"{path}:{number}: a tool is written like this: T1 P1 D6.0 Z42.5 ;end mill")
+            raise Failure("{}:{}: a tool is written like this: T1 P1 D6.0 Z42.5 ;end mill", path, number)
         if words.get("D", 0.0) < 0:
-            raise Failure(f"{path}:{number}: the diameter is negative")
+            raise Failure("{}:{}: the diameter is negative", path, number)
         if int(words["T"]) in tools:
-            raise Failure(f"{path}:{number}: tool {int(words['T'])} stands twice")
+            raise Failure("{}:{}: tool {} stands twice", path, number, int(words["T"]))
         tools[int(words["T"])] = Tool(words.get("D", 0.0), words.get("Z", 0.0))
     return tools

@@ -42,7 +42,7 @@ class Toolpath:
     def known(self, axis):
         """Where an axis stands, in mm. Raises ProgramError if that is not known."""
         if self.place[axis] is None:
-            raise ProgramError(UNKNOWN_PLACE, AXES[axis])
+            raise ProgramError(UNKNOWN_PLACE, "{}", AXES[axis])
         return self.place[axis]
 
     def forget(self, axes=(0, 1, 2)):
@@ -153,7 +153,7 @@ class Toolpath:
         if feed == self._feed:
             return ""
         if feed > _FASTEST:
-            raise ProgramError(RANGE, f"F{feed:g}")
+            raise ProgramError(RANGE, "F{:g}", feed)
         self._feed = feed
         return f" F{number(feed, 3)}"
 
@@ -176,7 +176,7 @@ def check_arc(begin, end, centre):
     other = math.hypot(end[0] - begin[0] - centre[0], end[1] - begin[1] - centre[1])
     wrong = abs(other - radius)
     if radius < 1e-5 or wrong > _MOST_RADIUS_MM or wrong > _RADIUS_MM and wrong > radius / 1000:
-        raise ProgramError(ARC, f"radius {radius:.4f} at its start, {other:.4f} at its end")
+        raise ProgramError(ARC, "radius {:.4f} at its start, {:.4f} at its end", radius, other)
 
 
 def centre_of(begin, end, radius, clockwise):
@@ -184,7 +184,7 @@ def centre_of(begin, end, radius, clockwise):
     across, along = end[0] - begin[0], end[1] - begin[1]
     chord = math.hypot(across, along)
     if chord < 1e-9 or chord / 2 > abs(radius) + _RADIUS_MM:
-        raise ProgramError(ARC, f"radius {abs(radius):g} between places {chord:.4f} mm apart")
+        raise ProgramError(ARC, "radius {:g} between places {:.4f} mm apart", abs(radius), chord)
     height = math.sqrt(max(0.0, radius * radius - chord * chord / 4)) / chord
     if clockwise != (radius < 0):
         height = -height
@@ -225,7 +225,7 @@ def _rounded(value):
     if value is None:
         return None
     if not -_FARTHEST_MM <= value <= _FARTHEST_MM:
-        raise ProgramError(RANGE, f"a place {value:g} mm from zero")
+        raise ProgramError(RANGE, "a place {:g} mm from zero", value)
     return round(value * 1e5)
 
 

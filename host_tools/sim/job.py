@@ -16,6 +16,7 @@ The firmware runs under MicroPython, in a process of its own, if there is one (p
 makes words some five times faster than Python. The words are the same.
 """
 
+import ast
 import importlib.util
 import itertools
 import os
@@ -26,8 +27,9 @@ import threading
 
 import numpy as np
 
-from host_tools import boards
+from host_tools import boards, language
 from host_tools.failure import Failure
+from host_tools.language import _, error_text
 from host_tools.sim import job_runner
 from host_tools.sim.track import Track
 
@@ -85,7 +87,7 @@ class VirtualJob:
         try:
             self.board = check(bare(boards.load(board)))
         except BoardError as error:
-            raise Failure(str(error)) from error
+            raise Failure("{}", error) from error
         layout, drive, _ = make_drive(self.board)
         if layout.kind == "step_dir":
             drive = None
@@ -100,6 +102,7 @@ class VirtualJob:
         self.pauses = []  # (line of the file, its text)
         self.probes = []  # the same
         self.skipped = []
+        self.origin = language.line_text  # what line `number` is called in a failure
         self.seconds = 0.0
         self._progress = None
         self._runner = None
@@ -119,7 +122,7 @@ class VirtualJob:
             else:
                 self._runner.run(lines)
         except job_runner.Failed as failed:
-            raise Failure(str(failed)) from failed
+            raise self._failure(failed.line, failed.said) from failed
         self.seconds = self.track.seconds
 
     # --- what the runner says
@@ -133,13 +136,12 @@ class VirtualJob:
         self.track.begin(tick, place)
 
     def note(self, kind, number, code, text):
-        from host_tools.language import error_text
-
         text = text.decode()
         if kind in (job_runner.NOTE_REFUSED, job_runner.NOTE_ALARM):
             self.error_count += 1
-            word, shown = ("error", code) if kind == job_runner.NOTE_REFUSED else ("alarm", code - 200)
-            found, row = self.errors, (number, text, f"{word} {shown}, {error_text(code)}")
+            refused = kind == job_runner.NOTE_REFUSED
+            what = _("error {}, {}", code, error_text(code)) if refused else _("alarm {}, {}", code - 200, error_text(code))
+            found, row = self.errors, (number, text, what)
         else:
             kinds = {job_runner.NOTE_PAUSED: self.pauses, job_runner.NOTE_PROBED: self.probes, job_runner.NOTE_SKIPPED: self.skipped}
             found, row = kinds[kind], (number, text)
@@ -152,7 +154,7 @@ class VirtualJob:
         try:
             self._runner = job_runner.Runner(self._setup[0], self, due_of_array, *self._setup[1:])
         except job_runner.Failed as failed:
-            raise Failure(str(failed)) from failed
+            raise self._failure(failed.line, failed.said) from failed
 
     # --- the firmware under MicroPython
 
@@ -207,7 +209,7 @@ class VirtualJob:
         header = stream.read(struct.calcsize(job_runner.HEADER))
         if len(header) < struct.calcsize(job_runner.HEADER):
             said = self._process.stderr.read().decode(errors="replace").strip()
-            raise Failure(f"the firmware under MicroPython has ended: {said or 'it said nothing'}")
+            raise Failure("the firmware under MicroPython has ended: {}", said or "-")
         kind, number, size, value = struct.unpack(job_runner.HEADER, header)
         data = stream.read(size)
         if kind == job_runner.WORDS:
@@ -215,10 +217,16 @@ class VirtualJob:
         elif kind == job_runner.BEGIN:
             self.begin(value, np.frombuffer(data, np.int32).tolist())
         elif kind == job_runner.FAILED:
-            raise Failure(data.decode())
+            raise self._failure(number, ast.literal_eval(data.decode()))
         elif kind != job_runner.END:
             self.note(kind, number, value, data)
         return kind
+
+    def _failure(self, line, said):
+        """What a runner says as the reason why a job cannot go on."""
+        text, *values = said
+        why = Failure(text, *(_(value) if isinstance(value, str) else value for value in values))
+        return Failure("{}, {}", self.origin(line), why) if line else why
 
     def _end(self):
         process = self._process

@@ -16,7 +16,7 @@ What `sink` has to have:
     note(kind, number, code, text)      a NOTE_… about that line: its text, and the number of an error
     begin(tick, place)                  the job begins: everything before only led there; `place` in steps
 
-Words are played by `BulkPlayer`, which knows when they are due and has no pins: nothing in the world reacts to them.
+Words are played by `BulkPlayer`, which knows when they are due and has no pins: nothing reacts to them.
 """
 
 import io
@@ -47,7 +47,11 @@ _SPENT = const(0)  # of a box: ticks
 
 
 class Failed(Exception):
-    """The job cannot be run; the text says why."""
+    """The job cannot be run: a text, the values of its fields, and a line of the job or 0."""
+
+    def __init__(self, text, *values, line=0):
+        super().__init__(text.format(*values))
+        self.line, self.said = line, (text,) + values
 
 
 @micropython.viper
@@ -211,7 +215,7 @@ class Runner:
         try:
             board = check(board)
         except BoardError as error:
-            raise Failed(str(error))
+            raise Failed("{}", str(error))
         link = dict(board["links"][0])
         link["protocol"] = "grbl"
         board["links"] = [link]
@@ -251,23 +255,21 @@ class Runner:
             said = self._line.outgoing.decode()
             self._line.outgoing = b""
             if "error:" in said or "ALARM:" in said:
-                raise Failed("the machine refuses %s: %s" % (line, said.strip().replace("\r\n", ", ")))
+                raise Failed("the machine refuses {}: {}", line, said.strip().replace("\r\n", ", "))
 
     def _place(self, zero):
         """The machine has homed and the operator has set G54."""
         board = self.board
         names = [axis["name"].upper() for axis in board["axes"]]
         if not board["homing"]:
-            raise Failed("%s does not home: it has no soft limits" % board["name"])
+            raise Failed("{} does not home: it has no soft limits", board["name"])
         if len(zero) != len(names):
-            raise Failed(
-                "the machine has %d axes, %s, and %d places are given" % (len(names), ", ".join(names), len(zero))
-            )
+            raise Failed("the machine has {} axes, {}, and {} places are given", len(names), ", ".join(names), len(zero))
         for number, place in enumerate(zero):
             scale = board["axes"][number]["steps_per_m"] / 1000
             low, high = [end / scale for end in self._app.controller.queue.reach(number)]
             if not low <= place <= high:
-                raise Failed("%s%g is not on the machine, which goes from %g to %g mm" % (names[number], place, low, high))
+                raise Failed("{}{:g} is not on the machine, which goes from {:g} to {:g} mm", names[number], place, low, high)
         self._app.controller.machine.homed = True
         self._do(["$20=1", "G21G10L2P1" + self._words(zero)])
 
@@ -292,7 +294,7 @@ class Runner:
                 self._hear()
             idle += 1
             if idle > _LIMITLESS_CYCLES:
-                raise Failed("line %d was never answered" % self._under_way[0][0])
+                raise Failed("there was never an answer", line=self._under_way[0][0])
         while not app.controller.queue.still():
             app.cycle()
         self._player.flush()
@@ -339,7 +341,7 @@ class Runner:
         alarm += 200
         if alarm in errors.NEED_RESET:
             self._player.flush()
-            raise Failed("line %d, %s: alarm %d, %s" % (number, line.decode(), alarm - 200, error_texts.text(alarm)))
+            raise Failed("{}: alarm {}, {}", line.decode(), alarm - 200, error_texts.text(alarm), line=number)
         missed = alarm in (errors.ALARM_PROBE_STATE, errors.ALARM_PROBE_MISSED)
         self._sink.note(NOTE_PROBED if missed else NOTE_ALARM, number, alarm, line)
         self._under_way.append((number, b"$X"))
@@ -387,11 +389,11 @@ def main():
         Runner(board, frames, copy_due, changes, zero, start).run(_lines_of(jobs))
         frames.note(END, 0, 0, b"")
     except Failed as failed:
-        frames.note(FAILED, 0, 0, str(failed).encode())
+        frames.note(FAILED, failed.line, 0, repr(failed.said).encode())
     except Exception as error:
         said = io.StringIO()
         sys.print_exception(error, said)
-        frames.note(FAILED, 0, 0, said.getvalue().encode())
+        frames.note(FAILED, 0, 0, repr((said.getvalue(),)).encode())
 
 
 if __name__ == "__main__":

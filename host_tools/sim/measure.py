@@ -11,7 +11,7 @@ axis of its line by one. Distances are taken on the minor axis, as Bresenham's r
 import csv
 from dataclasses import dataclass, field
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 
 _HEADER = ["t_us", "x", "y", "z", "a", "tool"]
 
@@ -39,10 +39,10 @@ def read_trace(path):
         with open(path, newline="", encoding="utf-8", errors="replace") as file:
             reader = csv.reader(file)
             if next(reader, None) != _HEADER:
-                raise Failure(f"{path} is not a trace: its first line should be {','.join(_HEADER)}")
+                raise Failure("{} is not a trace: its first line should be {}", path, ",".join(_HEADER))
             return [_row(path, reader.line_num, fields) for fields in reader]
     except OSError as error:
-        raise Failure(f"cannot read trace {path}: {error.strerror}") from error
+        raise Failure("cannot read trace {}: {}", path, reason(error)) from error
 
 
 def _row(path, line, fields):
@@ -50,7 +50,7 @@ def _row(path, line, fields):
         t_us, x, y, _, _, tool = fields
         return Row(float(t_us), int(x), int(y), int(tool))
     except ValueError as error:
-        raise Failure(f"{path}, line {line}: not a row of a trace") from error
+        raise Failure("{}, line {}: not a row of a trace", path, line) from error
 
 
 def measure(rows, points, start=(0, 0)):

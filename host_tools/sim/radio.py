@@ -34,7 +34,7 @@ class LoopbackRadio:
             try:
                 self._sockets[kind] = socket.create_server((_HOST, port), backlog=_BACKLOG)
             except (OSError, OverflowError) as error:
-                raise Failure(f"cannot serve {kind} on port {port}: {error}") from error
+                raise Failure("cannot serve {} on port {}: {}", kind, port, error) from error
 
     def kinds(self):
         """What is served: "http", "tcp"."""

@@ -20,7 +20,8 @@ import time
 import tty
 from pathlib import Path
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import _
 
 READ_BYTES = 4096
 UNSENT_BYTES = 1 << 20  # kept for a client that does not read; beyond that the oldest are lost, with a message
@@ -47,7 +48,8 @@ class _Line:
             self._unsent = self._unsent[-UNSENT_BYTES:]
             if not self._told:
                 self._told = True
-                print(f"{self.name}: its client does not read; what the board says to it is lost", file=sys.stderr, flush=True)
+                text = _("{}: its client does not read; what the board says to it is lost", self.name)
+                print(text, file=sys.stderr, flush=True)
 
     def _send(self):
         """Send what the client takes now; without a client forget it."""
@@ -127,14 +129,14 @@ class PtyLine(_Line):
         try:
             self._lock = Lock(self._link.with_name(f".{self._link.name}.lock"))
             if not self._lock.taken:
-                raise Failure(f"another board has the link {self._link}: end it first, or choose another name")
+                raise Failure("another board has the link {}: end it first, or choose another name", self._link)
             if self._link.is_symlink():
                 self._link.unlink()
             self._link.symlink_to(self._path)
         except OSError as error:
             if self._lock:
                 self._lock.release()
-            raise Failure(f"cannot make the link {self._link}: {error.strerror}") from error
+            raise Failure("cannot make the link {}: {}", self._link, reason(error)) from error
 
 
 class Lock:
@@ -175,7 +177,7 @@ class TcpLine(_Line):
         try:
             self._server = socket.create_server((host, port))
         except (OSError, OverflowError) as error:
-            raise Failure(f"cannot serve TCP port {port}: {error}") from error
+            raise Failure("cannot serve TCP port {}: {}", port, error) from error
         self._server.setblocking(False)
         self._client = None
         self.name = f"socket://{host}:{self._server.getsockname()[1]}"

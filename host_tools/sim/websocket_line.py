@@ -34,7 +34,7 @@ class WebSocketLine:
         try:
             listener = socket.create_server((_HOST, port))
         except (OSError, OverflowError) as error:
-            raise Failure(f"cannot serve a WebSocket on port {port}: {error}") from error
+            raise Failure("cannot serve a WebSocket on port {}: {}", port, error) from error
         self._server = Server(listener, _Nothing(), Guard((_HOST.encode(), b"localhost"), None, "", lambda peer: False))
         self._server.sockets[b"/"] = self
         self._connection = None

@@ -92,7 +92,7 @@ def page(text):
     head = (OWN / "head.html").read_text(encoding="utf-8")
     for mark, made in (("</title>\n", "</title>\n" + head), ("<main>\n", "<main>\n" + card)):
         if text.count(mark) != 1:
-            raise Failure(f"{PAGE / 'index.html'} has no {mark.strip()} to put the machine behind")
+            raise Failure("{} has no {} to put the machine behind", PAGE / "index.html", mark.strip())
         text = text.replace(mark, made)
     return text
 
@@ -103,7 +103,7 @@ def build(out, files):
     from host_tools.build.pages import error_list
 
     if out.exists() and not (out / "firmware.json").is_file() and any(out.iterdir()):
-        raise Failure(f"{out} is not empty, and holds no site of Passo: name another folder")
+        raise Failure("{} is not empty, and holds no site of Passo: name another folder", out)
     shutil.rmtree(out, ignore_errors=True)
     out.mkdir(parents=True)
     for name, data in files.items():

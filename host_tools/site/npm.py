@@ -58,12 +58,15 @@ class Package:
             with urllib.request.urlopen(address, timeout=_FETCH_S) as answer:
                 return answer.read(_MOST)
         except (OSError, urllib.error.URLError) as error:
-            raise Failure(f"cannot fetch {self.what}, {address}: {error}") from error
+            raise Failure("cannot fetch {}, {}: {}", self.what, address, error) from error
 
     def unpacked(self, data, names):
         """Files of an archive. Raises Failure if it is not the one that is known."""
         found = base64.b64encode(hashlib.sha512(data).digest()).decode()
         if found != self.integrity:
-            raise Failure(f"{self.name} {self.version} is not what it was: SHA-512 {found} instead of {self.integrity}; it is not used")
+            raise Failure(
+                "{} {} is not what it was: SHA-512 {} instead of {}; it is not used",
+                self.name, self.version, found, self.integrity,
+            )
         with tarfile.open(fileobj=io.BytesIO(data)) as archive:
             return {name: archive.extractfile(f"package/{name}").read() for name in names}

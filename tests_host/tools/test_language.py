@@ -1,21 +1,47 @@
-"""`passo` in Portuguese: numbered errors, settings, first steps; no words missing and none left over."""
+"""`passo` in Portuguese: help, failures, what is printed; no words missing and none left over."""
 
 import ast
+import errno
 import json
 import os
 import re
 import string
 import subprocess
+import symtable
 import sys
 
 import pytest
 
 from host_tools import language
 from host_tools.clients import setting_names
-from host_tools.resources import HOST_TOOLS, ROOT
+from host_tools.failure import Failure, reason
+from host_tools.programs import program_errors
+from host_tools.programs.ngc import codes
+from host_tools.resources import FIRMWARE, HOST_TOOLS, ROOT
 
 pytestmark = pytest.mark.quick
 WORDS = json.loads((HOST_TOOLS / "pt.json").read_text(encoding="utf-8"))
+PAGE = json.loads((FIRMWARE / "passo" / "web" / "page" / "pt.json").read_text(encoding="utf-8"))
+SOURCES = [path for path in HOST_TOOLS.rglob("*.py") if path.parent.name not in ("bench", "panel") and path.name != "panel.py"]  # that one speaks to those who build Passo
+TREES = {path.relative_to(HOST_TOOLS).as_posix(): ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
+# Calls that take a text and the values of its fields, and which argument the text is.
+TEXTS = {"_": 0, "N_": 0, "Failure": 0, "LinkError": 0, "Refused": 0, "Unavailable": 0, "Aborted": 0, "Stopped": 0, "Broken": 0, "Failed": 0,
+         "ProgramError": 1, "_misfit": 2}  # fmt: skip
+# Functions that hand on a text of their caller's, or one of a table.
+HANDED_ON = {
+    "language.py": ("_", "speak", "error_text"), "failure.py": ("told", "reason"), "sim/job.py": ("_failure",),
+    "programs/compensation.py": ("_misfit",), "programs/program_errors.py": ("told",), "programs/ngc/interpreter.py": ("_groups",),
+    "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
+    "cli/watch.py": ("shown",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_counted",),
+    "clients/plotter.py": ("_check",),
+}  # fmt: skip
+# What is printed for programs, or is a name, a number or a text that came through the catalogue before.
+AS_IT_IS = ("port", "usb", "key", "page", "passo", "run")
+REASONS = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.EISDIR, errno.ENOTDIR, errno.EEXIST, errno.ENOSPC, errno.EROFS, errno.EIO, errno.EBUSY,
+           errno.EADDRINUSE, errno.EADDRNOTAVAIL, errno.ECONNREFUSED, errno.ECONNRESET, errno.ETIMEDOUT, errno.EHOSTUNREACH,
+           errno.ENETUNREACH, errno.ENODEV, errno.EPIPE)  # fmt: skip
+# Words of the documents, and what an English text with them has to say in Portuguese.
+TERMS = {"spindle": "fuso", "torch": "tocha", "plotter": "plotadora", "pulse": "pulso", "weave": "tecer", "homing": "origem"}
 
 
 @pytest.fixture
@@ -25,46 +51,147 @@ def portuguese():
     language.choose(None)
 
 
-def texts(source):
-    """What a module says by way of _("…"); anything else than one text is a fault."""
-    found = set()
-    for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "_" and isinstance(node.args[0], ast.Constant):
-            found.add(node.args[0].value)
-    return found
+def prose(text):
+    """Whether anything of a text is there to be read, besides its fields."""
+    return bool(re.search("[a-z]{2}", re.sub(r"\{[^}]*\}", "", text)))
+
+
+def calls(tree):
+    """(enclosing function, callee's name, call) of a module."""
+
+    def walk(node, function):
+        for child in ast.iter_child_nodes(node):
+            inside = child.name if isinstance(child, ast.FunctionDef) else function
+            if isinstance(child, ast.Call):
+                name = child.func.id if isinstance(child.func, ast.Name) else getattr(child.func, "attr", "")
+                yield inside, name, child
+            yield from walk(child, inside)
+
+    yield from walk(tree, "")
+
+
+def text_of(name, call):
+    """The node of the text that a call says, or None."""
+    at = TEXTS.get(name)
+    return call.args[at] if at is not None and len(call.args) > at else None
 
 
 def said():
-    return set().union(*(texts(path.read_text(encoding="utf-8")) for path in HOST_TOOLS.rglob("*.py")))
+    """All texts of the sources; anything but a literal is a fault."""
+    found, made = set(), []
+    for path, tree in TREES.items():
+        for function, name, call in calls(tree):
+            text = text_of(name, call)
+            if isinstance(text, ast.Constant):
+                found.add(text.value)
+            elif text is not None and function not in HANDED_ON.get(path, ()):
+                made.append(f"{path}:{call.lineno}: {ast.unparse(call)}")
+    assert not made, "no literal texts:\n" + "\n".join(made)
+    return {text for text in found if prose(text)}
 
 
-def helps(command):
-    """(what each command is for, the help of options)."""
-    purposes, options = {language.summary(command.help)}, {param.help for param in command.params if getattr(param, "help", None)}
-    for other in getattr(command, "commands", {}).values():
-        more = helps(other)
-        purposes |= more[0]
-        options |= more[1]
-    return purposes, options
-
-
-def test_every_text_has_its_words_and_no_words_are_left_over():
-    """Of options, those that many commands have."""
+def commands():
+    """Every command of `passo`."""
     import typer
 
     from host_tools.cli.main import app
 
-    purposes, options = helps(typer.main.get_command(app))
-    assert not (said() | purposes) - set(WORDS)
-    assert not set(WORDS) - said() - purposes - options
+    waiting = [typer.main.get_command(app)]
+    for command in waiting:
+        waiting += getattr(command, "commands", {}).values()
+    return waiting
+
+
+def helps():
+    """The texts of all --help."""
+    shown = [each.help for command in commands() for each in [command, *command.params] if getattr(each, "help", None)]
+    return {text for help_ in shown for _, text, _ in language.pieces(help_) if text}
+
+
+def tables():
+    """Texts that a _ looks up as values of a table."""
+    why = {text for table in codes.NOT_ON_BOARD.values() for text in table.values()}
+    return why | set(program_errors.TEXTS.values()) | set(map(os.strerror, REASONS))
+
+
+def wanted():
+    return said() | helps() | tables()
+
+
+def test_every_text_has_its_words():
+    missing = wanted() - set(WORDS) - set(PAGE)
+    assert not missing, "pt.json lacks:\n" + "\n".join(json.dumps(text, ensure_ascii=False) for text in sorted(missing))
+
+
+def test_no_words_are_left_over():
+    assert not set(WORDS) - wanted()
+    assert not set(WORDS) & set(PAGE), "said twice"
 
 
 def test_words_have_the_fields_of_their_text():
     def fields(text):
-        return {name for _, name, _, _ in string.Formatter().parse(text) if name}
+        named = [(name, spec, how) for _, name, spec, how in string.Formatter().parse(text) if name is not None]
+        return sorted((name or str(at), spec, how or "") for at, (name, spec, how) in enumerate(named))
 
     for text, words in WORDS.items():
-        assert words.strip() and fields(text) == fields(words), text
+        assert words.strip(), text
+        if re.search(r"\{(\w*)(![rsa])?(:[^}]*)?\}", text):
+            assert fields(text) == fields(words), text
+
+
+def test_words_of_options_commands_and_files_are_the_same():
+    """What a reader would type."""
+    for text, words in WORDS.items():
+        for typed in re.findall(r"(?<!\w)--[a-z][\w-]*|docs/[\w.]+|\bM\d+\b|\bG\d+\b", text):
+            assert typed in words, f"{text}: {words}"
+
+
+def test_the_words_are_those_of_the_documents():
+    for text, words in WORDS.items():
+        for term, word in TERMS.items():
+            named = term in words and re.search("grbl|passo ", words)  # as a command or a link's language
+            if re.search(rf"\b{term}s?\b", text) and not named:
+                assert word in words.lower(), f"{text}: {words}"
+
+
+def test_what_is_printed_goes_through_the_catalogue():
+    """Of print, echo and rich's: a literal with prose stands in a _(…)."""
+    faults = []
+    for path, tree in TREES.items():
+        if not path.startswith(("cli/", "programs/", "drawings/", "site/", "clients/")):
+            continue
+        for _, name, call in calls(tree):
+            if name not in ("print", "echo", "status", "Table", "add_column", "prompt", "tell", "agreed", "set_title", "set_xlabel", "set_ylabel"):
+                continue
+            for argument in call.args:
+                if isinstance(argument, ast.Constant) and isinstance(argument.value, str):
+                    text = argument.value
+                elif isinstance(argument, ast.JoinedStr):
+                    text = "".join(part.value for part in argument.values if isinstance(part, ast.Constant))
+                else:
+                    continue
+                text = re.sub(r"\[/?\w+\]|\$JR|http://\S*", "", text)
+                if prose(text) and not re.match(rf"({'|'.join(AS_IT_IS)})\b", text):
+                    faults.append(f"{path}:{call.lineno}: {ast.unparse(call)}")
+    assert not faults, "\n".join(faults)
+
+
+def test_no_function_hides_the_catalogue():
+    """One that binds _ itself cannot call it."""
+
+    def own(table):
+        for each in table.get_children():
+            yield each
+            yield from own(each)
+
+    for source in SOURCES:
+        text = source.read_text(encoding="utf-8")
+        called = [node.lineno for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "_"]
+        tables = [each for each in own(symtable.symtable(text, source.name, "exec")) if each.get_type() == "function"]
+        hiding = {each.get_lineno() for each in tables if "_" in each.get_locals() and each.get_name() not in ("listcomp", "genexpr", "setcomp", "dictcomp")}
+        functions = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef) and node.lineno in hiding]
+        for function in functions:
+            assert not any(function.lineno <= line <= function.end_lineno for line in called), f"{source}: {function.name}"
 
 
 def test_what_the_environment_asks_for():
@@ -84,6 +211,24 @@ def test_errors_and_settings_in_portuguese(portuguese):
     assert setting_names.describe("$110=500", 3)[0].startswith("x: ") and "highest" not in setting_names.describe("$110=500", 3)[0]
     assert setting_names.describe("$20=1", 3)[0] != setting_names.NAMES[20][0]
     assert setting_names.describe("G10L2P2X1", 3)[0] == "origem de G55"
+
+
+def test_a_failure_is_english_until_it_is_told(portuguese):
+    failure = Failure("{}: {} lines would be refused; the first is {}", "a{0}.nc", 3, Failure("no file {}", "{x}"))
+    assert str(failure) == "a{0}.nc: 3 lines would be refused; the first is no file {x}"
+    assert failure.told() == "a{0}.nc: 3 linhas seriam recusadas; a primeira é não há arquivo {x}"
+    assert str(Failure("{no field}")) == Failure("{no field}").told() == "{no field}"
+    assert reason(OSError(errno.ENOENT, os.strerror(errno.ENOENT))) == "arquivo ou pasta não encontrado"
+    error = program_errors.ProgramError(program_errors.RANGE, "F{:g}: seconds, 99.99 at most", 120, place="p.num:4")
+    assert str(error) == "p.num:4: error 316: a value is out of its range: F120: seconds, 99.99 at most"
+    assert error.told() == "p.num:4: erro 316: um valor está fora da faixa: F120: segundos, no máximo 99.99"
+
+
+def test_a_help_in_pieces():
+    help_ = "What it\nis for.\n\nExample: passo x 1\n\nExamples:\n\n    passo x --y      # this one\n\n    passo z"
+    pieces = list(language.pieces(help_))
+    assert [text for _, text, _ in pieces] == ["What it is for.", "Example:", "Examples:", "this one", ""]
+    assert "\n\n".join(map("".join, pieces)) == help_.replace("What it\nis", "What it is")
 
 
 def test_nothing_changes_in_english():

@@ -54,18 +54,18 @@ def read(text, values):
         if letter == "#":
             name = cursor.name()
             if not cursor.take("="):
-                raise ProgramError(SYNTAX, f"= before {cursor.rest()}")
+                raise ProgramError(SYNTAX, "= before {}", cursor.rest())
             block.settings.append((name, cursor.value()))
         elif letter in "gm":
             (block.g if letter == "g" else block.m).append(_code(letter, cursor.value()))
         elif letter in LETTERS:
             if letter in block.words:
-                raise ProgramError(REPEATED, letter.upper())
+                raise ProgramError(REPEATED, "{}", letter.upper())
             block.words[letter] = cursor.value()
         elif letter in ELSEWHERE:
-            raise ProgramError(NOT_IN_DIALECT, f"{letter.upper()}: machines have X, Y and Z")
+            raise ProgramError(NOT_IN_DIALECT, "{}: machines have X, Y and Z", letter.upper())
         else:
-            raise ProgramError(SYNTAX, f"{letter}{cursor.rest()}")
+            raise ProgramError(SYNTAX, "{}{}", letter, cursor.rest())
     return block
 
 
@@ -73,7 +73,7 @@ def _code(letter, value):
     """The code in tenths."""
     tenths = half_away(value * 10)
     if abs(value * 10 - tenths) > EQUAL * 10 or value < 0:
-        raise ProgramError(NOT_IN_DIALECT, f"{letter.upper()}{value:g}")
+        raise ProgramError(NOT_IN_DIALECT, "{}{:g}", letter.upper(), value)
     return int(tenths)
 
 
@@ -81,7 +81,7 @@ def whole(words, letter, low=0, high=1_000_000):
     """The value of a word that is a whole number within `low` … `high`. Raises ProgramError."""
     value = words[letter]
     if abs(value - half_away(value)) > EQUAL:
-        raise ProgramError(WHOLE, f"{letter.upper()}{value:g}")
+        raise ProgramError(WHOLE, "{}{:g}", letter.upper(), value)
     if not low <= half_away(value) <= high:
-        raise ProgramError(RANGE, f"{letter.upper()}{value:g} is not within {low} … {high}")
+        raise ProgramError(RANGE, "{}{:g} is not within {} … {}", letter.upper(), value, low, high)
     return int(half_away(value))

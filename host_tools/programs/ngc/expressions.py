@@ -32,11 +32,11 @@ def _modulo(a, b):
 
 def _power(a, b):
     if a < 0 and b % 1 or a == 0 and b < 0:
-        raise ProgramError(DOMAIN, f"{a:g} ** {b:g}")
+        raise ProgramError(DOMAIN, "{:g} ** {:g}", a, b)
     try:
         return float(a**b)
     except OverflowError:
-        raise ProgramError(DOMAIN, f"{a:g} ** {b:g}") from None
+        raise ProgramError(DOMAIN, "{:g} ** {:g}", a, b) from None
 
 
 # By precedence, the first binds most.
@@ -131,17 +131,17 @@ class Cursor:
     def expression(self):
         """`[…]`"""
         if not self.take("["):
-            raise ProgramError(SYNTAX, f"[ before {self.rest()}")
+            raise ProgramError(SYNTAX, "[ before {}", self.rest())
         if self.text.count("[", 0, self.at) - self.text.count("]", 0, self.at) > _DEEPEST:
-            raise ProgramError(BRACKETS, f"{_DEEPEST} inside each other at most")
+            raise ProgramError(BRACKETS, "{} inside each other at most", _DEEPEST)
         values = [self.value()]
         operators = []
         while not self.take("]"):
             if self.ends():
-                raise ProgramError(BRACKETS, self.text)
+                raise ProgramError(BRACKETS, "{}", self.text)
             operator = next((name for name in _SPELLINGS if self.take(name)), None)
             if operator is None:
-                raise ProgramError(UNKNOWN_NAME, self.rest())
+                raise ProgramError(UNKNOWN_NAME, "{}", self.rest())
             # What binds at least as much as the new operator is worked out first: all go from left to right.
             while operators and _LEVELS[operators[-1]] <= _LEVELS[operator]:
                 _reduce(values, operators)
@@ -161,18 +161,18 @@ class Cursor:
             return finite(float(self.text[begin : self.at]))
         except ValueError:
             self.at = begin
-            raise ProgramError(SYNTAX, self.rest()) from None
+            raise ProgramError(SYNTAX, "{}", self.rest()) from None
 
     def name(self):
         """A parameter's number or name, behind its #."""
         if not self.take("<"):
             number = self.value()
             if abs(number - half_away(number)) > EQUAL:
-                raise ProgramError(WHOLE, f"#{number:g}")
+                raise ProgramError(WHOLE, "#{:g}", number)
             return int(half_away(number))
         end = self.text.find(">", self.at)
         if end <= self.at:
-            raise ProgramError(BRACKETS, f"<{self.rest()}")
+            raise ProgramError(BRACKETS, "<{}", self.rest())
         name = self.text[self.at : end]
         self.at = end + 1
         return name
@@ -187,7 +187,7 @@ class Cursor:
                 raise ProgramError(PARAMETER, "EXISTS[#<name>]")
             known = self._values.has(self.name())
             if not self.take("]"):
-                raise ProgramError(BRACKETS, self.text)
+                raise ProgramError(BRACKETS, "{}", self.text)
             return float(known)
         if self.take("atan"):
             y = self.expression()
@@ -196,12 +196,12 @@ class Cursor:
             return math.degrees(math.atan2(y, self.expression()))
         name = next((name for name in FUNCTIONS if self.take(name)), None)
         if name is None:
-            raise ProgramError(UNKNOWN_NAME, self.rest())
+            raise ProgramError(UNKNOWN_NAME, "{}", self.rest())
         argument = self.expression()
         try:
             return float(FUNCTIONS[name](argument))
         except (ValueError, OverflowError):
-            raise ProgramError(DOMAIN, f"{name.upper()}[{argument:g}]") from None
+            raise ProgramError(DOMAIN, "{}[{:g}]", name.upper(), argument) from None
 
 
 def _reduce(values, operators):

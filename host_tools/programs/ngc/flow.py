@@ -96,7 +96,7 @@ class Flow:
             return Line(source, "", "", "")  # a program's number
         keyword = next((word for word in KEYWORDS if rest.startswith(word)), "")
         if not keyword:
-            raise ProgramError(UNKNOWN_NAME, rest or "an O word without a keyword")
+            raise ProgramError(UNKNOWN_NAME, "{}", rest) if rest else ProgramError(UNKNOWN_NAME, "an O word without a keyword")
         return Line(source, rest[len(keyword) :], label, keyword)
 
     def _match(self, begin):
@@ -109,7 +109,7 @@ class Flow:
                 except ProgramError as error:
                     raise error.at(line.source) from None
         for part in open_parts:
-            raise ProgramError(NO_END, f"o{part.label} {part.kind}", self._lines[part.begin].source)
+            raise ProgramError(NO_END, "o{} {}", part.label, part.kind, place=self._lines[part.begin].source)
 
     def _match_line(self, number, line, open_parts):
         keyword, label = line.keyword, line.label
@@ -120,7 +120,7 @@ class Flow:
             self._parts[number] = open_parts.pop()
         elif keyword in ("sub", "if", "repeat", *_LOOPS):
             if any(part.label == label for part in open_parts) or keyword == "sub" and label in self._subs:
-                raise ProgramError(LABEL, f"o{label}")
+                raise ProgramError(LABEL, "o{}", label)
             if keyword == "sub" and any(part.kind == "sub" for part in open_parts):
                 raise ProgramError(LABEL, "a subroutine inside another")
             open_parts.append(_Part(keyword, label, number))
@@ -129,7 +129,7 @@ class Flow:
                 self._subs[label] = last
         elif keyword in _OPENERS or keyword in ("else", "elseif"):
             if not fits or last.kind not in _OPENERS.get(keyword, ("if",)):
-                raise ProgramError(LABEL, f"o{label} {keyword}")
+                raise ProgramError(LABEL, "o{} {}", label, keyword)
             self._parts[number] = last
             if keyword in _OPENERS:
                 last.end = number
@@ -140,7 +140,7 @@ class Flow:
             kinds = ("sub",) if keyword == "return" else _LOOPS
             part = next((part for part in open_parts if part.label == label and part.kind in kinds), None)
             if part is None:
-                raise ProgramError(LABEL, f"o{label} {keyword}")
+                raise ProgramError(LABEL, "o{} {}", label, keyword)
             self._parts[number] = part
 
     # --- running
@@ -152,7 +152,7 @@ class Flow:
             line = self._lines[number]
             self._done += 1
             if self._done > self._bound:
-                raise ProgramError(ENDLESS, f"{self._bound} lines have been carried out", line.source)
+                raise ProgramError(ENDLESS, "{} lines have been carried out", self._bound, place=line.source)
             self._at = number + 1
             if not line.keyword:
                 yield line
@@ -170,7 +170,7 @@ class Flow:
         cursor = Cursor(line.rest, self._values)
         value = cursor.value()
         if not cursor.ends():
-            raise ProgramError(SYNTAX, cursor.rest())
+            raise ProgramError(SYNTAX, "{}", cursor.rest())
         return value
 
     def _do_sub(self, number, line, part):
@@ -189,9 +189,9 @@ class Flow:
             if found and found[0] not in self.texts:
                 self._load(*found)
         if label not in self._subs:
-            raise ProgramError(NO_PROGRAM, f"o{label}")
+            raise ProgramError(NO_PROGRAM, "o{}", label)
         if len(self._calls) >= DEEPEST:
-            raise ProgramError(DEPTH, f"{DEEPEST} at most")
+            raise ProgramError(DEPTH, "{} at most", DEEPEST)
         self._values.enter(arguments)
         self._calls.append((self._at, self._counts))
         self._counts = {}
@@ -200,7 +200,7 @@ class Flow:
     def _do_return(self, number, line, part):
         value = self._value(line) if line.rest else None
         if not self._calls:
-            raise ProgramError(LABEL, f"o{line.label} {line.keyword} and no call")
+            raise ProgramError(LABEL, "o{} {} and no call", line.label, line.keyword)
         self._at, self._counts = self._calls.pop()
         self._values.leave(value)
 

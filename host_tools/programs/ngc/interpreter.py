@@ -5,6 +5,7 @@
 Lengths are mm inside. G20 and G21 hold for their whole line, its F too.
 """
 
+from host_tools.language import _
 from host_tools.programs.ngc.blocks import read, whole
 from host_tools.programs.ngc.codes import (
     ARC_DISTANCE, AXIS_COMMANDS, CHANGE, COOLING, CUTTER, CYCLES, DISTANCE, FEED_MODE, G_GROUPS, LENGTH, M_GROUPS, MOTION,
@@ -129,7 +130,7 @@ class Interpreter(Modes, Motions):
         elif motion is not None:
             self.move(motion, non_modal == 530)
         if self.words:
-            raise ProgramError(UNUSED, " ".join(letter.upper() + number(value) for letter, value in self.words.items()))
+            raise ProgramError(UNUSED, "{}", " ".join(letter.upper() + number(value) for letter, value in self.words.items()))
         return self._stops(m.get(STOPPING))
 
     def _groups(self, block):
@@ -140,9 +141,9 @@ class Interpreter(Modes, Motions):
                 text = f"{letter.upper()}{number(code / 10, 1)}"
                 if code not in groups:
                     why = NOT_ON_BOARD[letter].get(code)
-                    raise ProgramError(UNABLE, f"{text}: {why}") if why else ProgramError(NOT_IN_DIALECT, text)
+                    raise ProgramError(UNABLE, "{}: {}", text, _(why)) if why else ProgramError(NOT_IN_DIALECT, "{}", text)
                 if groups[code] in kept and groups[code] != OVERRIDES:
-                    raise ProgramError(SAME_GROUP, text)
+                    raise ProgramError(SAME_GROUP, "{}", text)
                 kept[groups[code]] = code
         return found
 
@@ -150,7 +151,7 @@ class Interpreter(Modes, Motions):
         """The motion that the line's axis words are for; None: nothing moves. Keeps the modal one."""
         commands = [code for code in g.values() if code in AXIS_COMMANDS]
         if len(commands) > 1:
-            raise ProgramError(TWO_COMMANDS, " ".join(f"G{number(code / 10, 1)}" for code in commands))
+            raise ProgramError(TWO_COMMANDS, "{}", " ".join(f"G{number(code / 10, 1)}" for code in commands))
         if MOTION in g:
             if g[MOTION] not in CYCLES or g[MOTION] != self.motion:
                 self.cycle = None
@@ -168,7 +169,7 @@ class Interpreter(Modes, Motions):
         if "f" in self.words:
             value = self.words.pop("f")
             if value < 0:
-                raise ProgramError(NO_FEED, f"F{value:g}")
+                raise ProgramError(NO_FEED, "F{:g}", value)
             self.feed = value if self.feed_mode == 930 else value * self.scale
         elif self.feed_mode == 930 and motion in (10, 20, 30):
             raise ProgramError(NO_FEED, "with G93 each line has an F")
@@ -187,18 +188,18 @@ class Interpreter(Modes, Motions):
     def not_compensated(self, what):
         """Raises ProgramError while the radius is compensated."""
         if self.path.contour:
-            raise ProgramError(COMPENSATED, what)
+            raise ProgramError(COMPENSATED, "{}", what)
 
     def take(self, letter):
         """The value of a word that the command needs. Raises ProgramError if it is missing."""
         if letter not in self.words:
-            raise ProgramError(MISSING, letter.upper())
+            raise ProgramError(MISSING, "{}", letter.upper())
         return self.words.pop(letter)
 
     def whole(self, letter, low=0, high=1_000_000):
         """The same of a whole number."""
         if letter not in self.words:
-            raise ProgramError(MISSING, letter.upper())
+            raise ProgramError(MISSING, "{}", letter.upper())
         value = whole(self.words, letter, low, high)
         del self.words[letter]
         return value

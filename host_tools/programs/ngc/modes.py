@@ -12,7 +12,7 @@ class Modes:
     def set_spindle(self, code):
         turned = self.words.pop("s", None)
         if turned is not None and turned < 0:
-            raise ProgramError(RANGE, f"S{turned:g}")
+            raise ProgramError(RANGE, "S{:g}", turned)
         rpm = self.rpm if turned is None else turned
         if code is not None:
             self.spindle = {30: "M3", 40: "M4", 50: ""}[code]
@@ -40,7 +40,7 @@ class Modes:
     def dwell(self):
         seconds = self.take("p")
         if seconds < 0:
-            raise ProgramError(RANGE, f"P{seconds:g}")
+            raise ProgramError(RANGE, "P{:g}", seconds)
         self.path.word(f"G4 P{number(seconds)}")
 
     def set_cutter(self, code):
@@ -56,7 +56,7 @@ class Modes:
             none = self.words.get("d") == 0
             tool = self.whole("d", 0, 255) if "d" in self.words else self.tool
             if tool not in self.tools and not none:
-                raise ProgramError(TOOL, f"D{tool}")
+                raise ProgramError(TOOL, "D{}", tool)
             diameter = 0.0 if none else self.tools[tool].diameter
         side = LEFT if code in (410, 411) else RIGHT
         # A negative radius, of a tool that is smaller than the one the path was made for, goes to the other side.
@@ -80,7 +80,7 @@ class Modes:
         else:
             tool = self.whole("h", 0, 255)
             if self.length_mm is None or tool not in self.tools:
-                raise ProgramError(TOOL, f"H{tool}")
+                raise ProgramError(TOOL, "H{}", tool)
             self.length_mm += self.tools[tool].length
             self.path.word(f"G43.1 Z{number(self.length_mm)}")
         self.path.forget((2,))
@@ -139,7 +139,7 @@ class Modes:
             self._set_tool_table(self.whole("p", 1, 255), table)
             return
         if table not in (2, 20):
-            raise ProgramError(NOT_ON_BOARD, f"G10 L{table}")
+            raise ProgramError(NOT_ON_BOARD, "G10 L{}", table)
         system = self.whole("p", 0, 6)
         if self.words.pop("r", 0.0):
             raise ProgramError(NOT_ON_BOARD, "G10 R: a turned coordinate system")
@@ -154,7 +154,7 @@ class Modes:
 
     def _set_tool_table(self, tool, table):
         if table != 1:
-            raise ProgramError(NOT_ON_BOARD, f"G10 L{table}: only the machine knows where it touches")
+            raise ProgramError(NOT_ON_BOARD, "G10 L{}: only the machine knows where it touches", table)
         old = self.tools.get(tool, Tool())
         length = self.words.pop("z") * self.scale if "z" in self.words else old.length
         diameter = 2 * self.words.pop("r") * self.scale if "r" in self.words else old.diameter

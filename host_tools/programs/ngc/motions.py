@@ -115,7 +115,7 @@ class Motions:
         end = [begin[0] if target[first] is None else target[first], begin[1] if target[second] is None else target[second]]
         if "r" in self.words:
             if target[first] is None and target[second] is None:
-                raise ProgramError(MISSING, f"{AXES[first]} or {AXES[second]}")
+                raise ProgramError(MISSING, "{} or {}", AXES[first], AXES[second])
             centre = centre_of(begin, end, self.words.pop("r") * self.scale, clockwise)
         else:
             centre = self._centre(first, second, begin)
@@ -131,7 +131,7 @@ class Motions:
         """The centre by I, J, K, in mm from the start."""
         letters = "ijk"[first], "ijk"[second]
         if not any(letter in self.words for letter in letters):
-            raise ProgramError(ARC, f"R, or {letters[0].upper()} and {letters[1].upper()}")
+            raise ProgramError(ARC, "R, or {} and {}", letters[0].upper(), letters[1].upper())
         if self.arc_absolute:
             return [self.take(letter) * self.scale - start for letter, start in zip(letters, begin)]
         return [self.words.pop(letter, 0.0) * self.scale for letter in letters]
@@ -151,20 +151,20 @@ class Motions:
                 kept[letter] = words.pop(letter) * (self.scale if letter in "zrq" else 1.0)
         for letter in "zr" + ("q" if code in (730, 830) else ""):
             if letter not in kept:
-                raise ProgramError(MISSING, letter.upper())
+                raise ProgramError(MISSING, "{}", letter.upper())
         self.cycle = kept
         times = self.whole("l", 1) if "l" in words else 1
         height = self.path.known(2)
         above = kept["r"] if self.absolute else height + kept["r"]
         bottom = kept["z"] if self.absolute else above + kept["z"]
         if bottom > above:
-            raise ProgramError(RANGE, f"Z{number(bottom)} is above R{number(above)}")
+            raise ProgramError(RANGE, "Z{} is above R{}", number(bottom), number(above))
         if kept.get("q", 1.0) <= 0:
-            raise ProgramError(RANGE, f"Q{kept['q']:g}")
+            raise ProgramError(RANGE, "Q{:g}", kept["q"])
         if kept.get("p", 0.0) < 0:
-            raise ProgramError(RANGE, f"P{kept['p']:g}")
+            raise ProgramError(RANGE, "P{:g}", kept["p"])
         if code in (740, 840, 860, 880) and not self.spindle:
-            raise ProgramError(NO_SPINDLE, f"G{code // 10}")
+            raise ProgramError(NO_SPINDLE, "G{}", code // 10)
         cycle = Cycle(code // 10, above, bottom, self._feed_of(None), kept.get("p", 0.0), kept.get("q", 0.0))
         cycle.spindle = self.spindle
         cycle.back = height if self.initial and height > above else None

@@ -32,16 +32,16 @@ class State:
             return float(self._told[name]())
         if not isinstance(name, int):
             if name not in self._home(name):
-                raise ProgramError(PARAMETER, f"#<{name}>")
+                raise ProgramError(PARAMETER, "#<{}>", name)
             return self._home(name)[name]
         self._check(name)
         if name not in self._numbered and any(low <= name <= high for low, high in _MACHINE):
-            raise ProgramError(MACHINE_ONLY, f"#{name}")
+            raise ProgramError(MACHINE_ONLY, "#{}", name)
         return self._numbered.get(name, 0.0)
 
     def set(self, name, value):
         if name in self._told:
-            raise ProgramError(PARAMETER, f"#{name if isinstance(name, int) else '<' + name + '>'} cannot be set")
+            raise ProgramError(PARAMETER, "#{} cannot be set", name if isinstance(name, int) else "<" + name + ">")
         if isinstance(name, int):
             self._check(name)
             self._numbered[name] = value
@@ -54,14 +54,14 @@ class State:
     @staticmethod
     def _check(number):
         if not 0 < number <= MOST:
-            raise ProgramError(PARAMETER, f"#{number}")
+            raise ProgramError(PARAMETER, "#{}", number)
 
     def enter(self, arguments):
         """A subroutine is called."""
         self._saved.append([self._numbered.get(number, 0.0) for number in LOCALS])
         self._names.append({})
         if len(arguments) > len(LOCALS):
-            raise ProgramError(PARAMETER, f"{len(LOCALS)} arguments at most")
+            raise ProgramError(PARAMETER, "{} arguments at most", len(LOCALS))
         self._numbered.update(enumerate(arguments, 1))
         self._globals.update(_value=0.0, _value_returned=0.0)
 

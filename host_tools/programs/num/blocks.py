@@ -44,7 +44,7 @@ class Variables:
     @staticmethod
     def _check(number):
         if not any(number in each for each in VARIABLES):
-            raise ProgramError(PARAMETER, f"L{number}: L0 to L19, L100 to L199, L900 to L959")
+            raise ProgramError(PARAMETER, "L{}: L0 to L19, L100 to L199, L900 to L959", number)
 
 
 class Block:
@@ -97,10 +97,10 @@ class _Reader:
                 name = pair if pair in _PAIRS else letter
                 self._at += len(name)
                 if name in block.words:
-                    raise ProgramError(REPEATED, name)
+                    raise ProgramError(REPEATED, "{}", name)
                 block.words[name] = self._signed()
             else:
-                raise ProgramError(NOT_IN_DIALECT if letter.isalpha() else SYNTAX, self._rest())
+                raise ProgramError(NOT_IN_DIALECT if letter.isalpha() else SYNTAX, "{}", self._rest())
         for number, value in assigned:
             self._variables.set(number, value)
         return block
@@ -113,7 +113,7 @@ class _Reader:
         self._at += 1
         number = self._whole()
         if not self._take("="):
-            raise ProgramError(SYNTAX, f"= before {self._rest()}")
+            raise ProgramError(SYNTAX, "= before {}", self._rest())
         assigned.append((number, self._expression()))
 
     def _condition(self):
@@ -131,7 +131,7 @@ class _Reader:
         for name, compare in _COMPARISONS.items():
             if self._take(name):
                 return compare(left, self._expression())
-        raise ProgramError(SYNTAX, f"= < > <= >= or <> before {self._rest()}")
+        raise ProgramError(SYNTAX, "= < > <= >= or <> before {}", self._rest())
 
     def _expression(self):
         value = self._signed()
@@ -169,7 +169,7 @@ class _Reader:
             self._at += 1
             argument = self._signed()
             if letter == "R" and argument < 0:
-                raise ProgramError(DOMAIN, f"R{argument:g}")
+                raise ProgramError(DOMAIN, "R{:g}", argument)
             return float(_FUNCTIONS[letter](argument))
         value = float(self._match(_NUMBER))
         if math.isinf(value):
@@ -186,7 +186,7 @@ class _Reader:
     def _match(self, pattern):
         found = pattern.match(self._text, self._at)
         if not found:
-            raise ProgramError(SYNTAX, f"a number before {self._rest()}")
+            raise ProgramError(SYNTAX, "a number before {}", self._rest())
         self._at = found.end()
         return found[0]
 

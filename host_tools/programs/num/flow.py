@@ -44,9 +44,9 @@ class Flow:
             if words.startswith("%"):
                 label = words[1:] or "0"
                 if not label.isdigit():
-                    raise ProgramError(SYNTAX, f"% and a number before {words}", source)
+                    raise ProgramError(SYNTAX, "% and a number before {}", words, place=source)
                 if int(label) in self._parts and self._parts[int(label)].rows:
-                    raise ProgramError(LABEL, f"%{label}", source)
+                    raise ProgramError(LABEL, "%{}", label, place=source)
                 part = self._parts[int(label)] = _Part()
             elif words and not (skip and words.startswith("/")):
                 part = part or self._parts.setdefault(0, _Part())
@@ -54,7 +54,7 @@ class Flow:
                 number = number_of(words)
                 if number is not None:
                     if number in part.numbers:
-                        raise ProgramError(LABEL, f"N{number}", source)
+                        raise ProgramError(LABEL, "N{}", number, place=source)
                     part.numbers[number] = len(part.rows)
                 part.rows.append((source, words))
         self._runs = [_Run(main, 0, len(main.rows) - 1, 0)] if main else []
@@ -71,7 +71,7 @@ class Flow:
             source, text = run.part.rows[run.at]
             self._done += 1
             if self._done > self._bound:
-                raise ProgramError(ENDLESS, f"{self._bound} blocks have been carried out", source)
+                raise ProgramError(ENDLESS, "{} blocks have been carried out", self._bound, place=source)
             run.at += 1
             yield source, text
 
@@ -85,7 +85,7 @@ class Flow:
         at = self._find(run.part, number)
         while not run.first <= at <= run.last:
             if len(self._runs) < 2 or self._runs[-2].part is not run.part:
-                raise ProgramError(NO_BLOCK, f"N{number} is outside of the blocks that are called")
+                raise ProgramError(NO_BLOCK, "N{} is outside of the blocks that are called", number)
             self._runs.pop()
             run = self._runs[-1]
         run.at = at
@@ -95,18 +95,18 @@ class Flow:
         part = self._runs[-1].part
         if program is not None:
             if program not in self._parts:
-                raise ProgramError(NO_PROGRAM, f"%{program}")
+                raise ProgramError(NO_PROGRAM, "%{}", program)
             part = self._parts[program]
         places = [self._find(part, number) for number in numbers]
         first, last = (places + [places[-1]])[:2] if places else (0, len(part.rows) - 1)
         if last < first:
-            raise ProgramError(NO_BLOCK, f"N{numbers[1]} stands before N{numbers[0]}")
+            raise ProgramError(NO_BLOCK, "N{} stands before N{}", numbers[1], numbers[0])
         if len(self._runs) > DEEPEST:
-            raise ProgramError(DEPTH, f"{DEEPEST} at most")
+            raise ProgramError(DEPTH, "{} at most", DEEPEST)
         self._runs.append(_Run(part, first, last, times))
 
     @staticmethod
     def _find(part, number):
         if number not in part.numbers:
-            raise ProgramError(NO_BLOCK, f"N{number}")
+            raise ProgramError(NO_BLOCK, "N{}", number)
         return part.numbers[number]

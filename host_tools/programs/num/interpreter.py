@@ -8,6 +8,7 @@ G91, or a radius.
 
 import math
 
+from host_tools.language import _
 from host_tools.programs.compensation import LEFT, RIGHT
 from host_tools.programs.drilling import Cycle
 from host_tools.programs.num.blocks import Variables, read
@@ -72,7 +73,7 @@ class Interpreter:
             self._branch(g, m, block)
             return
         if block.targets:
-            raise ProgramError(UNUSED, f"N{block.targets[0]}")
+            raise ProgramError(UNUSED, "N{}", block.targets[0])
         self._modes(g)
         if 4 in g:
             self._dwell()
@@ -86,7 +87,7 @@ class Interpreter:
         else:
             self._move(g)
         if words:
-            raise ProgramError(UNUSED, " ".join(f"{name}{number(value)}" for name, value in words.items()))
+            raise ProgramError(UNUSED, "{}", " ".join(f"{name}{number(value)}" for name, value in words.items()))
         self._stop(m)
 
     @staticmethod
@@ -96,24 +97,24 @@ class Interpreter:
         for code in codes:
             group = next((group for group in groups if code in group), None)
             if group is None:
-                raise ProgramError(NOT_IN_DIALECT, f"{letter}{code:02}")
+                raise ProgramError(NOT_IN_DIALECT, "{}{:02}", letter, code)
             if taken & set(group):
-                raise ProgramError(SAME_GROUP, f"{letter}{code:02}")
+                raise ProgramError(SAME_GROUP, "{}{:02}", letter, code)
             taken.add(code)
         return taken
 
     def _take(self, name, default=None):
         """The value of a word. Raises ProgramError if it is missing and there is no default."""
         if name not in self._words and default is None:
-            raise ProgramError(MISSING, name)
+            raise ProgramError(MISSING, "{}", name)
         return self._words.pop(name, default)
 
     def _whole(self, name, default=None, most=99999):
         value = self._take(name, default)
         if value % 1:
-            raise ProgramError(WHOLE, f"{name}{value:g}")
+            raise ProgramError(WHOLE, "{}{:g}", name, value)
         if not 0 <= value <= most:
-            raise ProgramError(RANGE, f"{name}{value:g}")
+            raise ProgramError(RANGE, "{}{:g}", name, value)
         return int(value)
 
     # --- what comes next
@@ -124,7 +125,7 @@ class Interpreter:
             raise ProgramError(TWO_COMMANDS, "G77 and G79 stand alone")
         if 79 in g:
             if self._words:
-                raise ProgramError(UNUSED, next(iter(self._words)))
+                raise ProgramError(UNUSED, "{}", next(iter(self._words)))
             if len(block.targets) != 1:
                 raise ProgramError(MISSING, "N")
             if block.condition is not False:
@@ -135,7 +136,7 @@ class Interpreter:
         if program is None and not block.targets or len(block.targets) > 2:
             raise ProgramError(MISSING, "H, or N and N")
         if self._words:
-            raise ProgramError(UNUSED, next(iter(self._words)))
+            raise ProgramError(UNUSED, "{}", next(iter(self._words)))
         if times:
             self._flow.call(program, block.targets, times)
 
@@ -174,13 +175,13 @@ class Interpreter:
         if self._tool == 0:
             return 0.0
         if self._tool not in self._tools:
-            raise ProgramError(TOOL, "D" if self._tool is None else f"D{self._tool}")
+            raise ProgramError(TOOL, "{}", "D" if self._tool is None else f"D{self._tool}")
         return self._tools[self._tool].radius
 
     def _dwell(self):
         seconds = self._take("F")
         if not 0 <= seconds <= 99.99:
-            raise ProgramError(RANGE, f"F{seconds:g}: seconds, 99.99 at most")
+            raise ProgramError(RANGE, "F{:g}: seconds, 99.99 at most", seconds)
         self.path.word(f"G4 P{number(seconds)}")
 
     def _set_machine(self, m):
@@ -193,7 +194,7 @@ class Interpreter:
         if "S" in self._words:
             rpm = self._take("S")
             if rpm < 0:
-                raise ProgramError(RANGE, f"S{rpm:g}")
+                raise ProgramError(RANGE, "S{:g}", rpm)
             said.append(f"S{number(rpm, 3)}")
         said += [f"M{code}" for code in sorted(m & {3, 4, 5})]
         if said:
@@ -203,7 +204,7 @@ class Interpreter:
 
     def _not_compensated(self, what):
         if self.path.contour:
-            raise ProgramError(COMPENSATED, what)
+            raise ProgramError(COMPENSATED, "{}", what)
 
     def _set_offset(self):
         """G59: with G90 in place of the offset before, with G91 in addition to it."""
@@ -221,7 +222,7 @@ class Interpreter:
         words = self._words
         places = any(name in words for name in AXES)
         if g & {45, 81}:
-            self._not_compensated("a cycle")
+            self._not_compensated(_("a cycle"))
             self._cycle = (min(g & {45, 81}), {})
         if self._cycle and (places or g & {45, 81}):
             self._carry_out_cycle(2 in g)
@@ -252,12 +253,12 @@ class Interpreter:
         if "R" in self._words:
             radius = self._take("R") * self._scale
             if radius <= 0:
-                raise ProgramError(RANGE, f"R{radius:g}")
+                raise ProgramError(RANGE, "R{:g}", radius)
             centre = centre_of(begin, end, radius, clockwise)
         else:
             names = "IJK"[first], "IJK"[second]
             if not any(name in self._words for name in names):
-                raise ProgramError(ARC, f"R, or {names[0]} and {names[1]}")
+                raise ProgramError(ARC, "R, or {} and {}", names[0], names[1])
             if self._absolute:
                 middle = [self._take(name) * self._scale + self._offset[axis] for name, axis in zip(names, (first, second))]
                 centre = [middle[0] - begin[0], middle[1] - begin[1]]
@@ -289,7 +290,7 @@ class Interpreter:
         target = self._target()
         place = [self.path.known(axis) if target[axis] is None else target[axis] for axis in (0, 1)]
         if kept["bottom"] >= above:
-            raise ProgramError(RANGE, f"Z{number(kept['bottom'])} is above ER{number(above)}")
+            raise ProgramError(RANGE, "Z{} is above ER{}", number(kept["bottom"]), number(above))
         if self.path.place[2] is not None and self.path.place[2] < above:
             self.path.move([None, None, above], True)
         if code == 81:
@@ -313,7 +314,7 @@ class Interpreter:
         else:
             raise ProgramError(MISSING, "EX and EY, or EB")
         if min(half) < corner - 1e-9:
-            raise ProgramError(POCKET, f"corners of radius EB{corner:g} in {2 * half[0]:g} × {2 * half[1]:g} mm")
+            raise ProgramError(POCKET, "corners of radius EB{:g} in {:g} × {:g} mm", corner, 2 * half[0], 2 * half[1])
         feeds = [kept.get("EP", self._feed), kept.get("EQ", self._feed)]
         feeds += [kept.get("EI", feeds[0]), kept.get("EJ", feeds[1])]
         if min(feeds) <= 0:

@@ -34,11 +34,11 @@ class Pocket:
         """Append all motions. Raises ProgramError if the tool does not fit."""
         room = min(self.half) - radius - self.stock
         if radius <= 0 or room < 0:
-            raise ProgramError(POCKET, f"a tool of radius {radius:g} in {2 * self.half[0]:g} × {2 * self.half[1]:g} mm")
+            raise ProgramError(POCKET, "a tool of radius {:g} in {:g} × {:g} mm", radius, 2 * self.half[0], 2 * self.half[1])
         if self.corner < radius - 1e-6:
-            raise ProgramError(POCKET, f"corners of radius {self.corner:g} for a tool of radius {radius:g}")
+            raise ProgramError(POCKET, "corners of radius {:g} for a tool of radius {:g}", self.corner, radius)
         if not 0 < self.step <= _WIDEST_STEP * radius + 1e-9:
-            raise ProgramError(POCKET, f"steps of Q{self.step:g}: {_WIDEST_STEP * radius:.3f} at most with this tool")
+            raise ProgramError(POCKET, "steps of Q{:g}: {:.3f} at most with this tool", self.step, _WIDEST_STEP * radius)
         if self.depth <= 0 or self.bottom >= self.above or self.floor < 0 or self.stock < 0:
             raise ProgramError(POCKET, "P, I, J or Z")
         down, along, down_finish, along_finish = self.feeds
