@@ -93,7 +93,7 @@ class FramedPort:
             if self._new:
                 return True
             self._leave()  # another program's session: end it, and begin anew
-        raise OSError("the session of frames that another program has left open does not end")
+        raise OSError(_("the session of frames that another program has left open does not end"))
 
     # --- the face of a serial port
 

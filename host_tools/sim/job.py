@@ -197,11 +197,12 @@ class VirtualJob:
                 pass
             sender.join()
         except Failure:
-            if trouble:
-                raise trouble[0]
-            raise
+            if not trouble:
+                raise
         finally:
             self._end()
+        if trouble:  # the runner may have come to the end of what it got before it was killed
+            raise trouble[0]
 
     def _frame(self):
         """Take one frame of the runner; returns its kind. Raises Failure."""
