@@ -22,6 +22,8 @@ KEY = "ABCDEFGHJKLMNPQR"
 class Served:
     """`passo board` with a page, and what the attacks want to know of it."""
 
+    lacking = ("stored", "recover")  # orders of `passo panel` only
+
     def __init__(self, folder, name="router_3axis"):
         config = {**boards.load(name), "network": {"host": "passo"}}
         config["links"] = [config["links"][0], {"name": "page", "port": "page", "protocol": config["links"][0]["protocol"]}]

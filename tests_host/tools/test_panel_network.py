@@ -81,7 +81,8 @@ def without_a_key(panel):
     for name in ("step", "goto", "jog", "run", "output", "line", "resume", "give", "jobs", "job_text", "machine", "teach", "stored", "recover"):
         page.socket.send(json.dumps({"do": name, "by": {"x": 5}, "to": {"x": 5}, "way": {"x": 1}, "speed": 5000, "line": "G0X9", "name": "job"}))
         answer = page._find(lambda told: told["t"] == "answer")
-        assert answer == {"t": "answer", "do": name, "error": errors.NO_SESSION}
+        known = name not in getattr(panel, "lacking", ())
+        assert answer == {"t": "answer", "do": name if known else "", "error": errors.NO_SESSION if known else errors.UNKNOWN_COMMAND}
 
 
 def too_much(panel):
