@@ -259,7 +259,7 @@ POWER_MOST = const(1000)
 POWER_UNKNOWN = const(2000)
 POWER_SIZE = const(128)  # marks, a power of two: at most one a segment
 
-FARTHEST = const(0x1FFFFFFF)  # position in steps, and one of a line of G-code in nm
+FARTHEST = const(0x1FFFFFFF)  # position in steps
 BIAS = const(0x20000000)  # makes it positive
 
 # Program._trace: where the lines of a batch may lead. Positions have 2²⁹ added, so that none is negative; four numbers each.

@@ -1,6 +1,9 @@
 """G-code on the emulated Pico, from bytes to steps: what `make bench ARGS=gcode` measures must not collapse."""
 
+import contextlib
+import io
 import re
+from pathlib import Path
 
 import pytest
 from cam_files import FREECAD as CAM
@@ -8,6 +11,10 @@ from emulated import uf2  # noqa: F401
 
 from host_tools.emulator import gcode
 from host_tools.emulator.machine import EmulatedMachine
+from host_tools.emulator.pico import EmulatedPico
+from passo import records
+from passo.protocols.gcode import parse_viper
+from test_pico_digest import compiled
 
 FREE_BYTES = 12_000  # with the larger ring of the faster axes, and the memory that the lines come from
 LINES_S = 450
@@ -33,6 +40,45 @@ def test_short_lines_are_read_planned_and_stepped(uf2, show):
     run = gcode.run_lines(machine, 0.2, 200, 80)
     assert run["lines_s"] > LINES_S and run["late"] == 0
     show("lines of 0.2 mm a second on the Pico", f"{run['lines_s']:.0f}")
+
+
+FAR = (
+    "from array import array\n"
+    "def read(place, text):\n"
+    "    rows = array('i', [0] * 80)\n"
+    "    at = 0\n"
+    "    while at < len(text):\n"
+    "        count = parse(text, at, len(text), place, rows, 1)\n"
+    "        print(count, list(place), list(rows))\n"
+    "        at = text.find(b'\\n', at) + 1 if not count else place[%d]\n" % records.PARSE_AFTER
+)
+
+
+def test_far_lines_are_read_as_on_a_pc(uf2):
+    """Up to 2.1 m, at the limits of 32 bits."""
+    place = [0] * records.PARSE_FIELDS
+    place[records.PARSE_AXES], place[records.PARSE_MODAL], place[records.PARSE_FEED] = 3, 1, 10_000
+    for axis, (offset, per_m) in enumerate(((0, 320_000), (1_900_000_000, 83_333), (-2_147_483_647, 400_000))):
+        place[records.PARSE_OFFSET + axis], place[records.PARSE_RESOLUTION + axis] = offset, per_m
+        place[records.PARSE_LOW + axis], place[records.PARSE_HIGH + axis] = 0, 0x3FFFFFFF
+    text = "".join(
+        f"X{x}Y{y}Z{z}\n"
+        for x, y, z in zip(
+            ("600", "1073.741824", "1073.741", "2139.5", "-2139.999", "2141", "-.001", "536.871"),
+            ("0", "247.483", "247.484", "-1900.5", "1.5", "200", "-2140", "99.9999"),
+            ("0", "-0.000001", "2139.1", "1500.0625", "700.7", "1999", "0.5", "1000"),
+        )
+    ).encode()
+    code = FAR + f"read(array('i', {place}), {text})\n"
+    here = io.StringIO()
+    with contextlib.redirect_stdout(here):
+        exec(code, {"parse": parse_viper.parse})
+    files = compiled({"passo/records.py": Path(records.__file__), "parse_viper.py": Path(parse_viper.__file__)})
+    files["passo/__init__.py"] = b""
+    code = "from parse_viper import parse\n" + code
+    counts = [line[0] for line in here.getvalue().splitlines()]
+    assert counts.count("1") >= 4 and "0" in counts, counts
+    assert EmulatedPico(files=files, uf2=uf2).boot().exec(code, limit_us=5_000_000).split() == here.getvalue().split()
 
 
 @pytest.mark.slow

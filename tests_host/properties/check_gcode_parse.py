@@ -22,11 +22,16 @@ RUNS = {"check_same_as_in_full": 150, "check_several_at_once": 40, "check_machin
 BEFORE = (
     b"G91", b"G90", b"G20", b"G21", b"M3 S500", b"M4 S900", b"M5", b"M3", b"M4", b"S300", b"S0", b"M4 S.0004", b"G92 X3 Y1.5", b"G10 L2 P1 X5 Z-2", b"G54", b"G55",
     b"F200", b"G43.1 Z1.25", b"G2 X2 Y0 I1 J0 F100", b"G93", b"G94", b"G80", b"G1", b"G53 G0 X1", b"G10 L2 P2 X-536.9",
-    b"T2",
+    b"G10 L2 P2 X1500.25", b"G10 L2 P1 Y-2147.483647", b"G92 X2147.4 Y-1", b"T2",
 )  # fmt: skip
 
 
+FAR = ("2146.%03d", "-2147.%03d", "2147.483%03d", "-84.5%03d", "1073.74%03d", "-536.%03d", "600.%03d", "-1999.%03d4", "1400.1%03d")
+
+
 def number(random):
+    if random.between(0, 5) == 0:
+        return random.choice(FAR) % random.between(0, 999)
     text = str(random.choice((random.between(0, 9), random.between(0, 999), random.between(0, 99_999_999))))
     if random.between(0, 2):
         text += "." + "0" * random.between(0, 2) + str(random.between(0, 99999))[: random.between(0, 7)]
@@ -255,11 +260,11 @@ def check_machine_code(seed):
 
 def check_the_frequent_line_is_dealt_with():
     shop = Shop(Straight())
-    for line in (b"G1 X1.5 F600", b"X2Y3.25", b"N100 G0 Z-5", b"G01X-1.000Y.5Z-0.2", b"g1 x 10 f 1200.5"):
+    for line in (b"G1 X1.5 F600", b"X2Y3.25", b"N100 G0 Z-5", b"G01X-1.000Y.5Z-0.2", b"g1 x 10 f 1200.5", b"X600.5Y-999.9"):
         lines = Lines()
         lines.take(line + b"\n")
         assert shop.machine.follow(shop.gcode, lines, 9) == 1 and not lines.waiting(), line
-    for line in (b"G2 X1 I1", b"", b"X1 (note)", b"X1 ; note", b"M3", b"X1 S-3", b"X1 X2", b"X", b"G1", b"X600", b"X1 F.001"):
+    for line in (b"G2 X1 I1", b"", b"X1 (note)", b"X1 ; note", b"M3", b"X1 S-3", b"X1 X2", b"X", b"G1", b"X2200", b"X1 F.001"):
         lines = Lines()
         lines.take(line + b"\n")
         assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting() and not shop.gcode.waits, line

@@ -7,7 +7,7 @@ A laser is on at the power that the line's S says, and off in a G0.
 The first line begins at text[at]; each ends with a line feed or the text. `place` says where the machine is and how lines
 count; after a plain line it says where that leads, and where the next line begins; a line of another kind ends the batch, and
 has not changed what counts. What is unusual (any other word or character, more than six
-decimals, a place beyond the travel or half a metre, a very slow feed, another speed of a spindle, a beam that changes
+decimals, a place beyond the travel or 2.1 m, a very slow feed, another speed of a spindle, a beam that changes
 without a step, a mistake) is left to parser.py, which alone knows the rules; what is understood here gives what it
 gives, to the nanometre. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary
 Python; see motion/block_viper.py for what that asks of integers.
@@ -32,6 +32,8 @@ except NameError:
 @micropython.viper
 def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: int) -> int:
     """See above."""
+    most_nm = 0x3FFFFFFF
+    most_nm = most_nm << 1 | 1  # 2³¹ − 1: as a constant it would be no small integer of a board
     lines = 0
     while lines < most and begin < count:
         axes = place[PARSE_AXES]
@@ -94,28 +96,29 @@ def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: 
                         if decimals > 5:
                             return lines
                         while decimals < 5:
-                            if value > 200000:
+                            if value > 845000:
                                 return lines
                             value *= 10
                             decimals += 1
-                        if value > 2100000:
+                        if value > 8450000:
                             return lines
                         value *= 254
                         decimals = 6
                     while decimals < 6:
-                        if value > 50000000:
+                        if value > 214000000:
                             return lines
                         value *= 10
                         decimals += 1
                     if negative:
                         value = 0 - value
                     digits = place[PARSE_POSITION + letter] if place[PARSE_RELATIVE] else place[PARSE_OFFSET + letter]
-                    if digits >> 30 & 1:
-                        digits = 0 - ((0 - digits) & 0x3FFFFFFF)
-                    value += digits
-                    if value > 0x1FFFFFFF or value < 0 - 0x1FFFFFFF:
+                    if digits >> 31 & 1:  # where viper is 64 bits wide it reads a negative number as a positive one
+                        digits = 0 - ((0 - digits) & most_nm)
+                        if value < 0 - most_nm - digits:
+                            return lines
+                    elif value > most_nm - digits:
                         return lines
-                    place[PARSE_TO + letter] = value
+                    place[PARSE_TO + letter] = value + digits
                 elif letter == 71:
                     if value > 1 or negative or point or have & 1:
                         return lines
@@ -160,21 +163,22 @@ def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: 
         after = at + 1
         if have < 16 or motion and feed < place[PARSE_LEAST] or full == 1 and rpm != place[PARSE_RPM] or at - begin > 80:
             return lines
-        # --- nanometres to steps: · steps a metre / 10⁹, to the nearest, halves away from zero; in digits of 15 bits
+        # --- nanometres to steps: · steps a metre / 10⁹, to the nearest, halves away from zero; in digits of 15 bits, and one above them
         at = 0
         while at < axes:
             place[PARSE_DELTAS + at] = 0
             if have >> (4 + at) & 1:
                 value = place[PARSE_TO + at]
-                negative = value >> 30 & 1
+                negative = value >> 31 & 1
                 if negative:
                     value = 0 - value
-                value &= 0x3FFFFFFF
                 digits = place[PARSE_RESOLUTION + at]
+                decimals = digits if value >> 30 & 1 else 0
+                value &= 0x3FFFFFFF
                 low = (value & 0x7FFF) * (digits & 0x7FFF) + 25856  # half of 10⁹ is 15258 · 2¹⁵ + 25856
                 point = (value >> 15) * (digits & 0x7FFF) + (value & 0x7FFF) * (digits >> 15) + 15258 + (low >> 15)
                 low &= 0x7FFF
-                value = (value >> 15) * (digits >> 15) + (point >> 15)
+                value = (value >> 15) * (digits >> 15) + (point >> 15) + decimals
                 point &= 0x7FFF
                 if value >= 1000000000:
                     return lines

@@ -41,6 +41,7 @@ from passo.records import (
 _ANY = const(0)
 _SAME = const(1)
 _OTHER = const(2000)  # no power
+_FARTHEST_NM = const(0x7FFFFFFF)  # of a plain line
 _MOST_RPM = const(100_000_000)
 _ROUNDING = const(0x18000)  # P and Q: of G64 how far corners may be rounded; the path is kept to
 
@@ -206,7 +207,7 @@ class GCode(Motions):
         for axis in range(self.axes):
             offset = self.offsets.of(self.system, axis)
             resolution = self.machine.steps_per_m[axis]
-            if max(abs(self.position[axis]), abs(offset), resolution) > FARTHEST:
+            if max(abs(self.position[axis]), abs(offset)) > _FARTHEST_NM or resolution > FARTHEST:
                 return False
             place[PARSE_POSITION + axis] = self.position[axis]
             place[PARSE_OFFSET + axis] = offset
