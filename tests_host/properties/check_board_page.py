@@ -3,6 +3,7 @@
 from board_browser import PAGE, ServedRouter, masked, receive
 from passo import errors
 from passo.web.websocket import BINARY, CLOSE, PING, TEXT, Frames, accept_of, frame, unmasked
+from router import BOARD, World
 
 MM = 320  # steps
 SPEED = 3000
@@ -94,6 +95,32 @@ def check_orders_over_the_air():
 
 def answers_of(said):
     return [line for line in said if line == "ok" or line.startswith("error:")]
+
+
+def check_the_tool_wants_somebody_there():
+    """Where the board file names an input for it: the spindle and a resume; off it goes always."""
+    world = World()
+    world.switches["hand"] = 0
+    inputs = BOARD["inputs"] + [{"name": "hand", "pin": 28, "active": 1}]
+    board = ServedRouter(world=world, network={"host": "passo", "presence": "hand"}, inputs=inputs)
+    page = board.commanding()
+
+    def switch(name):
+        """(what the page is told then, the tool)"""
+        assert page.order("output", name=name, rpm=1000)["error"] == 0
+        board.run_ms(1500)
+        logs = [message["log"][-1] for message in page.told if message["t"] == "log"]
+        page.told.clear()
+        return logs, world.tool
+
+    assert switch("spindle_cw") == ([errors.PRESENCE], 0)
+    world.switches["hand"] = 1
+    assert switch("spindle_cw") == ([], 1)
+    world.switches["hand"] = 0
+    board.run_ms(300)
+    assert world.tool == 1, "who lets go stops nothing"
+    assert switch("spindle_off") == ([], 0)
+    assert switch("spindle_ccw") == ([errors.PRESENCE], 0)
 
 
 def check_five_states_a_second():

@@ -67,7 +67,8 @@ class ServedRouter(Machine):
     def __init__(self, **changes):
         self.radio = Here()
         self.browsers = []
-        Machine.__init__(self, radio=self.radio, links=LINKS, network={"host": "passo"}, **changes)
+        changes.setdefault("network", {"host": "passo"})
+        Machine.__init__(self, radio=self.radio, links=LINKS, **changes)
         self.server = self.app.links[1].serial
         self.run_ms(20)
 
