@@ -19,5 +19,5 @@ class Failure(Exception):
 
 
 def reason(error):
-    """Why the system refused something (an OSError), in the language that was chosen."""
-    return _(error.strerror or str(error))
+    """Why the system refused something (an OSError), in the language that was chosen; of any other error its own words."""
+    return _(getattr(error, "strerror", None) or str(error))

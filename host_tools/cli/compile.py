@@ -94,7 +94,7 @@ def save_picture(path, program):
     )  # fmt: skip
     holes = [stroke.points[-1] for stroke in cuts if stroke.points[0][:2] == stroke.points[-1][:2] and len(stroke.points) == 2]
     if holes:
-        axes.plot([point[0] for point in holes], [point[1] for point in holes], "o", color="#d03030", markersize=4, label=_("down"))
+        axes.plot([point[0] for point in holes], [point[1] for point in holes], "o", color="#d03030", markersize=4, label=_("straight down"))
     _label(axes, cuts or strokes, len(program.texts) > 1)
     finish(figure, axes, _("{} ({}): {} lines of G-code", program.name, program.dialect, len(program.listing.codes)))
     write(figure, path)

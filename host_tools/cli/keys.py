@@ -8,7 +8,7 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from host_tools.language import _
 
 _TOKEN = re.compile(r"([ABab])\s*(\d+)|([C-Jc-j])|(\d+(?:\.\d+)?)\s*(ms|s)\b|(\S+)")
@@ -107,7 +107,7 @@ class Kit:
             self._serial.write(data)
             self._serial.flush()
         except (OSError, ValueError) as error:
-            raise LinkError("port {} went away: {}", self._serial.port, error) from error
+            raise LinkError("port {} went away: {}", self._serial.port, reason(error)) from error
         self._note(data)
 
     def _note(self, data):

@@ -32,6 +32,7 @@ from host_tools.cli.site import site
 from host_tools.cli.status import status
 from host_tools.cli.stream import stream
 from host_tools.cli.torch import app as torch
+from host_tools.cli.usage import speak_by_itself
 from host_tools.cli.watch import watch
 from host_tools.cli.wifi import app as wifi
 from host_tools.failure import Failure, reason
@@ -151,6 +152,7 @@ def main():
     try:
         command = typer.main.get_command(app)
         language.speak(command)
+        speak_by_itself(command)
         command()
     except Failure as failure:
         print(f"passo: {failure.told()}", file=sys.stderr)

@@ -126,7 +126,7 @@ def read(file):
     try:
         lines = file.read_text(encoding="ascii").splitlines()
     except (OSError, UnicodeError) as error:
-        raise Failure("cannot read {}: {}", file, error) from error
+        raise Failure("cannot read {}: {}", file, reason(error)) from error
     version = None
     for number, line in enumerate(lines, 1):
         if line.startswith(_HEADER) and line[len(_HEADER) :].isdigit():

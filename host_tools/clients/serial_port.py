@@ -14,7 +14,8 @@ import os
 import tempfile
 from pathlib import Path
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
+from host_tools.language import _
 
 
 frames = None  # `passo --frames`, `--no-frames`: ask every board for frames, or none
@@ -38,7 +39,7 @@ def open_link(port, baud, slice_s, text):
         return opened
     except OSError as error:
         opened.close()
-        raise LinkError("port {} went away: {}", port, error) from error
+        raise LinkError("port {} went away: {}", port, reason(error)) from error
 
 
 def open_exclusively(port, baud, slice_s):
@@ -64,7 +65,7 @@ def open_exclusively(port, baud, slice_s):
             raise LinkError("port {} is in use by {}", port, others) from error
         if number in (errno.EAGAIN, errno.EBUSY):
             raise LinkError("port {} is in use by another program", port) from error
-        raise LinkError("cannot open port {}: {}", port, os.strerror(number) if number else error) from error
+        raise LinkError("cannot open port {}: {}", port, _(os.strerror(number)) if number else error) from error
 
 
 def _keep_others_out(opened):

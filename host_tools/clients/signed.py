@@ -10,7 +10,7 @@ The other end is passo/web/signed.py, which says what is sent.
 import select
 import socket
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from passo.web.session import hex_of, hmac
 from passo.web.signed import FREE
 
@@ -32,7 +32,7 @@ class Bridge:
             self._socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
             self._nonce = self._greeting()
         except OSError as error:
-            raise Failure("no board answers at {}, port {}: {}", host, port, error) from error
+            raise Failure("no board answers at {}, port {}: {}", host, port, reason(error)) from error
 
     def _greeting(self):
         while b"\n" not in self._rest:
@@ -58,7 +58,7 @@ class Bridge:
             if typed:
                 self._socket.sendall(self._signed(typed))
         except OSError as error:
-            raise Failure("the board has hung up: {}", error) from error
+            raise Failure("the board has hung up: {}", reason(error)) from error
         if data == b"":
             raise Failure("the board has hung up: is it the right key?")
         if data:

@@ -10,6 +10,7 @@ A STATUS answer is twelve bytes and every other answer one, so a `?` makes the r
 import time
 
 from host_tools.clients.serial_port import LinkError, open_link
+from host_tools.failure import reason
 from passo.protocols.plotter import host as plotter
 
 _SLICE_S = 0.05  # how long one read waits: the finest grain of every time-out
@@ -132,7 +133,7 @@ class Wire:
             raise self._gone(error) from error
 
     def _gone(self, error):
-        return LinkError("port {} went away: {}", self.port, error)
+        return LinkError("port {} went away: {}", self.port, reason(error))
 
     def _note(self, arrow, data, text):
         if self._log:

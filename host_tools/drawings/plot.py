@@ -1,7 +1,7 @@
 """A picture of a path: pen down dark, or in colours from first to last, pen up light, axes in mm, start and end
 marked, the table around it."""
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from host_tools.language import _
 
 _DOWN = "#1a1a2e"
@@ -104,6 +104,6 @@ def write(figure, path, dpi=130):
     try:
         figure.savefig(path, dpi=dpi)
     except (OSError, ValueError) as error:
-        raise Failure("cannot write {}: {}", path, error) from error
+        raise Failure("cannot write {}: {}", path, reason(error)) from error
     finally:
         plt.close(figure)

@@ -12,7 +12,7 @@ import tempfile
 from pathlib import Path
 
 from host_tools.build import pages
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 
 _HOST = "127.0.0.1"
 _OWN = "127.0.0."
@@ -34,7 +34,7 @@ class LoopbackRadio:
             try:
                 self._sockets[kind] = socket.create_server((_HOST, port), backlog=_BACKLOG)
             except (OSError, OverflowError) as error:
-                raise Failure("cannot serve {} on port {}: {}", kind, port, error) from error
+                raise Failure("cannot serve {} on port {}: {}", kind, port, reason(error)) from error
 
     def kinds(self):
         """What is served: "http", "tcp"."""

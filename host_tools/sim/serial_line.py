@@ -177,7 +177,7 @@ class TcpLine(_Line):
         try:
             self._server = socket.create_server((host, port))
         except (OSError, OverflowError) as error:
-            raise Failure("cannot serve TCP port {}: {}", port, error) from error
+            raise Failure("cannot serve TCP port {}: {}", port, reason(error)) from error
         self._server.setblocking(False)
         self._client = None
         self.name = f"socket://{host}:{self._server.getsockname()[1]}"

@@ -9,7 +9,7 @@ A page of another site is refused by its Origin, and one client at a time is ser
 import socket
 import time
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from passo.records import COUNT_MASK
 from passo.web.guard import Guard
 from passo.web.http import Server
@@ -34,7 +34,7 @@ class WebSocketLine:
         try:
             listener = socket.create_server((_HOST, port))
         except (OSError, OverflowError) as error:
-            raise Failure("cannot serve a WebSocket on port {}: {}", port, error) from error
+            raise Failure("cannot serve a WebSocket on port {}: {}", port, reason(error)) from error
         self._server = Server(listener, _Nothing(), Guard((_HOST.encode(), b"localhost"), None, "", lambda peer: False))
         self._server.sockets[b"/"] = self
         self._connection = None

@@ -33,7 +33,7 @@ HANDED_ON = {
     "programs/compensation.py": ("_misfit",), "programs/program_errors.py": ("told",), "programs/ngc/interpreter.py": ("_groups",),
     "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
     "cli/watch.py": ("shown",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_counted",),
-    "clients/plotter.py": ("_check",),
+    "clients/plotter.py": ("_check",), "cli/usage.py": ("reworded", "get_usage"), "clients/serial_port.py": ("open_exclusively",),
 }  # fmt: skip
 # What is printed for programs, or is a name, a number or a text that came through the catalogue before.
 AS_IT_IS = ("port", "usb", "key", "page", "passo", "run")
@@ -53,7 +53,7 @@ def portuguese():
 
 def prose(text):
     """Whether anything of a text is there to be read, besides its fields."""
-    return bool(re.search("[a-z]{2}", re.sub(r"\{[^}]*\}", "", text)))
+    return bool(re.search("[a-z]{2}|[A-Z]{3} [A-Z]|S\\]", re.sub(r"\{[^}]*\}", "", text)))
 
 
 def calls(tree):
@@ -184,14 +184,13 @@ def test_no_function_hides_the_catalogue():
             yield each
             yield from own(each)
 
-    for source in SOURCES:
-        text = source.read_text(encoding="utf-8")
-        called = [node.lineno for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call) and getattr(node.func, "id", "") == "_"]
-        tables = [each for each in own(symtable.symtable(text, source.name, "exec")) if each.get_type() == "function"]
-        hiding = {each.get_lineno() for each in tables if "_" in each.get_locals() and each.get_name() not in ("listcomp", "genexpr", "setcomp", "dictcomp")}
-        functions = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.FunctionDef) and node.lineno in hiding]
-        for function in functions:
-            assert not any(function.lineno <= line <= function.end_lineno for line in called), f"{source}: {function.name}"
+    for path, tree in TREES.items():
+        called = [call.lineno for _, name, call in calls(tree) if name == "_"]
+        tables = own(symtable.symtable((HOST_TOOLS / path).read_text(encoding="utf-8"), path, "exec")) if called else ()
+        hiding = {each.get_lineno() for each in tables if each.get_type() == "function" and "_" in each.get_locals()}
+        for node in ast.walk(tree):
+            if isinstance(node, ast.FunctionDef) and node.lineno in hiding:
+                assert not any(node.lineno <= line <= node.end_lineno for line in called), f"{path}: {node.name}"
 
 
 def test_what_the_environment_asks_for():
@@ -231,6 +230,24 @@ def test_a_help_in_pieces():
     assert "\n\n".join(map("".join, pieces)) == help_.replace("What it\nis", "What it is")
 
 
+def test_what_typer_says_of_a_wrong_command_line():
+    import typer
+
+    from host_tools.cli import main, usage
+
+    command = typer.main.get_command(main.app)
+    usage.speak_by_itself(command)
+    try:
+        for words in ("drw", "draw", "draw x --nix", "draw x --hom", "draw x --margin y", "draw x --points y", "draw x --points 0", "draw x y",
+                      "draw x --margin", "draw x --home=1", "board --http 70000", "wifi bridge host"):  # fmt: skip
+            with pytest.raises(typer.BadParameter.__mro__[2]) as refused:
+                command.main(["--lang", "pt", *words.split()], standalone_mode=False)
+            english = type(refused.value).format_message(refused.value)
+            assert refused.value.format_message() not in ("", english), f"{words}: {english}"
+    finally:
+        language.choose(None)
+
+
 def test_nothing_changes_in_english():
     from passo import error_texts, errors
 
@@ -250,5 +267,9 @@ def test_the_command_in_portuguese():
     for words in (("--lang", "pt", "draw", "--help"), ("draw", "--help")):
         assert "Desenhar um arquivo SVG na plotadora" in passo(*words, LANGUAGE="pt").stdout
     assert "Draw an SVG file" in passo("--lang", "en", "draw", "--help", LANGUAGE="pt").stdout
+    assert all(each in asked.stdout for each in ("Uso:", "Opções", "Comandos", "Mostrar esta mensagem"))
+    assert "não foi possível ler nada.nc: arquivo ou pasta não encontrado" in passo("--lang", "pt", "check", "nada.nc").stderr
+    wrong = passo("--lang", "pt", "drw").stderr
+    assert all(each in wrong for each in ("Uso:", "Experimente", "Erro", "Seria 'draw'?"))
     refused = passo("--lang", "xx", "ports")
     assert refused.returncode == 1 and re.search("--lang is en or pt, not 'xx'", refused.stderr)

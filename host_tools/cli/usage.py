@@ -1,0 +1,76 @@
+"""What typer says by itself, in the language chosen: usage, the frames of --help, what is wrong with a command line. It has no catalogue.
+
+    speak_by_itself(typer.main.get_command(app))
+"""
+
+import re
+
+import typer
+
+from host_tools.language import N_, _
+
+FRAMES = {
+    "ARGUMENTS_PANEL_TITLE": N_("Arguments"), "OPTIONS_PANEL_TITLE": N_("Options"), "COMMANDS_PANEL_TITLE": N_("Commands"),
+    "ERRORS_PANEL_TITLE": N_("Error"), "ABORTED_TEXT": N_("Aborted."), "DEFAULT_STRING": N_("[default: {}]"),
+    "REQUIRED_LONG_STRING": N_("[required]"), "ENVVAR_STRING": N_("[env var: {}]"),
+    "RICH_HELP": N_("Try [blue]'{command_path} {help_option}'[/] for help."),
+}  # fmt: skip
+USAGE = (N_("Usage:"), N_("[OPTIONS]"), N_("COMMAND [ARGS]..."))
+SENTENCES = (
+    N_("No such option: {} (Possible options: {})"), N_("No such option: {}"), N_("No such command {}. Did you mean {}?"),
+    N_("No such command {}."), N_("Missing command."), N_("Missing argument {}."), N_("Missing option {}."),
+    N_("Option {} requires an argument."), N_("Option {} does not take a value."), N_("Got unexpected extra argument(s) ({})"),
+    N_("Invalid value for {}: {}"), N_("Input should be greater than or equal to {}"), N_("Input should be less than or equal to {}"),
+    N_("Input should be a valid number, unable to parse string as a number"),
+    N_("Input should be a valid integer, unable to parse string as an integer"),
+)  # fmt: skip
+
+
+def reworded(text):
+    """One of SENTENCES with its fields in the language chosen; any other text as it is."""
+    for sentence in SENTENCES:
+        found = re.fullmatch(re.sub(r"\\\{\\\}", "(.+?)", re.escape(sentence)), text)
+        if found:
+            return _(sentence, *map(reworded, found.groups()))
+    return text
+
+
+def speak_by_itself(command):
+    """Put what a command of click and its subcommands say by themselves into the language that is chosen by then."""
+    for name in ("make_context", "invoke"):
+        setattr(command, name, _refusing(getattr(command, name)))
+    waiting = [command]
+    for each in waiting:
+        each.get_usage = _usage(each.get_usage)
+        waiting += getattr(each, "commands", {}).values()
+
+
+def _refusing(plain):
+    refusal = typer.BadParameter.__mro__[2]  # the base of all errors of a command line, which typer names in some versions only
+
+    def parse(*arguments, **named):
+        try:
+            return plain(*arguments, **named)
+        except refusal as error:
+            text = reworded(error.format_message())
+            error.format_message = lambda: text
+            raise
+
+    return parse
+
+
+def _usage(plain):
+    def get_usage(context):
+        from typer import rich_utils  # which takes a while, and is there already: this is shown by it
+
+        for name, text in FRAMES.items():
+            setattr(rich_utils, name, _(text))
+        option = context.command.get_help_option(context)
+        if option:
+            option.help = _("Show this message and exit.")
+        usage = plain(context)
+        for text in USAGE:
+            usage = usage.replace(text, _(text), 1)
+        return usage
+
+    return get_usage
