@@ -243,6 +243,18 @@ class ChipPort:
     # --- interrupts
 
     @micropython.native
+    def _join(self, feeder, player):
+        """What follows the steps gets them: the registers, the interlock, encoders, latches."""
+        self._feeder = feeder
+        if self.registers is not None:
+            self.registers.show_tool(self._tool)
+        if self.interlock is not None:
+            self.interlock.join(feeder, player)
+        if self.encoders is not None:
+            self.encoders.join(feeder, player)
+        for latch in getattr(self, "latches", {}).values():
+            latch.join(feeder, player)
+
     def _feed(self, timer):  # ISR: no allocation
         feeder = self._feeder
         if self.registers is not None:

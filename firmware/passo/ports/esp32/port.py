@@ -80,15 +80,7 @@ class Port(ChipPort):
         return self._player
 
     def feed_from_interrupt(self, feeder, player):
-        self._feeder = feeder
-        if self.registers is not None:
-            self.registers.show_tool(self._tool)
-        if self.interlock is not None:
-            self.interlock.join(feeder, player)
-        if self.encoders is not None:
-            self.encoders.join(feeder, player)
-        for latch in getattr(self, "latches", {}).values():
-            latch.join(feeder, player)
+        self._join(feeder, player)
         self._timer = Timer(_FEED_TIMER)
         self._timer.init(mode=Timer.PERIODIC, period=_PUMP_MS if self.shift_player else _FEED_MS, callback=self._feed_and_look)
         return True

@@ -168,15 +168,7 @@ class Port(ChipPort):
         return Console()
 
     def feed_from_interrupt(self, feeder, player):
-        self._feeder = feeder
-        if self.registers is not None:
-            self.registers.show_tool(self._tool)
-        if self.interlock is not None:
-            self.interlock.join(feeder, player)
-        if self.encoders is not None:
-            self.encoders.join(feeder, player)
-        for latch in getattr(self, "latches", {}).values():
-            latch.join(feeder, player)
+        self._join(feeder, player)
         pace_viper.use(kernels.walk, kernels.pace)
         chip.yield_timers()
         self._timer = Timer(mode=Timer.PERIODIC, period=_FEED_MS, callback=self._feed, hard=True)
