@@ -3,14 +3,14 @@
 import os
 from binascii import b2a_base64, crc32
 
-from check_jobs import folder, stored_form
+from check_jobs import BUTTON, folder, stored_form
 from lpt import Lpt, Slots
 
 CODES = b"[+2000(" + b"A" * 70 + b"G" * 40 + b"*20C)B]"
 
 
-def make(path=None, pages=None):
-    machine = Lpt(path or folder(), pages or Slots())
+def make(path=None, pages=None, **changes):
+    machine = Lpt(path or folder(), pages or Slots(), **changes)
     machine.folder = path or machine.board["jobs"]["folder"]
     return machine
 
@@ -51,6 +51,23 @@ def check_a_stored_job_makes_the_steps_of_its_file():
     machine = Lpt()
     machine.play(CODES)
     assert made == machine.picture() and len(made) == 112
+
+
+def check_a_start_and_a_button():
+    """The board file's job runs when the board is switched on, and again when the button is pressed."""
+    machine = make()
+    store(machine, b"[+2000AAA]")
+    folder = machine.folder
+    machine = make(folder, jobs={"start": "PART", "button": "PART"}, more=[BUTTON])
+    for count in (1, 2):
+        machine.until("[MSG:Job PART done]")
+        assert machine.world.place == [3 * count, 0, 0], machine.world.place
+        machine.world.switches["job"] = 0
+        machine.run_ms(100)
+        machine.world.switches["job"] = 1
+        machine.run_ms(5)
+    machine.until("[MSG:Job PART done]")
+    remove(machine)
 
 
 def check_what_is_not_announced_is_not_written_down():

@@ -5,9 +5,10 @@ from time import time_ns
 from binascii import b2a_base64, crc32
 
 from passo.config.job_store import WINDOW_BITS
-from router import Machine, answers, home
+from router import BOARD, Machine, answers, home
 
 JOB = b"G21\nG90\nM3S1000\nG1X5Y2F1200\n\nG2X9Y2I2J0\nG0Z-1\nM5\nM30\n"
+BUTTON = {"name": "job", "pin": 28, "active": 0, "pull": "up"}
 CARD = {"spi": 0, "sck": 22, "mosi": 19, "miso": 20, "cs": 21}
 SQUARE = b"F3000\n" + "".join(["G1X%d.%dY%d\n" % (number % 9, number % 7, number % 5) for number in range(200)]).encode()
 
@@ -28,10 +29,11 @@ def folder():
     return "%s/passo-jobs-%d" % (os.getenv("TMPDIR") or "/tmp", time_ns())
 
 
-def make(where=None, card=False, **jobs):
+def make(where=None, card=False, changes=None, **jobs):
+    """`changes`: of the board file; `jobs`: of its key "jobs"."""
     config = {"language": "grbl", "folder": where or folder(), "button": "", "start": ""}
     config.update(jobs)
-    machine = Machine(jobs=config, card=CARD if card else None)
+    machine = Machine(jobs=config, card=CARD if card else None, **(changes or {}))
     machine.folder = config["folder"]
     return machine
 
@@ -195,7 +197,30 @@ def check_torn_files():
     remove(machine)
 
 
-def check_start_and_button():
+def check_a_button():
+    """It runs the board file's job, and again; where there is none it says so."""
+    machine = make(button="PART", changes={"inputs": BOARD["inputs"] + [BUTTON]})
+    switches = machine.world.switches
+
+    def press():
+        said = []
+        for level in (0, 1):
+            switches["job"] = level
+            said += machine.cycles(20)
+        return said
+
+    switches["job"] = 1
+    machine.ready()
+    assert "[MSG:Job PART: error 150]" in press()
+    home(machine)
+    assert store(machine, "PART", b"G91\nG1X1F3000\n") == "ok"
+    before = machine.controller.position()[0]
+    for count in (1, 2):
+        assert "PART" in ended(run(machine, press())) and machine.controller.position()[0] == before + 320 * count
+    remove(machine)
+
+
+def check_a_start():
     """The board file's job runs when the board is switched on; it may home first."""
     machine = home(make().ready())
     assert store(machine, "AUTO", b"$H\nG90\nG53G0X5\n") == "ok"

@@ -38,18 +38,21 @@ class Slots:
 
 
 class Lpt:
-    def __init__(self, jobs=None, pages=None, **config):
-        """`jobs`: the folder of stored jobs; `pages`: the journal's; `config`: keys of the section step_program."""
+    def __init__(self, folder=None, pages=None, jobs=None, more=(), **config):
+        """`folder`: of stored jobs; `pages`: the journal's; `jobs`: more keys of their section; `more`: inputs; `config`: keys of the
+        section step_program."""
         board = dict(BOARD)
-        if jobs:
-            board["jobs"] = {"language": "pulses", "folder": jobs}
+        board["inputs"] = BOARD["inputs"] + list(more)
+        if folder:
+            board["jobs"] = {"language": "pulses", "folder": folder}
+            board["jobs"].update(jobs or {})
         if pages:
             board["journal"] = {"every_ms": 100}
         board = check(board)
         board["step_program"].update(config)
         self.board = board
         self.world = World((0, 0, 0))
-        self.world.switches["stop"] = 0
+        self.world.switches.update({"stop": 0, "job": 1})
         self.world.path = []
         self.port = VirtualPort(board, self.world)
         self.port.pages = pages
