@@ -87,7 +87,7 @@ def _set(mode, name, passphrase, port, new_key):
 
     port = _port(port)
     if passphrase is None:
-        passphrase = typer.prompt(_("passphrase"), hide_input=True, confirmation_prompt=mode == "access")
+        passphrase = typer.prompt(_("passphrase"), hide_input=True, confirmation_prompt=mode == "access" and _("the passphrase again"))
     checked(name, passphrase)
     before = _saved(port)
     key = before["key"] if before and "key" in before and not new_key else session.make_key(os.urandom)

@@ -356,7 +356,7 @@ class SvgFile:
         try:
             return svg_geometry.compose(outer, svg_geometry.matrix(element.get("transform")))
         except ValueError:
-            self._page.left_out["transform that cannot be read"] += 1
+            self._page.left_out[N_("transform that cannot be read")] += 1
             return outer
 
     def _length(self, text, axis, context, default=0.0):

@@ -17,6 +17,7 @@ import numpy
 
 from host_tools.drawings import svg_geometry
 from host_tools.drawings.svg_style import local_name
+from host_tools.language import N_, _
 
 _EM = 100.0  # matplotlib makes letters of this size
 _GENERIC = {"sans-serif": "sans-serif", "serif": "serif", "monospace": "monospace", "cursive": "cursive",
@@ -96,10 +97,10 @@ def _collect(element, style, style_of, viewport, left_out, letters, keep_space):
             if inner.get("display") != "none":
                 _collect(child, inner, style_of, viewport, left_out, letters, keep_space)
         elif tag == "textPath":
-            left_out["text along a path"] += 1
+            left_out[N_("text along a path")] += 1
         _spell(child.tail, style, size, keep_space, letters)
     if element.get("rotate") not in (None, "0"):
-        left_out["the turning of single letters"] += 1
+        left_out[N_("the turning of single letters")] += 1
     for name, whole in (("x", viewport[0]), ("y", viewport[1]), ("dx", viewport[0]), ("dy", viewport[1])):
         places = [svg_geometry.length(each, whole, size) for each in element.get(name, "").replace(",", " ").split()]
         for letter, place in zip(_collapsed(letters[first:]) if places else (), places):
@@ -165,7 +166,7 @@ def _drawn(run, x, y, deviation, left_out):
         vertices, codes = text_to_path.get_text_path(_font(run.style, left_out), run.text, False)
     missing = sum("missing from" in str(each.message) for each in said)
     if missing:
-        left_out["letters that the font has not (boxes are drawn for them)"] += missing
+        left_out[N_("letters that the font has not (boxes are drawn for them)")] += missing
     scale = run.size / _EM
     y += _baseline(run.style.get("dominant-baseline"), run.size)
     lines = []
@@ -198,7 +199,7 @@ def _font(style, left_out):
     slant = style.get("font-style", "normal")
     font, replaced = _found(families, weight, slant)
     if replaced:
-        left_out[f"the font {families[0]}, which is not on this computer ({replaced} is drawn)"] = 1
+        left_out[_("the font {}, which is not on this computer ({} is drawn)", families[0], replaced)] = 1
     return font
 
 

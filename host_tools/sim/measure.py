@@ -12,6 +12,7 @@ import csv
 from dataclasses import dataclass, field
 
 from host_tools.failure import Failure, reason
+from host_tools.language import _
 
 _HEADER = ["t_us", "x", "y", "z", "a", "tool"]
 
@@ -63,19 +64,19 @@ def measure(rows, points, start=(0, 0)):
     steps = sum(_dominant(a, b) for a, b, _ in legs)
     walk = [index for index in range(1, len(rows)) if _place(rows[index]) != _place(rows[index - 1])]
     if len(walk) < steps:
-        return Result(len(walk), 0.0, 0, 0.0, [f"{len(walk)} steps in the trace, {steps} commanded"])
+        return Result(len(walk), 0.0, 0, 0.0, [_("{} steps in the trace, {} commanded", len(walk), steps)])
     walk = walk[len(walk) - steps :]
     result = Result(steps, 0.0, 0, 0.0)
     if walk:
         result.first = walk[0] - 1
         before = _place(rows[result.first])
         if before != start:
-            result.faults.append(f"begins at {before}, not at {start}")
+            result.faults.append(_("begins at {}, not at {}", before, start))
         result.time_s = (rows[-1].t_us - rows[walk[0]].t_us) / 1e6
     if _place(rows[-1]) != place:
-        result.faults.append(f"ends at {_place(rows[-1])}, not at {place}")
+        result.faults.append(_("ends at {}, not at {}", _place(rows[-1]), place))
     if rows[-1].tool:
-        result.faults.append("ends with the pen down")
+        result.faults.append(_("ends with the pen down"))
     done = 0
     for number, (a, b, pen_down) in enumerate(legs, 1):
         count = _dominant(a, b)
@@ -92,10 +93,11 @@ def _follow(rows, a, b, pen_down, number, result):
         across = abs((row.y - a[1]) * dx - (row.x - a[0]) * dy)
         result.deviation = max(result.deviation, across / longer)
         if bool(row.tool) != pen_down:
-            result.faults.append(f"point {number}: the pen is {'up' if pen_down else 'down'} at {_place(row)}")
+            text = _("point {}: the pen is up at {}") if pen_down else _("point {}: the pen is down at {}")
+            result.faults.append(text.format(number, _place(row)))
             return
     if rows and _place(rows[-1]) != b:
-        result.faults.append(f"point {number}: reached {_place(rows[-1])}, not {b}")
+        result.faults.append(_("point {}: reached {}, not {}", number, _place(rows[-1]), b))
 
 
 def _dominant(a, b):
