@@ -31,8 +31,9 @@ def page_line(board, language):
         found = getattr(__import__("passo.web." + language + "_machine", None, None, (kind,)), kind)
     except ImportError:
         raise BoardError("network: there is no page for %s on this board" % language)
+    jobs = __import__("passo.web.board_jobs", None, None, ("BoardJobs",)).BoardJobs if board["jobs"] else None
     machine = found if language == "grbl" else lambda write, tell: found(write, tell, board)
-    return lambda server, key, clock_ms: line(server, machine, key, clock_ms)
+    return lambda server, key, clock_ms: line(server, machine, key, clock_ms, jobs)
 
 
 def serials(board, port):

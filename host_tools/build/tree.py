@@ -99,6 +99,7 @@ FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key o
 WEB = Path("passo", "web")
 NETWORK = Path("passo", "network_builder.py")  # only boards with a network have it, and what it imports
 PAGE_LINE = WEB / "page_line.py"
+BOARD_JOBS = WEB / "board_jobs.py"
 BUILDER = Path("passo", "machine_builder.py")
 PAGES = WEB / "page"
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
@@ -190,7 +191,7 @@ def selected(board, firmware=FIRMWARE):
         chosen.add(NETWORK)
         for link in board["links"]:
             if link["port"] == "page":
-                chosen |= {PAGE_LINE, WEB / f"{link['protocol']}_machine.py"}
+                chosen |= {PAGE_LINE, WEB / f"{link['protocol']}_machine.py"} | ({BOARD_JOBS} if board.get("jobs") else set())
     spared = spared_features(board)
     queue = list(chosen)
     queue.append(Path("main.py"))

@@ -3,18 +3,22 @@
 What this does not show: the radio, its driver and lwIP, whose memory lies outside MicroPython's heap.
 """
 
+import base64
 import gzip
 import json
 
 import pytest
 
 from air import Air, Page, files, pico_w
+from check_jobs import stored_form
 from host_tools import boards
 from host_tools.build.pages import PAGES
 from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.sender import NEXT
+from host_tools.programs import stored_job
 from passo.protocols.plotter.host import COMMANDS, packet
 from passo.protocols.torch import protocol as torch
+from passo.web.board_jobs import PIECE
 from test_pico_network import LATEST_US, LEAST_FREE, RATE, Z_TOO, network_board
 from test_pico_torch import until_up, worst_us
 
@@ -23,6 +27,7 @@ POINTS = 600
 ROUNDS = 4
 WINDOW = 4
 AGAIN_MS = 100
+DRAWING = 400  # points
 
 
 @pytest.mark.slow
@@ -139,3 +144,49 @@ def test_pages_that_look_on_cost_a_stream_little(show):
         f"{alone:.0f}, {watched:.0f}: {watched / alone:.3f}; pushes a second {pushes}; {air.collected().free} bytes free",
     )
     assert watched >= 0.9 * alone and min(pushes) >= 4
+
+
+@pytest.mark.slow
+def test_a_drawing_is_uploaded_and_drawn(show):
+    """By a page, while another one looks on: piece by piece into flash, read back whole, drawn from there."""
+    board = boards.load("plotter_page")
+    machine = EmulatedMachine(board, files(board), uf2=pico_w(), start=(100, 100)).boot()
+    machine.run_until(lambda: b"code in" in machine.pico.console.text, 5000)
+    machine.run_ms(300)
+    air = Air(machine)
+    alone = air.collected()
+    pages = [Page(air), Page(air)]
+    for page in pages:
+        page.until(lambda page=page: page.state.get("link"))
+    page = pages[0]
+    assert page.order("give", to="page")[0]["error"] == 0
+    page.until(lambda: page.state["owner"] == "page")
+    lines = [packet(COMMANDS["MOVE"], 100, 100)] + [packet(COMMANDS["LINE"], 100 + at % 7, 100 + at % 5) for at in range(1, DRAWING)]
+    data = b"".join(lines) + packet(COMMANDS["END"])
+    packed = stored_form(data)  # as a browser's would be that cannot be made smaller
+
+    def stored(what, **fields):
+        answer, ms = page.order("stored", what=what, name="PART", **fields)
+        assert answer["error"] == 0, answer
+        return ms
+
+    stored("begin", size=len(data), crc=f"{stored_job.crc(data):08x}", stored=len(packed))
+    begun = machine.now_ms()
+    took = [stored("piece", at=at, data=base64.b64encode(packed[at : at + PIECE]).decode()) for at in range(0, len(packed), PIECE)]
+    passed = machine.now_ms() - begun
+    loading = air.collected()
+    stored("end")
+    page.until(lambda: page.state["job"] and page.state["job"]["how"] == "kept")
+    stored("run")
+    page.until(lambda: page.state["state"] == "Run" and page.state["job"]["how"] == "run")
+    drawing = air.collected()
+    page.until(lambda: page.state["job"]["how"] == "done", 60_000)
+    last = lines[-1]
+    assert [at - 100 for at in machine.plant.position[:2]] == [last[1] << 8 | last[2], last[3] << 8 | last[4]]
+    show(
+        "A drawing uploaded to a Pico W by its own page",
+        f"{len(packed)} bytes in {passed:.0f} ms: {len(packed) / passed:.1f} kB/s, a piece {min(took):.0f} to {max(took):.0f} ms; "
+        f"{alone.free} bytes free without clients ({alone.largest} in one piece), with two pages {loading.free} while it is uploaded ({loading.largest}), "
+        f"{drawing.free} while it is drawn ({drawing.largest})",
+    )
+    assert min(loading.free, drawing.free) >= LEAST_FREE

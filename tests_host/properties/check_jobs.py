@@ -255,3 +255,34 @@ def check_memory_card():
     assert answers(again.ask("$F=A")) == ["error:150"]
     assert os.listdir(machine.folder) == ["B.job"]
     remove(machine)
+
+
+class Flash:
+    """littlefs of 212 blocks as MicroPython tells of it: its folders are counted twice."""
+
+    TREE = {"/": ("jobs", "passo"), "/passo/": ("app.mpy", "web", "steps"), "/passo/web/": ("page",)}
+
+    def __init__(self, used):
+        self._free = 212 - used - 2 * 5
+
+    def statvfs(self, folder):
+        return (4096, 4096, 212, self._free & 0xFFFFFFFF, self._free & 0xFFFFFFFF, 0, 0, 0, 0, 255)
+
+    def ilistdir(self, path):
+        return [(name, 0x8000 if "." in name else 0x4000, 0, 0) for name in self.TREE.get(path, ())]
+
+
+def check_free_flash():
+    """Also where MicroPython counts less than nothing."""
+    from passo.config import job_store
+    from passo.config.card_store import CardStore
+
+    before = job_store.os
+    try:
+        for used, blocks in ((201, 9), (209, 1), (210, 0), (212, 0), (100, 110)):
+            job_store.os = Flash(used)
+            assert job_store.JobStore("/jobs").free() == blocks * 4096, used
+        job_store.os = Flash(100)
+        assert CardStore("/sd/jobs").free() == 100 * 4096
+    finally:
+        job_store.os = before

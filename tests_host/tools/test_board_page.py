@@ -22,10 +22,10 @@ KEY = "ABCDEFGHJKLMNPQR"
 class Served:
     """`passo board` with a page, and what the attacks want to know of it."""
 
-    lacking = ("stored", "recover")  # orders of `passo panel` only
+    lacking = ("recover",)  # orders of `passo panel` only
 
-    def __init__(self, folder, name="router_3axis"):
-        config = {**boards.load(name), "network": {"host": "passo"}}
+    def __init__(self, folder, name="router_3axis", **more):
+        config = {**boards.load(name), "network": {"host": "passo"}, **more}
         config["links"] = [config["links"][0], {"name": "page", "port": "page", "protocol": config["links"][0]["protocol"]}]
         path = folder / "served.py"
         path.write_text(f'"""A router with a page."""\n\nBOARD = {config!r}\n')
@@ -90,7 +90,7 @@ def attacks(served, count):
 
 def made(folder, count):
     folder.mkdir()
-    with Served(folder) as served:
+    with Served(folder, jobs={"language": "grbl"}) as served:
         served.run(attacks(served, count) if count else ())
         log = served.client.command("$LOG")
         assert served.board.end()[0] == 0
@@ -132,6 +132,41 @@ def test_each_language(tmp_path, name):
         assert page.order("step", by={"x": 2}, speed=60)["error"] == 0
         state = page.until(lambda state: state["m"][0] != before[0] and state["state"] in ("Idle", "Stopped"))
         assert abs(state["m"][0] - before[0] - 2) < 0.11
+
+
+SQUARE = "MOVE 100 100  # a square\nLINE 300 100\nLINE 300 300\nLINE 100 300\nLINE 100 100\nEND\n"
+UPLOADS = (("plotter_2014", "square.txt", SQUARE, "SQUARE.TXT", "odd.txt", "CIRCLE 5\n"),
+           ("lpt_router", "square.txt", "[+500(" + "A" * 99 + "\n" + "G" * 40 + ")]\n", "SQUARE.TXT", "empty.txt", " \n"),
+           ("router_3axis", "part 1.gcode", "G21 G91 F3000\r\nG1 X4\r\nY4\r\nX-4\r\n" * 9, "PART_1.GCODE", "empty.nc", "\n"))  # fmt: skip
+
+
+@pytest.mark.parametrize("name, file, text, kept, wrong, wrong_text", UPLOADS)
+@pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="NO BROWSER: apt-get install chromium chromium-driver, to test the page")
+def test_a_job_is_uploaded_to_the_board(tmp_path, name, file, text, kept, wrong, wrong_text):
+    """Packed by the browser, kept in the board's flash, run from there; what is no job is named."""
+    language = boards.load(name)["links"][0]["protocol"]
+    with Served(tmp_path, name, jobs={"language": language}) as served, Browser(served) as browser:
+        browser.click("take")
+        browser.until(lambda: browser.text("owner") == "this page")
+        if browser.text("state") == "Alarm":
+            browser.click("unlock")
+        browser.until_state("Ready")
+        browser.until(lambda: browser.find("kept-upload").is_enabled() and "MB free" in browser.text("kept-free"))
+        for each, content in ((wrong, wrong_text), (file, text)):
+            (tmp_path / each).write_text(content, newline="")
+            browser.find("kept-upload").send_keys(str(tmp_path / each))
+            browser.until(lambda: "is no job" in browser.text("message") if each == wrong else kept in browser.find("kept").text)
+        browser.until(lambda: "Kept on the board" in browser.text("job-state"))
+        assert not browser.find("keep").is_displayed() and not browser.find("kept-check").is_displayed()
+        browser.shot(f"board-kept-{language}")
+        browser.click("kept-run")
+        browser.until(lambda: f"{kept}: Done" in browser.text("job-state"))
+        browser.until_state("Ready")
+        browser.until(lambda: browser.find("kept-remove").is_enabled())
+        browser.click("kept-remove")
+        browser.answer()
+        browser.until(lambda: kept not in browser.find("kept").text)
+        assert not [entry for entry in browser.driver.get_log("browser") if entry["level"] == "SEVERE"]
 
 
 @pytest.mark.skipif(not (CHROMIUM and DRIVER), reason="NO BROWSER: apt-get install chromium chromium-driver, to test the page")

@@ -25,6 +25,8 @@ def _counts(path):
 
 
 class CardStore(JobStore):
+    _is_flash = False
+
     def mount(self):
         """A card has been put in, or the power has come back: make the folder, and remove uploads that were cut off."""
         JobStore.mount(self)

@@ -36,6 +36,7 @@ HEAD_BYTES = const(96)  # at most, of a file's first line
 _UPLOAD = "upload.new"
 _END = ".job"
 _ROOM = const(1100)  # bytes, of the window
+_DIRECTORY = const(0x4000)  # os.ilistdir's
 _SPARE = const(2)  # blocks that an upload leaves free
 
 
@@ -110,7 +111,18 @@ class JobFile:
         self._stream = None
 
 
+def folders(path):
+    """How many folders there are below one, whose path ends in "/"."""
+    count = 0
+    for entry in os.ilistdir(path):
+        if entry[1] == _DIRECTORY:
+            count += 1 + folders(path + entry[0] + "/")
+    return count
+
+
 class JobStore:
+    _is_flash = True
+
     def __init__(self, folder):
         self._folder = folder + "/"
         self._file = None  # an upload
@@ -167,9 +179,12 @@ class JobStore:
         if not hasattr(os, "statvfs"):
             return 0x3FFFFFFF
         found = os.statvfs(self._folder[:-1])
-        if found[4] > found[2]:  # of littlefs MicroPython counts each folder twice: less than nothing is free
-            return 0
-        return max(found[4] - _SPARE, 0) * found[0]
+        blocks = found[4]
+        if blocks > found[2]:  # less than nothing
+            blocks -= 1 << 32
+        if self._is_flash and not found[5] and hasattr(os, "ilistdir"):  # not the file system of a PC
+            blocks += 2 * folders("/")  # MicroPython counts those of littlefs twice
+        return max(blocks - _SPARE, 0) * found[0]
 
     # --- uploads
 

@@ -5,8 +5,8 @@
     line.read(), line.write(data), line.any()
 
 What a page orders becomes bytes of the link's language, by the same code that `passo panel` has on a PC; so the machine's rules
-are those of a cable. The link takes the command by hand-over at rest, and gives it back to the first cable. Jobs are not kept
-here: they want the room of a PC.
+are those of a cable. The link takes the command by hand-over at rest, and gives it back to the first cable. Jobs are those that the
+board stores (board_jobs.py), if its board file has any: to stream one takes the room of a PC.
 """
 
 import json
@@ -30,26 +30,30 @@ _LATE_MS = const(280)  # then the state is pushed without a report
 class PageLine:
     browser = True  # its WebSockets are opened by a page of this server
 
-    def __init__(self, server, machine_of, key, clock_ms):
-        """`server`: a Server; `machine_of(write, tell)`: what speaks the link's language; `key`: text; `clock_ms()`: the links' clock."""
+    def __init__(self, server, machine_of, key, clock_ms, jobs_of=None):
+        """`server`: a Server; `machine_of(write, tell)`: what speaks the link's language; `key`: text; `clock_ms()`: the links' clock;
+        `jobs_of`: BoardJobs, of a board with stored jobs."""
         self._server = server
         self._clock_ms = clock_ms
         self._said = b""
         self._fresh = False  # a report has come since the last push
         self._pushed_ms = self._polled_ms = 0
-        self._seat = self._controller = None
+        self._seat = self._controller = self._jobs = None
+        self._jobs_of = jobs_of
         self.machine = machine_of(self._say, self._tell)
         self.machine.watcher = self._reported
         if hasattr(self.machine, "attached"):  # of a language in which the board never speaks
             self.machine.attached(True)
         self.machine.ask_ms = _ASK_MS
-        self.pages = Pages(BoardApi(self.machine, self._give), key, _PAGES)
+        self.pages = Pages(BoardApi(self.machine, self._give, jobs_of is not None), key, _PAGES)
         server.sockets[b"/ws"] = self
         server.calls[b"/stop"] = self._stop
 
     def join(self, link, controller):
-        self._seat = Seat(link.number)
+        self._seat = Seat(link.number, link.name)
         self._controller = controller
+        if self._jobs_of:
+            self._jobs = self._jobs_of(controller, self._seat, self.machine, self._tell, self.machine.language)
 
     # --- the app's side
 
@@ -62,7 +66,9 @@ class PageLine:
         self._server.poll(now_ms)
         if self.pages.pages and (self._fresh or self.machine.jog.active or (now_ms - self._polled_ms) & COUNT_MASK >= _POLL_MS):
             self._polled_ms = now_ms
-            self.machine.state["owner"] = "page" if self._controller.machine.commander == self._seat.number else "guest"
+            machine = self._controller.machine
+            commander = machine.commander if machine.lender < 0 else machine.lender
+            self.machine.state["owner"] = "page" if commander == self._seat.number else "guest"
             self.machine.poll(now_ms)
             passed = (now_ms - self._pushed_ms) & COUNT_MASK
             if passed >= (_FRESH_MS if self._fresh else _LATE_MS):
@@ -103,6 +109,8 @@ class PageLine:
     def _push(self, now_ms):
         self._pushed_ms = now_ms
         self._fresh = False
+        if self._jobs:
+            self._jobs.poll()
         state = frame(TEXT, self.pages.next_state(now_ms).encode())
         for page in list(self.pages.pages):
             if page.socket.sending():
@@ -158,20 +166,29 @@ def packed(message):
 class BoardApi(Api):
     """The API without what a board leaves out, and with links that command by turns."""
 
-    def __init__(self, machine, give):
+    def __init__(self, machine, give, keeps):
+        """`keeps`: the board stores jobs."""
         Api.__init__(self, machine, None)
         self._hand_over = give
+        self._keeps = keeps
+
+    def can(self):
+        return Api.can(self) + ["command"] + (["kept"] if self._keeps else [])
 
     def _give(self, order):
         return self._hand_over("guest" if order.get("to") == "guest" else "page")
 
 
 class Seat:
-    """Who asks for the command: the link itself, but for the answer, which is no word of its language."""
+    """Who asks for the command, and for stored jobs: the link itself, but for the answer, which is no word of its language."""
 
-    def __init__(self, number):
+    def __init__(self, number, name):
         self.number = number
+        self.name = name
         self.protocol = self
+        self.heard = None  # heard(event): an answer
 
     def reply(self, event):
+        if self.heard:
+            self.heard(event)
         return b""

@@ -9,10 +9,12 @@ The language has no word for pause: a job that goes point by point sends END beh
 What has been sent already is drawn before a job that runs comes to its stand.
 """
 
+from micropython import const
+
 from passo import errors
 
 _WORDS = {"END": 0, "SPEED": 1, "LINE": 2, "MOVE": 2}
-_MOST_PLACE = 65535
+MOST_PLACE = const(65535)
 
 
 def read_line(line):
@@ -22,7 +24,7 @@ def read_line(line):
     if wanted is None or len(words) != 1 + wanted or [word for word in words[1:] if not word.isdigit() or len(word) > 5]:
         return None
     values = [int(word) for word in words[1:]] + [0, 0]
-    return None if max(values) > _MOST_PLACE else (words[0], values[0], values[1])
+    return None if max(values) > MOST_PLACE else (words[0], values[0], values[1])
 
 
 class PlotterJob:

@@ -14,9 +14,8 @@ from passo import errors
 from passo.protocols.plotter.host import ANSWERS, COMMANDS, STATUS_LENGTH, packet, status_from
 from passo.web.any_machine import AnyMachine
 from passo.web.api import number
-from passo.web.plotter_job import PlotterJob
+from passo.web.plotter_job import MOST_PLACE, PlotterJob
 
-_MOST_PLACE = const(65535)
 _LOST = const(3)  # STATUS answered behind a packet that was not
 _ATTEMPTS = const(8)
 _TORN_MS = const(400)  # of a STATUS: the rest does not come any more
@@ -42,7 +41,7 @@ class PlotterMachine(AnyMachine):
         sign = 1 if up[1] == "+" else -1
         up_x, up_y = (0, sign) if up[0] == "y" else (sign, 0)
         self._jogs = {(up_x, up_y): "UP", (-up_x, -up_y): "DOWN", (up_y, -up_x): "RIGHT", (-up_y, up_x): "LEFT"}
-        self._travel = [min(axis["travel_steps"], _MOST_PLACE) for axis in board["axes"]]
+        self._travel = [min(axis["travel_steps"], MOST_PLACE) for axis in board["axes"]]
         self._buffer = b""
         self._queue = []  # (name, x, y, answered): the first one is under way
         self._asked = 0  # STATUS answered since it was sent
@@ -202,7 +201,7 @@ class PlotterMachine(AnyMachine):
 
     def _pace(self, order):
         """The drawing speed, in the unit of the board file."""
-        return self.refusal() or self.still() or self._order("SPEED", int(number(order, "speed", 1, _MOST_PLACE)))
+        return self.refusal() or self.still() or self._order("SPEED", int(number(order, "speed", 1, MOST_PLACE)))
 
     def _move(self, wanted):
         """Go to a place in steps, pen up: an object of one point."""

@@ -41,8 +41,8 @@ export class Cards {
   // True if the list of what is under way is shown here.
   mark(now) { return Boolean(this.own && this.own.mark && this.own.mark(now)); }
 
-  // What is said of a job; null: as of G-code.
-  told(now) { return this.own && this.own.told ? this.own.told(now) : null; }
+  // What is said of a job; null: as of G-code, and of one that the board keeps.
+  told(now) { return !now.stored && this.own && this.own.told ? this.own.told(now) : null; }
 
   show(report) {
     const now = report.job;
@@ -61,7 +61,7 @@ export class Cards {
 
   // What is hidden, and why.
   tellLacks() {
-    const lacks = Object.keys(LACKS).filter((what) => !this.can(what)).map((what) => _(LACKS[what]));
+    const lacks = Object.keys(LACKS).filter((what) => !this.can(what) && !(what === "jobs" && this.can("kept"))).map((what) => _(LACKS[what]));
     const text = lacks.length ? _("This machine speaks {language}. Hidden, because it has no word for it: {lacks}.", { language: this.language, lacks: lacks.join(", ") }) : "";
     if ($("lacks").textContent !== text) $("lacks").textContent = text;
   }

@@ -1,15 +1,18 @@
 // The jobs that the board keeps in its flash: a row of the job's card, shown if there are any to be kept.
 
+import { crc32, deflate, jobBytes } from "./pack.js";
 import { _ } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
 const NAME_MOST = 24;
+const storedName = (name) => name.toUpperCase().replace(/[^A-Z0-9._-]/g, "_").replace(/^\.+/, "").slice(-NAME_MOST);
 
 export class Kept {
-  // order(name, fields): a promise of the answer; ask(text): of a yes; report(): the newest state; chosen(): the page's own job.
-  constructor(order, ask, report, chosen) {
-    this.order = order;
-    this.report = report;
+  // order(name, fields): a promise of the answer; ask(text): of a yes; report(): the newest state; chosen(): the page's own job;
+  // say(text): tell; language(): the board's.
+  constructor(order, ask, report, chosen, say, language) {
+    Object.assign(this, { order, ask, report, say, language });
+    this.piece = 0;  // bytes of an upload in a message, where the board itself serves the page
     this.known = false;
     const name = () => $("kept").value;
     const does = (what, more = {}) => order("stored", { what, name: name(), ...more });
@@ -21,22 +24,48 @@ export class Kept {
       this.known = false;
     };
     $("keep").onclick = async () => {
-      const job = chosen(), kept = job.toUpperCase().replace(/[^A-Z0-9._-]/g, "_").replace(/^\.+/, "").slice(-NAME_MOST);
-      if ([...$("kept").options].some((option) => option.value === kept) && !(await ask(_("Replace {name}?", { name: kept })))) return;
+      const job = chosen(), kept = storedName(job);
+      if (!(await this.mayReplace(kept))) return;
       order("stored", { what: "store", name: kept, job });
       this.known = false;
     };
+    $("kept-upload").onchange = async () => { if ($("kept-upload").files[0]) await this.upload($("kept-upload").files[0]); $("kept-upload").value = ""; };
     $("kept-row").hidden = true;
+  }
+
+  async mayReplace(name) {
+    return ![...$("kept").options].some((option) => option.value === name) || this.ask(_("Replace {name}?", { name }));
+  }
+
+  // A file of this computer to the flash of the board that serves the page: piece by piece, then it is read back whole.
+  async upload(file) {
+    const name = storedName(file.name), job = jobBytes(this.language(), await file.arrayBuffer());
+    if (!job) return this.say(_("{name} is no job of this machine's language.", { name: file.name }));
+    this.say("");
+    if (!(await this.mayReplace(name))) return;
+    const packed = deflate(job);
+    const does = (what, more) => this.order("stored", { what, name, ...more });
+    const crc = crc32(job).toString(16).padStart(8, "0");
+    let answer = await does("begin", { size: job.length, crc, stored: packed.length });
+    for (let at = 0; at < packed.length && !answer.error; at += this.piece) {
+      answer = await does("piece", { at, data: btoa(String.fromCharCode(...packed.subarray(at, at + this.piece))) });
+    }
+    if (!answer.error) await does("end");
+    this.known = false;
   }
 
   // The list, as the server tells it.
   take(message) {
     $("kept-row").hidden = !message.jobs;
     if (!message.jobs) return;
+    this.piece = message.piece || 0;
     const before = $("kept").value;
     $("kept").replaceChildren(...message.jobs.map(([name, size]) => new Option(`${name} (${Math.ceil(size / 1024)} kB)`, name)));
     if (message.jobs.some(([name]) => name === before)) $("kept").value = before;
     for (const id of ["kept-list", "kept-check", "kept-run", "kept-remove"]) $(id).hidden = !message.jobs.length;
+    if (this.piece) $("kept-check").hidden = true;
+    $("keep").hidden = Boolean(this.piece);
+    $("kept-upload-row").hidden = !this.piece;
     $("kept-free").textContent = _("{free} MB free on the board", { free: (message.free / 1048576).toFixed(1) });
   }
 
@@ -46,6 +75,7 @@ export class Kept {
     const rest = free && ["Idle", "Alarm"].includes(state);
     for (const id of ["kept-run", "kept-check", "kept-remove"]) $(id).disabled = !rest || !$("kept").value;
     $("keep").disabled = !rest || !$("jobs").value;
+    $("kept-upload").disabled = !rest;
     if (this.known || !rest) return;
     this.known = true;
     this.order("stored", { what: "list" }).then((answer) => { if (answer.error && answer.error !== 102) this.known = false; });

@@ -25,7 +25,7 @@ let job = { name: "", text: "", lines: [] };
 const link = new Link(told, up);
 const jog = new Jog(link, () => report, refuse, refresh);
 const shelf = new Kept((name, fields) => link.order({ do: name, ...fields }).then((answer) => { refuse(answer.error === 102 ? 0 : answer.error); return answer; }),
-  ask, () => report, () => $("jobs").value);
+  ask, () => report, () => $("jobs").value, say, () => language);
 const recover = new Recover((name, fields) => order(name, fields));
 const picture = new Picture($("path"));
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });

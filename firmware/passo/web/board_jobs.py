@@ -1,0 +1,137 @@
+"""Stored jobs on the page that a board serves itself: uploaded in pieces, listed, run, deleted. Only boards with `jobs` load it.
+
+    jobs = BoardJobs(controller, seat, machine, tell, language)
+    machine.orders["stored"]({"do": "stored", "what": "begin", "name": "PART.NC", "size": 900, "crc": "cbf43926", "stored": 300})
+    machine.orders["stored"]({"do": "stored", "what": "piece", "name": "PART.NC", "at": 0, "data": "…"})    # base64, PIECE bytes
+    machine.orders["stored"]({"do": "stored", "what": "end", "name": "PART.NC"})    # read back whole; the job "kept" or "failed" follows
+    jobs.poll()                     # before the state is pushed
+
+The commands are those of the `$F` lines of every language (protocols/jobs/files.py): the machine refuses them while anything moves, and
+without the command. An upload never is in memory: a piece is written before the next is asked for, and the browser has packed it.
+"""
+
+from binascii import a2b_base64
+
+from micropython import const
+
+from passo import commands, errors
+from passo.commands import Command
+from passo.config.job_keys import name_fits
+from passo.web.api import Wrong, number, text
+
+PIECE = const(300)  # bytes of an upload in a message: with its proof some 600, of which a Pico W has several pieces at any time
+_BASE64 = const(400)  # letters of it
+_MOST_BYTES = const(0x0FFFFFFF)
+_PER_CENT = const(100)
+
+
+class BoardJobs:
+    def __init__(self, controller, seat, machine, tell, language):
+        """`seat`: who asks; its `heard` is told what is answered. `tell(event)`: a dict for every page."""
+        self._controller = controller
+        self._seat = seat
+        self._machine = machine
+        self._tell = tell
+        self._language = language
+        self._name = ""  # of the upload under way
+        self._sent = self._size = 0
+        self._closing = self._ran = False
+        seat.heard = self._heard
+        machine.orders["stored"] = self._order
+
+    def _order(self, order):
+        machine = self._machine
+        what = text(order, "what", 8)
+        error = machine.refusal() or machine.still() or (errors.BUSY if self._closing else 0)
+        if error:
+            return error
+        if what == "list":
+            return self._ask(commands.JOB_LIST)
+        name = text(order, "name", 64)
+        if not name_fits(name):
+            return errors.STORED_NAME
+        if what == "run" or what == "delete":
+            return self._ask(commands.JOB_RUN if what == "run" else commands.JOB_DELETE, name)
+        if what == "begin":
+            return self._begin(order, name)
+        if name != self._name:
+            return errors.JOB_UPLOAD
+        if what == "piece":
+            return self._piece(order)
+        return self._close() if what == "end" else errors.UNKNOWN_COMMAND
+
+    def _ask(self, what, target=None):
+        command = Command(commands.JOB, target, what)
+        command.link = self._seat
+        error = self._controller.accept(command)
+        return errors.BUSY if error == errors.LATER else error
+
+    # --- uploads
+
+    def _begin(self, order, name):
+        size = int(number(order, "size", 1, _MOST_BYTES))
+        stored = int(number(order, "stored", 1, _MOST_BYTES))
+        try:
+            crc = int(text(order, "crc", 8), 16)
+        except ValueError:
+            raise Wrong("crc")
+        self._name = ""
+        error = self._ask(commands.JOB_OPEN, (name, self._language, size, crc, stored))
+        if not error:
+            self._name, self._sent, self._size = name, 0, stored
+        return error
+
+    def _piece(self, order):
+        if number(order, "at", 0, _MOST_BYTES) != self._sent:
+            return errors.JOB_PIECE
+        try:
+            data = a2b_base64(text(order, "data", _BASE64))
+        except ValueError:
+            raise Wrong("data")
+        error = self._ask(commands.JOB_DATA, data)
+        if not error:
+            self._sent += len(data)
+            self._show("store", self._name, self._sent * _PER_CENT // self._size)
+        return error
+
+    def _close(self):
+        error = self._ask(commands.JOB_CLOSE)
+        self._closing = not error
+        return error
+
+    # --- what the machine says
+
+    def _heard(self, event):
+        what = event.command.value
+        if event.command.kind != commands.JOB:
+            return
+        if what == commands.JOB_CLOSE and self._closing:
+            self._closing = False
+            self._show("failed" if event.error else "kept", self._name, _PER_CENT, event.error)
+            self._name = ""
+        elif event.kind == commands.ACCEPTED and what == commands.JOB_LIST:
+            found, free = event.value
+            self._tell({"t": "stored", "jobs": [[entry[0], entry[2]] for entry in found], "free": free, "piece": PIECE})
+        elif event.kind == commands.ACCEPTED and what == commands.JOB_STATE:
+            if len(event.value) == 2:
+                self._show("run", event.value[0], event.value[1])
+            else:
+                name, error, line = event.value
+                self._show("failed" if error else "done", name, _PER_CENT, error, line)
+
+    def poll(self):
+        """Follow a job that runs, and an upload whose end is read back: a stop ends that without a word."""
+        machine = self._controller.machine
+        if self._closing and not machine.busy_with(commands.JOB):
+            self._closing = False
+            self._show("failed", self._name, _PER_CENT, errors.JOB_STOPPED)
+        runs = machine.lender >= 0
+        if runs or self._ran:
+            self._ran = runs
+            self._ask(commands.JOB_STATE)
+
+    def _show(self, how, name, done, error=0, line=0):
+        self._machine.state["job"] = {
+            "name": name, "how": how, "error": error, "line": line, "lines": _PER_CENT, "done": done,
+            "pass": 1, "passes": 1, "checked": False, "single": False, "stored": True,
+        }  # fmt: skip
