@@ -25,7 +25,7 @@ from passo.records import COUNT_MASK, LEAD_TICKS, TICKS_PER_S
 from passo.steps.ring import Ring, ring_size
 from passo.steps.word import us_to_ticks
 
-LIVE_TICKS = const(11 * 12_500)  # ahead while what is under way may change at any moment: on the pins within 20 ms
+LIVE_TICKS = const(12 * 12_500)  # ahead while what is under way may change at any moment: on the pins within 20 ms; a cycle, two segments
 _CALLS_S = const(200)  # half a ring of words has to last as long as such a call of the feeder
 _WAITING = const(64)  # commands of one link that may wait for their turn
 _READS = const(64)  # enough to empty a serial line: some give 64 bytes at a time
