@@ -671,6 +671,28 @@ def check_a_stream_turned_round_before_its_end():
     assert machine.world.place == [900, 900, 0] and machine.status()["state"] == "idle"
 
 
+def check_a_file_that_was_dropped_is_never_played_as_typed():
+    """However long the line is quiet amid it: what still comes of it is dropped up to its end."""
+    machine = Lpt()
+    for verb in ("load", "stream"):
+        machine.tell(verb, 100)
+        machine.put("AAAA#")
+        assert machine.until("error")[-1] == "error:120 line 1 column 5"
+        machine.run_ms(6000)
+        machine.put("A" * 50)
+        machine.run_ms(3000)
+        place = machine.world.place[:]
+        machine.put("C" * 50)
+        machine.run_ms(3000)
+        assert machine.take() == [] and machine.world.place == place and place[0] <= 4
+        assert machine.ask("end") == "error:125"
+        machine.run_ms(1100)
+        machine.put("Z" if verb == "load" else "A")  # typed
+        machine.until("end")
+        assert machine.world.place != place
+    machine.load("AAA")
+
+
 def check_typed():
     """Codes without more: played as they come, until the line is quiet."""
     machine = Lpt()

@@ -60,6 +60,7 @@ _TYPED = const(0)  # no {load} or {stream} has been said
 _LOAD = const(1)
 _STREAM = const(2)
 _DROP = const(3)  # after an error, until the next control command or a quiet line
+_SHUT = const(4)  # the same of a file that {load} or {stream} has begun: until its {end}, or {stop}, however long the line is quiet
 
 
 def frame(*words):
@@ -134,7 +135,7 @@ class Pulses:
         if self._fresh:
             at = self._line_end(data, at)
         while at < len(data):
-            if not self._sign and self._mode != _DROP:
+            if not self._sign and self._mode < _DROP:
                 at = self._plain(data, at)
                 if self._taken >= CREDIT:
                     self._hand_on(found)
@@ -145,7 +146,7 @@ class Pulses:
             if byte == 0x7B:
                 return at
             at += 1
-            if self._mode == _DROP:
+            if self._mode >= _DROP:
                 continue
             self._count += 1
             self._taken += 1
@@ -242,7 +243,7 @@ class Pulses:
 
     def _hand_on(self, found):
         """What has been collected so far becomes a command."""
-        if not self._items and self._taken < CREDIT or self._mode == _DROP:
+        if not self._items and self._taken < CREDIT or self._mode >= _DROP:
             return
         self._open_typed(found)
         command = Command(STEP_PROGRAM_ADD, self._items, STEPS_ITEMS)
@@ -260,11 +261,16 @@ class Pulses:
     def _fail(self, error, found):
         """The file makes no sense from here on."""
         self._open_typed(found)
-        self._mode = _DROP
-        self._open = False
+        self._drop_file()
         self._items = []
         self._sign = 0
         found.append(Command(STEP_PROGRAM_ADD, (self._line, self._column), STEPS_ABORT, error=error))
+
+    def _drop_file(self):
+        """What is still coming of it is not for anybody."""
+        self._mode = _DROP if self._mode == _TYPED or self._mode == _DROP else _SHUT
+        self._open = False
+        self._size = 0
 
     def _close(self, found):
         if not self._end_number(found):
@@ -308,6 +314,7 @@ class Pulses:
                 return self._open_file(verb == "stream", size, found)
         elif verb == "end" and len(words) == 1:
             if self._mode not in (_LOAD, _STREAM):
+                self._mode = min(self._mode, _DROP)
                 return Command(BAD, error=errors.NO_STEP_PROGRAM)
             self._close(found)
             return None
@@ -359,9 +366,8 @@ class Pulses:
             return b"" if self._mode == _TYPED else b"ok\n"
         if command.value == STEPS_ABORT:
             return b"error:%d line %d column %d\n" % (event.error, command.target[0], command.target[1])
-        silent = self._mode == _DROP and command.value != STEPS_OPEN
-        self._mode = _DROP
-        self._open = False
+        silent = self._mode >= _DROP and command.value != STEPS_OPEN
+        self._drop_file()
         return b"" if silent else b"error:%d\n" % event.error
 
     def _acknowledge(self, count):
@@ -372,16 +378,16 @@ class Pulses:
         return ACK * acks
 
     def drop_begun(self):
-        """A control command that has come in part is not gone on with."""
+        """A control command that has come in part is not gone on with; nothing more comes of a file that was dropped."""
         self._frame = None
+        self._mode = min(self._mode, _DROP)
 
     def drop(self, event):
         """Nothing that has come so far is done any more."""
         if self._frame is not None:
             self._frame = b"!"  # makes no sense, however it ends
         if self._open:
-            self._mode = _DROP
-            self._open = False
+            self._drop_file()
         self._begin(0)
         return b"stopped\n" if event.kind == DROPPED and event.error == errors.STOPPED else b""
 
