@@ -35,6 +35,7 @@ def resume(file, port, baud, home, unverified, yes):
         print(_("{}: interrupted before command {}", file, number) + way)
         find_zero(record.known, home, unverified, client.home)
         if client.status()["state"] == "alarm":  # the host was lost, and it came to a stand: where it is remains known
+            client.command("stop")  # behind a halting input it is unlocked only then
             client.command("unlock")
         if client.status()["state"] == "alarm":
             raise Failure("the machine is in alarm: give --home")

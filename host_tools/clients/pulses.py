@@ -19,6 +19,7 @@ from passo.protocols.pulses.report import status_from
 POLL_S = 0.1
 TIMEOUT_S = 5.0
 HOME_S = 600.0
+_ENDS = ("stopped", "ready")  # everything has been dropped, or the board began anew
 
 
 class PulsesClient(Client):
@@ -53,7 +54,7 @@ class PulsesClient(Client):
             found = None
             kept, self.said = (self.said, []) if idle else ([], self.said)
             for line in kept + self.lines():
-                failed = line.startswith(("error:", "alarm:")) and (idle or " line " not in line)
+                failed = line.startswith(("error:", "alarm:")) and (idle or " line " not in line) or idle and line in _ENDS
                 if found is None and (failed or wanted(line)):
                     found = line
                 else:
@@ -130,11 +131,20 @@ class PulsesClient(Client):
             for line in kept + self.lines():
                 check(line, "the file")
                 self.said.append(line)
-            if not stream and time.monotonic() - latest > TIMEOUT_S:
-                raise LinkError("port {} takes no more of the file", self.port)
+            if time.monotonic() - latest > TIMEOUT_S:
+                if not stream:
+                    raise LinkError("port {} takes no more of the file", self.port)
+                latest = time.monotonic()
+                self._check_plays()
         self.send(frame("end"))  # behind all that is still to be played of a stream
         limit_s = float("inf") if stream else TIMEOUT_S
         return int(self._answer(lambda line: line.startswith("ok "), "end", limit_s, idle or (lambda: None)).split()[1])
+
+    def _check_plays(self):
+        """A stream that stands may be paused; if the machine is idle, or in alarm, nothing of it is played any more."""
+        state = self.status()["state"]
+        if state in ("idle", "alarm"):
+            raise Failure("the board plays no more of the file: its state is {}", state)
 
     def wait(self, words, show=None):
         """Wait until the board says one of `words`; returns it. Calls `show(status)` every 0.1 s."""
@@ -152,7 +162,11 @@ class PulsesClient(Client):
 
 
 def check(line, what):
-    """Raise Failure if `line` is an error or an alarm."""
+    """Raise Failure if `line` is an error or an alarm, or says that everything has been dropped."""
+    if line == "stopped":
+        raise Failure("{}: stopped by another program", what)
+    if line == "ready":
+        raise Failure("{}: the board has been reset", what)
     kind, colon, rest = line.partition(":")
     if kind in ("error", "alarm") and rest:
         number, blank, where = rest.partition(" ")
