@@ -53,6 +53,7 @@ class NoisyWire:
     def set(self, share):
         """From now on."""
         self.share = share
+        self._burst = 0
         self._next = self._gap()
 
     def put(self, data):

@@ -5,7 +5,7 @@
     make soak ARGS="--machine router --life 70012"      # one life again, as a violation has named it
 
 A *life* is a machine from its seed on: so many rounds of work and faults. The machines and what must hold are told in soak_router.py,
-soak_plotter.py and soak_mill.py. Each process takes one life after the other, of the machine that has had the least of its share of
+soak_plotter.py, soak_mill.py and soak_pulses.py. Each process takes one life after the other, of the machine that has had the least of its share of
 processor time. A violation ends the run: seed, machine, its last events, and the command that brings it about again.
 """
 
@@ -20,11 +20,12 @@ from collections import Counter
 from soak_bench import EVENTS
 from soak_mill import Mill
 from soak_plotter import Plotter
+from soak_pulses import Pulses
 from soak_router import Router
 
-MACHINES = {made.NAME: made for made in (Router, Plotter, Mill)}
-SHARES = {"router": 0.5, "plotter": 0.3, "mill": 0.2}  # of processor time
-ROUNDS = {"router": 45, "plotter": 45, "mill": 4}  # of a life
+MACHINES = {made.NAME: made for made in (Router, Plotter, Mill, Pulses)}
+SHARES = {"router": 0.4, "plotter": 0.2, "mill": 0.2, "pulses": 0.2}  # of processor time
+ROUNDS = {"router": 45, "plotter": 45, "mill": 4, "pulses": 45}  # of a life
 LIVES = 10_000  # seeds of lives between two seeds of a run
 
 

@@ -3,18 +3,23 @@
 A machine is a class with `round()`, which raises Wrong (or any error) where it has done what it must not do, and close().
 """
 
+import contextlib
 import gc
+import io
 import random
 import sys
 from array import array
 from collections import Counter, deque
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from unittest import mock
 
 from noisy_wire import BAUD, Cable
 from soak_witness import Witness, Wrong
+from virtual_wire import patched
 
 TICKS_PER_MS = 12_500
 EVENTS = 40
+LONGEST_MS = 1_800_000  # of a command of passo
 SAFE_MS = 120  # from whatever stops the machine to tool off, coils and relays included
 HEAP_GROWTH = 12_000  # bytes between two measures, hundreds of lines apart: a log that fills and buffers first used take 6500
 _SHARED = (type, ModuleType, FunctionType, BuiltinFunctionType, CodeType)
@@ -163,13 +168,19 @@ class Bench:
 
 
 class Wire:
-    """The PC's end of link `pc`, as a serial port for FramedPort: while it waits a cycle of the board passes."""
+    """The PC's end of link `pc`, as a serial port and as the module time: while something is waited for cycles of the board pass."""
 
     baudrate = BAUD
     timeout = 0.05
 
     def __init__(self, bench):
         self._bench = bench
+        self.end_ms = None  # by when whoever uses it has come to an end
+
+    def _wait(self):
+        self._bench.cycle()
+        if self.end_ms is not None and self._bench.now_ms() > self.end_ms:
+            raise Wrong("a command of passo does not come to its end")
 
     @property
     def in_waiting(self):
@@ -178,15 +189,33 @@ class Wire:
     def read(self, size):
         line = self._bench.line
         if not line.arrived:
-            self._bench.cycle()
+            self._wait()
         data, line.arrived = line.arrived, b""
         return data
 
     def write(self, data):
         self._bench.line.wires[0].put(data)
 
+    def reset_input_buffer(self):
+        self._bench.line.arrived = b""
+
     def close(self):
         """The cable stays."""
+
+    # --- as the module time
+
+    def monotonic(self):
+        return self._bench.now_ms() / 1000
+
+    time = monotonic
+
+    def monotonic_ns(self):
+        return int(self._bench.now_ms() * 1e6)
+
+    def sleep(self, seconds):
+        end_ms = self._bench.now_ms() + 1000 * seconds
+        while self._bench.now_ms() < end_ms:
+            self._wait()
 
 
 class Cabled(Bench):
@@ -201,6 +230,17 @@ class Cabled(Bench):
     def cycle(self):
         super().cycle()
         self.line.carry(self.machine, self.now_ms())
+
+    @contextlib.contextmanager
+    def passo(self, framed=None):
+        """Commands of `passo` run here, and nobody looks at what they say. `framed`: as virtual_wire.patched()."""
+        self.wire.end_ms = self.now_ms() + LONGEST_MS
+        with (
+            patched(self.wire, framed), contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()),
+            mock.patch.object(sys, "stdin", io.StringIO()),
+        ):  # fmt: skip
+            yield
+        self.wire.end_ms = None
 
     def count_noise(self):
         faults = self.line.faults()

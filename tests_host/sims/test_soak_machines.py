@@ -6,6 +6,8 @@ import pytest
 
 import soak
 from host_tools import boards
+from host_tools.cli import pulses
+from host_tools.failure import Failure
 from host_tools.programs import stored_job
 from host_tools.sim.machine import VirtualMachine
 from passo.config import job_store
@@ -16,10 +18,12 @@ from passo.protocols.frames.line import FramedLine
 from passo.protocols.grbl import stored
 from passo.protocols.plotter.host import COMMANDS, PACKET, packet
 from passo.protocols.plotter.protocol import Plotter as PlotterLanguage
+from passo.protocols.pulses.protocol import Pulses as PulsesLanguage
 from soak_plotter import Plotter
+from virtual_wire import plugged
 
 
-@pytest.mark.parametrize("name, life, rounds", [("router", 5, 6), ("plotter", 1, 5), ("mill", 1, 1)])
+@pytest.mark.parametrize("name, life, rounds", [("router", 5, 6), ("plotter", 1, 5), ("mill", 1, 1), ("pulses", 1, 8)])
 def test_some_seconds(name, life, rounds, show):
     machine = soak.live(name, life, rounds)
     assert machine.steps > 5000 and sum(machine.faults.values()) > 10
@@ -56,6 +60,11 @@ def remembers_a_line(monkeypatch):
     monkeypatch.setattr(stored, "begin", lambda protocol: protocol.gcode.reset())
 
 
+def plays_what_was_dropped(monkeypatch):
+    """What still comes of a file that was stopped is played as if it had been typed."""
+    monkeypatch.setattr(PulsesLanguage, "_drop_file", lambda self: setattr(self, "_mode", 0))
+
+
 def believes_any_sum(monkeypatch):
     """A packet is drawn whatever its sum."""
     hear = PlotterLanguage._hear
@@ -87,6 +96,7 @@ BROKEN = {
     needs_no_homing: ("router", "cannot know where it is, and is Idle"),
     tells_no_reset: ("router", "no banner"),
     remembers_a_line: ("router", "error 116 in line 1"),
+    plays_what_was_dropped: ("pulses", "it has been stopped"),
     believes_any_sum: ("plotter", "Wrong: no answer to LINE"),
     filters_nothing: ("mill", "AssertionError: (220, "),
 }
@@ -156,6 +166,47 @@ def test_a_stored_job_needs_no_host(lost):
     assert b"[MSG:Job A done]" in machine.received() and machine.now_ms() - begun > 1000
 
 
+@pytest.mark.parametrize("way", ["load", "stream"])
+def test_what_comes_of_a_stopped_file_moves_nothing(way):
+    """On a line that is noisy, so that nothing has come for a while; the other link has stopped the machine."""
+    machine = pulses_machine()
+    machine.send(b"{%s}[AAAA" % way.encode())
+    machine.run_ms(3000)
+    machine.send(b"{stop}", "panel")
+    machine.run_ms(3000)
+    before = list(machine.plant.position)
+    machine.send(b"[" + b"C" * 400)
+    machine.run_ms(3000)
+    assert machine.plant.position == before
+    machine.send(b"{end}{stream}[CC]{end}")
+    machine.settle()
+    assert machine.plant.position == [before[0], before[1] + 2, before[2]]
+
+
+def pulses_machine():
+    """With another link."""
+    made = boards.load("lpt_router")
+    made["links"].append({"name": "panel", "port": "uart1", "tx": 20, "rx": 21, "baud": 57_600, "protocol": "pulses"})
+    return VirtualMachine(made, start=(9000, 9000, 2000))
+
+
+def test_a_stream_that_another_program_has_stopped_ends(tmp_path):
+    """As `passo pulses play --stream` sends it."""
+    machine = pulses_machine()
+    path = tmp_path / "long.txt"
+    path.write_text("[" + "ACBD" * 3000 + "]")
+    with plugged(machine) as wire, pytest.raises(Failure, match="stopped by another program"):
+        cycle = wire._cycle
+
+        def stopping():
+            cycle()
+            if 1000 < machine.now_ms() < 1010:
+                machine.send(b"{stop}", "panel")
+
+        wire._cycle = stopping
+        pulses.play(path, 1, None, True, None, False, "virtual", 115_200, True, None)
+
+
 def test_a_packet_that_ends_in_zero_can_be_sent_again():
     """On a link with frames a zero could begin a question for them; it is not kept until the packet is sent again."""
     board = boards.load("plotter_2014")
@@ -182,7 +233,7 @@ def test_what_never_waits_overtakes_what_does(name):
     board["links"][0].update(frames=True, lost="stop", lost_ms=3000)
     plotter = Plotter(0, board, framed=True)
     plotter.ask("ORIGIN", wanted="ORIGIN_OK")
-    for number in range(130):  # more than buffer and planner take  # more than the buffer and the planner take
+    for number in range(130):  # more than the buffer and the planner take
         plotter.put(packet(COMMANDS["LINE"], 3000 * (number % 2), 10 * number))
         plotter.hear_ms(20)
     assert plotter.machine.app.links[0].waiting

@@ -8,7 +8,7 @@ A read lets the machine go on by a cycle; to sleep lets it go on for so long. `p
 
 import contextlib
 
-from host_tools.cli import draw_run, jobs, pulses_panel, resume_pulses
+from host_tools.cli import draw_run, jobs, pulses_panel, resume_pulses, stream
 from host_tools.clients import frames, grbl, plotter, pulses, serial_port, wire
 from host_tools.programs import job
 from noisy_wire import BAUD, Cable
@@ -87,10 +87,9 @@ class Wire:
 
 
 @contextlib.contextmanager
-def plugged(machine, cycles=None, framed=False, share=0.0, seed=0):
-    """The PC is plugged in, until the end or until it is killed: a Wire. `framed`: as by `passo --frames`."""
-    made = Wire(machine, cycles, share, seed)
-    timed = (frames, grbl, pulses, pulses_panel, plotter, wire, job, jobs, resume_pulses, draw_run)
+def patched(made, framed):
+    """`made` is the port, and the time, of the commands of `passo`. `framed`: as by `passo --frames`; None: as they please."""
+    timed = (frames, grbl, pulses, pulses_panel, plotter, wire, job, jobs, resume_pulses, draw_run, stream)
     with contextlib.ExitStack() as patches:
         for module, name, value in (
             *((module, "time", made) for module in timed),
@@ -99,4 +98,12 @@ def plugged(machine, cycles=None, framed=False, share=0.0, seed=0):
         ):  # fmt: skip
             patches.callback(setattr, module, name, getattr(module, name))
             setattr(module, name, value)
+        yield
+
+
+@contextlib.contextmanager
+def plugged(machine, cycles=None, framed=False, share=0.0, seed=0):
+    """The PC is plugged in, until the end or until it is killed: a Wire."""
+    made = Wire(machine, cycles, share, seed)
+    with patched(made, framed):
         yield made
