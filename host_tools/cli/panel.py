@@ -7,6 +7,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.failure import Failure
+from host_tools.language import _
 
 _SHARE = Path.home() / ".local" / "share" / "passo"
 _JOBS = _SHARE / "jobs"
@@ -83,7 +84,7 @@ def _tell(host, number, key, line, open_):
     print(f"key: {shown(key)}")
     if line:
         print(f"port: {line.name}")
-    print("Ctrl-C ends it.", flush=True)
+    print(_("Ctrl-C ends it."), flush=True)
     if open_:
         import webbrowser
 
@@ -132,7 +133,7 @@ def _cable(port, prompt, board, own, guest):
 
     cable = Cable(port, prompt or port, board or "", own, _speaking(guest), become)
     for what in cable.wrong:
-        print(f"left out: {what}")
+        print(_("left out: {}", what))
     return cable.names(), cable.change
 
 
@@ -155,7 +156,7 @@ def _spoken(language, port, baud, guest):
         if language == "torch":
             _check_torch(port, baud)
     if language not in languages.BOARDS:
-        raise Failure(f"{language}: the panel speaks {', '.join(languages.BOARDS)}")
+        raise Failure("{}: the panel speaks {}", language, ", ".join(languages.BOARDS))
     if guest and language != "grbl":
         raise Failure("--guest is for a board that speaks grbl: a sender beside the page")
     return language
@@ -172,7 +173,9 @@ def _check_torch(port, baud):
     except LinkError:
         answers = False
     if not answers:
-        raise Failure(f"{port}: no answer in grbl, pulses or Passo's torch; of a plotter or a kit of keys say --protocol plotter, --protocol keys")
+        raise Failure(
+            "{}: no answer in grbl, pulses or Passo's torch; of a plotter or a kit of keys say --protocol plotter, --protocol keys", port,
+        )
 
 
 def _language(board):

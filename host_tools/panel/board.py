@@ -90,7 +90,7 @@ class Demo:
         line = self._process.stdout.readline()
         if not line.startswith("port: "):
             self.close()
-            raise Failure(f"the virtual board {self.board} did not start")
+            raise Failure("the virtual board {} did not start", self.board)
         return line[6:].strip()
 
     def change(self, board):

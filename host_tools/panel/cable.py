@@ -34,7 +34,7 @@ class Cable:
             try:
                 table = check(boards.load(file))
             except (Failure, BoardError) as error:
-                self.wrong.append(f"{shown}: {error}")
+                self.wrong.append(Failure("{}: {}", shown, error).told())
                 continue
             if chip in (None, table["chip"]) and self._link(table, speaking):
                 self._files.setdefault(shown, file)
@@ -51,7 +51,9 @@ class Cable:
         link = self._link(table, self._speaking)
         port = self._prompt if link["port"] == USB else self._port
         if link["port"] != USB and self._port == self._prompt:
-            raise Failure(f"{name} speaks on {link['port']}, not on USB: start the panel with that cable's --port, and --prompt {self._prompt}")
+            raise Failure(
+                "{} speaks on {}, not on USB: start the panel with that cable's --port, and --prompt {}", name, link["port"], self._prompt
+            )
         self._become(file, self._prompt)
         self._present = name
         return port, link, table

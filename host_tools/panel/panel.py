@@ -121,7 +121,7 @@ class Panel:
             port, link, board = await self._loop.run_in_executor(None, self._change, name)
         except Failure as failure:
             self._port.take(self._port.name, self._port.baud)
-            self._tell({"t": "refused", "text": str(failure)})
+            self._tell({"t": "refused", "text": failure.told()})
             return
         finally:
             self._changing = None

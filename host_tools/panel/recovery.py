@@ -116,7 +116,7 @@ class RecoverableJobs(StoredJobs):
         try:
             lead, self._rest, next_ = self._plan(offer["name"], said)
         except Failure as failure:
-            self._tell_all({"t": "refused", "text": str(failure)})
+            self._tell_all({"t": "refused", "text": failure.told()})
             return
         self._next = next_
         if not StoredJobs.run(self, offer["name"], lead, 1, False):
@@ -126,7 +126,7 @@ class RecoverableJobs(StoredJobs):
         """(lines up to where the operator is asked, those behind, what comes next). Raises Failure."""
         program = [(lines, crc) for found, lines, crc in self._files.programs() if found == name]
         if not program:
-            raise Failure(f"{name} has gone")
+            raise Failure("{} has gone", name)
         lines, crc = program[0]
         number, place, _ = interrupted(said, lines, crc)
         settings = [f"${key}={value}" for key, value in self._machine.settings.items()]
