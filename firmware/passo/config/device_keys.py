@@ -174,6 +174,8 @@ def _check_registers(board):
                 if config and key == "inputs" and 23 <= item["pin"] <= 25:
                     raise BoardError("input %s: beside registers it cannot be on pin 23, 24 or 25" % item["name"])
                 continue
+            if config is None and board.get("shift"):
+                continue  # shift_keys.py has looked at it
             if config is None:
                 raise BoardError("%s %s: pin %d is a bit of a register; there is none" % (key[:-1], item["name"], item["pin"]))
             if bit >= 8 * config[key]:
