@@ -72,7 +72,7 @@ def main():
     except KeyboardInterrupt:
         print("stopped")
     except MemoryError as full:
-        print("board.py asks for more memory than there is: leave out a link, a language or store_points; grbl wants a Pico, not a Pico W")
+        print("board.py asks for more memory than there is: leave out a link, a language or store_points. grbl wants a Pico, not a Pico W: the page is then that of passo panel, on a PC")
         error = full
     except Exception as crash:
         error = crash

@@ -99,6 +99,8 @@ FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key o
 WEB = Path("passo", "web")
 NETWORK = Path("passo", "network_builder.py")  # only boards with a network have it, and what it imports
 PAGE_LINE = WEB / "page_line.py"
+# Machines beside which a page has no room: the heap of a Pico W lacks some 20 kB.
+NO_ROOM = (("rp2040", "grbl"),)
 BOARD_JOBS = WEB / "board_jobs.py"
 BUILDER = Path("passo", "machine_builder.py")
 PAGES = WEB / "page"
@@ -191,6 +193,11 @@ def selected(board, firmware=FIRMWARE):
         chosen.add(NETWORK)
         for link in board["links"]:
             if link["port"] == "page":
+                if (board.get("chip"), link["protocol"]) in NO_ROOM:
+                    raise Failure(
+                        "a page does not fit beside {} on an {}: leave that link out, and open the page on a PC by passo panel; or take "
+                        "an ESP32 (docs/network.md)", link["protocol"], board["chip"]
+                    )  # fmt: skip
                 chosen |= {PAGE_LINE, WEB / f"{link['protocol']}_machine.py"} | ({BOARD_JOBS} if board.get("jobs") else set())
     spared = spared_features(board)
     queue = list(chosen)

@@ -288,3 +288,16 @@ def test_the_page_of_a_board_is_small(tmp_path):
             file.seek(start)
             assert gzip.decompress(file.read(size)) == (pages.PAGES / name).read_bytes()
     assert {"errors.json", "rules.json"} < set(names) and (tmp_path / "pages.bin").stat().st_size < 60_000
+
+
+def test_a_page_that_has_no_room_is_refused_before_it_is_flashed():
+    """By what does not fit, and what to do instead."""
+    for name, fits in (("router_3axis", False), ("router_esp32", True), ("torch_pico_w", True)):
+        board = {**boards.load(name), "network": {"host": "passo"}}
+        page = {"name": "page", "port": "page", "protocol": board["links"][0]["protocol"]}
+        board["links"] = [board["links"][0], page]
+        if fits:
+            assert tree.selected(board)
+        else:
+            with pytest.raises(Failure, match="a page does not fit beside grbl on an rp2040: .* passo panel"):
+                tree.selected(board)
