@@ -71,8 +71,9 @@ def calls(tree):
 
 
 def text_of(name, call):
-    """The node of the text that a call says, or None."""
-    at = TEXTS.get(name)
+    """The node of the text that a call says, or None. An __init__ that gives its own text to that of Failure says it too."""
+    own = name == "__init__" and call.args and isinstance(call.args[0], ast.Constant) and isinstance(call.args[0].value, str)
+    at = 0 if own else TEXTS.get(name)
     return call.args[at] if at is not None and len(call.args) > at else None
 
 
@@ -123,6 +124,32 @@ def test_every_text_has_its_words():
     assert not missing, "pt.json lacks:\n" + "\n".join(json.dumps(text, ensure_ascii=False) for text in sorted(missing))
 
 
+def test_each_text_gets_the_values_of_its_fields():
+    faults = []
+    for path, tree in TREES.items():
+        for _, name, call in calls(tree):
+            text = text_of(name, call)
+            values = call.args[call.args.index(text) + 1 :] if text is not None else []
+            if not isinstance(text, ast.Constant) or any(isinstance(value, ast.Starred) for value in values):
+                continue
+            named = {keyword.arg for keyword in call.keywords} - {"number", "place", "line"}
+            if not values and not named and name in ("_", "N_"):
+                continue  # its values come later, by format()
+            fields = [field for _, field, _, _ in string.Formatter().parse(text.value) if field is not None] if values or named else []
+            wanted_ = {field or str(at) for at, field in enumerate(fields)}
+            if wanted_ != {str(at) for at in range(len(values))} | named or not values and not named and re.search(r"\{\W?\w*\}", text.value):
+                faults.append(f"{path}:{call.lineno}: {ast.unparse(call)}")
+    assert not faults, "\n".join(faults)
+
+
+def test_every_kind_of_failure_is_looked_at():
+    classes = [node for tree in TREES.values() for node in ast.walk(tree) if isinstance(node, ast.ClassDef)]
+    kinds = {"Failure"}
+    for _ in classes:  # until all descendants are found
+        kinds |= {each.name for each in classes if kinds & {getattr(base, "id", "") or getattr(base, "attr", "") for base in each.bases}}
+    assert kinds <= set(TEXTS), kinds - set(TEXTS)
+
+
 def test_no_words_are_left_over():
     assert not set(WORDS) - wanted()
     assert not set(WORDS) & set(PAGE), "said twice"
@@ -158,7 +185,7 @@ def test_what_is_printed_goes_through_the_catalogue():
     """Of print, echo and rich's: a literal with prose stands in a _(…)."""
     faults = []
     for path, tree in TREES.items():
-        if not path.startswith(("cli/", "programs/", "drawings/", "site/", "clients/", "panel/")):
+        if not path.startswith(("cli/", "programs/", "drawings/", "site/", "clients/", "panel/", "sim/", "emulator/")):
             continue
         for _, name, call in calls(tree):
             if name not in ("print", "echo", "status", "Table", "add_column", "prompt", "tell", "agreed", "set_title", "set_xlabel", "set_ylabel"):
