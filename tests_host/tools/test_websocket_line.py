@@ -1,5 +1,6 @@
 """A sender that speaks plain grbl by a WebSocket: beside the page of `passo panel`, and behind `passo wifi bridge`."""
 
+import hmac
 import re
 import subprocess
 import sys
@@ -30,12 +31,58 @@ class Sender:
         said, _, self._heard = self._heard.partition(wanted)
         return said
 
-    def ask(self, line):
+    def say(self, line):
         self.socket.send(line + "\n")
+
+    def report(self):
+        self.socket.send("?")
+        return "<" + self.until(">").rpartition("<")[2]
+
+    def ask(self, line):
+        self.say(line)
         while not (found := re.search(r"(ok|error:\d+)\r\n", self._heard)):
             self._heard += self.socket.recv()
         self._heard = self._heard[found.end() :]
         return found[1]
+
+
+class SignedSender(Sender):
+    """At the board's own server: each line proves the key, by Python's own hmac."""
+
+    def __init__(self, address):
+        super().__init__(address)
+        self.until("[PASSO:")
+        self._nonce = self.until("]")
+        self._count = 0
+
+    def say(self, line):
+        self._count += 1
+        said = f"{self._nonce}.{self._count}.{line}".encode()
+        self.socket.send(f"{self._count}.{hmac.new(KEY.encode(), said, 'sha256').hexdigest()}.{line}\n")
+
+
+def a_short_day(sender):
+    """Asked, jogged, a job, and a reset amid a move; returns the place, mm."""
+
+    def idle():
+        while "<Idle" not in (said := sender.report()):
+            pass
+        return [float(mm) for mm in re.search(r"MPos:([-\d.,]+)", said)[1].split(",")]
+
+    assert sender.ask("G91G0X1") == "error:112", "somebody else commands"
+    assert sender.ask("$LINK=0") == "ok" and sender.ask("$X") == "ok"
+    start = idle()
+    assert sender.ask("$J=G91X2F3000") == "ok"
+    assert idle() == [start[0] + 2, *start[1:]]
+    for line in ("G21 G91", "G1 X3 F3000", "Y2", "G2 X-2 Y2 J2", "G4 P0.01"):
+        assert sender.ask(line) == "ok", line
+    assert idle() == [start[0] + 3, start[1] + 4, start[2]]
+    assert sender.ask("G1 X60 F600") == "ok"
+    while "<Run" not in sender.report():
+        pass
+    sender.socket.send("\x18")
+    assert "ALARM:3" in sender.until("Grbl 1.1h") and "<Alarm" in sender.report()
+    return start
 
 
 def test_bytes_both_ways():
@@ -76,12 +123,35 @@ def test_beside_the_page(tmp_path):
     with PanelProcess(tmp_path, "--guest", "ws:0") as panel:
         sender = Sender(panel.guest)
         page = panel.page().ready()
-        sender.socket.send("?")
-        assert sender.until(">")
-        assert sender.ask("G91G0X1") == "error:112"
-        assert sender.ask("$LINK=0") == "ok"
-        assert sender.ask("G91G0X1") == "ok"
-        page.until(lambda state: state["owner"] == "guest" and state["m"][0] == 1.0)
+        start = a_short_day(sender)
+        page.until(lambda state: state["owner"] == "guest" and start[0] + 3 < state["m"][0] < start[0] + 60)
+        assert page.order("step", by={"x": 1}, speed=600)["error"] == 112
+
+
+@pytest.mark.slow
+@pytest.mark.unmeasured
+def test_at_the_server_of_a_board(tmp_path):
+    """Where it serves its page, too; a second sender has to wait until the first has gone."""
+    config = {**boards.load("router_3axis"), "network": {"host": "passo"}, "links": LINKS}
+    path = tmp_path / "served.py"
+    path.write_text(f'"""A router."""\n\nBOARD = {config!r}\n')
+    with Board("--board", path, "--http", 0, "--signed", 0, "--key", KEY, links=4) as board:
+        address = re.match(r"http: http://(\S+)/#key=", board.lines[1])[1]
+        sender = SignedSender(f"ws://{address}/grbl")
+        sender.socket.send("G0X1\n")
+        assert sender.until("error:178") is not None, "a line that proves nothing"
+        a_short_day(sender)
+        with pytest.raises(websocket.WebSocketBadStatusException, match="503"):
+            SignedSender(f"ws://{address}/grbl")
+        sender.socket.close()
+        deadline = time.monotonic() + LIMIT_S
+        while True:
+            try:
+                assert SignedSender(f"ws://{address}/grbl").ask("$X") == "ok"
+                break
+            except websocket.WebSocketBadStatusException:
+                assert time.monotonic() < deadline
+                time.sleep(0.05)
 
 
 @pytest.mark.slow
