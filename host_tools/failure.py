@@ -1,6 +1,6 @@
 """The error for users: one line that says what was wrong, where, and what would be right."""
 
-from host_tools.language import _, filled
+from host_tools.language import _, board_file_error, filled
 
 
 class Failure(Exception):
@@ -19,5 +19,7 @@ class Failure(Exception):
 
 
 def reason(error):
-    """Why the system refused something (an OSError), in the language that was chosen; of any other error its own words."""
-    return _(getattr(error, "strerror", None) or str(error))
+    """Why the system refused something (an OSError), or the firmware a board file (BoardError), in the language that was chosen; of any
+    other error its own words."""
+    why = getattr(error, "strerror", None)
+    return _(why) if why else board_file_error(str(error))

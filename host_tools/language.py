@@ -6,7 +6,7 @@
     raise Failure("no file {}", path)           # likewise (failure.py), looked up when it is shown
 
 The words of numbered errors and of settings are the page's (firmware/passo/web/page/pt.json), those of the command its own
-(pt.json beside this file): help, failures, and what is printed for people. What programs read is in no language: the port that a
+(pt.json beside this file): help, failures, and what is printed for people; pt_boards.json has what is wrong with board files. What programs read is in no language: the port that a
 board prints, CSV, G-code. `passo --lang` chooses; without it LANGUAGE, LC_ALL, LC_MESSAGES and LANG do, as for any program.
 """
 
@@ -42,7 +42,8 @@ def catalogue(language):
     """The words of one of LANGUAGES."""
     if language == "en":
         return gettext.NullTranslations()
-    return Catalogue(FIRMWARE / "passo" / "web" / "page" / f"{language}.json", HOST_TOOLS / f"{language}.json")
+    own = (HOST_TOOLS / f"{language}{part}.json" for part in ("", "_boards"))
+    return Catalogue(FIRMWARE / "passo" / "web" / "page" / f"{language}.json", *own)
 
 
 def choose(language):
@@ -78,6 +79,27 @@ def N_(text):
 def _(text, *values, **named):
     """`text` in the language chosen, with its fields."""
     return filled(catalogue(chosen()).gettext(text), *values, **named)
+
+
+def reworded(text, sentences):
+    """`text` that is one of `sentences` with its fields filled in, in the language chosen; any other as it is. Fields are reworded too."""
+    for sentence in sentences:
+        found = re.fullmatch(re.escape(sentence).replace(r"\{\}", "(.*?)"), text, re.DOTALL)
+        if found:
+            return _(sentence, *(reworded(each, sentences) for each in found.groups()))
+    return text
+
+
+def board_file_error(text):
+    """What the firmware says of a wrong board file, in the language chosen."""
+    return reworded(text, _sentences(chosen()))
+
+
+@lru_cache(maxsize=None)
+def _sentences(language):
+    """Those of board files, with `{}` where the firmware has its values: what has most words of its own comes first."""
+    known = [] if language == "en" else Catalogue(HOST_TOOLS / f"{language}_boards.json").words
+    return sorted(known, key=lambda sentence: len(sentence.replace("{}", "")), reverse=True)
 
 
 def line_text(number):

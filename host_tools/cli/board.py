@@ -87,7 +87,7 @@ def board(
     try:
         check(config)
     except BoardError as error:
-        raise Failure("board {}: {}", board, error) from error
+        raise Failure("board {}: {}", board, reason(error)) from error
     options = {
         "start": _positions(start),
         "bounce_ms": bounce_ms,
@@ -129,7 +129,7 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
                 **options,
             )
         except (BoardError, ValueError) as error:
-            raise Failure("{}", error) from error
+            raise Failure("{}", reason(error)) from error
         except OSError as error:
             raise Failure("cannot write {}: {}", error.filename, reason(error)) from error
         # Those of the network; a stored job's line has nothing to wait for.

@@ -6,7 +6,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools.build.tree import build_tree, default_out, write_package
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from host_tools.language import _
 
 
@@ -35,7 +35,7 @@ def print_budget(name):
     try:
         rows = budget(check(boards.load(name)))
     except BoardError as error:
-        raise Failure("{}: {}", name, error) from None
+        raise Failure("{}: {}", name, reason(error)) from None
     width = max(len(title) for title, _ in rows)
     for title, text in rows:
         print(f"{title:<{width}}  {text}")

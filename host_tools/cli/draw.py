@@ -6,7 +6,7 @@ from typing import Optional
 
 import typer
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from host_tools.language import _
 
 EXAMPLES = """Draw an SVG file on the plotter.
@@ -125,7 +125,7 @@ def plotter(name):
     try:
         board = check(boards.load(name))
     except BoardError as error:
-        raise Failure("board {}: {}", name, error) from error
+        raise Failure("board {}: {}", name, reason(error)) from error
     spoken = sorted({link["protocol"] for link in board["links"]})
     if "plotter" not in spoken:
         if "grbl" in spoken:

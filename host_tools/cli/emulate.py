@@ -83,7 +83,7 @@ def _machine(board, files, trace, vcd, uf2, options):
     try:
         return EmulatedMachine(board, files, trace, vcd, uf2, **options)
     except (BoardError, ValueError) as error:
-        raise Failure("board {}: {}", board, error) from error
+        raise Failure("board {}: {}", board, reason(error)) from error
     except OSError as error:
         raise Failure("cannot write {}: {}", error.filename, reason(error)) from error
 

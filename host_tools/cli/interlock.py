@@ -7,7 +7,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools import boards
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from host_tools.language import _
 
 MOST_INPUTS = 12  # of one row: 4096 lines
@@ -138,7 +138,7 @@ def interlock(
     try:
         table = Table(boards.load(board))
     except BoardError as error:
-        raise Failure("{}: {}", board, error) from None
+        raise Failure("{}: {}", board, reason(error)) from None
     for row in (table.rows if rows else table.gated()).values():
         print("\n".join(truth_table(row)), end="\n\n")
     if out:

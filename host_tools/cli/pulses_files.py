@@ -22,7 +22,7 @@ def _board(name):
     try:
         board = check(boards.load(name))
     except BoardError as error:
-        raise Failure("board {}: {}", name, error) from error
+        raise Failure("board {}: {}", name, reason(error)) from error
     if not board["step_program"]:
         raise Failure("board {} has no section step_program", name)
     return board, "".join(axis["name"] for axis in board["axes"])[:3]

@@ -3,11 +3,9 @@
     speak_by_itself(typer.main.get_command(app))
 """
 
-import re
-
 import typer
 
-from host_tools.language import N_, _
+from host_tools.language import N_, _, reworded
 
 FRAMES = {
     "ARGUMENTS_PANEL_TITLE": N_("Arguments"), "OPTIONS_PANEL_TITLE": N_("Options"), "COMMANDS_PANEL_TITLE": N_("Commands"),
@@ -24,15 +22,6 @@ SENTENCES = (
     N_("Input should be a valid number, unable to parse string as a number"),
     N_("Input should be a valid integer, unable to parse string as an integer"),
 )  # fmt: skip
-
-
-def reworded(text):
-    """One of SENTENCES with its fields in the language chosen; any other text as it is."""
-    for sentence in SENTENCES:
-        found = re.fullmatch(re.sub(r"\\\{\\\}", "(.+?)", re.escape(sentence)), text)
-        if found:
-            return _(sentence, *map(reworded, found.groups()))
-    return text
 
 
 def speak_by_itself(command):
@@ -52,7 +41,7 @@ def _refusing(plain):
         try:
             return plain(*arguments, **named)
         except refusal as error:
-            text = reworded(error.format_message())
+            text = reworded(error.format_message(), SENTENCES)
             error.format_message = lambda: text
             raise
 

@@ -10,7 +10,7 @@ MicroPython's prompt may be at another port than the link that the panel speaks 
 from pathlib import Path
 
 from host_tools import boards
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 from passo.records import NETWORK_PORTS
@@ -34,7 +34,7 @@ class Cable:
             try:
                 table = check(boards.load(file))
             except (Failure, BoardError) as error:
-                self.wrong.append(Failure("{}: {}", shown, error).told())
+                self.wrong.append(f"{shown}: {error.told() if isinstance(error, Failure) else reason(error)}")
                 continue
             if chip in (None, table["chip"]) and self._link(table, speaking):
                 self._files.setdefault(shown, file)

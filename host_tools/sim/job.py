@@ -28,7 +28,7 @@ import threading
 import numpy as np
 
 from host_tools import boards, language
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from host_tools.language import _, error_text
 from host_tools.sim import job_runner
 from host_tools.sim.track import Track
@@ -87,7 +87,7 @@ class VirtualJob:
         try:
             self.board = check(bare(boards.load(board)))
         except BoardError as error:
-            raise Failure("{}", error) from error
+            raise Failure("{}", reason(error)) from error
         layout, drive, _ = make_drive(self.board)
         if layout.kind == "step_dir":
             drive = None

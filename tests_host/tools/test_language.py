@@ -21,6 +21,7 @@ from host_tools.resources import FIRMWARE, HOST_TOOLS, ROOT
 
 pytestmark = pytest.mark.quick
 WORDS = json.loads((HOST_TOOLS / "pt.json").read_text(encoding="utf-8"))
+BOARD_FILES = json.loads((HOST_TOOLS / "pt_boards.json").read_text(encoding="utf-8"))
 PAGE = json.loads((FIRMWARE / "passo" / "web" / "page" / "pt.json").read_text(encoding="utf-8"))
 SOURCES = [path for path in HOST_TOOLS.rglob("*.py") if path.parent.name != "bench"]  # that one speaks to those who build Passo
 TREES = {path.relative_to(HOST_TOOLS).as_posix(): ast.parse(path.read_text(encoding="utf-8")) for path in SOURCES}
@@ -29,11 +30,11 @@ TEXTS = {"_": 0, "N_": 0, "Failure": 0, "LinkError": 0, "Refused": 0, "Unavailab
          "ProgramError": 1, "_misfit": 2}  # fmt: skip
 # Functions that hand on a text of their caller's, or one of a table.
 HANDED_ON = {
-    "language.py": ("_", "speak", "error_text"), "failure.py": ("told", "reason"), "sim/job.py": ("_failure",),
+    "language.py": ("_", "speak", "error_text", "reworded"), "failure.py": ("told", "reason"), "sim/job.py": ("_failure",),
     "programs/compensation.py": ("_misfit",), "programs/program_errors.py": ("told",), "programs/ngc/interpreter.py": ("_groups",),
     "programs/calibration.py": ("read", "_row"), "clients/setting_names.py": ("describe",), "cli/status.py": ("status", "grbl_rows"),
     "cli/watch.py": ("shown",), "cli/jobs.py": ("store",), "cli/draw.py": ("draw",), "drawings/drawing.py": ("_counted",),
-    "clients/plotter.py": ("_check",), "cli/usage.py": ("reworded", "get_usage"), "clients/serial_port.py": ("open_exclusively",),
+    "clients/plotter.py": ("_check",), "cli/usage.py": ("get_usage",), "clients/serial_port.py": ("open_exclusively",),
 }  # fmt: skip
 # What is printed for programs, or is a name, a number or a text that came through the catalogue before.
 AS_IT_IS = ("port", "usb", "key", "page", "passo", "run")
@@ -153,6 +154,41 @@ def test_every_kind_of_failure_is_looked_at():
 def test_no_words_are_left_over():
     assert not set(WORDS) - wanted()
     assert not set(WORDS) & set(PAGE), "said twice"
+
+
+def sentence(node):
+    """The text that a BoardError is made of, with {} for its values."""
+    if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mod):
+        return sentence(node.left)
+    if isinstance(node, ast.BinOp):
+        return sentence(node.left) + sentence(node.right)
+    return re.sub(r"%(\(\w+\))?[srd]", "{}", node.value) if isinstance(node, ast.Constant) else "{}"
+
+
+def test_what_is_wrong_with_board_files_has_its_words():
+    trees = [ast.parse(path.read_text(encoding="utf-8")) for path in (FIRMWARE / "passo").rglob("*.py")]
+    raised = {"the board file"}  # what a key may be missing in
+    raised |= {sentence(call.args[0]) for tree in trees for _, name, call in calls(tree) if name == "BoardError"}
+    assert raised == set(BOARD_FILES), raised ^ set(BOARD_FILES)
+    for text, words in BOARD_FILES.items():
+        assert text.count("{}") == words.count("{}") and words.strip(), text
+        assert re.match(r"([a-z_.{}]+:)?", text)[0] == re.match(r"([a-z_.{}]+:)?", words)[0], "the key of the board file"
+
+
+def test_a_wrong_board_file_in_portuguese(portuguese):
+    from host_tools import boards
+    from passo.config.board_error import BoardError
+    from passo.config.boardfile import check
+
+    for change, told in (
+        ({"chip": "z80"}, "chip: 'z80' não é nenhum de rp2040, "),
+        ({"foo": 1}, "o arquivo de placa: chave 'foo' desconhecida; conhecidas são axes, "),
+        ({"axes": [{"name": "x", "pins": [1]}]}, "axes[0].steps_per_m: falta"),
+    ):
+        with pytest.raises(BoardError) as wrong:
+            check({**boards.load("router_3axis"), **change})
+        assert reason(wrong.value).startswith(told)
+    assert reason(BoardError("no sentence of the firmware's")) == "no sentence of the firmware's"
 
 
 def test_words_have_the_fields_of_their_text():
