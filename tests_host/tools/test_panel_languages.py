@@ -9,6 +9,7 @@ import pytest
 
 from panel_process import PanelProcess
 from test_panel_page import CHROMIUM, DRIVER, Browser, axe, chromium, serious_faults  # noqa: F401
+from test_panel_walk import Walker
 
 pytestmark = [
     pytest.mark.unmeasured,
@@ -233,7 +234,7 @@ def played(browser, what):
 def test_the_plotter(tmp_path, driver):
     """Homed, a place, a drawing from SVG that is drawn point by point, its speed, STOP; a file that is none is named."""
     with PanelProcess(tmp_path, "--board", "plotter_2014") as panel:
-        browser = Browser(panel, driver, (1280, 1800))
+        browser = Walker(panel, driver)
         browser.until_state("Ready")
         hidden = ("card-tool", "card-teach", "card-settings", "card-switches", "hold", "resume", "zero-all", "unlock")
         assert not [name for name in hidden if browser.find(name).is_displayed()]
@@ -293,6 +294,8 @@ def test_the_plotter(tmp_path, driver):
         browser.click("stop")
         browser.until(lambda: "Ended" in browser.text("job-state"))
         browser.until_state("Ready")
+        browser.type("draw-speed", "800")
+        assert not browser.unused("card-plotter")
         assert not [row for row in browser.driver.get_log("browser") if "SyntaxError" in row["message"] or "Uncaught" in row["message"]]
     walked = [row[:2] for row in steps(panel)]
     assert not [corner for corner in ((100, 200), (300, 200), (300, 300), (100, 300)) if corner not in walked]

@@ -17,7 +17,7 @@ HOMING_S = 120
 CUT = "G21 G90 F400\nG1 X5 Y5\nX15\nG4 P1.5\nY12\nX5 Y5\n"
 ARC = "G91 G2 X4 Y-4 J-4 F1500"
 NAME = """
-const nameOf = (e) => e.id || e.dataset.way || e.dataset.output || e.dataset.override || (e.type === "radio" && e.name + e.value)
+const nameOf = (e) => e.id || e.dataset.way || e.dataset.play || e.dataset.switch || e.dataset.output || e.dataset.override || (e.type === "radio" && e.name + e.value)
   || (/^\\$/.test(e.ariaLabel || "") && "a setting") || (/^Zero here/.test(e.ariaLabel || "") && "zero an axis") || (e.form && e.form.id)
   || (e.tagName === "SUMMARY" && e.closest("section").id) || e.outerHTML.slice(0, 80);
 const CONTROLS = "button, input, select, summary, canvas";
@@ -29,7 +29,7 @@ for (const type of ["click", "change", "pointerdown", "keydown", "submit"]) addE
   const control = event.target.closest && event.target.closest(CONTROLS);
   if (control && !(type === "keydown" && event.key === "Tab")) window.used.push(nameOf(control));
 }, true);
-addEventListener("DOMContentLoaded", () => new MutationObserver(() => {
+addEventListener("DOMContentLoaded", () => document.getElementById("places") && new MutationObserver(() => {
   const place = [..."xyz"].map((axis) => document.getElementById("m-" + axis)?.textContent);
   if (place.every(Boolean)) window.seen.push([performance.timeOrigin + performance.now(), ...place.map(Number)]);
 }).observe(document.getElementById("places"), { childList: true, subtree: true }));
@@ -49,6 +49,11 @@ class Walker(Browser):
 
     def listed(self):
         return set(self.driver.execute_script(LISTED))
+
+    def unused(self, card):
+        """The controls of a card that have not been used."""
+        script = NAME + "return [...document.getElementById(arguments[0]).querySelectorAll(CONTROLS)].map(nameOf)"
+        return set(self.driver.execute_script(script, card)) - self.noted()
 
     def noted(self):
         return set(self.driver.execute_script("return window.used"))

@@ -115,6 +115,8 @@ class PlotterJob:
         if not self._failed(error):
             if self._name_at(self._at) == "END":
                 self._close()
+            elif self._open == 1:
+                self._drawn = 0  # reports before this answer count the object before
             self._at += 1
             self._go()
 

@@ -65,7 +65,6 @@ export class Kept {
     for (const id of ["kept-list", "kept-check", "kept-run", "kept-remove"]) $(id).hidden = !message.jobs.length;
     if (this.piece) $("kept-check").hidden = true;
     $("keep").hidden = Boolean(this.piece);
-    $("kept-upload-row").hidden = !this.piece;
     $("kept-free").textContent = _("{free} MB free on the board", { free: (message.free / 1048576).toFixed(1) });
   }
 
