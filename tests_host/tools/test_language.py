@@ -157,7 +157,9 @@ def test_no_words_are_left_over():
 
 
 def sentence(node):
-    """The text that a BoardError is made of, with {} for its values."""
+    """The text that an error is made of, with {} for its values."""
+    if isinstance(node, ast.JoinedStr):
+        return "".join(map(sentence, node.values))
     if isinstance(node, ast.BinOp) and isinstance(node.op, ast.Mod):
         return sentence(node.left)
     if isinstance(node, ast.BinOp):
@@ -169,6 +171,8 @@ def test_what_is_wrong_with_board_files_has_its_words():
     trees = [ast.parse(path.read_text(encoding="utf-8")) for path in (FIRMWARE / "passo").rglob("*.py")]
     raised = {"the board file"}  # what a key may be missing in
     raised |= {sentence(call.args[0]) for tree in trees for _, name, call in calls(tree) if name == "BoardError"}
+    plant = [TREES["sim/plant.py"], TREES["sim/parts.py"]]  # the machine of a virtual board, with what --start and --fault ask for
+    raised |= {sentence(call.args[0]) for tree in plant for _, name, call in calls(tree) if name == "ValueError" and call.args}
     assert raised == set(BOARD_FILES), raised ^ set(BOARD_FILES)
     for text, words in BOARD_FILES.items():
         assert text.count("{}") == words.count("{}") and words.strip(), text
