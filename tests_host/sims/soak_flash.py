@@ -92,4 +92,4 @@ class Flash:
 
     def statvfs(self, folder):
         free = (self.size - self.used()) // BLOCK
-        return BLOCK, BLOCK, self.size // BLOCK, free, max(free, 0)
+        return BLOCK, BLOCK, self.size // BLOCK, free, max(free, 0), 0
