@@ -73,6 +73,7 @@ class FramedPort:
         self._new = self._open = False
         self._delimited = False  # a byte 0 has come, which no language of lines has
         self._said_ms = 0  # of HELLO; 0: not yet
+        self._pleading_ms = None  # since when nothing else is said: whoever does not look for a while has lost nothing
         self._heard_ms = self._sent_ms = clock()
 
     def begin(self, wait_s, text=False):
@@ -182,10 +183,13 @@ class FramedPort:
         now_ms, sender = self._clock(), self._sender
         self._expect_nothing()
         if now_ms - self._heard_ms > _SILENT_MS:
-            if now_ms - self._heard_ms > _LOST_MS:
+            if self._pleading_ms is None:
+                self._pleading_ms = now_ms
+            if now_ms - self._pleading_ms > _LOST_MS:
                 raise OSError(_("the board does not answer any more"))
             self._offer()
             return
+        self._pleading_ms = None
         if self._urgents and (self._urgent_ms is None or now_ms - self._urgent_ms >= _URGENT_MS):
             self._urgent_ms = now_ms
             self._send(self._urgents[0][0], self._urgent, self._urgents[0][1])

@@ -137,6 +137,19 @@ def test_credit_is_asked_for_if_the_word_of_it_is_lost():
         assert pair.now_ms < until_ms
 
 
+def test_a_program_that_has_not_looked_for_a_while_has_not_lost_the_board():
+    """What it has written last is still to be acknowledged."""
+    pair = Pair()
+    pair.port.write(b"G1X1\n")
+    pair.port.urgent(b"?")
+    pair.now_ms += 60_000
+    pair.port.write(b"G1X2\n")
+    heard = b""
+    while heard.count(b"\n") < 2:
+        heard += pair.port.read(100)
+    assert pair.now_ms < 62_000
+
+
 @pytest.mark.slow
 def test_a_million_frames():
     pair = Pair(seed=7, share=0.01)
