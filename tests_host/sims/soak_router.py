@@ -18,22 +18,31 @@ What must hold, seen from the wire, the pins and the plant:
 - the place the board tells is the plant's, and a board that cannot know it refuses to move until it is homed;
 - no interval shorter than an axis may step, no word late;
 - stored jobs are there whole or not at all; a full memory says so;
-- the journal, after a power cut at any byte, names the program and a place that its path has passed;
+- the journal, after a power cut at any byte, names the program and a place that its path has passed; `passo resume` goes on there: with
+  what it cuts nothing is missing, nothing is cut elsewhere, and twice only what was cut since;
 - the board's objects do not grow.
 """
 
 import base64
 import re
+import tempfile
 from math import atan2, cos, hypot, pi, sin
+from pathlib import Path
+
+import numpy as np
 
 from host_tools import boards
+from host_tools.cli import resume
 from host_tools.clients.frames import FramedPort
+from host_tools.failure import Failure
 from host_tools.programs import stored_job
+from host_tools.programs.interrupted import number_of
 from host_tools.sim.machine import VirtualMachine
 from host_tools.sim.pages import Pages, PowerCut
+from noisy_wire import BAUD
 from soak_bench import Cabled, Wrong
 from soak_flash import Flash
-from soak_witness import Arc, Line, follow
+from soak_witness import VOXEL, Arc, Line, cut_by, far_from, follow
 
 LOW, HIGH = (0, 0, -6000), (19_000, 16_000, 0)  # steps of each axis that programs use
 STEPS_MM = (320, 320, 400)
@@ -47,6 +56,9 @@ FRAMED_BYTES = 500
 FLASH = 56 * 1024
 LAST = 20  # rounds between two measures of the heap
 DOOR_MS = 800  # after which an open door has brought it to a stand, tool off
+MOST_RESUMES = 4  # of a program
+TWICE = 16_000  # steps of 0.6 s at the fastest: every_ms, what lies ahead, and the tool's way down
+REFUSES = ("another file", "done to its end", "passo stream --from")  # what passo resume says that does not go on
 OUTSIDE = "G90G0X5000"  # a line out of the travel
 ASKED, SENT = 1, 2
 OF_LANGUAGE = re.compile(r"ok|error:\d+|ALARM:\d+|<[^<>]*>|\[[^\[\]]*\]|Grbl 1\.1.*|")
@@ -213,6 +225,7 @@ class Router(Cabled):
         self.board = board()
         self.board["links"][0]["lost"] = self.policy = self.dice.choice(("go_on", "go_on", "pause", "stop"))
         self.flash = Flash(FLASH)
+        self.folder = tempfile.TemporaryDirectory(prefix="passo-")
         self.jobs = {}  # name: (program, lines) of what is stored
         self.torn = None  # name of a job whose upload a power cut has torn
         self.links = {name: Link(self, name) for name in ("pc", "serial")}
@@ -221,6 +234,7 @@ class Router(Cabled):
 
     def close(self):
         self.flash.unmount()
+        self.folder.cleanup()
 
     # --- wires
 
@@ -327,7 +341,7 @@ class Router(Cabled):
         self.ended = ""
         self.outside, self.door = 0, False
         if self.carrier == "stream":
-            self.journal = self.dice.randrange(1, 1 << 32)
+            self.journal = number_of([(0, text.encode()) for text, _ in program.lines])
             self.do(link, f"$JR={self.journal:08X}")
         self.witness.take()
         if self.carrier == "job":
@@ -345,6 +359,8 @@ class Router(Cabled):
         self.judge(link, program, start)
         if self.ended in ("power", "board"):
             self.check_journal(start)
+            if self.dice.random() < 0.5:
+                self.resume(program, start)
         self.recover(link)
         if not self.rounds % 5 and self.known:
             self.drain()
@@ -641,6 +657,63 @@ class Router(Cabled):
         place = tuple(int(at) for at in place.split(","))
         if int(line) > len(self.sent) or place not in {tuple(start), *map(tuple, self.last_steps.places.tolist())}:
             raise Wrong(f"the journal says line {line} of {len(self.sent)}, {place}, which the path has not passed")
+
+    def resume(self, program, start):
+        """As an operator does, who homes the machine; the power may go again. Raises Wrong if something is missing, or cut elsewhere."""
+        moves = [move for _, move in program.lines if move]
+        wanted = cut_by(moves, start)
+        cuts = [self.lit_of(self.last_steps)]
+        Path(self.folder.name, "part.nc").write_text("".join(text + "\n" for text, _ in program.lines))
+        columns = []
+        for number in range(MOST_RESUMES):
+            self.ended, said = "", ""
+            self.fault("resume")
+            if number < MOST_RESUMES - 1 and self.dice.random() < 0.4:
+                self.after(self.dice.uniform(0, 40_000), lambda: self.end("board", self.links["pc"]))
+            self.line.set(self.dice.choice((0, 0.003)))
+            try:
+                with self.passo(self.dice.choice((True, False)) if not self.line.wires[0].share else True):
+                    resume.resume(Path(self.folder.name, "part.nc"), "pc", BAUD, "grbl", home=True, unverified=False, yes=True)
+            except Failure as failure:
+                said = str(failure)
+                self.note(f"passo resume: {said}")
+            except PowerCut:
+                self.reboot()
+            if not self.ended:
+                self.forget()
+                self.settle()
+                self.last_steps = self.witness.take()
+            cuts.append(self.lit_of(self.last_steps))
+            if len(cuts[-1]):
+                columns.append(cuts[-1][0])
+            if not self.ended:
+                break
+        if self.ended:
+            return
+        self.line.set(0)
+        self.machine.plant.errors.clear()
+        self.known = self.homed = bool(self.machine.app.controller.machine.homed)
+        self.open_frames()
+        if said and not any(text in said for text in REFUSES):
+            raise Wrong(f"passo resume: {said}")
+        if said and "done to its end" not in said:
+            return
+        self.fault("resumed to the end")
+        missing = far_from(wanted, np.vstack(cuts))
+        if len(missing):
+            raise Wrong(f"{len(missing)} places are missing behind passo resume: {missing[0].tolist()} …")
+        extra = far_from(np.vstack(cuts[1:]), wanted)
+        for column in columns:  # the tool goes down
+            extra = extra[(np.abs(extra[:, :2] - column[:2]) > VOXEL).any(axis=1)]
+        if len(extra):
+            raise Wrong(f"{len(extra)} places are cut by passo resume that are none of the program's: {extra[0].tolist()} …")
+        twice = sum(map(len, cuts)) - len(wanted)
+        if twice > len(columns) * TWICE:
+            raise Wrong(f"{twice} steps are cut twice")
+
+    @staticmethod
+    def lit_of(steps):
+        return steps.places[steps.tools > 0]
 
     # --- stored jobs
 

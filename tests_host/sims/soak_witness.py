@@ -20,6 +20,8 @@ FAST_STEPS_S = 4000  # slower than that a stand within one step is allowed
 STALL_S = 0.003
 NEAR = 1.001  # steps that an axis which follows may be off its line
 ARC_OFF = 1.6  # steps off the circle
+VOXEL = 3  # steps: what is compared to see whether something is missing
+SHIFT = 1 << 19  # makes a voxel's numbers positive
 
 
 class Wrong(AssertionError):
@@ -33,6 +35,11 @@ class Line:
     def steps_of(self, start):
         """Words with a step."""
         return max(abs(to - at) for to, at in zip(self.target, start))
+
+    def places(self, start):
+        """Where it leads, a row for each word with a step."""
+        count = self.steps_of(start)
+        return np.rint(np.array(start) + np.outer(np.arange(1, count + 1), np.array(self.target) - np.array(start)) / max(count, 1)).astype(int)
 
     def follow(self, places, start):
         """(words of `places` that belong to it, whether it is complete)."""
@@ -54,6 +61,15 @@ class Arc:
 
     def __init__(self, target, centre, clockwise, lit):
         self.target, self.centre, self.clockwise, self.lit = list(target), centre, clockwise, lit
+
+    def places(self, start):
+        """Where it leads, a row for each step of the way at least."""
+        first, last = (np.arctan2(y - self.centre[1], x - self.centre[0]) for x, y, _ in (start, self.target))
+        turn = (last - first) % (2 * np.pi) - (2 * np.pi if self.clockwise else 0)
+        radius = hypot(start[0] - self.centre[0], start[1] - self.centre[1])
+        angles = first + turn * np.linspace(0, 1, int(abs(turn) * radius * 1.3) + 2)
+        rows = np.column_stack((self.centre[0] + radius * np.cos(angles), self.centre[1] + radius * np.sin(angles), np.full(len(angles), start[2])))
+        return np.rint(rows).astype(int)
 
     def follow(self, places, start):
         ends = np.flatnonzero((places == np.array(self.target)).all(1))
@@ -86,6 +102,27 @@ def follow(steps, start, moves):
     if at < len(steps.places):
         raise Wrong(f"{len(steps.places) - at} steps more than asked for, behind {place}: {steps.places[at].tolist()} …")
     return len(moves), False, place
+
+
+def cut_by(moves, start):
+    """Rows of the places where the tool is on."""
+    place, rows = list(start), [np.zeros((0, len(start)), dtype=int)]
+    for move in moves:
+        if move.lit:
+            rows.append(move.places(place))
+        place = move.target
+    return np.vstack(rows)
+
+
+def far_from(rows, others):
+    """Those `rows` that none of `others` lies beside: within VOXEL steps and a voxel."""
+
+    def numbers(voxels):
+        return ((voxels[:, 0] + SHIFT) << 40) + ((voxels[:, 1] + SHIFT) << 20) + voxels[:, 2] + SHIFT
+
+    near = np.unique(others // VOXEL, axis=0)
+    beside = [numbers(near + np.array((x, y, z))) for x in (-1, 0, 1) for y in (-1, 0, 1) for z in (-1, 0, 1)]
+    return rows[~np.isin(numbers(rows // VOXEL), np.unique(np.concatenate(beside)))]
 
 
 class Steps:
