@@ -138,7 +138,20 @@ class PulsesClient(Client):
                 self._check_plays()
         self.send(frame("end"))  # behind all that is still to be played of a stream
         limit_s = float("inf") if stream else TIMEOUT_S
-        return int(self._answer(lambda line: line.startswith("ok "), "end", limit_s, idle or (lambda: None)).split()[1])
+        return int(self._answer(lambda line: line.startswith("ok "), "end", limit_s, self._looking(idle)).split()[1])
+
+    def _looking(self, idle):
+        """`idle`, and now and then a look whether the board still answers: what is streamed may take hours. Raises LinkError."""
+        latest = [time.monotonic()]
+
+        def looking():
+            if idle:
+                idle()
+            if time.monotonic() - latest[0] > TIMEOUT_S:
+                self.status()
+                latest[0] = time.monotonic()
+
+        return looking
 
     def _check_plays(self):
         """A stream that stands may be paused; if the machine is idle, or in alarm, nothing of it is played any more."""
