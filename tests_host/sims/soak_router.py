@@ -518,7 +518,7 @@ class Router(Cabled):
             return
         if kind == "long cut" and link.name != "pc" or kind == "outside" and not self.homed:
             kind = "reset"
-        if kind == "long cut" and machine.app.controller.machine.hold:
+        if kind == "long cut" and (self.door or machine.app.controller.machine.hold):
             self.after(300, lambda: self.end(kind, link))
             return
         self.ended = kind

@@ -190,20 +190,33 @@ def pulses_machine():
     return VirtualMachine(made, start=(9000, 9000, 2000))
 
 
-def test_a_stream_that_another_program_has_stopped_ends(tmp_path):
-    """As `passo pulses play --stream` sends it."""
+def test_no_wait_behind_steps_is_called_late():
+    """Words lie ahead for a cycle and two segments, wherever in its cycle the main loop is when the steps end."""
+    machine = pulses_machine()
+    for steps in range(40, 60):
+        machine.send(b"{stream}[+2400 " + b"A" * steps + b"*160 B)]{end}")
+        machine.run_until(lambda: b"end\n" in machine.received())
+        machine.take()
+    assert not machine.app.controller.machine.log.counts.get(109)
+
+
+@pytest.mark.parametrize("what, codes, why", [("stop", 12_000, "stopped by another program"), ("cut", 12_000, "no answer"), ("cut", 1500, "no answer")])
+def test_a_stream_that_cannot_go_on_ends(what, codes, why, tmp_path):
+    """`passo pulses play --stream`: another program stops the machine, or the cable is cut, amid the file or when all of it is sent."""
     machine = pulses_machine()
     path = tmp_path / "long.txt"
-    path.write_text("[" + "ACBD" * 3000 + "]")
-    with plugged(machine) as wire, pytest.raises(Failure, match="stopped by another program"):
+    path.write_text("[" + "ACBD" * (codes // 4) + "]")
+    with plugged(machine) as wire, pytest.raises(Failure, match=why):
         cycle = wire._cycle
 
-        def stopping():
+        def failing():
             cycle()
-            if 1000 < machine.now_ms() < 1010:
+            if machine.now_ms() > 1000 and what == "cut":
+                wire.cable.plugged = False
+            elif 1000 < machine.now_ms() < 1010:
                 machine.send(b"{stop}", "panel")
 
-        wire._cycle = stopping
+        wire._cycle = failing
         pulses.play(path, 1, None, True, None, False, "virtual", 115_200, True, None)
 
 
