@@ -6,8 +6,9 @@
     raise Failure("no file {}", path)           # likewise (failure.py), looked up when it is shown
 
 The words of numbered errors and of settings are the page's (firmware/passo/web/page/pt.json), those of the command its own
-(pt.json beside this file): help, failures, and what is printed for people; pt_boards.json has what is wrong with board files. What programs read is in no language: the port that a
-board prints, CSV, G-code. `passo --lang` chooses; without it LANGUAGE, LC_ALL, LC_MESSAGES and LANG do, as for any program.
+(pt.json beside this file): help, failures, and what is printed for people; pt_boards.json has what is wrong with board files.
+What programs read is in no language: the port that a board prints, CSV, G-code. `passo --lang` chooses; without it LANGUAGE,
+LC_ALL, LC_MESSAGES and LANG do, as for any program.
 """
 
 import gettext
