@@ -59,12 +59,12 @@ FEATURES = (
     ("tachometer", "Tachometer", lambda board: board["tachometer"]),
     ("pins", "Pins", None),
     ("links", "Links", lambda board: True),
-    ("admission", "Admission", lambda board: board["network"]),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop")),
     ("resets", "Resets", lambda board: True),
     ("job_journal", "JobJournal", lambda board: board["journal"] and not _counted(board)),
     ("unit_journal", "UnitJournal", lambda board: board["journal"] and _counted(board)),
-    ("jobs", "Jobs", lambda board: board["jobs"]),  # last: it adds a link
+    ("jobs", "Jobs", lambda board: board["jobs"]),  # it adds a link: behind those that count them
+    ("admission", "Admission", lambda board: board["network"]),  # last: it wraps handlers of the others
 )
 
 

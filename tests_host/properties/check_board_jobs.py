@@ -6,6 +6,7 @@ from board_browser import ServedRouter
 from check_jobs import folder, remove, stored_form
 from passo import errors
 from passo.web.board_jobs import PIECE
+from router import BOARD, World
 
 MM = 320  # steps
 JOB = b"G21\nG91\nF3000\n" + b"G1X4\nY4\nX-4\nY-4\n" * 40 + b"G1X2Y1\n"
@@ -13,8 +14,8 @@ CASES = {"check_an_upload_that_is_damaged": (("at", 0, len(JOB)), ("bit", 0, 7))
 RUNS = {"check_an_upload_that_is_damaged": 4}
 
 
-def served():
-    board = ServedRouter(jobs={"language": "grbl", "folder": folder(), "button": "", "start": ""})
+def served(**changes):
+    board = ServedRouter(jobs={"language": "grbl", "folder": folder(), "button": "", "start": ""}, **changes)
     board.folder = board.app.board["jobs"]["folder"]
     page = board.commanding()
     assert "kept" in page.hello["can"] and "jobs" not in page.hello["can"]
@@ -118,6 +119,25 @@ def check_what_is_no_upload():
     assert other.order("give", to="guest")["error"] == 0
     other.until(lambda state: state["owner"] == "guest")
     assert begin(other, packed) == errors.COMMANDED_ELSEWHERE
+    remove(board)
+
+
+def check_a_run_wants_somebody_there():
+    """Where the board file names an input for it. To upload moves nothing."""
+    world = World()
+    world.switches["hand"] = 0
+    inputs = BOARD["inputs"] + [{"name": "hand", "pin": 28, "active": 1}]
+    board, page = served(world=world, network={"host": "passo", "presence": "hand"}, inputs=inputs)
+    packed = stored_form(JOB)
+    assert begin(page, packed) == 0 and pieces(page, packed) == 0 and ask(page, "end", name="PART.NC") == 0
+    page.until(lambda state: state["job"] and state["job"]["how"] == "kept")
+    before = list(world.place)
+    assert ask(page, "run", name="PART.NC") == errors.PRESENCE
+    board.run_ms(300)
+    assert list(world.place) == before
+    world.switches["hand"] = 1
+    assert ask(page, "run", name="PART.NC") == 0
+    page.until(lambda state: state["state"] == "Run")
     remove(board)
 
 

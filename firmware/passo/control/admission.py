@@ -3,9 +3,9 @@
 ADMIT on any cable says for how long, 0 ends it; or the input that the board file names in network.button, for network.minutes. It
 ends by itself, with a reset of the board, and with an alarm.
 
-Where the board file names network.presence, spindle on and resume over the network are refused while that input is not active. It
+Where the board file names network.presence, spindle on, resume and a stored job over the network are refused while that input is not active. It
 shows behind the letters of the inputs: N somebody is there, n nobody, for the page of a PC that serves a network beside a cable. This
-feature is the last but one: it wraps the handlers of those before it.
+feature is the last: it wraps the handlers of the others.
 """
 
 from micropython import const
