@@ -41,9 +41,9 @@ def _line_of(lines, number):
 
 
 def ended(said):
-    """Where the line ended, steps, that an answer to `$JR` says is done; None if none is."""
+    """Where the line ended, steps, that an answer to `$JR` says is done; before the first line where the program began; None amid a line."""
     record = Record.of(said)
-    return record.place if record.line and record.done else None
+    return record.place if record.done or not record.line else None
 
 
 def staged(machine, lines, number, place=None, end=None):
