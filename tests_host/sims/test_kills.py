@@ -7,6 +7,7 @@ import pytest
 from host_tools.cli import lead_in
 from host_tools.clients.grbl import GrblClient
 from host_tools.failure import Failure
+from host_tools.programs import gcode_file
 from kill_jobs import JOBS, Job
 from kills import KINDS, Bench, Course, Flash, Killed, Pc, kill_of, killed, kills_of, resume_file
 
@@ -73,6 +74,27 @@ class Interrupted:
 SQUARE = b"G21G90\nG1Z-1F1500\nG1X10F1500\nY10\nX0\nY0\nM30\n"
 
 
+def test_a_program_that_had_not_begun_begins_where_it_would_have(tmp_path):
+    """The power goes before its first line; the machine homes, and relative lines still lead from where it stood."""
+    bench = Bench(Job(b"G91G21\nG1X3Y2F900\nM30\n"), Flash(tmp_path))
+    path = tmp_path / "job.nc"
+    path.write_bytes(bench.job.text)
+    pc = Pc(bench)
+    with pc:
+        with GrblClient("memory") as client:
+            client.connect()
+            client.command("$H", 600)
+            client.command("G90G0X5Y4Z-2")
+            client.command("G4P0")
+            lead_in.announce(client, gcode_file.read(path))
+        stood = bench.machine.app.controller.position()
+        after = bench.reboot()
+        pc.revive(after)
+        resume_file(path, home=True, yes=True)
+        after.machine.settle()
+    assert after.machine.app.controller.position() == [stood[0] + 3 * 320, stood[1] + 2 * 320, stood[2]]
+
+
 def test_what_is_left_of_a_line_is_that_line_to_the_journal(tmp_path):
     """Interrupted once more amid it, the program is gone on with there."""
     long = Interrupted(b"G21G90\nG1Z-1F1500\nG1X20F400\nY5\nM30\n", tmp_path, 1.2)
@@ -115,7 +137,7 @@ def test_a_line_that_another_program_has_not_ended_is_not_carried_out(framed, tm
 
 def test_a_machine_that_stopped_in_order_is_gone_on_with_where_it_stands(tmp_path):
     """A host is lost: alarm 250, and the position is kept. Nothing homes."""
-    square = Interrupted(SQUARE, tmp_path, 1.5)
+    square = Interrupted(SQUARE, tmp_path, 1.0)
     assert square.course.bench.machine.app.controller.state == "alarm"
     switched = []
     square.course.bench.machine.plant.listen(lambda *change: switched.append(change))

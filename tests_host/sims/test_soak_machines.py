@@ -18,7 +18,6 @@ from passo.protocols.frames.line import FramedLine
 from passo.protocols.grbl import stored
 from passo.protocols.plotter.host import COMMANDS, PACKET, packet
 from passo.protocols.plotter.protocol import Plotter as PlotterLanguage
-from passo.protocols.pulses.protocol import Pulses as PulsesLanguage
 from soak_plotter import Plotter
 from virtual_wire import plugged
 
@@ -60,11 +59,6 @@ def remembers_a_line(monkeypatch):
     monkeypatch.setattr(stored, "begin", lambda protocol: protocol.gcode.reset())
 
 
-def plays_what_was_dropped(monkeypatch):
-    """What still comes of a file that was stopped is played as if it had been typed."""
-    monkeypatch.setattr(PulsesLanguage, "_drop_file", lambda self: setattr(self, "_mode", 0))
-
-
 def believes_any_sum(monkeypatch):
     """A packet is drawn whatever its sum."""
     hear = PlotterLanguage._hear
@@ -96,7 +90,6 @@ BROKEN = {
     needs_no_homing: ("router", "cannot know where it is, and is Idle"),
     tells_no_reset: ("router", "no banner"),
     remembers_a_line: ("router", "error 116 in line 1"),
-    plays_what_was_dropped: ("pulses", "it has been stopped"),
     believes_any_sum: ("plotter", "Wrong: no answer to LINE"),
     filters_nothing: ("mill", "AssertionError: (220, "),
 }
