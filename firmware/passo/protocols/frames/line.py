@@ -327,7 +327,7 @@ class FramedLine:
             return b""
         if sender.kept or self._answers:
             now_ms = self._clock()
-            if sender.late(now_ms) or self._answers and (now_ms - self._answer_ms) & COUNT_MASK >= _ANSWER_MS:
+            if sender.late(now_ms) or sender.kept and not sender.flying or self._answers and (now_ms - self._answer_ms) & COUNT_MASK >= _ANSWER_MS:
                 self._send()
         if self._owes and not self._answers or self._told < _FEW and self._credit() > self._told:
             self._serial.write(delimited(self._frame(ACK)))
