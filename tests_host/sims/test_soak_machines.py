@@ -122,6 +122,14 @@ def test_broken_rules_are_found(rule, monkeypatch, show):
 # --- what it has found
 
 
+@pytest.mark.slow
+@pytest.mark.unmeasured
+@pytest.mark.parametrize("name, life", [("router", 230_003), ("router", 250_000), ("pulses", 10), ("pulses", 220_012)])
+def test_lives_that_found_something(name, life):
+    """A relative program that had not begun; answers that waited for room; a stopped file, played as typed; a stream without an end."""
+    soak.live(name, life)
+
+
 def machine_with_job(lost):
     """A router that keeps the job A, of many short lines."""
     board = boards.load("router_3axis")
