@@ -50,6 +50,9 @@ def test_a_job_is_uploaded_and_run(make_machine, show):
     ask(machine, b"$F=A")
     machine.run_until(lambda: b"[MSG:Job A done]" in machine.received())
     assert [at - then for at, then in zip(machine.plant.position, start)] == [0, 64, 0]
+    for _ in range(20):
+        assert ask(machine, b"G1X5") == b"error:22\r\n"
+    assert ask(machine, b"$LOG").endswith(b"[LOGGED:20x22]\r\nok\r\n"), "more than the UART's buffer holds"
     show("a job stored and run on the Pico", f"{machine.now_ms():.0f} emulated ms")
 
 

@@ -6,6 +6,7 @@ from micropython import const
 
 _RECEIVE_BYTES = const(1024)  # 89 ms at 115 200 baud
 _SEND_BYTES = const(256)
+_WAIT_MS = const(1000)  # for room there: without it the interpreter drops what does not fit
 _MOST = const(128)  # bytes read in one go
 _PARITIES = {"none": None, "even": 0, "odd": 1}
 
@@ -20,6 +21,8 @@ class UartLine:
             rx=Pin(link["rx"]),
             rxbuf=_RECEIVE_BYTES,
             txbuf=_SEND_BYTES,
+            timeout=_WAIT_MS,
+            timeout_char=_WAIT_MS,
         )
         if "parity" in link:
             self._uart.init(parity=_PARITIES[link["parity"]], stop=link["stop_bits"])

@@ -11,6 +11,7 @@ from passo.ports import start
 from passo.records import ARCS, ARC_FIELDS, QUEUE_SIZE, ROW_STEPS
 
 _FOR_WORK = const(16_500)  # bytes kept free in one piece for what the main loop takes and gives back
+_FOR_MARKS = const(2_100)  # the same for the feeder's
 _SHORT = const(14_000)  # free bytes beside that when all code is loaded, below which it is given back
 _WORDS = const(1024)  # of the ring of most boards
 _COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
@@ -40,6 +41,7 @@ class Start(start.Start):
             self.rooms = rooms
             self._keep_for_work()
             # The largest arrays are made now, while there are pieces of memory as large: what is loaded leaves none.
+            rooms.append(bytearray(_FOR_MARKS))
             sizes = ("I", _WORDS), ("i", ARC_FIELDS * ARCS), ("i", QUEUE_SIZE * (ROW_STEPS + self.axes))
             rooms.extend([(kind, array(kind, bytearray(4 * count))) for kind, count in sizes])
 
