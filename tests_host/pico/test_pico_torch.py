@@ -8,7 +8,7 @@ from passo.protocols.torch import protocol as torch
 
 BYTE_MS = 10 / 115.2
 UP_LIMIT_MS = 4000
-LATEST_MS = 5  # as a rule; now and then a collection of garbage comes in between
+LATEST_MS = 6  # as a rule, of which up to 3 until the feeder looks; now and then a collection of garbage comes in between
 
 
 def until_up(machine):
