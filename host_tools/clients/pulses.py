@@ -73,10 +73,11 @@ class PulsesClient(Client):
         return self._answer(lambda line: line == "ok", " ".join(map(str, words)))
 
     def ask(self, line, timeout_s=TIMEOUT_S):
-        """A line about stored jobs or the journal, `$F` or `$JR`: the lines before its ok. Raises Refused."""
+        """A line about stored jobs or the journal, `$F` or `$JR`: the lines before its ok. Raises Refused. An error with a line and
+        column is of codes that came before."""
         kept, self.said = self.said, []
         self.send(frame(line))
-        answer = self._answer(lambda heard: heard == "ok" or heard.startswith("error:"), line, timeout_s, None, False)
+        answer = self._answer(lambda heard: heard == "ok", line, timeout_s, None, False)
         if answer != "ok":
             raise Refused("{}: {}", line, explain(answer), number=int(answer[6:]))
         told = [heard for heard in self.said if heard.startswith("[")]
@@ -106,6 +107,7 @@ class PulsesClient(Client):
         whole = isinstance(data, bytes)
         pieces = iter([data] if whole else data)
         self.command("stream" if stream else "load", *([len(data)] if whole else []))
+        self.said = [line for line in self.said if " line " not in line]  # of a byte that came before
         self.send(b"\n")
         self.acks = 0
         sent = 0

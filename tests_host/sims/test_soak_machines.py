@@ -124,9 +124,9 @@ def test_broken_rules_are_found(rule, monkeypatch, show):
 
 @pytest.mark.slow
 @pytest.mark.unmeasured
-@pytest.mark.parametrize("name, life", [("router", 230_003), ("router", 250_000), ("pulses", 10), ("pulses", 220_012)])
+@pytest.mark.parametrize("name, life", [("router", 230_003), ("router", 250_000), ("pulses", 10), ("pulses", 220_012), ("pulses", 770_175)])
 def test_lives_that_found_something(name, life):
-    """A relative program that had not begun; answers that waited for room; a stopped file, played as typed; a stream without an end."""
+    """A relative program that had not begun; answers that waited for room; a stopped file, played as typed; a stream without an end; the error of a byte before."""
     soak.live(name, life)
 
 
