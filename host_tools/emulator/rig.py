@@ -40,6 +40,7 @@ def set_up(file):
     board = check(file)
     clock.set_mhz(board["clock_mhz"])
     port = Port(board)
+    code.redirect()
     app = App(board, port)
     planner, feeder, player, controller = app.planner, app.feeder, app.player, app.controller
 def pending():

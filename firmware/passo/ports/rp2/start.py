@@ -41,7 +41,7 @@ class Start(start.Start):
             self.rooms = rooms
             self._keep_for_work()
             # The largest arrays are made now, while there are pieces of memory as large: what is loaded leaves none.
-            rooms.append(bytearray(_FOR_MARKS))
+            rooms.append(bytes(_FOR_MARKS))
             sizes = ("I", _WORDS), ("i", ARC_FIELDS * ARCS), ("i", QUEUE_SIZE * (ROW_STEPS + self.axes))
             rooms.extend([(kind, array(kind, bytearray(4 * count))) for kind, count in sizes])
 
