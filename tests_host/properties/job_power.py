@@ -16,6 +16,7 @@ from passo.config import job_store
 from passo.config.card_store import CardStore
 from passo.config.job_store import JobStore
 
+JobStore.root = "/flash/"
 OLD = b"G1X1F100\n" * 60
 NEW = b"G1X2F200\n" * 600  # more than a block
 OTHER = b"G1X3F300\n" * 50

@@ -329,7 +329,7 @@ class Timer:
 
 
 class UART:
-    def __init__(self, number, baud, tx=None, rx=None, rxbuf=0, txbuf=0):
+    def __init__(self, number, baud, tx=None, rx=None, rxbuf=0, txbuf=0, timeout=0, timeout_char=0):
         assert number in (1, 2) and isinstance(tx, Pin) and isinstance(rx, Pin)
         self.incoming = self.outgoing = b""
         chip.uarts[number] = self

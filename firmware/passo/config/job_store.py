@@ -122,6 +122,7 @@ def folders(path):
 
 class JobStore:
     _is_flash = True
+    root = "/"  # of its file system
 
     def __init__(self, folder):
         self._folder = folder + "/"
@@ -183,7 +184,7 @@ class JobStore:
         if blocks > found[2]:  # less than nothing
             blocks -= 1 << 32
         if self._is_flash and not found[5] and hasattr(os, "ilistdir"):  # not the file system of a PC
-            blocks += 2 * folders("/")  # MicroPython counts those of littlefs twice
+            blocks += 2 * folders(self.root)  # MicroPython counts those of littlefs twice
         return max(blocks - _SPARE, 0) * found[0]
 
     # --- uploads

@@ -49,43 +49,34 @@ def divide(value: int, by: int, bits: int) -> int:  # ISR: no allocation
     return quotient
 
 
-_kept = []  # see keep()
+_rooms = []  # see keep()
 
 
-def keep(kept):
-    """`kept`: a list of what was made while memory was free in large pieces: ("i", array) for zeros(), ("I", array) for numbers(),
-    and what only keeps a piece free. If there is no room for another array they are given back, the last first; [] forgets them."""
-    _kept.clear()
-    _kept.append(kept)
+def keep(rooms):
+    """`rooms`: a list of what keeps memory free in large pieces. One after the other is given back if there is no room for an
+    array of zeros() or numbers()."""
+    _rooms.clear()
+    _rooms.append(rooms)
 
 
-def _make(kind, how, count):
-    kept = _kept[0] if _kept else ()
-    for place in range(len(kept)):
-        piece = kept[place]
-        if piece and piece[0] == kind and len(piece[1]) == count:
-            kept[place] = b""
-            return piece[1]
+def _make(how, count):
     while True:
         try:
             return how(count)
         except MemoryError:
-            for place in range(len(kept) - 1, -1, -1):
-                if kept[place]:
-                    kept[place] = b""  # not by pop(): what it returns stays on the interpreter's stack, and is not collected
-                    break
-            else:
+            if not _rooms or not _rooms[0]:
                 raise
+            _rooms[0].pop()
 
 
 def zeros(count):
     """An array('i') of `count` zeros."""
-    return _make("i", _zeros, count)
+    return _make(_zeros, count)
 
 
 def numbers(count):
-    """An array('I') of `count` numbers."""
-    return _make("I", _counted, count)
+    """An array('I') of the numbers from 0 to `count` - 1."""
+    return _make(_counted, count)
 
 
 # Both are made in one piece of memory: from a list or bytes an array would take two.

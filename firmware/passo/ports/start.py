@@ -42,12 +42,11 @@ def _entries(board, key):
 
 class Start:
     whole = True  # False: arcs and S-curves do not fit
-    rooms = []  # large arrays and what else keeps memory free while the app is made: see motion/integers.py
+    rooms = []  # what keeps memory free while the app is made
 
     def __init__(self, board):
         alloc_emergency_exception_buf(100)
         board = board if isinstance(board, dict) else {}
-        self.axes = len(_entries(board, "axes"))
         self.lean = board.get("memory") == "lean"  # a board that has no memory to spare
         outputs = _entries(board, "outputs") + [board.get("tool"), board.get("spindle")]
         self._outputs = outputs  # whatever stands there: it may be a board file full of errors

@@ -54,8 +54,8 @@ _LITTLE = const(10_000)  # the same while less than _TIGHT bytes are free
 _TIGHT = const(50_000)
 _STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
 _PIECE = const(2_600)  # bytes: if no free piece is as large, nor as the file, a room that was kept is given back
-_LEAST = const(2_000)  # kept for what a round wants itself
-_FEW = const(12_000)  # the same if no more are free in all, nor four times the file: the largest modules take as much
+_LEAST = const(2_000)  # what a round wants itself
+_FEW = const(12_000)  # the same if no more are free in all: the largest modules take as much
 _WORK_ROWS = const(96)
 
 
@@ -89,14 +89,14 @@ class Record:
 
 class FlashCode:
     def __init__(self, rooms=()):
-        """`rooms`: a list of what keeps memory free; if memory is short the first is given back."""
+        """`rooms`: a list of what keeps memory free in large pieces; if memory is short the second is given back first, the
+        first last."""
         self.why = "not tried"  # all stays in RAM; "" if not
         self._rooms = rooms
         self.functions = self.bytes = 0
         self._real = self._blocks = self._words = None
         self._records = []
         self._left = []
-        self._spare = b""
         self._read = 0  # bytes of files since the last round
         self._limit = _FIRST_ROUND
         self._look_at_read = _STEP
@@ -139,11 +139,11 @@ class FlashCode:
         table = self._blocks.table(file)
         size = table[0] if table else 0
         if self._is_short(size):
-            gc.collect()
+            if self._largest() < _LEAST:
+                self._give_room()  # a round wants some itself
+            self._round()
             if self._is_short(size):
-                self._round()
-                if self._is_short(size) and self._rooms:
-                    self._rooms[0] = b""
+                self._give_room()
         if self._read > self._limit or self._read > self._look_at_read and self._is_tight():
             self._round()
         if table is None:  # the interpreter would read on for ever
@@ -226,7 +226,6 @@ class FlashCode:
         self._read = 0
         self._limit = _ROUND
         self._look_at_read = _STEP
-        self._spare = b""
         if not self._words:
             return
         from passo.ports.rp2.flash_scan import left
@@ -243,18 +242,18 @@ class FlashCode:
             self._give_up(error)
             return
         gc.collect()
-        try:
-            self._spare = b"" if last else bytearray(_LEAST)
-        except MemoryError:  # it is missed in the next round only
-            pass
 
     def _is_tight(self):
         free = self._free()
         self._look_at_read = self._read + _STEP
         return free < _TIGHT and self._read > _LITTLE
 
+    def _give_room(self):
+        if self._rooms:
+            self._rooms.pop(1 if len(self._rooms) > 1 else 0)
+
     def _is_short(self, size):
-        return self._largest() < min(size, _PIECE) or self._words and self._words[FREE] < min(4 * size, _FEW)
+        return self._largest() < min(size, _PIECE) or self._words and self._words[FREE] < _FEW
 
     def _largest(self):
         if not self._words:

@@ -2,23 +2,24 @@
 
 import gc
 import sys
-from array import array
 
 import rp2
 from micropython import const
 
 from passo.ports import start
-from passo.records import ARCS, ARC_FIELDS, QUEUE_SIZE, ROW_STEPS
 
-_FOR_WORK = const(16_500)  # bytes kept free in one piece for what the main loop takes and gives back
-_FOR_MARKS = const(2_100)  # the same for the feeder's
-_SHORT = const(14_000)  # free bytes beside that when all code is loaded, below which it is given back
-_WORDS = const(1024)  # of the ring of most boards
+# Bytes, each kept free in one piece while code is loaded and moved to flash.
+_FOR_BLOCKS = const(17_500)  # for the arrays of the planner
+_BLOCKS = const(16_200)  # what these take: if no piece is as large, _FOR_WORK is given back, too
+_FOR_WORDS = const(10_000)  # for those of ring and feeder, which come later
+_SHORT = const(36_000)  # free bytes then, with _FOR_BLOCKS and without the others, below which these are given back
+_FOR_WORK = const(16_500)  # for what the main loop takes and gives back
 _COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
 
 
 class Start(start.Start):
     _code = None
+    rooms = [bytearray(0)]  # nothing, until code has been found to run from flash
     _said = ""
 
     def loading(self):
@@ -28,7 +29,7 @@ class Start(start.Start):
         gc.threshold(_COLLECT)
         from passo.ports.rp2.flash_code import FlashCode
 
-        rooms = [b""]
+        rooms = []
         self._code = code = FlashCode(rooms)
         code.begin()
         if code.why:
@@ -38,12 +39,10 @@ class Start(start.Start):
             start.forget("passo.ports.rp2.flash_code")
             gc.collect()
         else:
+            rooms.append(bytearray(self._for_work()))
+            rooms.append(bytearray(_FOR_WORDS))
+            rooms.append(bytearray(_FOR_BLOCKS))
             self.rooms = rooms
-            self._keep_for_work()
-            # The largest arrays are made now, while there are pieces of memory as large: what is loaded leaves none.
-            rooms.append(bytes(_FOR_MARKS))
-            sizes = ("I", _WORDS), ("i", ARC_FIELDS * ARCS), ("i", QUEUE_SIZE * (ROW_STEPS + self.axes))
-            rooms.extend([(kind, array(kind, bytearray(4 * count))) for kind, count in sizes])
 
     def run(self, app, port):
         self.rooms.clear()
@@ -64,12 +63,17 @@ class Start(start.Start):
             self._said = code.text()
         return self._said
 
-    def _keep_for_work(self):
-        if self.rooms and not self.lean:
-            try:
-                self.rooms[0] = bytearray(_FOR_WORK)
-            except MemoryError:
-                pass
+    def _for_work(self):
+        return 0 if self.lean else _FOR_WORK
+
+    def _keep_again(self):
+        """What was given back while code was loaded, if it fits beside the planner's arrays, which come first."""
+        try:
+            blocks = bytearray(_FOR_BLOCKS)
+            for size in (self._for_work(), _FOR_WORDS)[len(self.rooms) :]:
+                self.rooms.append(bytearray(size))
+        except MemoryError:
+            pass
 
     def button(self):
         return "BOOTSEL" if rp2.bootsel_button() else None
@@ -83,11 +87,15 @@ class Start(start.Start):
         from passo.ports.rp2.port import Port
 
         made = Port(board)
-        gc.collect()
         if self.rooms:
-            if not self.rooms[0]:
-                self._keep_for_work()
+            self.rooms.pop()
+            gc.collect()
+            self._keep_again()
             if gc.mem_free() < _SHORT:
-                self.rooms[0] = b""
-                gc.collect()
+                self.rooms.clear()
+            try:
+                bytearray(_BLOCKS)
+            except MemoryError:  # memory is too short to keep _FOR_WORK free
+                self.rooms.clear()
+        gc.collect()
         return made
