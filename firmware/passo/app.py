@@ -57,8 +57,8 @@ class Link:
 class App:
     def __init__(self, board, port, protocols=None, slots=None, whole=True, rooms=()):
         """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the
-        settings are kept, None: nowhere; `whole`: False leaves out arcs and S-curves, for want of memory; `rooms`: what was made
-        while memory was free in large pieces, see keep(). Raises BoardError."""
+        settings are kept, None: nowhere; `whole`: False leaves out arcs and S-curves, for want of memory; `rooms`: what keeps
+        memory free for arrays, see keep(). Raises BoardError."""
         from passo import machine_builder  # main.py forgets it again
 
         keep(rooms)

@@ -13,7 +13,7 @@ from passo.motion.circle_viper import LEADS
 from passo.motion.cordic import QUARTER, arc_length, vector
 from passo.motion.integers import isqrt, zeros
 from passo.records import (
-    ARCS, ARC_ACROSS, ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_DIAGONAL, ARC_FIELDS, ARC_INSIDE, ARC_MIRROR, ARC_PATH,
+    ARC_ACROSS, ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_DIAGONAL, ARC_FIELDS, ARC_INSIDE, ARC_MIRROR, ARC_PATH,
     ARC_PATH_FINE, ARC_RADIUS, ARC_REGION, ARC_SHIFT, ARC_STEPS, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, ARC_U, ARC_W,
     ARC_Z_HIGH, ARC_Z_LOW, ARC_Z_STEPS,
 )  # fmt: skip
@@ -22,6 +22,7 @@ MAX_RADIUS = const(0x100000)  # 2²⁰ steps
 MAX_SLOPE = const(128)  # most steps of the third axis along one step of the circle
 MOST_STEPS = const(1 << 28)  # of path in one arc
 _FRACTION = const(20)  # bits of a length along the circle
+ARCS = const(64)  # most in the queue: a plan takes as much memory again as a block
 
 
 class TooSteep(ValueError):

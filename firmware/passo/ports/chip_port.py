@@ -242,7 +242,6 @@ class ChipPort:
 
     # --- interrupts
 
-    @micropython.native
     def _join(self, feeder, player):
         """What follows the steps gets them: the registers, the interlock, encoders, latches."""
         self._feeder = feeder
@@ -255,6 +254,7 @@ class ChipPort:
         for latch in getattr(self, "latches", {}).values():
             latch.join(feeder, player)
 
+    @micropython.native
     def _feed(self, timer):  # ISR: no allocation
         feeder = self._feeder
         if self.registers is not None:
