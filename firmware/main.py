@@ -29,6 +29,22 @@ def by_lines(board):
     return board
 
 
+def load(start, board):
+    """Import all that is needed, so that all code is there before there is anything else."""
+    while True:
+        try:
+            from passo.app import App  # noqa: F401  first: it is large
+            from passo.machine_builder import load_all, load_last
+
+            start.load(board)
+            load_all(board, start.whole)
+            load_last(board)
+            return
+        except MemoryError:  # what has been imported is not imported again
+            if not start.relieve():
+                raise
+
+
 def main():
     try:
         from board import BOARD
@@ -49,12 +65,9 @@ def main():
         forget("passo.config.chip_pins")
         if board["interlock"]:
             forget("passo.config.interlock_table")
-        from passo.app import App  # first: it is large
-        from passo.machine_builder import load_all, load_last
-
-        load_all(board, start.whole)
-        start.load(board)
-        load_last(board)
+        start.keep(board)
+        load(start, board)
+        from passo.app import App
         from passo.config.journal import FileSlots
 
         said = start.loaded()

@@ -19,7 +19,7 @@ from passo.config.settings import Settings
 from passo.control.links import HARMLESS
 from passo.control.motors import Motors
 from passo.errors import LATER
-from passo.motion.integers import keep
+from passo.memory import keep
 from passo.motion.planner import Planner
 from passo.records import COUNT_MASK, LEAD_TICKS, TICKS_PER_S
 from passo.steps.ring import Ring, ring_size
@@ -57,8 +57,8 @@ class Link:
 class App:
     def __init__(self, board, port, protocols=None, slots=None, whole=True, rooms=()):
         """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the
-        settings are kept, None: nowhere; `whole`: False leaves out arcs and S-curves, for want of memory; `rooms`: what keeps
-        memory free for arrays, see keep(). Raises BoardError."""
+        settings are kept, None: nowhere; `whole`: False leaves out arcs and S-curves, for want of memory; `rooms`: what was made
+        while memory was free in large pieces, see keep(). Raises BoardError."""
         from passo import machine_builder  # main.py forgets it again
 
         keep(rooms)

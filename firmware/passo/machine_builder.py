@@ -7,6 +7,7 @@ import sys
 
 from passo.config.board_error import BoardError
 from passo.config.setting_numbers import HOMING, SPEED, STEPS
+from passo.steps import ring
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
@@ -223,11 +224,8 @@ def forget(name):
 
 def fastest(board, settings):
     """Steps a second of the fastest axis."""
-    speed = board["speed"]
-    most = 500_000 // speed["min"] if speed["unit"] == "half_period_us" else speed["max"]
-    for axis in range(len(board["axes"])):
-        most = max(most, settings.value(STEPS + axis) * settings.value(SPEED + axis) // 60_000_000)
-    return most
+    axes = range(len(board["axes"]))
+    return ring.fastest(board["speed"], [(settings.value(STEPS + axis), settings.value(SPEED + axis)) for axis in axes])
 
 
 def check_speed(board, least):

@@ -4,8 +4,8 @@
     state[FEED_HEAD]            # the feeder's state
 
 A kernel takes arrays, because machine code reads an integer of an array in a few cycles and an attribute in hundreds.
-`passo build` writes the numbers in place of these names, so that they cost a board neither time nor memory; the tests under
-MicroPython run such a build. Every array is an array('i') unless said otherwise, and every value stays below 2³⁰.
+`passo build` writes the numbers in place of these names: they cost a board nothing. Tests under MicroPython run such a build.
+Every array is an array('i') unless said otherwise, and every value stays below 2³⁰.
 """
 
 from micropython import const
@@ -13,6 +13,8 @@ from micropython import const
 # Numbers that every room counts with.
 COUNT_MASK = const(0x1FFFFFFF)  # counts of words, blocks, ticks and milliseconds run modulo 2²⁹: a sum of two stays below 2³⁰
 COUNT_HALF = const(0x10000000)  # a count is ahead of another if their difference, modulo 2²⁹, is below this
+FARTHEST = const(0x1FFFFFFF)  # position in steps
+BIAS = const(0x20000000)  # makes it positive
 INT_MOST = const(0x3FFFFFFF)  # the largest integer that a board keeps off its heap
 INT_HALF = const(0x20000000)  # ((number + INT_HALF) & INT_MOST) − INT_HALF reads a negative one on every interpreter
 TICKS_PER_S = const(12_500_000)  # a tick is 80 ns
@@ -21,6 +23,8 @@ HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is
 FEED_LEAST = const(50_000)  # 4 ms: more than two calls of a feeder are apart
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
+JOB_WORDS = const(275)  # of memory in one piece, kept for the window that a stored job is read through
+JOURNAL_BYTES = const(32)  # of a record of the job's journal, see control/job_journal.py
 REGISTER_BIT = const(100)  # pins from here on are bits of shift registers: of the 74HC165 if inputs, of the 74HC595 if outputs
 REQUEST_PROVEN = const(1)  # flags of a request over the network: its sender may move the machine
 REQUEST_JSON = const(2)  # the answer shall be JSON
@@ -79,6 +83,7 @@ QUEUE_FETCHED = const(2)
 QUEUE_RETIRED = const(3)  # played to their last word
 QUEUE_FROZEN = const(4)  # their exits stay as they are
 QUEUE_FIELDS = const(5)
+QUEUE_SIZE = const(96)  # blocks: 64 that are looked ahead at, 32 in flight
 
 # Planner.work: the planner's scratch, and what passes from one block to the next.
 SCRATCH_FEED = const(0)  # the speed asked for, of 2²⁸; 0: as fast as may be. An arc's, too
@@ -259,17 +264,13 @@ POWER_MOST = const(1000)
 POWER_UNKNOWN = const(2000)
 POWER_SIZE = const(128)  # marks, a power of two: at most one a segment
 
-FARTHEST = const(0x1FFFFFFF)  # position in steps
-BIAS = const(0x20000000)  # makes it positive
-
 # Program._trace: where the lines of a batch may lead. Positions have 2²⁹ added, so that none is negative; four numbers each.
 TRACE_LOW = const(0)
 TRACE_HIGH = const(4)
 TRACE_AXES = const(8)
 TRACE_FIELDS = const(9)
 
-# GCode._place: what plain lines are understood by; three numbers each if they are the axes'. Places from PARSE_LOW on have
-# 2²⁹ added, so that none is negative.
+# GCode._place: what plain lines are understood by, three numbers each if the axes'; places from PARSE_LOW on have 2²⁹ added.
 PARSE_AXES = const(0)
 PARSE_RELATIVE = const(1)  # 1: G91
 PARSE_MODAL = const(2)  # 0 or 1: G0 or G1 holds
@@ -316,6 +317,7 @@ ARC_TAIL_Z = const(18)
 ARC_PATH = const(19)  # the whole length, steps, and 2⁻²⁰ of one
 ARC_PATH_FINE = const(20)
 ARC_FIELDS = const(21)
+ARCS = const(64)  # most in the queue: a plan takes as much memory again as a block
 
 # Circle.state: a walker along an arc. It begins with the arc's plan, but ARC_REGION, ARC_U and ARC_W are where it is,
 # ARC_STEPS those of the circle to come after this run, ARC_PATH − ARC_PATH_FINE / 2²⁰ the steps of path to go from the run's
@@ -396,5 +398,3 @@ REPORT_STEPS_PER_M = const(0)  # of an axis
 REPORT_OFFSET_MM = const(1)  # 100 000 000 + its offset in whole millimetres, and nanometres above them
 REPORT_OFFSET_NM = const(2)
 REPORT_FIELDS = const(3)
-
-JOURNAL_BYTES = const(32)  # of a record of the job's journal, see control/job_journal.py

@@ -34,7 +34,7 @@ class Started:
 
     def __init__(self, board, files=None, uf2=None):
         files = dict(files or firmware_files(board))
-        ready = b"        print('ready')\n"
+        ready = b"        import gc; start.give_back(); gc.collect(); print('ready')\n"  # as run() begins
         main = files["main.py"]
         files["main.py"] = main.replace(b"        start.run(app, port)\n", ready + b"        start.run(app, port)\n")
         assert files["main.py"] != main

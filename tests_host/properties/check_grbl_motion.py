@@ -1,7 +1,7 @@
 """Motion asked for over the grbl link: holds, arcs, jogs, pauses, check mode, resets."""
 
 from passo import errors
-from passo.motion.arc import ARCS
+from passo.records import ARCS
 from router import BANNER, UNHOMED, Machine, answers, home
 
 CASES = {}

@@ -16,7 +16,7 @@ FIRMWARE = ROOT / "firmware"
 FILES = sorted(path.relative_to(FIRMWARE) for path in FIRMWARE.rglob("*.py"))
 
 # The vocabulary: everybody may name it, and it names nobody.
-VOCABULARY = ("passo.records", "passo.commands", "passo.batch", "passo.errors")
+VOCABULARY = ("passo.records", "passo.commands", "passo.batch", "passo.errors", "passo.memory")
 
 # What of passo a room may import besides itself.
 MAY_IMPORT = {
@@ -24,6 +24,7 @@ MAY_IMPORT = {
     "records": (),
     "commands": (),
     "batch": (),
+    "memory": (),
     "errors": (),
     "error_texts": ("passo.errors",),
     "drives": (),

@@ -29,13 +29,14 @@ import deflate
 from micropython import const
 
 from passo import errors
+from passo.memory import room
+from passo.records import JOB_WORDS
 
 WINDOW_BITS = const(10)
 _MAGIC = b"job "
 HEAD_BYTES = const(96)  # at most, of a file's first line
 _UPLOAD = "upload.new"
 _END = ".job"
-_ROOM = const(1100)  # bytes, of the window
 _DIRECTORY = const(0x4000)  # os.ilistdir's
 _SPARE = const(2)  # blocks that an upload leaves free
 
@@ -130,12 +131,12 @@ class JobStore:
         self._name = ""
         self._upload = ""  # its path
         self._left = 0  # bytes that it still lacks
-        self._room = bytearray(_ROOM)  # None: a job is being read
+        self._room = room(JOB_WORDS)  # empty: a job is being read
 
     def begin_reading(self, job):
         """Make the job's window, in the room that has been kept. At a stand: it takes 30 ms. Raises MemoryError, Damaged; then the
         job is closed."""
-        self._room = None
+        self._room.clear()
         gc.collect()
         try:
             job.begin()
@@ -147,10 +148,10 @@ class JobStore:
         """Close a job, and keep room for the next."""
         job.close()
         job.drop()
-        if self._room is None:
+        if not self._room:
             gc.collect()
             try:
-                self._room = bytearray(_ROOM)
+                self._room = room(JOB_WORDS)
             except MemoryError:
                 pass  # the next one may find some
 

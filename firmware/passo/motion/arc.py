@@ -8,12 +8,13 @@ Vectors are in steps, the plane's axes have equal steps/mm. `into` is an array o
 from array import array
 from micropython import const
 
+from passo.memory import zeros
 from passo.motion.circle import turns_off
 from passo.motion.circle_viper import LEADS
 from passo.motion.cordic import QUARTER, arc_length, vector
-from passo.motion.integers import isqrt, zeros
+from passo.motion.integers import isqrt
 from passo.records import (
-    ARC_ACROSS, ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_DIAGONAL, ARC_FIELDS, ARC_INSIDE, ARC_MIRROR, ARC_PATH,
+    ARCS, ARC_ACROSS, ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_DIAGONAL, ARC_FIELDS, ARC_INSIDE, ARC_MIRROR, ARC_PATH,
     ARC_PATH_FINE, ARC_RADIUS, ARC_REGION, ARC_SHIFT, ARC_STEPS, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, ARC_U, ARC_W,
     ARC_Z_HIGH, ARC_Z_LOW, ARC_Z_STEPS,
 )  # fmt: skip
@@ -22,7 +23,6 @@ MAX_RADIUS = const(0x100000)  # 2²⁰ steps
 MAX_SLOPE = const(128)  # most steps of the third axis along one step of the circle
 MOST_STEPS = const(1 << 28)  # of path in one arc
 _FRACTION = const(20)  # bits of a length along the circle
-ARCS = const(64)  # most in the queue: a plan takes as much memory again as a block
 
 
 class TooSteep(ValueError):

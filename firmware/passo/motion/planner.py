@@ -25,22 +25,21 @@ from array import array
 import micropython
 from micropython import const
 
+from passo.memory import zeros
 from passo.motion.block import ARC, LINE, WAIT, Block, q_of
-from passo.motion.integers import zeros
 from passo.motion.limits import MOST
 from passo.motion.line import Line
 from passo.motion.row_viper import close, take
 from passo.motion.steady import LONGEST_TICKS, Steady, dominant, refuse
 from passo.records import (
     ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS,
-    QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS,
+    QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED, QUEUE_SIZE, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS,
     ROW_TICKS_REST, TICKS_PER_S, SCRATCH_ALL, SCRATCH_ASKED, SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_FIELDS, SCRATCH_GIVEN,
     SCRATCH_GIVEN_SHIFT, SCRATCH_IS_ARC, SCRATCH_PERCENT, SCRATCH_SIZE, SCRATCH_START, SCRATCH_STRIDE, SCRATCH_THROUGH,
 )  # fmt: skip
 
 LOOK_AHEAD = const(64)
 IN_FLIGHT = const(32)
-_SIZE = const(96)  # both
 _COUNT = const(0x1FFFFFFF)
 FEED_PERCENT = (10, 200)
 RAPID_PERCENT = (1, 100)
@@ -51,8 +50,8 @@ class Planner:
         self.axes = axes
         self.power, self.dynamic = 0, False  # see set_power()
         self._stride = ROW_STEPS + axes
-        self.rows = zeros(_SIZE * self._stride)  # of Block, one after the other
-        self._walkers = [None] * _SIZE  # of ARC where its plan begins in Plans.plans; of INDEPENDENT and STEP_PROGRAM what is walked
+        self.rows = zeros(QUEUE_SIZE * self._stride)  # of Block, one after the other
+        self._walkers = [None] * QUEUE_SIZE  # of ARC where its plan begins in Plans.plans; of INDEPENDENT and STEP_PROGRAM what is walked
         self.whole = False  # arcs and S-curves are loaded
         self._plan_arc = self._set_arc_speed = self._limit_jerk = None
         self._arcs = None  # their plans; made by load()
@@ -66,7 +65,7 @@ class Planner:
         self.percent = memoryview(self.scratch)[SCRATCH_PERCENT : SCRATCH_PERCENT + 2]  # overrides: of the feed, of rapid motion
         self.percent[0] = self.percent[1] = 100
         self.scratch[SCRATCH_STRIDE] = self._stride
-        self.scratch[SCRATCH_SIZE] = _SIZE
+        self.scratch[SCRATCH_SIZE] = QUEUE_SIZE
         self.scratch[SCRATCH_FACTOR] = self.scratch[SCRATCH_FACTOR + 1] = 4096
         self.accelerates = False  # it has limits
         self._limits = None
@@ -124,7 +123,7 @@ class Planner:
         queued = (added - indices[QUEUE_RETIRED]) & _COUNT
         if self._arcs and (added - self._arcs.oldest - 1) & _COUNT < queued:
             return 0
-        return _SIZE - queued
+        return QUEUE_SIZE - queued
 
     def empty(self):
         """True when every block has been played to its last word."""
@@ -197,7 +196,7 @@ class Planner:
             done += self._plan_lines(rest, count - done, self.rows, self.scratch, self.indices, self._fields)
 
     def _next_row(self):
-        return self.indices[QUEUE_ADDED] % _SIZE * self._stride
+        return self.indices[QUEUE_ADDED] % QUEUE_SIZE * self._stride
 
     def _ask(self, deltas, ticks, speed_nm_s):
         """Tell plan_block() the speed asked for, or the ticks."""
@@ -276,7 +275,7 @@ class Planner:
             refuse(-1)
         if queued:
             number = self.indices[QUEUE_ADDED]
-            self._walkers[number % _SIZE] = self._arcs.keep(number)
+            self._walkers[number % QUEUE_SIZE] = self._arcs.keep(number)
             self._add(at, ARC, tool, tag)
             if not self.room():
                 self.start()  # no more can come before it moves
@@ -291,7 +290,7 @@ class Planner:
         """Queue what paces itself: an IndependentAxes with its axes set, or a StepProgramWalker that has begun."""
         at = self._next_row()
         self._stand(at, 0)
-        self._walkers[self.indices[QUEUE_ADDED] % _SIZE] = walker
+        self._walkers[self.indices[QUEUE_ADDED] % QUEUE_SIZE] = walker
         self._add(at, walker.kind, tool, tag, False, walker.place)
 
     @micropython.native
@@ -374,11 +373,11 @@ class Planner:
         """Where the oldest block not yet played to its last word stands in `rows`, as block.py has them; -1: there is none."""
         indices = self.indices
         retired = indices[QUEUE_RETIRED]
-        return -1 if retired == indices[QUEUE_FETCHED] else retired % _SIZE * self._stride
+        return -1 if retired == indices[QUEUE_FETCHED] else retired % QUEUE_SIZE * self._stride
 
     def last(self, back=0):
         """Where the block that was played last stands in `rows`, or the one `back` before it; if they were played to their end."""
-        return (self.indices[QUEUE_RETIRED] - 1 - back) % _SIZE * self._stride
+        return (self.indices[QUEUE_RETIRED] - 1 - back) % QUEUE_SIZE * self._stride
 
     def playing(self):
         """The oldest block not yet played to its last word, or None. The same object each time; where it is not the
@@ -387,7 +386,7 @@ class Planner:
         retired = indices[QUEUE_RETIRED]
         if retired == indices[QUEUE_FETCHED]:
             return None
-        place = retired % _SIZE
+        place = retired % QUEUE_SIZE
         block = self._playing
         self._unpack(block, place)
         return block

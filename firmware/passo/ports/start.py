@@ -42,7 +42,7 @@ def _entries(board, key):
 
 class Start:
     whole = True  # False: arcs and S-curves do not fit
-    rooms = []  # what keeps memory free while the app is made
+    rooms = []  # large arrays and what else keeps memory free while the app is made: see motion/integers.py
 
     def __init__(self, board):
         alloc_emergency_exception_buf(100)
@@ -84,8 +84,15 @@ class Start:
     def loading(self):
         """Called before the app is imported."""
 
+    def keep(self, board):
+        """Called before the app is imported, when `board` has been checked: make what goes into `rooms`."""
+
     def load(self, board):
         """Import what port() will ask for."""
+
+    def relieve(self):
+        """Called when memory was too short to load something. Returns whether there is more of it now."""
+        return False
 
     def loaded(self):
         """Called when all is loaded, or the start has failed. Returns a line for people: where the code lies."""

@@ -19,8 +19,8 @@ from array import array
 
 import micropython
 
+from passo.memory import zeros
 from passo.motion.block import INDEPENDENT, LINE, STEP_PROGRAM, WAIT
-from passo.motion.integers import zeros
 from passo.motion.line import MAX_RUN
 from passo.records import (
     COUNT_MASK, FEED_AXES, FEED_BEGINS, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_FAST, FEED_HEAD, FEED_HOLD,

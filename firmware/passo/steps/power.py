@@ -7,8 +7,7 @@ the ring: segments_viper.py puts them. There is at most one mark a segment, so t
 segments.
 """
 
-from array import array
-
+from passo.memory import zeros
 from passo.records import (
     COUNT_HALF, COUNT_MASK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_MOST, POWER_SIZE, POWER_TAIL,
     POWER_WORD,
@@ -22,7 +21,7 @@ class Power:
         self._dark = False  # that is none, whatever the value, until the next mark
         self._percent = 100
         self._least = 0
-        self.marks = array("i", [0] * (POWER_MARKS + POWER_FIELDS * POWER_SIZE))
+        self.marks = zeros(POWER_MARKS + POWER_FIELDS * POWER_SIZE)
 
     def next(self):
         """The word of the next mark to be played, or -1."""

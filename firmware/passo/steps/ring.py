@@ -8,10 +8,26 @@ any two statements sees a consistent ring. Nothing here allocates after the cons
                    ^played          ^head        both count for ever, modulo 2²⁹
 """
 
-from passo.motion.integers import numbers
+from passo.memory import numbers
 from passo.motion.line import MAX_RUN
-from passo.records import COUNT_MASK, TICKS_PER_MS
+from passo.records import COUNT_MASK, MARKS, MARK_FIELDS, POWER_FIELDS, POWER_MARKS, POWER_SIZE, TICKS_PER_MS
 from passo.steps.power import Power
+
+
+def arrays(board, lead_ticks):
+    """The largest arrays that the steps of a checked board's machine will ask of passo.memory: (type code, items) of each."""
+    rates = [(axis["steps_per_m"], 1000 * axis["max_mm_min"]) for axis in board["axes"]]
+    marks, power = MARKS * (MARK_FIELDS + len(rates)), POWER_MARKS + POWER_FIELDS * POWER_SIZE
+    return ("i", power), ("i", marks), ("I", ring_size(fastest(board["speed"], rates), lead_ticks))
+
+
+def fastest(speed, rates):
+    """Steps a second of the fastest axis. `speed`: that of a checked board file; `rates`: of each axis steps a metre and µm a
+    minute."""
+    most = 500_000 // speed["min"] if speed["unit"] == "half_period_us" else speed["max"]
+    for steps_per_m, um_min in rates:
+        most = max(most, steps_per_m * um_min // 60_000_000)
+    return most
 
 
 def ring_size(steps_s, lead_ticks):

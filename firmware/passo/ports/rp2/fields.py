@@ -6,6 +6,9 @@
 
 from micropython import const
 
+# How far ahead of the player words are made. An arc's segment of 6 ms counts whole until it has been played.
+LEAD_TICKS = const(12 * 12_500)
+
 # The state of the RP2040's waveform player, an array('I'). First what does not change: addresses of registers and tables.
 PIO_BLOCK = const(0)
 PIO_MACHINE = const(1)

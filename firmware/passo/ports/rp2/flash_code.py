@@ -17,8 +17,8 @@ suspended generators); a trial at the start finds out whether the interpreter ke
 or if anything fails, all stays in RAM. Blocks that hold code in use are not erased until the next reset, even if their
 file is replaced: littlefs takes them for bad ones and goes on to the next.
 
-Files of 512 bytes and less have no block of their own: their code stays in RAM. So does native code, which runs at half the
-speed from flash, but for the modules in COLD of host_tools/build/tree.py. A module without a table has not been copied to its end, and is refused. RP2040 only.
+Files of 512 bytes and less have no block of their own: their code stays in RAM. So does native code, half as fast from flash,
+but for COLD of host_tools/build/tree.py. A module without a table was not copied to its end, and is refused. RP2040 only.
 """
 
 import gc
@@ -41,9 +41,6 @@ from passo.ports.rp2.flash_scan import (
 
 _SCAN = "passo.ports.rp2.flash_scan"  # loaded, then given back
 _IOCTL_COUNT = const(4)
-
-
-
 _SMALL = const(512)  # littlefs keeps files up to this size beside their names
 _PAGE = const(256)  # as the interpreter mounts it
 _FLASH = const(0x10000000)
@@ -53,12 +50,10 @@ _ROUND = const(24_000)  # each takes 20 to 40 ms
 _LITTLE = const(10_000)  # the same while less than _TIGHT bytes are free
 _TIGHT = const(50_000)
 _STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
-_PIECE = const(2_600)  # bytes: if no free piece is as large, nor as the file, a room that was kept is given back
-_LEAST = const(2_000)  # what a round wants itself
-_FEW = const(12_000)  # the same if no more are free in all: the largest modules take as much
+_PIECE = const(200)  # bytes: if no free piece is as large, nor as the file, a room that was kept is given back
+_FEW = const(12_000)  # the same if no more are free in all, nor four times the file: the largest modules take as much
 _WORK_ROWS = const(96)
-
-
+_FILES = const(96)  # redirected at once
 
 
 # For the trial.
@@ -87,10 +82,15 @@ class Record:
         self.functions = functions
 
 
+def _name(path):
+    """The name of the module whose .mpy lies there."""
+    name = path[:-4].replace("/", ".")
+    return name[:-9] if name.endswith(".__init__") else name
+
+
 class FlashCode:
-    def __init__(self, rooms=()):
-        """`rooms`: a list of what keeps memory free in large pieces; if memory is short the second is given back first, the
-        first last."""
+    def __init__(self, rooms=([],)):
+        """`rooms`: what keeps memory free, the first a list that is emptied if memory is short."""
         self.why = "not tried"  # all stays in RAM; "" if not
         self._rooms = rooms
         self.functions = self.bytes = 0
@@ -137,13 +137,12 @@ class FlashCode:
         """An .mpy for the import: its functions are noted, those of earlier ones perhaps redirected."""
         file = self._real.open(path, "rb")
         table = self._blocks.table(file)
-        size = table[0] if table else 0
-        if self._is_short(size):
-            if self._largest() < _LEAST:
-                self._give_room()  # a round wants some itself
-            self._round()
-            if self._is_short(size):
-                self._give_room()
+        if table and self._is_short(file, table[0], table[1]):
+            gc.collect()
+            if self._is_short(file, table[0], table[1]):
+                self._round()
+                if self._is_short(file, table[0], table[1]):
+                    self._rooms[0].clear()
         if self._read > self._limit or self._read > self._look_at_read and self._is_tight():
             self._round()
         if table is None:  # the interpreter would read on for ever
@@ -151,6 +150,8 @@ class FlashCode:
         if self._words:
             try:
                 self._note(path, file, *table)
+            except MemoryError:
+                raise  # it may be imported again when there is more memory
             except Exception as error:
                 self._give_up(error)
         file.seek(0)
@@ -172,7 +173,7 @@ class FlashCode:
             for name in dir(scan):  # its functions go even if something that looks like a pointer keeps the module
                 if name[0] != "_":
                     delattr(scan, name)
-        self._words = self._in_use = self._work = None
+        self._words = self._in_use = self._work = self._files = None
         self._records = self._left = ()
 
     def _prepare(self):
@@ -195,6 +196,8 @@ class FlashCode:
         words[IN_USE] = uctypes.addressof(self._in_use)
         words[WORK] = uctypes.addressof(self._work)
         words[WORK_ROWS] = _WORK_ROWS
+        self._files = array("I", [0] * (_FILES * FILE_ROW))  # here, for a round may find no piece as large
+        words[FILES] = uctypes.addressof(self._files)
         for number, function in enumerate((trial, counted, mark, _times)):
             words[TYPES + number] = id(type(function))
         self._real = vfs.VfsLfs2(self._blocks, progsize=_PAGE)
@@ -215,11 +218,15 @@ class FlashCode:
         self._read += size
         if size <= _SMALL or head < 0:
             return
-        file.seek(size - 4 - 8 * count)
-        table = file.read(8 * count)
+        table = self._rows(file, size, count)
         functions = array("I", [0] * (count * FUNCTION_ROW))
         locate(table, count, self._blocks.chain(size, head), functions)
         self._records.append(Record(path, functions))
+
+    def _rows(self, file, size, count):
+        """The table that ends an .mpy: where each function lies, its length and others, in 8 bytes."""
+        file.seek(size - 4 - 8 * count)
+        return file.read(8 * count)
 
     def _round(self, last=False):
         """Redirect what has been imported since the last one; in the last, also what was running then."""
@@ -231,13 +238,17 @@ class FlashCode:
         from passo.ports.rp2.flash_scan import left
 
         try:
-            modules = {getattr(module, "__file__", ""): id(module) for module in sys.modules.values()}
-            noted = self._records + self._left if last else self._records
-            records = [record for record in noted if record.path in modules]  # some are forgotten again
-            self._redirect(records, [modules[record.path] for record in records])
+            records = self._records + self._left if last else self._records
+            self._redirect(records)
             if not last:
-                self._left += [record for record in records if left(record.functions, len(record.functions))]
+                self._left.extend([record for record in records if left(record.functions, len(record.functions))])
             self._records = []
+        except MemoryError as error:
+            if self._rooms[0]:
+                self._rooms[0].clear()
+                self._round(last)
+            elif last:  # until then the next one tries again
+                self._give_up(error)
         except Exception as error:
             self._give_up(error)
             return
@@ -248,12 +259,17 @@ class FlashCode:
         self._look_at_read = self._read + _STEP
         return free < _TIGHT and self._read > _LITTLE
 
-    def _give_room(self):
-        if self._rooms:
-            self._rooms.pop(1 if len(self._rooms) > 1 else 0)
-
-    def _is_short(self, size):
-        return self._largest() < min(size, _PIECE) or self._words and self._words[FREE] < _FEW
+    def _is_short(self, file, size, count):
+        """Whether memory is short for a module of `count` functions."""
+        if not self._words:
+            return False
+        largest = self._largest()
+        if self._words[FREE] < min(2 * size, _FEW):
+            return True
+        if largest >= size:
+            return False
+        rows = self._rows(file, size, count)
+        return largest < _PIECE + max([rows[at] | rows[at + 1] << 8 for at in range(2, 8 * count, 8)])
 
     def _largest(self):
         if not self._words:
@@ -268,22 +284,24 @@ class FlashCode:
         self._largest()
         return self._words[FREE]
 
-    def _redirect(self, records, modules):
+    def _redirect(self, records):
         from passo.ports.rp2.flash_scan import mark, redirect, stack_pointer
 
-        words = self._words
-        rows = array("I", [0] * (len(records) * FILE_ROW))
-        at = 0
-        for record, module in zip(records, modules):
-            rows[at] = module
-            rows[at + 1] = uctypes.addressof(record.functions)
-            rows[at + 2] = len(record.functions) // FUNCTION_ROW
-            at += FILE_ROW
-        words[FILES] = uctypes.addressof(rows)
-        words[FILE_COUNT] = len(records)
-        words[STACK] = stack_pointer()
-        mark(words)
-        redirect(words)
+        words, rows = self._words, self._files
+        for first in range(0, len(records), _FILES):
+            at = 0
+            for number in range(first, min(first + _FILES, len(records))):
+                record = records[number]
+                module = sys.modules.get(_name(record.path))
+                if module and module.__file__ == record.path:  # some are forgotten again
+                    rows[at] = id(module)
+                    rows[at + 1] = uctypes.addressof(record.functions)
+                    rows[at + 2] = len(record.functions) // FUNCTION_ROW
+                    at += FILE_ROW
+            words[FILE_COUNT] = at // FILE_ROW
+            words[STACK] = stack_pointer()
+            mark(words)
+            redirect(words)
         self.functions = words[MOVED]
         self.bytes = words[MOVED_BYTES]
 
@@ -316,7 +334,7 @@ class FlashCode:
         ):
             raise Unknown("unknown layout of functions")
         code, code_of_child = mem32[id(trial) + 4 * functions], mem32[child + 4 * RAW_CODE]
-        self._redirect([record], [id(module)])
+        self._redirect([record])
         target = record.functions[(entry - 1) * FUNCTION_ROW]
         target_of_child = record.functions[entry * FUNCTION_ROW]
         moved = mem32[id(trial) + 4 * functions] == target
@@ -349,7 +367,7 @@ class FlashCode:
             if not entry or not 0 < prelude < record.functions[entry * FUNCTION_ROW - 2] & 0xFFFF:
                 raise Unknown("unknown layout of native code")
             before.append((function, code, prelude, record.functions[(entry - 1) * FUNCTION_ROW]))
-        self._redirect([record], [id(module)])
+        self._redirect([record])
         moved = 0
         for function, code, prelude, target in before:
             now = mem32[id(function) + 4 * FUNCTION_CODE]

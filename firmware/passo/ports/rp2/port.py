@@ -17,12 +17,12 @@ from micropython import const
 from passo.ports.chip_port import ChipPort
 from passo.ports.rp2 import chip
 from passo.ports.rp2 import kernels
+from passo.ports.rp2.fields import LEAD_TICKS
 from passo.ports.rp2.registers import BLOCK_CTRL
 from passo.steps import pace_viper
 from passo.steps.wiring import inverted_pins, muted_pins, word_pins, word_times
 
 _FEED_MS = const(3)  # every 2 ms, its calls alone would cost a stream of lines a fifth of its speed
-_LEAD_TICKS = const(12 * 12_500)  # an arc's segment of 6 ms counts whole until it has been played
 _LIVE_TICKS = const(8 * 12_500)
 _LASER_RING = const(1024)  # words: beside a larger ring there is no memory for LaserPlayer
 
@@ -96,7 +96,7 @@ class Port(ChipPort):
     def __init__(self, board):
         """`board` is checked. Outputs go to their inactive level here. PWM, serial lines and players are made for the clock
         that there is: it is set before."""
-        ChipPort.__init__(self, board, _LEAD_TICKS, _LIVE_TICKS)
+        ChipPort.__init__(self, board, LEAD_TICKS, _LIVE_TICKS)
         if self.registers is not None:
             self.registers.mask = self._mask
             self.levels = self.registers.levels

@@ -2,34 +2,39 @@
 
 import gc
 import sys
+from array import array
 
 import rp2
 from micropython import const
 
 from passo.ports import start
+from passo.ports.rp2.fields import LEAD_TICKS
+from passo.records import ARCS, ARC_FIELDS, JOB_WORDS, QUEUE_SIZE, ROW_STEPS
 
-# Bytes, each kept free in one piece while code is loaded and moved to flash.
-_FOR_BLOCKS = const(17_500)  # for the arrays of the planner
-_BLOCKS = const(16_200)  # what these take: if no piece is as large, _FOR_WORK is given back, too
-_FOR_WORDS = const(10_000)  # for those of ring and feeder, which come later
-_SHORT = const(36_000)  # free bytes then, with _FOR_BLOCKS and without the others, below which these are given back
-_FOR_WORK = const(16_500)  # for what the main loop takes and gives back
+_FOR_WORK = const(4_125)  # words kept free in one piece for what the main loop takes and gives back
+_BUFFERS = const(8)  # of _BUFFER bytes: if they do not fit beside _FOR_WORK when all code is loaded, that is given back
+_BUFFER = const(1_100)  # as links and tables have them
+_MODULES = const(130)
 _COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
 
 
 class Start(start.Start):
     _code = None
-    rooms = [bytearray(0)]  # nothing, until code has been found to run from flash
     _said = ""
+    _tries = 3  # to load all in what memory there is
 
     def loading(self):
         from passo.ports.rp2 import clock
 
         clock.hurry()
+        for number in range(_MODULES):  # so that the list of them need not grow where no piece of memory is as large
+            sys.modules[str(number)] = None
+        for number in range(_MODULES):
+            del sys.modules[str(number)]
         gc.threshold(_COLLECT)
         from passo.ports.rp2.flash_code import FlashCode
 
-        rooms = []
+        rooms = [[]]
         self._code = code = FlashCode(rooms)
         code.begin()
         if code.why:
@@ -39,13 +44,29 @@ class Start(start.Start):
             start.forget("passo.ports.rp2.flash_code")
             gc.collect()
         else:
-            rooms.append(bytearray(self._for_work()))
-            rooms.append(bytearray(_FOR_WORDS))
-            rooms.append(bytearray(_FOR_BLOCKS))
             self.rooms = rooms
 
+    def keep(self, board):
+        """The largest arrays are made now, while there are pieces of memory as large: what is loaded leaves none."""
+        if not self.rooms:
+            return
+        from passo.steps.ring import arrays
+
+        blocks = QUEUE_SIZE * (ROW_STEPS + len(board["axes"]))
+        self._keep_for_work()
+        if board["jobs"]:
+            self.rooms.append(("n", [None] * JOB_WORDS))
+        for kind, count in arrays(board, LEAD_TICKS) + (("i", ARC_FIELDS * ARCS), ("i", blocks)):
+            self.rooms.append((kind, array(kind, bytearray(4 * count))))
+
+    def give_back(self):
+        """Free what has been kept and was not asked for."""
+        if self.rooms:
+            self.rooms[0].clear()  # not by collection: a stale word on the stack may point to it
+            self.rooms.clear()
+
     def run(self, app, port):
-        self.rooms.clear()
+        self.give_back()
         gc.threshold(-1)  # from here on only when memory is used up: a collection takes some 30 ms
         start.Start.run(self, app, port)
 
@@ -56,6 +77,14 @@ class Start(start.Start):
             self._code.redirect()
         port.load(board)
 
+    def relieve(self):
+        self._tries -= 1
+        if not self._code or not self._tries:
+            return False
+        self.rooms[0].clear()
+        self._code.redirect()
+        return True
+
     def loaded(self):
         code, self._code = self._code, None
         if code:
@@ -63,17 +92,12 @@ class Start(start.Start):
             self._said = code.text()
         return self._said
 
-    def _for_work(self):
-        return 0 if self.lean else _FOR_WORK
-
-    def _keep_again(self):
-        """What was given back while code was loaded, if it fits beside the planner's arrays, which come first."""
-        try:
-            blocks = bytearray(_FOR_BLOCKS)
-            for size in (self._for_work(), _FOR_WORDS)[len(self.rooms) :]:
-                self.rooms.append(bytearray(size))
-        except MemoryError:
-            pass
+    def _keep_for_work(self):
+        if not self.lean:
+            try:
+                self.rooms[0] = [None] * _FOR_WORK
+            except MemoryError:
+                pass
 
     def button(self):
         return "BOOTSEL" if rp2.bootsel_button() else None
@@ -87,15 +111,12 @@ class Start(start.Start):
         from passo.ports.rp2.port import Port
 
         made = Port(board)
-        if self.rooms:
-            self.rooms.pop()
-            gc.collect()
-            self._keep_again()
-            if gc.mem_free() < _SHORT:
-                self.rooms.clear()
-            try:
-                bytearray(_BLOCKS)
-            except MemoryError:  # memory is too short to keep _FOR_WORK free
-                self.rooms.clear()
         gc.collect()
+        if self.rooms:
+            if not self.rooms[0]:
+                self._keep_for_work()
+            try:
+                [bytearray(_BUFFER) for number in range(_BUFFERS)]
+            except MemoryError:
+                self.rooms[0].clear()
         return made
