@@ -32,21 +32,23 @@ code.begin()
 from passo.app import App
 from passo.config.boardfile import check
 from passo.ports.rp2 import clock
-from passo.ports.rp2.port import Port
+from passo.ports.rp2.port import Port, load
+from passo.machine_builder import load_all
 from time import ticks_us, ticks_diff, ticks_ms, sleep_ms
 from board import BOARD
-def set_up(file):
-    global board, port, app, planner, feeder, player, controller
-    board = check(file)
+def set_up():
+    global port, app, planner, feeder, player, controller
     clock.set_mhz(board["clock_mhz"])
     port = Port(board)
-    code.redirect()
     app = App(board, port)
     planner, feeder, player, controller = app.planner, app.feeder, app.player, app.controller
 def pending():
     return [link for link in app.links if link.serial.any() or link.protocol._bytes]
-set_up(BOARD)
+board = check(BOARD)
+load(board)
+load_all(board, True)
 code.finish()
+set_up()
 gc.collect()
 """
 FIT = """
@@ -54,7 +56,8 @@ app.stop()
 port.close()
 board = port = app = planner = feeder = player = controller = None
 gc.collect()
-set_up({board!r})
+board = check({board!r})
+set_up()
 gc.collect()
 """
 PLAY = """

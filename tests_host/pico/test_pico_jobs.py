@@ -48,7 +48,7 @@ def test_a_job_is_uploaded_and_run(make_machine, show):
     assert b"[FILE:A|SIZE:%d|" % len(SMALL) in ask(machine, b"$F")
     start = list(machine.plant.position)
     ask(machine, b"$F=A")
-    machine.run_until(lambda: b"[MSG:Job A done]" in machine.received())
+    machine.run_until(lambda: b"[MSG:Job A done]\r\n" in machine.received())
     assert [at - then for at, then in zip(machine.plant.position, start)] == [0, 64, 0]
     for _ in range(20):
         assert ask(machine, b"G1X5") == b"error:22\r\n"

@@ -47,7 +47,7 @@ _FLASH = const(0x10000000)
 _FLASH_END = const(0x11000000)
 _FIRST_ROUND = const(80_000)  # bytes of files after which their functions are redirected: there is room at first
 _ROUND = const(24_000)  # each takes 20 to 40 ms
-_LITTLE = const(10_000)  # the same while less than _TIGHT bytes are free
+_LITTLE = const(10_000)  # the same while less than _TIGHT bytes are free; half of it where no room is kept
 _TIGHT = const(50_000)
 _STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
 _PIECE = const(200)  # bytes: if no free piece is as large, nor as the file, a room that was kept is given back
@@ -129,8 +129,10 @@ class FlashCode:
             return "code in RAM: " + self.why
         return "code in flash: %d functions, %d bytes" % (self.functions, self.bytes)
 
-    def redirect(self):
-        """Give back the copies of what has been loaded so far: the largest modules come next."""
+    def redirect(self, poor=False):
+        """Give back the copies of what has been loaded so far. `poor`: and 100 bytes a module, for which some of it stays in RAM."""
+        if poor:
+            self._left = []
         self._round()
 
     def open(self, path):
@@ -170,9 +172,7 @@ class FlashCode:
             package, _, name = _SCAN.rpartition(".")
             scan = sys.modules.pop(_SCAN)
             delattr(sys.modules[package], name)
-            for name in dir(scan):  # its functions go even if something that looks like a pointer keeps the module
-                if name[0] != "_":
-                    delattr(scan, name)
+            scan.__dict__.clear()  # its functions go even if something that looks like a pointer keeps the module
         self._words = self._in_use = self._work = self._files = None
         self._records = self._left = ()
 
@@ -257,7 +257,7 @@ class FlashCode:
     def _is_tight(self):
         free = self._free()
         self._look_at_read = self._read + _STEP
-        return free < _TIGHT and self._read > _LITTLE
+        return free < _TIGHT and self._read > (_LITTLE if self._rooms[0] else _LITTLE // 2)
 
     def _is_short(self, file, size, count):
         """Whether memory is short for a module of `count` functions."""

@@ -21,7 +21,6 @@ _COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is co
 class Start(start.Start):
     _code = None
     _said = ""
-    _tries = 3  # to load all in what memory there is
 
     def loading(self):
         from passo.ports.rp2 import clock
@@ -52,12 +51,14 @@ class Start(start.Start):
             return
         from passo.steps.ring import arrays
 
-        blocks = QUEUE_SIZE * (ROW_STEPS + len(board["axes"]))
+        sizes = arrays(board, LEAD_TICKS)
+        if "grbl" in [link["protocol"] for link in board["links"]]:  # no other language has arcs
+            sizes += (("i", ARC_FIELDS * ARCS),)
+        sizes += (("i", QUEUE_SIZE * (ROW_STEPS + len(board["axes"]))),)
         self._keep_for_work()
         if board["jobs"]:
             self.rooms.append(("n", [None] * JOB_WORDS))
-        for kind, count in arrays(board, LEAD_TICKS) + (("i", ARC_FIELDS * ARCS), ("i", blocks)):
-            self.rooms.append((kind, array(kind, bytearray(4 * count))))
+        self.rooms.extend([(kind, array(kind, bytearray(4 * count))) for kind, count in sizes])
 
     def give_back(self):
         """Free what has been kept and was not asked for."""
@@ -78,12 +79,15 @@ class Start(start.Start):
         port.load(board)
 
     def relieve(self):
-        self._tries -= 1
-        if not self._code or not self._tries:
-            return False
-        self.rooms[0].clear()
-        self._code.redirect()
-        return True
+        for place in range(len(self.rooms)):
+            if self.rooms[place]:
+                if place:
+                    self.rooms[place] = ()
+                else:
+                    self.rooms[0].clear()
+                self._code.redirect(place > 0)
+                return True
+        return False
 
     def loaded(self):
         code, self._code = self._code, None
