@@ -50,17 +50,15 @@ _ROUND = const(24_000)  # each takes 20 to 40 ms
 _LITTLE = const(10_000)  # the same while less than _TIGHT bytes are free; half of it where no room is kept
 _TIGHT = const(50_000)
 _STEP = const(1_500)  # bytes of files between two looks at what is free: each takes 1 ms
-_PIECE = const(200)  # bytes: if no free piece is as large, nor as the file, a room that was kept is given back
-_FEW = const(12_000)  # the same if no more are free in all, nor four times the file: the largest modules take as much
+_PIECE = const(200)  # bytes: if no free piece is longer by this than a module's longest function, the room is given back
+_FEW = const(12_000)  # the same if no more are free in all, nor twice the file: the largest modules take as much
+_LEFT = const(300)  # bytes of a module that are tried again at last: of less some are garbage, and the record takes as much
 _WORK_ROWS = const(96)
 _FILES = const(96)  # redirected at once
 
 
-# For the trial.
-
-
 @micropython.native
-def _times(number):
+def _times(number):  # this and the next two are for the trial
     return number * 7
 
 
@@ -90,7 +88,7 @@ def _name(path):
 
 class FlashCode:
     def __init__(self, rooms=([],)):
-        """`rooms`: what keeps memory free, the first a list that is emptied if memory is short."""
+        """`rooms`: what keeps memory free; the first, a list, is emptied if memory is short."""
         self.why = "not tried"  # all stays in RAM; "" if not
         self._rooms = rooms
         self.functions = self.bytes = 0
@@ -241,7 +239,7 @@ class FlashCode:
             records = self._records + self._left if last else self._records
             self._redirect(records)
             if not last:
-                self._left.extend([record for record in records if left(record.functions, len(record.functions))])
+                self._left.extend([record for record in records if left(record.functions, len(record.functions)) > _LEFT])
             self._records = []
         except MemoryError as error:
             if self._rooms[0]:

@@ -371,15 +371,15 @@ def largest(words: ptr32) -> int:
 
 @micropython.viper
 def left(functions: ptr32, words: int) -> int:
-    """How many functions of a file lie in flash and do not run from there yet. The first is not counted: it is the
+    """How many bytes of a file's functions lie in flash and do not run from there yet. The first is not counted: it is the
     module itself, and garbage soon."""
-    count = 0
+    left = 0
     i = FUNCTION_ROW
     while i < words:
         if functions[i] and functions[i + ENTRY_BYTES] < 0x10000:
-            count += 1
+            left += functions[i + ENTRY_BYTES]
         i += FUNCTION_ROW
-    return count
+    return left
 
 
 def trial(number):

@@ -12,6 +12,7 @@ from passo.ports.rp2.fields import LEAD_TICKS
 from passo.records import ARCS, ARC_FIELDS, JOB_WORDS, QUEUE_SIZE, ROW_STEPS
 
 _FOR_WORK = const(4_125)  # words kept free in one piece for what the main loop takes and gives back
+_FOR_LEAN = const(2_050)  # the same of a board that has no memory to spare: its table of names grows by as much
 _BUFFERS = const(8)  # of _BUFFER bytes: if they do not fit beside _FOR_WORK when all code is loaded, that is given back
 _BUFFER = const(1_100)  # as links and tables have them
 _MODULES = const(130)
@@ -97,11 +98,10 @@ class Start(start.Start):
         return self._said
 
     def _keep_for_work(self):
-        if not self.lean:
-            try:
-                self.rooms[0] = [None] * _FOR_WORK
-            except MemoryError:
-                pass
+        try:
+            self.rooms[0] = [None] * (_FOR_LEAN if self.lean else _FOR_WORK)
+        except MemoryError:
+            pass
 
     def button(self):
         return "BOOTSEL" if rp2.bootsel_button() else None
