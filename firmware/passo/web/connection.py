@@ -63,6 +63,7 @@ class Connection:
         self._line = b""
         self._count = 0
         self._out = b""
+        self._rest = []  # what follows it, in parts: a board may have no piece of memory for the whole
         self._file = None
         self._left = 0  # bytes of it
 
@@ -166,7 +167,8 @@ class Connection:
             self._file.seek(start)
             self._left = size
         self._begin(status, kind, more + b"Content-Length: %d\r\n" % (len(body) + size))
-        self._out += body
+        if body:
+            self._rest.append(body)
         self.state = ANSWERED
 
     def begin_events(self):
@@ -204,32 +206,38 @@ class Connection:
 
     def event(self, data):
         """Send one, if the one before has been sent. False if not."""
-        if self._out:
+        if self._out or self._rest:
             return False
         self._out = b"data: " + data + b"\n\n"
         return True
 
     def _begin(self, status, kind, more):
-        self._out = b"HTTP/1.1 %d %s\r\nContent-Type: %s\r\n" % (status, _STATUS[status], kind) + _HEADERS + more + b"\r\n"
+        self._out = b"HTTP/1.1 %d %s\r\nContent-Type: %s\r\n" % (status, _STATUS[status], kind)
+        self._rest = [_HEADERS, more + b"\r\n"]
 
     def sending(self):
-        return bool(self._out) or self._file is not None
+        return bool(self._out) or bool(self._rest) or self._file is not None
 
     def send(self):
         """Send what the network takes. True once all has been sent, which never is so of events. Raises OSError if the
         other end has gone."""
-        if not self._out and self._file is not None:
-            self._out = self._file.read(min(_SENT, self._left))
-            self._left -= len(self._out)
-            if not self._out or not self._left:
-                self._close_file()
-        if self._out:
-            try:
-                self._out = self._out[self.socket.send(self._out[:_SENT]) :]
-            except OSError as error:
-                if error.errno not in AGAIN:
-                    raise
-        return self.state == ANSWERED and not self.sending()
+        while True:
+            if not self._out and self._rest:
+                self._out = self._rest.pop(0)
+            elif not self._out and self._file is not None:
+                self._out = self._file.read(min(_SENT, self._left))
+                self._left -= len(self._out)
+                if not self._out or not self._left:
+                    self._close_file()
+            if self._out:
+                try:
+                    sent = self.socket.send(self._out if len(self._out) <= _SENT else self._out[:_SENT])
+                    self._out = self._out[sent:] if sent < len(self._out) else b""
+                except OSError as error:
+                    if error.errno not in AGAIN:
+                        raise
+            if self._out or not self._rest:
+                return self.state == ANSWERED and not self.sending()
 
     def _close_file(self):
         if self._file is not None:
