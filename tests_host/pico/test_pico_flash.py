@@ -54,7 +54,7 @@ class Started:
         self.said = bytes(console.take()).decode()
 
 
-@pytest.mark.parametrize("board, free", [("router_3axis", 45_000), ("plotter_2014", 110_000)])
+@pytest.mark.parametrize("board, free", [("router_3axis", 47_000), ("plotter_2014", 110_000)])
 def test_room_and_time(uf2, board, free, show):
     started = Started(board, uf2=uf2)
     assert "code in flash: " in started.said
