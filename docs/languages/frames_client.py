@@ -110,7 +110,7 @@ class Board:
             self.flying = 0
         elif kind == TAKEN and number == self.urgent:
             self.first, self.urgent, self.taken = ack, (self.urgent + 1) % NUMBERS, True
-        elif kind == DATA:
+        elif kind == DATA and self.open:  # a board that has been left, or reset, takes frames for its language
             known = (self.wanted - number) % NUMBERS
             if known > NUMBERS // 2:
                 self.ask_again()
@@ -120,7 +120,7 @@ class Board:
                 self.send(ACK)
 
     def ask_again(self):
-        if time.monotonic() - self.asked_at > 0.03:
+        if self.open and time.monotonic() - self.asked_at > 0.03:
             self.asked_at = time.monotonic()
             self.send(AGAIN)
 

@@ -70,7 +70,7 @@ class FramedPort:
         self._next = 0  # number of the byte wanted next
         self._asked_ms = 0
         self._owes_ms = None  # since when an acknowledgement is owed
-        self._new = self._open = False
+        self._new = self._open = self._leaving = False
         self._delimited = False  # a byte 0 has come, which no language of lines has
         self._said_ms = 0  # of HELLO; 0: not yet
         self._pleading_ms = None  # since when nothing else is said: whoever does not look for a while has lost nothing
@@ -164,12 +164,16 @@ class FramedPort:
         return True
 
     def _leave(self):
-        self._urgents = [(LEAVE, b"")]
-        self._urgent_ms = None
-        end_ms = self._clock() + _URGENT_MS - 10  # it is not repeated
-        while self._urgents and self._clock() < end_ms:
+        """End the session. Behind LEAVE, which is said once, nothing is sent: the board takes it for its language."""
+        self._expect_nothing()
+        begun_ms = self._clock()
+        self._leaving = begun_ms - self._heard_ms <= _SILENT_MS
+        if self._leaving:
+            self._send(LEAVE, self._urgent)
+        self._open, self._urgents, self._urgent_ms, self._owes_ms = False, [], None, None
+        while self._leaving and self._clock() - begun_ms < _URGENT_MS - 10:
             self._poll()
-        self._urgents, self._said_ms = [], 0
+        self._leaving, self._said_ms = False, 0
 
     def _expect_nothing(self):
         """If no acknowledgement, no credit and no TAKEN is awaited, the board may be silent up to now."""
@@ -206,7 +210,7 @@ class FramedPort:
             if len(chunk) >= codec.HEAD + codec.CHECK:
                 self._understand(bytearray(chunk))
         self._pump()
-        if self._owes_ms is not None and self._clock() - self._owes_ms >= _ACK_MS:
+        if self._pleading_ms is None and self._owes_ms is not None and self._clock() - self._owes_ms >= _ACK_MS:
             self._send(ACK)
 
     def _understand(self, chunk):
@@ -215,7 +219,9 @@ class FramedPort:
         self._heard_ms = self._clock()
         kind, number, ack, credit = codec.header(chunk, 0)
         data = chunk[codec.HEAD : -codec.CHECK]
-        if kind == WELCOME:
+        if self._leaving:
+            self._leaving = kind != TAKEN or number != self._urgent
+        elif kind == WELCOME:
             self._welcome(data, number, ack, credit)
         elif self._open and kind == codec.CLOSED:
             raise OSError(_("answers of the board were lost"))
@@ -251,6 +257,6 @@ class FramedPort:
             self._next = (number + len(data)) % NUMBERS
 
     def _ask_again(self):
-        if self._open and self._clock() - self._asked_ms >= 30:
+        if self._open and self._pleading_ms is None and self._clock() - self._asked_ms >= 30:
             self._asked_ms = self._clock()
             self._send(AGAIN)

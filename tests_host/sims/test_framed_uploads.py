@@ -21,7 +21,7 @@ LANGUAGES = tuple(framed_uploads.BOARDS)
 
 @pytest.mark.parametrize("language", LANGUAGES)
 def test_jobs_are_stored_listed_run_and_deleted(language, tmp_path):
-    for seed in range(1 if language == "grbl" else 4):
+    for seed in (0, 112) if language == "grbl" else range(4):  # 112: AGAIN came behind LEAVE, and a byte of it was grbl's door
         framed_uploads.round_of(language, tmp_path, seed)
 
 

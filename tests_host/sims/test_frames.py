@@ -103,6 +103,26 @@ def test_a_session_that_was_left_open_is_ended_on_a_bad_wire():
         other.begin(OFFER_S)
 
 
+def kind_of(wire):
+    chunk = bytearray(wire.strip(b"\0"))
+    assert codec.sound(chunk, 0, len(chunk))
+    return codec.header(chunk, 0)[0]
+
+
+def test_nothing_is_sent_behind_leave():
+    """The board that has taken it is plain, and a byte of AGAIN or ACK may be grbl's `~` or its door."""
+    for seed in range(100):
+        pair = Pair(seed, 0.02)
+        pair.port.report(10, b"<Idle|MPos:3.897,3.616,0.000|FS:0,0>\n")
+        until_ms = pair.now_ms + 200
+        while pair.now_ms < until_ms:
+            pair.port.read(100)
+        said = []
+        pair.wires[0].put = said.append
+        pair.port._leave()
+        assert [kind_of(wire) for wire in said] == [codec.LEAVE], seed
+
+
 def test_questions_acknowledge_what_the_board_has_said():
     """A program that asks all the time needs no other acknowledgement."""
     pair = Pair()
