@@ -106,13 +106,15 @@ def _spot(client, objects, record, way, numbers):
         return None
     found = None
     try:
-        found = job_record.Record.of(client.ask("$JR"))
+        record_of = job_record.Record.of_job if way.strict else job_record.Record.of
+        found = record_of(client.ask("$JR"))
     except Refused as refused:
         if way.strict:
             raise Failure("the board has no journal (docs/jobs.md): {}; passo draw --continue needs none", refused) from None
     if found and found.job in (drawn.number_of(objects), *numbers):
+        spot = drawn.spot_of(found, objects)
         job_record.find_zero(found.known, way.home, way.unverified, lambda: None)
-        return drawn.spot_of(found, objects)
+        return spot
     if way.strict:
         raise Failure("the board's journal is of another drawing, or it was drawn with other options: give them to passo draw --continue")
     record.resume()

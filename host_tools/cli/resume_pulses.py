@@ -25,7 +25,7 @@ def resume(file, port, baud, home, unverified, yes):
             if any(line.startswith("[JOB:") for line in _asked(client, "$F?")):
                 raise Failure("a stored job runs on the board: passo pulses status, stop")
             _settle(client, status)
-            record = Record.of(client.ask("$JR"))
+            record = Record.of_job(client.ask("$JR"))
         except Refused as refused:
             raise Failure("the board has no journal (docs/jobs.md): {}; passo pulses play --from COMMAND needs none", refused) from None
         if record.job != source.job_number():

@@ -14,7 +14,7 @@ def number_of(lines):
 def interrupted(said, lines, stored=0):
     """(line to begin at, place in steps or None, whether the position is known) of an answer to `$JR`. `stored`: the CRC-32 of the same
     program as a stored job. Raises Failure if the journal is of another program, or this one has been done."""
-    record = Record.of(said)
+    record = Record.of_job(said)
     line = record.line
     if record.job not in (number_of(lines), stored):
         raise Failure("the board's journal is of another file, or the file has changed; begin at a line with passo stream --from")

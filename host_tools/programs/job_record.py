@@ -25,6 +25,14 @@ class Record(NamedTuple):
             raise Failure("the board does not say where its job is")
         return cls(int(found[1], 16), int(found[2]), int(found[3]), [int(part) for part in found[4].split(",")])
 
+    @classmethod
+    def of_job(cls, said):
+        """The same. Raises Failure too if the journal is empty."""
+        record = cls.of(said)
+        if not record.job:
+            raise Failure("the board's journal is empty: no program was interrupted")
+        return record
+
     @property
     def done(self):
         return bool(self.flags & DONE)

@@ -437,7 +437,7 @@ class Round:
             self.story.append("home")
             self.check(bench.machine.plant.tool == 0 and len(bench.record.rows) == bench.first, "it moved before it was homed")
             said = self.resume(yes=True, home=True)
-        if said and "another file" in said and not self.done:
+        if said and ("another file" in said or "is empty" in said) and not self.done:
             return self.begin_anew(bench)
         if said:
             self.check("done to its end" in said, said)

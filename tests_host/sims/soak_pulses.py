@@ -355,7 +355,7 @@ class Pulses(Cabled):
                 break
         made = sum([Counter(map(tuple, rows[rows[:, 3] > 0].tolist())) for rows in cuts[1:]], Counter(before))
         wanted = Counter(map(tuple, program.whole[program.whole[:, 3] > 0].tolist()))
-        if "another" in said and not any(len(rows) for rows in cuts):
+        if ("another" in said or "is empty" in said) and not any(len(rows) for rows in cuts):
             return  # it had not begun
         if said and "done to its end" not in said:
             raise Wrong(f"passo resume: {said}")

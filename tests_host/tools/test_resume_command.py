@@ -28,6 +28,8 @@ def part(tmp_path):
 
 def test_a_lost_pc(board, part, capsys):
     """The PC sends three lines and is gone: the board ends them, and goes on behind them without homing."""
+    with pytest.raises(Failure, match="journal is empty"):
+        resume.resume(part, board.line.name, 115200, yes=True)
     lines = gcode_file.read(part)
     with GrblClient(board.line.name) as client:
         client.connect()
