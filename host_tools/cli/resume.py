@@ -83,9 +83,14 @@ def _resume_gcode(file, port, baud, home, unverified, yes):
             raise Failure("the board has no journal (docs/jobs.md): {}; passo stream --from LINE needs none", refused) from None
         number, place, known = interrupted(said, lines, stored_job.crc(stored_job.gcode_job(file)) if plain else 0)
         print(_("{}: interrupted before line {}", file, number) if place is None else _("{}: interrupted in line {}", file, number))
+        if home and client.ask_status()["state"] == "Alarm":
+            client.reset()  # some alarms end by nothing else
         find_zero(known, home, unverified, client.home)
         if client.ask_status()["state"] == "Alarm":  # it came to its stand as it should: where it is remains known
-            client.command("$X")
+            try:
+                client.command("$X")
+            except Refused:
+                raise Failure("the machine is in alarm: give --home") from None
         state = client.ask_status()["state"]
         if state != "Idle":
             raise Failure("the machine has to be idle, and its state is {}", state)

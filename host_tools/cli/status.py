@@ -48,6 +48,7 @@ def status(
 
 def _grbl(port, baud):
     from host_tools.clients.grbl import GrblClient, Refused
+    from host_tools.clients.serial_port import LinkError
 
     with GrblClient(port, baud) as client:
         fields = {}
@@ -55,7 +56,10 @@ def _grbl(port, baud):
             fields = {**fields, **client.ask_status()}
             if "WCO" in fields and "Ov" in fields:
                 break
-        log = client.command("$LOG")
+        try:
+            log = client.command("$LOG")
+        except LinkError:  # lines that a program has left there are before it
+            return [*grbl_rows(fields, [], []), ("", _("log and encoders are told once the lines before are done"))]
         try:
             encoders = [line for line in client.command("$ENC") if line.startswith("[ENC:")]
         except Refused:

@@ -4,7 +4,7 @@ import pytest
 
 from host_tools.cli import jobs, resume
 from host_tools.programs.interrupted import interrupted, number_of
-from host_tools.clients.grbl import GrblClient, tagged
+from host_tools.clients.grbl import GrblClient, Refused, tagged
 from host_tools.failure import Failure
 from host_tools.programs import compiler, gcode_file
 from running_router import Running
@@ -78,6 +78,23 @@ def test_a_board_that_was_reset_has_to_home(board, part):
         resume.resume(part, board.line.name, 115200, yes=True)
     resume.resume(part, board.line.name, 115200, home=True, yes=True)
     assert board.position() == [0, 0, 0] and board.world.steps > 20_000
+
+
+def test_an_alarm_that_only_a_reset_ends(board, part):
+    """A line went out of the travel: where the machine is remains known, and `$X` and `$H` are refused."""
+    lines = gcode_file.read(part)
+    with GrblClient(board.line.name) as client:
+        client.connect()
+        client.command("$H", 600)
+        client.command(f"$JR={number_of(lines):08x}")
+        for number, line in lines[:2]:
+            client.command(tagged(number, line).decode())
+        with pytest.raises(Refused, match="alarm 2"):
+            client.command("G0 X9999")
+    with pytest.raises(Failure, match="in alarm: give --home"):
+        resume.resume(part, board.line.name, 115200, yes=True)
+    resume.resume(part, board.line.name, 115200, home=True, yes=True)
+    assert board.position() == [0, 0, 0]
 
 
 def test_a_stored_job_has_a_journal_too(part, tmp_path, capsys):

@@ -58,6 +58,17 @@ def test_of_each_language(board, options, wanted):
         assert rows == asked(running.port, *options), "asking changes nothing"
 
 
+@pytest.mark.unmeasured
+def test_behind_lines_that_a_program_has_left():
+    """State and places are told at once; what is asked by a line has to wait for those."""
+    with Board("--board", "mill_2004") as running:
+        with running.open() as client:
+            client.write(b"$X\nG21G91\n" + b"G1X1F10\nG1X-1\n" * 100)
+            client.read_until(b"ok")
+        rows = asked(running.port)
+        assert "Run" in rows["state"] and "mm/min" in rows["moves"] and "once the lines before are done" in rows[""]
+
+
 @pytest.mark.quick
 def test_a_language_without_a_word_for_it():
     result = CliRunner().invoke(app, ["status", "--port", "/dev/nothing", "--protocol", "keys"])
