@@ -1,6 +1,7 @@
 """`passo jobs`: programs kept on a board, which run without a PC."""
 
 import base64
+import contextlib
 import re
 import time
 from pathlib import Path
@@ -16,8 +17,10 @@ app = typer.Typer(help="Programs kept on the board: list, store, check, delete a
 
 _BYTES_A_LINE = 54
 _VERIFY_S = 120.0
+_MOST_REPORTS = 20  # until one has room for the job
 _MOST_UNSAID = 100  # ten seconds: not every report has room for it
 _FILE = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LANGUAGE:(\w+)\]")
+_RUNNING = re.compile(r"\[JOB:([^|]*)\|(\d+)\]")
 _FREE = re.compile(r"\[FREE:(\d+)\]")
 _UNKNOWN = (errors.STATEMENT, errors.NO_CONTROL)
 
@@ -26,18 +29,37 @@ Baud = Annotated[Optional[int], typer.Option(help="Bits per second of a serial p
 Protocol = Annotated[str, typer.Option(help="What the link of --port speaks: grbl, pulses or plotter.")]
 
 
+@contextlib.contextmanager
 def _connected(port, baud, protocol):
-    """The client of the language; its ask(line) sends `$F` lines."""
+    """The client of the language; its ask(line) sends `$F` lines. Raises Failure if the board refuses one because a stored job runs."""
     from host_tools.cli import ports
     from host_tools.cli.link import BAUD
     from host_tools.clients.grbl import GrblClient
     from host_tools.clients.plotter import PlotterClient
     from host_tools.clients.pulses import PulsesClient
+    from host_tools.clients.refusal import Refused
 
     kinds = {"grbl": GrblClient, "pulses": PulsesClient, "plotter": PlotterClient}
     if protocol not in kinds:
         raise Failure("--protocol is {}, not {!r}", ", ".join(kinds), protocol)
-    return kinds[protocol](port or ports.only(), baud or BAUD[protocol])
+    with kinds[protocol](port or ports.only(), baud or BAUD[protocol]) as client:
+        try:
+            yield client
+        except Refused as refused:
+            if refused.number == errors.COMMANDED_ELSEWHERE and (running := _running(client, protocol)):
+                raise Failure("the stored job {} runs: wait for its end, or stop it", running) from None
+            raise
+
+
+def _running(client, protocol):
+    """The name of the job that runs, or None."""
+    if protocol != "grbl":  # there `?` is a real-time byte
+        found = _RUNNING.search("\n".join(client.ask("$F?")))
+        return found and found[1]
+    for _report in range(_MOST_REPORTS):
+        if shown := client.ask_status().get("SD"):
+            return shown.partition(",")[2]
+    return None
 
 
 def _listed(client):
@@ -253,9 +275,8 @@ def _watch(client, name, text):
         while True:
             time.sleep(0.2)
             said = client.ask("$F?")
-            under_way = re.search(r"\[JOB:[^|]*\|(\d+)\]", "\n".join(said))
-            if under_way:
-                show(int(under_way[1]) / 100)
+            if under_way := _RUNNING.search("\n".join(said)):
+                show(int(under_way[2]) / 100)
                 continue
             ended = re.search(rf"\[ENDED:{re.escape(name)}\|(\d+)\|(\d+)\]", "\n".join(said))
             if not ended or ended[1] != "0":

@@ -140,6 +140,22 @@ def test_a_job_is_written_on_a_card_and_runs_there(tmp_path, part, capsys):
         running.close()
 
 
+def test_while_a_job_runs(tmp_path, part):
+    running = Running("real", jobs={"language": "grbl", "folder": str(tmp_path / "flash")})
+    port = running.line.name
+    try:
+        part.write_bytes(b"G91\nG1 X2 F60\nG1 X-2\n")
+        jobs.store(part, "PART", "grbl", check=False, port=port)
+        with jobs._connected(port, 115200, "grbl") as client:
+            client.command("$X")
+        jobs.run("PART", False, False, port, 115200)
+        for what in (lambda: jobs.delete("part", port, 115200), lambda: jobs.list_(port, 115200), lambda: jobs.run("PART", False, True, port, 115200)):
+            with pytest.raises(Failure, match="the stored job PART runs"):
+                what()
+    finally:
+        running.close()
+
+
 def test_a_board_without_jobs_says_so():
     running = Running("fast")
     try:
