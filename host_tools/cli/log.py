@@ -1,5 +1,7 @@
 """`passo log`: the errors and alarms of a board since its start, of all links."""
 
+import contextlib
+import time
 from typing import Optional
 
 import typer
@@ -41,22 +43,31 @@ def log(
 
 def spoken(port, baud):
     """Find the language of a link by its answer to `?`, which moves nothing in any: grbl answers with its status, pulses with an
-    error; torch does not answer, and logs it."""
-    import time
-
+    error; torch does not answer, and logs it. So is a link silent that a killed program has left in frames: its session is ended."""
+    from host_tools.clients.frames import OFFER_S, FramedPort
     from host_tools.clients.wire import open_port
 
-    line = open_port(port, baud)
-    try:
+    def question(line):
         line.timeout = _ANSWER_S
         line.write(b"?")
-        said = line.read(9)
-    finally:
-        line.close()
-    time.sleep(_QUIET_S)
+        return line.read(9)
+
+    said = _with(open_port(port, baud), question)
+    if not said or b"\0" in said:
+        with contextlib.suppress(OSError):
+            _with(FramedPort(open_port(port, baud)), lambda line: line.begin(OFFER_S))
+        said = _with(open_port(port, baud), question)
     if said[:1] == b"<":
         return "grbl"
     return "pulses" if b"error:" in said else "torch"
+
+
+def _with(line, ask):
+    try:
+        return ask(line)
+    finally:
+        line.close()
+        time.sleep(_QUIET_S)
 
 
 def _grbl(port, baud):

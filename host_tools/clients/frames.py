@@ -167,7 +167,7 @@ class FramedPort:
         """End the session. Behind LEAVE, which is said once, nothing is sent: the board takes it for its language."""
         self._expect_nothing()
         begun_ms = self._clock()
-        self._leaving = begun_ms - self._heard_ms <= _SILENT_MS
+        self._leaving = self._open and begun_ms - self._heard_ms <= _SILENT_MS
         if self._leaving:
             self._send(LEAVE, self._urgent)
         self._open, self._urgents, self._urgent_ms, self._owes_ms = False, [], None, None

@@ -3,8 +3,10 @@
 import pytest
 from typer.testing import CliRunner
 
+from host_tools import boards
 from host_tools.cli.main import app
 from host_tools.cli.status import grbl_rows
+from host_tools.clients.frames import FramedPort
 from host_tools.clients.grbl import fields_of
 from host_tools.failure import Failure
 from test_board_command import Board
@@ -67,6 +69,26 @@ def test_behind_lines_that_a_program_has_left():
             client.read_until(b"ok")
         rows = asked(running.port)
         assert "Run" in rows["state"] and "mm/min" in rows["moves"] and "once the lines before are done" in rows[""]
+
+
+@pytest.mark.unmeasured
+@pytest.mark.parametrize("reports", [True, False])
+def test_a_link_that_a_killed_program_has_left_in_frames(reports, tmp_path):
+    path = tmp_path / "framed.py"
+    board = boards.load("router_3axis")
+    board["links"][0]["frames"] = True
+    path.write_text(f"BOARD = {board!r}\n")
+    with Board("--board", path, links=2) as running:
+        with running.open() as client:
+            framed = FramedPort(client)
+            assert framed.begin(10)
+            if reports:
+                framed.report(20, b"?")
+            else:
+                framed.urgent(b"?")
+            while b">" not in framed.read(100):
+                pass
+        assert "Alarm" in asked(running.port)["state"]
 
 
 @pytest.mark.quick
