@@ -73,15 +73,16 @@ def test_a_page_while_three_axes_step(show):
     rows = machine.trace.rows()[known:]
     places = [each["px"] for each in events(air.heard[pages[0]])[pushed:]]
     worst = worst_us(rows, STEPS, RATE)
+    passed = machine.now_ms() - begun
     show(
         "HTTP on a Pico W, three axes stepping",
         f"{alone.free} bytes free without clients, {served.free} with two pages ({served.largest} in one piece); {len(places)} pushes in "
-        f"{machine.now_ms() - begun:.0f} ms; answers "
+        f"{passed:.0f} ms; answers "
         + ", ".join(f"{path} {min(found):.0f} to {max(found):.0f} ms" for path, found in latencies.items())
         + f"; steps at most {worst:.1f} us off",
     )
     assert served.free >= LEAST_FREE
     assert worst < LATEST_US and status["error"] == 0 and (status["x"], status["y"]) == (STEPS, -STEPS)
-    assert len(places) >= 4 and places == sorted(places) and len(set(places)) > 3
+    assert len(places) >= 5 * passed / 1000 - 1 and places == sorted(places) and len(set(places)) > 3
     assert len(events(air.heard[pages[1]])) >= 4
     assert not machine.plant.errors
