@@ -7,10 +7,12 @@ import typer
 
 from host_tools.cli.lead_in import prepared
 from host_tools.cli.link import BAUD
+from host_tools.clients.refusal import Refused
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.programs.interrupted import ended, interrupted
 from host_tools.programs.job_record import find_zero
+from passo import errors
 
 
 Protocol = Annotated[Optional[str], typer.Option(help="grbl, pulses or plotter; default by the file's name.")]
@@ -68,7 +70,7 @@ def _resume_plotter(*arguments):
 
 def _resume_gcode(file, port, baud, home, unverified, yes):
     from host_tools.cli.stream import Panel
-    from host_tools.clients.grbl import GrblClient, Refused
+    from host_tools.clients.grbl import GrblClient
     from host_tools.programs import compiler, gcode_file, stored_job
 
     program = compiler.read(file)
@@ -83,9 +85,7 @@ def _resume_gcode(file, port, baud, home, unverified, yes):
             raise Failure("the board has no journal (docs/jobs.md): {}; passo stream --from LINE needs none", refused) from None
         number, place, known = interrupted(said, lines, stored_job.crc(stored_job.gcode_job(file)) if plain else 0)
         print(_("{}: interrupted before line {}", file, number) if place is None else _("{}: interrupted in line {}", file, number))
-        if home and client.ask_status()["state"] == "Alarm":
-            client.reset()  # some alarms end by nothing else
-        find_zero(known, home, unverified, client.home)
+        find_zero(known, home, unverified, lambda: _home(client))
         if client.ask_status()["state"] == "Alarm":  # it came to its stand as it should: where it is remains known
             try:
                 client.command("$X")
@@ -100,6 +100,16 @@ def _resume_gcode(file, port, baud, home, unverified, yes):
                 panel.done(done)
             client.wait_idle(panel.cycle)
         print(_("{}: done, unverified", file) if unverified and not known else _("{}: done", file))
+
+
+def _home(client):
+    try:
+        client.home()
+    except Refused as refused:
+        if refused.number != errors.LOCKED:
+            raise
+        client.reset()  # nothing else ends that alarm
+        client.home()
 
 
 def _settled(client):

@@ -290,6 +290,25 @@ def check_a_link_that_is_not_there():
     assert two.controller.machine.commander == 0
 
 
+def check_the_tool_is_off_after_a_hand_over():
+    """Taken by another link at rest, or given away; and no line brings it back before the next M3."""
+    for take in (lambda two: two.packet("LINK"), lambda two: two.line("$LINK=2")):
+        two = Two()
+        two.machine.do("$X", "M3 S1000", "M8", "G1 X1 F600")
+        two.machine.settle()
+        assert two.machine.world.tool
+        take(two)
+        two.machine.cycles(20)
+        assert not two.machine.world.tool and two.controller.machine.commander == 1
+        two.machine.do("$LINK=0", "G1 X2")
+        two.machine.settle()
+        assert not two.machine.world.tool
+        assert "M5 M9" in two.machine.ask("$G")[0]
+        two.machine.do("M3", "G1 X3")
+        two.machine.settle()
+        assert two.machine.world.tool
+
+
 def check_what_waited_is_refused_after_the_hand_over():
     """A command that was let in and waits its turn still needs the command when its turn comes."""
     two = Two(commands="draw")

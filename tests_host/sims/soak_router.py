@@ -694,6 +694,7 @@ class Router(Cabled):
         self.machine.plant.errors.clear()
         self.known = self.homed = bool(self.machine.app.controller.machine.homed)
         self.open_frames()
+        self.links["serial"].hear()  # the banner of a board that was switched on
         if said and not any(text in said for text in REFUSES):
             raise Wrong(f"passo resume: {said}")
         if said and "done to its end" not in said:

@@ -32,8 +32,7 @@ class Links:
         if number != machine.commander:
             if machine.lender >= 0 or machine.state not in ("idle", "alarm", "sleep") or not self._queue.still():
                 return errors.BUSY
-            machine.commander = number
-            machine.forget()
+            machine.hand_over(number)
             machine.tell(Event(DROPPED, None, errors.COMMANDED_ELSEWHERE, command))
             machine.notice(errors.NOTICE_HANDED_OVER)
             alarm = machine.alarm

@@ -25,6 +25,7 @@ this record and the queue, and no other feature: what it wants of another one it
     homing()                homing begins
     release()               the safe state, at once
     switch_off()            outputs off until the next reset
+    handed_over()           another link commands: the tool goes off
     restart()               as after power-up
     show_outputs(on)        False: the door holds the machine; True: it goes on
 
@@ -278,6 +279,12 @@ class MachineState:
         self._call("clear")
         self.drawing = self.jogging = self.active = self.fresh = False
         self.command = None
+
+    def hand_over(self, number):
+        """Link `number` commands: nothing that another link has begun goes on, nor its tool."""
+        self.commander = number
+        self.forget()
+        self._call("handed_over")
 
     def lose_place(self):
         """Nobody knows any more where the motors are."""

@@ -49,6 +49,8 @@ class Tools:
             self._queue.rest(False)
         self.show_outputs(False)
 
+    handed_over = switch_off
+
     def poll_end(self, still):
         """Switch off a laser whose power follows the speed while nothing moves (`still`)."""
         machine = self._machine

@@ -337,6 +337,9 @@ class Grbl:
 
     def push(self, event):
         """The bytes of what the machine says unasked."""
+        if event.kind in (ALARM, DROPPED):
+            self.gcode.leave_batch()
+            self.gcode.spindle, self.gcode.coolant = 5, 0  # they are off, and no line is to bring them back
         if event.kind == ALARM:
             return b"ALARM:%d\r\n" % (event.error - _ALARMS) if event.error > _ALARMS else b""
         if event.kind == NOTICE and event.error == errors.NOTICE_JOB_ENDED:
