@@ -249,6 +249,7 @@ print(i)
 FUNCTIONS = "[getattr(cordic, name) for name in dir(cordic) if type(getattr(cordic, name)) is type(in_flash)]"
 
 
+@pytest.mark.slow
 def test_a_module_is_overwritten_without_a_reset(pico):
     """Its blocks are free for littlefs then, which fills the whole disk; those with code in use are not erased."""
     pico.exec(BEGIN + WHERE + "from passo.motion import integers, cordic\ncode.finish()\n")

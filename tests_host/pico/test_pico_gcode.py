@@ -128,6 +128,7 @@ def test_a_router_as_it_is_has_memory_for_its_arcs(uf2):
         assert ANSWER.search(ask(line))[2] == b"ok", line
 
 
+@pytest.mark.slow
 def test_lines_sent_without_waiting_are_answered(uf2):
     """At the wire's full speed, each of them taking longer than it takes to arrive: none is lost without a word."""
     machine = EmulatedMachine("router_3axis", trace=None).boot()

@@ -23,7 +23,7 @@ def zigzag(count, step):
     return [f"G1 X{step * (i + 1):.3f} Y{(i % 2) * 0.5:.3f} F4000" for i in range(count)]
 
 
-@pytest.mark.parametrize("one_by_one", [True, False], ids=["ok", "characters"])
+@pytest.mark.parametrize("one_by_one", [pytest.param(True, marks=pytest.mark.slow), False], ids=["ok", "characters"])
 def test_grbl_streamer(board, one_by_one):
     module = pytest.importorskip("grbl_streamer")
     said = []

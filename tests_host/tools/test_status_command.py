@@ -60,6 +60,7 @@ def test_of_each_language(board, options, wanted):
         assert rows == asked(running.port, *options), "asking changes nothing"
 
 
+@pytest.mark.slow
 @pytest.mark.unmeasured
 def test_behind_lines_that_a_program_has_left():
     """State and places are told at once; what is asked by a line has to wait for those."""
@@ -72,7 +73,7 @@ def test_behind_lines_that_a_program_has_left():
 
 
 @pytest.mark.unmeasured
-@pytest.mark.parametrize("reports", [True, False])
+@pytest.mark.parametrize("reports", [True, pytest.param(False, marks=pytest.mark.slow)])
 def test_a_link_that_a_killed_program_has_left_in_frames(reports, tmp_path):
     path = tmp_path / "framed.py"
     board = boards.load("router_3axis")
