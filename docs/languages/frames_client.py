@@ -110,7 +110,7 @@ class Board:
             self.flying = 0
         elif kind == TAKEN and number == self.urgent:
             self.first, self.urgent, self.taken = ack, (self.urgent + 1) % NUMBERS, True
-        elif kind == DATA and self.open:  # a board that has been left, or reset, takes frames for its language
+        elif kind == DATA and self.open:  # else the board may read plain text
             known = (self.wanted - number) % NUMBERS
             if known > NUMBERS // 2:
                 self.ask_again()

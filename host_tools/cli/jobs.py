@@ -17,7 +17,7 @@ app = typer.Typer(help="Programs kept on the board: list, store, check, delete a
 
 _BYTES_A_LINE = 54
 _VERIFY_S = 120.0
-_MOST_REPORTS = 20  # until one has room for the job
+_MOST_REPORTS = 20  # asked for the job's name: not each has it
 _MOST_UNSAID = 100  # ten seconds: not every report has room for it
 _FILE = re.compile(r"\[FILE:(.+)\|SIZE:(\d+)\|STORED:(\d+)\|CRC:([0-9a-f]+)\|LANGUAGE:(\w+)\]")
 _RUNNING = re.compile(r"\[JOB:([^|]*)\|(\d+)\]")
@@ -53,7 +53,7 @@ def _connected(port, baud, protocol):
 
 def _running(client, protocol):
     """The name of the job that runs, or None."""
-    if protocol != "grbl":  # there `?` is a real-time byte
+    if protocol != "grbl":  # grbl takes the `?` of `$F?` for its real-time command
         found = _RUNNING.search("\n".join(client.ask("$F?")))
         return found and found[1]
     for _report in range(_MOST_REPORTS):

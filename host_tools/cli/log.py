@@ -43,7 +43,9 @@ def log(
 
 def spoken(port, baud):
     """Find the language of a link by its answer to `?`, which moves nothing in any: grbl answers with its status, pulses with an
-    error; torch does not answer, and logs it. So is a link silent that a killed program has left in frames: its session is ended."""
+    error; torch does not answer, and logs it. A link that a killed program left in frames does not answer in plain text either: end
+    that session, then ask again. `passo --no-frames` skips that."""
+    from host_tools.clients import serial_port
     from host_tools.clients.frames import OFFER_S, FramedPort
     from host_tools.clients.wire import open_port
 
@@ -53,8 +55,8 @@ def spoken(port, baud):
         return line.read(9)
 
     said = _with(open_port(port, baud), question)
-    if not said or b"\0" in said:
-        with contextlib.suppress(OSError):
+    if (not said or b"\0" in said) and serial_port.frames is not False:
+        with contextlib.suppress(OSError):  # a session that does not end: the language is not found then, and the caller says so
             _with(FramedPort(open_port(port, baud)), lambda line: line.begin(OFFER_S))
         said = _with(open_port(port, baud), question)
     if said[:1] == b"<":
@@ -63,6 +65,7 @@ def spoken(port, baud):
 
 
 def _with(line, ask):
+    """Return ask(line) and close `line`; then wait until the board takes what comes next for something new."""
     try:
         return ask(line)
     finally:

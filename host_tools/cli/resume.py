@@ -89,7 +89,9 @@ def _resume_gcode(file, port, baud, home, unverified, yes):
         if client.ask_status()["state"] == "Alarm":  # it came to its stand as it should: where it is remains known
             try:
                 client.command("$X")
-            except Refused:
+            except Refused as refused:
+                if refused.number != errors.LOCKED:
+                    raise
                 raise Failure("the machine is in alarm: give --home") from None
         state = client.ask_status()["state"]
         if state != "Idle":
@@ -103,12 +105,13 @@ def _resume_gcode(file, port, baud, home, unverified, yes):
 
 
 def _home(client):
+    """Home the machine. Reset it first if it is in an alarm in which `$H` is refused."""
     try:
         client.home()
     except Refused as refused:
         if refused.number != errors.LOCKED:
             raise
-        client.reset()  # nothing else ends that alarm
+        client.reset()
         client.home()
 
 

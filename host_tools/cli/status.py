@@ -58,8 +58,9 @@ def _grbl(port, baud):
                 break
         try:
             log = client.command("$LOG")
-        except LinkError:  # lines that a program has left there are before it
-            return [*grbl_rows(fields, [], []), ("", _("log and encoders are told once the lines before are done"))]
+        except LinkError:
+            fields = {**fields, **client.ask_status()}  # raises if the link is gone; else lines that were sent before hold $LOG up
+            return [*grbl_rows(fields, [], []), ("", _("no log, no encoders: they are answered after the lines sent before"))]
         try:
             encoders = [line for line in client.command("$ENC") if line.startswith("[ENC:")]
         except Refused:

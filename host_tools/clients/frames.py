@@ -164,7 +164,8 @@ class FramedPort:
         return True
 
     def _leave(self):
-        """End the session. Behind LEAVE, which is said once, nothing is sent: the board takes it for its language."""
+        """End the session: send LEAVE once, then nothing until TAKEN, for at most 50 ms. A board that has taken LEAVE reads the bytes of a
+        frame as its language."""
         self._expect_nothing()
         begun_ms = self._clock()
         self._leaving = self._open and begun_ms - self._heard_ms <= _SILENT_MS

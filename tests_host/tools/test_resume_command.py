@@ -26,17 +26,22 @@ def part(tmp_path):
     return path
 
 
+def begin(client, lines, count):
+    """Home, and send the first `count` lines as passo stream does."""
+    client.connect()
+    client.command("$H", 600)
+    client.command(f"$JR={number_of(lines):08x}")
+    for number, line in lines[:count]:
+        client.command(tagged(number, line).decode())
+
+
 def test_a_lost_pc(board, part, capsys):
     """The PC sends three lines and is gone: the board ends them, and goes on behind them without homing."""
     with pytest.raises(Failure, match="journal is empty"):
         resume.resume(part, board.line.name, 115200, yes=True)
     lines = gcode_file.read(part)
     with GrblClient(board.line.name) as client:
-        client.connect()
-        client.command("$H", 600)
-        client.command(f"$JR={number_of(lines):08x}")
-        for number, line in lines[:3]:
-            client.command(tagged(number, line).decode())
+        begin(client, lines, 3)
     resume.resume(part, board.line.name, 115200, yes=True)
     assert "interrupted before line 4" in capsys.readouterr().out
     assert board.position() == [0, 0, 0]
@@ -58,11 +63,7 @@ def test_a_compiled_program(board, tmp_path, capsys):
     listing.write_text(program.listing.text(program.texts))
     for file, lines in ((part, list(program.rows())), (listing, gcode_file.read(listing))):
         with GrblClient(board.line.name) as client:
-            client.connect()
-            client.command("$H", 600)
-            client.command(f"$JR={number_of(lines):08x}")
-            for number, line in lines[:5]:
-                client.command(tagged(number, line).decode())
+            begin(client, lines, 5)
             client.wait_idle()
         resume.resume(file, board.line.name, 115200, yes=True)
         assert f"interrupted before line {lines[5][0]}" in capsys.readouterr().out
@@ -84,11 +85,7 @@ def test_an_alarm_that_only_a_reset_ends(board, part):
     """A line went out of the travel: where the machine is remains known, and `$X` and `$H` are refused."""
     lines = gcode_file.read(part)
     with GrblClient(board.line.name) as client:
-        client.connect()
-        client.command("$H", 600)
-        client.command(f"$JR={number_of(lines):08x}")
-        for number, line in lines[:2]:
-            client.command(tagged(number, line).decode())
+        begin(client, lines, 2)
         with pytest.raises(Refused, match="alarm 2"):
             client.command("G0 X9999")
     with pytest.raises(Failure, match="in alarm: give --home"):

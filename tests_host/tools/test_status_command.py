@@ -69,7 +69,7 @@ def test_behind_lines_that_a_program_has_left():
             client.write(b"$X\nG21G91\n" + b"G1X1F10\nG1X-1\n" * 100)
             client.read_until(b"ok")
         rows = asked(running.port)
-        assert "Run" in rows["state"] and "mm/min" in rows["moves"] and "once the lines before are done" in rows[""]
+        assert "Run" in rows["state"] and "mm/min" in rows["moves"] and "after the lines sent before" in rows[""]
 
 
 @pytest.mark.unmeasured

@@ -25,7 +25,7 @@ this record and the queue, and no other feature: what it wants of another one it
     homing()                homing begins
     release()               the safe state, at once
     switch_off()            outputs off until the next reset
-    handed_over()           another link commands: the tool goes off
+    handed_over()           another link commands: switch the tool off; outputs stay, one may hold the work
     restart()               as after power-up
     show_outputs(on)        False: the door holds the machine; True: it goes on
 
@@ -281,7 +281,7 @@ class MachineState:
         self.command = None
 
     def hand_over(self, number):
-        """Link `number` commands: nothing that another link has begun goes on, nor its tool."""
+        """Give the command to link `number`: drop all work, switch the tool off."""
         self.commander = number
         self.forget()
         self._call("handed_over")

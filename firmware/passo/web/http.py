@@ -30,7 +30,7 @@ _LOOK_MS = const(50)  # between two looks for who takes too long
 _SENT_MS = const(10_000)  # and its answer has been taken
 _ALIVE_MS = const(2000)  # a WebSocket without a sign of life is asked for one
 _GONE_MS = const(8000)  # and given up
-_PUSH_MS = const(170)  # with a turn of the main loop below 200
+_PUSH_MS = const(170)  # a pass of the main loop comes on top: five pushes a second, or more
 _PUSHED = const(255)  # the number of the request whose answer is pushed
 _MOST_S = const(60)  # requests a second for the machine
 _BEGIN = b'<!doctype html><meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>Passo</title><link rel="icon" href="data:,"><pre id="answer">'

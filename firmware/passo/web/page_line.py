@@ -20,7 +20,7 @@ from passo.web.api import Api
 from passo.web.pages import Pages
 from passo.web.websocket import TEXT, frame
 
-_ASK_MS = const(170)  # between two reports, while no jog goes on: with looks and turns below 200
+_ASK_MS = const(170)  # between two reports, while no jog goes on. Polls and passes add up to 30: five a second, or more
 _POLL_MS = const(20)  # between two looks at what is to be done, while no jog goes on
 _PAGES = const(4)  # at once: each takes 2 to 4 kB
 _FRESH_MS = const(150)  # between two pushes, each behind a report

@@ -339,7 +339,7 @@ class Grbl:
         """The bytes of what the machine says unasked."""
         if event.kind in (ALARM, DROPPED):
             self.gcode.leave_batch()
-            self.gcode.spindle, self.gcode.coolant = 5, 0  # they are off, and no line is to bring them back
+            self.gcode.spindle, self.gcode.coolant = 5, 0  # the machine has switched them off: G1 without M3 must not light the tool
         if event.kind == ALARM:
             return b"ALARM:%d\r\n" % (event.error - _ALARMS) if event.error > _ALARMS else b""
         if event.kind == NOTICE and event.error == errors.NOTICE_JOB_ENDED:
