@@ -24,12 +24,14 @@ _SAG = 0.0005  # mm between an arc and the chords that it is checked by
 
 @dataclass
 class Piece:
-    """A line, or an arc of less than a turn or a whole one, of which start and end are the same."""
+    """A line, or an arc of less than a turn, or a whole one: of that start and end are the same, but so may be those of an arc of which
+    next to nothing is left."""
 
     start: complex
     end: complex
     centre: complex | None = None
     clockwise: bool = False
+    whole: bool = False
 
     def __post_init__(self):
         self.start, self.end = complex(self.start), complex(self.end)
@@ -43,9 +45,9 @@ class Piece:
     @property
     def sweep(self):
         """Radians, positive in either direction."""
-        if abs(self.start - self.end) < SMALL:
+        if self.whole:
             return math.tau
-        return self.angle_to(self.end)
+        return self.angle_to(self.end) if abs(self.start - self.end) > SMALL else 0.0
 
     def angle_to(self, point):
         """Radians from the start to `point`, in the arc's direction, 0 … 2π."""
@@ -114,7 +116,7 @@ def offset(contour, side, radius):
             elif turn > _SMOOTH or origin != number - 1:
                 path[-1], beside = _meet(path[-1], beside, number)
             else:
-                beside = _shortened(beside, before.end, beside.end)
+                beside = _shortened(beside, before.end, beside.end, beside.whole)
         path.append((beside, number))
     return path
 
@@ -154,12 +156,12 @@ def _beside(piece, left):
     if piece.centre is not None:
         if piece.radius + (left if piece.clockwise else -left) < SMALL:
             return None
-    return _shortened(piece, piece.beside(piece.start, left), piece.beside(piece.end, left))
+    return _shortened(piece, piece.beside(piece.start, left), piece.beside(piece.end, left), piece.whole)
 
 
-def _shortened(piece, start, end):
+def _shortened(piece, start, end, whole=False):
     moved = Piece.__new__(Piece)
-    moved.start, moved.end, moved.centre, moved.clockwise = start, end, piece.centre, piece.clockwise
+    moved.start, moved.end, moved.centre, moved.clockwise, moved.whole = start, end, piece.centre, piece.clockwise, whole
     return moved
 
 
@@ -173,9 +175,8 @@ def _meet(before, beside, number):
         raise _misfit(origin, number)
     # Of two crossings the first one on the way: what lies behind it would be cut into.
     point = min(found, key=lambda point: _along(beside, point) - _along(first, point))
-    whole = first.centre is not None and abs(first.start - first.end) < SMALL
     cut = _shortened(first, first.start, point)
-    if abs(cut.start - cut.end) < SMALL and whole:
+    if abs(cut.start - cut.end) < SMALL and first.whole:
         raise _misfit(origin, number)
     return (cut, origin), _shortened(beside, point, beside.end)
 

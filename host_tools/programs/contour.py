@@ -6,10 +6,12 @@ contour, and so is the path against the ten pieces before and behind, as control
 away is a warning, because several passes of a pocket may overlap.
 """
 
+import math
+
 from host_tools.language import _
-from host_tools.programs.compensation import SMALL, Piece, gouges, lead, offset
+from host_tools.programs.compensation import SMALL, TOUCH, Piece, gouges, lead, offset
 from host_tools.programs.program_errors import (
-    COMPENSATED, DOES_NOT_FIT, ENTRY, ENTRY_GOUGES, EXIT_GOUGES, GOUGES, PLANE, ProgramError,
+    ARC, COMPENSATED, DOES_NOT_FIT, ENTRY, ENTRY_GOUGES, EXIT_GOUGES, GOUGES, PLANE, ProgramError,
 )  # fmt: skip
 
 LOOK_AHEAD = 10
@@ -52,7 +54,7 @@ class Contour:
         if piece.length > SMALL:
             self._motions.append(_Motion(source, piece, heights, rapid, feed))
 
-    def arc(self, begin, end, plane, clockwise, centre, feed, turns, source):
+    def arc(self, begin, end, plane, clockwise, centre, feed, sweep, turns, source):
         if plane != 17:
             raise ProgramError(PLANE, "radius compensation")
         if turns > 1:
@@ -60,7 +62,15 @@ class Contour:
         if not any(motion.piece for motion in self._motions):
             raise ProgramError(ENTRY, "an arc")
         start = complex(*begin[:2])
-        piece = Piece(start, complex(*end[:2]), start + complex(*centre), clockwise)
+        last = complex(*end[:2])
+        if sweep > math.pi and abs(last - start) < _SHORTEST:
+            piece = Piece(start, start, start + complex(*centre), clockwise, True)
+        else:
+            piece = Piece(start, last, start + complex(*centre), clockwise)
+            if abs(last - start) < SMALL:
+                piece = None
+            elif sweep > math.pi and abs(piece.centre - start - complex(*centre)) > 2 * TOUCH:
+                raise ProgramError(ARC, "its ends are not equally far from its centre, with radius compensation")
         self._motions.append(_Motion(source, piece, (begin[2], end[2]), False, feed))
 
     # --- the end
@@ -169,7 +179,7 @@ class Contour:
                 self._path.put_line([point.real, point.imag, height], True, 0.0, motion.source)
         elif piece.length > _SHORTEST:
             centre = piece.centre - piece.start
-            self._path.put_arc(17, piece.clockwise, end, (centre.real, centre.imag), motion.feed, 1, motion.source)
+            self._path.put_arc(17, piece.clockwise, end, (centre.real, centre.imag), motion.feed, piece.sweep, 1, motion.source)
 
     def _still(self, motion):
         """A motion of Z alone, or a word."""

@@ -12,6 +12,8 @@ import math
 import re
 from dataclasses import dataclass
 
+from host_tools.programs.toolpath import sweep_of
+
 _WORD = re.compile(rb"([A-Z])([-+]?\d*\.?\d*)")
 _STRAIGHT = math.cos(math.radians(10))
 _DEFAULT_SPEED, _DEFAULT_ACCELERATION = 1000.0, 200.0
@@ -147,7 +149,7 @@ def _arc(begun, target, values, state):
     radius = math.hypot(*centre)
     start = math.atan2(-centre[1], -centre[0])
     end = math.atan2(across[1] - centre[1], across[0] - centre[0])
-    sweep = (start - end if clockwise else end - start) % (2 * math.pi) or 2 * math.pi
+    sweep = sweep_of((0.0, 0.0), across, centre, clockwise, values[b"R"] < 0 if b"R" in values else None)
     sweep += 2 * math.pi * max(0.0, values.get(b"P", 1.0) - 1)
     way = radius * sweep
     rise = target[third] - begun[third]

@@ -16,6 +16,7 @@ import math
 from host_tools.programs.contour import Contour
 from host_tools.programs.listing import Stroke
 from host_tools.programs.program_errors import ARC, RANGE, UNKNOWN_PLACE, ProgramError
+from passo.control.arcs import over_half
 
 PLANES = {17: (0, 1, 2), 18: (2, 0, 1), 19: (1, 2, 0)}
 AXES = "XYZ"
@@ -73,20 +74,22 @@ class Toolpath:
             self._leave(rapid, feed)
         self.put_line(target, rapid, feed)
 
-    def arc(self, plane, clockwise, target, centre, feed, turns=1):
+    def arc(self, plane, clockwise, target, centre, feed, turns=1, sweep=None):
         """An arc to `target` around `centre`, (first, second axis of the plane) in mm from its start, as a helix if the third axis
-        changes. Raises ProgramError if the ends do not lie on one circle."""
+        changes. `sweep`: sweep_of() it. Raises ProgramError if the ends do not lie on one circle."""
         first, second, _ = PLANES[plane]
         begin = [self.known(first), self.known(second)]
         end = [old if new is None else new for old, new in zip(self.place, target)]
         check_arc(begin, (end[first], end[second]), centre)
+        if sweep is None:
+            sweep = sweep_of(begin, (end[first], end[second]), centre, clockwise)
         before, self.place = self.place, end
         if self.contour:
-            self.contour.arc(before, end, plane, clockwise, centre, feed, turns, self.source)
+            self.contour.arc(before, end, plane, clockwise, centre, feed, sweep, turns, self.source)
             return
         if self._beside:
             raise ProgramError(ARC, "the first motion behind G40 is straight")
-        self.put_arc(plane, clockwise, end, centre, feed, turns)
+        self.put_arc(plane, clockwise, end, centre, feed, sweep, turns)
 
     def compensate(self, side, radius):
         """Go beside the contour from the next motion on. `side`: compensation.LEFT or RIGHT."""
@@ -118,27 +121,35 @@ class Toolpath:
         for axis, value in enumerate(target):
             if value is not None and _rounded(value) != self._there[axis]:
                 self._there[axis] = _rounded(value)
-                words.append(AXES[axis] + number(value))
+                words.append(AXES[axis] + number(self._there[axis] / 1e5))
         if words:
             code = f"G{0 if rapid else 1} {' '.join(words)}" + ("" if rapid else self._feed_word(feed))
             points = [_shown(begin, self._there), _shown(self._there, self._there)]
             self._add(code, source, rapid, points)
 
-    def put_arc(self, plane, clockwise, end, centre, feed, turns=1, source=None):
-        """Append an arc; a line in place of one that is so short that its rounded ends would make a whole turn of it."""
+    def put_arc(self, plane, clockwise, end, centre, feed, sweep, turns=1, source=None):
+        """Append an arc of `sweep` radians, and `turns` - 1 whole ones; a line in place of one that is so short that its rounded ends
+        would make a whole turn of it."""
         first, second, third = PLANES[plane]
         begin = self._there[:]
+        ends = [_rounded(each) for each in end]
+        around = _rounded(centre[0]), _rounded(centre[1])
         chord = math.hypot(end[first] - begin[first] / 1e5, end[second] - begin[second] / 1e5)
-        if chord < _SHORTEST_ARC_MM and turns == 1 and _under_half(begin, end, first, second, centre, clockwise):
+        last = rounded_end((begin[first], begin[second]), (ends[first], ends[second]), around, clockwise, sweep)
+        if last is None and turns > 1:
+            sweep, turns = math.tau, turns - 1
+            last = begin[first], begin[second]
+        if last is None or chord < _SHORTEST_ARC_MM and turns == 1 and sweep < math.pi:
             self.put_line(end, False, feed, source)
             return
-        middle = [begin[first] + _rounded(centre[0]), begin[second] + _rounded(centre[1])]
+        ends[first], ends[second] = last
+        middle = [begin[first] + around[0], begin[second] + around[1]]
         words = []
         for axis in range(3):
-            if axis in (first, second) or end[axis] is not None and _rounded(end[axis]) != self._there[axis]:
-                self._there[axis] = _rounded(end[axis])
-                words.append(AXES[axis] + number(end[axis]))
-        words += [_CENTRES[first] + number(centre[0]), _CENTRES[second] + number(centre[1])]
+            if axis in (first, second) or ends[axis] is not None and ends[axis] != self._there[axis]:
+                self._there[axis] = ends[axis]
+                words.append(AXES[axis] + number(ends[axis] / 1e5))
+        words += [_CENTRES[first] + number(around[0] / 1e5), _CENTRES[second] + number(around[1] / 1e5)]
         if turns > 1:
             words.append(f"P{turns}")
         if plane != self.listing.plane:
@@ -146,7 +157,7 @@ class Toolpath:
             words.insert(0, f"G{plane}")
         code = f"G{2 if clockwise else 3} {' '.join(words)}" + self._feed_word(feed)
         points = arc_points(_shown(begin, self._there), _shown(self._there, self._there), plane, clockwise,
-                            [each / 1e5 for each in middle], turns)  # fmt: skip
+                            [each / 1e5 for each in middle], sweep + math.tau * (turns - 1))  # fmt: skip
         self._add(code, source, False, points)
 
     def _feed_word(self, feed):
@@ -162,12 +173,37 @@ class Toolpath:
         self.listing.add(code, source, Stroke(source, rapid, points))
 
 
-def _under_half(begin, end, first, second, centre, clockwise):
-    """True of an arc of less than half a turn; one that ends where it began is a whole one."""
-    before = -centre[0], -centre[1]
-    after = end[first] - begin[first] / 1e5 - centre[0], end[second] - begin[second] / 1e5 - centre[1]
-    turn = before[0] * after[1] - before[1] * after[0]
-    return turn != 0 and (turn < 0) == clockwise
+def sweep_of(begin, end, centre, clockwise, long=None):
+    """Radians of the arc around `centre` (from `begin`), a whole turn at most, by the words of the program before any rounding.
+
+    The firmware's rule: an end that is less than 5·10⁻⁷ rad ahead of the start closes the circle. `long`: whether the arc is over half a
+    turn, where the program says that itself, by the sign of R.
+    """
+    x, y = end[0] - begin[0], end[1] - begin[1]
+    before, after = (-centre[0], -centre[1]), (x - centre[0], y - centre[1])
+    cross, dot = before[0] * after[1] - before[1] * after[0], before[0] * after[0] + before[1] * after[1]
+    turn = math.atan2(-cross if clockwise else cross, dot)
+    if dot <= 0:
+        return turn % math.tau
+    if over_half(x, y, *centre, clockwise) if long is None else long:
+        return math.tau + min(turn, 0.0)
+    return max(turn, 0.0)
+
+
+def rounded_end(begin, end, centre, clockwise, sweep):
+    """The end of an arc of `sweep` radians, in units of the listing: `end`, or up to three units before it, if rounding has brought the
+    end of a nearly whole turn ahead of its start. None: a short arc that would become a whole turn."""
+    if sweep == math.tau and math.dist(begin, end) < 1.5:
+        return begin
+    spoke = -centre[0], -centre[1]
+    back = (1 if clockwise else -1) / math.hypot(*spoke)
+    for by in range(4):
+        moved = end[0] - round(spoke[1] * back * by), end[1] + round(spoke[0] * back * by)
+        if abs(sweep_of(begin, moved, centre, clockwise) - sweep) < math.pi:
+            return moved
+        if sweep < math.pi:
+            return None
+    return begin
 
 
 def check_arc(begin, end, centre):
@@ -191,17 +227,12 @@ def centre_of(begin, end, radius, clockwise):
     return across / 2 - along * height, along / 2 + across * height
 
 
-def arc_points(begin, end, plane, clockwise, middle, turns=1, sag=0.01):
-    """Points on an arc or helix, for a picture or a check; chords are at most `sag` mm from it."""
+def arc_points(begin, end, plane, clockwise, middle, sweep, sag=0.01):
+    """Points on an arc or helix of `sweep` radians, for a picture or a check; chords are at most `sag` mm from it."""
     first, second, third = PLANES[plane]
     spoke = begin[first] - middle[0], begin[second] - middle[1]
     radius = math.hypot(*spoke)
     start = math.atan2(spoke[1], spoke[0])
-    sweep = math.atan2(end[second] - middle[1], end[first] - middle[0]) - start
-    sweep = (-sweep if clockwise else sweep) % math.tau
-    if sweep < 1e-6:
-        sweep = math.tau
-    sweep += math.tau * (turns - 1)
     count = max(2, math.ceil(sweep / max(0.02, 2 * math.acos(max(-1.0, 1 - sag / max(radius, sag))))))
     points = []
     for each in range(count + 1):

@@ -7,7 +7,7 @@ from host_tools.programs.ngc.codes import CYCLES, PROBES
 from host_tools.programs.program_errors import (
     ARC, MISSING, NO_FEED, NO_SPINDLE, NOT_ON_BOARD, PLANE, RANGE, ProgramError,
 )  # fmt: skip
-from host_tools.programs.toolpath import AXES, PLANES, centre_of, number
+from host_tools.programs.toolpath import AXES, PLANES, centre_of, number, sweep_of
 
 
 class Motions:
@@ -116,16 +116,17 @@ class Motions:
         if "r" in self.words:
             if target[first] is None and target[second] is None:
                 raise ProgramError(MISSING, "{} or {}", AXES[first], AXES[second])
-            centre = centre_of(begin, end, self.words.pop("r") * self.scale, clockwise)
+            radius = self.words.pop("r") * self.scale
+            centre = centre_of(begin, end, radius, clockwise)
+            sweep = sweep_of(begin, end, centre, clockwise, radius < 0)
         else:
             centre = self._centre(first, second, begin)
+            sweep = sweep_of(begin, end, centre, clockwise)
         radius = math.hypot(*centre)
-        turn = math.atan2(end[1] - begin[1] - centre[1], end[0] - begin[0] - centre[0]) - math.atan2(-centre[1], -centre[0])
-        sweep = (-turn if clockwise else turn) % math.tau or math.tau
         rise = 0.0 if target[third] is None or height is None else target[third] - height
         feed = self._feed_of(math.hypot(radius * (sweep + math.tau * (turns - 1)), rise))
         target[first], target[second] = end
-        self.path.arc(self.plane, clockwise, target, centre, feed, turns)
+        self.path.arc(self.plane, clockwise, target, centre, feed, turns, sweep)
 
     def _centre(self, first, second, begin):
         """The centre by I, J, K, in mm from the start."""

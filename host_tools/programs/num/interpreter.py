@@ -17,7 +17,7 @@ from host_tools.programs.num.pocket import Pocket
 from host_tools.programs.program_errors import (
     ARC, COMPENSATED, MISSING, NO_FEED, NOT_IN_DIALECT, PLANE, POCKET, RANGE, SAME_GROUP, TOOL, TWO_COMMANDS, UNUSED, WHOLE, ProgramError,
 )  # fmt: skip
-from host_tools.programs.toolpath import AXES, PLANES, Toolpath, centre_of, number
+from host_tools.programs.toolpath import AXES, PLANES, Toolpath, centre_of, number, sweep_of
 
 _INCH_MM = 25.4
 _GROUPS = (
@@ -255,6 +255,7 @@ class Interpreter:
             if radius <= 0:
                 raise ProgramError(RANGE, "R{:g}", radius)
             centre = centre_of(begin, end, radius, clockwise)
+            sweep = sweep_of(begin, end, centre, clockwise, False)
         else:
             names = "IJK"[first], "IJK"[second]
             if not any(name in self._words for name in names):
@@ -264,8 +265,9 @@ class Interpreter:
                 centre = [middle[0] - begin[0], middle[1] - begin[1]]
             else:
                 centre = [self._take(name, 0.0) * self._scale for name in names]
+            sweep = sweep_of(begin, end, centre, clockwise)
         target[first], target[second] = end
-        self.path.arc(self._plane, clockwise, target, centre, self._feed)
+        self.path.arc(self._plane, clockwise, target, centre, self._feed, 1, sweep)
 
     # --- cycles
 

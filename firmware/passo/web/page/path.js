@@ -47,9 +47,9 @@ function bend(from, to, words, unit, clockwise) {
   }
   const cx = from[0] + i, cy = from[1] + j, r = Math.hypot(i, j);
   const start = Math.atan2(-j, -i);
-  let sweep = Math.atan2(to[1] - cy, to[0] - cx) - start;
-  if (clockwise && sweep >= -1e-9) sweep -= 2 * Math.PI;
-  if (!clockwise && sweep <= 1e-9) sweep += 2 * Math.PI;
+  const turn = (Math.atan2(to[1] - cy, to[0] - cx) - start) * (clockwise ? -1 : 1);
+  const ahead = ((turn % (2 * Math.PI)) + 2 * Math.PI) % (2 * Math.PI);
+  const sweep = (ahead <= 5e-7 ? 2 * Math.PI : ahead) * (clockwise ? -1 : 1);  // an end that is so near closes the circle
   const points = [];
   for (let n = 0; n <= ARC_STEPS; n++) {
     const angle = start + (sweep * n) / ARC_STEPS;
