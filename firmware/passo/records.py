@@ -4,13 +4,12 @@
     state[FEED_HEAD]            # the feeder's state
 
 A kernel takes arrays, because machine code reads an integer of an array in a few cycles and an attribute in hundreds.
-`passo build` writes the numbers in place of these names: they cost a board nothing. Tests under MicroPython run such a build.
-Every array is an array('i') unless said otherwise, and every value stays below 2³⁰.
+`passo build` writes the numbers in place of these names: they cost a board nothing. Every array is an array('i') unless said
+otherwise, and every value stays below 2³⁰.
 """
 
 from micropython import const
 
-# Numbers that every room counts with.
 COUNT_MASK = const(0x1FFFFFFF)  # counts of words, blocks, ticks and milliseconds run modulo 2²⁹: a sum of two stays below 2³⁰
 COUNT_HALF = const(0x10000000)  # a count is ahead of another if their difference, modulo 2²⁹, is below this
 FARTHEST = const(0x1FFFFFFF)  # position in steps
@@ -113,7 +112,8 @@ SCRATCH_ALL = const(33)  # 1: look_back() goes on even if nothing has changed
 SCRATCH_FACTOR = const(34)  # squares of the overrides of feed and of rapid motion, of 4096
 SCRATCH_START = const(36)  # square of the speed that takes no ramp, of 2²⁸
 SCRATCH_ASKED = const(37)  # nm/s that SCRATCH_FEED is of; -1: of none
-SCRATCH_FIELDS = const(38)
+SCRATCH_EAGER = const(38)  # 1: what comes while the machine is under way is released, see take()
+SCRATCH_FIELDS = const(39)
 
 # Limits.fields: what the axes can do, a number or a float as two (motion/limits.py).
 LIMIT_AXES = const(0)

@@ -203,7 +203,9 @@ class Welder:
         link["protocol"] = protocol
         board["links"] = [link]
         self.world = Words()
-        self.app = App(check(board), VirtualPort(check(board), self.world))
+        port = VirtualPort(check(board), self.world)
+        port.eager = False  # the words do not depend on when the lines come
+        self.app = App(check(board), port)
         self.line = self.app.port.lines["pc"]
 
     def say(self, data, cycles=20):

@@ -37,6 +37,7 @@ class Sink:
     """A port whose player swallows words: it hashes them little-endian, and counts those that step."""
 
     min_word_ticks = 50
+    eager = False
 
     def __init__(self, counts=True):
         """`counts` False: words are not looked at one by one, which takes its time on a board."""

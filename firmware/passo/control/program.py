@@ -338,7 +338,7 @@ class Program(LineBatches):
                 self._poll_probe()
             elif still and (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE) and machine.at_speed):
                 machine.finish()
-        if queue.waiting and not machine.fresh:
+        if queue.waiting and (queue.eager or not machine.fresh):
             queue.begin()
         if self._limits_of != machine.settings.version:
             self._set_limits()

@@ -4,6 +4,7 @@ from micropython import const
 
 from passo.control.queue import Queue
 from passo.motion.integers import length_nm
+from passo.records import SCRATCH_EAGER
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
 _LONGEST_MS = const(80_000)  # of one wait: the planner's limit is 85 s
@@ -12,6 +13,8 @@ _LONGEST_MS = const(80_000)  # of one wait: the planner's limit is 85 s
 class StreamQueue(Queue):
     def __init__(self, board, planner, feeder, player, port):
         Queue.__init__(self, board, planner, feeder, player, port)
+        self.eager = getattr(port, "eager", True)  # False: a digest does not depend on how lines arrive
+        planner.scratch[SCRATCH_EAGER] = self.eager
         if planner.whole:
             from passo.control import arcs
             from passo.control.chords import Chords

@@ -5,8 +5,9 @@
     . [b b b b b b b b b b b b b b b b b b b b b b b] . .
 
 A block is released to the feeder only when the look-ahead is full, or everything queued has been flushed: then the same
-job gives the same ticks however fast it arrived. A fetched block stays in its place until its last word has been
-played, because a hold may come back to it.
+job gives the same ticks however fast it arrived. With SCRATCH_EAGER it is also released while the one before still plays: a stream
+that is slower than the machine slows it down, and does not let it stand until the look-ahead is full. A fetched block stays in
+its place until its last word has been played, because a hold may come back to it.
 
 Without limits() every block keeps its programmed speed from first to last. With them each block also has an exit speed: at
 most that of the corner (junction deviation), and what the blocks behind it can slow down from, the last of which ends at

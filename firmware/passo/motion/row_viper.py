@@ -11,8 +11,8 @@ Fields: records.py.
 import micropython
 
 from passo.records import (
-    QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FLUSHED, ROW_DYNAMIC, ROW_FIRST, ROW_GAIN, ROW_KIND, ROW_POWER, ROW_RAPID,
-    ROW_TAG, ROW_TOOL, SCRATCH_FEED, SCRATCH_LIMITED, SCRATCH_SIZE, SCRATCH_SPEED, SCRATCH_STRIDE, SCRATCH_THROUGH,
+    QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FLUSHED, QUEUE_RETIRED, ROW_DYNAMIC, ROW_FIRST, ROW_GAIN, ROW_KIND, ROW_POWER, ROW_RAPID,
+    ROW_TAG, ROW_TOOL, SCRATCH_FEED, SCRATCH_LIMITED, SCRATCH_EAGER, SCRATCH_SIZE, SCRATCH_SPEED, SCRATCH_STRIDE, SCRATCH_THROUGH,
 )  # fmt: skip
 
 try:
@@ -55,7 +55,7 @@ def close(rows: ptr32, at: int, scratch: ptr32, indices: ptr32, kind: int, flags
 @micropython.viper
 def take(rows: ptr32, scratch: ptr32, indices: ptr32, moving: int, lines: int) -> int:  # ISR: no allocation
     """Take the next row released; returns where it begins, -1 if there is none, or with `lines` if it is no accelerated line.
-    If the machine is `moving` it could not stop here: any row is released then."""
+    If the machine is `moving` it could not stop here: any row is released then; on a live link until all words have been played."""
     fetched = indices[QUEUE_FETCHED]
     if fetched == indices[QUEUE_ADDED]:
         return -1
@@ -64,7 +64,8 @@ def take(rows: ptr32, scratch: ptr32, indices: ptr32, moving: int, lines: int) -
         return -1
     if fetched == indices[QUEUE_FLUSHED]:
         if ((indices[QUEUE_ADDED] - fetched) & 0x1FFFFFFF) < 64 and moving == 0:
-            return -1
+            if scratch[SCRATCH_EAGER] == 0 or fetched == indices[QUEUE_RETIRED]:
+                return -1
         indices[QUEUE_FLUSHED] = (fetched + 1) & 0x1FFFFFFF
     indices[QUEUE_FETCHED] = (fetched + 1) & 0x1FFFFFFF
     return at
