@@ -27,6 +27,7 @@ from host_tools import boards
 from host_tools.build import mpy, pages
 from host_tools.build.constants import folded, numbered_only
 from host_tools.failure import Failure
+from host_tools.kernels import inline
 from host_tools.resources import FIRMWARE, MAIN
 from passo import machine_builder
 from passo.config.boardfile import check
@@ -231,15 +232,17 @@ def check_compiler():
 
 def unix_tree(firmware=FIRMWARE):
     """The folder of the firmware as MicroPython on a PC runs it: its compiler of machine code knows no constants of other
-    modules, so they are written as numbers. Made once for each state of the source, in build/unix."""
+    modules, so they are written as numbers; and short kernels go where others call them. Made once for each state of the source,
+    in build/unix."""
     texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in module_files(firmware)}
-    state = hashlib.sha256(repr(sorted(texts.items())).encode()).hexdigest()[:16]
+    makers = [path.read_text(encoding="utf-8") for path in sorted(Path(inline.__file__).parent.glob("*.py"))]
+    state = hashlib.sha256(repr((sorted(texts.items()), makers)).encode()).hexdigest()[:16]
     out = firmware.parent / "build" / "unix" / state
     if not out.exists():
         out.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=out.parent) as folder:
             made = Path(folder) / "made"
-            for name, text in numbered_only(texts).items():
+            for name, text in inline.inlined(numbered_only(texts), keep=True).items():
                 (made / name).parent.mkdir(parents=True, exist_ok=True)
                 (made / name).write_text(text, encoding="utf-8")
             try:
@@ -277,6 +280,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
     rows = []
     cold = COLD + COLD_IF_LEAN if board.get("memory") == "lean" else COLD
     texts = folded({path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files})
+    texts = inline.inlined(texts)
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "module.py"
         for path in files:

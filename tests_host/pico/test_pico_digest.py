@@ -12,6 +12,7 @@ from host_tools.build.constants import folded
 from host_tools.build.tree import COLD, compile_module, selected
 from host_tools.drawings import objects
 from host_tools.emulator.pico import EmulatedPico
+from host_tools.kernels.inline import inlined
 from gcode_jobs import all_jobs
 from test_digest import CHECKS, GOLDEN, HEX_JOBS, ROOT, golden_of_gcode, golden_of_hex, hex_job, job_of
 
@@ -24,7 +25,7 @@ def compiled(sources):
     """{path.mpy: bytes} of {path: source file}, compiled for the RP2040."""
     files = {}
     with tempfile.TemporaryDirectory() as folder:
-        for path, text in folded({path: source.read_text() for path, source in sources.items()}).items():
+        for path, text in inlined(folded({path: source.read_text() for path, source in sources.items()})).items():
             source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
             source.write_text(text)
             compile_module(source, target, "armv6m", Path(path).with_suffix(".mpy"))

@@ -1,0 +1,95 @@
+"""A kernel's statements where they stand in another: instead of returning they go on behind their end."""
+
+import ast
+
+from host_tools.kernels.program import BOOL, INT, LOOPS, OBJECT, ordered
+
+
+def returns(nodes):
+    """Whether any of the statements, or what is in them, returns."""
+    return any(isinstance(each, ast.Return) for each in ordered(nodes))
+
+
+def always_returns(nodes):
+    last = nodes[-1] if nodes else None
+    return isinstance(last, ast.Return) or isinstance(last, ast.If) and always_returns(last.body) and always_returns(last.orelse)
+
+
+def name(of, store=False):
+    return ast.Name(of, ast.Store() if store else ast.Load())
+
+
+def assign(target, value):
+    return ast.Assign([name(target, True)], value, lineno=1)
+
+
+def cast(kind, node):
+    return ast.Call(name(kind), [node], [])
+
+
+class FallThrough:
+    """`caller` has local() and kind(); `result`: its local for what is returned, or None."""
+
+    def __init__(self, caller, result):
+        self.caller, self.result = caller, result
+
+    def made(self, nodes):
+        return self._fallen(nodes)[0]
+
+    def _fallen(self, nodes, flag=None):
+        """Statements that go on behind their end where they returned: (statements, flag), the flag being 1 after a return in a
+        loop, or in an if of which neither way always returns."""
+        out = []
+        for number, node in enumerate(nodes):
+            rest = nodes[number + 1 :]
+            if isinstance(node, ast.Return):
+                if self.result and node.value is not None:
+                    known = self.caller.kind(node.value)
+                    out.append(assign(self.result, cast(INT, node.value) if known in (BOOL, OBJECT) else node.value))
+                elif node.value is not None and not isinstance(node.value, (ast.Name, ast.Constant)):
+                    out.append(ast.Expr(node.value))
+                if flag:
+                    out.append(assign(flag, ast.Constant(1)))
+                return out, flag
+            if not isinstance(node, (ast.If, *LOOPS)) or not returns([node]):
+                out.append(node)
+                continue
+            if isinstance(node, ast.If) and flag is None and (always_returns(node.body) or always_returns(node.orelse) or not rest):
+                body, orelse = node.body, node.orelse
+                if always_returns(body):
+                    orelse = orelse + rest
+                elif always_returns(orelse):
+                    body = body + rest
+                body, orelse = self._fallen(body)[0], self._fallen(orelse)[0]
+                out.append(ast.If(node.test, body or [ast.Pass()], orelse))
+                return out, flag
+            mark = flag or self.caller.local(INT)
+            if flag is None:
+                out.append(assign(mark, ast.Constant(0)))
+            if isinstance(node, ast.If):
+                node.body = self._fallen(node.body, mark)[0] or [ast.Pass()]
+                node.orelse = self._fallen(node.orelse, mark)[0]
+            else:
+                node.body = self._in_loop(node.body, mark)
+            out.append(node)
+            if rest:
+                out.append(ast.If(ast.UnaryOp(ast.Not(), name(mark)), self._fallen(rest, mark)[0], []))
+            return out, mark
+        return out, flag
+
+    def _in_loop(self, nodes, mark):
+        """A loop's statements: a return in them leaves it."""
+        out = []
+        for number, node in enumerate(nodes):
+            if isinstance(node, ast.Return):
+                return out + self._fallen([node], mark)[0] + [ast.Break()]
+            if isinstance(node, ast.If) and returns([node]):
+                node.body = self._in_loop(node.body, mark)
+                node.orelse = self._in_loop(node.orelse, mark)
+            elif isinstance(node, LOOPS) and returns([node]):
+                node.body = self._in_loop(node.body, mark)
+                out += [node, ast.If(name(mark), [ast.Break()], [])]
+                continue
+            out.append(node)
+        return out
+

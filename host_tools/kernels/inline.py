@@ -1,0 +1,337 @@
+"""Puts the text of short kernels where other kernels call them: viper's calls cost 15 to 26 µs each, on a chip that has no
+other compiler.
+
+    texts = inlined(texts)               # {path: folded text} of a build
+    texts = inlined(texts, keep=True)    # the same, and what has been put into others can still be called from Python
+
+A kernel goes into those that call it if it has few statements; a longer one if only kernels call it, in one place or in few.
+Its arguments and locals become locals of the caller, `return` an assignment, and what Python
+evaluates before the call is kept in a local. A kernel that only kernels call is left out of its module then.
+
+A changed kernel goes to the end of its module, so that all other lines keep their numbers.
+"""
+
+import ast
+import builtins
+import copy
+
+from host_tools.kernels.fall_through import FallThrough, assign, cast, name
+from host_tools.kernels.program import INT, LOOPS, OBJECT, POINTERS, Program, ordered, parsed
+
+SMALL = 1 << 30
+FEW = 12  # statements
+MOST_MORE = 60  # statements that all copies but the first may have
+
+
+def inlined(texts, keep=False):
+    program = Program(texts)
+    uses = program.uses()
+    chosen = {}
+    for full, kernel in program.kernels.items():
+        calls, others = uses[full]
+        size = sum(1 for _ in ordered(kernel.node.body))
+        if calls and (size <= FEW or not others and (calls - 1) * size <= MOST_MORE):
+            chosen[full] = others == 0
+    made, under_way = {}, []
+
+    def make(kernel):
+        """The kernel's node with all that it calls in it."""
+        if kernel.full in under_way:
+            kernel.refuse(kernel.node, "kernels that call each other in a circle")
+        if kernel.full not in made:
+            under_way.append(kernel.full)
+            made[kernel.full] = Inliner(program, kernel, chosen, make).node()
+            under_way.pop()
+        return made[kernel.full]
+
+    for kernel in program.kernels.values():
+        make(kernel)
+    out = dict(texts)
+    for module in program.imported:
+        path = program.paths[module]
+        mine = [kernel for kernel in program.kernels.values() if kernel.path == path]
+        gone = set() if keep else {full for full, only in chosen.items() if only}
+        out[path] = _edited(program, module, texts[path], mine, made, gone)
+    return out
+
+
+def _edited(program, module, text, kernels, made, gone):
+    lines = text.splitlines(keepends=True)
+    tail = []
+    for kernel in kernels:
+        node = made[kernel.full]
+        if node is kernel.node and kernel.full not in gone:
+            continue
+        first = min(each.lineno for each in kernel.node.decorator_list)
+        lines[first - 1 : kernel.node.end_lineno] = ["\n"] * (kernel.node.end_lineno - first + 1)
+        if kernel.full not in gone:
+            tail += [f"from {source} import {name}\n" for source, name in sorted(getattr(node, "wants", ()))]
+            tail.append("\n\n" + ast.unparse(node) + "\n")
+    for node in ast.walk(parsed(text)):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            left = [alias for alias in node.names if getattr(program.named(module, ast.Name(alias.asname or alias.name)), "full", 0) not in gone]
+            if len(left) < len(node.names):
+                names = ", ".join(alias.name + (f" as {alias.asname}" if alias.asname else "") for alias in left)
+                indent = lines[node.lineno - 1][: node.col_offset]
+                new = f"{indent}from {node.module} import {names}\n" if left else f"{indent}pass\n"
+                lines[node.lineno - 1 : node.end_lineno] = [new] + ["\n"] * (node.end_lineno - node.lineno)
+    return "".join(lines + tail)
+
+
+def is_int(node):
+    return isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == INT and len(node.args) == 1
+
+
+class AsInt(ast.NodeTransformer):
+    """Calls that `wanted` says, as int(…), where their value is used."""
+
+    def __init__(self, wanted):
+        self.wanted = wanted
+
+    def visit_Expr(self, node):
+        self.generic_visit(node.value)
+        return node
+
+    def visit_Call(self, node):
+        if is_int(node) and self.wanted(node.args[0]):
+            self.generic_visit(node.args[0])
+            return node
+        self.generic_visit(node)
+        return cast(INT, node) if self.wanted(node) else node
+
+
+class Renamed(ast.NodeTransformer):
+    """A callee's names as the caller's; `names`: {name: node}."""
+
+    def __init__(self, names):
+        self.names = names
+
+    def visit_Name(self, node):
+        new = self.names.get(node.id)
+        if new is None:
+            return node
+        return name(new.id, isinstance(node.ctx, ast.Store)) if isinstance(new, ast.Name) else copy.deepcopy(new)
+
+
+class Inliner:
+    """Of one kernel, the caller."""
+
+    def __init__(self, program, kernel, chosen, make):
+        self.program, self.kernel, self.chosen, self.make = program, kernel, chosen, make
+        self.kinds = dict(kernel.kinds)
+        self.used = {}  # {kind: locals of it in use}: they serve one call after the other
+        self.wants = set()
+
+    def node(self):
+        bare = {id(each) for each in ast.walk(self.kernel.node) if self._left(each)}
+        bare -= {id(each.args[0]) for each in ast.walk(self.kernel.node) if is_int(each)}
+        bare -= {id(each.value) for each in ast.walk(self.kernel.node) if isinstance(each, ast.Expr)}
+        if not bare and not self.calls(self.kernel.node):
+            return self.kernel.node
+        node = copy.deepcopy(self.kernel.node)
+        node.body = [AsInt(self._left).visit(each) for each in self.statements(node.body)]
+        node.wants = self.wants
+        return ast.fix_missing_locations(node)
+
+    def _callee(self, node):
+        called = self.program.called(self.kernel, node, False)
+        return called if called and called.full in self.chosen else None
+
+    def _left(self, node):
+        """Whether a node is a call that stays one, of what returns a number: viper knows no more of it than that it is an object."""
+        called = self.program.called(self.kernel, node)
+        return called and called.returns and not self._callee(node)
+
+    def calls(self, node):
+        return node is not None and any(self._callee(each) for each in ast.walk(node))
+
+    def kind(self, node):
+        return self.kernel.kind_of(node, self.kinds)
+
+    def local(self, kind):
+        number = self.used[kind] = self.used.get(kind, 0) + 1
+        made = f"_{kind}_{number}"
+        self.kinds[made] = kind
+        return made
+
+    def stored(self, node, out):
+        """The value in a local of its own."""
+        kind = self.kind(node)
+        made = self.local(kind)
+        out.append(assign(made, node))
+        return name(made)
+
+    # --- statements
+
+    def statements(self, nodes):
+        out = []
+        for node in nodes:
+            before = dict(self.used)
+            out += self.statement(node)
+            self.used = before
+        return out
+
+    def statement(self, node):
+        if isinstance(node, LOOPS) and node.orelse:
+            self.kernel.refuse(node, "a loop's else; use a variable")
+        out = []
+        if isinstance(node, ast.While):
+            test = self.expression(node.test, out)
+            if out:
+                out.append(ast.If(ast.UnaryOp(ast.Not(), test), [ast.Break()], []))
+                return [ast.While(ast.Constant(1), out + self.statements(node.body), [])]
+            return [ast.While(test, self.statements(node.body), [])]
+        if isinstance(node, ast.If):
+            test = self.expression(node.test, out)
+            return [*out, ast.If(test, self.statements(node.body), self.statements(node.orelse))]
+        if isinstance(node, ast.For):
+            limits = self.expression(node.iter, out)
+            return [*out, ast.For(node.target, limits, self.statements(node.body), [], lineno=1)]
+        if isinstance(node, ast.AugAssign) and self.calls(node):
+            read = copy.deepcopy(node.target)
+            read.ctx = ast.Load()
+            if self.calls(read):
+                self.kernel.refuse(node, "a call in an index that is read and written; use a variable for the index")
+            node = ast.Assign([node.target], ast.BinOp(read, node.op, node.value), lineno=node.lineno)
+        if isinstance(node, ast.Assign):
+            return self.assignment(node, out)
+        if isinstance(node, ast.Expr) and self._callee(node.value):
+            self.expand(node.value, out, None)
+            return out or [ast.Pass()]
+        if isinstance(node, (ast.Expr, ast.Return)) and node.value is not None:
+            node.value = self.expression(node.value, out)
+        return [*out, node]
+
+    def assignment(self, node, out):
+        target, value = node.targets[0], node.value
+        inner = value
+        while is_int(inner):
+            inner = inner.args[0]
+        if len(node.targets) == 1 and isinstance(target, ast.Name) and self._callee(inner):
+            self.expand(inner, out, target.id)
+            return out
+        node.value = self.expression(value, out)
+        if any(self.calls(each) for each in node.targets):
+            node.value = self.stored(node.value, out)
+            node.targets = [self.expression(each, out) for each in node.targets]
+        return [*out, node]
+
+    # --- expressions
+
+    def expression(self, node, out):
+        """The expression without calls of chosen kernels; what has to come before it goes to `out`."""
+        if not self.calls(node):
+            return node
+        if self._callee(node):
+            return name(self.expand(node, out, ""))
+        if is_int(node) and self._callee(node.args[0]):
+            return self.expression(node.args[0], out)
+        if isinstance(node, ast.BoolOp):
+            return self.logical(node, out)
+        if isinstance(node, ast.IfExp):
+            test = self.expression(node.test, out)
+            made = self.local(INT)
+            sides = []
+            for side in (node.body, node.orelse):
+                inside = []
+                value = self.expression(side, inside)
+                sides.append([*inside, assign(made, value)])
+            out.append(ast.If(test, *sides))
+            return name(made)
+        if isinstance(node, ast.Compare):
+            if any(self.calls(each) for each in node.comparators[1:]):
+                self.kernel.refuse(node, "a call behind a second comparison; compare one after the other")
+            node.left, *node.comparators = self.in_order([node.left, *node.comparators], out)
+        elif isinstance(node, ast.BinOp):
+            node.left, node.right = self.in_order([node.left, node.right], out)
+        elif isinstance(node, ast.UnaryOp):
+            node.operand = self.expression(node.operand, out)
+        elif isinstance(node, ast.Subscript):
+            node.value, node.slice = self.in_order([node.value, node.slice], out)
+        elif isinstance(node, ast.Call):
+            node.args = self.in_order(node.args, out)
+        else:
+            self.kernel.refuse(node, f"a call within {ast.unparse(node)[:60]}")
+        return node
+
+    def in_order(self, nodes, out):
+        """Expressions of which one is evaluated after the other; what a later call could change is read before it."""
+        made = []
+        for number, node in enumerate(nodes):
+            node = self.expression(node, out)
+            stable = all(isinstance(each, (ast.Name, ast.Constant, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.expr_context)) for each in ast.walk(node))
+            if not stable and any(self.calls(each) for each in nodes[number + 1 :]):
+                node = self.stored(node, out)
+            made.append(node)
+        return made
+
+    def logical(self, node, out):
+        """`a and f(b)` as a condition: f is called only if it would be."""
+        made = self.local(INT)
+        both = isinstance(node.op, ast.And)
+        inside = [assign(made, ast.Constant(int(both)))]
+        for value in reversed(node.values):
+            before = []
+            test = self.expression(value, before)
+            inside = [*before, ast.If(test if both else ast.UnaryOp(ast.Not(), test), inside, [])]
+        out += [assign(made, ast.Constant(int(not both))), *inside]
+        return name(made)
+
+    # --- a call
+
+    def expand(self, node, out, result):
+        """The called kernel's statements, to `out`; returns the name of the local that has what it returns. `result`: that name,
+        "" for a new one, None if it is not wanted."""
+        callee = self._callee(node)
+        if node.keywords or len(node.args) != len(callee.arguments):
+            self.kernel.refuse(node, f"{callee.name}() takes {len(callee.arguments)} arguments, by their places")
+        body = copy.deepcopy(self.make(callee))
+        kinds = callee.kinds_in(body)
+        if result == "":
+            if not callee.returns:
+                self.kernel.refuse(node, f"{callee.name}() returns nothing")
+            result = self.local(INT)
+        before = dict(self.used)
+        stores = {each.id for each in ast.walk(body) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
+        names = {}
+        for (argument, kind), given in zip(callee.arguments, self.in_order(node.args, out)):
+            known = self.kind(given)
+            fits = known == kind or kind == OBJECT
+            if not fits and known in POINTERS:
+                self.kernel.refuse(node, f"{ast.unparse(given)} is {known}, {callee.name}() wants {kind}")
+            plain = isinstance(given, (ast.Name, ast.Constant)) and argument not in stores
+            if not (fits and plain):
+                local = self.local(kind)
+                out.append(assign(local, given if fits else cast(kind, given)))
+                given = name(local)
+            names[argument] = given
+        for local, kind in kinds.items():
+            if local not in names:
+                names[local] = name(self.local(kind))
+        names.update(self._globals(callee, body, names))
+        statements = [each for each in body.body if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))]
+        statements = [Renamed(names).visit(each) for each in statements]
+        out += FallThrough(self, result).made(statements) or [ast.Pass()]
+        self.wants |= getattr(body, "wants", set())
+        self.used = before
+        if result:
+            self.kinds.setdefault(result, INT)
+        return result
+
+    def _globals(self, callee, body, names):
+        """What the callee reads of its module, as the caller's module has it."""
+        module, mine = callee.module, self.kernel.module
+        numbers = self.program.constants[module]
+        found = {}
+        reads = {each.id for statement in body.body for each in ast.walk(statement) if isinstance(each, ast.Name)}
+        for each in reads - names.keys() - set(dir(builtins)) - set(POINTERS) - {"uint", "micropython"}:
+            if each in numbers:
+                large = not -SMALL <= numbers[each] < SMALL  # an object, as mpy-cross sees it
+                found[each] = cast(INT, ast.Constant(numbers[each])) if large else ast.Constant(numbers[each])
+            elif module != mine:
+                source, _, original = self.program.imported[module].get(each, f"{module}.{each}").rpartition(".")
+                if self.program.imported[mine].get(each) != f"{source}.{original}":
+                    if each in self.program.imported[mine] or original != each:
+                        self.kernel.refuse(callee.node, f"{callee.full}() reads {each}, which is something else here")
+                    self.wants.add((source, each))
+        return found
