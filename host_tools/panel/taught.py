@@ -146,7 +146,7 @@ class _Path:
         slack = 2 * most / radius
         clockwise = bool(turned[-1] < 0)
         turned = -turned if clockwise else turned
-        if (np.diff(turned) < -slack).any() or turned[-1] > 2 * math.pi + slack:
+        if (np.diff(turned) < -slack).any() or turned[-1] > 2 * math.pi + 1e-7:  # beyond a whole turn G-code would turn by the excess
             return None
         places = np.array(self.steps[at : end + 1])
         for axis in range(places.shape[1]):

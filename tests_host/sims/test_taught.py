@@ -6,6 +6,7 @@ import pytest
 
 from host_tools.panel.taught import program
 from panel_desk import Desk
+from test_whole_turns import swept
 
 STEPS, STEPS_Z = 320, 400  # a mm
 SCALES = (STEPS,) * 3
@@ -28,6 +29,14 @@ def test_an_arc_a_helix_and_a_turn():
         assert program([places[0], places[-1]], [places[1:-1]], SCALES) == [f"G3 {end} I0.0000 J10.0000"]
         back = places[::-1]
         assert program([back[0], back[-1]], [back[1:-1]], SCALES)[0].startswith("G2 X0.000 Y0.000")
+
+
+@pytest.mark.parametrize("beyond", [-0.004, -0.0005, 0.0003, 0.0005, 0.001, 0.02])
+def test_a_turn_that_ends_beside_its_start_is_not_lost(beyond):
+    """A circle by hand, left or closed some steps too early or too late, both ways."""
+    for places in (around(40, math.tau + beyond), around(40, math.tau + beyond)[::-1]):
+        lines = ["G1 X{:.3f} Y{:.3f}".format(*places[0]), *program([places[0], places[-1]], [places[1:-1]], SCALES)]
+        assert sum(swept([(line + " F100").replace(" ", "").encode() for line in lines], [STEPS] * 3)) > 6.0, lines
 
 
 def test_places_near_to_each_other_are_an_arc_and_those_far_from_each_other_are_none():
