@@ -136,7 +136,7 @@ class _Compensated(_Writer):
         from passo import commands
 
         if kind == commands.STEPS_TOOL and value:
-            self._contour = []
+            self._contour = self._contour or []
         elif kind == commands.STEPS_TOOL:
             self._write_contour()
             _Writer.take(self, kind, value)
@@ -152,7 +152,7 @@ class _Compensated(_Writer):
         self._at = [at + delta for at, delta in zip(self._at, piece.deltas)]
         self.counts["steps"] += piece.count
         if any(piece.deltas[2:]) or piece.centre and piece.plane != (0, 1):
-            if self._contour:
+            if self._contour or self._contour is not None and any(piece.deltas[:2]):
                 raise Failure("Z moves in the middle of a contour: it cannot be compensated")
             self._lines.append(f"G1 Z{self._mm(2)}" + self._feed(self._speed or 900_000))
             return
@@ -161,7 +161,12 @@ class _Compensated(_Writer):
         centre = None
         if piece.centre:
             centre = start + complex(piece.centre[0] / self._scale[0], piece.centre[1] / self._scale[1])
-        self._contour.append((compensation.Piece(start, self._xy(), centre, piece.clockwise), self._speed))
+        whole = centre is not None and start == self._xy()
+        self._contour.append((compensation.Piece(start, self._xy(), centre, piece.clockwise, whole), self._speed))
+
+    def text(self):
+        self._write_contour()  # the tool may be on to the last
+        return _Writer.text(self)
 
     def _xy(self):
         return complex(self._at[0] / self._scale[0], self._at[1] / self._scale[1])
@@ -169,6 +174,7 @@ class _Compensated(_Writer):
     def _write_contour(self):
         from host_tools.programs import compensation
         from host_tools.programs.program_errors import ProgramError
+        from host_tools.programs.toolpath import rounded_end
 
         contour, self._contour = self._contour, None
         if not contour:
@@ -185,15 +191,18 @@ class _Compensated(_Writer):
             raise Failure("the tool would cut into its own contour near {}: its radius of {:g} mm is too large", _at(near), self._radius)
         first = path[0][0].start
         self._lines += [f"G0 X{_text(first.real)} Y{_text(first.imag)}", "M3 S1000"]
+        here = _units(first)
         for piece, number in path:
-            self.counts["arcs" if piece.centre is not None else "lines"] += 1
-            word, centre = "G1", ""
+            word, centre, end = "G1", "", _units(piece.end)
             if piece.centre is not None:
-                word = "G2" if piece.clockwise else "G3"
-                middle = piece.centre - piece.start
-                centre = f" I{_text(middle.real)} J{_text(middle.imag)}"
-            end = f" X{_text(piece.end.real)} Y{_text(piece.end.imag)}"
-            self._lines.append(word + end + centre + self._feed(contour[number][1] or 900_000))
+                middle = _units(piece.centre - piece.start)
+                last = rounded_end(here, end, middle, piece.clockwise, piece.sweep)
+                if last is not None:
+                    word, end = "G2" if piece.clockwise else "G3", last
+                    centre = f" I{_text(middle[0] / 1e5)} J{_text(middle[1] / 1e5)}"
+            self.counts["arcs" if centre else "lines"] += 1
+            here = end
+            self._lines.append(f"{word} X{_text(end[0] / 1e5)} Y{_text(end[1] / 1e5)}{centre}" + self._feed(contour[number][1] or 900_000))
 
 
 def _from_amid(contour):
@@ -205,6 +214,10 @@ def _from_amid(contour):
         return contour
     middle = (piece.start + piece.end) / 2
     return [(Piece(middle, piece.end), speed), *contour[1:], (Piece(piece.start, middle), speed)]
+
+
+def _units(place):
+    return round(place.real * 1e5), round(place.imag * 1e5)
 
 
 def _at(place):

@@ -379,10 +379,15 @@ def test_contours_that_cannot_be_compensated(tmp_path):
 
     for text, why in (
         ("(" + "A" * 800 + "C" * 80 + "B" * 800 + ")", "does not fit|too small|narrow"), ("(AAAA*50CC)", "in the middle of a contour"),
-        ("(AAAAEEECC)", "Z moves in the middle"), ("(" + "A" * 800 + "C" * 800 + "B" * 800 + "D" * 720 + ")", "cut into its own contour"),
+        ("(AAAAEEECC)", "Z moves in the middle"), ("(" + "S" * 800 + ")", "Z moves in the middle"), ("EE(EEUUUU)", "Z moves in the middle"), ("(" + "A" * 800 + "C" * 800 + "B" * 800 + "D" * 720 + ")", "cut into its own contour"),
     ):  # fmt: skip
         with pytest.raises(Failure, match=why):
             to_gcode(items(text), BOARD, (LEFT, 3.0))
+    # A tool that stays on to the end, or is switched on twice, has cut all the same.
+    wanted = to_gcode(items("(" + "A" * 800 + "C" * 800 + ")"), BOARD, (LEFT, 1.0))[0]
+    for text in ("(" + "A" * 800 + "C" * 800, "(" + "A" * 800 + "(" + "C" * 800 + ")"):
+        made = to_gcode(items(text), BOARD, (LEFT, 1.0))[0]
+        assert [line for line in made.splitlines() if line[0] == "G"] == [line for line in wanted.splitlines() if line[0] == "G"], text
     file = tmp_path / "a.txt"
     file.write_text("(AA)")
     assert "makes G-code" in passo("convert", file, "--side", "left")[0] and "left or right" in passo("convert", file, "--side", "up")[0]
