@@ -4,6 +4,7 @@ from array import array
 from hashlib import sha256
 from math import atan2, cos, pi, sin, sqrt
 
+from boards.router_3axis import BOARD as ROUTER
 from boards.torch_manipulator import BOARD
 from passo.app import App
 from passo.config.board_error import BoardError
@@ -152,7 +153,7 @@ def check_an_arc(shape, start, sweep, radius, clockwise, pitch):
 
 def check_what_cannot_be_woven():
     spec = weave.ZIGZAG, 3000, 4000, 0, 0, 0
-    for deltas, circle in (([0, 0], None), ([96, 0], ((48, 0), False, 0, False)), ([0, 0], ((0, 0), True, 0, True))):
+    for deltas, circle in (([0, 0], None), ([0, 0], ((480, 0), False, 0, False)), ([96, 0], ((48, 0), False, 0, False)), ([0, 0], ((0, 0), True, 0, True))):
         try:
             weave.Woven(deltas, (0, 1), circle, spec, 10_000_000, True, 1, STEPS_PER_M)
         except ValueError:
@@ -195,11 +196,12 @@ class Words(Nothing):
 
 
 class Welder:
-    def __init__(self, protocol, **weaving):
-        board = dict(BOARD)
+    def __init__(self, protocol, base=BOARD, **weaving):
+        board = dict(base)
         board["weaving"] = weaving
-        board["outputs"] = []
-        link = dict(BOARD["links"][0])
+        if base is BOARD:
+            board["outputs"] = []
+        link = dict(base["links"][0])
         link["protocol"] = protocol
         board["links"] = [link]
         self.world = Words()
@@ -266,6 +268,22 @@ def check_path_speed_and_dwells_on_the_pins():
                 corner = steps[at]
         wanted = (steps[at][0] - steps[since][0]) / TICKS_PER_S * 10
         assert 0.96 * wanted < way < 1.02 * wanted, (way, wanted)
+
+
+def check_chords_that_take_no_ramps_end():
+    """More chords than the queue has room for, at a speed that is reached at once: a sine on a fine machine, and a circle as chords."""
+    for second in (320, 400):
+        axes = [dict(axis, steps_per_m=scale * 1000) for axis, scale in zip(ROUTER["axes"], (320, second, 400))]
+        board = dict(ROUTER, homing=None, inputs=[], axes=axes)
+        for program in (b"$WEAVE=4,3,4\nX8\n", b"$WEAVE=4,1.5,2\nX8\n", b"G2X8Y0I4\n", b"G2X8Y0I4P3\n"):
+            welder = Welder("grbl", board, steady_mm_min=1200)
+            welder.line.incoming += b"$X\nG21G90G1F600\n" + program
+            queue = welder.app.controller.queue
+            for cycle in range(12_000):
+                welder.app.cycle()
+                if cycle > 300 and not welder.line.incoming and queue.still():
+                    break
+            assert queue.still() and [queue.axis(0), queue.axis(1)] == [8 * 320, 0], (second, program)
 
 
 def check_a_hold_on_a_seam_loses_nothing():

@@ -28,7 +28,7 @@ class StreamQueue(Queue):
         in between."""
         if self.waiting and self._planner.resting():
             self._planner.start()
-            self.waiting = False
+            self.waiting = self._chords is not None  # the rest of them is not queued yet
 
     def feed(self):
         """Queue as much of an arc as there is room for, once a cycle of the main loop."""

@@ -116,7 +116,7 @@ class Woven:
         sweep = (vector(to_x, to_y)[0] - start) % TURN
         if clockwise:
             sweep = (TURN - sweep) % TURN
-        if not any([self._deltas[axis] for axis in plane]) or over_half and sweep < TURN >> 8:
+        if over_half is not False and not any([self._deltas[axis] for axis in plane]) or over_half and sweep < TURN >> 8:
             sweep = TURN
         elif over_half is False and sweep > TURN - (TURN >> 8):
             sweep = 0
