@@ -123,6 +123,33 @@ def check_texts_and_start_lines():
     assert again.cycles(4) == [BANNER]
 
 
+def check_a_start_line_that_is_refused_is_not_kept():
+    """Refused by the parser, by the machine, or beyond the travel, at its first motion or its last: what was kept before stays."""
+    machine = Machine().ready()
+    assert machine.ask("$N0=G21") == ["ok"] and machine.ask("F600") == ["ok"]
+    for line, answer in (
+        ("G7", "error:20"), ("G1X1F0.001", "error:33"), ("G1X9000F0.001", "error:33"), ("M64P9", "error:102"), ("G2X1Y0F600", "error:35"),
+    ):  # fmt: skip
+        said = machine.ask("$N0=" + line)
+        assert said[-1].startswith(answer), (line, said)
+        assert machine.ask("$N")[0] == "$N0=G21", line
+    assert machine.ask("$N0=G99G81X1Z-1R0F600") == ["ok"]
+    machine.settle()
+    assert machine.ask("$N")[0] == "$N0=G99G81X1Z-1R0F600"
+    assert machine.ask("$N0=") == ["ok"] and machine.ask("$N")[0] == "$N0="
+    homed = Machine().ready()
+    homed.put(b"$H\n")
+    homed.settle()
+    homed.cycles(4)
+    homed.do("$20=1", "$N1=G90")
+    for line in ("G53G0X999", "G53G0X-1X999", "G99G81X1Z-999R0F100"):
+        homed.ask("$N1=" + line)
+        homed.put(b"\x18")
+        homed.cycles(4)
+        homed.do("$X")
+        assert homed.ask("$N")[1] == "$N1=G90", line
+
+
 def check_texts_too_long():
     """No line of 80 characters holds one; what else asks for it is refused."""
     machine = Machine(links=BOARD["links"][:1]).ready()

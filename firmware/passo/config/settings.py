@@ -128,9 +128,13 @@ class Settings:
         """The text kept under `key`, or None."""
         return self._texts.get(key)
 
+    def keeps(self, text):
+        """True if put() takes it."""
+        return len(text) <= _LONGEST_TEXT and "\n" not in text
+
     def put(self, key, text):
         """Keep a text of at most 80 characters, none of them a line's end. Raises ValueError for others."""
-        if len(text) > _LONGEST_TEXT or "\n" in text or "=" in key:
+        if not self.keeps(text) or "=" in key:
             raise ValueError("no text to keep")
         if self._texts.get(key) != text:
             self._texts[key] = text

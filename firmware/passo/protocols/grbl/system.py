@@ -191,9 +191,16 @@ class System:
         error = self._gcode.interpret(text.encode())
         if error:
             return error
-        made = self._gcode.commands
+        if not self._settings.keeps(text):
+            return errors.START_LINE_TOO_LONG
+        # Each is carried out once the one before has been accepted: what the machine refuses is not kept, as in grbl.
+        return self._gcode.commands + answer("") + [Command(commands.MORE, value=self._store(key, text))]
+
+    def _store(self, key, text):
         kept = self._keep(key, text)
-        return kept if isinstance(kept, int) else kept + made
+        if isinstance(kept, int):
+            yield Command(commands.BAD, error=kept)
+        yield None
 
     def start_lines(self):
         """What is carried out after a reset and after homing."""
