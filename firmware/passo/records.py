@@ -113,7 +113,12 @@ SCRATCH_FACTOR = const(34)  # squares of the overrides of feed and of rapid moti
 SCRATCH_START = const(36)  # square of the speed that takes no ramp, of 2²⁸
 SCRATCH_ASKED = const(37)  # nm/s that SCRATCH_FEED is of; -1: of none
 SCRATCH_EAGER = const(38)  # 1: what comes while the machine is under way is released, see take()
-SCRATCH_FIELDS = const(39)
+SHORT_STEPS = const(39)  # short floats: 15 bits, and behind them the exponent, 1000 too large
+SHORT_LENGTH = const(41)
+SHORT_STRENGTH = const(43)
+SHORT_SINE = const(45)  # likewise, of 14 bits: twice the sine of half the angle between the lines at a corner
+SHORT_TURN = const(47)  # and of half the angle turned through
+SCRATCH_FIELDS = const(49)
 
 # Limits.fields: what the axes can do, a number or a float as two (motion/limits.py).
 LIMIT_AXES = const(0)

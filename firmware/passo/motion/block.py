@@ -5,19 +5,10 @@ with two dozen attributes would take twice the memory. A Block is one of these r
 whoever asks what is playing; it is filled again and again, so nothing is allocated when one is fetched.
 """
 
-# ruff: noqa: F821
-
 import micropython
 from micropython import const
 
-from passo.records import (
-    ROW_DYNAMIC, ROW_FIRST, ROW_KIND, ROW_TAG, ROW_TICKS, ROW_TICKS_REST, ROW_UNIT, ROW_UNIT_SHIFT,
-)  # fmt: skip
-
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
+from passo.records import ROW_DYNAMIC, ROW_FIRST, ROW_KIND, ROW_TAG, ROW_TICKS, ROW_TICKS_REST
 
 LINE = const(0)
 WAIT = const(1)
@@ -51,21 +42,3 @@ class Block:
         self.start = 0
         self.ticks = rows[at + ROW_TICKS]
         self.ticks_rest = rows[at + ROW_TICKS_REST]
-
-
-@micropython.viper
-def q_of(square: int, rows: ptr32, at: int, limit: int) -> int:  # ISR: no allocation
-    """q of the square of a speed, in a block's units; `limit` squared at most."""
-    unit = rows[at + ROW_UNIT]
-    shift = rows[at + ROW_UNIT_SHIFT]
-    if shift >> 30 & 1:  # negative, also where it was read into 64 bits
-        shift = 0 - ((0 - shift) & 0x3FFFFFFF)
-    shift -= 14
-    q = (square >> 14) * unit + ((square & 0x3FFF) * unit >> 14)
-    most = limit * limit
-    if shift < 0:
-        if q >= most >> (0 - shift):
-            return most
-        return q << (0 - shift)
-    q >>= shift
-    return q if q < most else most

@@ -16,20 +16,22 @@ Numbers come in three kinds:
 - short floats, m · 2ᵉ with m of 15 bits: everything that only decides how fast a speed may change. Where a value must
   not be exceeded it is rounded so at every step, which costs 10⁻³ at most.
 
-The loops that bring numbers to their length are written out where they are needed, and so the function is long: as a
-function each would cost every block 26 µs a call, and there are some thirty of them.
+The ramp's units (see ramp.py): a block's speed is counted in ROW_TOP parts of the programmed speed v, and q is the square of
+that count. Below, s are its steps, l its length, a the acceleration that the axes allow along it, T its ROW_TOP.
 """
 # ruff: noqa: F821
 
 import micropython
 
+from passo.motion.scale_viper import bounded, drop, lift, quotient, scaled
+from passo.motion.vector_viper import measure, most_steps
 from passo.records import (
-    LIMIT_AXES, LIMIT_FASTEST, LIMIT_FIELDS, LIMIT_FINEST, LIMIT_GAIN, LIMIT_GAIN_SHIFT, LIMIT_SHIFTS, LIMIT_SPEED,
-    LIMIT_SPEED_SHIFT, LIMIT_STEP, LIMIT_STRONGEST, LIMIT_TIME, LIMIT_TIME_SHIFT, ROW_CORNER, ROW_EXIT, ROW_FASTEST, ROW_GAIN,
-    ROW_LIMIT, ROW_RATIO, ROW_RATIO_SHIFT, ROW_REACH, ROW_SPAN, ROW_SPEED, ROW_SQUARE, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST,
-    ROW_TIME, ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, SCRATCH_ALONG, SCRATCH_FEED, SCRATCH_FULL, SCRATCH_FULL_SHIFT,
-    SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_LENGTH, SCRATCH_LENGTH_SHIFT, SCRATCH_LIMITED, SCRATCH_SPEED,
-    SCRATCH_STEPS, SCRATCH_STEPS_SHIFT, SCRATCH_STRENGTH, SCRATCH_THROUGH, SCRATCH_TOP, SCRATCH_TOP_SHIFT,
+    LIMIT_AXES, LIMIT_GAIN, LIMIT_GAIN_SHIFT, LIMIT_SPEED, LIMIT_SPEED_SHIFT, LIMIT_TIME, LIMIT_TIME_SHIFT, ROW_CORNER, ROW_EXIT,
+    ROW_FASTEST, ROW_GAIN, ROW_LIMIT, ROW_RATIO, ROW_RATIO_SHIFT, ROW_REACH, ROW_SPAN, ROW_SPEED, ROW_SQUARE, ROW_STEPS,
+    ROW_TICKS, ROW_TICKS_REST, ROW_TIME, ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, SCRATCH_ALONG, SCRATCH_FEED,
+    SCRATCH_FULL, SCRATCH_FULL_SHIFT, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT, SCRATCH_IS_ARC, SCRATCH_LENGTH, SCRATCH_LENGTH_SHIFT,
+    SCRATCH_LIMITED, SCRATCH_SPEED, SCRATCH_STEPS, SCRATCH_STEPS_SHIFT, SCRATCH_STRENGTH, SCRATCH_THROUGH, SCRATCH_TOP,
+    SCRATCH_TOP_SHIFT, SHORT_LENGTH, SHORT_STEPS, SHORT_STRENGTH,
 )  # fmt: skip
 
 try:
@@ -42,201 +44,25 @@ except NameError:
 def plan_block(rows: ptr32, at: int, scratch: ptr32, limits: ptr32) -> int:
     """Fill in the row of a line or arc, all but the corner. Returns 1; 0 if it has no steps, -1 if they are more than 43 s apart,
     -2 if there are too many."""
-    axes = limits[LIMIT_AXES]
-    if scratch[SCRATCH_IS_ARC] == 0:
-        # --- a line's dominant steps, length and direction, and what the axes allow along it
-        total = 0
-        i = 0
-        while i < axes:
-            steps = rows[at + ROW_STEPS + i]
-            if steps >> 30 & 1:
-                steps = 0 - steps
-            steps &= 0x3FFFFFFF
-            if steps > total:
-                total = steps
-            i += 1
+    top = scratch[SCRATCH_GIVEN]
+    if scratch[SCRATCH_IS_ARC]:
+        choose_speed(scratch)
+    else:
+        total = int(most_steps(rows, at + ROW_STEPS, limits[LIMIT_AXES]))
         if total == 0:
             return 0
         if total > 2097151:
             return -2
-        shift = 0
-        high = total
-        while high < 4096:
-            high <<= 1
-            shift += 1
-        while high >= 8192:
-            high >>= 1
-            shift -= 1
-        most = 0
-        i = 0
-        while i < axes:
-            steps = rows[at + ROW_STEPS + i]
-            if steps >> 30 & 1:
-                steps = 0 - steps
-            steps &= 0x3FFFFFFF
-            high = limits[LIMIT_STEP + i] >> 14
-            if shift >= 0:
-                steps <<= shift
-                along = steps * high + (steps * (limits[LIMIT_STEP + i] & 0x3FFF) >> 14)
-            else:
-                along = (steps & ((1 << (0 - shift)) - 1)) * high >> (0 - shift)
-                steps >>= 0 - shift
-                along += steps * high + (steps * (limits[LIMIT_STEP + i] & 0x3FFF) >> 14)
-            scratch[SCRATCH_HEADING + i] = along
-            if along > most:
-                most = along
-            i += 1
-        while most < 0x4000000:
-            most <<= 1
-            shift += 1
-            i = 0
-            while i < axes:
-                scratch[SCRATCH_HEADING + i] = scratch[SCRATCH_HEADING + i] << 1
-                i += 1
-        # The root of the squares' sum, in digits of 14 bits: a² = aₕ²·2²⁸ + 2aₕaₗ·2¹⁴ + aₗ².
-        square = 0
-        middle = 0
-        low = 0
-        i = 0
-        while i < axes:
-            high = scratch[SCRATCH_HEADING + i] >> 14
-            rest = scratch[SCRATCH_HEADING + i] & 0x3FFF
-            square += high * high
-            middle += high * rest
-            low += rest * rest >> 14
-            i += 1
-        square += middle >> 13
-        low += (middle & 0x1FFF) << 1
-        root = 0
-        bit = 0x4000
-        while bit:
-            if (root + bit) * (root + bit) <= square:
-                root += bit
-            bit >>= 1
-        length = (root << 14) + (((square - root * root) << 14) + low) // (2 * root)
-        length_shift = limits[LIMIT_FINEST] - 1000 + shift  # nanometres are length / 2 ** length_shift
-        # Directions, and what the axes allow along them.
-        fastest = 0x20000000
-        strength = 0x20000000
-        high = length >> 14
-        low = length & 0x3FFF
-        i = 0
-        while i < axes:
-            along = scratch[SCRATCH_HEADING + i]
-            if along:
-                bit = along // high
-                rest = ((along % high) << 14) - bit * low
-                along = (bit << 14) + rest // high
-                bit = along
-                more = 0
-                while bit < 0x8000000 and more < 13:
-                    bit <<= 1
-                    more += 1
-                bit = (bit >> 13) + 1
-                limit = LIMIT_FASTEST + i
-                while limit < LIMIT_FIELDS:
-                    rest = limits[limit] // bit
-                    shift = limits[limit + LIMIT_SHIFTS] - 1000 + more
-                    if shift < 0:
-                        rest >>= 0 - shift
-                    elif rest < 0x20000000 >> shift:
-                        rest <<= shift
-                    else:
-                        rest = 0x20000000
-                    if limit >= LIMIT_STRONGEST:
-                        if rest < strength:
-                            strength = rest
-                    elif rest < fastest:
-                        fastest = rest
-                    limit += LIMIT_STRONGEST - LIMIT_FASTEST
-                if rows[at + ROW_STEPS + i] >> 30 & 1:
-                    along = 0 - along
-            scratch[SCRATCH_HEADING + i] = along
-            i += 1
         scratch[SCRATCH_STEPS] = total
-        scratch[SCRATCH_LENGTH] = length
-        scratch[SCRATCH_LENGTH_SHIFT] = length_shift + 1000
-        scratch[SCRATCH_ALONG] = fastest
-        scratch[SCRATCH_STRENGTH] = strength
-    # --- speed and time, and the ramp's units
-    total = scratch[SCRATCH_STEPS]
-    length = scratch[SCRATCH_LENGTH]
-    length_shift = scratch[SCRATCH_LENGTH_SHIFT] - 1000
-    fastest = scratch[SCRATCH_ALONG]
-    strength = scratch[SCRATCH_STRENGTH]
-    if fastest < 1:
-        fastest = 1
-    if strength < 1:
-        strength = 1
-    speed = scratch[SCRATCH_FEED]
-    if speed == 0:
-        speed = fastest
-    limited = 0
-    if speed > fastest:
-        speed = fastest
-        limited = 1
-    scratch[SCRATCH_LIMITED] = limited
-    scratch[SCRATCH_SPEED] = speed
-    full = speed
-    full_shift = 0
-    while full < 0x8000000:
-        full <<= 1
-        full_shift += 1
-    # --- how long it lasts at that speed: `each` ticks a step, `rest` more over all
-    if scratch[SCRATCH_IS_ARC] == 0:
-        if scratch[SCRATCH_GIVEN] and not limited:
-            ticks = scratch[SCRATCH_GIVEN]
-            shift = scratch[SCRATCH_GIVEN_SHIFT]
-        else:
-            high = full >> 14
-            bit = length // high
-            rest = ((length % high) << 14) - bit * (full & 0x3FFF)
-            length_by = (bit << 14) + rest // high
-            high = length_by >> 15
-            low = length_by & 0x7FFF
-            bit = limits[LIMIT_SPEED] >> 14
-            ticks = (high * bit << 1) + (high * (limits[LIMIT_SPEED] & 0x3FFF) >> 13) + (low * bit >> 14)
-            shift = limits[LIMIT_SPEED_SHIFT] - 1000 + full_shift - length_shift
-        while shift < 0 and ticks > 0:
-            ticks >>= 1
-            shift += 1
-        if ticks == 0:
-            ticks = 1
-            shift = 0
-        each = ticks // total
-        rest = ticks % total
-        while shift > 0:
-            if each >= 0x10000000:
-                return -1
-            each <<= 1
-            rest <<= 1
-            if rest >= total:
-                rest -= total
-                each += 1
-            shift -= 1
-        if each > 0x1FFFFFFF:
+        measure(rows, at + ROW_STEPS, scratch, limits)
+        choose_speed(scratch)
+        if int(share_ticks(rows, at, scratch, limits)) == 0:
             return -1
-        rows[at + ROW_TICKS] = each if each > 0 else 1
-        rows[at + ROW_TICKS_REST] = rest
-        steps = total
-        while steps >= 0x8000:
-            steps >>= 1
-            rest >>= 1
-        top = 16000
-        if each >= 33553:
-            top = 0x1FFFFFFF // (each + 1)
-        rows[at + ROW_SPAN] = 2 * top * each + 2 * top * rest // steps
-        steps_shift = 0
-        steps = total
-    else:
-        steps = total
-        steps_shift = scratch[SCRATCH_STEPS_SHIFT] - 1000
-        top = scratch[SCRATCH_GIVEN]
-    high = speed >> 14
+        top = int(set_span(rows, at, total))
+    speed = scratch[SCRATCH_SPEED]
     rows[at + ROW_SPEED] = speed
-    rows[at + ROW_SQUARE] = high * high + (high * (speed & 0x3FFF) >> 13)
-    high = fastest >> 14
-    rows[at + ROW_FASTEST] = high * high + (high * (fastest & 0x3FFF) >> 13)
+    rows[at + ROW_SQUARE] = int(square_of(speed))
+    rows[at + ROW_FASTEST] = int(square_of(scratch[SCRATCH_ALONG]))
     rows[at + ROW_CORNER] = 0
     rows[at + ROW_REACH] = 0
     rows[at + ROW_EXIT] = 0
@@ -244,132 +70,199 @@ def plan_block(rows: ptr32, at: int, scratch: ptr32, limits: ptr32) -> int:
     if top < 64:
         rows[at + ROW_GAIN] = 0
         scratch[SCRATCH_THROUGH] = 0
-        return 1
-    # --- the ramp's units, in short floats
-    while steps < 0x4000:
-        steps <<= 1
-        steps_shift -= 1
-    while steps >= 0x8000:
-        steps >>= 1
-        steps_shift += 1
-    full >>= 13
-    full_shift = 13 - full_shift
-    topped = top
-    top_shift = 0
-    while topped < 0x4000:
-        topped <<= 1
-        top_shift -= 1
-    while length >= 0x8000:
-        length >>= 1
-        length_shift -= 1
-    strong = strength
-    strong_shift = 0
-    while strong < 0x4000:
-        strong <<= 1
-        strong_shift -= 1
-    while strong >= 0x8000:
-        strong >>= 1
-        strong_shift += 1
-    # limit: top · fastest / speed
+    else:
+        set_ramp(rows, at, scratch, limits)
+    return 1
+
+
+@micropython.viper
+def choose_speed(scratch: ptr32):
+    """SCRATCH_SPEED: SCRATCH_FEED, if the axes allow it; SCRATCH_LIMITED: 1 if they do not."""
+    if scratch[SCRATCH_ALONG] < 1:
+        scratch[SCRATCH_ALONG] = 1
+    if scratch[SCRATCH_STRENGTH] < 1:
+        scratch[SCRATCH_STRENGTH] = 1
+    fastest = scratch[SCRATCH_ALONG]
+    speed = scratch[SCRATCH_FEED]
+    if speed == 0:
+        speed = fastest
+    scratch[SCRATCH_LIMITED] = 0
+    if speed > fastest:
+        speed = fastest
+        scratch[SCRATCH_LIMITED] = 1
+    scratch[SCRATCH_SPEED] = speed
+
+
+@micropython.viper
+def square_of(speed: int) -> int:
+    """speed², both of 2²⁸."""
+    high = speed >> 14
+    return high * high + (high * (speed & 0x3FFF) >> 13)
+
+
+@micropython.viper
+def share_ticks(rows: ptr32, at: int, scratch: ptr32, limits: ptr32) -> int:
+    """How long a line lasts at its speed: ROW_TICKS a step, and ROW_TICKS_REST more over all. Returns 0 if it is 2²⁹ ticks a
+    step or more, else 1."""
+    ticks = scratch[SCRATCH_GIVEN]
+    shift = scratch[SCRATCH_GIVEN_SHIFT]
+    if ticks == 0 or scratch[SCRATCH_LIMITED]:
+        speed = scratch[SCRATCH_SPEED]
+        lifted = int(lift(speed, 0x8000000))
+        ticks = int(time_of(int(quotient(scratch[SCRATCH_LENGTH], speed << lifted)), limits[LIMIT_SPEED]))
+        shift = limits[LIMIT_SPEED_SHIFT] + lifted - scratch[SCRATCH_LENGTH_SHIFT]
+    if shift < 0:
+        ticks = int(scaled(ticks, shift))
+        shift = 0
+    if ticks == 0:
+        ticks = 1
+        shift = 0
+    total = scratch[SCRATCH_STEPS]
+    each = ticks // total
+    rest = ticks % total
+    while shift > 0 and each < 0x10000000:
+        each <<= 1
+        rest <<= 1
+        if rest >= total:
+            rest -= total
+            each += 1
+        shift -= 1
+    if shift > 0 or each > 0x1FFFFFFF:
+        return 0
+    rows[at + ROW_TICKS] = each
+    rows[at + ROW_TICKS_REST] = rest
+    return 1
+
+
+@micropython.viper
+def time_of(length: int, speed: int) -> int:
+    """length · speed / 2²⁸, of 28 bits each, the lower digits' product left out: LIMIT_SPEED is ticks a nanometre."""
+    high = length >> 15
+    low = length & 0x7FFF
+    first = speed >> 14
+    return (high * first << 1) + (high * (speed & 0x3FFF) >> 13) + (low * first >> 14)
+
+
+@micropython.viper
+def set_span(rows: ptr32, at: int, total: int) -> int:
+    """ROW_SPAN of a line of `total` steps, whose ticks are known. Returns its ROW_TOP: 16 000, and less if a step takes so long
+    that the span would reach 2³⁰."""
+    each = rows[at + ROW_TICKS]
+    top = 16000
+    if each >= 33553:
+        top = 0x1FFFFFFF // (each + 1)
+    shift = int(drop(total, 0x8000))
+    rows[at + ROW_SPAN] = 2 * top * each + 2 * top * (rows[at + ROW_TICKS_REST] >> shift) // (total >> shift)
+    if each == 0:
+        rows[at + ROW_TICKS] = 1
+    return top
+
+
+@micropython.viper
+def set_ramp(rows: ptr32, at: int, scratch: ptr32, limits: ptr32):
+    """What the ramp has to know, in short floats: ROW_LIMIT, _RATIO, _GAIN, _REACH, _UNIT and _TIME."""
+    top = rows[at + ROW_TOP]
+    speed = rows[at + ROW_SPEED]
+    rows[at + ROW_LIMIT] = int(fastest_units(top, scratch[SCRATCH_ALONG], speed))
+    lifted = int(lift(speed, 0x8000000))
+    raised = int(lift(top, 0x4000))
+    set_ratio(rows, at, scratch, speed << lifted >> 13, 1013 - lifted, top << raised, 1000 - raised)
+    shift = scratch[SCRATCH_STEPS_SHIFT] if scratch[SCRATCH_IS_ARC] else 1000
+    shorten(scratch, SHORT_STEPS, scratch[SCRATCH_STEPS], shift)
+    shift = int(drop(scratch[SCRATCH_LENGTH], 0x8000))
+    scratch[SHORT_LENGTH] = scratch[SCRATCH_LENGTH] >> shift
+    scratch[SHORT_LENGTH + 1] = scratch[SCRATCH_LENGTH_SHIFT] - shift
+    shorten(scratch, SHORT_STRENGTH, scratch[SCRATCH_STRENGTH], 1000)
+    gain = int(gain_of(scratch, limits))
+    rows[at + ROW_GAIN] = gain
+    rows[at + ROW_REACH] = int(reach_of(scratch, gain))
+    set_unit(rows, at, scratch)
+    set_time(rows, at, scratch, limits)
+
+
+@micropython.viper
+def shorten(scratch: ptr32, at: int, value: int, shift: int):
+    """Write value · 2^(shift − 1000) > 0 to scratch[at] as a short float: 15 bits, and the exponent behind them."""
+    more = int(lift(value, 0x4000)) - int(drop(value, 0x8000))
+    scratch[at] = int(scaled(value, more))
+    scratch[at + 1] = shift - more
+
+
+@micropython.viper
+def fastest_units(top: int, fastest: int, speed: int) -> int:
+    """The speed that the axes allow, in units: T · fastest / v; at most 2 · T and 32 000, at least T."""
     most = 2 * top
     if most > 32000:
         most = 32000
     if fastest >> 1 < speed:
-        high = fastest
-        low = speed
-        while high >= 0x8000:
-            high >>= 1
-            low >>= 1
-        high = top * high // (low + 1)
-        if high < top:
-            high = top
-        if high < most:
-            most = high
-    rows[at + ROW_LIMIT] = most
-    speeds = full * full >> 15  # of speed², exponent 2·full_shift + 15
-    tops = topped * topped >> 15
-    # gain: q a step
-    high = strong * length >> 15
-    high = high * limits[LIMIT_GAIN] >> 15
-    low = (speeds * steps >> 15) + 1
-    high = (high << 15) // low
-    shift = strong_shift - length_shift + limits[LIMIT_GAIN_SHIFT] - 1000 - 2 * full_shift - steps_shift - 15
-    while high >= 0x8000:
-        high >>= 1
-        shift += 1
-    high = high * tops
-    shift += 2 * top_shift + 15
-    while shift < 0 and high:
-        high >>= 1
-        shift += 1
-    while shift > 0 and high < 0x10000000:
-        high <<= 1
-        shift -= 1
-    if shift > 0 or high > 0x1FFFFFFF:
-        high = 0x1FFFFFFF
-    if high < 2:
-        high = 2
-    rows[at + ROW_GAIN] = high
-    # reach: what the block can gain or lose, gain · steps · speed² / top²
+        shift = int(drop(fastest, 0x8000))
+        allowed = top * (fastest >> shift) // ((speed >> shift) + 1)
+        if allowed < top:
+            allowed = top
+        if allowed < most:
+            most = allowed
+    return most
+
+
+@micropython.viper
+def set_ratio(rows: ptr32, at: int, scratch: ptr32, full: int, full_shift: int, top: int, top_shift: int):
+    """The ratio of this block's unit of speed, v / T, to that of the block before, if motion goes through; remember this one's."""
+    ratio = 0
     shift = 0
-    while high < 0x4000:
-        high <<= 1
-        shift -= 1
-    while high >= 0x8000:
-        high >>= 1
-        shift += 1
-    high = high * steps >> 15
-    high = high * speeds >> 15
-    high = (high << 15) // (tops + 1)
-    shift += steps_shift + 2 * full_shift - 2 * top_shift - 28 + 15
-    while shift < 0 and high:
-        high >>= 1
-        shift += 1
-    while shift > 0 and high < 0x10000000:
-        high <<= 1
-        shift -= 1
-    if shift > 0 or high > 0x1FFFFFFF:
-        high = 0x1FFFFFFF
-    rows[at + ROW_REACH] = high
-    # unit: q of a square, top² / speed²
-    high = (tops << 15) // (speeds + 1)
-    shift = 15 + 2 * full_shift - 2 * top_shift - 28
-    while high >= 0x8000:
-        high >>= 1
-        shift -= 1
-    rows[at + ROW_UNIT] = high
-    rows[at + ROW_UNIT_SHIFT] = shift
-    # time: ticks a unit of speed takes
-    high = full * limits[LIMIT_TIME] >> 15
-    low = topped * strong >> 15
-    high = (high << 15) // (low + 1)
-    shift = top_shift + strong_shift - full_shift - limits[LIMIT_TIME_SHIFT] + 1015
-    while high < 0x4000:
-        high <<= 1
-        shift += 1
-    while high >= 0x8000:
-        high >>= 1
-        shift -= 1
-    rows[at + ROW_TIME] = high
-    rows[at + ROW_TIME_SHIFT] = shift
-    rows[at + ROW_RATIO] = 0
-    rows[at + ROW_RATIO_SHIFT] = 0
     if scratch[SCRATCH_THROUGH]:
-        # --- there is a block before, that goes through to this one: the ratio of the units
-        high = scratch[SCRATCH_FULL] * topped >> 15
-        low = scratch[SCRATCH_TOP] * full >> 15
-        high = (high << 15) // low  # exactly 1 if nothing changes
-        shift = scratch[SCRATCH_TOP_SHIFT] + full_shift - scratch[SCRATCH_FULL_SHIFT] - top_shift + 15
-        while high < 0x2000:
-            high <<= 1
-            shift += 1
-        while high >= 0x4000:
-            high >>= 1
-            shift -= 1
-        rows[at + ROW_RATIO] = high
-        rows[at + ROW_RATIO_SHIFT] = shift
+        ratio = ((scratch[SCRATCH_FULL] * top >> 15) << 15) // (scratch[SCRATCH_TOP] * full >> 15)  # exactly 1 if nothing changes
+        more = int(lift(ratio, 0x2000)) - int(drop(ratio, 0x4000))
+        ratio = int(scaled(ratio, more))
+        shift = scratch[SCRATCH_TOP_SHIFT] + full_shift - scratch[SCRATCH_FULL_SHIFT] - top_shift + 15 + more
+    rows[at + ROW_RATIO] = ratio
+    rows[at + ROW_RATIO_SHIFT] = shift
     scratch[SCRATCH_FULL] = full
-    scratch[SCRATCH_FULL_SHIFT] = full_shift + 1000
-    scratch[SCRATCH_TOP] = topped
-    scratch[SCRATCH_TOP_SHIFT] = top_shift + 1000
-    return 1
+    scratch[SCRATCH_FULL_SHIFT] = full_shift
+    scratch[SCRATCH_TOP] = top
+    scratch[SCRATCH_TOP_SHIFT] = top_shift
+
+
+@micropython.viper
+def gain_of(scratch: ptr32, limits: ptr32) -> int:
+    """q a step: 2 · a · l · T² / (v² · s), rounded down, 2 … 2²⁹ − 1."""
+    square = scratch[SCRATCH_FULL] * scratch[SCRATCH_FULL] >> 15
+    gain = scratch[SHORT_STRENGTH] * scratch[SHORT_LENGTH] >> 15
+    gain = gain * limits[LIMIT_GAIN] >> 15
+    gain = (gain << 15) // ((square * scratch[SHORT_STEPS] >> 15) + 1)
+    shift = scratch[SHORT_STRENGTH + 1] - scratch[SHORT_LENGTH + 1] + limits[LIMIT_GAIN_SHIFT] - scratch[SHORT_STEPS + 1]
+    shift += 2 * (scratch[SCRATCH_TOP_SHIFT] - scratch[SCRATCH_FULL_SHIFT])
+    less = int(drop(gain, 0x8000))
+    gain = int(bounded((gain >> less) * (scratch[SCRATCH_TOP] * scratch[SCRATCH_TOP] >> 15), shift + less))
+    return gain if gain > 2 else 2
+
+
+@micropython.viper
+def reach_of(scratch: ptr32, gain: int) -> int:
+    """The square of speed, of 2²⁸, that the block can gain or lose: gain · s · v² / T², rounded down."""
+    more = int(lift(gain, 0x4000)) - int(drop(gain, 0x8000))
+    reach = int(scaled(gain, more)) * scratch[SHORT_STEPS] >> 15
+    reach = reach * (scratch[SCRATCH_FULL] * scratch[SCRATCH_FULL] >> 15) >> 15
+    reach = (reach << 15) // ((scratch[SCRATCH_TOP] * scratch[SCRATCH_TOP] >> 15) + 1)
+    shift = scratch[SHORT_STEPS + 1] - 1013 - more + 2 * (scratch[SCRATCH_FULL_SHIFT] - scratch[SCRATCH_TOP_SHIFT])
+    return int(bounded(reach, shift))
+
+
+@micropython.viper
+def set_unit(rows: ptr32, at: int, scratch: ptr32):
+    """q of a square of speed of 2²⁸: T² / v², rounded down."""
+    unit = (scratch[SCRATCH_TOP] * scratch[SCRATCH_TOP] >> 15) << 15
+    unit = unit // ((scratch[SCRATCH_FULL] * scratch[SCRATCH_FULL] >> 15) + 1)
+    less = int(drop(unit, 0x8000))
+    rows[at + ROW_UNIT] = unit >> less
+    rows[at + ROW_UNIT_SHIFT] = 2 * (scratch[SCRATCH_FULL_SHIFT] - scratch[SCRATCH_TOP_SHIFT]) - 13 - less
+
+
+@micropython.viper
+def set_time(rows: ptr32, at: int, scratch: ptr32, limits: ptr32):
+    """Ticks that a change of speed by one unit takes: v / (T · a)."""
+    ticks = scratch[SCRATCH_FULL] * limits[LIMIT_TIME] >> 15
+    ticks = (ticks << 15) // ((scratch[SCRATCH_TOP] * scratch[SHORT_STRENGTH] >> 15) + 1)
+    more = int(lift(ticks, 0x4000)) - int(drop(ticks, 0x8000))
+    shift = scratch[SCRATCH_TOP_SHIFT] + scratch[SHORT_STRENGTH + 1] - scratch[SCRATCH_FULL_SHIFT] - limits[LIMIT_TIME_SHIFT]
+    rows[at + ROW_TIME] = int(scaled(ticks, more))
+    rows[at + ROW_TIME_SHIFT] = shift + 15 + more

@@ -12,7 +12,7 @@
       │╱                               ╲
       └────────────────────────────────────► path
 
-One text for all interpreters, by the rules of block_viper.py. A call from one kernel to the next takes 26 µs on a Pico.
+One text for all interpreters, by the rules of block_viper.py.
 """
 # ruff: noqa: F821
 
@@ -20,11 +20,13 @@ import micropython
 
 from passo.motion.block_viper import plan_block
 from passo.motion.row_viper import close
+from passo.motion.scale_viper import bounded, drop, lift, root, scaled, size
+from passo.motion.vector_viper import limit_along
 from passo.records import (
     BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_POWER, BATCH_STEPS, BATCH_TAG, LIMIT_AXES, LIMIT_CORNER,
     LIMIT_CORNER_SHIFT, LIMIT_STRONGEST, LIMIT_STRONGEST_SHIFT, LIMIT_WHOLE, QUEUE_ADDED, QUEUE_FROZEN, ROW_CORNER, ROW_EXIT,
     ROW_FASTEST, ROW_GAIN, ROW_RAPID, ROW_REACH, ROW_SQUARE, ROW_STEPS, SCRATCH_ALL, SCRATCH_ASKED, SCRATCH_BEFORE, SCRATCH_CHANGE,
-    SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_SIZE, SCRATCH_STRIDE, SCRATCH_THROUGH,
+    SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_SIZE, SCRATCH_STRIDE, SCRATCH_THROUGH, SHORT_SINE, SHORT_TURN,
 )  # fmt: skip
 
 try:
@@ -41,106 +43,80 @@ def corner(rows: ptr32, at: int, scratch: ptr32, limits: ptr32):
         return
     axes = limits[LIMIT_AXES]
     if scratch[SCRATCH_THROUGH]:
-        shift = 0
-        # The sum of the two directions and their difference, in 2⁻²⁸: their lengths are twice the sine of half the angle
-        # between the lines, `sine`, and of half the angle turned through, `root`; both with exponents.
-        sine = 0
-        sine_shift = 0
-        root = 0
-        square = 0
-        sign = 0
-        while sign < 2:
-            most = 0
-            i = 0
-            while i < axes:
-                along = scratch[SCRATCH_HEADING + i] - scratch[SCRATCH_BEFORE + i] if sign else scratch[SCRATCH_HEADING + i] + scratch[SCRATCH_BEFORE + i]
-                if along >> 30 & 1:
-                    along = 0 - along
-                along &= 0x3FFFFFFF
-                scratch[SCRATCH_CHANGE + i] = along
-                if along > most:
-                    most = along
-                i += 1
-            sine = root
-            sine_shift = shift
-            root = 0
-            shift = 0
-            if most:
-                while most < 0x2000:
-                    most <<= 1
-                    shift -= 1
-                while most >= 0x4000:
-                    most >>= 1
-                    shift += 1
-                square = 0
-                i = 0
-                while i < axes:
-                    along = scratch[SCRATCH_CHANGE + i]
-                    if shift < 0:
-                        along <<= 0 - shift
-                    else:
-                        along >>= shift
-                    scratch[SCRATCH_CHANGE + i] = along
-                    square += along * along
-                    i += 1
-                bit = 0x4000
-                while bit:
-                    if (root + bit) * (root + bit) <= square:
-                        root += bit
-                    bit >>= 1
-            sign += 1
-        high = 0x3FFFFFFF
-        if shift > 5 or shift > 3 and root << shift >= 379600:
-            # More than 1.4 mrad: a corner. What the axes can do along the change of direction:
-            strong = 0x20000000
-            i = 0
-            while i < axes:
-                along = scratch[SCRATCH_CHANGE + i]
-                if along:
-                    bit = (along << 15) // root + 1
-                    rest = limits[LIMIT_STRONGEST + i] // bit
-                    high = limits[LIMIT_STRONGEST_SHIFT + i] - 1000
-                    if high < 0:
-                        rest >>= 0 - high
-                    elif rest < 0x20000000 >> high:
-                        rest <<= high
-                    else:
-                        rest = 0x20000000
-                    if rest < strong:
-                        strong = rest
-                i += 1
-            if strong < 1:
-                strong = 1
-            strong_shift = 0
-            while strong < 0x4000:
-                strong <<= 1
-                strong_shift -= 1
-            while strong >= 0x8000:
-                strong >>= 1
-                strong_shift += 1
-            # v² = a · δ · s · (1 + s) / t²
-            high = strong * sine >> 15
-            low = 0x4000
-            if sine_shift > 0:
-                low += sine << sine_shift >> 15
-            high = high * low >> 15
-            high = high * limits[LIMIT_CORNER] >> 15
-            high = (high << 15) // ((root * root >> 13) + 1)
-            shift = strong_shift + limits[LIMIT_CORNER_SHIFT] - 968 + sine_shift - 2 * shift
-            while shift < 0 and high:
-                high >>= 1
-                shift += 1
-            while shift > 0 and high < 0x10000000:
-                high <<= 1
-                shift -= 1
-            if shift > 0 or high > 0x1FFFFFFF:
-                high = 0x1FFFFFFF
-        rows[at + ROW_CORNER] = high
+        set_chord(scratch, SHORT_SINE, axes, 0)
+        set_chord(scratch, SHORT_TURN, axes, 1)
+        rows[at + ROW_CORNER] = int(corner_square(scratch, limits))
     scratch[SCRATCH_THROUGH] = 1
     i = 0
     while i < axes:
         scratch[SCRATCH_BEFORE + i] = scratch[SCRATCH_HEADING + i]
         i += 1
+
+
+@micropython.viper
+def set_chord(scratch: ptr32, at: int, axes: int, minus: int):
+    """Write the length of the sum of the two directions at a corner (`minus` 1: of their difference) to scratch[at], of 14 bits
+    with its exponent behind it, and the vector itself in that unit to SCRATCH_CHANGE. The sum is twice the sine of half the
+    angle between the lines, the difference twice the sine of half the angle turned through."""
+    most = 0
+    i = 0
+    while i < axes:
+        before = scratch[SCRATCH_BEFORE + i]
+        along = int(size(scratch[SCRATCH_HEADING + i] - before if minus else scratch[SCRATCH_HEADING + i] + before))
+        scratch[SCRATCH_CHANGE + i] = along
+        if along > most:
+            most = along
+        i += 1
+    shift = 0
+    square = 0
+    if most:
+        shift = int(lift(most, 0x2000)) - int(drop(most, 0x4000))
+        i = 0
+        while i < axes:
+            along = int(scaled(scratch[SCRATCH_CHANGE + i], shift))
+            scratch[SCRATCH_CHANGE + i] = along
+            square += along * along
+            i += 1
+    scratch[at] = int(root(square))
+    scratch[at + 1] = 1000 - shift
+
+
+@micropython.viper
+def corner_square(scratch: ptr32, limits: ptr32) -> int:
+    """The square of the speed, of 2²⁸, at which a corner may be passed: v² = a · δ · s · (1 + s) / t², where δ is the junction
+    deviation, s and t are the sines of half the angle between the lines and of half the angle turned through, and a is what the
+    axes can do along the change of direction. 2³⁰ − 1 if it turns by less than 1.4 mrad."""
+    turn = scratch[SHORT_TURN]
+    turn_shift = scratch[SHORT_TURN + 1] - 1000
+    if turn_shift < 4 or turn_shift < 6 and turn << turn_shift < 379600:
+        return 0x3FFFFFFF
+    strong = int(strength_across(scratch, limits, turn))
+    more = int(lift(strong, 0x4000)) - int(drop(strong, 0x8000))
+    sine = scratch[SHORT_SINE]
+    sine_shift = scratch[SHORT_SINE + 1] - 1000
+    whole = 0x4000
+    if sine_shift > 0:
+        whole += sine << sine_shift >> 15
+    square = int(scaled(strong, more)) * sine >> 15
+    square = square * whole >> 15
+    square = square * limits[LIMIT_CORNER] >> 15
+    square = (square << 15) // ((turn * turn >> 13) + 1)
+    return int(bounded(square, limits[LIMIT_CORNER_SHIFT] - 968 - more + sine_shift - 2 * turn_shift))
+
+
+@micropython.viper
+def strength_across(scratch: ptr32, limits: ptr32, length: int) -> int:
+    """The acceleration, of 2²⁸ and 1 at least, that the axes allow along SCRATCH_CHANGE, a vector of this `length`."""
+    strong = 0x20000000
+    i = 0
+    while i < limits[LIMIT_AXES]:
+        along = scratch[SCRATCH_CHANGE + i]
+        if along:
+            most = int(limit_along(limits[LIMIT_STRONGEST + i], (along << 15) // length + 1, limits[LIMIT_STRONGEST_SHIFT + i] - 1000))
+            if most < strong:
+                strong = most
+        i += 1
+    return strong if strong > 1 else 1
 
 
 @micropython.viper
@@ -158,25 +134,7 @@ def look_back(rows: ptr32, scratch: ptr32, indices: ptr32) -> int:
         at = behind - stride
         if at < 0:
             at = ends - stride
-        square = 0
-        if rows[behind + ROW_GAIN] and rows[at + ROW_GAIN]:
-            factor = scratch[SCRATCH_FACTOR + rows[behind + ROW_RAPID]]
-            square = rows[behind + ROW_SQUARE]
-            square = ((square >> 14) * factor << 2) + ((square & 0x3FFF) * factor >> 12)
-            if rows[behind + ROW_FASTEST] < square:
-                square = rows[behind + ROW_FASTEST]
-            factor = scratch[SCRATCH_FACTOR + rows[at + ROW_RAPID]]
-            most = rows[at + ROW_SQUARE]
-            most = ((most >> 14) * factor << 2) + ((most & 0x3FFF) * factor >> 12)
-            if rows[at + ROW_FASTEST] < most:
-                most = rows[at + ROW_FASTEST]
-            if most < square:
-                square = most
-            most = rows[behind + ROW_EXIT] + rows[behind + ROW_REACH]
-            if most < square:
-                square = most
-            if rows[behind + ROW_CORNER] < square:
-                square = rows[behind + ROW_CORNER]
+        square = int(exit_square(rows, at, behind, scratch))
         if square > rows[at + ROW_EXIT]:
             rows[at + ROW_EXIT] = square
             depth = deepest - count
@@ -188,6 +146,35 @@ def look_back(rows: ptr32, scratch: ptr32, indices: ptr32) -> int:
 
 
 @micropython.viper
+def exit_square(rows: ptr32, at: int, behind: int, scratch: ptr32) -> int:
+    """The square of the speed at which the block at rows[at] may be left for the one `behind` it: what both may go at, what the
+    corner allows, and what the one behind can brake from. 0 if one of them has no ramp."""
+    if rows[behind + ROW_GAIN] == 0 or rows[at + ROW_GAIN] == 0:
+        return 0
+    square = int(square_with(rows, behind, scratch))
+    most = int(square_with(rows, at, scratch))
+    if most < square:
+        square = most
+    most = rows[behind + ROW_EXIT] + rows[behind + ROW_REACH]
+    if most < square:
+        square = most
+    if rows[behind + ROW_CORNER] < square:
+        square = rows[behind + ROW_CORNER]
+    return square
+
+
+@micropython.viper
+def square_with(rows: ptr32, at: int, scratch: ptr32) -> int:
+    """The square of a block's speed with its override, at most that of what the axes allow."""
+    factor = scratch[SCRATCH_FACTOR + rows[at + ROW_RAPID]]
+    square = rows[at + ROW_SQUARE]
+    square = ((square >> 14) * factor << 2) + ((square & 0x3FFF) * factor >> 12)
+    if rows[at + ROW_FASTEST] < square:
+        return rows[at + ROW_FASTEST]
+    return square
+
+
+@micropython.viper
 def plan_lines(batch: ptr32, count: int, rows: ptr32, scratch: ptr32, indices: ptr32, limits: ptr32) -> int:
     """Queue the lines in the first `count` rows of `batch`, for which there is room; one of no steps is no block. Returns how
     many were taken: fewer if the next one's feed is for Planner._ask() to work out; -1 or -2 if plan_block() refuses the next."""
@@ -196,32 +183,8 @@ def plan_lines(batch: ptr32, count: int, rows: ptr32, scratch: ptr32, indices: p
     line = 0
     while done < count:
         at = indices[QUEUE_ADDED] % scratch[SCRATCH_SIZE] * scratch[SCRATCH_STRIDE]
-        feed = batch[line + BATCH_FEED]
-        if feed != scratch[SCRATCH_ASKED]:
-            fastest = limits[LIMIT_WHOLE]
-            if feed and fastest == 0:
-                return done
-            scratch[SCRATCH_ASKED] = feed
-            scratch[SCRATCH_GIVEN] = 0
-            scratch[SCRATCH_GIVEN_SHIFT] = 0
-            speed = 0
-            if feed:  # feed · 2²⁸ / fastest
-                speed = feed // fastest
-                rest = feed - speed * fastest
-                bit = 0
-                while bit < 28 and speed < 0x10000000:
-                    rest <<= 1
-                    speed <<= 1
-                    if rest >= fastest:
-                        rest -= fastest
-                        speed += 1
-                    bit += 1
-                if bit < 28:
-                    speed = 0x1FFFFFFF
-                if speed == 0:
-                    speed = 1
-            scratch[SCRATCH_FEED] = speed
-        scratch[SCRATCH_IS_ARC] = 0
+        if int(ask(scratch, limits, batch[line + BATCH_FEED])) == 0:
+            return done
         axis = 0
         while axis < axes:
             rows[at + ROW_STEPS + axis] = batch[line + BATCH_STEPS + axis]
@@ -231,14 +194,43 @@ def plan_lines(batch: ptr32, count: int, rows: ptr32, scratch: ptr32, indices: p
             return planned
         if planned:
             corner(rows, at, scratch, limits)
-            through = int(
-                close(
-                    rows, at, scratch, indices, 0, batch[line + BATCH_FLAGS], batch[line + BATCH_TAG], batch[line + BATCH_POWER],
-                    batch[line + BATCH_FIRST],
-                )
-            )
-            if through:
+            flags = batch[line + BATCH_FLAGS]
+            tag = batch[line + BATCH_TAG]
+            if int(close(rows, at, scratch, indices, 0, flags, tag, batch[line + BATCH_POWER], batch[line + BATCH_FIRST])):
                 look_back(rows, scratch, indices)
         line += BATCH_FIELDS
         done += 1
     return done
+
+
+@micropython.viper
+def ask(scratch: ptr32, limits: ptr32, feed: int) -> int:
+    """Ask for a line at `feed`, in nm/s; 0: as fast as may be. Returns 0 if that is for Planner._ask(), else 1."""
+    if feed != scratch[SCRATCH_ASKED]:
+        fastest = limits[LIMIT_WHOLE]
+        if feed and fastest == 0:
+            return 0
+        scratch[SCRATCH_ASKED] = feed
+        scratch[SCRATCH_GIVEN] = 0
+        scratch[SCRATCH_GIVEN_SHIFT] = 0
+        scratch[SCRATCH_FEED] = int(part_of(feed, fastest)) if feed else 0
+    scratch[SCRATCH_IS_ARC] = 0
+    return 1
+
+
+@micropython.viper
+def part_of(feed: int, fastest: int) -> int:
+    """feed · 2²⁸ / fastest, 1 … 2²⁹ − 1, bit by bit."""
+    part = feed // fastest
+    rest = feed - part * fastest
+    bit = 0
+    while bit < 28 and part < 0x10000000:
+        rest <<= 1
+        part <<= 1
+        if rest >= fastest:
+            rest -= fastest
+            part += 1
+        bit += 1
+    if bit < 28:
+        return 0x1FFFFFFF
+    return part if part else 1

@@ -27,10 +27,11 @@ import micropython
 from micropython import const
 
 from passo.memory import zeros
-from passo.motion.block import ARC, LINE, WAIT, Block, q_of
+from passo.motion.block import ARC, LINE, WAIT, Block
 from passo.motion.limits import MOST
 from passo.motion.line import Line
 from passo.motion.row_viper import close, take
+from passo.motion.speed_viper import q_of
 from passo.motion.steady import LONGEST_TICKS, Steady, dominant, refuse
 from passo.records import (
     ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS,

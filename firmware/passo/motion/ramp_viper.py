@@ -12,12 +12,12 @@ what that asks of integers. None reaches 2³⁰.
 import micropython
 
 from passo.motion.block import ARC
+from passo.motion.speed_viper import gained, path_ticks, q_of, root_of, spread, step_ticks
 from passo.records import (
     ARC_PATH, ARC_PATH_FINE, ARC_STEPS, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, CIRCLE_PATH, CIRCLE_WORDS, RAMP_BEGIN,
     RAMP_CAP, RAMP_CARRY, RAMP_CHANGE, RAMP_HIGH, RAMP_LENGTH, RAMP_PACE, RAMP_PART, RAMP_PATH, RAMP_Q, RAMP_START,
     RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, RAMP_TOTAL, RAMP_TO_GO, RAMP_V, ROW_EXIT, ROW_GAIN, ROW_KIND, ROW_LIMIT,
-    ROW_RATIO, ROW_RATIO_SHIFT, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, ROW_TIME, ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT,
-    ROW_UNIT_SHIFT,
+    ROW_RATIO, ROW_RATIO_SHIFT, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, ROW_TIME, ROW_TIME_SHIFT, ROW_TOP,
 )  # fmt: skip
 
 try:
@@ -69,256 +69,216 @@ def begin(rows: ptr32, at: int, state: ptr32, start: int, total: int, s_curve: i
 def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: int, hold: int):  # ISR: no allocation
     """The next segment of a walker that has `left` ≥ 1 words to come to the line's end, or to that of the arc's run; see
     Ramp.cut()."""
-    arc = 0
-    if rows[at + ROW_KIND] == ARC:
-        arc = 1
-    top = rows[at + ROW_TOP]
-    limit = rows[at + ROW_LIMIT]
-    gain = rows[at + ROW_GAIN]
-    span = rows[at + ROW_SPAN]
-    q = state[RAMP_Q]
-    speed = state[RAMP_V]
-    start = state[RAMP_START]
-    cap = top * percent // 100
-    if cap > limit:
-        cap = limit
-    cap *= cap
-    high = cap
     state[RAMP_STEPS] = 0
-    # --- stage 0: the speed without a ramp; 1: how many steps, and how fast at their end; 2: at the peak in between; 3: how
-    # many steps of an arc that keeps its speed
-    stage = 1
-    value = 0
-    if gain == 0:
-        if hold:
-            return
-        stage = 3
-    elif hold:
-        cap = 0
-        if q <= start:
-            return
-    elif q < start and q < cap or q > cap and q - (q >> 6) < start:  # no ramp is needed here
-        q = start if start < cap else cap
-        value = q
-        stage = 0
-    steps = 1
-    whole = 1
-    fraction = 0
-    rest = 0
-    aim = 0
-    peak = 0
-    after = 0
-    fast = 0
-    while True:
-        if stage & 1:
-            # --- about as many steps as a segment lasts, one of a line from rest
-            length = state[RAMP_LENGTH]
-            each = length
-            far = 0x1FFFFFFF
-            if gain == 0:
-                each = rows[at + ROW_TICKS]
-                rest = rows[at + ROW_TICKS_REST]
-            else:
-                far = far // gain
-                if q:
-                    each = span // speed
-                    part = (span - each * speed) << 6
-                    each = (each << 6 if each < 0x800000 else 0x1FFFFFFF) + part // speed
-            most = far if far < 255 else 255
-            steps = length // each
-            if arc:
-                words = walker[CIRCLE_WORDS]
-                path = walker[CIRCLE_PATH]
-                steps <<= 13
-                value = path if path else 1
-                if steps >= value:
-                    steps = left
-                else:
-                    steps = steps * words // value
-                if gain and steps * value > (most << 13) * words:
-                    steps = (most << 13) * words // value
-                most = 500
-            elif hold and steps > q // gain:
-                steps = q // gain + 1  # it stands after these
-            if steps > most:
-                steps = most
-            if steps > left:
-                steps = left
-            if steps == 0:
-                steps = 1
-            # --- their path, as whole steps and 2⁻¹⁷, and what is to go after them
-            whole = steps
-            togo = left - steps
-            part = 0
-            if arc:
-                value = path * steps
-                whole = value // words
-                value = (value - whole * words) << 4
-                fraction = (whole << 4) + value // words
-                whole = fraction >> 17
-                fraction &= 0x1FFFF
-                if stage == 3:
-                    break
-                value = path * (words - togo)
-                part = value // words
-                value = (value - part * words) << 4
-                part = (part << 4) + value // words + (walker[ARC_PATH_FINE] >> 3)
-                value = togo
-                togo = ((walker[ARC_PATH] + 0x20000000) & 0x3FFFFFFF) - 0x20000000 - (part >> 17)
-                part = (0 - part) & 0x1FFFF
-                if part:
-                    togo -= 1
-                if value == 0 and walker[ARC_STEPS] == 0 and (walker[ARC_TAIL_A] | walker[ARC_TAIL_B] | walker[ARC_TAIL_Z]) == 0:
-                    togo = 0  # the arc's end
-                    part = 0
-            # --- how fast at their end
-            change = 0x1FFFFFFF
-            if whole <= far:
-                value = whole * gain + (gain >> 17) * fraction + (((gain & 0x1FFFF) >> 5) * fraction >> 12)
-                if value < change:
-                    change = value
-            if state[RAMP_S_CURVE]:  # it is s_curve.py that goes on
-                state[RAMP_STEPS] = steps
-                state[RAMP_V] = speed
-                state[RAMP_PATH] = (whole << 17) + fraction
-                state[RAMP_TO_GO] = togo
-                state[RAMP_PART] = part
-                state[RAMP_CHANGE] = change
-                state[RAMP_CAP] = cap
-                state[RAMP_HIGH] = high
-                state[RAMP_BEGIN] = q
-                return
-            if q < cap:
-                aim = cap if cap - q <= change else q + change
-            else:
-                aim = cap if q - cap <= change else q - change
-            # the planned end, in the block's units
-            unit = rows[at + ROW_UNIT]
-            shift = rows[at + ROW_UNIT_SHIFT]
-            if shift >> 30 & 1:
-                shift = 0 - ((0 - shift) & 0x3FFFFFFF)
-            shift -= 14
-            leave = rows[at + ROW_EXIT]
-            leave = (leave >> 14) * unit + ((leave & 0x3FFF) * unit >> 14)
-            most = limit * limit
-            if shift >= 0:
-                leave >>= shift
-                if leave > most:
-                    leave = most
-            elif leave >= most >> (0 - shift):
-                leave = most
-            else:
-                leave <<= 0 - shift
-            if leave < start:
-                leave = start
-            if aim > leave:
-                if togo < 0:
-                    aim = leave
-                elif togo <= 0x3FFFFFFF // gain:
-                    value = togo * gain
-                    if value < aim - leave:
-                        leave += value
-                        value = (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
-                        if value < aim - leave:
-                            aim = leave + value
-            peak = q if q > high else high
-            value = (change + (aim - q)) >> 1
-            if value <= peak - q:
-                peak = q + value
-            if peak < aim:
-                peak = aim
-            if peak < q:
-                peak = q
-            if peak < 1:
-                peak = 1
-            value = aim
-        root = 0
-        if value:
-            root = speed >> 7
-            if root == 0:
-                root = 0x2000
-            part = (root + value // root) >> 1
-            while part > root + 1 or part < root - 1:
-                root = part
-                part = (root + value // root) >> 1
-            root = part
-            while root * root > value:
-                root -= 1
-            root = (root << 7) + ((value - root * root) << 6) // root
-        if stage == 0:
-            speed = root
-        elif stage == 1:
-            after = root
-            if q == aim and q == peak and percent == 100 and q == top * top and arc == 0:
-                break
-            value = peak
-        else:
-            fast = root
-            each = span // fast
-            part = (span - each * fast) << 6
-            each = each << 6 if each < 0x800000 else 0x1FFFFFFF
-            most = part // fast
-            rest = ((part - most * fast) << 7) // fast
-            each += most
-            break
-        stage += 1
-    if stage == 1:  # a line at programmed speed
-        rest = state[RAMP_CARRY] + steps * rows[at + ROW_TICKS_REST]
-        most = state[RAMP_TOTAL]
-        ticks = rest // most
-        state[RAMP_CARRY] = rest - ticks * most
-        ticks += steps * rows[at + ROW_TICKS]
-    else:
-        ticks = 0
-        if each < 0x80000:
-            ticks = (whole * rest >> 7) + (fraction * rest >> 24)
-            ticks += ((fraction >> 7) * each >> 10) + ((fraction & 127) * each >> 17)
-        elif each < 0x800000:
-            ticks = fraction * (each >> 10) >> 7
-        else:
-            ticks = (fraction >> 7) * (each >> 10)
-        ticks += whole * each
-        if ticks == 0:
-            ticks = 1
-        # --- what getting from speed to fast, and on to after, costs more
-        most = speed
-        if stage == 3:
-            stage = 0
-        while stage:
-            change = fast - most
-            if change:
-                ratio = change // fast
-                rest = (change - ratio * fast) << 8
-                ratio = (ratio << 8) + rest // fast
-                rest = (rest % fast) << 6
-                ratio = (ratio << 6) + rest // fast
-                shift = rows[at + ROW_TIME_SHIFT]
-                if shift >> 30 & 1:
-                    shift = 0 - ((0 - shift) & 0x3FFFFFFF)
-                shift += 7
-                while change >= 0x8000:
-                    change >>= 1
-                    shift -= 1
-                change *= rows[at + ROW_TIME]  # 15 bits by 15
-                if shift > 30:
-                    change = 0
-                elif shift >= 0:
-                    change >>= shift
-                elif shift < -29 or change >= 0x1FFFFFFF >> (0 - shift):
-                    change = 0x1FFFFFFF
-                else:
-                    change <<= 0 - shift
-                if change < 0x8000:
-                    ticks += (change * ratio >> 15) + 1
-                else:
-                    ticks += (change >> 15) * ratio + ((change & 0x7FFF) * ratio >> 15) + 1
-            most = after
-            stage -= 1
+    if int(want(rows, at, state, percent, hold)) == 0:
+        return
+    gain = rows[at + ROW_GAIN]
+    steps = int(count_steps(rows, at, state, walker, left, hold))
+    path = steps << 17
+    togo = left - steps
+    state[RAMP_PART] = 0
+    if rows[at + ROW_KIND] == ARC:
+        path = int(run_path(walker, steps))
+        togo = int(arc_to_go(state, walker, togo))
     state[RAMP_STEPS] = steps
-    state[RAMP_TICKS] = ticks
+    state[RAMP_PATH] = path
+    state[RAMP_TO_GO] = togo
     if gain == 0:
+        state[RAMP_TICKS] = int(spread(path, rows[at + ROW_TICKS], rows[at + ROW_TICKS_REST]))
         state[RAMP_PACE] = -1
         return
+    change = 0x1FFFFFFF
+    if path >> 17 <= 0x1FFFFFFF // gain:
+        change = int(gained(gain, path >> 17, path & 0x1FFFF))
+        if change > 0x1FFFFFFF:
+            change = 0x1FFFFFFF
+    state[RAMP_CHANGE] = change
+    if state[RAMP_S_CURVE] == 0:  # else s_curve.py goes on
+        finish(rows, at, state, togo, percent)
+
+
+@micropython.viper
+def want(rows: ptr32, at: int, state: ptr32, percent: int, hold: int) -> int:  # ISR: no allocation
+    """Set RAMP_CAP, the q wanted, RAMP_HIGH, the same but for a hold, and RAMP_BEGIN, the q to begin with: RAMP_START at once
+    if that takes no ramp. Returns 0 if the machine stands now, in a hold, else 1."""
+    if rows[at + ROW_GAIN] == 0:
+        return 0 if hold else 1
+    cap = rows[at + ROW_TOP] * percent // 100
+    if cap > rows[at + ROW_LIMIT]:
+        cap = rows[at + ROW_LIMIT]
+    cap *= cap
+    state[RAMP_HIGH] = cap
+    q = state[RAMP_Q]
+    start = state[RAMP_START]
+    if hold:
+        cap = 0
+        if q <= start:
+            return 0
+    elif q < start and q < cap or q > cap and q - (q >> 6) < start:  # no ramp is needed here
+        q = start if start < cap else cap
+        state[RAMP_V] = int(root_of(q, state[RAMP_V]))
+    state[RAMP_CAP] = cap
+    state[RAMP_BEGIN] = q
+    return 1
+
+
+@micropython.viper
+def count_steps(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, hold: int) -> int:  # ISR: no allocation
+    """About as many steps as a segment lasts, 1 … `left`: one of a line from rest, at most 255 of a line and 500 of an arc; and
+    in a hold no more than it takes to stand."""
+    gain = rows[at + ROW_GAIN]
+    q = state[RAMP_BEGIN]
+    length = state[RAMP_LENGTH]
+    each = length
+    most = 255
+    if gain == 0:
+        each = rows[at + ROW_TICKS]
+    else:
+        if q:
+            each = int(step_ticks(rows[at + ROW_SPAN], state[RAMP_V]))
+        if 0x1FFFFFFF // gain < most:
+            most = 0x1FFFFFFF // gain
+    steps = length // each
+    if rows[at + ROW_KIND] == ARC:
+        words = walker[CIRCLE_WORDS]
+        path = walker[CIRCLE_PATH]
+        if path == 0:
+            path = 1
+        steps <<= 13
+        steps = left if steps >= path else steps * words // path
+        if gain and steps * path > (most << 13) * words:
+            steps = (most << 13) * words // path
+        most = 500
+    elif hold and steps > q // gain:
+        steps = q // gain + 1  # it stands after these
+    if steps > most:
+        steps = most
+    if steps > left:
+        steps = left
+    return steps if steps else 1
+
+
+@micropython.viper
+def run_path(walker: ptr32, words: int) -> int:  # ISR: no allocation
+    """The path of so many words of an arc's run, in steps · 2¹⁷."""
+    path = walker[CIRCLE_PATH] * words
+    whole = path // walker[CIRCLE_WORDS]
+    return (whole << 4) + ((path - whole * walker[CIRCLE_WORDS]) << 4) // walker[CIRCLE_WORDS]
+
+
+@micropython.viper
+def arc_to_go(state: ptr32, walker: ptr32, words: int) -> int:  # ISR: no allocation
+    """The steps of path of an arc behind this segment, after which `words` of its run are left; RAMP_PART: 2⁻¹⁷ of one."""
+    made = int(run_path(walker, walker[CIRCLE_WORDS] - words)) + (walker[ARC_PATH_FINE] >> 3)
+    togo = ((walker[ARC_PATH] + 0x20000000) & 0x3FFFFFFF) - 0x20000000 - (made >> 17)
+    part = (0 - made) & 0x1FFFF
+    if part:
+        togo -= 1
+    if words == 0 and walker[ARC_STEPS] == 0 and (walker[ARC_TAIL_A] | walker[ARC_TAIL_B] | walker[ARC_TAIL_Z]) == 0:
+        togo = 0  # the arc's end
+        part = 0
+    state[RAMP_PART] = part
+    return togo
+
+
+@micropython.viper
+def finish(rows: ptr32, at: int, state: ptr32, togo: int, percent: int):  # ISR: no allocation
+    """How fast the segment ends, and how long it lasts: at the speed programmed, or by way of a peak."""
+    q = state[RAMP_BEGIN]
+    speed = state[RAMP_V]
+    aim = int(reachable(rows, at, state, togo))
+    peak = int(peak_of(state, aim))
+    after = int(root_of(aim, speed))
+    top = rows[at + ROW_TOP]
+    if q == aim and q == peak and percent == 100 and q == top * top and rows[at + ROW_KIND] != ARC:
+        state[RAMP_TICKS] = int(even_ticks(rows, at, state))
+    else:
+        fast = int(root_of(peak, speed))
+        ticks = int(path_ticks(state[RAMP_PATH], rows[at + ROW_SPAN], fast))
+        state[RAMP_TICKS] = ticks + int(change_ticks(rows, at, fast - speed, fast)) + int(change_ticks(rows, at, fast - after, fast))
     state[RAMP_PACE] = (speed + after) >> 8
     state[RAMP_Q] = aim
     state[RAMP_V] = after
+
+
+@micropython.viper
+def reachable(rows: ptr32, at: int, state: ptr32, togo: int) -> int:  # ISR: no allocation
+    """q at the segment's end: toward RAMP_CAP by RAMP_CHANGE at most, and so that the block's exit can still be reached."""
+    gain = rows[at + ROW_GAIN]
+    q = state[RAMP_BEGIN]
+    cap = state[RAMP_CAP]
+    change = state[RAMP_CHANGE]
+    aim = cap
+    if q < cap:
+        if cap - q > change:
+            aim = q + change
+    elif q - cap > change:
+        aim = q - change
+    leave = int(q_of(rows[at + ROW_EXIT], rows, at, rows[at + ROW_LIMIT]))
+    if leave < state[RAMP_START]:
+        leave = state[RAMP_START]
+    if aim <= leave:
+        return aim
+    if togo < 0:
+        return leave
+    if togo > 0x3FFFFFFF // gain or togo * gain >= aim - leave:
+        return aim
+    leave += int(gained(gain, togo, state[RAMP_PART]))
+    return leave if leave < aim else aim
+
+
+@micropython.viper
+def peak_of(state: ptr32, aim: int) -> int:  # ISR: no allocation
+    """The largest q within the segment, which begins at RAMP_BEGIN and ends at `aim`; 1 at least."""
+    q = state[RAMP_BEGIN]
+    peak = state[RAMP_HIGH]
+    if peak < q:
+        peak = q
+    most = (state[RAMP_CHANGE] + (aim - q)) >> 1
+    if most <= peak - q:
+        peak = q + most
+    if peak < aim:
+        peak = aim
+    if peak < q:
+        peak = q
+    return peak if peak else 1
+
+
+@micropython.viper
+def even_ticks(rows: ptr32, at: int, state: ptr32) -> int:  # ISR: no allocation
+    """The ticks of a line's segment at the speed programmed; RAMP_CARRY spreads what does not divide by its steps."""
+    rest = state[RAMP_CARRY] + state[RAMP_STEPS] * rows[at + ROW_TICKS_REST]
+    ticks = rest // state[RAMP_TOTAL]
+    state[RAMP_CARRY] = rest - ticks * state[RAMP_TOTAL]
+    return ticks + state[RAMP_STEPS] * rows[at + ROW_TICKS]
+
+
+@micropython.viper
+def change_ticks(rows: ptr32, at: int, change: int, fast: int) -> int:  # ISR: no allocation
+    """What getting by `change` up to the speed `fast`, or down from it, costs more than going at it: t · change / 2 · fast, where t
+    is the time that the change takes."""
+    if change == 0:
+        return 0
+    ratio = change // fast
+    rest = (change - ratio * fast) << 8
+    ratio = (ratio << 8) + rest // fast
+    ratio = (ratio << 6) + ((rest % fast) << 6) // fast
+    shift = rows[at + ROW_TIME_SHIFT]
+    if shift >> 30 & 1:
+        shift = 0 - ((0 - shift) & 0x3FFFFFFF)
+    shift += 7
+    while change >= 0x8000:
+        change >>= 1
+        shift -= 1
+    change *= rows[at + ROW_TIME]  # 15 bits by 15
+    if shift > 30:
+        change = 0
+    elif shift >= 0:
+        change >>= shift
+    elif shift < -29 or change >= 0x1FFFFFFF >> (0 - shift):
+        change = 0x1FFFFFFF
+    else:
+        change <<= 0 - shift
+    if change < 0x8000:
+        return (change * ratio >> 15) + 1
+    return (change >> 15) * ratio + ((change & 0x7FFF) * ratio >> 15) + 1

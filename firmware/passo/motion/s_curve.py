@@ -29,13 +29,14 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.motion.block import LINE, q_of
+from passo.motion.block import LINE
 from passo.motion.integers import isqrt
 from passo.motion.ramp_viper import cut
 from passo.motion.s_curve_block import load, step_from_rest
 from passo.motion.s_curve_end import choose, rest_to_rest, set_out, stop
-from passo.motion.s_curve_ticks import gained, grown, mean
-from passo.motion.s_curve_way import at_end, need, root_of, step_ticks
+from passo.motion.s_curve_ticks import grown, mean
+from passo.motion.s_curve_way import at_end, need
+from passo.motion.speed_viper import gained, q_of, root_of, step_ticks
 from passo.records import (
     INT_MOST, RAMP_BEGIN, RAMP_CAP, RAMP_CARRY, RAMP_CHANGE, RAMP_HIGH, RAMP_PACE, RAMP_PART, RAMP_PATH, RAMP_Q,
     RAMP_START, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, RAMP_TOTAL, RAMP_TO_GO, RAMP_V, ROW_EXIT, ROW_GAIN, ROW_KIND,

@@ -12,7 +12,7 @@ import micropython
 from micropython import const
 
 from passo.motion.integers import divide
-from passo.motion.s_curve_way import root_of
+from passo.motion.speed_viper import root_of
 from passo.records import (
     ROW_GAIN, ROW_SPAN, ROW_SPEED, ROW_TOP, S_CURVE_B, S_CURVE_BEHIND, S_CURVE_CRUISE, S_CURVE_FIRST, S_CURVE_HALF,
     S_CURVE_LIMIT, S_CURVE_MOST, S_CURVE_PUSH, S_CURVE_RATE, S_CURVE_RATE_SHIFT, S_CURVE_REST, S_CURVE_ROOT,

@@ -6,7 +6,8 @@ All may run in an interrupt: no allocation, no integer of 2³⁰.
 
 from passo.motion.integers import divide
 from passo.motion.s_curve_ticks import half_ramp, mean
-from passo.motion.s_curve_way import at_end, need, ratio, root_of
+from passo.motion.s_curve_way import at_end, need, ratio
+from passo.motion.speed_viper import root_of
 from passo.records import (
     RAMP_BEGIN, RAMP_CAP, RAMP_CHANGE, RAMP_HIGH, RAMP_Q, RAMP_TICKS, RAMP_V, S_CURVE_ABOVE, S_CURVE_AIM, S_CURVE_B,
     S_CURVE_BRAKES, S_CURVE_FAST, S_CURVE_FIRST, S_CURVE_GROW, S_CURVE_GUESS, S_CURVE_HALF, S_CURVE_LIMIT, S_CURVE_ON,

@@ -4,7 +4,7 @@ All may run in an interrupt: no allocation, no integer of 2³⁰.
 """
 
 from passo.motion.s_curve_block import scaled
-from passo.motion.s_curve_way import root_of, step_ticks
+from passo.motion.speed_viper import path_ticks, root_of
 from passo.records import (
     RAMP_PATH, S_CURVE_B, S_CURVE_LIMIT, S_CURVE_RATE, S_CURVE_RATE_SHIFT, S_CURVE_SPAN, S_CURVE_SPARE,
 )  # fmt: skip
@@ -12,24 +12,7 @@ from passo.records import (
 
 def mean(state, speed):  # ISR: no allocation
     """Ticks of the segment's path at a mean `speed`."""
-    span = state[S_CURVE_SPAN]
-    path = state[RAMP_PATH]
-    speed = speed or 1
-    each = step_ticks(span, speed)
-    whole = path >> 17
-    ticks = whole * each
-    if each < 0x80000:
-        part = (((span % speed << 6) % speed) << 7) // speed
-        ticks += whole * part >> 7
-    path &= 0x1FFFF
-    if path:
-        if each < 0x80000:
-            ticks += (path * part >> 24) + ((path >> 7) * each >> 10) + ((path & 127) * each >> 17)
-        elif each < 0x800000:
-            ticks += path * (each >> 10) >> 7
-        else:
-            ticks += (path >> 7) * (each >> 10)
-    return ticks or 1
+    return path_ticks(state[RAMP_PATH], state[S_CURVE_SPAN], speed or 1)
 
 
 def grown(state, ticks):  # ISR: no allocation
@@ -43,13 +26,6 @@ def grown(state, ticks):  # ISR: no allocation
         size += state[S_CURVE_SPARE] & (1 << shift) - 1
         state[S_CURVE_SPARE] = size
     return scaled(size, -shift) or 1
-
-
-def gained(gain, steps, part):  # ISR: no allocation
-    """gain · (steps + part / 2¹⁷)."""
-    if not part:
-        return steps * gain
-    return steps * gain + (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
 
 
 def half_ramp(state, speed):  # ISR: no allocation

@@ -1,35 +1,18 @@
 """How far it is to slow down from a speed and an acceleration to the end of a block, by an S-curve. The method stands in
 s_curve.py, the fields of `state` in records.py.
 
-All may run in an interrupt: no allocation, no integer of 2³⁰. Three functions that come many times a segment are machine code
+All may run in an interrupt: no allocation, no integer of 2³⁰. A function that comes many times a segment is machine code
 on a board; see block_viper.py for what that asks.
 """
 
 import micropython
 
 from passo.motion.integers import divide
+from passo.motion.speed_viper import root_of
 from passo.records import (
     INT_MOST, RAMP_CHANGE, S_CURVE_ABOVE, S_CURVE_FAST, S_CURVE_FORCE, S_CURVE_MOST, S_CURVE_ON, S_CURVE_ROOM,
     S_CURVE_SLOW, S_CURVE_UNTIL, S_CURVE_W,
 )  # fmt: skip
-
-
-@micropython.viper
-def root_of(q: int, near: int) -> int:  # ISR: no allocation
-    """√q with 7 fraction bits; quick where `near`, a speed, is near it."""
-    if q < 1:
-        return 0
-    root = near >> 7
-    if root == 0:
-        root = 0x2000
-    better = (root + q // root) >> 1
-    while better > root + 1 or better < root - 1:
-        root = better
-        better = (root + q // root) >> 1
-    root = better
-    while root * root > q:
-        root -= 1
-    return (root << 7) + ((q - root * root) << 6) // root
 
 
 @micropython.viper
@@ -40,13 +23,6 @@ def ratio(part: int, other: int) -> int:  # ISR: no allocation
         other >>= 1
     other += part
     return (part << 14) // (other if other else 1)
-
-
-@micropython.viper
-def step_ticks(span: int, speed: int) -> int:  # ISR: no allocation
-    """span·64 / speed: the ticks of a step at `speed`."""
-    whole = span // speed
-    return (whole << 6 if whole < 0x800000 else 0x1FFFFFFF) + ((span % speed) << 6) // speed
 
 
 def need(state, fast, b):  # ISR: no allocation

@@ -1,0 +1,92 @@
+"""Speeds in a block's units, and the ticks that they take: what ramps and S-curves share.
+
+    q = q_of(square, rows, at, limit)       # a square of speed of 2²⁸, in the units of the block whose row begins at rows[at]
+    speed = root_of(q, near)                # units, with 7 fraction bits
+    ticks = path_ticks(path, span, speed)   # how long a path lasts
+
+A path is whole steps · 2¹⁷. One text for all interpreters; block_viper.py says what that asks of integers. None reaches 2³⁰.
+"""
+# ruff: noqa: F821
+
+import micropython
+
+from passo.records import ROW_UNIT, ROW_UNIT_SHIFT
+
+try:
+    ptr32
+except NameError:
+    ptr32 = None  # a name that only viper's compiler knows
+
+
+@micropython.viper
+def q_of(square: int, rows: ptr32, at: int, limit: int) -> int:  # ISR: no allocation
+    """q of the square of a speed, in a block's units; `limit` squared at most."""
+    unit = rows[at + ROW_UNIT]
+    shift = rows[at + ROW_UNIT_SHIFT]
+    if shift >> 30 & 1:  # negative, also where it was read into 64 bits
+        shift = 0 - ((0 - shift) & 0x3FFFFFFF)
+    shift -= 14
+    q = (square >> 14) * unit + ((square & 0x3FFF) * unit >> 14)
+    most = limit * limit
+    if shift < 0:
+        if q >= most >> (0 - shift):
+            return most
+        return q << (0 - shift)
+    q >>= shift
+    return q if q < most else most
+
+
+@micropython.viper
+def root_of(q: int, near: int) -> int:  # ISR: no allocation
+    """√q with 7 fraction bits; quick where `near`, a speed, is near it."""
+    if q < 1:
+        return 0
+    root = near >> 7
+    if root == 0:
+        root = 0x2000
+    better = (root + q // root) >> 1
+    while better > root + 1 or better < root - 1:
+        root = better
+        better = (root + q // root) >> 1
+    root = better
+    while root * root > q:
+        root -= 1
+    return (root << 7) + ((q - root * root) << 6) // root
+
+
+@micropython.viper
+def step_ticks(span: int, speed: int) -> int:  # ISR: no allocation
+    """span·64 / speed: the ticks of a step at `speed`."""
+    whole = span // speed
+    return (whole << 6 if whole < 0x800000 else 0x1FFFFFFF) + ((span % speed) << 6) // speed
+
+
+@micropython.viper
+def path_ticks(path: int, span: int, speed: int) -> int:  # ISR: no allocation
+    """The ticks of a path at a mean `speed` ≥ 1; 1 at least."""
+    each = int(step_ticks(span, speed))
+    rest = 0
+    if each < 0x80000:
+        rest = (((span % speed << 6) % speed) << 7) // speed
+    return int(spread(path, each, rest))
+
+
+@micropython.viper
+def spread(path: int, each: int, rest: int) -> int:  # ISR: no allocation
+    """The ticks of a path whose steps take each + rest / 2⁷ ticks; 1 at least. Longer steps need no fraction of one."""
+    whole = path >> 17
+    path &= 0x1FFFF
+    ticks = whole * each
+    if each < 0x80000:
+        ticks += (whole * rest >> 7) + (path * rest >> 24) + ((path >> 7) * each >> 10) + ((path & 127) * each >> 17)
+    elif each < 0x800000:
+        ticks += path * (each >> 10) >> 7
+    else:
+        ticks += (path >> 7) * (each >> 10)
+    return ticks if ticks else 1
+
+
+@micropython.viper
+def gained(gain: int, steps: int, part: int) -> int:  # ISR: no allocation
+    """gain · (steps + part / 2¹⁷): what q changes by."""
+    return steps * gain + (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
