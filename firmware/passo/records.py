@@ -297,7 +297,16 @@ PARSE_RPM = const(33)  # S
 PARSE_LIT = const(34)  # 1: the laser is on
 PARSE_POWER = const(35)  # thousandths
 PARSE_DYNAMIC = const(36)  # 1: power in proportion to the speed
-PARSE_FIELDS = const(37)
+PARSE_VALUE = const(37)  # of the word being read: its digits
+PARSE_DECIMALS = const(38)  # how many of them are behind the point
+PARSE_POINT = const(39)  # 1: it has a point
+PARSE_MINUS = const(40)  # 1: it is negative
+PARSE_HAVE = const(41)  # of the line being read: which words it has
+PARSE_MOTION = const(42)  # and what they say, or what holds: G
+PARSE_SPEED = const(43)  # F, nm/s
+PARSE_TURNS = const(44)  # S
+PARSE_LINE = const(45)  # N
+PARSE_FIELDS = const(46)
 
 # An arc's plan: what arc.plan() works out once a block, in steps. "Along the circle" means its length in steps of the path.
 ARC_AXIS_A = const(0)  # the plane's axes: counter-clockwise is from A to B; then the third one, -1: none

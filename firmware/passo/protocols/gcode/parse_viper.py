@@ -15,12 +15,14 @@ Python; see motion/block_viper.py for what that asks of integers.
 # ruff: noqa: F821
 
 import micropython
+from micropython import const
 
 from passo.records import (
-    BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_STEPS, BATCH_TAG, PARSE_AFTER,
-    PARSE_AXES, PARSE_DELTAS, PARSE_DYNAMIC, PARSE_FEED, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LIT,
-    PARSE_LOW, PARSE_MODAL, PARSE_NUMBER, PARSE_OFFSET, PARSE_POSITION, PARSE_POWER, PARSE_RELATIVE, PARSE_RESOLUTION,
-    PARSE_RPM, PARSE_TARGET, PARSE_TO,
+    BATCH_FEED, BATCH_FIRST, BATCH_FIELDS, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_STEPS, BATCH_TAG, PARSE_AFTER, PARSE_AXES,
+    PARSE_DECIMALS, PARSE_DELTAS, PARSE_DYNAMIC, PARSE_FEED, PARSE_FULL, PARSE_HAVE, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST,
+    PARSE_LINE, PARSE_LIT, PARSE_LOW, PARSE_MINUS, PARSE_MODAL, PARSE_MOTION, PARSE_NUMBER, PARSE_OFFSET, PARSE_POINT,
+    PARSE_POSITION, PARSE_POWER, PARSE_RELATIVE, PARSE_RESOLUTION, PARSE_RPM, PARSE_SPEED, PARSE_TARGET, PARSE_TO, PARSE_TURNS,
+    PARSE_VALUE,
 )  # fmt: skip
 
 try:
@@ -28,241 +30,303 @@ try:
 except NameError:
     ptr32 = ptr8 = None  # names that only viper's compiler knows
 
+_HAS_G = const(1)  # PARSE_HAVE
+_HAS_F = const(2)
+_HAS_N = const(4)
+_HAS_S = const(8)
+_HAS_X = const(16)  # then Y and Z
+
 
 @micropython.viper
 def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: int) -> int:
     """See above."""
-    most_nm = 0x3FFFFFFF
-    most_nm = most_nm << 1 | 1  # 2³¹ − 1: as a constant it would be no small integer of a board
     lines = 0
     while lines < most and begin < count:
-        axes = place[PARSE_AXES]
-        motion = place[PARSE_MODAL]
-        feed = place[PARSE_FEED]
-        inches = place[PARSE_INCHES]
-        full = place[PARSE_FULL]
-        rpm = place[PARSE_RPM]
-        number = 0
-        have = 0
-        at = 0
-        while at < 3:
-            place[PARSE_TO + at] = place[PARSE_POSITION + at]  # where the line leads, as far as it has been read
-            at += 1
-        at = begin
-        letter = 0
-        while True:
-            byte = int(text[at]) if at < count else 10
-            if byte == 10 and letter == 0:
-                break
-            if byte == 32 or byte == 13 or byte == 9:
-                at += 1
-            elif letter == 0:
-                letter = byte & 0xDF
-                if letter < 88 and letter != 83 and letter != 71 and letter != 70 and letter != 78 or letter > 90 or byte < 65:
-                    return lines
-                value = 0
-                digits = 0
-                decimals = 0
-                point = 0
-                negative = 0
-                at += 1
-            elif byte >= 48 and byte <= 57:
-                if value >= 100000000:
-                    return lines
-                value = value * 10 + byte - 48
-                digits = 1
-                decimals += point
-                at += 1
-            elif byte == 46:
-                if point:
-                    return lines
-                point = 1
-                at += 1
-            elif byte == 45:
-                if digits or point or negative:
-                    return lines
-                negative = 1
-                at += 1
-            else:
-                # --- a word has ended, and the byte begins the next
-                if digits == 0:
-                    return lines
-                if letter >= 88:
-                    letter -= 88
-                    if letter >= axes or decimals > 6 or have >> (4 + letter) & 1:
-                        return lines
-                    have |= 16 << letter
-                    if inches:
-                        if decimals > 5:
-                            return lines
-                        while decimals < 5:
-                            if value > 845000:
-                                return lines
-                            value *= 10
-                            decimals += 1
-                        if value > 8450000:
-                            return lines
-                        value *= 254
-                        decimals = 6
-                    while decimals < 6:
-                        if value > 214000000:
-                            return lines
-                        value *= 10
-                        decimals += 1
-                    if negative:
-                        value = 0 - value
-                    digits = place[PARSE_POSITION + letter] if place[PARSE_RELATIVE] else place[PARSE_OFFSET + letter]
-                    if digits >> 31 & 1:  # where viper is 64 bits wide it reads a negative number as a positive one
-                        digits = 0 - ((0 - digits) & most_nm)
-                        if value < 0 - most_nm - digits:
-                            return lines
-                    elif value > most_nm - digits:
-                        return lines
-                    place[PARSE_TO + letter] = value + digits
-                elif letter == 71:
-                    if value > 1 or negative or point or have & 1:
-                        return lines
-                    have |= 1
-                    motion = value
-                elif letter == 78:
-                    if value > 10000000 or negative or point or have & 4:
-                        return lines
-                    have |= 4
-                    number = value
-                elif letter == 70 and inches:
-                    if negative or decimals > 5 or have & 2:
-                        return lines
-                    have |= 2
-                    while decimals < 5:
-                        if value > 1500000:
-                            return lines
-                        value *= 10
-                        decimals += 1
-                    if value > 16000000:
-                        return lines
-                    feed = (value * 127 + 15) // 30  # 10⁻⁵ inches a minute to nm/s, rounded
-                else:
-                    if negative or decimals > 3:
-                        return lines
-                    while decimals < 3:
-                        if value > 50000000:
-                            return lines
-                        value *= 10
-                        decimals += 1
-                    if letter == 70:
-                        if value > 40000000 or have & 2:
-                            return lines
-                        have |= 2
-                        feed = (value * 50 + 1) // 3  # micrometres a minute to nm/s, rounded
-                    else:
-                        if value > 500000000 or have & 8:
-                            return lines
-                        have |= 8
-                        rpm = value
-                letter = 0
-        after = at + 1
-        if have < 16 or motion and feed < place[PARSE_LEAST] or full == 1 and rpm != place[PARSE_RPM] or at - begin > 80:
-            return lines
-        # --- nanometres to steps: · steps a metre / 10⁹, to the nearest, halves away from zero; in digits of 15 bits, and one above them
-        at = 0
-        while at < axes:
-            place[PARSE_DELTAS + at] = 0
-            if have >> (4 + at) & 1:
-                value = place[PARSE_TO + at]
-                negative = value >> 31 & 1
-                if negative:
-                    value = 0 - value
-                digits = place[PARSE_RESOLUTION + at]
-                decimals = digits if value >> 30 & 1 else 0
-                value &= 0x3FFFFFFF
-                low = (value & 0x7FFF) * (digits & 0x7FFF) + 25856  # half of 10⁹ is 15258 · 2¹⁵ + 25856
-                point = (value >> 15) * (digits & 0x7FFF) + (value & 0x7FFF) * (digits >> 15) + 15258 + (low >> 15)
-                low &= 0x7FFF
-                value = (value >> 15) * (digits >> 15) + (point >> 15) + decimals
-                point &= 0x7FFF
-                if value >= 1000000000:
-                    return lines
-                steps = 0
-                decimals = 0
-                while decimals < 2:
-                    # One digit of the quotient by 10⁹ = 30517 · 2¹⁵ + 18944: guessed by the first, then put right.
-                    digits = value // 30517
-                    value -= digits * 30517
-                    while value < 0x8000 and (digits >= 0x8000 or digits * 18944 > (value << 15 | point)):
-                        digits -= 1
-                        value += 30517
-                    value = (value << 15 | point) - digits * 18944
-                    steps = steps << 15 | digits
-                    point = low
-                    decimals += 1
-                if steps > 0x1FFFFFFF:
-                    return lines
-                if negative:
-                    steps = 0 - steps
-                value = steps + 0x20000000
-                if value < place[PARSE_LOW + at] or value > place[PARSE_HIGH + at]:
-                    return lines
-                value = place[PARSE_TARGET + at]
-                if value >> 30 & 1:
-                    value = 0 - ((0 - value) & 0x3FFFFFFF)
-                steps -= value
-                if steps > 2097151 or steps < 0 - 2097151:
-                    return lines
-                place[PARSE_DELTAS + at] = steps
-            at += 1
-        if full > 1:
-            # --- S in thousandths of full power, to the nearest, but not 0 for more than a millionth
-            letter = 1 if motion and rpm else 0
-            value = 0
-            if letter and rpm < full:
-                digits = rpm
-                decimals = 0
-                while decimals < 3:
-                    digits *= 10
-                    value = value * 10 + digits // full
-                    digits %= full
-                    decimals += 1
-                if digits << 1 >= full or value == 0 and rpm > (full - 1) // 1000000:
-                    value += 1
-            elif letter:
-                value = 1000
-            if letter != place[PARSE_LIT] or value != place[PARSE_POWER]:
-                at = 0
-                while place[PARSE_DELTAS + at] == 0:
-                    at += 1
-                    if at == axes:
-                        return lines
-                place[PARSE_LIT] = letter
-                place[PARSE_POWER] = value
-        # --- all is right: from here on it counts
-        at = 0
-        while at < axes:
-            place[PARSE_POSITION + at] = place[PARSE_TO + at]
-            place[PARSE_TARGET + at] = place[PARSE_TARGET + at] + place[PARSE_DELTAS + at]
-            at += 1
-        place[PARSE_MODAL] = motion
-        place[PARSE_FEED] = feed
-        place[PARSE_NUMBER] = number
-        place[PARSE_RPM] = rpm
-        flags = place[PARSE_LIT]
-        if motion == 0:
-            flags |= 2
-            feed = 0
-        if place[PARSE_DYNAMIC]:
-            flags |= 4
-        row = lines * BATCH_FIELDS
-        batch[row + BATCH_KIND] = 0
-        batch[row + BATCH_FLAGS] = flags
-        batch[row + BATCH_FEED] = feed
-        batch[row + BATCH_POWER] = place[PARSE_POWER]
-        batch[row + BATCH_TAG] = number
-        batch[row + BATCH_FIRST] = 0
-        row += BATCH_STEPS
-        at = 0
-        while at < axes:
-            batch[row + at] = place[PARSE_DELTAS + at]
-            at += 1
+        after = int(read_line(text, begin, count, place))
+        if after == 0 or after - begin > 81 or place[PARSE_HAVE] < _HAS_X:
+            break
+        if place[PARSE_MOTION] and place[PARSE_SPEED] < place[PARSE_LEAST]:
+            break
+        if place[PARSE_FULL] == 1 and place[PARSE_TURNS] != place[PARSE_RPM]:
+            break
+        if int(set_deltas(place)) == 0 or int(set_power(place)) == 0:
+            break
+        accept(place, batch, lines * BATCH_FIELDS)
         lines += 1
         begin = after
         place[PARSE_AFTER] = after
     return lines
+
+
+@micropython.viper
+def read_line(text: ptr8, at: int, count: int, place: ptr32) -> int:
+    """Read the words of the line at text[at]. Returns where the next line begins, 0 if this one has to be left to the parser."""
+    place[PARSE_MOTION] = place[PARSE_MODAL]
+    place[PARSE_SPEED] = place[PARSE_FEED]
+    place[PARSE_TURNS] = place[PARSE_RPM]
+    place[PARSE_LINE] = 0
+    place[PARSE_HAVE] = 0
+    axis = 0
+    while axis < 3:
+        place[PARSE_TO + axis] = place[PARSE_POSITION + axis]
+        axis += 1
+    while True:
+        byte = int(text[at]) if at < count else 10
+        at += 1
+        if byte == 10:
+            return at
+        if byte == 32 or byte == 13 or byte == 9:
+            continue
+        letter = byte & 0xDF
+        if byte < 65 or letter > 90:
+            return 0
+        at = int(read_number(text, at, count, place))
+        if at == 0 or int(read_word(place, letter)) == 0:
+            return 0
+
+
+@micropython.viper
+def read_number(text: ptr8, at: int, count: int, place: ptr32) -> int:
+    """Read a word's number, blanks within it left out, as PARSE_VALUE, _DECIMALS, _MINUS and _POINT. Returns where it ends, 0 if
+    it is none, or has more than nine digits."""
+    value = 0
+    digits = 0
+    decimals = 0
+    point = 0
+    minus = 0
+    while True:
+        byte = int(text[at]) if at < count else 10
+        if byte >= 48 and byte <= 57:
+            if value >= 100000000:
+                return 0
+            value = value * 10 + byte - 48
+            digits = 1
+            decimals += point
+        elif byte == 46:
+            if point:
+                return 0
+            point = 1
+        elif byte == 45:
+            if digits or point or minus:
+                return 0
+            minus = 1
+        elif byte != 32 and byte != 13 and byte != 9:
+            break
+        at += 1
+    place[PARSE_VALUE] = value
+    place[PARSE_DECIMALS] = decimals
+    place[PARSE_POINT] = point
+    place[PARSE_MINUS] = minus
+    return at if digits else 0
+
+
+@micropython.viper
+def read_word(place: ptr32, letter: int) -> int:
+    """What the word says; 0 if it is no plain one, or the line has it already."""
+    if letter >= 88:
+        return int(axis_word(place, letter - 88))
+    have = place[PARSE_HAVE]
+    value = place[PARSE_VALUE]
+    if place[PARSE_MINUS]:
+        return 0
+    if letter == 71:
+        if value > 1 or place[PARSE_POINT] or have & _HAS_G:
+            return 0
+        place[PARSE_HAVE] = have | _HAS_G
+        place[PARSE_MOTION] = value
+    elif letter == 78:
+        if value > 10000000 or place[PARSE_POINT] or have & _HAS_N:
+            return 0
+        place[PARSE_HAVE] = have | _HAS_N
+        place[PARSE_LINE] = value
+    elif letter == 70:
+        speed = int(feed_of(value, place[PARSE_DECIMALS], place[PARSE_INCHES]))
+        if speed < 0 or have & _HAS_F:
+            return 0
+        place[PARSE_HAVE] = have | _HAS_F
+        place[PARSE_SPEED] = speed
+    elif letter == 83:
+        value = int(with_decimals(value, place[PARSE_DECIMALS], 3, 50000000))
+        if value < 0 or value > 500000000 or have & _HAS_S:
+            return 0
+        place[PARSE_HAVE] = have | _HAS_S
+        place[PARSE_TURNS] = value
+    else:
+        return 0
+    return 1
+
+
+@micropython.viper
+def with_decimals(value: int, decimals: int, wanted: int, most: int) -> int:
+    """`value` with so many decimals; -1 if it has more, or comes to ten times `most` and above."""
+    if decimals > wanted:
+        return -1
+    while decimals < wanted:
+        if value > most:
+            return -1
+        value *= 10
+        decimals += 1
+    return value
+
+
+@micropython.viper
+def feed_of(value: int, decimals: int, inches: int) -> int:
+    """A feed in nm/s, rounded; -1 if it is too large or too fine. `value` counts millimetres or inches a minute."""
+    if inches:
+        value = int(with_decimals(value, decimals, 5, 1500000))
+        if value < 0 or value > 16000000:
+            return -1
+        return (value * 127 + 15) // 30  # of 10⁻⁵ inches a minute
+    value = int(with_decimals(value, decimals, 3, 50000000))
+    if value < 0 or value > 40000000:
+        return -1
+    return (value * 50 + 1) // 3  # of micrometres a minute
+
+
+@micropython.viper
+def axis_word(place: ptr32, axis: int) -> int:
+    """PARSE_TO of the axis, in nanometres; 0 if it has none, is told twice, or leads beyond 2.1 m."""
+    have = place[PARSE_HAVE]
+    if axis >= place[PARSE_AXES] or have >> 4 + axis & 1:
+        return 0
+    place[PARSE_HAVE] = have | _HAS_X << axis
+    if place[PARSE_INCHES]:
+        value = int(with_decimals(place[PARSE_VALUE], place[PARSE_DECIMALS], 5, 845000))
+        if value < 0 or value > 8450000:
+            return 0
+        value *= 254
+    else:
+        value = int(with_decimals(place[PARSE_VALUE], place[PARSE_DECIMALS], 6, 214000000))
+        if value < 0:
+            return 0
+    if place[PARSE_MINUS]:
+        value = 0 - value
+    most = 0x3FFFFFFF
+    most = most << 1 | 1  # 2³¹ − 1: as a constant it would be no small integer of a board
+    base = place[PARSE_POSITION + axis] if place[PARSE_RELATIVE] else place[PARSE_OFFSET + axis]
+    if base >> 31 & 1:  # where viper is 64 bits wide it reads a negative number as a positive one
+        base = 0 - ((0 - base) & most)
+        if value < 0 - most - base:
+            return 0
+    elif value > most - base:
+        return 0
+    place[PARSE_TO + axis] = value + base
+    return 1
+
+
+@micropython.viper
+def set_deltas(place: ptr32) -> int:
+    """PARSE_DELTAS, the steps of each axis from where the machine is to PARSE_TO; 0 if that is beyond the travel, or too far."""
+    axis = 0
+    while axis < place[PARSE_AXES]:
+        delta = 0
+        if place[PARSE_HAVE] >> 4 + axis & 1:
+            nm = place[PARSE_TO + axis]
+            minus = nm >> 31 & 1
+            steps = int(steps_of(0 - nm if minus else nm, place[PARSE_RESOLUTION + axis]))
+            if steps < 0:
+                return 0
+            if minus:
+                steps = 0 - steps
+            if steps + 0x20000000 < place[PARSE_LOW + axis] or steps + 0x20000000 > place[PARSE_HIGH + axis]:
+                return 0
+            delta = place[PARSE_TARGET + axis]
+            if delta >> 30 & 1:
+                delta = 0 - ((0 - delta) & 0x3FFFFFFF)
+            delta = steps - delta
+            if delta > 2097151 or delta < 0 - 2097151:
+                return 0
+        place[PARSE_DELTAS + axis] = delta
+        axis += 1
+    return 1
+
+
+@micropython.viper
+def steps_of(nm: int, resolution: int) -> int:
+    """nm · resolution / 10⁹, 0 ≤ nm < 2³¹, to the nearest, halves up, in digits of 15 bits and one above them; -1 from 2²⁹ on.
+    `resolution` is steps a metre."""
+    above = resolution if nm >> 30 & 1 else 0
+    nm &= 0x3FFFFFFF
+    low = (nm & 0x7FFF) * (resolution & 0x7FFF) + 25856  # half of 10⁹ is 15258 · 2¹⁵ + 25856
+    middle = (nm >> 15) * (resolution & 0x7FFF) + (nm & 0x7FFF) * (resolution >> 15) + 15258 + (low >> 15)
+    high = (nm >> 15) * (resolution >> 15) + (middle >> 15) + above
+    if high >= 1000000000:
+        return -1
+    next_digit = middle & 0x7FFF
+    steps = 0
+    rounds = 0
+    while rounds < 2:
+        # One digit of the quotient by 10⁹ = 30517 · 2¹⁵ + 18944: guessed by the first, then put right.
+        digit = high // 30517
+        high -= digit * 30517
+        while high < 0x8000 and (digit >= 0x8000 or digit * 18944 > (high << 15 | next_digit)):
+            digit -= 1
+            high += 30517
+        high = (high << 15 | next_digit) - digit * 18944
+        steps = steps << 15 | digit
+        next_digit = low & 0x7FFF
+        rounds += 1
+    return steps if steps <= 0x1FFFFFFF else -1
+
+
+@micropython.viper
+def set_power(place: ptr32) -> int:
+    """PARSE_LIT and PARSE_POWER of a laser; 0 if they would change without a step."""
+    if place[PARSE_FULL] <= 1:
+        return 1
+    lit = 1 if place[PARSE_MOTION] and place[PARSE_TURNS] else 0
+    power = int(thousandths(place[PARSE_TURNS], place[PARSE_FULL])) if lit else 0
+    if lit != place[PARSE_LIT] or power != place[PARSE_POWER]:
+        axis = 0
+        while place[PARSE_DELTAS + axis] == 0:
+            axis += 1
+            if axis == place[PARSE_AXES]:
+                return 0
+        place[PARSE_LIT] = lit
+        place[PARSE_POWER] = power
+    return 1
+
+
+@micropython.viper
+def thousandths(part: int, full: int) -> int:
+    """part / full in thousandths, at most 1000, to the nearest, but not 0 for more than a millionth."""
+    if part >= full:
+        return 1000
+    rest = part
+    value = 0
+    digits = 0
+    while digits < 3:
+        rest *= 10
+        value = value * 10 + rest // full
+        rest %= full
+        digits += 1
+    if rest << 1 >= full or value == 0 and part > (full - 1) // 1000000:
+        value += 1
+    return value
+
+
+@micropython.viper
+def accept(place: ptr32, batch: ptr32, row: int):
+    """All is right: what the line says counts from here on, and its row is filled in."""
+    axis = 0
+    while axis < place[PARSE_AXES]:
+        place[PARSE_POSITION + axis] = place[PARSE_TO + axis]
+        place[PARSE_TARGET + axis] = place[PARSE_TARGET + axis] + place[PARSE_DELTAS + axis]
+        batch[row + BATCH_STEPS + axis] = place[PARSE_DELTAS + axis]
+        axis += 1
+    motion = place[PARSE_MOTION]
+    place[PARSE_MODAL] = motion
+    place[PARSE_FEED] = place[PARSE_SPEED]
+    place[PARSE_NUMBER] = place[PARSE_LINE]
+    place[PARSE_RPM] = place[PARSE_TURNS]
+    flags = place[PARSE_LIT]
+    if motion == 0:
+        flags |= 2
+    if place[PARSE_DYNAMIC]:
+        flags |= 4
+    batch[row + BATCH_KIND] = 0
+    batch[row + BATCH_FLAGS] = flags
+    batch[row + BATCH_FEED] = place[PARSE_SPEED] if motion else 0
+    batch[row + BATCH_POWER] = place[PARSE_POWER]
+    batch[row + BATCH_TAG] = place[PARSE_LINE]
+    batch[row + BATCH_FIRST] = 0
