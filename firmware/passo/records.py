@@ -355,7 +355,8 @@ CIRCLE_ERROR = const(35)  # u² + w² − R²
 CIRCLE_USED = const(36)  # length of the run, 2⁻²⁰ steps
 CIRCLE_NEXT = const(37)  # of the step after it; −1: not known yet
 CIRCLE_REST = const(38)  # what rounding has left over of CIRCLE_PATH, 2⁻²⁰ steps
-CIRCLE_LINE = const(39)  # the state of a line's walker, for the tail; here too the steps made are counted
+CIRCLE_ROOT = const(39)  # √(R² − u²) behind the steps measured last, · 2 ** ARC_SHIFT
+CIRCLE_LINE = const(40)  # the state of a line's walker, for the tail; here too the steps made are counted
 
 ENDLESS = const(-1)  # steps to come: no end
 

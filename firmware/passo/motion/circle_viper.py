@@ -6,19 +6,21 @@
 
 The method stands in circle.py, the fields of `plan` and `state` in records.py. One text for all interpreters: a board
 compiles it to machine code, elsewhere it is ordinary Python; block_viper.py says what that asks of integers. None reaches
-2³⁰. A number that may be negative, within ±2²⁹, is read out of an array as ((number + INT_HALF) & INT_MOST) − INT_HALF.
+2³⁰. A number that may be negative, within ±2²⁹, is read out of an array by signed().
 """
 # ruff: noqa: F821
 
 import micropython
 from micropython import const
 
+from passo.motion.integers import divide
+from passo.motion.scale_viper import signed
 from passo.records import (
     ARC_ACROSS, ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_DIAGONAL, ARC_FIELDS, ARC_INSIDE, ARC_MIRROR, ARC_PATH,
     ARC_PATH_FINE, ARC_RADIUS, ARC_REGION, ARC_SHIFT, ARC_STEPS, ARC_U, ARC_W, ARC_Z_HIGH, ARC_Z_LOW, ARC_Z_STEPS,
     CIRCLE_DECISION, CIRCLE_ERROR, CIRCLE_FALL, CIRCLE_LINE, CIRCLE_MOVING, CIRCLE_NEGATIVE, CIRCLE_NEXT, CIRCLE_PATH,
-    CIRCLE_REST, CIRCLE_RISE, CIRCLE_USED, CIRCLE_U_AXIS, CIRCLE_WORDS, CIRCLE_W_AXIS, CIRCLE_Z_BETWEEN,
-    CIRCLE_Z_LEFT, CIRCLE_Z_OVER, CIRCLE_Z_RISE, CIRCLE_Z_SUM, INT_HALF, INT_MOST, LINE_AXES, LINE_RISE,
+    CIRCLE_REST, CIRCLE_RISE, CIRCLE_ROOT, CIRCLE_USED, CIRCLE_U_AXIS, CIRCLE_WORDS, CIRCLE_W_AXIS, CIRCLE_Z_BETWEEN,
+    CIRCLE_Z_LEFT, CIRCLE_Z_OVER, CIRCLE_Z_RISE, CIRCLE_Z_SUM, LINE_AXES, LINE_RISE,
 )  # fmt: skip
 
 LEADS = const(22_938)  # ARC_Z_HIGH from which the third axis dominates somewhere: 0.7 steps a step
@@ -34,11 +36,12 @@ _LONGEST = const(255)  # most words of a run, so that no product here reaches 2�
 
 @micropython.viper
 def load(plans: ptr32, first: int, state: ptr32):  # ISR: no allocation
+    """See above."""
     i = 0
     while i < ARC_FIELDS:
         state[i] = plans[first + i]
         i += 1
-    rise = ((plans[first + ARC_Z_STEPS] + INT_HALF) & INT_MOST) - INT_HALF
+    rise = int(signed(plans[first + ARC_Z_STEPS]))
     state[CIRCLE_Z_LEFT] = rise if rise > 0 else 0 - rise
     state[CIRCLE_Z_SUM] = _Z_ONE >> 1
     state[CIRCLE_Z_OVER] = state[CIRCLE_REST] = state[CIRCLE_ERROR] = state[CIRCLE_USED] = 0
@@ -49,190 +52,26 @@ def load(plans: ptr32, first: int, state: ptr32):  # ISR: no allocation
 
 @micropython.viper
 def run(state: ptr32) -> int:  # ISR: no allocation
-    part = state[ARC_PATH_FINE] + ((state[CIRCLE_USED] + INT_HALF) & INT_MOST) - INT_HALF
+    """See above."""
+    part = state[ARC_PATH_FINE] + int(signed(state[CIRCLE_USED]))
     state[ARC_PATH] = state[ARC_PATH] - (part >> 20)
     state[ARC_PATH_FINE] = part & 0xFFFFF
     state[CIRCLE_USED] = 0
-    left = state[ARC_STEPS]
-    if left == 0:
+    if state[ARC_STEPS] == 0:
         return 0
-    u = ((state[ARC_U] + INT_HALF) & INT_MOST) - INT_HALF
+    u = int(signed(state[ARC_U]))
     w = state[ARC_W]
-    region = state[ARC_REGION]
-    inside = state[ARC_INSIDE]
-    if u >= inside:  # over the diagonal: the axes change their parts
-        region = (region + 1) & 3
+    if u >= state[ARC_INSIDE]:  # over the diagonal: the axes change their parts
         part = u
         u = 0 - w
         w = part
-        state[ARC_REGION] = region
+        state[ARC_REGION] = (state[ARC_REGION] + 1) & 3
         state[ARC_U] = u
         state[ARC_W] = w
-    # --- how many steps may be one run
-    across = state[ARC_ACROSS]
-    steep = state[ARC_Z_HIGH]
-    ends = 0 - u
-    slope = ends
-    if u >= 0:
-        ends = inside - u - 1  # the step onto the diagonal is a run of its own
-        slope = u
-    count = 1
-    if ends > 1 and u > 0 - across:
-        count = _LONGEST
-        part = (w << 6) // (slope + 1)
-        if part < 1024:
-            count = 3 * (part * w >> 14)  # w² / 85u
-        if count > w >> 3:
-            count = w >> 3
-        part = (steep >> 15) + 1  # whole steps of the third axis a step, and one
-        if part > 1 and count * part > 320:
-            count = 320 // part
-        if count > _LONGEST:
-            count = _LONGEST
-        if u >= 0 and count > 1:  # the slope grows on the way
-            if w < 8192:
-                part = w * w // (85 * u + 43 * count)
-                if count > part:
-                    count = part
-            else:
-                count -= count >> 4
-        if count > ends:
-            count = ends
-        if count < 1:
-            count = 1
-    if count > left:
-        count = left
-    # --- √(R² − u²), here or one step on, from w and the error: w − error / 2w, less the square of that over 2w
-    radius = state[ARC_RADIUS]
-    shift = state[ARC_SHIFT]
-    error = ((state[CIRCLE_ERROR] + INT_HALF) & INT_MOST) - INT_HALF
-    before = ((state[CIRCLE_NEXT] + INT_HALF) & INT_MOST) - INT_HALF
-    long = state[ARC_DIAGONAL]
-    near = w
-    stage = 1
-    if u <= 0 - across:
-        stage = 2
-        if before < 0:
-            before = long
-        error += 2 * u + 1
-        if error + w < 0:
-            error += 2 * w + 1
-            near += 1
-    elif before < 0:
-        stage = 0
-    if near > 0:
-        twice = 2 * near
-        part = (error << (shift - 1)) // near
-        near = (near << shift) - part
-        if shift > 14:
-            part >>= shift - 14
-            near -= (part * part // twice) >> (28 - shift)
-        if near > radius:
-            near = radius
-    if near < 0:
-        near = 0
-    # --- lengths, of 2⁻²⁰ steps, on the true circle from √(R² − u²), which is `near`, on. 0: of the step before the run, if
-    # that is not known; 1: of the run; 2: of the step after it
-    after = long
-    scale = shift - 8  # what makes R a number of 21 bits
-    while stage < 3:
-        some = 1
-        ends = u
-        if stage == 1:
-            some = count
-        elif stage == 2:
-            ends += count
-            if ends >= inside:
-                break  # over the diagonal
-        # w₁ + w₂ is the root of its own equation sum = 2w₁ − count·(2u + count) / sum, which two rounds solve to 2·10⁻⁶.
-        slope = some * (2 * ends + some) << scale
-        ends = shift
-        total = 2 * near
-        phase = 0
-        while phase < 4:
-            if phase and total > 2 * radius:
-                total = 2 * radius
-            if total < 256:
-                total = 256
-            by = total >> 8
-            if phase == 2:  # R / mean w − 1
-                slope = (radius - (total >> 1)) >> 7
-                ends = 20
-            elif phase == 3:  # the chord's part of R
-                slope = some << scale
-                ends = 12
-            found = slope // by  # slope · 2ᵉⁿᵈˢ // by
-            part = slope - found * by
-            bits = ends
-            while bits > 0:
-                digits = 8 if bits > 8 else bits
-                part <<= digits
-                digit = part // by
-                found = (found << digits) + digit
-                part -= digit * by
-                bits -= digits
-            if phase < 2:
-                total = 2 * near - found
-            elif phase == 2:
-                after = (some << 20) + some * found
-            phase += 1
-        after -= (after >> 16) * (found * found) // 3 >> 8
-        if stage == 0:
-            before = after
-        elif stage == 1:
-            long = after
-            near = total - near
-        stage += 1
-        if stage < 3:
-            after = state[ARC_DIAGONAL]
-    state[CIRCLE_NEXT] = after
-    left -= count
-    state[ARC_STEPS] = left
-    # A word's time passes after its step: a run lasts from its first step to the first one of the next. Where the third
-    # axis leads, time is its own.
-    used = long
-    if steep < LEADS:
-        used += after - before
-    state[CIRCLE_USED] = used
-    # --- the third axis's steps: the ratio has 30 fraction bits, nothing is lost. Over a diagonal a step of the circle may
-    # be two long: the third axis makes up for it later, so that it costs no word of its own
-    words = count
-    rise = ((state[ARC_Z_STEPS] + INT_HALF) & INT_MOST) - INT_HALF
-    state[CIRCLE_Z_RISE] = 0
-    if rise:
-        long += state[CIRCLE_Z_OVER]
-        part = long >> 14
-        state[CIRCLE_Z_OVER] = long & 0x3FFF
-        climb = part * steep + (part * state[ARC_Z_LOW] >> 15)
-        place = state[CIRCLE_Z_SUM]
-        total = place + climb
-        steps = total >> 21
-        over = total & (_Z_ONE - 1)
-        part = state[CIRCLE_Z_LEFT]
-        if steps > part or left == 0:
-            climb += (part - steps) << 21  # the end is exact
-            steps = part
-        elif steps > count and steep < LEADS:
-            over = total - (count << 21)
-            steps = count
-        state[CIRCLE_Z_SUM] = over
-        state[CIRCLE_Z_LEFT] = part - steps
-        if steps > count:  # it steps in every word, the circle now and then
-            words = steps
-            climb = _Z_ONE
-            place = 0
-        elif steps:
-            part = climb
-            climb = part // count
-            place += part - climb * count  # less than 2⁻¹⁰ step: nothing is lost at the end
-            if climb == 0:
-                climb = 1  # its one step is due
-        else:
-            climb = 0
-        state[CIRCLE_Z_RISE] = climb
-        state[CIRCLE_Z_BETWEEN] = place
-    # --- its path, and its time's share of it
-    used += state[CIRCLE_REST]
+    count = int(run_steps(state, u, w))
+    state[ARC_STEPS] = state[ARC_STEPS] - count
+    words = int(third_axis(state, int(measure_run(state, u, w, count)), count))
+    used = int(signed(state[CIRCLE_USED])) + state[CIRCLE_REST]
     if used < 0:
         used = 0
     state[CIRCLE_PATH] = used >> 7
@@ -241,14 +80,167 @@ def run(state: ptr32) -> int:  # ISR: no allocation
     state[CIRCLE_RISE] = 2 * count
     state[CIRCLE_FALL] = 2 * words
     state[CIRCLE_DECISION] = 2 * count - words
-    # --- directions. ccw: u points to +y −x −y +x, w to +x +y −x −y; w's steps turn round at u = 0; cw mirrors y
+    set_directions(state, u)
+    return words
+
+
+@micropython.viper
+def run_steps(state: ptr32, u: int, w: int) -> int:  # ISR: no allocation
+    """How many steps may be one run: one over a diagonal; else as many as leave the slope about the same, w² / 85u, and are no
+    more than an eighth of w, 255, and 320 with the third axis."""
+    left = state[ARC_STEPS]
+    slope = u if u >= 0 else 0 - u
+    ends = state[ARC_INSIDE] - u - 1 if u >= 0 else slope  # the step onto the diagonal is a run of its own
+    if ends <= 1 or u <= 0 - state[ARC_ACROSS]:
+        return 1
+    count = _LONGEST
+    part = (w << 6) // (slope + 1)
+    if part < 1024:
+        count = 3 * (part * w >> 14)
+    if count > w >> 3:
+        count = w >> 3
+    part = (state[ARC_Z_HIGH] >> 15) + 1  # whole steps of the third axis a step, and one
+    if part > 1 and count * part > 320:
+        count = 320 // part
+    if count > _LONGEST:
+        count = _LONGEST
+    if u >= 0 and count > 1:  # the slope grows on the way
+        if w < 8192:
+            part = w * w // (85 * u + 43 * count)
+            if count > part:
+                count = part
+        else:
+            count -= count >> 4
+    if count > ends:
+        count = ends
+    if count < 1:
+        count = 1
+    return count if count < left else left
+
+
+@micropython.viper
+def measure_run(state: ptr32, u: int, w: int, count: int) -> int:  # ISR: no allocation
+    """The length of a run of `count` steps, of 2⁻²⁰ steps. CIRCLE_NEXT: that of the step behind it; CIRCLE_USED: how long it
+    takes, as a length. A word's time passes after its step: a run lasts from its first step to the first one of the next.
+    Where the third axis leads, time is its own."""
+    diagonal = state[ARC_DIAGONAL]
+    error = int(signed(state[CIRCLE_ERROR]))
+    before = int(signed(state[CIRCLE_NEXT]))
+    length = diagonal
+    if u <= 0 - state[ARC_ACROSS]:  # over the diagonal: the root is wanted behind this step
+        if before < 0:
+            before = diagonal
+        error += 2 * u + 1
+        if error + w < 0:
+            error += 2 * w + 1
+            w += 1
+        near = int(root_near(state, w, error))
+    else:
+        near = int(root_near(state, w, error))
+        if before < 0:
+            before = int(true_length(state, near, u, 1))
+        length = int(true_length(state, near, u, count))
+        near = state[CIRCLE_ROOT]
+    after = diagonal
+    if u + count < state[ARC_INSIDE]:
+        after = int(true_length(state, near, u + count, 1))
+    state[CIRCLE_NEXT] = after
+    state[CIRCLE_USED] = length + after - before if state[ARC_Z_HIGH] < LEADS else length
+    return length
+
+
+@micropython.viper
+def root_near(state: ptr32, w: int, error: int) -> int:  # ISR: no allocation
+    """√(R² − u²), of 2^ARC_SHIFT, from w and the error u² + w² − R²: w − error / 2w, less the square of that over 2w."""
+    shift = state[ARC_SHIFT]
+    near = w
+    if w > 0:
+        part = (error << (shift - 1)) // w
+        near = (w << shift) - part
+        if shift > 14:
+            part >>= shift - 14
+            near -= (part * part // (2 * w)) >> (28 - shift)
+        if near > state[ARC_RADIUS]:
+            near = state[ARC_RADIUS]
+    return near if near > 0 else 0
+
+
+@micropython.viper
+def true_length(state: ptr32, near: int, u: int, steps: int) -> int:  # ISR: no allocation
+    """The length of so many steps from u on, along the true circle from √(R² − u²), which is `near`; of 2⁻²⁰ steps. CIRCLE_ROOT:
+    the root behind them. The sum w₁ + w₂ of both is the root of sum = 2w₁ − steps·(2u + steps) / sum, which two rounds solve to
+    2·10⁻⁶."""
+    shift = state[ARC_SHIFT]
+    radius = state[ARC_RADIUS]
+    change = steps * (2 * u + steps) << (shift - 8)
+    total = 2 * near
+    rounds = 0
+    while rounds < 2:
+        if total < 256:
+            total = 256
+        total = 2 * near - int(divide(change, total >> 8, shift))
+        if total > 2 * radius:
+            total = 2 * radius
+        rounds += 1
+    if total < 256:
+        total = 256
+    by = total >> 8
+    length = (steps << 20) + steps * int(divide((radius - (total >> 1)) >> 7, by, 20))  # R / mean w − 1
+    chord = int(divide(steps << (shift - 8), by, 12))  # its part of R
+    state[CIRCLE_ROOT] = total - near
+    return length - ((length >> 16) * (chord * chord) // 3 >> 8)
+
+
+@micropython.viper
+def third_axis(state: ptr32, length: int, count: int) -> int:  # ISR: no allocation
+    """Spread the third axis's steps over a run: the ratio has 30 fraction bits, nothing is lost. Over a diagonal a step of the
+    circle may be two long: the third axis makes up for it later, so that it costs no word of its own. Returns the run's words:
+    its steps, or those of the third axis if they are more."""
+    state[CIRCLE_Z_RISE] = 0
+    if state[ARC_Z_STEPS] == 0:
+        return count
+    steep = state[ARC_Z_HIGH]
+    length += state[CIRCLE_Z_OVER]
+    state[CIRCLE_Z_OVER] = length & 0x3FFF
+    climb = (length >> 14) * steep + ((length >> 14) * state[ARC_Z_LOW] >> 15)
+    place = state[CIRCLE_Z_SUM]
+    total = place + climb
+    steps = total >> 21
+    over = total & (_Z_ONE - 1)
+    left = state[CIRCLE_Z_LEFT]
+    if steps > left or state[ARC_STEPS] == 0:
+        climb += (left - steps) << 21  # the end is exact
+        steps = left
+    elif steps > count and steep < LEADS:
+        over = total - (count << 21)
+        steps = count
+    state[CIRCLE_Z_SUM] = over
+    state[CIRCLE_Z_LEFT] = left - steps
+    if steps > count:  # it steps in every word, the circle now and then
+        state[CIRCLE_Z_RISE] = _Z_ONE
+        state[CIRCLE_Z_BETWEEN] = 0
+        return steps
+    each = 0
+    if steps:
+        each = climb // count
+        place += climb - each * count  # less than 2⁻¹⁰ step: nothing is lost at the end
+        if each == 0:
+            each = 1  # its one step is due
+    state[CIRCLE_Z_RISE] = each
+    state[CIRCLE_Z_BETWEEN] = place
+    return count
+
+
+@micropython.viper
+def set_directions(state: ptr32, u: int):  # ISR: no allocation
+    """Which axes move in the region, and which way. Counter-clockwise u points to +y −x −y +x, w to +x +y −x −y; w's steps turn
+    round at u = 0. Clockwise mirrors y."""
+    region = state[ARC_REGION]
     odd = region & 1
-    part = state[ARC_AXIS_B - odd]
-    state[CIRCLE_U_AXIS] = part
-    along = 1 << part
-    part = state[ARC_AXIS_A + odd]
-    state[CIRCLE_W_AXIS] = part
-    other = 1 << part
+    state[CIRCLE_U_AXIS] = state[ARC_AXIS_B - odd]
+    state[CIRCLE_W_AXIS] = state[ARC_AXIS_A + odd]
+    along = 1 << state[CIRCLE_U_AXIS]
+    other = 1 << state[CIRCLE_W_AXIS]
     u_back = (region + 1) >> 1 & 1
     w_back = region >> 1
     if u >= 0:
@@ -264,80 +256,79 @@ def run(state: ptr32) -> int:  # ISR: no allocation
         negative |= along
     if w_back:
         negative |= other
+    rise = int(signed(state[ARC_Z_STEPS]))
     if rise:
-        part = 1 << state[ARC_AXIS_Z]
-        moving |= part
+        third = 1 << state[ARC_AXIS_Z]
+        moving |= third
         if rise < 0:
-            negative |= part
+            negative |= third
     state[CIRCLE_MOVING] = moving
     state[CIRCLE_NEGATIVE] = negative
-    return words
 
 
 @micropython.viper
 def walk(out: ptr32, at: int, count: int, state: ptr32):  # ISR: no allocation
-    u = ((state[ARC_U] + INT_HALF) & INT_MOST) - INT_HALF
+    """See above. Each step along u goes along w too if that leaves the smaller error."""
+    u = int(signed(state[ARC_U]))
     w = state[ARC_W]
-    error = ((state[CIRCLE_ERROR] + INT_HALF) & INT_MOST) - INT_HALF
-    decision = ((state[CIRCLE_DECISION] + INT_HALF) & INT_MOST) - INT_HALF
+    error = int(signed(state[CIRCLE_ERROR]))
+    decision = int(signed(state[CIRCLE_DECISION]))
     rise = state[CIRCLE_RISE]
     fall = state[CIRCLE_FALL]
-    climb = state[CIRCLE_Z_RISE]
-    place = state[CIRCLE_Z_BETWEEN]
     along = 1 << state[CIRCLE_U_AXIS]
     both = along | 1 << state[CIRCLE_W_AXIS]
-    third = 1 << (state[ARC_AXIS_Z] & 3)
     made_u = 0 - u
-    made_w = w
-    made_z = 0
-    end = at + count
-    while at < end:
+    i = at
+    while i < at + count:
         mask = 0
         if decision > 0:
             decision -= fall
             mask = along
             error += 2 * u + 1
-            if u < 0:
-                near = error + 2 * w + 1
-                if near < 0 - error:
-                    error = near
-                    w += 1
-                    mask = both
-            else:
-                near = error - 2 * w + 1
-                if 0 - near < error:
-                    error = near
-                    w -= 1
-                    mask = both
+            aside = 1 if u < 0 else -1
+            near = error + 2 * aside * w + 1
+            if (near + error) * aside < 0:
+                error = near
+                w += aside
+                mask = both
             u += 1
         decision += rise
-        if climb:
-            place += climb
-            if place >= _Z_ONE:
-                place -= _Z_ONE
-                mask |= third
-                made_z += 1
-        out[at] = mask
-        at += 1
+        out[i] = mask
+        i += 1
+    made_w = w - state[ARC_W]
     state[ARC_U] = u
     state[ARC_W] = w
     state[CIRCLE_ERROR] = error
     state[CIRCLE_DECISION] = decision
-    state[CIRCLE_Z_BETWEEN] = place
-    made_u += u
-    made_w = w - made_w if w > made_w else made_w - w
-    negative = state[CIRCLE_NEGATIVE]
-    if negative & along:
-        made_u = 0 - made_u
-    if negative & both & ~along:
-        made_w = 0 - made_w
-    if negative & third:
-        made_z = 0 - made_z
     made = CIRCLE_LINE + LINE_RISE + 2 * state[CIRCLE_LINE + LINE_AXES]
-    at = made + state[CIRCLE_U_AXIS]
-    state[at] = state[at] + made_u
-    at = made + state[CIRCLE_W_AXIS]
-    state[at] = state[at] + made_w
-    if made_z:
-        at = made + state[ARC_AXIS_Z]
-        state[at] = state[at] + made_z
+    count_steps(state, made, state[CIRCLE_U_AXIS], made_u + u)
+    count_steps(state, made, state[CIRCLE_W_AXIS], made_w if made_w > 0 else 0 - made_w)
+    if state[CIRCLE_Z_RISE]:
+        count_steps(state, made, state[ARC_AXIS_Z], int(climb(out, at, count, state)))
+
+
+@micropython.viper
+def climb(out: ptr32, at: int, count: int, state: ptr32) -> int:  # ISR: no allocation
+    """Add the third axis to the masks. Returns its steps."""
+    rise = state[CIRCLE_Z_RISE]
+    place = state[CIRCLE_Z_BETWEEN]
+    third = 1 << state[ARC_AXIS_Z]
+    steps = 0
+    end = at + count
+    while at < end:
+        place += rise
+        if place >= _Z_ONE:
+            place -= _Z_ONE
+            out[at] = out[at] | third
+            steps += 1
+        at += 1
+    state[CIRCLE_Z_BETWEEN] = place
+    return steps
+
+
+@micropython.viper
+def count_steps(state: ptr32, made: int, axis: int, steps: int):  # ISR: no allocation
+    """Add an axis's steps, in its direction, to those made."""
+    if state[CIRCLE_NEGATIVE] >> axis & 1:
+        steps = 0 - steps
+    state[made + axis] = state[made + axis] + steps

@@ -8,6 +8,8 @@ One text for all interpreters; block_viper.py says what that asks of integers. `
 
 import micropython
 
+from passo.records import INT_HALF, INT_MOST
+
 
 @micropython.viper
 def size(value: int) -> int:  # ISR: no allocation
@@ -15,6 +17,12 @@ def size(value: int) -> int:  # ISR: no allocation
     if value >> 30 & 1:
         value = 0 - value
     return value & 0x3FFFFFFF
+
+
+@micropython.viper
+def signed(number: int) -> int:  # ISR: no allocation
+    """A number within ±2²⁹ that has been read out of an array: where viper is 64 bits wide it reads a negative one as positive."""
+    return ((number + INT_HALF) & INT_MOST) - INT_HALF
 
 
 @micropython.viper
