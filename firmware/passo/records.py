@@ -247,7 +247,12 @@ FEED_FAST = const(27)  # 1: it is an accelerated line: others may follow it at o
 FEED_DRY = const(28)  # 1: all words made have been played
 FEED_KIND = const(29)  # of the block under way, as ROW_KIND
 FEED_BEGINS = const(30)  # 1: it has no segment yet
-FEED_PLACE = const(31)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
+FEED_STEPS = const(31)  # of the segment under way: its words
+FEED_LASTS = const(32)  # its ticks
+FEED_WAITS = const(33)  # 1: it is a wait
+FEED_MOVING = const(34)  # masks of the axes that step in it, and of those that go backwards
+FEED_NEGATIVE = const(35)
+FEED_PLACE = const(36)  # position after the last word made, of each axis, between −2²⁸ and 2²⁸ − 1
 
 # A mark of Feeder.marks: a checkpoint at the end of a segment. Then the position, of each axis.
 MARK_WORD = const(0)  # words so far, modulo 2²⁹

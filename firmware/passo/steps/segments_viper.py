@@ -15,9 +15,7 @@ released.
 A segment is made if fewer than FEED_LEAD ticks, FEED_LIMIT words and MARKS segments lie behind the oldest mark; or if fewer
 than FEED_LEAST ticks lie before the last word, which may last nearly as long as FEED_LEAD: a call later there is still one ahead.
 
-A call of machine code by name costs some 15 µs, so all that a segment needs stands here between the calls: a segment of a
-line costs three of them, a line three more. In all a line of 0.2 mm takes an RP2040's feeding interrupt 0.36 ms (`make bench`).
-One text for all interpreters; see motion/block_viper.py. Fields: records.py.
+One text for all interpreters; see motion/block_viper.py. Fields: records.py, FEED_… of `state`.
 
 `geometry` is None for a wait. An arc has `left`, `moving`, `negative`, `made` and walk(), as Circle has them; independent axes
 and step programs make whole words, as IndependentAxes does. `settle` is Feeder.settle(), called only if something is owed or
@@ -39,13 +37,13 @@ from passo.motion.line import MAX_RUN
 from passo.motion.row_viper import take
 from passo.records import (
     COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_BEGINS, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_FAST, FEED_HEAD,
-    FEED_HOLD, FEED_INDEX, FEED_KIND, FEED_LEAD, FEED_LEAST, FEED_LEFT, FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST,
-    FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW, FEED_SETUP, FEED_TICKS, FEED_TOOL,
-    FEED_WAIT, HOLD_TICKS, LINE_MOVING, LINE_NEGATIVE, LINE_RISE, MARKS, MARK_ENDS, MARK_FIELDS, MARK_INDEX,
-    MARK_PACE, MARK_TICKS, MARK_WORD, PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, POWER_FIELDS,
-    POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_MOST, POWER_SIZE, POWER_UNKNOWN, POWER_WORD, QUEUE_RETIRED, RAMP_PACE,
-    RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, ROW_DYNAMIC, ROW_FIRST, ROW_POWER, ROW_RAPID, ROW_STEPS,
-    ROW_TOOL, ROW_TOP, SCRATCH_PERCENT, SCRATCH_START,
+    FEED_HOLD, FEED_INDEX, FEED_KIND, FEED_LASTS, FEED_LEAD, FEED_LEAST, FEED_LEFT, FEED_LEVELS, FEED_LIMIT, FEED_MASK,
+    FEED_MOVING, FEED_NEGATIVE, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW, FEED_SETUP,
+    FEED_STEPS, FEED_TICKS, FEED_TOOL, FEED_WAIT, FEED_WAITS, HOLD_TICKS, LINE_MOVING, LINE_NEGATIVE, LINE_RISE, MARKS,
+    MARK_ENDS, MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS, MARK_WORD, PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT,
+    PACE_TICK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_MOST, POWER_SIZE, POWER_UNKNOWN, POWER_WORD,
+    QUEUE_RETIRED, RAMP_PACE, RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, ROW_DYNAMIC, ROW_FIRST, ROW_POWER,
+    ROW_RAPID, ROW_STEPS, ROW_TOOL, ROW_TOP, SCRATCH_PERCENT, SCRATCH_START,
 )  # fmt: skip
 from passo.steps import pace_viper
 
@@ -68,21 +66,40 @@ def make(
     state: ptr32, marks: ptr32, ring, queue, scratch: ptr32, indices: ptr32, cuts, line_state, power: ptr32, cut, take_up, settle,
     geometry,
 ) -> int:  # ISR: no allocation
+    """See above."""
     words = ptr32(ring)
     rows = ptr32(queue)  # `cut` wants the arrays themselves
-    ramp = ptr32(cuts)
-    path = ptr32(line_state)
-    walk = line.walk
-    write = pace_viper.pace
-    axes = state[FEED_AXES]
-    bits = state[FEED_BITS]
-    hold = state[FEED_HOLD]
-    kind = state[FEED_KIND]
-    row = state[FEED_ROW]
-    left = state[FEED_LEFT]
-    stride = MARK_FIELDS + axes
-    result = FULL
-    # --- give back what has been played
+    retire(state, marks, indices)
+    while int(has_room(state, marks, words)):
+        if state[FEED_LEFT] == 0 and state[FEED_WAIT] == 0:
+            if int(next_line(state, queue, scratch, indices, cuts, line_state, take_up)) == 0:
+                return ENDED
+        if state[FEED_HOLD] and int(stands(state, cuts, geometry)):
+            return STANDS
+        if state[FEED_BEGINS]:
+            begin_block(state, rows)
+        what = int(measure(state, queue, scratch, cuts, line_state, cut, geometry))
+        if what != FULL:
+            return what
+        mark_power(state, rows, power)
+        turn(state, words, settle)
+        if state[FEED_WAITS]:
+            write_wait(state, words, settle)
+        elif state[FEED_STEPS]:
+            write_steps(state, ring, line_state, settle, geometry)
+        elif int(write_words(state, ring, settle, geometry)) == 0:
+            return STANDS
+        if state[FEED_WAITS] or state[FEED_KIND] == LINE:
+            checkpoint(state, marks, ptr32(line_state), LINE_RISE + 2 * state[FEED_AXES])
+        else:
+            checkpoint(state, marks, ptr32(geometry.made), 0)
+    return FULL
+
+
+@micropython.viper
+def retire(state: ptr32, marks: ptr32, indices: ptr32):  # ISR: no allocation
+    """Give back the marks, and the blocks, of segments that have been played."""
+    stride = MARK_FIELDS + state[FEED_AXES]
     oldest = state[FEED_OLDEST]
     while oldest != state[FEED_NEWEST]:
         mark = ((oldest + 1) & (MARKS - 1)) * stride
@@ -93,196 +110,266 @@ def make(
     state[FEED_OLDEST] = oldest
     if oldest == state[FEED_NEWEST]:
         state[FEED_DRY] = 1
-    while True:
-        # --- room
-        newest = state[FEED_NEWEST]
-        head = state[FEED_HEAD]
-        mark = (oldest & (MARKS - 1)) * stride
-        if (
-            (newest - oldest) & COUNT_MASK >= MARKS - 1
-            or (head - marks[mark + MARK_WORD]) & COUNT_MASK > state[FEED_LIMIT]
-        ):
-            break
-        ahead = (state[FEED_TICKS] - marks[mark + MARK_TICKS]) & COUNT_MASK
-        least = state[FEED_LEAD]
-        if ahead >= least:
-            if least > FEED_LEAST:
-                least = FEED_LEAST
-            if least == 0 or ahead - (words[(head - 1) & state[FEED_MASK]] >> bits) >= least:
-                break
-        wait = state[FEED_WAIT]
-        if left == 0 and wait == 0:
-            # --- the next line
-            result = ENDED
-            if hold or state[FEED_FAST] == 0 or scratch[SCRATCH_START] or ramp[RAMP_S_CURVE]:
-                break
-            each = int(take(rows, scratch, indices, 1 if ramp[RAMP_Q] else 0, 1))
-            if each >> 30 & 1:
-                break
-            result = FULL
-            row = each
-            left = int(line.begin(rows, row + ROW_STEPS, path))
-            take_up(rows, row, ramp, 0, left, 0)
-            state[FEED_BEGINS] = 1
-        if hold and ramp[RAMP_Q] <= ramp[RAMP_START]:
-            if kind != INDEPENDENT or int(geometry.rolling()) == 0:
-                result = STANDS
-                break
-        if state[FEED_BEGINS]:
-            # --- a block begins: where its index does, and its tool
-            state[FEED_BEGINS] = 0
-            state[FEED_INDEX] = rows[row + ROW_FIRST]
-            levels = state[FEED_LEVELS] & ~state[FEED_TOOL]
-            if rows[row + ROW_TOOL]:
-                levels |= state[FEED_TOOL]
-            state[FEED_LEVELS] = levels
-            if rows[row + ROW_POWER] != state[FEED_POWER]:
-                state[FEED_POWER] = POWER_UNKNOWN
-        # --- how many steps, and how long
-        moving = path[LINE_MOVING]
-        negative = path[LINE_NEGATIVE]
-        made = path
-        made_at = LINE_RISE + 2 * axes
-        steps = 0
-        ticks = 0
-        speed = 0 - 1
-        if wait:
-            ticks = wait if wait < HOLD_TICKS else HOLD_TICKS
-            state[FEED_WAIT] = wait - ticks
-            moving = 0
-            speed = state[FEED_PACE]
-            if kind == WAIT:
-                speed = 0
-        elif kind == LINE or kind == ARC:
-            shape = line_state
-            if kind == ARC:
-                shape = geometry.state
-                moving = int(geometry.moving)
-                negative = int(geometry.negative)
-                made = ptr32(geometry.made)
-                made_at = 0
-            cut(queue, row, cuts, shape, left, scratch[SCRATCH_PERCENT + rows[row + ROW_RAPID]], hold)
-            steps = ramp[RAMP_STEPS]
-            if steps == 0:
-                result = STANDS
-                break
-            ticks = ramp[RAMP_TICKS]
-            if steps == 1 and ticks > HOLD_TICKS:
-                state[FEED_WAIT] = ticks - HOLD_TICKS
-                ticks = HOLD_TICKS
-            speed = ramp[RAMP_PACE]
-        else:
-            if int(geometry.ready()) == 0:
-                result = LATER
-                break
-            moving = int(geometry.moving)
-            negative = int(geometry.negative)
-            made = ptr32(geometry.made)
-            made_at = 0
-            if kind == STEP_PROGRAM:
-                levels = state[FEED_LEVELS] & ~state[FEED_TOOL]
-                if int(geometry.tool):
-                    levels |= state[FEED_TOOL]
-                state[FEED_LEVELS] = levels
-        # --- power
-        state[FEED_PACE] = speed
-        if (rows[row + ROW_DYNAMIC] or state[FEED_POWER] > POWER_MOST) and (wait == 0 or kind == WAIT):
-            level = rows[row + ROW_POWER]
-            if rows[row + ROW_DYNAMIC] and speed >> 30 & 1 == 0:
-                level = level * speed // rows[row + ROW_TOP] if speed else 0
-            if level != state[FEED_POWER]:
-                state[FEED_POWER] = level
-                mark = POWER_MARKS + POWER_FIELDS * (power[POWER_HEAD] & (POWER_SIZE - 1))
-                power[mark + POWER_WORD] = head
-                power[mark + POWER_LEVEL] = level
-                power[POWER_HEAD] = (power[POWER_HEAD] + 1) & COUNT_MASK
-        # --- directions: where they change a word without a step, owed by those that follow
-        levels = (state[FEED_LEVELS] & ~(moving << axes)) | ((moving & ~negative) << axes)
-        if levels != state[FEED_LEVELS]:
-            state[FEED_LEVELS] = levels
-            setup = state[FEED_SETUP]
-            if setup:
-                words[head & state[FEED_MASK]] = (setup << bits) | levels
-                owed = state[FEED_DEBT]
-                if state[FEED_DRIVE]:
-                    state[FEED_DEBT] = 0  # a set-up time is never shortened
-                    settle(head & state[FEED_MASK], 1)
-                head = (head + 1) & COUNT_MASK
-                state[FEED_DEBT] = owed + setup
-                state[FEED_TICKS] = (state[FEED_TICKS] + setup) & COUNT_MASK
-        at = head & state[FEED_MASK]
-        ends = 0
-        run = 1
-        if steps:
-            # --- words of masks that share the time evenly, in two parts if they run over the ring's end
-            state[FEED_INDEX] += steps
-            each = ticks // steps
-            state[PACE_SHORT] = (each << bits) | levels
-            state[PACE_TICK] = 1 << bits
-            state[PACE_REST] = ticks - each * steps
-            state[PACE_OVER] = steps
-            state[PACE_CARRY] = 0
-            run = steps
-            while run:
-                part = run
-                if at + run > state[FEED_MASK]:
-                    part = state[FEED_MASK] + 1 - at
-                if kind == LINE:
-                    walk(words, at, part, path)
-                else:
-                    geometry.walk(ring, at, part)
-                write(words, at, part, state)
-                if state[FEED_DEBT] or state[FEED_DRIVE]:
-                    settle(at, part)
-                at = 0
-                run -= part
-            left -= steps
-            if kind == ARC:
-                left = int(geometry.left)
-        else:
-            if wait:
-                words[at] = (ticks << bits) | levels
-                steps = 1
-            else:
-                # --- whole words
-                run = state[FEED_MASK] + 1 - at
-                if run > MAX_RUN:
-                    run = MAX_RUN
-                state[FEED_HEAD] = head
-                steps = int(geometry.walk(ring, at, run, levels, bits, hold))
-                ends = int(geometry.ends())
-                if steps == 0 and ends == 0:
-                    result = STANDS
-                    break
-                ticks = int(geometry.ticks)
-                state[FEED_LEVELS] = int(geometry.levels)
-                state[FEED_INDEX] = int(geometry.place)
-                if ends:
-                    left = 0
-            if steps and (state[FEED_DEBT] or state[FEED_DRIVE]):
-                settle(at, steps)
-        # --- checkpoint
-        head = (head + steps) & COUNT_MASK
-        ticks = (state[FEED_TICKS] + ticks) & COUNT_MASK
-        state[FEED_TICKS] = ticks
-        state[FEED_HEAD] = head
-        newest = (newest + 1) & COUNT_MASK
-        mark = (newest & (MARKS - 1)) * stride
-        marks[mark + MARK_WORD] = head
-        marks[mark + MARK_TICKS] = ticks
-        marks[mark + MARK_INDEX] = state[FEED_INDEX]
-        marks[mark + MARK_ENDS] = 1 if left == 0 and state[FEED_WAIT] == 0 else 0
-        marks[mark + MARK_PACE] = speed
-        mark += MARK_FIELDS
-        axis = 0
-        while axis < axes:
-            place = ((state[FEED_PLACE + axis] + made[made_at] + COUNT_HALF) & COUNT_MASK) - COUNT_HALF
-            state[FEED_PLACE + axis] = place
-            marks[mark + axis] = place
-            made[made_at] = 0
-            made_at += 1
-            axis += 1
-        state[FEED_NEWEST] = newest
+
+
+@micropython.viper
+def has_room(state: ptr32, marks: ptr32, words: ptr32) -> int:  # ISR: no allocation
+    """1 if one more segment may be made: there is a mark, there are words, and too few ticks lie ahead."""
+    oldest = state[FEED_OLDEST]
+    head = state[FEED_HEAD]
+    mark = (oldest & (MARKS - 1)) * (MARK_FIELDS + state[FEED_AXES])
+    if (state[FEED_NEWEST] - oldest) & COUNT_MASK >= MARKS - 1:
+        return 0
+    if (head - marks[mark + MARK_WORD]) & COUNT_MASK > state[FEED_LIMIT]:
+        return 0
+    ahead = (state[FEED_TICKS] - marks[mark + MARK_TICKS]) & COUNT_MASK
+    least = state[FEED_LEAD]
+    if ahead < least:
+        return 1
+    if least > FEED_LEAST:
+        least = FEED_LEAST
+    if least == 0 or ahead - (words[(head - 1) & state[FEED_MASK]] >> state[FEED_BITS]) >= least:
+        return 0
+    return 1
+
+
+@micropython.viper
+def next_line(
+    state: ptr32, queue, scratch: ptr32, indices: ptr32, cuts, line_state, take_up
+) -> int:  # ISR: no allocation
+    """Take up the line behind, if it is accelerated and released, and so was the one before. Returns 0 if the feeder has to."""
+    ramp = ptr32(cuts)
+    rows = ptr32(queue)
+    if state[FEED_HOLD] or state[FEED_FAST] == 0 or scratch[SCRATCH_START] or ramp[RAMP_S_CURVE]:
+        return 0
+    row = int(take(rows, scratch, indices, 1 if ramp[RAMP_Q] else 0, 1))
+    if row >> 30 & 1:
+        return 0
+    left = int(line.begin(rows, row + ROW_STEPS, ptr32(line_state)))
+    take_up(rows, row, ramp, 0, left, 0)
     state[FEED_ROW] = row
     state[FEED_LEFT] = left
-    return result
+    state[FEED_BEGINS] = 1
+    return 1
+
+
+@micropython.viper
+def stands(state: ptr32, cuts, geometry) -> int:  # ISR: no allocation
+    """1 if a hold has come to its stand."""
+    ramp = ptr32(cuts)
+    if ramp[RAMP_Q] > ramp[RAMP_START]:
+        return 0
+    if state[FEED_KIND] == INDEPENDENT and int(geometry.rolling()):
+        return 0
+    return 1
+
+
+@micropython.viper
+def begin_block(state: ptr32, rows: ptr32):  # ISR: no allocation
+    """A block begins: where its index does, with its tool."""
+    row = state[FEED_ROW]
+    state[FEED_BEGINS] = 0
+    state[FEED_INDEX] = rows[row + ROW_FIRST]
+    set_tool(state, rows[row + ROW_TOOL])
+    if rows[row + ROW_POWER] != state[FEED_POWER]:
+        state[FEED_POWER] = POWER_UNKNOWN
+
+
+@micropython.viper
+def set_tool(state: ptr32, on: int):  # ISR: no allocation
+    """The tool's bit of the words to come."""
+    levels = state[FEED_LEVELS] & ~state[FEED_TOOL]
+    if on:
+        levels |= state[FEED_TOOL]
+    state[FEED_LEVELS] = levels
+
+
+@micropython.viper
+def measure(state: ptr32, queue, scratch: ptr32, cuts, line_state, cut, geometry) -> int:  # ISR: no allocation
+    """How many steps the segment has, how long it lasts, and which axes move; no steps if the geometry makes words itself.
+    Returns FULL; STANDS or LATER if there is none now."""
+    path = ptr32(line_state)
+    kind = state[FEED_KIND]
+    state[FEED_STEPS] = 0
+    state[FEED_LASTS] = 0
+    state[FEED_WAITS] = 0
+    if state[FEED_WAIT]:
+        take_wait(state)
+        return FULL
+    if kind == LINE:
+        state[FEED_MOVING] = path[LINE_MOVING]
+        state[FEED_NEGATIVE] = path[LINE_NEGATIVE]
+        return int(cut_segment(state, queue, scratch, cuts, line_state, cut))
+    if kind != ARC and int(geometry.ready()) == 0:
+        return LATER
+    state[FEED_MOVING] = int(geometry.moving)
+    state[FEED_NEGATIVE] = int(geometry.negative)
+    if kind == ARC:
+        return int(cut_segment(state, queue, scratch, cuts, geometry.state, cut))
+    state[FEED_PACE] = -1
+    if kind == STEP_PROGRAM:
+        set_tool(state, int(geometry.tool))
+    return FULL
+
+
+@micropython.viper
+def take_wait(state: ptr32):  # ISR: no allocation
+    """The next word of a wait, which moves no axis; of a WAIT the pace is 0, of a long step that of the step."""
+    ticks = state[FEED_WAIT]
+    if ticks > HOLD_TICKS:
+        ticks = HOLD_TICKS
+    state[FEED_WAIT] = state[FEED_WAIT] - ticks
+    state[FEED_LASTS] = ticks
+    state[FEED_WAITS] = 1
+    state[FEED_MOVING] = 0
+    if state[FEED_KIND] == WAIT:
+        state[FEED_PACE] = 0
+
+
+@micropython.viper
+def cut_segment(state: ptr32, queue, scratch: ptr32, cuts, shape, cut) -> int:  # ISR: no allocation
+    """The next segment of a line or arc, whose walker's state is `shape`. A word longer than HOLD_TICKS leaves a wait behind."""
+    ramp = ptr32(cuts)
+    rows = ptr32(queue)
+    row = state[FEED_ROW]
+    cut(queue, row, cuts, shape, state[FEED_LEFT], scratch[SCRATCH_PERCENT + rows[row + ROW_RAPID]], state[FEED_HOLD])
+    steps = ramp[RAMP_STEPS]
+    if steps == 0:
+        return STANDS
+    ticks = ramp[RAMP_TICKS]
+    if steps == 1 and ticks > HOLD_TICKS:
+        state[FEED_WAIT] = ticks - HOLD_TICKS
+        ticks = HOLD_TICKS
+    state[FEED_STEPS] = steps
+    state[FEED_LASTS] = ticks
+    state[FEED_PACE] = ramp[RAMP_PACE]
+    return FULL
+
+
+@micropython.viper
+def mark_power(state: ptr32, rows: ptr32, power: ptr32):  # ISR: no allocation
+    """Put a mark where the tool's power changes: as the row says, in proportion to the speed if it is dynamic."""
+    row = state[FEED_ROW]
+    speed = state[FEED_PACE]
+    if state[FEED_WAITS] and state[FEED_KIND] != WAIT or rows[row + ROW_DYNAMIC] == 0 and state[FEED_POWER] <= POWER_MOST:
+        return
+    level = rows[row + ROW_POWER]
+    if rows[row + ROW_DYNAMIC] and speed >> 30 & 1 == 0:
+        level = level * speed // rows[row + ROW_TOP] if speed else 0
+    if level != state[FEED_POWER]:
+        state[FEED_POWER] = level
+        mark = POWER_MARKS + POWER_FIELDS * (power[POWER_HEAD] & (POWER_SIZE - 1))
+        power[mark + POWER_WORD] = state[FEED_HEAD]
+        power[mark + POWER_LEVEL] = level
+        power[POWER_HEAD] = (power[POWER_HEAD] + 1) & COUNT_MASK
+
+
+@micropython.viper
+def turn(state: ptr32, words: ptr32, settle):  # ISR: no allocation
+    """If directions change: a word without a step, which lasts the set-up time, owed by the words that follow."""
+    axes = state[FEED_AXES]
+    moving = state[FEED_MOVING]
+    levels = (state[FEED_LEVELS] & ~(moving << axes)) | ((moving & ~state[FEED_NEGATIVE]) << axes)
+    if levels == state[FEED_LEVELS]:
+        return
+    state[FEED_LEVELS] = levels
+    setup = state[FEED_SETUP]
+    if setup:
+        at = state[FEED_HEAD] & state[FEED_MASK]
+        words[at] = (setup << state[FEED_BITS]) | levels
+        owed = state[FEED_DEBT]
+        if state[FEED_DRIVE]:
+            state[FEED_DEBT] = 0  # a set-up time is never shortened
+            settle(at, 1)
+        state[FEED_HEAD] = (state[FEED_HEAD] + 1) & COUNT_MASK
+        state[FEED_DEBT] = owed + setup
+        state[FEED_TICKS] = (state[FEED_TICKS] + setup) & COUNT_MASK
+
+
+@micropython.viper
+def write_wait(state: ptr32, words: ptr32, settle):  # ISR: no allocation
+    """One word without a step."""
+    at = state[FEED_HEAD] & state[FEED_MASK]
+    words[at] = (state[FEED_LASTS] << state[FEED_BITS]) | state[FEED_LEVELS]
+    state[FEED_STEPS] = 1
+    if state[FEED_DEBT] or state[FEED_DRIVE]:
+        settle(at, 1)
+
+
+@micropython.viper
+def write_steps(state: ptr32, ring, line_state, settle, geometry):  # ISR: no allocation
+    """Words of masks that share the time evenly, in two parts if they run over the ring's end."""
+    words = ptr32(ring)
+    path = ptr32(line_state)
+    steps = state[FEED_STEPS]
+    state[FEED_INDEX] = state[FEED_INDEX] + steps
+    each = state[FEED_LASTS] // steps
+    state[PACE_SHORT] = (each << state[FEED_BITS]) | state[FEED_LEVELS]
+    state[PACE_TICK] = 1 << state[FEED_BITS]
+    state[PACE_REST] = state[FEED_LASTS] - each * steps
+    state[PACE_OVER] = steps
+    state[PACE_CARRY] = 0
+    at = state[FEED_HEAD] & state[FEED_MASK]
+    run = steps
+    while run:
+        part = run
+        if at + run > state[FEED_MASK]:
+            part = state[FEED_MASK] + 1 - at
+        if state[FEED_KIND] == LINE:
+            line.walk(words, at, part, path)
+        else:
+            geometry.walk(ring, at, part)
+        pace_viper.pace(words, at, part, state)
+        if state[FEED_DEBT] or state[FEED_DRIVE]:
+            settle(at, part)
+        at = 0
+        run -= part
+    state[FEED_LEFT] = state[FEED_LEFT] - steps
+    if state[FEED_KIND] == ARC:
+        state[FEED_LEFT] = int(geometry.left)
+
+
+@micropython.viper
+def write_words(state: ptr32, ring, settle, geometry) -> int:  # ISR: no allocation
+    """As many whole words as the geometry makes. Returns 0 if it stands and makes none, else 1."""
+    at = state[FEED_HEAD] & state[FEED_MASK]
+    run = state[FEED_MASK] + 1 - at
+    if run > MAX_RUN:
+        run = MAX_RUN
+    steps = int(geometry.walk(ring, at, run, state[FEED_LEVELS], state[FEED_BITS], state[FEED_HOLD]))
+    ends = int(geometry.ends())
+    if steps == 0 and ends == 0:
+        return 0
+    state[FEED_STEPS] = steps
+    state[FEED_LASTS] = int(geometry.ticks)
+    state[FEED_LEVELS] = int(geometry.levels)
+    state[FEED_INDEX] = int(geometry.place)
+    if ends:
+        state[FEED_LEFT] = 0
+    if steps and (state[FEED_DEBT] or state[FEED_DRIVE]):
+        settle(at, steps)
+    return 1
+
+
+@micropython.viper
+def checkpoint(state: ptr32, marks: ptr32, made: ptr32, made_at: int):  # ISR: no allocation
+    """Mark the segment's end: words, ticks and position so far. made[made_at:] are the steps of each axis, which are cleared."""
+    axes = state[FEED_AXES]
+    state[FEED_HEAD] = (state[FEED_HEAD] + state[FEED_STEPS]) & COUNT_MASK
+    state[FEED_TICKS] = (state[FEED_TICKS] + state[FEED_LASTS]) & COUNT_MASK
+    newest = (state[FEED_NEWEST] + 1) & COUNT_MASK
+    mark = (newest & (MARKS - 1)) * (MARK_FIELDS + axes)
+    marks[mark + MARK_WORD] = state[FEED_HEAD]
+    marks[mark + MARK_TICKS] = state[FEED_TICKS]
+    marks[mark + MARK_INDEX] = state[FEED_INDEX]
+    marks[mark + MARK_ENDS] = 1 if state[FEED_LEFT] == 0 and state[FEED_WAIT] == 0 else 0
+    marks[mark + MARK_PACE] = state[FEED_PACE]
+    mark += MARK_FIELDS
+    axis = 0
+    while axis < axes:
+        place = ((state[FEED_PLACE + axis] + made[made_at + axis] + COUNT_HALF) & COUNT_MASK) - COUNT_HALF
+        state[FEED_PLACE + axis] = place
+        marks[mark + axis] = place
+        made[made_at + axis] = 0
+        axis += 1
+    state[FEED_NEWEST] = newest
