@@ -8,9 +8,11 @@ from passo import commands
 from passo.batch import Lines as Batch
 from passo.batch import thousandths
 from passo.protocols.grbl.lines import Lines
+from passo.protocols.gcode.parse_records import (
+    PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LOW, PARSE_RELATIVE,
+)  # fmt: skip
 from passo.records import (
     BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_ROWS, BATCH_STEPS, BATCH_TAG,
-    PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LOW, PARSE_RELATIVE,
 )  # fmt: skip
 from plain import plain
 

@@ -101,7 +101,7 @@ FETCH = {
     "motion/steady.py Steady.moving",
     "motion/ramp.py Ramp.begin",
     "motion/line.py Line.load",
-    "motion/block.py q_of",
+    "motion/speed_viper.py q_of",
 }
 
 

@@ -31,7 +31,7 @@ from passo.records import (
     ROW_TICKS, ROW_TICKS_REST, ROW_TIME, ROW_TIME_SHIFT, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, SCRATCH_ALONG, SCRATCH_FEED,
     SCRATCH_FULL, SCRATCH_FULL_SHIFT, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT, SCRATCH_IS_ARC, SCRATCH_LENGTH, SCRATCH_LENGTH_SHIFT,
     SCRATCH_LIMITED, SCRATCH_SPEED, SCRATCH_STEPS, SCRATCH_STEPS_SHIFT, SCRATCH_STRENGTH, SCRATCH_THROUGH, SCRATCH_TOP,
-    SCRATCH_TOP_SHIFT, SHORT_LENGTH, SHORT_STEPS, SHORT_STRENGTH,
+    SCRATCH_TOP_SHIFT, SHORT_EXPONENT, SHORT_LENGTH, SHORT_STEPS, SHORT_STRENGTH,
 )  # fmt: skip
 
 try:
@@ -171,7 +171,7 @@ def set_ramp(rows: ptr32, at: int, scratch: ptr32, limits: ptr32):
     shorten(scratch, SHORT_STEPS, scratch[SCRATCH_STEPS], shift)
     shift = int(drop(scratch[SCRATCH_LENGTH], 0x8000))
     scratch[SHORT_LENGTH] = scratch[SCRATCH_LENGTH] >> shift
-    scratch[SHORT_LENGTH + 1] = scratch[SCRATCH_LENGTH_SHIFT] - shift
+    scratch[SHORT_LENGTH + SHORT_EXPONENT] = scratch[SCRATCH_LENGTH_SHIFT] - shift
     shorten(scratch, SHORT_STRENGTH, scratch[SCRATCH_STRENGTH], 1000)
     gain = int(gain_of(scratch, limits))
     rows[at + ROW_GAIN] = gain
@@ -185,7 +185,7 @@ def shorten(scratch: ptr32, at: int, value: int, shift: int):
     """Write value · 2^(shift − 1000) > 0 to scratch[at] as a short float: 15 bits, and the exponent behind them."""
     more = int(lift(value, 0x4000)) - int(drop(value, 0x8000))
     scratch[at] = int(scaled(value, more))
-    scratch[at + 1] = shift - more
+    scratch[at + SHORT_EXPONENT] = shift - more
 
 
 @micropython.viper
@@ -229,7 +229,7 @@ def gain_of(scratch: ptr32, limits: ptr32) -> int:
     gain = scratch[SHORT_STRENGTH] * scratch[SHORT_LENGTH] >> 15
     gain = gain * limits[LIMIT_GAIN] >> 15
     gain = (gain << 15) // ((square * scratch[SHORT_STEPS] >> 15) + 1)
-    shift = scratch[SHORT_STRENGTH + 1] - scratch[SHORT_LENGTH + 1] + limits[LIMIT_GAIN_SHIFT] - scratch[SHORT_STEPS + 1]
+    shift = scratch[SHORT_STRENGTH + SHORT_EXPONENT] - scratch[SHORT_LENGTH + SHORT_EXPONENT] + limits[LIMIT_GAIN_SHIFT] - scratch[SHORT_STEPS + SHORT_EXPONENT]
     shift += 2 * (scratch[SCRATCH_TOP_SHIFT] - scratch[SCRATCH_FULL_SHIFT])
     less = int(drop(gain, 0x8000))
     gain = int(bounded((gain >> less) * (scratch[SCRATCH_TOP] * scratch[SCRATCH_TOP] >> 15), shift + less))
@@ -243,7 +243,7 @@ def reach_of(scratch: ptr32, gain: int) -> int:
     reach = int(scaled(gain, more)) * scratch[SHORT_STEPS] >> 15
     reach = reach * (scratch[SCRATCH_FULL] * scratch[SCRATCH_FULL] >> 15) >> 15
     reach = (reach << 15) // ((scratch[SCRATCH_TOP] * scratch[SCRATCH_TOP] >> 15) + 1)
-    shift = scratch[SHORT_STEPS + 1] - 1013 - more + 2 * (scratch[SCRATCH_FULL_SHIFT] - scratch[SCRATCH_TOP_SHIFT])
+    shift = scratch[SHORT_STEPS + SHORT_EXPONENT] - 1013 - more + 2 * (scratch[SCRATCH_FULL_SHIFT] - scratch[SCRATCH_TOP_SHIFT])
     return int(bounded(reach, shift))
 
 
@@ -263,6 +263,6 @@ def set_time(rows: ptr32, at: int, scratch: ptr32, limits: ptr32):
     ticks = scratch[SCRATCH_FULL] * limits[LIMIT_TIME] >> 15
     ticks = (ticks << 15) // ((scratch[SCRATCH_TOP] * scratch[SHORT_STRENGTH] >> 15) + 1)
     more = int(lift(ticks, 0x4000)) - int(drop(ticks, 0x8000))
-    shift = scratch[SCRATCH_TOP_SHIFT] + scratch[SHORT_STRENGTH + 1] - scratch[SCRATCH_FULL_SHIFT] - limits[LIMIT_TIME_SHIFT]
+    shift = scratch[SCRATCH_TOP_SHIFT] + scratch[SHORT_STRENGTH + SHORT_EXPONENT] - scratch[SCRATCH_FULL_SHIFT] - limits[LIMIT_TIME_SHIFT]
     rows[at + ROW_TIME] = int(scaled(ticks, more))
     rows[at + ROW_TIME_SHIFT] = shift + 15 + more

@@ -26,7 +26,7 @@ from passo.records import (
     BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_POWER, BATCH_STEPS, BATCH_TAG, LIMIT_AXES, LIMIT_CORNER,
     LIMIT_CORNER_SHIFT, LIMIT_STRONGEST, LIMIT_STRONGEST_SHIFT, LIMIT_WHOLE, QUEUE_ADDED, QUEUE_FROZEN, ROW_CORNER, ROW_EXIT,
     ROW_FASTEST, ROW_GAIN, ROW_RAPID, ROW_REACH, ROW_SQUARE, ROW_STEPS, SCRATCH_ALL, SCRATCH_ASKED, SCRATCH_BEFORE, SCRATCH_CHANGE,
-    SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_SIZE, SCRATCH_STRIDE, SCRATCH_THROUGH, SHORT_SINE, SHORT_TURN,
+    SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_SIZE, SCRATCH_STRIDE, SCRATCH_THROUGH, SHORT_EXPONENT, SHORT_SINE, SHORT_TURN,
 )  # fmt: skip
 
 try:
@@ -78,7 +78,7 @@ def set_chord(scratch: ptr32, at: int, axes: int, minus: int):
             square += along * along
             i += 1
     scratch[at] = int(root(square))
-    scratch[at + 1] = 1000 - shift
+    scratch[at + SHORT_EXPONENT] = 1000 - shift
 
 
 @micropython.viper
@@ -87,13 +87,13 @@ def corner_square(scratch: ptr32, limits: ptr32) -> int:
     deviation, s and t are the sines of half the angle between the lines and of half the angle turned through, and a is what the
     axes can do along the change of direction. 2³⁰ − 1 if it turns by less than 1.4 mrad."""
     turn = scratch[SHORT_TURN]
-    turn_shift = scratch[SHORT_TURN + 1] - 1000
+    turn_shift = scratch[SHORT_TURN + SHORT_EXPONENT] - 1000
     if turn_shift < 4 or turn_shift < 6 and turn << turn_shift < 379600:
         return 0x3FFFFFFF
     strong = int(strength_across(scratch, limits, turn))
     more = int(lift(strong, 0x4000)) - int(drop(strong, 0x8000))
     sine = scratch[SHORT_SINE]
-    sine_shift = scratch[SHORT_SINE + 1] - 1000
+    sine_shift = scratch[SHORT_SINE + SHORT_EXPONENT] - 1000
     whole = 0x4000
     if sine_shift > 0:
         whole += sine << sine_shift >> 15

@@ -12,6 +12,7 @@ what that asks of integers. None reaches 2³⁰.
 import micropython
 
 from passo.motion.block import ARC
+from passo.motion.scale_viper import drop, signed
 from passo.motion.speed_viper import gained, path_ticks, q_of, root_of, spread, step_ticks
 from passo.records import (
     ARC_PATH, ARC_PATH_FINE, ARC_STEPS, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, CIRCLE_PATH, CIRCLE_WORDS, RAMP_BEGIN,
@@ -41,13 +42,9 @@ def begin(rows: ptr32, at: int, state: ptr32, start: int, total: int, s_curve: i
     limit = rows[at + ROW_LIMIT]
     most = limit << 7
     speed = state[RAMP_V]
-    shift = rows[at + ROW_RATIO_SHIFT]
-    if shift >> 30 & 1:
-        shift = 0 - ((0 - shift) & 0x3FFFFFFF)
-    while speed >= 0x8000:
-        speed >>= 1
-        shift -= 1
-    speed *= rows[at + ROW_RATIO]  # 15 bits by 14
+    less = int(drop(speed, 0x8000))
+    shift = int(signed(rows[at + ROW_RATIO_SHIFT])) - less
+    speed = (speed >> less) * rows[at + ROW_RATIO]  # 15 bits by 14
     if shift > 30:
         speed = 0
     elif shift >= 0:
@@ -87,12 +84,8 @@ def cut(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, percent: i
         state[RAMP_TICKS] = int(spread(path, rows[at + ROW_TICKS], rows[at + ROW_TICKS_REST]))
         state[RAMP_PACE] = -1
         return
-    change = 0x1FFFFFFF
-    if path >> 17 <= 0x1FFFFFFF // gain:
-        change = int(gained(gain, path >> 17, path & 0x1FFFF))
-        if change > 0x1FFFFFFF:
-            change = 0x1FFFFFFF
-    state[RAMP_CHANGE] = change
+    change = int(gained(gain, path >> 17, path & 0x1FFFF))
+    state[RAMP_CHANGE] = change if change < 0x1FFFFFFF else 0x1FFFFFFF
     if state[RAMP_S_CURVE] == 0:  # else s_curve.py goes on
         finish(rows, at, state, togo, percent)
 
@@ -136,8 +129,9 @@ def count_steps(rows: ptr32, at: int, state: ptr32, walker: ptr32, left: int, ho
     else:
         if q:
             each = int(step_ticks(rows[at + ROW_SPAN], state[RAMP_V]))
-        if 0x1FFFFFFF // gain < most:
-            most = 0x1FFFFFFF // gain
+        most = 0x1FFFFFFF // gain  # so that q changes by less than 2²⁹
+        if most > 255:
+            most = 255
     steps = length // each
     if rows[at + ROW_KIND] == ARC:
         words = walker[CIRCLE_WORDS]
@@ -193,7 +187,7 @@ def finish(rows: ptr32, at: int, state: ptr32, togo: int, percent: int):  # ISR:
     if q == aim and q == peak and percent == 100 and q == top * top and rows[at + ROW_KIND] != ARC:
         state[RAMP_TICKS] = int(even_ticks(rows, at, state))
     else:
-        fast = int(root_of(peak, speed))
+        fast = after if peak == aim else int(root_of(peak, speed))
         ticks = int(path_ticks(state[RAMP_PATH], rows[at + ROW_SPAN], fast))
         state[RAMP_TICKS] = ticks + int(change_ticks(rows, at, fast - speed, fast)) + int(change_ticks(rows, at, fast - after, fast))
     state[RAMP_PACE] = (speed + after) >> 8
@@ -263,13 +257,9 @@ def change_ticks(rows: ptr32, at: int, change: int, fast: int) -> int:  # ISR: n
     rest = (change - ratio * fast) << 8
     ratio = (ratio << 8) + rest // fast
     ratio = (ratio << 6) + ((rest % fast) << 6) // fast
-    shift = rows[at + ROW_TIME_SHIFT]
-    if shift >> 30 & 1:
-        shift = 0 - ((0 - shift) & 0x3FFFFFFF)
-    shift += 7
-    while change >= 0x8000:
-        change >>= 1
-        shift -= 1
+    less = int(drop(change, 0x8000))
+    shift = int(signed(rows[at + ROW_TIME_SHIFT])) + 7 - less
+    change >>= less
     change *= rows[at + ROW_TIME]  # 15 bits by 15
     if shift > 30:
         change = 0

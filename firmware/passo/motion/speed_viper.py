@@ -10,6 +10,7 @@ A path is whole steps · 2¹⁷. One text for all interpreters; block_viper.py s
 
 import micropython
 
+from passo.motion.scale_viper import signed
 from passo.records import ROW_UNIT, ROW_UNIT_SHIFT
 
 try:
@@ -22,10 +23,7 @@ except NameError:
 def q_of(square: int, rows: ptr32, at: int, limit: int) -> int:  # ISR: no allocation
     """q of the square of a speed, in a block's units; `limit` squared at most."""
     unit = rows[at + ROW_UNIT]
-    shift = rows[at + ROW_UNIT_SHIFT]
-    if shift >> 30 & 1:  # negative, also where it was read into 64 bits
-        shift = 0 - ((0 - shift) & 0x3FFFFFFF)
-    shift -= 14
+    shift = int(signed(rows[at + ROW_UNIT_SHIFT])) - 14
     q = (square >> 14) * unit + ((square & 0x3FFF) * unit >> 14)
     most = limit * limit
     if shift < 0:
@@ -41,34 +39,31 @@ def root_of(q: int, near: int) -> int:  # ISR: no allocation
     """√q with 7 fraction bits; quick where `near`, a speed, is near it."""
     if q < 1:
         return 0
-    root = near >> 7
-    if root == 0:
-        root = 0x2000
+    root = near >> 7 if near > 127 else 0x2000
     better = (root + q // root) >> 1
     while better > root + 1 or better < root - 1:
         root = better
         better = (root + q // root) >> 1
-    root = better
-    while root * root > q:
-        root -= 1
-    return (root << 7) + ((q - root * root) << 6) // root
+    while better * better > q:
+        better -= 1
+    return (better << 7) + ((q - better * better) << 6) // better
 
 
 @micropython.viper
 def step_ticks(span: int, speed: int) -> int:  # ISR: no allocation
     """span·64 / speed: the ticks of a step at `speed`."""
     whole = span // speed
-    return (whole << 6 if whole < 0x800000 else 0x1FFFFFFF) + ((span % speed) << 6) // speed
+    return (whole << 6 if whole < 0x800000 else 0x1FFFFFFF) + ((span - whole * speed) << 6) // speed
 
 
 @micropython.viper
 def path_ticks(path: int, span: int, speed: int) -> int:  # ISR: no allocation
     """The ticks of a path at a mean `speed` ≥ 1; 1 at least."""
-    each = int(step_ticks(span, speed))
-    rest = 0
-    if each < 0x80000:
-        rest = (((span % speed << 6) % speed) << 7) // speed
-    return int(spread(path, each, rest))
+    whole = span // speed
+    rest = (span - whole * speed) << 6
+    each = rest // speed
+    rest = ((rest - each * speed) << 7) // speed
+    return int(spread(path, (whole << 6 if whole < 0x800000 else 0x1FFFFFFF) + each, rest))
 
 
 @micropython.viper

@@ -301,6 +301,8 @@ def write_steps(state: ptr32, ring, line_state, settle, geometry):  # ISR: no al
     """Words of masks that share the time evenly, in two parts if they run over the ring's end."""
     words = ptr32(ring)
     path = ptr32(line_state)
+    walk = line.walk  # a port may have put its own machine code there
+    write = pace_viper.pace
     steps = state[FEED_STEPS]
     state[FEED_INDEX] = state[FEED_INDEX] + steps
     each = state[FEED_LASTS] // steps
@@ -316,10 +318,10 @@ def write_steps(state: ptr32, ring, line_state, settle, geometry):  # ISR: no al
         if at + run > state[FEED_MASK]:
             part = state[FEED_MASK] + 1 - at
         if state[FEED_KIND] == LINE:
-            line.walk(words, at, part, path)
+            walk(words, at, part, path)
         else:
             geometry.walk(ring, at, part)
-        pace_viper.pace(words, at, part, state)
+        write(words, at, part, state)
         if state[FEED_DEBT] or state[FEED_DRIVE]:
             settle(at, part)
         at = 0

@@ -1,0 +1,36 @@
+"""The fields of GCode._place, by which parse_viper.py understands plain lines."""
+
+from micropython import const
+
+# GCode._place: what plain lines are understood by, three numbers each if the axes'; places from PARSE_LOW on have 2²⁹ added.
+PARSE_AXES = const(0)
+PARSE_RELATIVE = const(1)  # 1: G91
+PARSE_MODAL = const(2)  # 0 or 1: G0 or G1 holds
+PARSE_FEED = const(3)  # nm/s
+PARSE_POSITION = const(4)  # machine coordinates, nm
+PARSE_OFFSET = const(7)  # machine place − programme place, nm
+PARSE_RESOLUTION = const(10)  # steps a metre
+PARSE_TARGET = const(13)  # steps
+PARSE_TO = const(16)  # where the line leads as far as it has been read, nm
+PARSE_INCHES = const(19)  # 1: G20
+PARSE_NUMBER = const(20)  # of the line
+PARSE_AFTER = const(21)  # where the next line begins
+PARSE_DELTAS = const(22)  # steps of the last one
+PARSE_LOW = const(25)  # the travel, steps
+PARSE_HIGH = const(28)
+PARSE_LEAST = const(31)  # feed, nm/s: steps are no more than 40 s apart
+PARSE_FULL = const(32)  # S of full power; 0: S counts for nothing; 1: it must not change
+PARSE_RPM = const(33)  # S
+PARSE_LIT = const(34)  # 1: the laser is on
+PARSE_POWER = const(35)  # thousandths
+PARSE_DYNAMIC = const(36)  # 1: power in proportion to the speed
+PARSE_VALUE = const(37)  # of the word being read: its digits
+PARSE_DECIMALS = const(38)  # how many of them are behind the point
+PARSE_POINT = const(39)  # 1: it has a point
+PARSE_MINUS = const(40)  # 1: it is negative
+PARSE_HAVE = const(41)  # of the line being read: which words it has
+PARSE_MOTION = const(42)  # and what they say, or what holds: G
+PARSE_SPEED = const(43)  # F, nm/s
+PARSE_TURNS = const(44)  # S
+PARSE_LINE = const(45)  # N
+PARSE_FIELDS = const(46)
