@@ -164,7 +164,7 @@ def check(board):
     """The board with its defaults. Raises BoardError at the first thing wrong."""
     rules = _BOARD
     more = devices = shift = lines = None
-    if isinstance(board, dict) and "port_pins" in (board.get("step_program") or ()):
+    if isinstance(board, dict) and isinstance(board.get("step_program"), dict) and "port_pins" in board["step_program"]:
         from passo.config import port_pins
 
         board, lines = port_pins.applied(board)
@@ -181,6 +181,10 @@ def check(board):
 
         rules = shift.extended(rules)
     board = _section(_WHOLE, board, rules)
+    for part in ("rows", "signals", "limits"):
+        for name, text in (board["interlock"] or {}).get(part, {}).items():
+            if not isinstance(text, str):
+                raise BoardError("interlock.%s.%s: %r is no text" % (part, name, text))
     if lines:
         board["step_program"].update(lines)
     _check_clock(board)
@@ -221,7 +225,7 @@ def _value(where, data, key, rule):
         part = data.get(key)
         if part is None and key not in _OPTIONAL:
             raise BoardError("%s: missing" % where)
-        if part is None and key in _ABSENT or isinstance(part, dict) and "masks" in part:
+        if part is None and key in _ABSENT or where == "interlock" and isinstance(part, dict) and isinstance(part.get("masks"), dict):
             return part  # compiled already
         return _section(where, part or {}, rule)
     if isinstance(rule, list):
@@ -239,6 +243,8 @@ def _value(where, data, key, rule):
     value = data[key]
     if not isinstance(value, kind) or kind is int and isinstance(value, bool):
         raise BoardError("%s: %r is no %s" % (where, value, kind.__name__))
+    if kind is dict and [name for name in value if not isinstance(name, str)]:
+        raise BoardError("%s: its keys are names" % where)
     size = value if kind in (int, bool) else len(value)
     if not least <= size <= most:
         what = "" if kind is int else "of length %d " % size
