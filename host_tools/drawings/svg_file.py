@@ -19,6 +19,7 @@ from xml.etree import ElementTree
 import numpy
 
 from host_tools.drawings import svg_area, svg_geometry, svg_style, svg_text
+from host_tools.drawings.svg_faults import name_of, told
 from host_tools.drawings.svg_style import local_name
 from host_tools.failure import Failure
 from host_tools.language import N_
@@ -26,10 +27,11 @@ from host_tools.language import N_
 _DEFAULT_PX = 1000.0  # of a file that says neither its size nor its viewBox
 _CLIP_PX = 0.02  # a line along the edge of its clip path is inside: 5 µm
 _SHAPES = frozenset("path rect circle ellipse line polyline polygon".split())
-_LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 _HREF = "{http://www.w3.org/1999/xlink}href"
 _URL = re.compile(r"url\(\s*['\"]?#([^'\")]+)['\"]?\s*\)")
-_DEEPEST = 40  # of <use> in <use>
+_DEEPEST = 100  # of elements in elements, <use> and clip paths included
+_DEEPEST_CLIP = 10  # of clip paths, each of which takes long
+_MOST_USES = 100_000  # of <use> and clip paths in all: those that lead to each other multiply
 
 
 @dataclass
@@ -50,11 +52,14 @@ class _Context:
     style: dict
     viewport: tuple[float, float]
     used: tuple = ()  # what <use> has led to
+    depth: int = 0
 
 
 class SvgFile:
     def __init__(self, path):
         """Raises Failure if the file is not there, or is no SVG."""
+        self._path = path
+        self._uses = 0
         try:
             self._root = ElementTree.parse(path).getroot()
         except FileNotFoundError as error:
@@ -74,7 +79,14 @@ class SvgFile:
                 texts.append("".join(element.itertext()))
         self._sheet = svg_style.Sheet(texts)
         self._segments = {}
-        self.size_px = self._size()
+        with told(self._path, self._root):
+            self.size_px = self._size()
+
+    def _lead(self, element):
+        """Count a <use> or a clip path. Raises Failure."""
+        self._uses += 1
+        if self._uses > _MOST_USES:
+            raise Failure("{}: {}: the drawing uses its elements more than {} times", self._path, name_of(element), _MOST_USES)
 
     def _size(self):
         """Width and height of the page; from the viewBox if they are missing or in %."""
@@ -101,10 +113,11 @@ class SvgFile:
         width, height = self.size_px
         if width <= 0 or height <= 0:
             return self._page
-        style = self._style(self._root, {"font-size": 16.0})
-        if style.get("display") != "none":
-            context = _Context(self._matrix(self._root, svg_geometry.IDENTITY), style, self.size_px)
-            self._layers(self._in_view_box(self._root, context, 0.0, 0.0, width, height))
+        with told(self._path, self._root):
+            style = self._style(self._root, {"font-size": 16.0})
+            if style.get("display") != "none":
+                context = _Context(self._matrix(self._root, svg_geometry.IDENTITY), style, self.size_px)
+                self._layers(self._in_view_box(self._root, context, 0.0, 0.0, width, height))
         return self._page
 
     def _layers(self, context):
@@ -123,7 +136,7 @@ class SvgFile:
                 if self._style(child, around.style).get("display") == "none":
                     continue
                 groups += 1
-                number, name = _layer_of(child, groups)
+                number, name = svg_style.layer_of(child, groups)
             lines = self._lines(child, around)
             if lines:
                 self._page.layers.setdefault(number, []).extend(lines)
@@ -133,6 +146,10 @@ class SvgFile:
     # --- elements; each returns polylines in px of the page
 
     def _lines(self, element, context):
+        with told(self._path, element):
+            return self._lines_of(element, context)
+
+    def _lines_of(self, element, context):
         tag = local_name(element.tag)
         inner = self._inside(element, context)
         if inner is None:
@@ -156,10 +173,12 @@ class SvgFile:
 
     def _inside(self, element, context):
         """The context of an element's own coordinates and style; None if nothing of it is shown."""
+        if context.depth == _DEEPEST:
+            raise Failure("{}: {} lies in more than {} others", self._path, name_of(element), _DEEPEST)
         style = self._style(element, context.style)
         if style.get("display") == "none":
             return None
-        return replace(context, matrix=self._matrix(element, context.matrix), style=style)
+        return replace(context, matrix=self._matrix(element, context.matrix), style=style, depth=context.depth + 1)
 
     def _children(self, children, context):
         return [line for child in children for line in self._lines(child, context)]
@@ -190,7 +209,7 @@ class SvgFile:
         stretch = svg_geometry.stretch(context.matrix)
         if not stretch:
             return []
-        segments = self._parsed(tag, element, context)
+        segments = self._parsed(tag, element, context, stretch)
         lines = svg_geometry.flattened(segments, self._deviation / stretch)
         stroked = style.get("stroke", "none") != "none"
         if style.get("fill") == "none" and not stroked:
@@ -204,13 +223,15 @@ class SvgFile:
             lines = self._dashed(lines, context)
         return svg_geometry.placed(lines, context.matrix)
 
-    def _parsed(self, tag, element, context):
-        """The segments of a shape, read once."""
+    def _parsed(self, tag, element, context, stretch):
+        """The segments of a shape, read once. Raises TooFar."""
         key = id(element), context.viewport
         if key not in self._segments:
             data = element.get("d") if tag == "path" else self._basic(tag, element, context)
-            self._segments[key] = svg_geometry.path_segments(data) if data else ([], True)
-        segments, whole = self._segments[key]
+            reach = max(map(abs, svg_geometry.numbers(data)), default=0.0)
+            self._segments[key] = *(svg_geometry.path_segments(data) if data else ([], True)), reach
+        segments, whole, reach = self._segments[key]
+        svg_geometry.bounded(reach * stretch)
         if not whole:
             self._page.left_out[N_("rest of a path behind a mistake in it")] += 1
         return segments
@@ -246,8 +267,9 @@ class SvgFile:
         if target is None:
             self._page.left_out[N_("<use> of something that is not in the file")] += 1
             return []
-        if target in context.used or len(context.used) > _DEEPEST:
-            return []
+        if target in context.used:
+            raise Failure("{}: {} leads to itself", self._path, name_of(element))
+        self._lead(element)
         moved = (1.0, 0.0, 0.0, 1.0, self._length(element.get("x"), "x", context),
                  self._length(element.get("y"), "y", context))  # fmt: skip
         inner = replace(context, matrix=svg_geometry.compose(context.matrix, moved), used=(*context.used, target))
@@ -298,23 +320,28 @@ class SvgFile:
         if clip is None or local_name(clip.tag) != "clipPath":
             self._page.left_out[N_("clip path that is not in the file")] += 1
             return lines
-        area = self._area(clip, lines, context, 0)
+        area = self._area(clip, lines, context)
         return svg_area.clipped(lines, svg_area.grown(area, _CLIP_PX))
 
-    def _area(self, clip, lines, context, depth):
+    def _area(self, clip, lines, context):
         """The area that a <clipPath> leaves of an element whose outlines are `lines`."""
+        if clip in context.used:
+            raise Failure("{}: {} leads to itself", self._path, name_of(clip))
+        if sum(local_name(each.tag) == "clipPath" for each in context.used) == _DEEPEST_CLIP:
+            raise Failure("{}: {} lies in more than {} others", self._path, name_of(clip), _DEEPEST_CLIP)
+        self._lead(clip)
         matrix = context.matrix
         if clip.get("clipPathUnits") == "objectBoundingBox":
-            matrix = svg_geometry.compose(matrix, _box_matrix(lines, matrix))
+            matrix = svg_geometry.compose(matrix, svg_geometry.box_matrix(lines, matrix))
         style = self._style(clip, {"font-size": 16.0})
-        around = replace(context, matrix=self._matrix(clip, matrix), style=style, used=())
+        around = replace(context, matrix=self._matrix(clip, matrix), style=style, used=(*context.used, clip))
         area = svg_area.filled([], "nonzero")
         for child in clip:
             part = self._area_of(child, around)
             area = area if part is None else area.union(part)
         match = _URL.match(style.get("clip-path", "none"))
-        if match and depth < _DEEPEST and self._by_id.get(match[1]) is not None:
-            area = area.intersection(self._area(self._by_id[match[1]], lines, context, depth + 1))
+        if match and self._by_id.get(match[1]) is not None:
+            area = area.intersection(self._area(self._by_id[match[1]], lines, replace(context, used=around.used)))
         return area
 
     def _area_of(self, child, context):
@@ -333,14 +360,14 @@ class SvgFile:
         if tag == "text":
             rings = self._text(child, inner)
         elif tag in _SHAPES and stretch:
-            rings = svg_geometry.flattened(self._parsed(tag, child, inner), self._deviation / stretch)
+            rings = svg_geometry.flattened(self._parsed(tag, child, inner, stretch), self._deviation / stretch)
             rings = svg_geometry.placed(rings, inner.matrix)
         else:
             return None
         area = svg_area.filled(rings, inner.style.get("clip-rule", "nonzero"))
         match = _URL.match(inner.style.get("clip-path", "none"))
         if match and self._by_id.get(match[1]) is not None:
-            area = area.intersection(self._area(self._by_id[match[1]], rings, inner, 1))
+            area = area.intersection(self._area(self._by_id[match[1]], rings, inner))
         return area
 
     # --- attributes
@@ -355,6 +382,8 @@ class SvgFile:
     def _matrix(self, element, outer):
         try:
             return svg_geometry.compose(outer, svg_geometry.matrix(element.get("transform")))
+        except svg_geometry.TooFar:
+            raise
         except ValueError:
             self._page.left_out[N_("transform that cannot be read")] += 1
             return outer
@@ -363,23 +392,3 @@ class SvgFile:
         width, height = context.viewport
         whole = {"x": width, "y": height}.get(axis, math.hypot(width, height) / math.sqrt(2))
         return svg_geometry.length(text, whole, context.style["font-size"], default)
-
-
-def _layer_of(group, order):
-    """Number and name of a group at the top."""
-    label, name = group.get(_LABEL), group.get("id")
-    for text in (label, name):
-        digits = re.search(r"\d+", text or "")
-        if digits:
-            return max(1, int(digits[0])), label or name
-    return order, label or name
-
-
-def _box_matrix(lines, matrix):
-    """From 0…1 to the box of `lines`, in the coordinates of `matrix`."""
-    back = svg_geometry.inverse(matrix)
-    if back is None:
-        return svg_geometry.IDENTITY
-    places = numpy.concatenate(svg_geometry.placed(lines, back))
-    left, top = places.real.min(), places.imag.min()
-    return (places.real.max() - left, 0.0, 0.0, places.imag.max() - top, left, top)

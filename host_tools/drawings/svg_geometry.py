@@ -17,34 +17,47 @@ _PX = {"": 1.0, "px": 1.0, "mm": 96 / 25.4, "cm": 96 / 2.54, "q": 96 / 101.6, "i
 _LENGTH = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([a-zA-Z%]*)\s*$")
 _NUMBER = re.compile(r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?")
 _STEP = re.compile(r"(\w+)\s*\(([^()]*)\)")
+_FARTHEST_PX = 1e7  # 2.6 km: what lies beyond is a mistake in the file
 _MOST_DASHES = 100_000  # of one line: more are a mistake in the file
 
 
+class TooFar(ValueError):
+    """A number that is none, or too large for a drawing. Its text says which."""
+
+
+def bounded(value):
+    """The same number. Raises TooFar."""
+    if not -_FARTHEST_PX <= value <= _FARTHEST_PX:
+        raise TooFar(f"{value:g}")
+    return value
+
+
 def length(text, whole=None, font_size=16.0, default=0.0):
-    """A length in px; `whole` is 100 %. `default` if there is none, or it cannot be read."""
+    """A length in px; `whole` is 100 %. `default` if there is none, or it cannot be read. Raises TooFar."""
     match = _LENGTH.match(text) if text else None
     if not match:
         return default
     number, unit = float(match[1]), match[2].lower()
     if unit == "%":
-        return default if whole is None else number * whole / 100
+        return default if whole is None else bounded(number * whole / 100)
     if unit in ("em", "rem", "ex"):
-        return number * font_size * (0.5 if unit == "ex" else 1)
-    return number * _PX[unit] if unit in _PX else default
+        return bounded(number * font_size * (0.5 if unit == "ex" else 1))
+    return bounded(number * _PX[unit]) if unit in _PX else default
 
 
 def numbers(text):
-    return [float(each) for each in _NUMBER.findall(text or "")]
+    """Raises TooFar."""
+    return [bounded(float(each)) for each in _NUMBER.findall(text or "")]
 
 
 # --- matrices
 
 
 def matrix(text):
-    """The matrix of a transform attribute. Raises ValueError if it cannot be read."""
+    """The matrix of a transform attribute. Raises ValueError if it cannot be read, TooFar."""
     found = IDENTITY
     for name, arguments in _STEP.findall(text or ""):
-        found = compose(found, _step(name, [float(each) for each in arguments.replace(",", " ").split()]))
+        found = compose(found, _step(name, [bounded(float(each)) for each in arguments.replace(",", " ").split()]))
     if _STEP.sub("", text or "").replace(",", " ").strip():
         raise ValueError(f"{text!r} is no transform")
     return found
@@ -71,7 +84,7 @@ def compose(outer, inner):
     """The matrix that first does `inner`, then `outer`."""
     a, b, c, d, e, f = outer
     p, q, r, s, t, u = inner
-    return (a * p + c * q, b * p + d * q, a * r + c * s, b * r + d * s, a * t + c * u + e, b * t + d * u + f)
+    return tuple(bounded(each) for each in (a * p + c * q, b * p + d * q, a * r + c * s, b * r + d * s, a * t + c * u + e, b * t + d * u + f))
 
 
 def inverse(of):
@@ -81,6 +94,16 @@ def inverse(of):
     if not size:
         return None
     return (d / size, -b / size, -c / size, a / size, (c * f - d * e) / size, (b * e - a * f) / size)
+
+
+def box_matrix(lines, matrix):
+    """From 0…1 to the box of `lines`, in the coordinates of `matrix`."""
+    back = inverse(matrix)
+    if back is None:
+        return IDENTITY
+    places = numpy.concatenate(placed(lines, back))
+    left, top = places.real.min(), places.imag.min()
+    return (places.real.max() - left, 0.0, 0.0, places.imag.max() - top, left, top)
 
 
 def stretch(of):

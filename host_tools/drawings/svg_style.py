@@ -9,6 +9,7 @@ Supports the properties that decide whether, where and how an outline is drawn, 
 
 import re
 
+_LABEL = "{http://www.inkscape.org/namespaces/inkscape}label"
 _INHERITED = frozenset(
     "visibility fill stroke stroke-width stroke-dasharray stroke-dashoffset stroke-linecap clip-rule marker-start "
     "marker-mid marker-end font-family font-size font-style font-weight text-anchor letter-spacing white-space "
@@ -103,3 +104,13 @@ class Sheet:
             if value is not None:
                 style[each] = value
         return style
+
+
+def layer_of(group, order):
+    """Number and name of a group at the top."""
+    label, name = group.get(_LABEL), group.get("id")
+    for text in (label, name):
+        digits = re.search(r"\d+", text or "")
+        if digits:
+            return max(1, int(digits[0])), label or name
+    return order, label or name

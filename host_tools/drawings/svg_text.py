@@ -22,6 +22,7 @@ from host_tools.language import N_, _
 _EM = 100.0  # matplotlib makes letters of this size
 _GENERIC = {"sans-serif": "sans-serif", "serif": "serif", "monospace": "monospace", "cursive": "cursive",
             "fantasy": "fantasy", "system-ui": "sans-serif", "sans": "sans-serif"}  # fmt: skip
+_DEEPEST = 100
 _SPACE = "{http://www.w3.org/XML/1998/namespace}space"
 
 
@@ -83,7 +84,9 @@ def _is_blank(letter):
     return letter.text == " " and not letter.keep_space
 
 
-def _collect(element, style, style_of, viewport, left_out, letters, keep_space):
+def _collect(element, style, style_of, viewport, left_out, letters, keep_space, depth=0):
+    if depth == _DEEPEST:
+        raise ValueError(f"{_DEEPEST} levels of text in text")
     keep_space = element.get(_SPACE, "preserve" if keep_space else "") == "preserve" or style.get(
         "white-space", ""
     ).startswith("pre")
@@ -95,7 +98,7 @@ def _collect(element, style, style_of, viewport, left_out, letters, keep_space):
         if tag in ("tspan", "a"):
             inner = style_of(child, style)
             if inner.get("display") != "none":
-                _collect(child, inner, style_of, viewport, left_out, letters, keep_space)
+                _collect(child, inner, style_of, viewport, left_out, letters, keep_space, depth + 1)
         elif tag == "textPath":
             left_out[N_("text along a path")] += 1
         _spell(child.tail, style, size, keep_space, letters)

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from host_tools import boards
-from host_tools.drawings import drawing, svg_area, svg_geometry
+from host_tools.drawings import drawing, svg_area, svg_file, svg_geometry
 from host_tools.drawings.svg_file import SvgFile
 from host_tools.failure import Failure
 
@@ -183,11 +183,57 @@ def test_use_repeats_what_it_names(tmp_path):
     page = page_of(tmp_path, '''
         <defs><g id="g" transform="scale(2)"><path id="p" d="M0 0H5"/></g></defs>
         <g transform="translate(0 10)"><use xlink:href="#g" x="3"/></g><use href="#p" transform="rotate(90)"/>
-        <use href="#gone"/><g id="loop"><use href="#loop"/><path d="M1 1H2"/></g>
+        <use href="#gone"/>
     ''')
     assert lines_of(page) == [[(3, 10), (13, 10)], [(0, 0), (0, 5)]]
-    assert lines_of(page, 2) == [[(1, 1), (2, 1)], [(1, 1), (2, 1)]]  # once by its <use>, which is not followed again
     assert page.left_out == {"<use> of something that is not in the file": 1}
+
+
+DOUBLED = '<g id="u0"><path d="M1 1H2"/></g>' + "".join(f'<g id="u{n}"><use href="#u{n - 1}"/><use href="#u{n - 1}"/></g>' for n in range(1, 40))
+CLIPS = "".join(f"""<clipPath id="c{n}"><rect width="5" height="5" clip-path="url(#c{n - 1})"/><rect width="4" height="5" clip-path="url(#c{n - 1})"/>
+</clipPath>""" for n in range(12))  # fmt: skip
+
+
+@pytest.mark.parametrize("body, why", [
+    ('<g id="loop"><use id="u" href="#loop"/></g>', '<use id="u"> leads to itself'),
+    ('<g id="a"><use href="#b"/></g><g id="b"><use id="u" href="#a"/></g>', "leads to itself"),
+    ('<clipPath id="c"><rect width="5" height="5" clip-path="url(#c)"/></clipPath><path d="M0 0H9" clip-path="url(#c)"/>', 'id="c"> leads to itself'),
+    (CLIPS + '<path d="M0 0H9" clip-path="url(#c11)"/>', "lies in more than 10 others"),
+    (DOUBLED, "more than 500 times"),
+    ("<g>" * 20_000 + '<path d="M0 0H9"/>' + "</g>" * 20_000, "<g> lies in more than 100 others"),
+    ("<text>" + "<tspan>" * 20_000 + "a" + "</tspan>" * 20_000 + "</text>", "<text>: its numbers cannot be drawn: 100 levels"),
+])  # fmt: skip
+def test_what_has_no_end_is_refused_by_name(tmp_path, monkeypatch, body, why):
+    monkeypatch.setattr(svg_file, "_MOST_USES", 500)
+    with pytest.raises(Failure) as refusal:
+        page_of(tmp_path, body)
+    assert why in str(refusal.value)
+
+
+def test_a_tree_of_many_elements_is_drawn(tmp_path):
+    page = page_of(tmp_path, "<g>" * 90 + '<path d="M0 0H9"/>' + "</g>" * 90)
+    assert lines_of(page) == [[(0, 0), (9, 0)]]
+
+
+HUGE = (
+    '<path id="p" d="M0 0L{} 5"/>', '<path id="p" d="M0 0C{} 0 1 1 2 2"/>', '<path id="p" d="M0 0Q{} 0 2 2"/>', '<path id="p" d="M0 0A{} 5 0 0 1 9 9"/>',
+    '<path id="p" d="m0 0l{} 5l{} 5"/>', '<rect id="p" width="{}" height="5" rx="2"/>', '<circle id="p" r="{}"/>', '<polyline id="p" points="0,0 {},3"/>',
+    '<rect id="p" width="9" height="9" transform="scale({})"/>', '<circle id="p" r="9" transform="matrix({} 0 0 1 0 0)"/>',
+    '<svg id="p" width="9" height="4" viewBox="0 0 {} 3"/>', '<text id="p" x="4 {}">ab</text>', '<rect id="p" width="9" height="9" stroke-dasharray="{} 1"/>',
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("number", ["NaN", "inf", "1e308", "-1e308", "1e400", "1e12", "1e-320"])
+def test_numbers_that_are_none_or_lead_too_far(tmp_path, number):
+    """Each place they can stand in: refused by the element's name, or left out; never drawn without an end."""
+    for body in HUGE:
+        try:
+            page = page_of(tmp_path, body.replace("{}", number))
+        except Failure as refusal:
+            assert 'id="p">: ' in str(refusal) and ("too far away" in str(refusal) or "cannot be drawn" in str(refusal)), refusal
+        else:
+            assert number in ("NaN", "inf", "1e-320") or number == "-1e308" and "path" not in body, (number, body)
+            assert all(numpy.isfinite(line).all() for lines in page.layers.values() for line in lines)
 
 
 def test_an_svg_inside_and_percentages(tmp_path):

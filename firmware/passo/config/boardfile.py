@@ -181,10 +181,6 @@ def check(board):
 
         rules = shift.extended(rules)
     board = _section(_WHOLE, board, rules)
-    for part in ("rows", "signals", "limits"):
-        for name, text in (board["interlock"] or {}).get(part, {}).items():
-            if not isinstance(text, str):
-                raise BoardError("interlock.%s.%s: %r is no text" % (part, name, text))
     if lines:
         board["step_program"].update(lines)
     _check_clock(board)
@@ -243,8 +239,8 @@ def _value(where, data, key, rule):
     value = data[key]
     if not isinstance(value, kind) or kind is int and isinstance(value, bool):
         raise BoardError("%s: %r is no %s" % (where, value, kind.__name__))
-    if kind is dict and [name for name in value if not isinstance(name, str)]:
-        raise BoardError("%s: its keys are names" % where)
+    if kind is dict and [name for name in value if not isinstance(name, str) or where[:9] == "interlock" and not isinstance(value[name], str)]:
+        raise BoardError("%s: names are wanted, in an interlock with texts behind them" % where)
     size = value if kind in (int, bool) else len(value)
     if not least <= size <= most:
         what = "" if kind is int else "of length %d " % size
@@ -268,8 +264,7 @@ def _check_clock(board):
     if board["clock_mhz"] not in clocks:
         if clocks == (0,):
             raise BoardError("clock_mhz: the clock of an %s is not set here; leave it out" % chip)
-        known = " or ".join([str(mhz) for mhz in clocks])
-        raise BoardError("clock_mhz: an %s runs at %s here, not %d" % (chip, known, board["clock_mhz"]))
+        raise BoardError("clock_mhz: an %s runs at %s here, not %d" % (chip, " or ".join([str(mhz) for mhz in clocks]), board["clock_mhz"]))
 
 
 def claimed_pins(board):
@@ -315,9 +310,7 @@ def _check_pins(board, shift):
         raise BoardError("axes: %d are too many for a %s drive; it moves %d" % (len(board["axes"]), kind, most))
     for axis in board["axes"]:
         if len(axis["pins"]) != PINS_OF[kind]:
-            raise BoardError(
-                "axis %s: a %s drive has %d pins, not %d" % (axis["name"], kind, PINS_OF[kind], len(axis["pins"]))
-            )
+            raise BoardError("axis %s: a %s drive has %d pins, not %d" % (axis["name"], kind, PINS_OF[kind], len(axis["pins"])))
     owners = {}
     for pin, who in claimed_pins(board) + (shift.claims(board) if shift is not None else []):
         outside = shift is not None and shift.shifted(pin)
