@@ -10,6 +10,12 @@ PICO_PINS = (*range(23), 26, 27, 28)  # that a Pico brings out
 RP2_BLOCKS = {"rp2040": 2, "rp2350": 3}
 _MACHINES = 4  # of a PIO block
 _BLOCK = 32  # instructions
+_ESP32_KB = 209  # of memory for heap, machine code and drivers, with MicroPython 1.27 as it comes and no PSRAM
+# What the firmware takes of it, kB: (its language, with Wi-Fi, with the page). Measured on MicroPython's qemu port, drivers and Wi-Fi reckoned.
+_ESP32_NEEDS = {
+    ("plotter", False, False): 155, ("plotter", True, True): 276, ("torch", True, False): 250,
+    ("grbl", False, False): 317, ("grbl", True, False): 386, ("grbl", True, True): 418,
+}  # fmt: skip
 
 
 def budget(board):
@@ -20,10 +26,25 @@ def budget(board):
         rows.append(("PIO", _pio(board)))
     if board["registers"]:
         rows.append((_("shift registers"), _registers(board)))
+    if board["chip"].startswith("esp32"):
+        rows.append((_("memory"), memory(board)))
     uarts = [(board["inverter"]["port"], _("inverter"))] if board["inverter"] else []
     uarts += [(link["port"], _("link {}", link["name"])) for link in board["links"] if link["port"] != "usb"]
     rows.append((_("serial lines"), ", ".join(f"{port}: {who}" for port, who in sorted(uarts)) or _("none but USB")))
     return rows
+
+
+def memory(board):
+    """Whether a checked board fits into an ESP32 without PSRAM, as a sentence."""
+    languages = {link["protocol"] for link in board["links"]}
+    language = next((each for each in ("grbl", "torch", "plotter") if each in languages), None)
+    page = any(link["port"] == "page" for link in board["links"])
+    need = _ESP32_NEEDS.get((language, bool(board["network"]), page))
+    if board["chip"] != "esp32" or need is None:
+        return _("not counted for this chip and these links: take a module with PSRAM (docs/wiring.md, ESP32)")
+    if need > _ESP32_KB:
+        return _("{} kB wanted, {} there without PSRAM: it does not fit; take a module with PSRAM (docs/wiring.md, ESP32)", need, _ESP32_KB)
+    return _("{} kB wanted, {} there without PSRAM", need, _ESP32_KB)
 
 
 def _pins(board, claimed):

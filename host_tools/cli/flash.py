@@ -15,10 +15,12 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools import boards
+from host_tools.build.budget import memory
 from host_tools.build.tree import build_tree, default_out
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.resources import HOST_TOOLS
+from passo.config.boardfile import check
 
 REMOVE_STALE = HOST_TOOLS / "build" / "remove_stale.py"
 # mpremote gives up on a board that does not answer after some ten seconds, and a whole copy takes about a minute.
@@ -105,6 +107,9 @@ def flash(
     out = default_out(board)
     rows = build_tree(board, out)
     print(_("{}: {} files, {:,} bytes in {} (passo build lists them)", board, len(rows), sum(row[2] for row in rows), out))
+    config = check(boards.load(board))
+    if config["chip"].startswith("esp32"):
+        print(memory(config))
     asking, copying = commands(port or "PORT", out, drivers_of(boards.load(board)))
     if dry_run:
         print(shlex.join(asking))

@@ -5,7 +5,7 @@ import typer
 from typer.testing import CliRunner
 
 from host_tools import boards
-from host_tools.build.budget import PICO_PINS, budget
+from host_tools.build.budget import PICO_PINS, budget, memory
 from host_tools.cli.build import build, print_budget
 from host_tools.failure import Failure
 from passo.config.boardfile import check, claimed_pins
@@ -23,6 +23,19 @@ def test_the_mill_fills_a_pico():
     assert rows["PIO"].startswith("5 of 8 state machines: player 1 in block 0; encoders 4 in block 1")
     assert rows["shift registers"] == "12 of 16 inputs, 5 of 8 outputs"
     assert rows["serial lines"] == "uart0: inverter"
+
+
+def test_an_esp32_without_psram_holds_a_plotter_and_no_more():
+    assert of("plotter_esp32")["memory"] == "155 kB wanted, 209 there without PSRAM"
+    for name in ("router_esp32", "mks_dlc32"):
+        assert of(name)["memory"].startswith("317 kB wanted, 209 there without PSRAM: it does not fit; take a module with PSRAM")
+    network = {"host": "passo"}
+    page = {"name": "page", "port": "page", "protocol": "page"}
+    for protocol, wanted in (("plotter", "276 kB"), ("grbl", "418 kB")):
+        board = check(boards.load("plotter_esp32"))
+        links = [dict(board["links"][0], protocol=protocol), page]
+        assert memory({**board, "network": network, "links": links}).startswith(wanted)
+    assert "not counted" in memory({**board, "chip": "esp32s3"}) and "memory" not in of("router_3axis")
 
 
 def test_what_is_free_is_claimed_by_nobody():
