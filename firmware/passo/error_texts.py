@@ -121,6 +121,7 @@ TEXTS = {
     errors.ALARM_SPINDLE_SPEED: "the spindle did not come to its speed, or lost it",
     errors.ALARM_HOST_LOST: "the host said nothing any more: its job was dropped at a stand; the position is kept",
     errors.ALARM_POWER: "the power fails: stopped, and the place of the job saved",
+    errors.ALARM_JOB_CHANGED: "the stored job is not the same as before it began: the memory it lies in is damaged; store the job again",
 }
 
 

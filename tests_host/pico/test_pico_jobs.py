@@ -56,6 +56,42 @@ def test_a_job_is_uploaded_and_run(make_machine, show):
     show("a job stored and run on the Pico", f"{machine.now_ms():.0f} emulated ms")
 
 
+def read_ms(machine, count):
+    """(bytes of a job of `count` lines, emulated ms from its start to its first step)."""
+    lines = [b"G1X%d.%03dY%d.%03dF%d" % (n * 7 % 9, n * 373 % 1000, n * 5 % 7, n * 611 % 1000, 3000 + n) for n in range(count)]
+    data = b"G91\nG1X0.5F3000\n" + b"\n".join(lines) + b"\n"
+    packed = stored_job.pack(data)
+    ask(machine, b"$FS=A,grbl,%d,%08x,%d" % (len(data), stored_job.crc(data), len(packed)))
+    for at in range(0, len(packed), 54):
+        ask(machine, b"$F:" + base64.b64encode(packed[at : at + 54]))
+    assert ask(machine, b"$FE") == b"ok\r\n"
+    start = list(machine.plant.position)
+    ask(machine, b"$F=A")
+    begin = machine.now_ms()
+    for _ in range(3):
+        machine.send(b"?")
+        machine.run_ms(20)
+    machine.run_until(lambda: machine.plant.position != start)
+    took = machine.now_ms() - begin
+    said = machine.take()
+    machine.send(b"\x18")
+    machine.run_until(lambda: b"error 157" in machine.received())
+    ask(machine, b"$X")
+    return len(data), took, said
+
+
+@pytest.mark.slow
+def test_a_job_is_read_whole_before_it_begins(make_machine, show):
+    """At most 2 s a megabyte; `?` is answered meanwhile, and tells how far it is."""
+    machine = ready(make_machine(fast_router()))
+    few, short, _ = read_ms(machine, 1000)
+    many, long, said = read_ms(machine, 3000)
+    assert re.search(rb"\|SD:\d+,A\?", said)
+    rate = (long - short) * 1000 / (many - few)
+    show("reading a stored job before it begins", f"{short:.0f} emulated ms for {few} bytes, {rate:.2f} s a megabyte more")
+    assert rate < 2
+
+
 @lru_cache
 def streamed(data):
     """(digest, steps, of them at full speed, seconds) of a job that is streamed to the virtual board."""

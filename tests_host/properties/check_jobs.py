@@ -4,11 +4,15 @@ import os
 from time import time_ns
 from binascii import b2a_base64, crc32
 
-from passo.config.job_store import WINDOW_BITS
+from passo.config.job_store import WINDOW_BITS, first_line
 from router import BOARD, Machine, answers, home
 
 JOB = b"G21\nG90\nM3S1000\nG1X5Y2F1200\n\nG2X9Y2I2J0\nG0Z-1\nM5\nM30\n"
 BUTTON = {"name": "job", "pin": 28, "active": 0, "pull": "up"}
+CASES = {
+    "check_a_bit_that_is_wrong": (("at", 0, 200), ("bit", 0, 7), ("card", 0, 1)), "check_a_job_that_changes_as_it_runs": (("piece", 0, 12),),
+}  # fmt: skip
+RUNS = {"check_a_bit_that_is_wrong": 12, "check_a_job_that_changes_as_it_runs": 4}
 CARD = {"spi": 0, "sck": 22, "mosi": 19, "miso": 20, "cs": 21}
 SQUARE = b"F3000\n" + "".join(["G1X%d.%dY%d\n" % (number % 9, number % 7, number % 5) for number in range(200)]).encode()
 
@@ -194,6 +198,91 @@ def check_torn_files():
         file.write(whole)
     machine.do("G90", "G53G0X0Y0Z0", "$F=A")
     assert ended(run(machine)) == "[MSG:Job A done]"
+    remove(machine)
+
+
+def stored(machine, name, data=JOB):
+    """(path, bytes) of a job's file."""
+    assert store(machine, name, data) == "ok"
+    path = machine.folder + "/" + [each for each in os.listdir(machine.folder) if each.split(".")[0] == name][0]
+    with open(path, "rb") as file:
+        return path, file.read()
+
+
+def write(path, data):
+    with open(path, "wb") as file:
+        file.write(data)
+
+
+def check_a_bit_that_is_wrong(at, bit, card):
+    """Nothing moves and the job does not end as done, whatever bit of the file is wrong; each time it is run, from flash or card."""
+    machine = home(make(card=card).ready())
+    path, whole = stored(machine, "A")
+    at %= len(whole) - 1 if card else len(whole)
+    machine.do("G90", "G53G0X0Y0Z0", "$F=A")
+    assert ended(run(machine)) == "[MSG:Job A done]"
+    machine.do("G90", "G53G0X0Y0Z0")
+    machine.settle()
+    write(path, whole[:at] + bytes((whole[at] ^ 1 << bit,)) + whole[at + 1 :])
+    machine.world.path = []
+    for _ in range(2):
+        said = machine.ask("$F=A")
+        if answers(said) == ["ok"]:
+            assert "error 151" in ended(run(machine, said))
+        else:
+            assert answers(said)[0] in ("error:151", "error:150", "error:155"), (at, bit, said)
+    machine.cycles(50)
+    assert machine.world.path == [] and machine.world.tool == 0
+    remove(machine)
+
+
+def check_a_job_that_changes_as_it_runs(piece):
+    """It ends in an alarm, at a stand, and is not done."""
+    machine = home(make().ready())
+    stored(machine, "A", SQUARE)
+    machine.do("$F=A")
+    while machine.controller.features["jobs"]._proving:
+        machine.cycles(1)
+    file = machine.controller.features["jobs"]._file
+    read = file._stream.readinto
+    count = [0]
+
+    class Bent:
+        def readinto(self, view):
+            got = read(view)
+            count[0] += 1
+            if count[0] == piece + 1:
+                view[got - 2] ^= 1
+            return got
+
+    file._stream = Bent()
+    said = run(machine)
+    assert "done" not in ended(said), said
+    said += machine.cycles(20)
+    if "error 151" in ended(said):  # else a line was refused before
+        assert "ALARM:52" in said and machine.status()["state"] == "Alarm", said
+    remove(machine)
+
+
+def check_a_reset_ends_the_proof():
+    """A job of half a megabyte is read for a while: progress is told, a reset ends it, and it can be run again."""
+    machine = home(make().ready())
+    long = SQUARE * 200
+    packed = stored_form(long)
+    write(machine.folder + "/A.job", first_line("grbl", len(long), crc32(long) & 0xFFFFFFFF, len(packed)) + packed)
+    machine.do("$F=A")
+    text = "".join([machine.status()["text"] for _ in range(3)])
+    assert "|SD:" in text and ",A?" in text, text
+    before = list(machine.world.place)
+    machine.put("\x18")
+    said = machine.cycles(20)
+    assert "error 157" in ended(said) and machine.world.place == before
+    machine.do("$X", "$F=A")
+    while ",A?" in machine.status()["text"]:
+        machine.cycles(1)
+    assert ",A" in machine.status()["text"]
+    machine.put("\x18")
+    machine.cycles(20)
     remove(machine)
 
 

@@ -4,6 +4,9 @@ A job is the bytes that a PC would send. It runs by a link of its own, whose ser
 understands it as it understands a PC, and the steps are the same. While it runs that link commands; whoever commanded before
 may hold, go on, override and stop. Nothing of a job is done behind the first line that is refused.
 
+Each time before it runs, a job is read to its end and its CRC compared: nothing of a damaged file moves the machine. It is
+read again while it runs; if it is not the same then, the machine comes to a stand, with an alarm.
+
 Reading goes on in the main loop while steps are made in an interrupt: it takes time from the lines, none from the steps.
 """
 
@@ -14,7 +17,8 @@ from passo.commands import DROPPED, Event
 from passo.config.job_keys import LINK, name_fits
 from passo.config.job_store import Damaged, JobStore
 
-_CHECKED = const(8)  # pieces of an upload that are read back a cycle
+_PIECE = const(512)  # bytes that are read at once while a job is proven
+_CHECKED = const(16)  # such pieces a cycle: some 12 ms on a Pico
 
 
 class JobLine:
@@ -23,7 +27,7 @@ class JobLine:
     def __init__(self):
         self._most = 0  # units that may be unanswered: lines, packets, codes
         self._first = self._last = b""  # what is still to be given before the file, and behind it
-        self.view = None  # on the bytes read last
+        self.view = self.piece = None  # on the bytes read last; and what a job is proven with
         self._stored = None  # the language's module: how its answers are counted
         self._protocol = None
         self._file = self._store = None
@@ -35,7 +39,8 @@ class JobLine:
         self._protocol = protocol
         self._stored = stored
         self._most, piece = stored.LIMITS
-        self.view = memoryview(bytearray(piece))
+        self.piece = memoryview(bytearray(max(piece, _PIECE)))
+        self.view = self.piece[:piece]
         self._look = look
         self._damaged = damaged
 
@@ -71,6 +76,9 @@ class JobLine:
                 count = self._file.readinto(self.view)
             except Damaged as damaged:
                 self._damaged(damaged.args[0])
+                return b""
+            if self._file.done == self._file.size and not self._file.whole():
+                self._damaged(errors.JOB_DAMAGED)
                 return b""
             data = self.view[:count]
         self.given += self._stored.units(data)
@@ -112,6 +120,7 @@ class Jobs:
         self._ended = "", 0, 0  # the last one: its name, error, line
         self._noted = None  # the newest entry of the log
         self._reading = None  # the upload that is read back
+        self._proving = False  # the job is read to its end before it runs
         machine.links.append(LINK)
 
     def join(self, number, protocol, stored):
@@ -128,7 +137,7 @@ class Jobs:
 
     def report(self, report):
         file = self._file
-        report["job"] = None if file is None else (file.done * 100 // max(file.size, 1), self._name)
+        report["job"] = None if file is None else (self._per_cent(), self._name + "?" if self._proving else self._name)
 
     # --- commands
 
@@ -163,8 +172,7 @@ class Jobs:
         machine = self._machine
         what = command.value
         if what == commands.JOB_STATE:
-            file = self._file
-            return machine.accepted(command, self._ended if file is None else (self._name, file.done * 100 // max(file.size, 1)))
+            return machine.accepted(command, self._ended if self._file is None else (self._name, self._per_cent()))
         if what == commands.JOB_RUN:
             return self._run(command, command.target or self._config["button"])
         if self._file is not None:
@@ -235,19 +243,51 @@ class Jobs:
             file.close()
             return errors.JOB_LANGUAGE
         self._store.begin_reading(file)
-        journal = machine.handlers.get(commands.JOURNAL)
-        if journal and not machine.checking:
-            journal(commands.Command(commands.JOURNAL, file.crc or 1))
         self._file = file
         self._name = name
         self._failed = 0
-        self._noted = self._newest()
+        self._proving = True
         machine.lender = machine.commander
         machine.commander = self._number
-        self.line.begin(file, self._store)
         if command.link is not None:
             return machine.accepted(command)
         return 0
+
+    def _per_cent(self):
+        """How much of the file has been read."""
+        return self._file.done * 100 // max(self._file.size, 1)
+
+    def _prove(self):
+        """Read on; at the end, if the job is right, begin it."""
+        try:
+            for _ in range(_CHECKED):
+                if not self._file.readinto(self.line.piece):
+                    self._begin()
+                    return
+        except Damaged as damaged:
+            self._fail(damaged.args[0])
+        except OSError:
+            self._fail(errors.NO_CARD if self._card else errors.JOB_DAMAGED)
+        except MemoryError:
+            self._fail(errors.JOB_MEMORY)
+
+    def _begin(self):
+        machine = self._machine
+        self._store.close(self._file)
+        self._file = self._store.open(self._name)
+        self._store.begin_reading(self._file)
+        journal = machine.handlers.get(commands.JOURNAL)
+        if journal and not machine.checking:
+            journal(commands.Command(commands.JOURNAL, self._file.crc or 1))
+        self._noted = self._newest()
+        self._proving = False
+        self.line.begin(self._file, self._store)
+
+    def _fail(self, error):
+        """The job does not begin."""
+        self._machine.note(error, self._name)
+        self.line.answered = 0
+        self._end(error)
 
     def _newest(self):
         entries = self._machine.log.entries
@@ -258,7 +298,9 @@ class Jobs:
             name = self._start
             self._start = ""
             self._job(commands.Command(commands.JOB, name))
-        if self._file is not None:
+        if self._proving:
+            self._prove()
+        elif self._file is not None:
             self._look()
 
     def _look(self):
@@ -287,7 +329,7 @@ class Jobs:
     def poll_command(self, now_ms):
         if self._reading is None or not self._machine.busy_with(commands.JOB):
             return
-        view = self.line.view
+        view = self.line.piece
         try:
             for _ in range(_CHECKED):
                 if not self._reading.readinto(view):
@@ -317,11 +359,13 @@ class Jobs:
 
     def poll_end(self, still):
         machine = self._machine
-        if self._file is None or not still or machine.dropping or machine.command is not None or machine.drawing:
+        if self._file is None or self._proving or not still or machine.dropping or machine.command is not None or machine.drawing:
             return
         if self._failed:
             machine.switch_off()
             self._end(self._failed)
+            if self._failed == errors.JOB_DAMAGED:
+                machine.raise_alarm(errors.ALARM_JOB_CHANGED, self._name)
         elif self.line.done():
             self._end(0)
 
@@ -336,6 +380,9 @@ class Jobs:
 
     def _end(self, error):
         machine = self._machine
+        if self._proving:
+            self._proving = False
+            self._store.close(self._file)
         self.line.end()
         self._file = None
         machine.commander = machine.lender
