@@ -30,6 +30,9 @@ _SIGNS = {
 }
 
 
+_HPGL = re.compile(rb"\s*(\x1b|(IN|DF|PU|PD|PA|PR|SP\d*|VS\d*)\s*(;|[-\d.]+\s*,|$))", re.IGNORECASE)
+
+
 class _Progress:
     """How far a program has been carried out, on stderr, if that takes long."""
 
@@ -150,10 +153,14 @@ def compile_file(path, dialect, tools=None, start=None, bound=BOUND, skip=False)
 
 
 def read(path, dialect=None, tools=None):
-    """A Program for a sender: compiled if `dialect` says so, or its words need it, or a tool table is given; "plain" keeps it as it
+    """A Program for a sender, no HPGL: compiled if `dialect` says so, or its words need it, or a tool table is given; "plain" keeps it as it
     is. Raises Failure."""
     path = Path(path)
     why = ""
+    if path.is_file():
+        with path.open("rb") as file:
+            if _HPGL.match(file.read(200).lstrip().partition(b"\n")[0].rstrip()):
+                raise Failure("{} is HPGL, the language of pen plotters, and no G-code", path)
     if dialect is None:
         dialect, why = detect(path)
         if dialect == "plain" and tools:

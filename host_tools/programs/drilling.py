@@ -42,8 +42,10 @@ class Cycle:
             path.word("M5")
         if self.code == 88:
             path.word("M0")
-        if self.code in (74, 84, 85, 89):
+        if self.code == 85 or self.code in (74, 84, 89) and self.back is None:
             self._z(path, self.above, False)
+        elif self.code in (74, 84, 89):  # a tap turns back all the way
+            self._z(path, self.back, False)
         self._z(path, self.above if self.back is None else self.back, True)
         if self.code in (74, 84):
             path.word("M5")

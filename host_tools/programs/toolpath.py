@@ -74,13 +74,13 @@ class Toolpath:
             self._leave(rapid, feed)
         self.put_line(target, rapid, feed)
 
-    def arc(self, plane, clockwise, target, centre, feed, turns=1, sweep=None):
+    def arc(self, plane, clockwise, target, centre, feed, turns=1, sweep=None, slack=0.0):
         """An arc to `target` around `centre`, (first, second axis of the plane) in mm from its start, as a helix if the third axis
-        changes. `sweep`: sweep_of() it. Raises ProgramError if the ends do not lie on one circle."""
+        changes. `sweep`: sweep_of() it; `slack`: of circle_through(). Raises ProgramError if the ends do not lie on one circle."""
         first, second, _ = PLANES[plane]
         begin = [self.known(first), self.known(second)]
         end = [old if new is None else new for old, new in zip(self.place, target)]
-        check_arc(begin, (end[first], end[second]), centre)
+        centre = circle_through(begin, (end[first], end[second]), centre, slack)
         if sweep is None:
             sweep = sweep_of(begin, (end[first], end[second]), centre, clockwise)
         before, self.place = self.place, end
@@ -161,10 +161,9 @@ class Toolpath:
         self._add(code, source, False, points)
 
     def _feed_word(self, feed):
+        feed = min(feed, _FASTEST)  # the machine goes as fast as it can, as with plain G-code
         if feed == self._feed:
             return ""
-        if feed > _FASTEST:
-            raise ProgramError(RANGE, "F{:g}", feed)
         self._feed = feed
         return f" F{number(feed, 3)}"
 
@@ -206,13 +205,21 @@ def rounded_end(begin, end, centre, clockwise, sweep):
     return begin
 
 
-def check_arc(begin, end, centre):
-    """Raises ProgramError if an arc's start and end are not equally far from its centre, by the rule of LinuxCNC and grbl."""
+def circle_through(begin, end, centre, slack=0.0):
+    """The centre, from the start, of an arc whose ends need not be equally far from it, by grbl's rule. With `slack` (mm) LinuxCNC's counts as
+    well: up to `slack`, or a thousandth of the radius, but not 100 times `slack`; what is beyond grbl's then gets the nearest centre that
+    is equally far from both. Raises ProgramError."""
     radius = math.hypot(*centre)
     other = math.hypot(end[0] - begin[0] - centre[0], end[1] - begin[1] - centre[1])
     wrong = abs(other - radius)
     if radius < 1e-5 or wrong > _MOST_RADIUS_MM or wrong > _RADIUS_MM and wrong > radius / 1000:
-        raise ProgramError(ARC, "radius {:.4f} at its start, {:.4f} at its end", radius, other)
+        across, along = end[0] - begin[0], end[1] - begin[1]
+        off = (centre[0] * across + centre[1] * along) / (across * across + along * along or 1.0) - 0.5  # of the chord, from its middle
+        moved = abs(off) * math.hypot(across, along)
+        if moved > wrong or wrong > 100 * slack or wrong > slack and wrong > max(radius, other) / 1000:
+            raise ProgramError(ARC, "radius {:.4f} at its start, {:.4f} at its end", radius, other)
+        return centre[0] - across * off, centre[1] - along * off
+    return centre
 
 
 def centre_of(begin, end, radius, clockwise):

@@ -39,6 +39,8 @@ def check_at_once():
     machine = router()
     machine.do("M64 P0")
     assert machine.world.on() == (1, 0)
+    for line, answer in (("M64P0.5", "error:23"), ("M65P1.001", "error:23"), ("M62P-1", "error:"), ("M63P99", "error:"), ("M64", "error:")):
+        assert machine.ask(line)[-1].startswith(answer), line
     machine.do("M64P1", "M65 P0")
     assert machine.world.on() == (0, 1)
     machine.do("G1 X50 F3000")

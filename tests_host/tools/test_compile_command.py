@@ -113,6 +113,17 @@ def test_detection(tmp_path, name, text, dialect):
     assert compiler.detect(path)[0] == dialect
 
 
+@pytest.mark.parametrize("text", ["IN;SP1;PU100,100;PD200,200;", "IN;\nSP1;", "\n  PA;PU0,0", "\x1b.@;1:IN;", "pu10,10;", "DF;", "SP1;PD"])
+def test_hpgl_is_no_g_code(tmp_path, text):
+    path = tmp_path / "a.plt"
+    path.write_text(text)
+    with pytest.raises(Failure, match="is HPGL"):
+        compiler.read(path)
+    for other in ("; IN;SP1\nG0 X1", "(PU)\nS1000 M3", "P1 G4", "S1", "%\nG0 X1"):
+        path.write_text(other)
+        compiler.read(path)
+
+
 def test_detection_of_both(tmp_path):
     path = tmp_path / "both.nc"
     path.write_text("#1=5\nG79 N10\n")

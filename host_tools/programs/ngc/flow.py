@@ -137,8 +137,10 @@ class Flow:
             else:
                 last.branches.append(number)
         elif keyword in ("break", "continue", "return"):
-            kinds = ("sub",) if keyword == "return" else _LOOPS
-            part = next((part for part in open_parts if part.label == label and part.kind in kinds), None)
+            if keyword == "return":  # of the subroutine that it stands in, whatever its label
+                part = next((part for part in open_parts if part.kind == "sub"), None)
+            else:
+                part = next((part for part in open_parts if part.label == label and part.kind in _LOOPS), None)
             if part is None:
                 raise ProgramError(LABEL, "o{} {}", label, keyword)
             self._parts[number] = part

@@ -10,6 +10,9 @@ from host_tools.programs.program_errors import (
 from host_tools.programs.toolpath import AXES, PLANES, centre_of, number, sweep_of
 
 
+_SLACK = 0.02 * math.sqrt(2)  # mm: by so much LinuxCNC's arcs may be off; in inches a tenth of the number
+
+
 class Motions:
     """Part of Interpreter."""
 
@@ -126,7 +129,7 @@ class Motions:
         rise = 0.0 if target[third] is None or height is None else target[third] - height
         feed = self._feed_of(math.hypot(radius * (sweep + math.tau * (turns - 1)), rise))
         target[first], target[second] = end
-        self.path.arc(self.plane, clockwise, target, centre, feed, turns, sweep)
+        self.path.arc(self.plane, clockwise, target, centre, feed, turns, sweep, _SLACK * self.scale / (10 if self.scale > 1 else 1))
 
     def _centre(self, first, second, begin):
         """The centre by I, J, K, in mm from the start."""

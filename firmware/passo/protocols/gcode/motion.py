@@ -219,7 +219,7 @@ class Motions(Reader):
             dwell = self.words.fixed(P, 6)
             if dwell < 0:
                 raise Refused(errors.NEGATIVE)
-        times = self.words.fixed(L, 0) if self._take(L) else 1
+        times = self._whole(L) if self._take(L) else 1
         if not 1 <= times <= 100 or bottom > above:
             raise Refused(errors.TARGET)
         height = max(z, above)

@@ -108,14 +108,20 @@ class Reader:
             raise Refused(errors.VALUE_MISSING)
         return self.words.fixed(P, 6)
 
+    def _whole(self, letter):
+        number = self.words.fixed(letter, 0)
+        if self.words.fixed(letter, 3) != number * 1000:
+            raise Refused(errors.NOT_INTEGER)
+        return number
+
     def _read_output(self, code):
         """The command of M62 … M65, or None."""
         if code == NONE:
             return None
         if not self._take(P):
             raise Refused(errors.VALUE_MISSING)
-        number = self.words.fixed(P, 0)
-        if number > 9:
+        number = self._whole(P)
+        if not 0 <= number <= 9:
             raise Refused(errors.NUMBER_RANGE)
         command = Command(commands.OUTPUT, value=number, tool=code in (M_CODES + 6200, M_CODES + 6400))
         command.power = 1 if code >= M_CODES + 6400 else 0
