@@ -20,6 +20,7 @@ TICKS_PER_S = const(12_500_000)  # a tick is 80 ns
 TICKS_PER_MS = const(12_500)
 HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is never far away
 FEED_LEAST = const(50_000)  # 4 ms: more than two calls of a feeder are apart
+LONG_TICKS = const(375_000)  # 30 ms of motion queued: with less a stream is slowed down
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
 JOB_WORDS = const(275)  # of memory in one piece, kept for the window that a stored job is read through
@@ -28,9 +29,7 @@ REGISTER_BIT = const(100)  # pins from here on are bits of shift registers: of t
 REQUEST_PROVEN = const(1)  # flags of a request over the network: its sender may move the machine
 REQUEST_JSON = const(2)  # the answer shall be JSON
 NETWORK_PORTS = ("http", "page", "tcp")  # ports of links that are no cable
-
-# Numbers of settings that languages ask for too; the others stand in config/setting_numbers.py.
-SETTING_REPORT = const(10)
+SETTING_REPORT = const(10)  # this and the next three: settings that languages ask for too, see config/setting_numbers.py
 SETTING_INCHES = const(13)
 SETTING_MAX_RPM = const(30)
 SETTING_LASER = const(32)
@@ -62,8 +61,8 @@ ROW_REACH = const(21)  # square of the speed that it can gain or lose
 ROW_EXIT = const(22)  # square of the speed at its end, as planned
 ROW_UNIT_SHIFT = const(23)
 ROW_FASTEST = const(24)  # square of the speed that the axes allow
-ROW_STEPS = const(25)  # then a line's signed steps, one number an axis
-
+ROW_LASTS = const(25)  # ticks that it lasts at the programmed speed, LONG_TICKS at most
+ROW_STEPS = const(26)  # then a line's signed steps, one number an axis
 # A batch: rows of BATCH_FIELDS on their way to the planner, one a block.
 BATCH_KIND = const(0)  # as ROW_KIND; of other than a LINE the planner's row is filled in already
 BATCH_FLAGS = const(1)  # 1: the tool is on; 2: rapid motion; 4: power in proportion to the speed
@@ -112,14 +111,16 @@ SCRATCH_ALL = const(33)  # 1: look_back() goes on even if nothing has changed
 SCRATCH_FACTOR = const(34)  # squares of the overrides of feed and of rapid motion, of 4096
 SCRATCH_START = const(36)  # square of the speed that takes no ramp, of 2²⁸
 SCRATCH_ASKED = const(37)  # nm/s that SCRATCH_FEED is of; -1: of none
-SCRATCH_EAGER = const(38)  # 1: what comes while the machine is under way is released, see take()
+SCRATCH_EAGER = const(38)  # 1: what comes while the machine is under way is released; 2: and a stream goes on: see percent()
 SHORT_EXPONENT = const(1)  # from a short float, of 15 bits, to its exponent, 1000 too large
 SHORT_STEPS = const(39)
 SHORT_LENGTH = const(41)
 SHORT_STRENGTH = const(43)
 SHORT_SINE = const(45)  # likewise, of 14 bits: twice the sine of half the angle between the lines at a corner
 SHORT_TURN = const(47)  # and of half the angle turned through
-SCRATCH_FIELDS = const(49)
+SCRATCH_LASTS = const(49)  # the sum of ROW_LASTS of all that were added, modulo 2²⁹
+SCRATCH_TAKEN = const(50)  # and of those that were fetched
+SCRATCH_FIELDS = const(51)
 
 # Limits.fields: what the axes can do, a number or a float as two (motion/limits.py).
 LIMIT_AXES = const(0)
@@ -196,8 +197,7 @@ S_CURVE_WAY = const(44)  # how its end is found: STAY … REST_TO_REST of s_curv
 S_CURVE_GROW = const(45)  # what b may change by
 S_CURVE_GUESS = const(46)  # speed at its end if b stays
 S_CURVE_BRAKES = const(47)  # 1: it has to slow down for what lies ahead
-# Of the machine: √(jerk / 2) a tick, in units of speed of fastest / 2²⁸: S_CURVE_ROOT / 2 ** S_CURVE_SHIFT; the planner's
-# rows.
+# Of the machine: √(jerk / 2) a tick, in fastest / 2²⁸: S_CURVE_ROOT / 2 ** S_CURVE_SHIFT; the planner's rows.
 S_CURVE_ROOT = const(48)
 S_CURVE_SHIFT = const(49)
 S_CURVE_STRIDE = const(50)

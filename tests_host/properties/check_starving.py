@@ -9,13 +9,14 @@ from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 CASES = {
     "check_a_starved_stream_does_not_stand": (
         ("rate", "choice", 653, 980), ("share", 50, 150), ("what", "choice", b"lines", b"M3", b"M4"),
-        ("accel_mm_s2", "choice", 1500, 5000, 20_000), ("row", "choice", 40, 100, 400),
+        ("accel_mm_s2", "choice", 1500, 5000, 20_000), ("row", "choice", 40, 100, 800), ("pause_ms", "choice", 0, 20),
     ),
 }  # fmt: skip
 RUNS = {"check_a_starved_stream_does_not_stand": 12}
-EXAMPLES = {"check_a_starved_stream_does_not_stand": ((653, 150, b"M3", 5000, 40),)}
+EXAMPLES = {"check_a_starved_stream_does_not_stand": ((653, 150, b"M3", 5000, 40, 0), (980, 150, b"lines", 20_000, 800, 20))}
 
-LINES = 400
+LINES = 400  # or as many as a row has
+PAUSE_LINES = 200
 STEPS_MM = 80
 STAND_MS = 5
 WINDOW = 127  # bytes under way of a sender that counts characters
@@ -85,11 +86,13 @@ class Chip(VirtualPort):
 
 
 class Wire:
-    """The board's end of a line: at the other one a sender counts characters, and answers at once. The board takes a line in `ticks`."""
+    """The board's end of a line: at the other one a sender counts characters, and answers at once. The board takes a line in
+    `ticks`, and collects garbage for `pause_ticks` every PAUSE_LINES."""
 
-    def __init__(self, ticks):
+    def __init__(self, ticks, pause_ticks):
         self.port = None
         self.ticks = ticks
+        self.pause_ticks = pause_ticks
         self._lines = []
         self._sent = self._answered = 0
         self._under_way = 0
@@ -123,11 +126,13 @@ class Wire:
         for _ in range(count):
             self._under_way -= len(self._lines[self._answered])
             self._answered += 1
+            if self._answered % PAUSE_LINES == 0:
+                self.port.work(self.pause_ticks)
         self.port.work(count * self.ticks)
         self._fill()
 
 
-def stream(setup, lines, rate, accel_mm_s2):
+def stream(setup, lines, rate, accel_mm_s2, pause_ms):
     """The ticks of the steps of `lines` where the board takes `rate` of them a second."""
     board = check(BOARD)
     for axis in board["axes"]:
@@ -135,7 +140,7 @@ def stream(setup, lines, rate, accel_mm_s2):
         axis["max_mm_min"] = 20_000
     board["links"] = board["links"][:1]
     world = Steps()
-    wire = Wire(TICKS_PER_S // rate)
+    wire = Wire(TICKS_PER_S // rate, pause_ms * TICKS_PER_MS)
     port = wire.port = Chip(board, world, lines={"pc": wire})
     app = App(board, port)
 
@@ -152,21 +157,25 @@ def stream(setup, lines, rate, accel_mm_s2):
     return world.ticks
 
 
-def check_a_starved_stream_does_not_stand(rate, share, what, accel_mm_s2, row):
+def check_a_starved_stream_does_not_stand(rate, share, what, accel_mm_s2, row, pause_ms):
     """Rows back and forth, the lines or dots of which the machine plays at `share` % of the rate at which they come."""
     um = 200 if what == b"lines" else 100
     mm_min = rate * share * um * 60 // 100_000
     setup = [b"G21G91G1F%d\n" % mm_min, b"X-1\n"]
     if what != b"lines":
         setup.append(what + b"S0\n")
+    count = max(LINES, row)
     lines = []
-    for number in range(LINES):
+    for number in range(count):
         line = b"X0.%d" % (um // 100) if number // row % 2 == 0 else b"X-0.%d" % (um // 100)
         lines.append(line + (b"\n" if what == b"lines" else b"S%d\n" % (number * 397 % 999 + 1)))
-    ticks = stream(setup, lines, rate, accel_mm_s2)
-    assert len(ticks) == LINES * um * STEPS_MM // 1000
+    ticks = stream(setup, lines, rate, accel_mm_s2, pause_ms)
+    assert len(ticks) == count * um * STEPS_MM // 1000
     longest = max([after - before for before, after in zip(ticks, ticks[1:])])
     assert longest <= STAND_MS * TICKS_PER_MS, longest / TICKS_PER_MS
-    if row == LINES:
-        mm_s = min(mm_min / 60, rate * um / 1000)
-        assert (ticks[-1] - ticks[0]) / TICKS_PER_S <= 1.05 * LINES * um / 1000 / mm_s + mm_s / accel_mm_s2
+    if row == count:
+        mm_s = mm_min / 60
+        played_s = count * um / 1000 / mm_s
+        came_s = count / rate + count // PAUSE_LINES * pause_ms / 1000
+        ramp_s = min(mm_s, rate * um / 1000) / accel_mm_s2
+        assert (ticks[-1] - ticks[0]) / TICKS_PER_S <= 1.05 * max(played_s, came_s) + ramp_s

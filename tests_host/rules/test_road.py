@@ -63,6 +63,8 @@ ANSWER = {
 }
 # What a cycle does whether a line comes or not.
 CYCLE = {
+    "control/stream_queue.py StreamQueue.stream",
+    "motion/planner.py Planner.ahead",
     "control/controller.py Controller.live",
     "control/controller.py Controller.may_feed",
     "control/controller.py Controller.poll",

@@ -338,6 +338,8 @@ class Program(LineBatches):
                 self._poll_probe()
             elif still and (machine.busy_with(commands.DWELL) or machine.busy_with(commands.SPINDLE) and machine.at_speed):
                 machine.finish()
+        if queue.streams or machine.fresh:
+            queue.stream(machine.fresh, machine.port.machine_ms())
         if queue.waiting and (queue.eager or not machine.fresh):
             queue.begin()
         if self._limits_of != machine.settings.version:

@@ -4,9 +4,10 @@ from micropython import const
 
 from passo.control.queue import Queue
 from passo.motion.integers import length_nm
-from passo.records import SCRATCH_EAGER
+from passo.records import COUNT_MASK, SCRATCH_EAGER
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
+_SILENT_MS = const(20)  # without a line: the stream has ended
 _LONGEST_MS = const(80_000)  # of one wait: the planner's limit is 85 s
 
 
@@ -15,6 +16,9 @@ class StreamQueue(Queue):
         Queue.__init__(self, board, planner, feeder, player, port)
         self.eager = getattr(port, "eager", True)  # False: a digest does not depend on how lines arrive
         planner.scratch[SCRATCH_EAGER] = self.eager
+        self.streams = False  # lines have come of late
+        self._fresh = False  # they came in the last cycle
+        self._fresh_ms = 0  # when they did last
         if planner.whole:
             from passo.control import arcs
             from passo.control.chords import Chords
@@ -25,10 +29,27 @@ class StreamQueue(Queue):
 
     def begin(self):
         """Release what is queued, if the machine stands: a moving one fetches blocks itself. More may follow without a stand
-        in between."""
-        if self.waiting and self._planner.resting():
-            self._planner.start()
+        in between: of several blocks the stream is taken to go on."""
+        planner = self._planner
+        if self.waiting and planner.resting():
+            if planner.ahead() > 1:
+                self._fresh = self.streams = True
+                planner.stream(True)
+            planner.start()
             self.waiting = self._chords is not None  # the rest of them is not queued yet
+
+    def stream(self, fresh, now_ms):
+        """Once a cycle if `fresh`, lines have come since the last one, or while it `streams`. Two such cycles one after the
+        other are a stream."""
+        if fresh and self._fresh:
+            self._planner.stream(True)
+        if fresh or self._fresh:
+            self._fresh_ms = now_ms
+            self.streams = True
+        elif (now_ms - self._fresh_ms) & COUNT_MASK > _SILENT_MS:
+            self._planner.stream(False)
+            self.streams = False
+        self._fresh = fresh
 
     def feed(self):
         """Queue as much of an arc as there is room for, once a cycle of the main loop."""

@@ -5,9 +5,8 @@
     . [b b b b b b b b b b b b b b b b b b b b b b b] . .
 
 A block is released to the feeder only when the look-ahead is full, or everything queued has been flushed: then the same
-job gives the same ticks however fast it arrived. With SCRATCH_EAGER it is also released while the one before still plays: a stream
-that is slower than the machine slows it down, and does not let it stand until the look-ahead is full. A fetched block stays in
-its place until its last word has been played, because a hold may come back to it.
+job gives the same ticks however fast it arrived. With SCRATCH_EAGER it is also released while the one before still plays: the machine
+does not wait for a full look-ahead. A fetched block stays in its place until its last word has been played: a hold may come back.
 
 Without limits() every block keeps its programmed speed from first to last. With them each block also has an exit speed: at
 most that of the corner (junction deviation), and what the blocks behind it can slow down from, the last of which ends at
@@ -34,10 +33,11 @@ from passo.motion.row_viper import close, take
 from passo.motion.speed_viper import q_of
 from passo.motion.steady import LONGEST_TICKS, Steady, dominant, refuse
 from passo.records import (
-    ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS,
-    QUEUE_FLUSHED, QUEUE_FROZEN, QUEUE_RETIRED, QUEUE_SIZE, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS,
-    ROW_TICKS_REST, TICKS_PER_S, SCRATCH_ALL, SCRATCH_ASKED, SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_FIELDS, SCRATCH_GIVEN,
-    SCRATCH_GIVEN_SHIFT, SCRATCH_IS_ARC, SCRATCH_PERCENT, SCRATCH_SIZE, SCRATCH_START, SCRATCH_STRIDE, SCRATCH_THROUGH,
+    ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, QUEUE_FROZEN,
+    QUEUE_RETIRED, QUEUE_SIZE, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST, SCRATCH_ALL,
+    SCRATCH_ASKED, SCRATCH_EAGER, SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_FIELDS, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT,
+    SCRATCH_IS_ARC, SCRATCH_LASTS, SCRATCH_PERCENT, SCRATCH_SIZE, SCRATCH_START, SCRATCH_STRIDE, SCRATCH_TAKEN,
+    SCRATCH_THROUGH, TICKS_PER_S,
 )  # fmt: skip
 
 LOOK_AHEAD = const(64)
@@ -115,6 +115,7 @@ class Planner:
             self.indices[which] = 0
         if self._arcs:
             self._arcs.clear()
+        self.scratch[SCRATCH_TAKEN] = self.scratch[SCRATCH_LASTS]
         self.scratch[SCRATCH_THROUGH] = 0  # 1: motion may go through from the last block queued to the next without a stand
 
     @micropython.native
@@ -310,9 +311,14 @@ class Planner:
 
     def flush(self):
         """Nothing more is coming for now: release all that is queued. The last block ends at rest."""
-        indices = self.indices
-        indices[QUEUE_FLUSHED] = indices[QUEUE_FROZEN] = indices[QUEUE_ADDED]
+        self.indices[QUEUE_FLUSHED] = self.indices[QUEUE_FROZEN] = self.indices[QUEUE_ADDED]
         self.scratch[SCRATCH_THROUGH] = 0
+        self.stream(False)
+
+    def stream(self, on):
+        """Line after line is coming, or no longer: while they do, a queue that runs short slows the machine down."""
+        if self.scratch[SCRATCH_EAGER]:
+            self.scratch[SCRATCH_EAGER] = 2 if on else 1
 
     def start(self):
         """Release all that is queued, more of which may follow in time: the last block ends at rest only if none does."""

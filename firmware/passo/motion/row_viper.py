@@ -11,8 +11,9 @@ Fields: records.py.
 import micropython
 
 from passo.records import (
-    QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FLUSHED, QUEUE_RETIRED, ROW_DYNAMIC, ROW_FIRST, ROW_GAIN, ROW_KIND, ROW_POWER, ROW_RAPID,
-    ROW_TAG, ROW_TOOL, SCRATCH_FEED, SCRATCH_LIMITED, SCRATCH_EAGER, SCRATCH_SIZE, SCRATCH_SPEED, SCRATCH_STRIDE, SCRATCH_THROUGH,
+    LONG_TICKS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FLUSHED, QUEUE_RETIRED, ROW_DYNAMIC, ROW_FIRST, ROW_GAIN, ROW_KIND,
+    ROW_LASTS, ROW_POWER, ROW_RAPID, ROW_TAG, ROW_TICKS, ROW_TOOL, SCRATCH_EAGER, SCRATCH_FEED, SCRATCH_LASTS,
+    SCRATCH_LIMITED, SCRATCH_SIZE, SCRATCH_SPEED, SCRATCH_STEPS, SCRATCH_STRIDE, SCRATCH_TAKEN, SCRATCH_THROUGH,
 )  # fmt: skip
 
 try:
@@ -48,6 +49,13 @@ def close(rows: ptr32, at: int, scratch: ptr32, indices: ptr32, kind: int, flags
     rows[at + ROW_RAPID] = flags >> 1 & 1
     rows[at + ROW_POWER] = power
     rows[at + ROW_DYNAMIC] = flags >> 2 & 1
+    lasts = LONG_TICKS
+    if kind == 0 and rows[at + ROW_TICKS] < 0x4000 and scratch[SCRATCH_STEPS] < 0x4000:
+        lasts = rows[at + ROW_TICKS] * scratch[SCRATCH_STEPS]
+        if lasts > LONG_TICKS:
+            lasts = LONG_TICKS
+    rows[at + ROW_LASTS] = lasts
+    scratch[SCRATCH_LASTS] = (scratch[SCRATCH_LASTS] + lasts) & 0x1FFFFFFF
     indices[QUEUE_ADDED] = (indices[QUEUE_ADDED] + 1) & 0x1FFFFFFF  # last: from here on an interrupt may take it
     return scratch[SCRATCH_THROUGH]
 
@@ -67,5 +75,6 @@ def take(rows: ptr32, scratch: ptr32, indices: ptr32, moving: int, lines: int) -
             if scratch[SCRATCH_EAGER] == 0 or fetched == indices[QUEUE_RETIRED]:
                 return -1
         indices[QUEUE_FLUSHED] = (fetched + 1) & 0x1FFFFFFF
+    scratch[SCRATCH_TAKEN] = (scratch[SCRATCH_TAKEN] + rows[at + ROW_LASTS]) & 0x1FFFFFFF
     indices[QUEUE_FETCHED] = (fetched + 1) & 0x1FFFFFFF
     return at

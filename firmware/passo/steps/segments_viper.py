@@ -38,12 +38,13 @@ from passo.motion.row_viper import take
 from passo.records import (
     COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_BEGINS, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_FAST, FEED_HEAD,
     FEED_HOLD, FEED_INDEX, FEED_KIND, FEED_LASTS, FEED_LEAD, FEED_LEAST, FEED_LEFT, FEED_LEVELS, FEED_LIMIT, FEED_MASK,
-    FEED_MOVING, FEED_NEGATIVE, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW, FEED_SETUP,
-    FEED_STEPS, FEED_TICKS, FEED_TOOL, FEED_WAIT, FEED_WAITS, HOLD_TICKS, LINE_MOVING, LINE_NEGATIVE, LINE_RISE, MARKS,
-    MARK_ENDS, MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS, MARK_WORD, PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT,
-    PACE_TICK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_MOST, POWER_SIZE, POWER_UNKNOWN, POWER_WORD,
-    QUEUE_RETIRED, RAMP_PACE, RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, ROW_DYNAMIC, ROW_FIRST, ROW_POWER,
-    ROW_RAPID, ROW_STEPS, ROW_TOOL, ROW_TOP, SCRATCH_PERCENT, SCRATCH_START,
+    FEED_MOVING, FEED_NEGATIVE, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW,
+    FEED_SETUP, FEED_STEPS, FEED_TICKS, FEED_TOOL, FEED_WAIT, FEED_WAITS, HOLD_TICKS, LINE_MOVING, LINE_NEGATIVE, LINE_RISE,
+    LONG_TICKS, MARKS, MARK_ENDS, MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS, MARK_WORD, PACE_CARRY, PACE_OVER,
+    PACE_REST, PACE_SHORT, PACE_TICK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_MOST, POWER_SIZE,
+    POWER_UNKNOWN, POWER_WORD, QUEUE_RETIRED, RAMP_PACE, RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS,
+    ROW_DYNAMIC, ROW_FIRST, ROW_POWER, ROW_RAPID, ROW_STEPS, ROW_TICKS, ROW_TOOL, ROW_TOP, SCRATCH_EAGER, SCRATCH_LASTS,
+    SCRATCH_PERCENT, SCRATCH_START, SCRATCH_TAKEN,
 )  # fmt: skip
 from passo.steps import pace_viper
 
@@ -59,6 +60,7 @@ FULL = const(0)
 STANDS = const(1)
 LATER = const(2)
 ENDED = const(3)
+SLOWEST = const(10)  # percent of the programmed speed, where lines hardly come
 
 
 @micropython.viper
@@ -227,12 +229,28 @@ def take_wait(state: ptr32):  # ISR: no allocation
 
 
 @micropython.viper
+def percent(state: ptr32, rows: ptr32, scratch: ptr32, ramp: ptr32) -> int:  # ISR: no allocation
+    """The override; less while a stream brings lines more slowly than they are played, so that what is queued lasts."""
+    row = state[FEED_ROW]
+    asked = scratch[SCRATCH_PERCENT + rows[row + ROW_RAPID]]
+    each = rows[row + ROW_TICKS]
+    left = state[FEED_LEFT]
+    if scratch[SCRATCH_EAGER] < 2 or state[FEED_KIND] != LINE or ramp[RAMP_S_CURVE] or left >= 0x4000 or each >= 0x4000:
+        return asked
+    lasts = left * each + ((scratch[SCRATCH_LASTS] - scratch[SCRATCH_TAKEN]) & COUNT_MASK)
+    if lasts >= LONG_TICKS:
+        return asked
+    slow = asked * (lasts >> 8) // (LONG_TICKS >> 8)
+    return slow if slow > SLOWEST else SLOWEST
+
+
+@micropython.viper
 def cut_segment(state: ptr32, queue, scratch: ptr32, cuts, shape, cut) -> int:  # ISR: no allocation
     """The next segment of a line or arc, whose walker's state is `shape`. A word longer than HOLD_TICKS leaves a wait behind."""
     ramp = ptr32(cuts)
     rows = ptr32(queue)
     row = state[FEED_ROW]
-    cut(queue, row, cuts, shape, state[FEED_LEFT], scratch[SCRATCH_PERCENT + rows[row + ROW_RAPID]], state[FEED_HOLD])
+    cut(queue, row, cuts, shape, state[FEED_LEFT], int(percent(state, rows, scratch, ramp)), state[FEED_HOLD])
     steps = ramp[RAMP_STEPS]
     if steps == 0:
         return STANDS
