@@ -50,8 +50,13 @@ class Link:
         self.batch = getattr(protocol, "batch", None)  # for what comes in great numbers, if the language has one
         if self.batch:
             self.open, self.accept, self.close = controller.batches(self.batch)
+        self._log = controller.machine.note
         self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: it may fill batches while commands wait
         self.waiting = []
+
+    def note(self, number):
+        """Add to the log, in this link's name."""
+        self._log(number, self.name)
 
 
 class App:
@@ -97,7 +102,7 @@ class App:
             made = Link(number, config, serial, protocol, self.controller)
             if config["frames"]:
                 baud = config["baud"] if config["port"] != "usb" else _USB_BAUD
-                made.serial = machine_builder.framed_line()(made, serial, baud, port.link_ms)
+                made.serial = machine_builder.framed_line()(made, serial, baud, port.link_ms, made.note)
             if config["lost"] != "go_on":
                 made.serial = self.controller.features["host_watch"].watch(number, made.serial)
             self.links.append(made)

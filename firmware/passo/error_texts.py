@@ -62,6 +62,7 @@ TEXTS = {
     errors.GARBLED: "bytes that are no whole frame were dropped",
     errors.STOPPED: "dropped: the machine was stopped before its turn came",
     errors.NO_MOTORS: "the motors are the other controller's: connect them to this board first",
+    errors.FRAME_LATE: "a frame came on a link that has left frames, and was dropped",
     errors.HOST_LOST: "the host said nothing any more while its job was under way: the machine was held or stopped",
     errors.NO_CODE: "neither a pulse code nor a command of the language",
     errors.NUMBER_MISSING: "a number is missing, or unfinished",

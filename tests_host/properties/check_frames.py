@@ -1,6 +1,7 @@
 """Frames: what they hold comes once, in order, unchanged or not at all; and a link without them is as it always was."""
 
 from draws import Random
+from passo import errors
 from passo.protocols.frames import codec
 from passo.protocols.frames.codec import ACK, AGAIN, CHECK, CLOSED, CUT, DATA, HEAD, FRAME_HELLO, LEAVE, REPORT, TAKEN, URGENT, WELCOME
 from passo.protocols.frames.line import FramedLine
@@ -11,6 +12,9 @@ CASES = {
     "check_no_damaged_frame_is_sound": (("seed", "seed"),),
     "check_plain_bytes_pass": (("seed", "seed"),),
     "check_bytes_come_once": (("seed", "seed"),),
+    "check_a_late_frame_is_dropped": (("seed", "seed"),),
+    "check_noise_amid_lines": (("seed", "seed"),),
+    "check_bytes_of_packets": (("seed", "seed"),),
     "check_any_bytes_are_survived": (("seed", "seed"),),
 }
 RUNS = {"check_any_bytes_are_survived": 30}
@@ -21,11 +25,12 @@ class Wire:
 
     def __init__(self):
         self.incoming = []
+        self.noted = []  # numbers in the log
         self.sent = b""
         self.now_ms = 0
         self.protocol = self
         self.waiting = []
-        self.line = FramedLine(self, self, 115_200, lambda: self.now_ms)
+        self.line = FramedLine(self, self, 115_200, lambda: self.now_ms, self.noted.append)
 
     def any(self):
         return bool(self.incoming)
@@ -128,7 +133,7 @@ def check_a_line_begun_is_not_gone_on_with():
         lines = Lines()
         wire = Wire()
         wire.protocol = lines
-        wire.line = FramedLine(wire, wire, 115_200, lambda: wire.now_ms)
+        wire.line = FramedLine(wire, wire, 115_200, lambda: wire.now_ms, wire.noted.append)
         lines.take(wire.hear(b"G90\nG91"))
         lines.take(wire.hear(codec.HELLO_WIRE))
         if urgent:
@@ -246,6 +251,65 @@ def check_leave():
     assert wire.sent == b"<Idle>"
     wire.sent = b""
     wire.opened()
+
+
+def left(random):
+    """A wire whose host has taken its leave, or has said nothing behind WELCOME."""
+    wire = Wire().opened()
+    if random.between(0, 1):
+        wire.put(codec.frame(LEAVE, 0, 0, 15))
+    else:
+        wire.now_ms += 1000
+        assert wire.hear(b"") == b""
+    wire.sent = b""
+    return wire
+
+
+def check_a_late_frame_is_dropped(seed):
+    """Whole, damaged or cut off anywhere, in pieces: no byte of it comes to the language, what stands around it does, and the log says so."""
+    random = Random(seed)
+    wire = left(random)
+    for _ in range(3):
+        frames = [codec.frame(DATA, random.between(0, 4095), 0, 15, b"G1X%d\nG1Y%d\n" % (n, n)) for n in range(random.between(1, 3))]
+        late = bytearray(codec.delimited(*frames))
+        if random.between(0, 1):
+            late = late[: random.between(2, len(late))]
+        if random.between(0, 1):
+            late[random.between(1, len(late) - 1)] = random.between(1, 255)
+        assert wire.hear(b"G1Z1\n" + bytes(late), random.between(1, 64)) == b"G1Z1\n", late
+        wire.now_ms += 100
+        assert wire.hear(b"") == b"" and set(wire.noted) == {errors.FRAME_LATE}
+        wire.noted.clear()
+        assert wire.hear(b"G1Z2\n") == b"G1Z2\n"
+    assert wire.opened().hear(b"") == b""
+
+
+def check_noise_amid_lines(seed):
+    """A 00 of noise on a link that has left frames costs the lines of one frame's length at most, and the one that these end in is
+    refused; on a link that never spoke frames only its own line."""
+    random = Random(seed)
+    lines = b"".join([b"G1X%dY%d\n" % (n, n) for n in range(60)])
+    at = random.between(0, 200)
+    noisy = lines[:at] + b"\0" + lines[at:]
+    assert Wire().hear(noisy, 64) == noisy
+    wire = left(random)
+    heard = wire.hear(noisy, 64)
+    assert heard == lines[:at] + b"\0" + lines[at + codec.LONGEST :] and wire.noted == [errors.FRAME_LATE]
+
+
+def check_bytes_of_packets(seed):
+    """A language in which 00 is a byte like others reads all of them, but for sound frames."""
+    random = Random(seed)
+    wire = Wire()
+    wire.binary = True
+    wire.opened().put(codec.frame(LEAVE, 0, 0, 15))
+    packets = bytes([byte if byte > 99 else 0 for byte in random.bytes(120)])
+    heard = wire.hear(packets, random.between(1, 64))
+    wire.now_ms += 4
+    assert heard + wire.hear(b"") == packets
+    assert wire.put(codec.frame(DATA, 7, 0, 15, packets[:60])) == b""
+    wire.now_ms += 4
+    assert wire.hear(b"").strip(b"\0") == b"" and wire.noted == [errors.FRAME_LATE]
 
 
 def check_any_bytes_are_survived(seed):

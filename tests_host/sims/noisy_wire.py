@@ -211,7 +211,7 @@ class Pair:
         self.recoveries = []  # ms from the end of a fault to the next new byte in order
         self.frames = 0  # that have come whole, at the board
         self._language = _Language(answer)
-        self._line = FramedLine(self._language, _Board(self), BAUD, lambda: self.now_ms)
+        self._line = FramedLine(self._language, _Board(self), BAUD, lambda: self.now_ms, lambda number: None)
         self._count_frames()
         self.port = self.opened()
         assert self.port.begin(1)

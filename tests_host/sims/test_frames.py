@@ -243,7 +243,7 @@ def test_a_board_that_was_reset_is_noticed():
     client, port = joined.client, joined.client._serial
     client.command("$X")
     line = joined.machine.app.links[0].serial
-    fresh = type(line)(joined.machine.app.links[0], line._serial, 115_200, line._clock)
+    fresh = type(line)(joined.machine.app.links[0], line._serial, 115_200, line._clock, line._note)
     joined.machine.app.links[0].serial = fresh
     port.write(b"G1X5F600\n")
     with pytest.raises(OSError, match="reset"):

@@ -1,6 +1,6 @@
 """A serial line that speaks frames once a host has asked for it, and is as it was until then.
 
-    link.serial = FramedLine(link, link.serial, baud, clock)
+    link.serial = FramedLine(link, link.serial, baud, clock, note)
 
 To the app it is a serial line like the one below it; to the link's language nothing changes: it reads and writes the
 bytes inside the frames. What they look like, and what each end does: docs/languages/frames.md.
@@ -15,6 +15,8 @@ from passo.protocols.frames.codec import (
     ACK, AGAIN, CHECK, CLOSED, CREDIT_BYTES, CUT, DATA, HEAD, FRAME_HELLO, HELLO_WIRE, LEAVE, LONGEST, MOST, MOST_CREDIT, NEW, NUMBERS,
     REPORT, TAKEN, URGENT, VERSION, WELCOME, delimited, frame, header, sound,
 )  # fmt: skip
+from passo.errors import FRAME_LATE
+from passo.protocols.frames.late import Late
 from passo.protocols.frames.sender import Sender
 from passo.records import COUNT_MASK
 
@@ -52,16 +54,19 @@ def zeros(data: ptr8, count: int) -> int:
 
 
 class FramedLine:
-    def __init__(self, link, serial, baud, clock):
-        """`link`: has protocol and waiting; `baud`: of a UART, or any large number; `clock()`: milliseconds."""
+    def __init__(self, link, serial, baud, clock, note):
+        """`link`: has protocol and waiting; `baud`: of a UART, or any large number; `clock()`: milliseconds; `note(number)`: to the
+        log."""
         self._link = link
         self._serial = serial
         self._clock = clock
+        self._note = note
         self._space = getattr(link.protocol, "space", None)  # tells how many bytes the language can keep
         self._unfinished = getattr(link.protocol, "pending", None)
         self._drop_begun = getattr(link.protocol, "drop_begun", None)  # drops a message that has come in part
         self._sender = Sender(baud, _PIECE, True)
         self._state = _PLAIN
+        self._late = None  # plain once more: what takes out frames that come late
         self._held = b""  # plain: what could be the beginning of HELLO
         self._held_ms = 0
         self._buffer = self._view = b""  # made by the first HELLO
@@ -137,6 +142,8 @@ class FramedLine:
 
     def _plain(self):
         data = self._serial.read()
+        if self._late:
+            return self._plain_again(data)
         if not data:
             if self._held and (self._clock() - self._held_ms) & COUNT_MASK >= _HOLD_MS:
                 data = self._held
@@ -159,12 +166,32 @@ class FramedLine:
             return text[:at]
         return text
 
+    def _plain_again(self, data):
+        """The link has spoken frames, and has left them."""
+        late = self._late
+        if data:
+            self.heard = True
+            held = late.held
+            text = held + bytes(data)
+            at = text.find(HELLO_WIRE)
+            if at >= 0:
+                self._begin(text[at + len(HELLO_WIRE) :])
+                data = text[len(held) : at] if at > len(held) else b""
+            data = late.without_frames(data, self._clock())
+        else:
+            data = late.quiet(self._clock())
+        if late.found:
+            late.found = 0
+            self._note(FRAME_LATE)
+        return data
+
     def _begin(self, rest):
         if not self._buffer:
             self._buffer = bytearray(_BUFFER)
             self._view = memoryview(self._buffer)
         self._clear()
         self._state = _OPEN
+        self._late = Late(getattr(self._link.protocol, "binary", False))
         self._left = rest
         self._confirmed = False
         self._begun_ms = self._clock()

@@ -173,6 +173,8 @@ def answer_cutter(gap_ms=200):
 
 
 class Torch:
+    binary = True  # 00 is a byte like others
+
     def __init__(self, jog_steps, jog_speeds, gap_ms=5, tell_end=False):
         """`jog_steps`, `jog_speeds` (steps/s): of X and Y, until a host configures them; `gap_ms`: the silence that ends
         a torn frame; `tell_end`: say FINISHED when a move has ended."""
