@@ -27,6 +27,7 @@ from host_tools import boards
 from host_tools.build import mpy, pages
 from host_tools.build.constants import folded, numbered_only
 from host_tools.failure import Failure
+from host_tools.kernels import build as kernels
 from host_tools.kernels import inline
 from host_tools.resources import FIRMWARE, MAIN
 from passo import machine_builder
@@ -266,8 +267,17 @@ def compile_module(source, target, march, shown_as):
         raise Failure("{} does not compile for {}: {}", Path(shown_as).with_suffix(".py"), march, reason[-1])
 
 
-def build_tree(name, out, march=None, firmware=FIRMWARE):
-    """Build a board's file system in `out`; returns rows (module, bytes of source, bytes compiled)."""
+def kernels_of(name, firmware=FIRMWARE):
+    """The kernels of a board's build as kernels.build has them: a Program, and groups() of it."""
+    board = boards.load(name)
+    texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in selected(board, firmware)}
+    program = kernels.Program(numbered_only(texts))
+    return program, kernels.groups(program, board)
+
+
+def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
+    """Build a board's file system in `out`; returns rows (module, bytes of source, bytes compiled). `by`: a list, to which goes what
+    compiled its kernels."""
     board_file = boards.path(name)
     board = boards.load(name)
     files = selected(board, firmware)
@@ -279,28 +289,35 @@ def build_tree(name, out, march=None, firmware=FIRMWARE):
         stale.unlink()
     rows = []
     cold = COLD + COLD_IF_LEAN if board.get("memory") == "lean" else COLD
-    texts = folded({path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files})
-    texts = inline.inlined(texts)
+    sources = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files}
+    march = march or MARCH[board["chip"]]
+    compiled = kernels.compiled(numbered_only(sources), folded(sources), board, march, cold if board["chip"] == IN_PLACE else ())
+    texts = inline.inlined(compiled.texts)
+    if by is not None:
+        by += compiled.by
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "module.py"
         for path in files:
             target = out / path.with_suffix(".mpy")
             source.write_text(texts[path.as_posix()], encoding="utf-8")
             # The board knows the module by its file's name already: as the name in tracebacks it takes no memory.
-            compile_module(source, target, march or MARCH[board["chip"]], path.with_suffix(".mpy"))
+            compile_module(source, target, march, path.with_suffix(".mpy"))
             if board["chip"] == IN_PLACE:
                 try:
                     target.write_bytes(mpy.in_place(target.read_bytes(), path.as_posix() in cold))
                 except ValueError as error:
                     raise Failure("{} cannot run from flash: {}", path, error) from None
             rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))
+    for file_name, data in compiled.modules.items():
+        (out / file_name).write_bytes(mpy.in_place(data) if board["chip"] == IN_PLACE else data)
+        rows.append((file_name, 0, (out / file_name).stat().st_size))
     for stale in (out / PAGES).glob("*"):
         stale.unlink()
     rows += [((PAGES / file_name).as_posix(), before, packed) for file_name, before, packed in pages.pack(board, out / PAGES)]
     for source, file_name in [(main, "main.py"), (board_file, "board.py")]:
         shutil.copyfile(source, out / file_name)
         rows.append((file_name, source.stat().st_size, source.stat().st_size))
-    listed = [path.with_suffix(".mpy").as_posix() + "\n" for path in files]
+    listed = [name + "\n" for name in (*(path.with_suffix(".mpy").as_posix() for path in files), *compiled.modules)]
     (out / "passo" / FILE_LIST).write_text("".join(listed), encoding="utf-8")
     return rows
 

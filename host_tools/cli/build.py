@@ -5,8 +5,11 @@ from typing import Annotated, Optional
 
 import typer
 
-from host_tools.build.tree import build_tree, default_out, write_package
+from host_tools import boards
+from host_tools.build.tree import MARCH, build_tree, default_out, kernels_of, write_package
 from host_tools.failure import Failure, reason
+from host_tools.kernels.build import shown
+from host_tools.kernels.module import ARCHITECTURE
 from host_tools.language import _
 
 
@@ -27,7 +30,6 @@ def print_sizes(title, rows):
 
 def print_budget(name):
     """What a board file uses of its chip. Raises Failure if it is wrong."""
-    from host_tools import boards
     from host_tools.build.budget import budget
     from passo.config.board_error import BoardError
     from passo.config.boardfile import check
@@ -41,19 +43,47 @@ def print_budget(name):
         print(f"{title:<{width}}  {text}")
 
 
+def print_kernel(board, name):
+    """Raises Failure if no kernel of the board's build is called so."""
+    program, groups = kernels_of(board)
+    text = shown(program, groups, name)
+    if not text:
+        raise Failure("{} has no kernel {}; there are {}", board, name, ", ".join(sorted({kernel.name for kernel in program.kernels.values()})))
+    print(text)
+
+
+def print_kernels(board, march, by):
+    """What compiled the kernels, and what that costs."""
+    march = march or MARCH[boards.load(board)["chip"]]
+    if by:
+        print(_("Kernels compiled by {}.", ", ".join(by)))
+    elif march in ARCHITECTURE:
+        print(_("Kernels compiled by viper: lines take 1.6 times as long, and 15 kB more memory. pip install 'passo[kernels]' has a compiler."))
+    else:
+        print(_("Kernels compiled by viper: nothing else compiles for {}.", march))
+
+
 def build(
     board: Annotated[str, typer.Option("--board", help="Name of a file of boards/, or the path of a board file.")],
     out: Annotated[Optional[Path], typer.Option("--out", help="Folder to build in; build/NAME unless given.")] = None,
     march: Annotated[Optional[str], typer.Option("--march", help="Instruction set, instead of the chip's own.")] = None,
+    show: Annotated[Optional[str], typer.Option("--show", help="Print a kernel as C, and build nothing.")] = None,
 ):
     """Compile the firmware of one board; show its sizes, and what the board file uses of pins, PIO and shift registers.
 
     Example: passo build --board plotter_2014
 
     Example: passo build --board mine/router.py --out /tmp/router --march armv7emsp
+
+    Example: passo build --board router_3axis --show plan_block
     """
+    if show:
+        print_kernel(board, show)
+        return
     out = out or default_out(board)
-    rows = build_tree(board, out, march)
+    by = []
+    rows = build_tree(board, out, march, by=by)
     write_package(out)
     print_sizes(_("{} in {}", board, out), rows)
+    print_kernels(board, march, by)
     print_budget(board)

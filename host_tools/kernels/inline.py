@@ -67,6 +67,12 @@ def _edited(program, module, text, kernels, made, gone):
         if kernel.full not in gone:
             tail += [f"from {source} import {name}\n" for source, name in sorted(getattr(node, "wants", ()))]
             tail.append("\n\n" + ast.unparse(node) + "\n")
+    drop_imports(program, module, text, lines, gone)
+    return "".join(lines + tail)
+
+
+def drop_imports(program, module, text, lines, gone):
+    """Change the `lines` of a text so that they do not import the kernels `gone` (full names)."""
     for node in ast.walk(parsed(text)):
         if isinstance(node, ast.ImportFrom) and node.module:
             left = [alias for alias in node.names if getattr(program.named(module, ast.Name(alias.asname or alias.name)), "full", 0) not in gone]
@@ -75,7 +81,6 @@ def _edited(program, module, text, kernels, made, gone):
                 indent = lines[node.lineno - 1][: node.col_offset]
                 new = f"{indent}from {node.module} import {names}\n" if left else f"{indent}pass\n"
                 lines[node.lineno - 1 : node.end_lineno] = [new] + ["\n"] * (node.end_lineno - node.lineno)
-    return "".join(lines + tail)
 
 
 def is_int(node):

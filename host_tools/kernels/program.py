@@ -7,6 +7,7 @@
 """
 
 import ast
+import re
 from functools import cached_property, lru_cache
 
 from host_tools.failure import Failure
@@ -53,7 +54,8 @@ class Kernel:
 
     def kind_of(self, node, kinds):
         """What an expression in it is, by the kinds of names."""
-        return kind_of(node, kinds, lambda call: self.program.called(self, call))
+        numbers = dict.fromkeys(self.program.constants.get(self.module, ()), INT)
+        return kind_of(node, {**numbers, **kinds}, lambda call: self.program.called(self, call))
 
 
 def ordered(body):
@@ -161,6 +163,17 @@ class Program:
         if isinstance(node.func, ast.Name) and node.func.id in kernel.bound:
             return None
         return self.named(kernel.module, node.func, passed_on)
+
+    def calls(self, kernel):
+        """The kernels that it calls by name."""
+        return [called for called in (self.called(kernel, node) for node in ast.walk(kernel.node)) if called]
+
+    def marks(self, kernel):
+        """(arguments shared with interrupts, {argument: the kernel that it usually is}), as comments of the module say."""
+        text = self.texts[kernel.path]
+        shared = re.search(r"^# Shared with interrupts: (\w+(?:, \w+)*)", text, re.MULTILINE)
+        usual = re.findall(r"^# `(\w+)` is usually ([\w.]+)", text, re.MULTILINE)
+        return {name for name, _ in kernel.arguments} & set(shared[1].split(", ") if shared else ()), dict(usual)
 
     def uses(self):
         """{full name of a kernel: (calls by kernels, other uses)}"""

@@ -8,10 +8,12 @@ from emulated import uf2  # noqa: F401
 
 from host_tools import boards
 from host_tools.build import mpy
-from host_tools.build.constants import folded
+from host_tools.build.constants import folded, numbered_only
 from host_tools.build.tree import COLD, compile_module, selected
 from host_tools.drawings import objects
 from host_tools.emulator.pico import EmulatedPico
+from host_tools.kernels import build as kernels
+from host_tools.kernels import module
 from host_tools.kernels.inline import inlined
 from gcode_jobs import all_jobs
 from test_digest import CHECKS, GOLDEN, HEX_JOBS, ROOT, golden_of_gcode, golden_of_hex, hex_job, job_of
@@ -21,11 +23,13 @@ LIMIT_US = 30_000_000
 IN_FLASH = "from passo.ports.rp2.flash_code import FlashCode\ncode = FlashCode()\ncode.begin()\n"
 
 
-def compiled(sources):
-    """{path.mpy: bytes} of {path: source file}, compiled for the RP2040."""
-    files = {}
+def compiled(sources, board):
+    """{path.mpy: bytes} of {path: source file}, compiled for the RP2040 as `passo build` does it."""
+    texts = {path: source.read_text() for path, source in sources.items()}
+    made = kernels.compiled(numbered_only(texts), folded(texts), boards.load(board), "armv6m", COLD)
+    files = {path: mpy.in_place(data) for path, data in made.modules.items()}
     with tempfile.TemporaryDirectory() as folder:
-        for path, text in inlined(folded({path: source.read_text() for path, source in sources.items()})).items():
+        for path, text in inlined(made.texts).items():
             source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
             source.write_text(text)
             compile_module(source, target, "armv6m", Path(path).with_suffix(".mpy"))
@@ -36,7 +40,7 @@ def compiled(sources):
 def with_digest(board, job, data):
     """The files of digest.py, of the firmware that `board` needs, and of one job."""
     sources = {path.as_posix(): ROOT / "firmware" / path for path in selected(boards.load(board))}
-    files = compiled({**sources, "digest.py": CHECKS / "digest.py"})
+    files = compiled({**sources, "digest.py": CHECKS / "digest.py"}, board)
     files["boards/__init__.py"] = b""
     files[f"boards/{board}.py"] = boards.path(board).read_bytes()
     files[job] = data
@@ -57,8 +61,12 @@ def test_the_pico_makes_the_words_of_the_golden_file(uf2, name, show):
     show(f"digest of {name} on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
 
 
-def test_the_pico_makes_the_words_of_gcode(uf2, show):
+@pytest.mark.parametrize("by", ["viper", "gcc", pytest.param("zig", marks=pytest.mark.slow)])
+def test_the_pico_makes_the_words_of_gcode(uf2, by, show, monkeypatch):
     """The beginnings of a relief, an engraving, a helix and a laser's raster: generated, not played."""
+    monkeypatch.setenv("PASSO_KERNELS", by)
+    if by != "viper" and module.compiler("armv6m") is None:
+        pytest.skip(f"no {by} for kernels")
     board, lines = all_jobs()["pico"]
     name = board.partition("+")[0]
     files = with_digest(name, "job.gcode", "".join(f"{line}\n" for line in lines).encode())
@@ -66,7 +74,7 @@ def test_the_pico_makes_the_words_of_gcode(uf2, show):
     before = pico.cycle
     code = "import gc\ngc.threshold(16000)\n" + IN_FLASH + "import digest\n"
     said = pico.exec(code + f"digest.show_lines('job.gcode', {board!r}, counts=False)", limit_us=LIMIT_US).split()
-    show("digest of G-code on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
+    show(f"digest of G-code on the Pico, {by}", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
     golden = golden_of_gcode()["pico"]
     assert [*said[:2], *said[3:]] == [*golden[:2], *golden[3:]]
 

@@ -6,6 +6,7 @@
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see block_viper.py.
 Fields: records.py.
 """
+# Shared with interrupts: indices
 # ruff: noqa: F821
 
 import micropython

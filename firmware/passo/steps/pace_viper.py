@@ -8,6 +8,7 @@ A segment that runs over the end of the ring is paced in two calls; the second g
 PACE_… of records.py, with which the feeder's state begins. One text for all interpreters: a board compiles it to machine
 code, elsewhere it is ordinary Python.
 """
+# Shared with interrupts: interval
 # ruff: noqa: F821
 
 import micropython

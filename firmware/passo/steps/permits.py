@@ -13,6 +13,7 @@ One text for all interpreters: a board compiles it to machine code, elsewhere it
 """
 # ruff: noqa: F821
 
+# Shared with interrupts: state, marks
 import micropython
 from micropython import const
 

@@ -8,6 +8,7 @@ One text for all interpreters: a board compiles it to machine code, elsewhere it
 A word of three axes takes under a microsecond: the interrupt that makes words must not come too often while a segment
 is counted. So each axis has a byte in which its steps are counted, for up to 255 words.
 """
+# Shared with interrupts: state, marks
 # ruff: noqa: F821
 
 import micropython

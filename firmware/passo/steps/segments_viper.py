@@ -26,6 +26,9 @@ a drive turns steps into levels. Returns why it ended:
     LATER   there will be more, and is none now
     ENDED   no block is under way, and there is room for one
 """
+# Shared with interrupts: state, marks, indices, power
+# `cut` is usually passo.motion.ramp_viper.cut
+# `take_up` is usually passo.motion.ramp_viper.begin
 # ruff: noqa: F821
 
 import micropython

@@ -1,0 +1,88 @@
+"""The kernels of one board's build: which go together into a module, and the texts without them.
+
+    made = compiled(numbered, texts, board, march)
+    made.texts, made.modules, made.by       # {path: text}; {path of .mpy: bytes}; what compiled them: [] is viper
+"""
+
+import ast
+from collections import namedtuple
+from pathlib import Path
+
+from host_tools.kernels.inline import drop_imports
+from host_tools.kernels.module import module
+from host_tools.kernels.program import Program
+from host_tools.kernels.unit import Unit
+
+RUNTIME = (Path(__file__).parent / "runtime.c").read_text(encoding="utf-8")
+# What is loaded together is one module, for calls within it are C's; all else is a module of its own.
+STEPS = (
+    "passo.steps.segments_viper", "passo.steps.pace_viper", "passo.steps.position_viper", "passo.motion.line_viper", "passo.motion.row_viper",
+    "passo.motion.block", "passo.motion.integers",
+)  # fmt: skip
+PLAN = "passo.motion."  # all the rest of it
+LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"
+# Left to viper: it looks through all memory at the start with functions in assembler, and is given back.
+LEFT = {"passo.ports.rp2.flash_scan", "passo.ports.rp2.pio_player", "passo.ports.rp2.timer_player", "passo.motion.independent_viper"}
+Compiled = namedtuple("Compiled", "texts modules by")
+
+
+def groups(program, board, left=()):
+    """[(name, kernels)]"""
+    accelerates = any("accel_mm_s2" in axis for axis in board["axes"])
+
+    def group(module):
+        if module in STEPS or module.startswith(PLAN) and accelerates:
+            return "steps"
+        return "plan" if module.startswith(PLAN) else "lines" if module.startswith(LINES) else module.removeprefix("passo.").replace(".", "_")
+
+    uses = program.uses()
+    found = {}
+    for kernel in program.kernels.values():
+        if kernel.module not in LEFT and kernel.path not in left and uses[kernel.full][1]:
+            found.setdefault(group(kernel.module), []).append(kernel)
+    return sorted(found.items())
+
+
+def compiled(numbered, texts, board, march, left=()):
+    """`numbered`: the same texts with numbers for constants, and all other names as they are; `left`: paths of modules that are left
+    to viper."""
+    program = Program(numbered)
+    modules, imports, by, inside = {}, {}, [], set()
+    for name, kernels in groups(program, board, left):
+        unit = Unit(program, kernels)
+        made = module(unit.text(RUNTIME), unit.names, march)
+        if made is None:
+            continue
+        modules[f"passo/kernels_{name}.mpy"] = made.data
+        by += [] if made.by in by else [made.by]
+        inside |= unit.functions.keys()
+        for kernel in kernels:
+            imports[kernel.full] = f"from passo.kernels_{name} import {unit.python_name(kernel)} as {kernel.name}\n"
+    uses = program.uses()
+    wanted = {called.full for kernel in program.kernels.values() if kernel.full not in inside for called in program.calls(kernel)}
+    gone = {full for full in inside if not uses[full][1] and full not in wanted}
+    return Compiled({path: _thin(program, path, text, imports, gone) for path, text in texts.items()}, modules, by)
+
+
+def shown(program, groups, name):
+    """The C of the kernels of a name, or of what ends in `.name`; an empty text if there is none."""
+    units = [Unit(program, kernels) for _, kernels in groups]
+    for unit in units:
+        unit.text("")
+    found = {full: function.text() for unit in units for full, function in unit.functions.items() if f".{full}".endswith(f".{name}")}
+    return "".join(found.values()).rstrip()
+
+
+def _thin(program, path, text, imports, gone):
+    """The text with imports where kernels were; all other lines keep their numbers."""
+    module = path.removesuffix(".py").replace("/", ".").removesuffix(".__init__")
+    if module not in program.imported:
+        return text
+    lines = text.splitlines(keepends=True)
+    for node in ast.parse(text).body:
+        full = f"{module}.{getattr(node, 'name', '')}"
+        if isinstance(node, ast.FunctionDef) and (full in imports or full in gone):
+            first = min(each.lineno for each in node.decorator_list)
+            lines[first - 1 : node.end_lineno] = [imports.get(full, "\n")] + ["\n"] * (node.end_lineno - first)
+    drop_imports(program, module, text, lines, gone)
+    return "".join(lines)

@@ -1,0 +1,178 @@
+"""C to code that runs at any address, and that as an .mpy which stock MicroPython loads.
+
+    made = module(text, names, "armv6m")    # bytes, from what is shipped, kept or compiled here; None: there is no compiler
+    made.data, made.by, made.pointers       # the .mpy, "gcc 12.2.1", and how many words look like pointers
+
+The code is linked at two addresses: equal bytes prove that nothing in it depends on where it lies, so nothing has to be relocated,
+and no header, linker or library of MicroPython's is wanted. Compilers are arm-none-eabi-gcc, or `python -m ziglang cc` of PyPI's
+ziglang (the extra `kernels`). PASSO_KERNELS=gcc, zig or viper asks for one.
+
+The collector takes words of code for pointers if they look like addresses of its heap, and keeps what lies there: so other orders
+of the functions and other options are tried, until there are none.
+"""
+
+import hashlib
+import importlib.util
+import os
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+from collections import namedtuple
+from functools import lru_cache
+from pathlib import Path
+
+from host_tools.failure import Failure
+
+CACHE = Path.home() / ".cache" / "passo" / "kernels"
+SHIPPED = Path(__file__).parent / "modules"
+COMMON = (
+    "-std=gnu11 -fwrapv -fno-strict-aliasing -ffreestanding -fno-builtin -fpic -fno-common -fno-jump-tables -fno-exceptions "
+    "-fno-unwind-tables -fno-asynchronous-unwind-tables -fno-stack-protector -ffunction-sections -nostdlib -static -w"
+)
+GCC_ONLY = "-fno-tree-loop-distribute-patterns"
+ZIG_ONLY = "-fno-sanitize=all"
+GCC = {
+    "armv6m": "arm-none-eabi-gcc -mthumb -mcpu=cortex-m0plus",
+    "armv7emsp": "arm-none-eabi-gcc -mthumb -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mfloat-abi=hard",
+}
+ZIG = {
+    "armv6m": "-target thumb-freestanding-eabi -mcpu=cortex_m0plus",
+    "armv7emsp": "-target thumb-freestanding-eabi -mcpu=cortex_m4",
+    "rv32imc": "-target riscv32-freestanding-none -mcpu=generic_rv32+m+c",
+}
+ARCHITECTURE = {"armv6m": 4, "armv7emsp": 7, "rv32imc": 11}
+HEAPS = {"armv6m": (0x20000000, 0x20042000), "armv7emsp": (0x20000000, 0x20082000), "rv32imc": (0x3FC80000, 0x3FCE0000)}
+OPTIONS = "-Os", "-Os -fno-inline-small-functions", "-Os -fno-schedule-insns2", "-O2", "-O1"
+ZIG_OPTIONS = "-Os", "-Oz", "-O2", "-O1"
+SCRIPT = """
+SECTIONS {{ . = {base:#x}; .text : {{ *(.text.start) *(.text .text.*) *(.rodata .rodata.*) }}
+.other : {{ *(.got .got.plt) *(.data .data.*) *(.bss .bss.*) }}
+/DISCARD/ : {{ *(.comment .ARM.* .note* .debug* .eh_frame* .riscv.attributes .dyn* .gnu.hash .hash .interp) }} }}
+"""
+Made = namedtuple("Made", "data by pointers")
+
+
+def compiler(march):
+    """(name, command, options to try, what it says it is), or None."""
+    return _compiler(march, os.environ.get("PASSO_KERNELS"))
+
+
+@lru_cache(maxsize=16)
+def _compiler(march, asked):
+    gcc = GCC.get(march, "").split()
+    if asked in (None, "gcc") and gcc and shutil.which(gcc[0]):
+        return "gcc", [*gcc, *GCC_ONLY.split()], OPTIONS, _version([gcc[0], "-dumpfullversion"])
+    if asked in (None, "zig") and march in ZIG and importlib.util.find_spec("ziglang"):
+        command = [sys.executable, "-m", "ziglang"]
+        return "zig", [*command, "cc", *ZIG[march].split(), *ZIG_ONLY.split()], ZIG_OPTIONS, _version([*command, "version"])
+    return None
+
+
+def _version(command):
+    return subprocess.run(command, capture_output=True, text=True).stdout.strip()
+
+
+def module(text, names, march):
+    """The module of a text of C, or None if nothing makes it here."""
+    if march not in ARCHITECTURE or os.environ.get("PASSO_KERNELS") == "viper":
+        return None
+    source = hashlib.sha256(repr((text, names, march)).encode()).hexdigest()[:24]
+    if not os.environ.get("PASSO_KERNELS") and (SHIPPED / f"{source}.mpy").is_file():
+        return Made((SHIPPED / f"{source}.mpy").read_bytes(), "what came with Passo", 0)
+    found = compiler(march)
+    if found is None:
+        return None
+    name, command, options, version = found
+    identity = hashlib.sha256(repr((command[1:], options, version, COMMON, SCRIPT)).encode()).hexdigest()[:8]
+    kept = CACHE / f"{source}-{name}-{identity}.mpy"
+    if not kept.is_file():
+        data = mpy_of(best(text, march, command, options), names, march)
+        kept.parent.mkdir(parents=True, exist_ok=True)
+        with tempfile.NamedTemporaryFile(dir=kept.parent, delete=False) as file:
+            file.write(data)
+        os.replace(file.name, kept)
+    data = kept.read_bytes()
+    return Made(data, f"{name} {version}", len(pointers(code_of(data, names, march), march)))
+
+
+def best(text, march, command, options):
+    """The code with the fewest words that look like pointers, and the first of these: the least it takes."""
+    found = []
+    for option in options:
+        code = linked(text, [*command, *option.split()])
+        count = len(pointers(code, march))
+        if count == 0 and option == options[0]:
+            return code
+        found.append((count, len(code), code))
+        if count == 0:
+            break
+    return min(found)[2]
+
+
+def linked(text, command):
+    """The code of a text of C. Raises Failure if it does not compile, or depends on its address."""
+    with tempfile.TemporaryDirectory() as folder:
+        folder = Path(folder)
+        (folder / "k.c").write_text(text, encoding="utf-8")
+        _run([*command, *COMMON.split(), "-c", "-o", "k.o", "k.c"], folder)
+        codes = []
+        for base in (0, 0x1000010):
+            (folder / "k.ld").write_text(SCRIPT.format(base=base))
+            _run([*command, *COMMON.split(), "-Wl,-T,k.ld", "-Wl,--build-id=none", "-Wl,-e,start", "-o", "k.elf", "k.o"], folder)
+            codes.append(loaded((folder / "k.elf").read_bytes(), base))
+    if codes[0] != codes[1]:
+        raise Failure("the machine code of kernels depends on its address")
+    return codes[0]
+
+
+def _run(command, folder):
+    done = subprocess.run(command, cwd=folder, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode:
+        raise Failure("{} does not compile kernels: {}", " ".join(command[:4]), next((line for line in done.stdout.splitlines() if "error" in line or "undefined" in line), done.stdout))
+
+
+def loaded(elf, base):
+    """The bytes of an ELF that are loaded from `base` on. Raises Failure if there is data that can be written."""
+    offset, size, count, names = *struct.unpack_from("<I", elf, 32), *struct.unpack_from("<HHH", elf, 46)
+    found = b""
+    for at in range(offset, offset + size * count, size):
+        _, kind, flags, address, place, length = struct.unpack_from("<IIIIII", elf, at)
+        if flags & 2 and length:
+            if flags & 1 or kind == 8:
+                raise Failure("the machine code of kernels has data that is written")
+            found = found.ljust(address - base, b"\0") + elf[place : place + length]
+    return found
+
+
+def pointers(code, march):
+    """Words of code that the collector takes for addresses of its heap."""
+    low, high = HEAPS[march]
+    words = struct.unpack(f"<{len(code) // 4}I", code[: len(code) & ~3])
+    return [word for word in words if low <= word < high and word % 16 == 0]
+
+
+def _number(value):
+    out = bytes([value & 0x7F])
+    while value := value >> 7:
+        out = bytes([0x80 | value & 0x7F]) + out
+    return out
+
+
+def _head(names, march):
+    """What stands before the code of an .mpy (version 6.3): names, and one object, the table of the interpreter's functions."""
+    table = b"".join(_number(len(name) << 1) + name.encode() + b"\0" for name in names)
+    return bytes([ord("M"), 6, ARCHITECTURE[march] << 2 | 3, 31]) + _number(len(names)) + _number(1) + table + b"\0"
+
+
+def mpy_of(code, names, march):
+    """The .mpy, of one function of viper's kind."""
+    return _head(names, march) + _number(len(code) << 3 | 2) + code + _number(0)
+
+
+def code_of(data, names, march):
+    at = len(_head(names, march))
+    while data[at] & 0x80:
+        at += 1
+    return data[at + 1 : -1]

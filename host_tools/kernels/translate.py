@@ -1,0 +1,364 @@
+"""A kernel as C. docs/kernels.md says which Python is accepted, and how it works.
+
+    function = unit.function(kernel)    # of unit.Unit, which has those that it calls
+    function.text(), function.wrapper() # C; the wrapper is what Python calls
+
+Numbers are int32_t and wrap, arrays are pointers, all else is an object. A name is what is first assigned to it. What could be
+undefined in C is a function of runtime.c: division, and shifts by a variable. A kernel that works with objects has the module's
+table of the interpreter's functions as its first argument, `at`; the others are plain C.
+"""
+
+import ast
+
+from host_tools.kernels.program import BOOL, INT, OBJECT, POINTERS, kind_of
+
+BINARY = {ast.Add: "+", ast.Sub: "-", ast.Mult: "*", ast.BitAnd: "&", ast.BitOr: "|", ast.BitXor: "^"}
+FUNCTION = {ast.FloorDiv: "divided", ast.Mod: "modulo", ast.LShift: "left", ast.RShift: "right"}
+COMPARE = {ast.Lt: "<", ast.LtE: "<=", ast.Gt: ">", ast.GtE: ">=", ast.Eq: "==", ast.NotEq: "!="}
+C_TYPE = {INT: "int32_t ", BOOL: "int32_t ", OBJECT: "object_t ", "ptr8": "uint8_t *", "ptr16": "uint16_t *", "ptr32": "int32_t *"}
+
+
+class Function:
+    """One kernel on its way to C."""
+
+    def __init__(self, unit, kernel):
+        self.unit, self.kernel, self.program = unit, kernel, unit.program
+        self.kinds, self.refuse = dict(kernel.kinds), kernel.refuse
+        self.c_name = kernel.full.removeprefix("passo.").replace(".", "_")
+        self.shared, self.usual = unit.program.marks(kernel)
+        self.numbers = dict.fromkeys(self.program.constants.get(kernel.module, ()), INT)
+        self.other_names = {}  # {local: the kernel that it stands for}
+        self.hardware = set()  # pointers made of numbers
+        self.array_of = {}  # {object: the pointer to its numbers}
+        self._learn()
+        self.with_objects = None  # until it is known
+
+    def _learn(self):
+        arguments = [name for name, _ in self.kernel.arguments]
+        for name, kind in self.kernel.arguments:
+            if kind not in C_TYPE:
+                self.refuse(self.kernel.node, f"{name}: {kind}; arguments are int, ptr8, ptr16, ptr32, or objects without a type")
+        for node in ast.walk(self.kernel.node):
+            if not isinstance(node, ast.Assign) or not isinstance(node.targets[0], ast.Name):
+                continue
+            name, value = node.targets[0].id, node.value
+            kernel = self.program.named(self.kernel.module, value) if not isinstance(value, ast.Name) or value.id not in self.kinds else None
+            if kernel:
+                self.other_names[name] = kernel
+                self.kinds.pop(name, None)
+            elif self.kinds[name] in POINTERS and isinstance(value, ast.Call):
+                source = value.args[0]
+                if self.kind(source) in (INT, BOOL):
+                    self.hardware.add(name)
+                elif isinstance(source, ast.Name) and source.id in arguments and self.kind(source) == OBJECT:
+                    self.array_of[source.id] = name
+                    if source.id in self.shared:
+                        self.shared.add(name)
+
+    def kind(self, node):
+        return kind_of(node, {**self.numbers, **self.kinds}, self.called)
+
+    def called(self, node):
+        """The kernel that a call calls, also by another name."""
+        if isinstance(node.func, ast.Name) and node.func.id in self.other_names:
+            return self.other_names[node.func.id]
+        return self.program.called(self.kernel, node)
+
+    def volatile(self, name):
+        return name in self.shared or name in self.hardware
+
+    # --- expressions
+
+    def test(self, node):
+        """As a condition, where `and`, `or` and `not` may stand."""
+        if isinstance(node, ast.BoolOp):
+            return "(" + (" && " if isinstance(node.op, ast.And) else " || ").join(map(self.test, node.values)) + ")"
+        if isinstance(node, ast.UnaryOp) and isinstance(node.op, ast.Not):
+            return f"!{self.test(node.operand)}"
+        if self.kind(node) == OBJECT:
+            self.refuse(node, f"{ast.unparse(node)} is an object: write int(…), or compare")
+        return self.value(node)
+
+    def number(self, node):
+        if self.kind(node) not in (INT, BOOL):
+            self.refuse(node, f"{ast.unparse(node)} is no number: write int(…)")
+        return self.value(node)
+
+    def value(self, node):
+        method = getattr(self, "_" + type(node).__name__.lower(), None)
+        if method is None:
+            self.refuse(node, f"{ast.unparse(node)[:60]}: kernels have numbers, arrays, calls and attributes only")
+        return method(node)
+
+    def _constant(self, node):
+        if type(node.value) not in (int, bool):
+            self.refuse(node, f"{node.value!r}: kernels have whole numbers only")
+        value = int(node.value)
+        if not -(1 << 31) <= value < 1 << 32:
+            self.refuse(node, f"{value} has more than 32 bits")
+        value -= (value >> 31 & 1) << 32 if value > 0 else 0
+        return str(value) if value > -(1 << 31) else "INT32_MIN"
+
+    def _name(self, node):
+        if node.id in self.kinds:
+            return "v_" + node.id
+        numbers = self.program.constants.get(self.kernel.module, {})
+        if node.id in numbers:
+            return self._constant(ast.Constant(numbers[node.id]))
+        if node.id in self.other_names:
+            self.refuse(node, f"{node.id} is a kernel: call it, or have it given as an argument")
+        self.refuse(node, f"{node.id} is no local, no argument and no constant")
+
+    def sequenced(self, nodes, values, form):
+        """`form` of values in Python's order: C has none, where one of them calls, or reads what others change."""
+        calls = [any(isinstance(each, ast.Call) for each in ast.walk(node)) or "looked(" in value for node, value in zip(nodes, values)]
+        reads = [call or "[" in value for call, value in zip(calls, values)]
+        if not any(calls) or sum(reads) < 2:
+            return form(*values)
+        names = [f"o{number}" for number in range(len(values))]
+        first = " ".join(f"__auto_type {name} = {value};" for name, value in zip(names, values))
+        return f"({{ {first} {form(*names)}; }})"
+
+    def _binop(self, node):
+        values = [self.number(node.left), self.number(node.right)]
+        if type(node.op) in FUNCTION:
+            return self.sequenced([node.left, node.right], values, lambda left, right: f"{FUNCTION[type(node.op)]}({left}, {right})")
+        if type(node.op) not in BINARY:
+            self.refuse(node, f"{ast.unparse(node)[:60]}: operators are + - * // % << >> & | ^ ~")
+        return self.sequenced([node.left, node.right], values, lambda left, right: f"({left} {BINARY[type(node.op)]} {right})")
+
+    def _unaryop(self, node):
+        if isinstance(node.op, ast.Not):
+            return self.test(node)
+        return f"({'~' if isinstance(node.op, ast.Invert) else '-'}{self.number(node.operand)})"
+
+    def _compare(self, node):
+        parts, left = [], node.left
+        for operator, right in zip(node.ops, node.comparators):
+            if type(operator) not in COMPARE:
+                self.refuse(node, f"{ast.unparse(node)[:60]}: comparisons are of numbers")
+            values = [self.number(left), self.number(right)]
+            parts.append(self.sequenced([left, right], values, lambda a, b: f"({a} {COMPARE[type(operator)]} {b})"))
+            if right is not node.comparators[-1] and not isinstance(right, (ast.Name, ast.Constant)):
+                self.refuse(node, f"{ast.unparse(right)[:60]} between two comparisons: use a variable")
+            left = right
+        return "(" + " && ".join(parts) + ")" if len(parts) > 1 else parts[0]
+
+    def _ifexp(self, node):
+        if self.kind(node.body) != self.kind(node.orelse) and OBJECT in (self.kind(node.body), self.kind(node.orelse)):
+            self.refuse(node, f"{ast.unparse(node)[:60]}: one is a number, the other an object")
+        return f"({self.test(node.test)} ? {self.value(node.body)} : {self.value(node.orelse)})"
+
+    def _element(self, node):
+        """(C of the element, whether interrupts or hardware change it)."""
+        if self.kind(node.value) not in POINTERS:
+            self.refuse(node, f"{ast.unparse(node.value)} is no array: write ptr32(…)")
+        hardware = isinstance(node.value, ast.Call) and self.kind(node.value.args[0]) in (INT, BOOL)
+        shared = hardware or isinstance(node.value, ast.Name) and self.volatile(node.value.id)
+        return f"{self.value(node.value)}[{self.number(node.slice)}]", shared
+
+    def _subscript(self, node):
+        element, shared = self._element(node)
+        return f"looked({element})" if shared else f"(int32_t){element}"
+
+    def _boolop(self, node):
+        self.refuse(node, f"{ast.unparse(node)[:60]} as a value: write … if … else …")
+
+    def _attribute(self, node):
+        if self.kind(node.value) != OBJECT:
+            self.refuse(node, f"{ast.unparse(node.value)} is no object")
+        return f"load_attr({self.value(node.value)}, {self.unit.name(node.attr)})"
+
+    def _call(self, node):
+        if node.keywords:
+            self.refuse(node, f"{ast.unparse(node)[:60]}: arguments go by their places")
+        name = node.func.id if isinstance(node.func, ast.Name) else None
+        if name == INT and len(node.args) == 1:
+            given = self.value(node.args[0])
+            kind = self.kind(node.args[0])
+            return f"to_int(at, {given})" if kind == OBJECT else f"(int32_t)(uintptr_t){given}" if kind in POINTERS else given
+        if name in POINTERS and name not in self.kinds:
+            kind = self.kind(node.args[0])
+            if kind == OBJECT:
+                return f"(({C_TYPE[name]})array_of(at, {self.value(node.args[0])}))"
+            volatile = "volatile " if kind not in POINTERS else ""
+            return f"(({volatile}{C_TYPE[name]})(uintptr_t){self.value(node.args[0])})"
+        kernel = self.called(node)
+        if kernel:
+            return self._direct(kernel, node)
+        listed = [self.object(each) for each in node.args]
+        if isinstance(node.func, ast.Attribute):
+            base, method = self.value(node.func.value), self.unit.name(node.func.attr)
+            form = lambda *given: f"call_method({', '.join([base, method, str(len(given)), *given])})"  # noqa: E731
+            return self.sequenced(node.args, listed, form)
+        if name is None or self.kinds.get(name) != OBJECT:
+            self.refuse(node, f"{ast.unparse(node.func)}() is no kernel: kernels call kernels, methods, and functions given as arguments")
+        other = self.sequenced(node.args, listed, lambda *given: f"call_object({', '.join([self.value(node.func), str(len(given)), *given])})")
+        usual = self.program.kernels.get(self.usual.get(name))
+        if not usual:
+            return other
+        wrapper = self.unit.function(usual).wrapper_name()
+        return f"(is_kernel({self.value(node.func)}, {wrapper}) ? (void){self._direct(usual, node)} : (void){other})"
+
+    def _direct(self, kernel, node):
+        callee = self.unit.function(kernel)
+        if len(node.args) != len(kernel.arguments):
+            self.refuse(node, f"{kernel.name}() takes {len(kernel.arguments)} arguments")
+        given = []
+        for (name, kind), each in zip(kernel.arguments, node.args):
+            if kind in POINTERS:
+                given.append(self.pointer(each, kind, callee.volatile(name), kernel))
+            else:
+                given.append(self.object(each) if kind == OBJECT else self.number(each))
+        first = ["at"] if callee.needs_objects() else []
+        return self.sequenced(node.args, given, lambda *values: f"{callee.c_name}({', '.join([*first, *values])})")
+
+    def pointer(self, node, wanted, shared, callee):
+        kind = self.kind(node)
+        name = node.id if isinstance(node, ast.Name) else None
+        name = self.array_of.get(name, name)
+        if name and self.volatile(name) and not shared:
+            self.refuse(node, f"{name} is shared with interrupts, and {callee.full}()'s module does not say so: # Shared with interrupts: …")
+        if self.kinds.get(name) in POINTERS:
+            return f"({C_TYPE[wanted]})v_{name}" if self.kinds[name] != wanted else f"v_{name}"
+        if kind in POINTERS:
+            return self.value(node)
+        if kind != OBJECT:
+            self.refuse(node, f"{ast.unparse(node)} is a number, {callee.full}() wants {wanted}: write {wanted}(…)")
+        return f"array_of(at, {self.value(node)})"
+
+    def object(self, node):
+        if self.kind(node) == OBJECT:
+            return self.value(node)
+        if self.kind(node) in POINTERS:
+            return f"to_object(at, (int32_t)(uintptr_t){self.value(node)})"
+        return f"to_object(at, {self.value(node)})"
+
+    def needs_objects(self):
+        """Whether it calls the interpreter, itself or by what it calls."""
+        if self.with_objects is None:
+            self.with_objects = False  # what comes round to it again adds nothing
+            for node in ast.walk(self.kernel.node):
+                if isinstance(node, ast.Attribute) and self.kind(node) == OBJECT and not self.is_kernel_name(node):
+                    self.with_objects = True
+                elif isinstance(node, ast.Call):
+                    kernel = self.called(node)
+                    plain = isinstance(node.func, ast.Name) and node.func.id in (INT, *POINTERS, "range")
+                    if kernel and self.unit.function(kernel).needs_objects() or not kernel and not plain:
+                        self.with_objects = True
+                    if not (kernel and node.args == []) and any(self.kind(each) == OBJECT for each in node.args):
+                        self.with_objects = True
+        return self.with_objects
+
+    def is_kernel_name(self, node):
+        return self.program.named(self.kernel.module, node) is not None or ast.unparse(node).startswith("micropython.")
+
+    # --- statements
+
+    def block(self, body, depth):
+        return "".join("    " * depth + line + "\n" for node in body for line in self.statement(node))
+
+    def inner(self, body):
+        return [f"    {line}" for node in body for line in self.statement(node)]
+
+    def statement(self, node):
+        """Its lines of C."""
+        if isinstance(node, ast.Expr):
+            return [] if isinstance(node.value, ast.Constant) else [f"{self.value(node.value)};"]
+        if isinstance(node, ast.Assign):
+            return self._assign(node)
+        if isinstance(node, ast.AugAssign):
+            read = ast.copy_location(ast.BinOp(_loaded(node.target), node.op, node.value), node)
+            return self._store(node.target, self._binop(read))
+        if isinstance(node, ast.While) and not node.orelse:
+            return [f"while ({self.test(node.test)}) {{", *self.inner(node.body), "}"]
+        if isinstance(node, ast.For) and not node.orelse:
+            return self._for(node)
+        if isinstance(node, ast.If):
+            lines = [f"if ({self.test(node.test)}) {{", *self.inner(node.body), "}"]
+            if len(node.orelse) == 1 and isinstance(node.orelse[0], ast.If):
+                first, *rest = self.statement(node.orelse[0])
+                lines[-1:] = ["} else " + first, *rest]
+            elif node.orelse:
+                lines[-1:] = ["} else {", *self.inner(node.orelse), "}"]
+            return lines
+        if isinstance(node, ast.Return):
+            if node.value is None or not self.kernel.returns:
+                if node.value is not None:
+                    self.refuse(node, "returns a value: write -> int behind the arguments")
+                return ["return;"]
+            return [f"return {self.number(node.value)};"]
+        simple = {ast.Break: ["break;"], ast.Continue: ["continue;"], ast.Pass: []}
+        if type(node) not in simple:
+            self.refuse(node, f"{type(node).__name__.lower()}: statements are =, while, for … in range(…), if, break, continue, return, pass and calls")
+        return simple[type(node)]
+
+    def _assign(self, node):
+        if isinstance(node.targets[0], ast.Name) and node.targets[0].id in self.other_names:
+            return []
+        if len(node.targets) > 1 and not isinstance(node.value, (ast.Name, ast.Constant)):
+            self.refuse(node, "several targets: assign a number or a name to them")
+        kind = self.kind(node.value)
+        lines = []
+        for target in node.targets:
+            known = self.kind(target) if isinstance(target, (ast.Name, ast.Subscript)) else None
+            if known != kind and {known, kind} != {INT, BOOL}:
+                self.refuse(node, f"{ast.unparse(target)} is {known or 'no variable'}, {ast.unparse(node.value)[:40]} is {kind}")
+            lines += self._store(target, self.value(node.value))
+        return lines
+
+    def _store(self, target, value):
+        if isinstance(target, ast.Name):
+            if self.kind(target) in POINTERS and self.volatile(target.id) and "volatile" not in value and target.id not in self.shared:
+                value = f"(volatile {C_TYPE[self.kinds[target.id]]}){value}"
+            return [f"{self._name(target)} = {value};"]
+        element, shared = self._element(target)
+        if shared or "(" in value:
+            return [f"{{ int32_t next = {value}; {'settled(); ' if shared else ''}{element} = next; }}"]
+        return [f"{element} = {value};"]
+
+    def _for(self, node):
+        call = node.iter
+        if not (isinstance(call, ast.Call) and ast.unparse(call.func) == "range" and 1 <= len(call.args) <= 2 and isinstance(node.target, ast.Name)):
+            self.refuse(node, "for: write for NAME in range(…), with one number or two")
+        first, end = ([ast.Constant(0)] + call.args)[-2:]
+        name, count = "v_" + node.target.id, f"end_{node.target.id}_{node.lineno}"
+        head = f"{{ int32_t {count} = {self.number(end)}; for (int32_t next = {self.number(first)}; next < {count}; next++) {{"
+        return [head, f"    {name} = next;", *self.inner(node.body), "} }"]
+
+    # --- text
+
+    def declared(self, name, kind):
+        return f"{'volatile ' if kind in POINTERS and self.volatile(name) else ''}{C_TYPE[kind]}v_{name}"
+
+    def head(self):
+        arguments = ["context_t at"] if self.needs_objects() else []
+        arguments += [self.declared(name, kind) for name, kind in self.kernel.arguments]
+        return f"static {'int32_t' if self.kernel.returns else 'void'} {self.c_name}({', '.join(arguments) or 'void'})"
+
+    def text(self):
+        body = self.block(self.kernel.node.body, 1)
+        known = {name for name, _ in self.kernel.arguments}
+        local = "".join(f"    {self.declared(name, kind)} = 0;\n" for name, kind in self.kinds.items() if name not in known)
+        last = "    return 0;\n" if self.kernel.returns and not isinstance(self.kernel.node.body[-1], ast.Return) else ""
+        return f"// {self.kernel.full}\n{self.head()} {{\n{local}{body}{last}}}\n\n"
+
+    def wrapper_name(self):
+        return f"call_{self.c_name}"
+
+    def wrapper(self):
+        """What Python calls, as it calls viper: arguments are objects."""
+        given = ["at"] if self.needs_objects() else []
+        for number, (_, kind) in enumerate(self.kernel.arguments):
+            given.append(f"args[{number}]" if kind == OBJECT else f"{'to_int' if kind == INT else 'array_of'}(at, args[{number}])")
+        call = f"{self.c_name}({', '.join(given)})"
+        made = f"to_{'bool' if self.kernel.returns == BOOL else 'object'}(at, {call})"
+        result = f"return {made};" if self.kernel.returns else f"{call};\n    return none(at);"
+        return (
+            f"static object_t {self.wrapper_name()}(context_t at, size_t count, size_t named, object_t *args) {{\n"
+            f"    if (count != {len(self.kernel.arguments)} || named) wrong_count(at, {len(self.kernel.arguments)}, count);\n    {result}\n}}\n\n"
+        )
+
+
+def _loaded(node):
+    return ast.parse(ast.unparse(node), mode="eval").body

@@ -1,0 +1,46 @@
+"""One module of machine code as one text of C.
+
+    unit = Unit(program, kernels)       # those that Python calls; what they call comes along
+    unit.text(runtime)                  # C, behind the text of runtime.c
+    unit.names                          # of attributes and functions, in the order in which the C numbers them
+"""
+
+from host_tools.kernels.translate import Function
+
+ALWAYS_NAMED = "kernels", "array", "_code", "i"  # the first names of a module: runtime.c knows their places
+
+
+class Unit:
+    """One module of machine code."""
+
+    def __init__(self, program, kernels):
+        self.program, self.functions, self.names = program, {}, list(ALWAYS_NAMED)
+        self.called = [self.function(kernel) for kernel in kernels]
+
+    def function(self, kernel):
+        if kernel.full not in self.functions:
+            self.functions[kernel.full] = None  # no kernel needs itself to be made
+            self.functions[kernel.full] = Function(self, kernel)
+        return self.functions[kernel.full]
+
+    def name(self, name):
+        if name not in self.names:
+            self.names.append(name)
+        return f"NAME({self.names.index(name)})"
+
+    def python_name(self, kernel):
+        """Under which the module has it: short, for a board keeps each name for ever."""
+        return f"_{[each.kernel.full for each in self.called].index(kernel.full)}"
+
+    def text(self, runtime):
+        texts = {}
+        while texts.keys() != self.functions.keys():  # a text may want more of them
+            for full in [each for each in self.functions if each not in texts]:
+                texts[full] = self.functions[full].text()
+        functions = list(self.functions.values())
+        wrapped = [each for each in functions if each in self.called or any(each.wrapper_name() in text for text in texts.values())]
+        heads = "".join(each.head() + ";\n" for each in functions)
+        heads += "".join(f"static object_t {each.wrapper_name()}(context_t at, size_t count, size_t named, object_t *args);\n" for each in wrapped)
+        stores = "".join(f"    define(at, {self.name(self.python_name(each.kernel))}, {each.wrapper_name()}, arrays);\n" for each in self.called)
+        bodies = "".join(texts.values()) + "".join(each.wrapper() for each in wrapped)
+        return f"{runtime}\n{heads}\n{bodies}static void define_all(context_t at, object_t arrays) {{\n{stores}}}\n"

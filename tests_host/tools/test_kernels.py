@@ -1,0 +1,226 @@
+"""Kernels as C: what is accepted computes what CPython computes with 32 bits that wrap, under gcc's sanitiser; all else is refused."""
+
+import ctypes
+import shutil
+import subprocess
+from array import array
+
+import pytest
+from hypothesis import example, given
+from hypothesis import strategies as st
+
+from host_tools.build import mpy
+from host_tools.failure import Failure
+from host_tools.kernels import module
+from host_tools.kernels.build import RUNTIME, compiled
+from host_tools.kernels.program import Program
+from host_tools.kernels.unit import Unit
+
+needs_gcc = pytest.mark.skipif(shutil.which("gcc") is None, reason="no gcc")
+MARCHES = [march for march in module.ARCHITECTURE if module.compiler(march)]
+OPERATORS = ("+", "-", "*", "//", "%", "<<", ">>", "&", "|", "^", "<", "<=", ">", ">=", "==", "!=")
+EDGES = (0, 1, -1, 2, -2, 3, -7, 31, 32, 33, 255, 256, 65535, -65536, (1 << 30) - 1, 1 << 30, (1 << 31) - 1, -(1 << 31), -(1 << 30))
+numbers = st.one_of(st.sampled_from(EDGES), st.integers(-(1 << 31), (1 << 31) - 1))
+
+TEXT = "import micropython\n" + "".join(
+    f"\n@micropython.viper\ndef op{number}(a: int, b: int) -> int:\n    return 1 if a {sign} b else 0\n"
+    if sign[0] in "<>=!" and len(sign) < 3 and sign not in ("<<", ">>")
+    else f"\n@micropython.viper\ndef op{number}(a: int, b: int) -> int:\n    return a {sign} b\n"
+    for number, sign in enumerate(OPERATORS)
+)
+TEXT += '''
+@micropython.viper
+def unary(a: int) -> int:
+    return (-a ^ ~a) + (1 if not a else 2)
+
+@micropython.viper
+def by_constants(a: int) -> int:
+    return (a // 7) ^ (a % 7) ^ (a // 8) ^ (a % 8) ^ (a // -3) ^ (a % -3) ^ (a << 31) ^ (a >> 31) ^ (a << 32) ^ (a >> 40)
+
+@micropython.viper
+def elements(bytes_: ptr8, halves: ptr16, words: ptr32, value: int) -> int:
+    bytes_[0] = value
+    halves[1] = value
+    words[2] = value
+    words[1] += bytes_[0]
+    words[0] -= halves[1]
+    return bytes_[0] + halves[1] + words[2]
+
+@micropython.viper
+def add(words: ptr32, at: int) -> int:
+    words[at] = words[at] + 1
+    return words[at]
+
+@micropython.viper
+def flow(words: ptr32, count: int, wanted: int) -> int:
+    found = 0 - 1
+    for i in range(count):
+        if words[i] == wanted and found < 0:
+            found = i
+            continue
+        elif words[i] > wanted or not words[i]:
+            words[i] -= add(words, i) * 2 + words[i]
+    for i in range(1, count):
+        if i > 3:
+            break
+        words[0] ^= i
+    left = count
+    while left > 0:
+        left -= 1
+        if left == 2:
+            break
+        words[left] = words[left] - add(words, left) * words[left]
+    a = b = left
+    return found * 1000 + a * 10 + b if found != 5 else 7
+'''
+
+
+def wrapped(value):
+    return (value + (1 << 31)) % (1 << 32) - (1 << 31)
+
+
+def python_of(sign, a, b):
+    """What the operator gives: as Python has it, in 32 bits; by 0 there is 0, and a shift by a number below 0 is one by many."""
+    if sign in ("//", "%") and b == 0:
+        return 0
+    if sign in ("<<", ">>"):
+        b = b if 0 <= b < 32 else 32
+    return wrapped(int(eval(f"a {sign} b", {"a": a, "b": b})))
+
+
+def unit_of(text):
+    program = Program({"passo/tried.py": text})
+    return Unit(program, list(program.kernels.values()))
+
+
+@pytest.fixture(scope="module")
+def native(tmp_path_factory):
+    """The text's kernels on this PC; what C leaves open ends the process."""
+    folder = tmp_path_factory.mktemp("kernels")
+    (folder / "k.c").write_text(unit_of(TEXT).text(RUNTIME).replace("static int32_t tried", "int32_t tried"))
+    options = "-std=gnu11 -fwrapv -fno-strict-aliasing -O2 -w -shared -fPIC -fsanitize=undefined,signed-integer-overflow -fsanitize-undefined-trap-on-error"
+    subprocess.run(["gcc", *options.split(), "-o", folder / "k.so", folder / "k.c"], check=True)
+    return ctypes.CDLL(str(folder / "k.so"))
+
+
+def buffer(values):
+    return (ctypes.c_int32 * len(values)).from_buffer(values)
+
+
+@needs_gcc
+@given(numbers, numbers)
+@example(-(1 << 31), -1)
+@example(7, -(1 << 31))
+def test_operators(native, a, b):
+    for number, sign in enumerate(OPERATORS):
+        assert getattr(native, f"tried_op{number}")(a, b) == python_of(sign, a, b), sign
+
+
+@needs_gcc
+@given(numbers)
+def test_one_number(native, a):
+    assert native.tried_unary(a) == wrapped((wrapped(-a) ^ ~a) + (1 if not a else 2))
+    parts = [("//", 7), ("%", 7), ("//", 8), ("%", 8), ("//", -3), ("%", -3), ("<<", 31), (">>", 31), ("<<", 32), (">>", 40)]
+    result = 0
+    for sign, by in parts:
+        result ^= python_of(sign, a, by)
+    assert native.tried_by_constants(a) == result
+
+
+@needs_gcc
+@given(numbers)
+def test_elements_of_arrays(native, value):
+    bytes_, halves, words = bytearray(4), array("H", [0] * 2), array("i", [5, 6, 7])
+    given = (ctypes.c_uint8 * 4).from_buffer(bytes_), (ctypes.c_uint16 * 2).from_buffer(halves), buffer(words)
+    result = native.tried_elements(*given, value)
+    assert (bytes_[0], halves[1], words[2]) == (value & 255, value & 65535, value)
+    assert (words[0], words[1]) == (5 - (value & 65535), 6 + (value & 255))
+    assert result == wrapped((value & 255) + (value & 65535) + value)
+
+
+@needs_gcc
+@given(st.lists(st.integers(-9, 9), min_size=6, max_size=6), st.integers(0, 6), st.integers(-9, 9))
+def test_flow_and_order(native, values, count, wanted):
+    space = {"ptr8": None, "ptr16": None, "ptr32": None}
+    exec(TEXT.replace("@micropython.viper", "").replace("import micropython", ""), space)
+    mine, theirs = array("i", values), array("i", values)
+    assert native.tried_flow(buffer(theirs), count, wanted) == space["flow"](mine, count, wanted)
+    assert mine == theirs
+
+
+REFUSED = {
+    "x = 1.5": "whole numbers only",
+    "x = y = n + 1": "assign a number or a name",
+    "x = [n]": "numbers, arrays, calls and attributes only",
+    "x = 'a'": "whole numbers only",
+    "x = n / 2": "operators are",
+    "x = n ** 2": "operators are",
+    "x = n and 3": "as a value",
+    "x = 1 << 40 if n else 0x100000000": "more than 32 bits",
+    "x = what": "no local, no argument and no constant",
+    "x = n\n    x = o.name": "is int",
+    "x = o + 1": "write int(…)",
+    "if o:\n        n += 1": "is an object",
+    "for x in o:\n        n += 1": "range",
+    "try:\n        n += 1\n    except ValueError:\n        n = 2": "statements are",
+    "x = n[0]": "is no array",
+    "x = len(w)": "kernels call kernels",
+    "x = other(n)": "takes 2 arguments",
+    "x = other(n, n)": "write ptr32(…)",
+    "x = other(n, w=w)": "by their places",
+    "x = 1 if 0 < other(n, w) < 3 else 0": "between two comparisons",
+}
+
+
+@pytest.mark.parametrize("statement", REFUSED)
+def test_what_is_not_understood_is_refused_with_its_place(statement):
+    other = "@micropython.viper\ndef other(a: int, w: ptr32) -> int:\n    return w[a]\n"
+    text = f"import micropython\n{other}\n@micropython.viper\ndef kernel(n: int, w: ptr32, o) -> int:\n    {statement}\n    return n\n"
+    with pytest.raises(Failure, match=r"passo/tried.py:\d+: kernel\(\): ") as failure:
+        unit_of(text).text("")
+    assert REFUSED[statement] in str(failure.value)
+
+
+def test_what_interrupts_share_is_read_and_written_each_time():
+    text = "import micropython\n# Shared with interrupts: state\n@micropython.viper\ndef wait(state: ptr32, own: ptr32):\n    own[0] = 3\n    state[0] = 1\n    while state[0]:\n        pass\n"
+    made = unit_of(text).text("")
+    assert "volatile int32_t *v_state" in made and "int32_t *v_own" in made and "volatile int32_t *v_own" not in made
+    assert "settled(); v_state[0] = next" in made and "while (looked(v_state[0]))" in made
+    hardware = "import micropython\n@micropython.viper\ndef high() -> int:\n    pins = ptr32(0xD0000004)\n    return pins[0] | ptr32(0xD0000008)[0]\n"
+    assert "volatile int32_t *v_pins" in unit_of(hardware).text("") and unit_of(hardware).text("").count("looked(") == 2
+    told = {
+        "passo/a.py": text + "    look(state)\n    look(own)\n" + "from passo.b import look\n",
+        "passo/b.py": "import micropython\n@micropython.viper\ndef look(words: ptr32):\n    words[0] = 1\n",
+    }
+    program = Program(told)
+    with pytest.raises(Failure, match="state is shared with interrupts"):
+        Unit(program, [program.kernels["passo.a.wait"]]).text("")
+
+
+@pytest.mark.parametrize("march", MARCHES)
+def test_a_module_needs_no_data_and_no_address(march):
+    unit = unit_of(TEXT)
+    made = module.module(unit.text(RUNTIME), unit.names, march)
+    functions, end = mpy.functions(made.data)
+    assert len(functions) == 1 and end == len(made.data) and functions[0].kind == mpy.VIPER
+    assert not module.pointers(module.code_of(made.data, unit.names, march), march)
+    assert module.module(unit.text(RUNTIME), unit.names, march) == made
+    with pytest.raises(Failure, match="undefined"):
+        module.linked(RUNTIME + "int f(int);\nvoid define_all(context_t at, object_t o) { f(1); }", module.compiler(march)[1] + ["-Os"])
+    writes = "static int kept;\nstatic void define_all(context_t at, object_t o) { kept++; if (kept > 3) wrong_count(at, 1, kept); }"
+    with pytest.raises(Failure, match="data|address"):
+        module.linked(RUNTIME + writes, module.compiler(march)[1] + ["-O1"])
+
+
+def test_a_text_without_its_kernels_keeps_its_lines(monkeypatch):
+    texts = {"passo/steps/a.py": TEXT + "\nLAST = 1\n", "passo/use.py": "from passo.steps.a import flow, unary\nflow(unary)\n"}
+    made = compiled(texts, texts, {"axes": []}, "armv6m")
+    text = made.texts["passo/steps/a.py"]
+    if MARCHES:
+        assert "as flow\n" in text and "as unary\n" in text
+        assert all(f"def {name}(" not in text for name in ("flow", "unary", "add"))  # `add`: only kernels call it
+        assert text.split("\n").index("LAST = 1") == texts["passo/steps/a.py"].split("\n").index("LAST = 1")
+        assert list(made.modules) == ["passo/kernels_steps_a.mpy"]
+    monkeypatch.setenv("PASSO_KERNELS", "viper")
+    assert compiled(texts, texts, {"axes": []}, "armv6m") == (texts, {}, [])
+    assert compiled(texts, texts, {"axes": []}, "xtensawin") == (texts, {}, [])
