@@ -195,7 +195,7 @@ class Function:
             self.refuse(node, f"{ast.unparse(node.func)}() is no kernel: kernels call kernels, methods, and functions given as arguments")
         other = self.sequenced(node.args, listed, lambda *given: f"call_object({', '.join([self.value(node.func), str(len(given)), *given])})")
         usual = self.program.kernels.get(self.usual.get(name))
-        if not usual:
+        if usual not in self.unit.kernels:
             return other
         wrapper = self.unit.function(usual).wrapper_name()
         return f"(is_kernel({self.value(node.func)}, {wrapper}) ? (void){self._direct(usual, node)} : (void){other})"

@@ -14,7 +14,7 @@ class Unit:
     """One module of machine code."""
 
     def __init__(self, program, kernels):
-        self.program, self.functions, self.names = program, {}, list(ALWAYS_NAMED)
+        self.program, self.kernels, self.functions, self.names = program, kernels, {}, list(ALWAYS_NAMED)
         self.called = [self.function(kernel) for kernel in kernels]
 
     def function(self, kernel):
