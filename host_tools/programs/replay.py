@@ -15,7 +15,7 @@ from functools import partial
 
 from host_tools.clients.grbl import N_WORD, explain, tagged
 from host_tools.failure import Failure
-from host_tools.programs.replayed_machine import NM, Board, Memory
+from host_tools.programs.replayed_machine import NM, Board, Memory, exact
 from passo import commands
 from passo.protocols.gcode.codes import CYCLES, G73, G82, G83, MOTION
 from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
@@ -295,7 +295,7 @@ class Replay:
         stages = [(OFFSETS, self._places())]
         if depth:
             stages.append((UP, [f"G53G0Z{self._up():.5f}"]))
-        stages.append((OVER, [f"G53G0{self._words(place, (0, 1)[: len(place)])}"]))
+        stages.append((OVER, [f"G53G0{exact(self._board, self._gcode.position, place, (0, 1)[: len(place)])}"]))
         shift = self._shift(place)
         outputs = [] if machine.laser else self._spindle()
         if gcode.tool:
@@ -305,7 +305,7 @@ class Replay:
         if depth:
             down.append(f"G53G0Z{min(self._mm(place, 2) + _CLEARANCE_MM, self._up()):.5f}")
             feed = min(gcode.feed * 60 / NM or _PLUNGE_MM_MIN, _PLUNGE_MM_MIN)
-            down.append(f"G94G53G1Z{self._mm(place, 2):.5f}F{feed:.1f}")
+            down.append(f"G94G53G1{exact(self._board, self._gcode.position, place, (2,))}F{feed:.1f}")
         elif len(place) > TOOL_AXIS:
             down.append(f"G53G0Z{self._mm(place, 2):.5f}")
         stages.append((DOWN, down + shift))

@@ -58,3 +58,15 @@ class Board:
         self.steps_per_m = [round(scale * 1000) for scale in machine.steps_per_mm]
         self.target = [0] * len(machine.steps_per_mm)
         self.coolant = 0
+
+
+def exact(board, position, steps, axes):
+    """The words of a place in steps; of an axis on which the program stands there, its `position` to the nanometre: an arc that closes
+    there is a whole turn."""
+    found = ""
+    for axis in axes:
+        nm = position[axis]
+        if round(nm * board.steps_per_m[axis] / (1000 * NM)) != steps[axis]:
+            nm = round(steps[axis] * 1e8 / board.steps_per_m[axis]) * 10
+        found += f"{'XYZ'[axis]}{nm / NM:.{6 if nm % 10 else 5}f}"
+    return found

@@ -166,6 +166,18 @@ def test_every_road_reads_the_same(tmp_path):
         assert max(times) == pytest.approx(way / feed * 60, rel=0.02)
 
 
+def test_a_stream_that_begins_at_a_circle_has_it():
+    """--from, at places between steps: the machine is led to where the program stands, not to the step beside it."""
+    draw = random.Random(4)
+    for each in range(60):
+        x, y, scale = draw.uniform(-9, 9), draw.uniform(-9, 9), SCALES[each % 3]
+        program = ["G90G21", f"G0X{x:.6f}Y{y:.6f}", "G1Z-1F100", f"G{draw.choice('23')}X{x:.6f}Y{y:.6f}J0.5", "G0Z1"]
+        lines = list(enumerate([line.encode() for line in program], 1))
+        stages, rest = replay.Replay(Machine(list(scale), 0.0, False, False, 1000.0), lines).from_line(4)
+        sent = [line.encode() for _, each in stages for line in each] + [line for _, line in rest]
+        assert swept(sent, scale) == [pytest.approx(math.tau, abs=0.02)], sent
+
+
 @pytest.mark.skipif(not shutil.which("node"), reason="node is not installed")
 def test_the_picture_of_the_page_has_them(tmp_path):
     """Circles from every side, both ways, on the page's canvas: as long as they are."""
