@@ -19,10 +19,10 @@ STEPS = (
     "passo.steps.segments_viper", "passo.steps.pace_viper", "passo.steps.position_viper", "passo.motion.line_viper", "passo.motion.row_viper",
     "passo.motion.block", "passo.motion.integers",
 )  # fmt: skip
-PLAN = "passo.motion."  # all the rest of it
+PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motion.ramp", "passo.motion.circle"  # and what these import
 LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"
 # Left to viper: it looks through all memory at the start with functions in assembler, and is given back.
-LEFT = {"passo.ports.rp2.flash_scan", "passo.ports.rp2.pio_player", "passo.ports.rp2.timer_player", "passo.motion.independent_viper"}
+LEFT = {"passo.ports.rp2.flash_scan"}
 Compiled = namedtuple("Compiled", "texts modules by")
 
 
@@ -30,10 +30,12 @@ def groups(program, board, left=()):
     """[(name, kernels)]"""
     accelerates = any("accel_mm_s2" in axis for axis in board["axes"])
 
+    plan = program.loaded_with(PLAN)
+
     def group(module):
-        if module in STEPS or module.startswith(PLAN) and accelerates:
+        if module in STEPS or module in plan and accelerates:
             return "steps"
-        return "plan" if module.startswith(PLAN) else "lines" if module.startswith(LINES) else module.removeprefix("passo.").replace(".", "_")
+        return "plan" if module in plan else "lines" if module.startswith(LINES) else module.removeprefix("passo.").replace(".", "_")
 
     uses = program.uses()
     found = {}

@@ -175,6 +175,18 @@ class Program:
         usual = re.findall(r"^# `(\w+)` is usually ([\w.]+)", text, re.MULTILINE)
         return {name for name, _ in kernel.arguments} & set(shared[1].split(", ") if shared else ()), dict(usual)
 
+    def loaded_with(self, modules):
+        """These modules, and all that they import when they are imported."""
+        found, queue = set(), [module for module in modules if module in self.paths]
+        while queue:
+            module = queue.pop()
+            found.add(module)
+            for node in parsed(self.texts[self.paths[module]]).body:
+                if isinstance(node, ast.ImportFrom) and node.module:
+                    names = {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+                    queue += sorted((names & self.paths.keys()) - found)
+        return found
+
     def uses(self):
         """{full name of a kernel: (calls by kernels, other uses)}"""
         found = {full: [0, 0] for full in self.kernels}

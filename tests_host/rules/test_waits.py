@@ -97,8 +97,10 @@ def test_a_player_that_is_stuck_plays_nothing_and_says_so(player):
     module._halt(state)
     registers = module._halt.__globals__["ptr32"].__self__
     before = dict(registers.kept)
+    stuck = module.PioPlayer.__new__(module.PioPlayer)
+    stuck._state, stuck._ring = state, types.SimpleNamespace(head=5)
     with pytest.raises(RuntimeError, match="does not answer"):
-        module.append(state, 5)
+        stuck.start()
     assert registers.kept == before
 
 

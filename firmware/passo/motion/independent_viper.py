@@ -2,8 +2,7 @@
 
     count = walk(words, at, room, bits, state, made)
 
-How, stands in independent.py, the fields of `state` in records.py. Requests and ramps, which are rare beside plain steps, are
-left to functions of native code. One text for all interpreters: a board compiles it to machine code, elsewhere it is
+How, stands in independent.py, the fields of `state` in records.py. One text for all interpreters: a board compiles it to machine code, elsewhere it is
 ordinary Python; see block_viper.py for what that asks of integers. No integer reaches 2³⁰.
 """
 # ruff: noqa: F821
@@ -22,31 +21,29 @@ from passo.records import (
 try:
     ptr32
 except NameError:
-
-    def ptr32(array):  # a name that only viper's compiler knows
-        return array
+    ptr32 = None  # a name that only viper's compiler knows
 
 
 MOST_STEPS = const(0xFFFFFFF)  # that may be to come: 2²⁸ − 1
 FAR = const(0x1FFFFFFF)  # ticks: no step is due as late as this
 
 
-@micropython.native
-def root(q, near):  # ISR: no allocation
+@micropython.viper
+def root(q: int, near: int) -> int:  # ISR: no allocation
     """√q, rounded down; `near`: a guess above 0."""
     if q < 1:
         return 0
-    better = (near + q // near) >> 1 or 1
+    better = (near + q // near) >> 1
     while better > near + 1 or better < near - 1:
         near = better
-        better = (near + q // near) >> 1 or 1
+        better = (near + q // near) >> 1
     while better * better > q:
         better -= 1
     return better
 
 
-@micropython.native
-def take(state, at):  # ISR: no allocation
+@micropython.viper
+def take(state: ptr32, at: int):  # ISR: no allocation
     """Take up what has been asked of the axis whose numbers begin at state[at]."""
     q = state[at + AXIS_Q]
     gain = state[at + AXIS_GAIN]
@@ -63,13 +60,13 @@ def take(state, at):  # ISR: no allocation
         state[at + AXIS_OVER] = state[at + AXIS_NEW_OVER]
         if state[at + AXIS_CARRY] >= state[at + AXIS_OVER]:
             state[at + AXIS_CARRY] = 0
-        if state[at + AXIS_DUE] > each and not gain:
+        if state[at + AXIS_DUE] > each and gain == 0:
             state[at + AXIS_DUE] = each
         state[at + AXIS_NEGATIVE] = state[at + AXIS_NEW_NEGATIVE]
         state[at + AXIS_ENDLESS] = state[at + AXIS_NEW_ENDLESS]
         state[at + AXIS_AIM] = state[at + AXIS_NEW_AIM]
         base = state[at + AXIS_NEW_BASE]
-        if base >= 0:
+        if base >> 30 & 1 == 0:
             state[at + AXIS_TAKEN] = base
             state[at + AXIS_TO_GO] = (q + gain - 1) // gain + 1 if q else 0
             state[at + AXIS_NEW_BASE] = -1
@@ -83,8 +80,8 @@ def take(state, at):  # ISR: no allocation
         state[at + AXIS_TO_GO] = MOST_STEPS
 
 
-@micropython.native
-def interval(state, at, togo):  # ISR: no allocation
+@micropython.viper
+def interval(state: ptr32, at: int, togo: int) -> int:  # ISR: no allocation
     """Ticks from the step just made to the next one, `togo` being left."""
     gain = state[at + AXIS_GAIN]
     if gain:
@@ -95,7 +92,7 @@ def interval(state, at, togo):  # ISR: no allocation
             after = aim if aim - q < gain else q + gain
         elif q > aim:
             after = aim if q - aim < gain else q - gain
-        if not togo:
+        if togo == 0:
             after = 0
         elif togo <= state[at + AXIS_NEAR] and gain * (togo - 1) < after:
             after = gain * (togo - 1)
@@ -122,11 +119,10 @@ def interval(state, at, togo):  # ISR: no allocation
 
 
 @micropython.viper
-def walk(words: ptr32, at: int, room: int, bits: int, numbers, made: ptr32) -> int:  # ISR: no allocation
+def walk(words: ptr32, at: int, room: int, bits: int, state: ptr32, made: ptr32) -> int:  # ISR: no allocation
     """Write at most `room` words, about a millisecond, to words[at:]; add each axis's signed steps to `made`.
 
     Returns how many: 0 if nothing moves and no interval runs."""
-    state = ptr32(numbers)
     axes = state[INDEPENDENT_AXES]
     least = state[INDEPENDENT_LEAST]
     count = 0
@@ -139,7 +135,7 @@ def walk(words: ptr32, at: int, room: int, bits: int, numbers, made: ptr32) -> i
         a = INDEPENDENT_AXIS
         while axis < axes:
             if state[a + AXIS_NEW] or state[a + AXIS_ASKED] != state[a + AXIS_TAKEN]:
-                take(numbers, a)
+                take(state, a)
             due = state[a + AXIS_DUE]
             togo = state[a + AXIS_TO_GO]
             if togo == 0 or (state[INDEPENDENT_HOLD] and state[a + AXIS_Q] == 0):
@@ -161,7 +157,7 @@ def walk(words: ptr32, at: int, room: int, bits: int, numbers, made: ptr32) -> i
                         togo -= 1
                         state[a + AXIS_TO_GO] = togo
                     if state[a + AXIS_GAIN]:
-                        due += int(interval(numbers, a, togo))
+                        due += int(interval(state, a, togo))
                     else:
                         due += state[a + AXIS_EACH]
                         carry = state[a + AXIS_CARRY] + state[a + AXIS_REST]

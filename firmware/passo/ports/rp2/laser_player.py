@@ -11,6 +11,7 @@ Where so few words have been made that these eight are not there yet, below 750 
 sees to the mark within 3 ms of its word.
 """
 # ruff: noqa: F821
+# Shared with interrupts: state
 
 from array import array
 
@@ -22,9 +23,9 @@ from micropython import const
 
 from passo.ports.rp2 import chip
 from passo.ports.rp2.fields import (
-    PIO_ARMED, PIO_CHANNELS, PIO_D, PIO_HELD, PIO_MASK, PIO_PLAYED, PIO_PLAYING, PIO_RUNS, PIO_SLOT,
+    PIO_ARMED, PIO_CHANNELS, PIO_D, PIO_HELD, PIO_MASK, PIO_PLAYED, PIO_PLAYING, PIO_RUNS, PIO_SLOT, PIO_STUCK,
 )  # fmt: skip
-from passo.ports.rp2.pio_player import PioPlayer, append
+from passo.ports.rp2.pio_player import STUCK, PioPlayer, append
 from passo.ports.rp2.registers import CHANNEL_READ
 from passo.records import (
     COUNT_HALF, COUNT_MASK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_SIZE, POWER_TAIL, POWER_WORD,
@@ -77,6 +78,8 @@ class LaserPlayer(PioPlayer):
     def start(self):  # ISR: no allocation
         """As PioPlayer.start(). The power that D has not been told of, or that is not the mark's any more, shows now."""
         state = self._state
+        if state[PIO_STUCK]:
+            raise STUCK
         if state[PIO_HELD]:
             return False
         power = self._power

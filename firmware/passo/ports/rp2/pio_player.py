@@ -13,6 +13,7 @@ level and the word pulled but not yet on the pins (the state machine's address t
 
 At 125 MHz `start` takes 15 µs (90 from a standstill), `played` 12 µs. Nothing here allocates after the constructor.
 """
+# Shared with interrupts: state
 
 from array import array
 
@@ -37,7 +38,7 @@ from passo.records import COUNT_MASK
 _RUNS_RING = const(8)
 _SPARE = const(3)  # entries left free: two for the next append, one for the end mark
 
-# Looks at a register that should be right after two or three of them; as many take a fifth of a millisecond.
+# Looks at a register that should be right after a microsecond; as many take 50 µs at least, by viper 200.
 _TRIES = const(1000)
 STUCK = RuntimeError("the player's DMA or state machine does not answer")  # here: an interrupt must not make one
 
@@ -99,6 +100,8 @@ class PioPlayer:
 
     def start(self):  # ISR: no allocation
         """Play from the ring what is published there; call it again when there is more. True if it has run dry."""
+        if self._state[PIO_STUCK]:
+            raise STUCK  # the feeding interrupt catches it, and the main loop ends with it: outputs safe, a report
         return append(self._state, self._ring.head)
 
     def hold(self, on):  # ISR: no allocation
@@ -305,8 +308,6 @@ def _resume(state: ptr32):
 
 @micropython.viper
 def append(state: ptr32, head: int) -> bool:
-    if state[PIO_STUCK]:
-        raise STUCK  # the feeding interrupt catches it, and the main loop ends with it: outputs safe, a report
     if state[PIO_HELD]:
         return False
     dry = False

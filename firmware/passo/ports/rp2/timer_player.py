@@ -5,6 +5,7 @@ of varying period that does not drift. The interrupt plays every word that has b
 ahead. Edges come some microseconds after their time, and totals are exact. Measured with three axes and garbage
 collected without pause: to 36 kHz the lateness varies by 3.2 µs; at 42 kHz the processor no longer keeps up.
 """
+# Shared with interrupts: state
 
 from array import array
 
