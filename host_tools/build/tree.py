@@ -292,7 +292,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     sources = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files}
     march = march or MARCH[board["chip"]]
     compiled = kernels.compiled(numbered_only(sources), folded(sources), board, march, cold if board["chip"] == IN_PLACE else ())
-    texts = inline.inlined(compiled.texts)
+    texts = inline.inlined(compiled.texts, bounds=inline.TIGHT if board["chip"] == IN_PLACE else inline.ROOMY)
     if by is not None:
         by += compiled.by
     with tempfile.TemporaryDirectory() as folder:

@@ -3,6 +3,7 @@ other compiler.
 
     texts = inlined(texts)               # {path: folded text} of a build
     texts = inlined(texts, keep=True)    # the same, and what has been put into others can still be called from Python
+    texts = inlined(texts, bounds=TIGHT) # for a chip that has little memory: fewer copies
 
 A kernel goes into those that call it if it has few statements; a longer one if only kernels call it, in one place or in few.
 Its arguments and locals become locals of the caller, `return` an assignment, and what Python
@@ -15,22 +16,23 @@ import ast
 import builtins
 import copy
 
-from host_tools.kernels.fall_through import FallThrough, assign, cast, name
+from host_tools.kernels.fall_through import FallThrough, assign, cast, name, returns
 from host_tools.kernels.program import INT, LOOPS, OBJECT, POINTERS, Program, ordered, parsed
 
 SMALL = 1 << 30
-FEW = 12  # statements
-MOST_MORE = 60  # statements that all copies but the first may have
+# (statements that a kernel may have to go in anywhere; that all copies but the first may have, if only kernels call it)
+ROOMY, TIGHT = (12, 60), (8, 8)
 
 
-def inlined(texts, keep=False):
+def inlined(texts, keep=False, bounds=ROOMY):
+    few, most_more = bounds
     program = Program(texts)
     uses = program.uses()
     chosen = {}
     for full, kernel in program.kernels.items():
         calls, others = uses[full]
         size = sum(1 for _ in ordered(kernel.node.body))
-        if calls and (size <= FEW or not others and (calls - 1) * size <= MOST_MORE):
+        if calls and (size <= few or not others and (calls - 1) * size <= most_more):
             chosen[full] = others == 0
     made, under_way = {}, []
 
@@ -299,17 +301,25 @@ class Inliner:
         before = dict(self.used)
         stores = {each.id for each in ast.walk(body) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
         names = {}
-        for (argument, kind), given in zip(callee.arguments, self.in_order(node.args, out)):
+        values = self.in_order(node.args, out)
+        named = [each.id for value in values for each in ast.walk(value) if isinstance(each, ast.Name)]
+        for (argument, kind), given in zip(callee.arguments, values):
             known = self.kind(given)
             fits = known == kind or kind == OBJECT
             if not fits and known in POINTERS:
                 self.kernel.refuse(node, f"{ast.unparse(given)} is {known}, {callee.name}() wants {kind}")
-            plain = isinstance(given, (ast.Name, ast.Constant)) and argument not in stores
+            kept = isinstance(given, ast.Name) and given.id == result and named.count(result) == 1  # `x = f(x)`: x is over with
+            plain = isinstance(given, (ast.Name, ast.Constant)) and (argument not in stores or kept)
             if not (fits and plain):
                 local = self.local(kind)
                 out.append(assign(local, given if fits else cast(kind, given)))
                 given = name(local)
             names[argument] = given
+        last = body.body[-1]
+        alone = isinstance(last, ast.Return) and not returns(body.body[:-1]) and isinstance(last.value, ast.Name)
+        if alone and result and result not in named and kinds.get(last.value.id) == INT and last.value.id not in names:
+            names[last.value.id] = name(result)  # what it returns is made where it is wanted
+            body.body.pop()
         for local, kind in kinds.items():
             if local not in names:
                 names[local] = name(self.local(kind))

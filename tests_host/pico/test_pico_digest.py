@@ -14,7 +14,7 @@ from host_tools.drawings import objects
 from host_tools.emulator.pico import EmulatedPico
 from host_tools.kernels import build as kernels
 from host_tools.kernels import module
-from host_tools.kernels.inline import inlined
+from host_tools.kernels.inline import TIGHT, inlined
 from gcode_jobs import all_jobs
 from test_digest import CHECKS, GOLDEN, HEX_JOBS, ROOT, golden_of_gcode, golden_of_hex, hex_job, job_of
 
@@ -29,7 +29,7 @@ def compiled(sources, board):
     made = kernels.compiled(numbered_only(texts), folded(texts), boards.load(board), "armv6m", COLD)
     files = {path: mpy.in_place(data) for path, data in made.modules.items()}
     with tempfile.TemporaryDirectory() as folder:
-        for path, text in inlined(made.texts).items():
+        for path, text in inlined(made.texts, bounds=TIGHT).items():
             source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
             source.write_text(text)
             compile_module(source, target, "armv6m", Path(path).with_suffix(".mpy"))
