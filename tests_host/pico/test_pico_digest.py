@@ -23,7 +23,7 @@ LIMIT_US = 30_000_000
 IN_FLASH = "from passo.ports.rp2.flash_code import FlashCode\ncode = FlashCode()\ncode.begin()\n"
 
 
-def compiled(sources, board):
+def compiled(sources, board="router_3axis"):
     """{path.mpy: bytes} of {path: source file}, compiled for the RP2040 as `passo build` does it."""
     texts = {path: source.read_text() for path, source in sources.items()}
     made = kernels.compiled(numbered_only(texts), folded(texts), boards.load(board), "armv6m", COLD)

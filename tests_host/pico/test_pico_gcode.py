@@ -13,7 +13,7 @@ from host_tools.emulator import gcode
 from host_tools.emulator.machine import EmulatedMachine
 from host_tools.emulator.pico import EmulatedPico
 from passo import records
-from passo.protocols.gcode import parse_viper
+from passo.protocols.gcode import parse_records, parse_viper
 from test_pico_digest import compiled
 
 FREE_BYTES = 12_000  # with the larger ring of the faster axes, and the memory that the lines come from
@@ -50,17 +50,17 @@ FAR = (
     "    while at < len(text):\n"
     "        count = parse(text, at, len(text), place, rows, 1)\n"
     "        print(count, list(place), list(rows))\n"
-    "        at = text.find(b'\\n', at) + 1 if not count else place[%d]\n" % records.PARSE_AFTER
+    "        at = text.find(b'\\n', at) + 1 if not count else place[%d]\n" % parse_records.PARSE_AFTER
 )
 
 
 def test_far_lines_are_read_as_on_a_pc(uf2):
     """Up to 2.1 m, at the limits of 32 bits."""
-    place = [0] * records.PARSE_FIELDS
-    place[records.PARSE_AXES], place[records.PARSE_MODAL], place[records.PARSE_FEED] = 3, 1, 10_000
+    place = [0] * parse_records.PARSE_FIELDS
+    place[parse_records.PARSE_AXES], place[parse_records.PARSE_MODAL], place[parse_records.PARSE_FEED] = 3, 1, 10_000
     for axis, (offset, per_m) in enumerate(((0, 320_000), (1_900_000_000, 83_333), (-2_147_483_647, 400_000))):
-        place[records.PARSE_OFFSET + axis], place[records.PARSE_RESOLUTION + axis] = offset, per_m
-        place[records.PARSE_LOW + axis], place[records.PARSE_HIGH + axis] = 0, 0x3FFFFFFF
+        place[parse_records.PARSE_OFFSET + axis], place[parse_records.PARSE_RESOLUTION + axis] = offset, per_m
+        place[parse_records.PARSE_LOW + axis], place[parse_records.PARSE_HIGH + axis] = 0, 0x3FFFFFFF
     text = "".join(
         f"X{x}Y{y}Z{z}\n"
         for x, y, z in zip(
@@ -73,7 +73,8 @@ def test_far_lines_are_read_as_on_a_pc(uf2):
     here = io.StringIO()
     with contextlib.redirect_stdout(here):
         exec(code, {"parse": parse_viper.parse})
-    files = compiled({"passo/records.py": Path(records.__file__), "parse_viper.py": Path(parse_viper.__file__)})
+    modules = {"passo/records.py": records, "passo/protocols/gcode/parse_records.py": parse_records, "parse_viper.py": parse_viper}
+    files = compiled({path: Path(module.__file__) for path, module in modules.items()})
     files["passo/__init__.py"] = b""
     code = "from parse_viper import parse\n" + code
     counts = [line[0] for line in here.getvalue().splitlines()]
