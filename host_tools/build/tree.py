@@ -291,7 +291,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     cold = COLD + COLD_IF_LEAN if board.get("memory") == "lean" else COLD
     sources = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files}
     march = march or MARCH[board["chip"]]
-    compiled = kernels.compiled(numbered_only(sources), folded(sources), board, march, cold if board["chip"] == IN_PLACE else ())
+    compiled = kernels.compiled(numbered_only(sources), folded(sources), board, march, COLD if board["chip"] == IN_PLACE else ())
     texts = inline.inlined(compiled.texts, bounds=inline.TIGHT if board["chip"] == IN_PLACE else inline.ROOMY)
     if by is not None:
         by += compiled.by
