@@ -22,6 +22,8 @@ _HIGHEST = 9_999_999
 _SLICE_S = 0.02
 HOME_S = 600
 _SIGN_S = 0.3  # between two signs of life while an answer is awaited
+_REPORTS = 40  # until one has said what each says only now and then
+_STANDING = "Idle", "Alarm", "Check", "Sleep"
 RESET = b"\x18"
 N_WORD = re.compile(rb"N(\d+)")
 
@@ -83,9 +85,44 @@ class GrblClient(Client):
     # --- lines
 
     def connect(self):
-        """Reset the controller and wait for its banner. Raises LinkError if nothing, or something else, answers."""
+        """Reset the controller, if its machine stands, and wait for its banner. Raises LinkError if nothing, or something else,
+        answers; Refused if the machine is at work, for whoever it may be."""
+        self.be_sure_it_stands()
         self.reset()
         return self
+
+    def be_sure_it_stands(self):
+        """Ask for the state, and change nothing. Raises LinkError, and Refused if the machine moves, holds or runs a job."""
+        fields = {}
+        for _again in range(_REPORTS):
+            fields = {**fields, **self._first_status()}
+            if "Ov" in fields:  # which comes now and then; the report that has it names a stored job
+                break
+        job = fields.get("SD")
+        state = fields["state"]
+        if job:
+            share, _comma, name = job.partition(",")
+            raise Refused("{}: the stored job {} is running, {} % of it read. Let it end, or stop it first", self.port, name.rstrip("?"), share)
+        if state.partition(":")[0] not in _STANDING:
+            raise Refused("{}: the machine is at work ({}) for somebody else. Let it end, or stop it first", self.port, state)
+
+    def _first_status(self):
+        """A report of a board that may just be starting, or has the beginning of a line of somebody else's."""
+        self.status = {}
+        said = []
+        deadline = time.monotonic() + self.timeout_s
+        asked = 0.0
+        while not self.status:
+            now = time.monotonic()
+            if now > deadline:
+                if said:
+                    raise LinkError("{}: no grbl answers there, but {!r}", self.port, said[0])
+                raise LinkError("{}: no grbl answers there", self.port)
+            if now - asked >= _SIGN_S:
+                asked = now
+                self.real_time(b"?")
+            said += self.lines()
+        return self.status
 
     def reset(self):
         before = self.banners

@@ -301,15 +301,15 @@ def check_what_is_no_circle():
 def check_more_than_the_steps_show(radius, seed):
     """What rounding has brought to the other side of the start is a turn more, or less: all else as it was."""
     plane, center, deltas, clockwise, _ = draw_arc(radius, seed)
-    quarter = Walk(plane, center, deltas, clockwise, 0).swept >> 30
+    turn = Walk(plane, center, deltas, clockwise, 0).swept  # 2³² is a whole one
     for over_half in (False, True):
         into = array("i", [0] * ARC_FIELDS)
         swept = plan(into, plane, center, deltas, clockwise, 1, over_half)[1]
         before = Walk(plane, center, deltas, clockwise, 1).swept
         off = (swept - before + (1 << 31)) >> 32
-        if quarter == 0:
+        if turn < 1 << 30:
             assert off == (1 if over_half else 0)
-        elif quarter >= 3:
+        elif turn > 3 << 30:
             assert off == (0 if over_half else -1)
         else:
             assert off == 0
