@@ -8,9 +8,11 @@ import typer
 
 from host_tools.failure import Failure
 from host_tools.language import _, error_text
+from passo.protocols.plotter.host import COMMANDS, STATUS_LENGTH, packet
 
-_ANSWER_S = 0.5
+_ANSWER_S = 1.0
 _QUIET_S = 0.02  # silence that separates the next bytes from the question
+_STATUS = packet(COMMANDS["STATUS"])  # its first byte is grbl's `?`
 BAUD = {"grbl": 115_200, "torch": 115_200, "pulses": 115_200, "plotter": 57_600}
 
 
@@ -42,26 +44,42 @@ def log(
 
 
 def spoken(port, baud):
-    """Find the language of a link by its answer to `?`, which moves nothing in any: grbl answers with its status, pulses with an
-    error; torch does not answer, and logs it. A link that a killed program left in frames does not answer in plain text either: end
-    that session, then ask again. `passo --no-frames` skips that."""
+    """Find the language of a link. `?` moves nothing in any, and no log has it: grbl and pulses answer with their status.
+    If nothing answers, five bytes more make a plotter's packet STATUS of it; a torch takes no notice of either, and is asked last.
+    A link that a killed program left in frames does not answer in plain text: end that session, then ask again.
+    `passo --no-frames` skips that. A link of another baud rate is not found: say --protocol and --baud."""
     from host_tools.clients import serial_port
     from host_tools.clients.frames import OFFER_S, FramedPort
     from host_tools.clients.wire import open_port
 
     def question(line):
         line.timeout = _ANSWER_S
-        line.write(b"?")
-        return line.read(9)
+        line.write(_STATUS[:1])
+        said = line.read(9)
+        if not said:
+            line.write(_STATUS[1:])
+            said = line.read(STATUS_LENGTH)
+        return said
 
     said = _with(open_port(port, baud), question)
+    if not said and _is_torch(port, baud):
+        return "torch"
     if (not said or b"\0" in said) and serial_port.frames is not False:
         with contextlib.suppress(OSError):  # a session that does not end: the language is not found then, and the caller says so
             _with(FramedPort(open_port(port, baud)), lambda line: line.begin(OFFER_S))
         said = _with(open_port(port, baud), question)
     if said[:1] == b"<":
-        return "grbl"
-    return "pulses" if b"error:" in said else "torch"
+        return "grbl" if said[1:2].isupper() else "pulses"
+    if said[:1] == _STATUS[:1] and len(said) == STATUS_LENGTH:
+        return "plotter"
+    return "torch"
+
+
+def _is_torch(port, baud):
+    from host_tools.clients.torch import TorchClient
+
+    with TorchClient(port, baud) as client:
+        return client.status() is not None
 
 
 def _with(line, ask):

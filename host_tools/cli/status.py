@@ -47,7 +47,7 @@ def status(
 
 
 def _grbl(port, baud):
-    from host_tools.clients.grbl import GrblClient, Refused
+    from host_tools.clients.grbl import GrblClient
     from host_tools.clients.serial_port import LinkError
 
     with GrblClient(port, baud) as client:
@@ -61,10 +61,9 @@ def _grbl(port, baud):
         except LinkError:
             fields = {**fields, **client.ask_status()}  # raises if the link is gone; else lines that were sent before hold $LOG up
             return [*grbl_rows(fields, [], []), ("", _("no log, no encoders: they are answered after the lines sent before"))]
-        try:
+        encoders = []
+        if "En" in fields:  # the board has some
             encoders = [line for line in client.command("$ENC") if line.startswith("[ENC:")]
-        except Refused:
-            encoders = []  # the board has none
     return grbl_rows(fields, encoders, log)
 
 

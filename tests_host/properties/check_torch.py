@@ -6,6 +6,7 @@ from passo.commands import (
     ACCEPTED, AS_JOG, AT_REST, BAD, CONNECT, FINISHED, REFUSED, RESET, RUN, STATUS, STILL, STOP, UNLOCK, ZERO, Event,
 )  # fmt: skip
 from passo.protocols.torch import protocol as torch
+from passo.protocols.torch.frames import QUESTIONS
 from passo.protocols.torch.protocol import Torch
 
 INTEGER = (-(1 << 31), (1 << 31) - 1)
@@ -15,6 +16,7 @@ CASES = {
     ),
     "check_torn_frames": (("which", 0, 12), ("value",) + INTEGER, ("chunk", 1, 18)),
     "check_noise": (("noise", "bytes", 40), ("which", 0, 12)),
+    "check_questions_of_other_languages": (("which", 0, 12),),
     "check_in_any_pieces": (("cuts", "list", 12, ("at", 0, 60)),),
     "check_moves": (
         ("moves", "list", 4, ("x", 0, 150), ("x_speed", 1, 8000), ("y", 0, 150), ("y_speed", 1, 8000), ("signs", 0, 3)),
@@ -186,6 +188,21 @@ def check_a_torn_frame_is_forgotten_without_a_look_in_between():
     assert good.kind == STATUS
 
 
+def check_questions_of_other_languages(which):
+    """`?` alone, as passo status asks, is no noise: nothing is logged. Behind a frame's beginning it is."""
+    for question in QUESTIONS:
+        for pieces in ((question,), tuple([question[at : at + 1] for at in range(len(question))])):
+            protocol = Torch((48, 83), (480, 830), GAP_MS)
+            found = []
+            for piece in pieces:
+                found += protocol.feed(piece, 0)
+            assert found + protocol.feed(b"", GAP_MS) == []
+            assert understood(protocol, frames()[which], GAP_MS) is not None
+        protocol = Torch((48, 83), (480, 830), GAP_MS)
+        found = protocol.feed(question + b"?", 0) + protocol.feed(b"", GAP_MS)
+        assert [command.kind for command in found] == [BAD]
+
+
 def check_noise(noise, which):
     """Noise that is no frame between two silences asks for nothing; the frame behind it works."""
     at = 0
@@ -197,7 +214,7 @@ def check_noise(noise, which):
         at += 1
     protocol = Torch((48, 83), (480, 830), GAP_MS)
     found = protocol.feed(noise, 0) + protocol.feed(b"", GAP_MS)
-    assert [command.kind for command in found] == ([BAD] if noise else [])
+    assert [command.kind for command in found] == ([BAD] if noise and bytes(noise) not in QUESTIONS else [])
     data = frames()[which]
     found = understood(protocol, data, GAP_MS)
     assert len(found) == (0 if data[0] == 0xAA else 1) and not [command for command in found if command.kind == BAD]

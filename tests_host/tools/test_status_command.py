@@ -39,7 +39,7 @@ def test_the_other_way_round():
 def asked(port, *more):
     result = CliRunner().invoke(app, ["status", "--port", port, *more])
     assert result.exit_code == 0, result.output
-    return {line.split("  ")[0]: line for line in result.output.splitlines()}
+    return {line.split("  ")[0]: line for line in result.output.splitlines()} | {"all": result.output.splitlines()}
 
 
 @pytest.mark.unmeasured
@@ -47,8 +47,11 @@ def asked(port, *more):
     "board, options, wanted",
     [
         ("mill_2004", (), {"state": "Alarm", "encoder x2": "0 counts"}),
+        ("router_3axis", (), {"state": "Alarm"}),
+        ("plotter_2014", (), {"state": "idle", "drawn": "0"}),
+        ("torch_manipulator", (), {"state": "idle", "error": "0"}),
+        ("lpt_router", (), {"state": "idle", "going": "+"}),
         ("plotter_2014", ("--protocol", "plotter"), {"state": "idle", "drawn": "0"}),
-        ("torch_manipulator", ("--protocol", "torch"), {"state": "idle", "ours": "False"}),
         ("lpt_router", ("--protocol", "pulses"), {"state": "idle", "going": "+"}),
     ],
 )

@@ -109,6 +109,9 @@ class Pulses:
                 elif data[at] == 0x7B:
                     self._frame = b""
                     at += 1
+                elif data[at] == 0x3F and self._mode == _TYPED and not self._open and not self._items:
+                    found.append(Command(STATUS))  # as {?}, but of a host that does not know the language yet
+                    at += 1
                 else:
                     at = self._codes(data, at, found)
             self._hand_on(found)
@@ -163,9 +166,7 @@ class Pulses:
         items = self._items
         last = items[-1] if items else 0
         begun = at
-        end = at + CREDIT - self._taken
-        if end > len(data):
-            end = len(data)
+        end = min(at + CREDIT - self._taken, len(data))
         while at < end:
             code = data[at] - 65
             if code < 0 or code > 25:
@@ -343,9 +344,7 @@ class Pulses:
         if said is not None:
             return said
         if event.kind == FINISHED:
-            if command.kind == STEP_PROGRAM or command.kind == STEP_PROGRAM_ADD:
-                return (event.value + "\n").encode()
-            return b"ok\n"
+            return (event.value + "\n").encode() if command.kind in (STEP_PROGRAM, STEP_PROGRAM_ADD) else b"ok\n"
         if command.kind == STEP_PROGRAM_ADD:
             return self._reply_to_file(event, command)
         if event.kind != ACCEPTED:

@@ -9,6 +9,8 @@ There is no checksum, so a frame is believed only where it must begin: behind an
 good frame is there with its last byte, but for two kinds: one that may yet grow longer (`at_idle`) waits for the
 silence, and one so short that the rest of a torn frame may begin like it (`short`) waits for another good frame or
 for SETTLE_MS without a byte.
+
+What `passo status` asks in another language is dropped too, but it is no fault of the line: QUESTIONS, alone between two silences.
 """
 
 import micropython
@@ -21,6 +23,10 @@ SETTLE_MS = const(2)  # at 9600 baud the next byte of a torn frame comes within 
 _LONG_GAPS = const(20)  # so many gaps between two reads are a silence, even if nobody looked in between
 
 
+QUESTIONS = b"?", b"\0\0\0\0?"  # of grbl, and with that the packet STATUS of a plotter
+_MOST = const(8)  # bytes that are looked at for it
+
+
 class Cutter:
     def __init__(self, lengths, gap_ms, at_idle=None, short=()):
         """`lengths`: {code: bytes of its frame, code and terminator included}; `at_idle`: {code: a shorter length that
@@ -31,6 +37,7 @@ class Cutter:
         self._short = short
         self._bytes = b""
         self._broken = False  # bytes are being dropped until the line is silent
+        self._lone = b""  # the first of them
         self._silent_ms = gap_ms  # since the newest byte
         self._latest = 0  # when the newest byte came
 
@@ -48,11 +55,13 @@ class Cutter:
         self._latest = now_ms
         if not self._broken:
             self._bytes += data
+        elif len(self._lone) < _MOST:
+            self._lone += data
 
     def drop(self):
         """Forget what has come, up to the next silence."""
         if self._bytes:
-            self._bytes = b""
+            self._bytes = self._lone = b""
             self._broken = True
 
     @micropython.native
@@ -63,7 +72,7 @@ class Cutter:
             if not quiet:
                 return None
             self._broken = False
-            return b""
+            return None if bytes(self._lone) in QUESTIONS else b""
         data = self._bytes
         if not data:
             return None
@@ -83,6 +92,7 @@ class Cutter:
             if behind < 0:
                 length = -1
         if length < 0:
+            self._lone = data
             self._bytes = b""
             self._broken = True
             return self.next()
