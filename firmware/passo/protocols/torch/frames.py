@@ -24,7 +24,7 @@ _LONG_GAPS = const(20)  # so many gaps between two reads are a silence, even if 
 
 
 QUESTIONS = b"?", b"\0\0\0\0?"  # of grbl, and with that the packet STATUS of a plotter
-_MOST = const(8)  # bytes that are looked at for it
+_LONE = const(8)  # bytes that are looked at for it
 
 
 class Cutter:
@@ -55,7 +55,7 @@ class Cutter:
         self._latest = now_ms
         if not self._broken:
             self._bytes += data
-        elif len(self._lone) < _MOST:
+        elif len(self._lone) < _LONE:
             self._lone += data
 
     def drop(self):
