@@ -284,7 +284,7 @@ def small(rows, **more):
         ({"hx": "a & there"}, {"signals": {"a": "x.step"}, "elsewhere": "there"}, "can never be"),
         ({}, {"limits": {"x": "limit_x"}}, "no direction 'x'"),
         ({}, {"limits": {"x+": "limit_q"}}, "neither an input"),
-        ({"x+": 3}, {}, "sum of products"),
+        ({"x+": 3}, {}, "in an interlock with texts behind them"),
         ({"x+": "!stop"}, {"row": {}}, "unknown key 'row'"),
     ],
 )
