@@ -70,4 +70,6 @@ class Pages:
 
     def _save(self):
         if self._path is not None:
-            self._path.write_bytes(self.data)
+            fresh = self._path.with_suffix(".new")  # whoever is killed here leaves the old file or the new one
+            fresh.write_bytes(self.data)
+            fresh.replace(self._path)

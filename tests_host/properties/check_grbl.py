@@ -189,13 +189,27 @@ def check_damaged_settings_are_told():
 
 
 def check_settings_that_cannot_be_kept():
+    """What is refused does not count. An offset counts, the log says that it is not kept, and flash is not written again and again."""
     machine = Machine().ready()
+    tries = []
 
     def full(slot, data):
+        tries.append(slot)
         raise OSError(28)
 
+    machine.do("$N0=G21", "G10L2P1X5")
+    machine.cycles(5)
+    before = machine.ask("$$"), machine.ask("$N"), machine.ask("$#"), machine.ask("$I")
     machine.slots.write = full
-    assert machine.ask("$110=600") == ["error:7"]
+    for line in ("$110=600", "$22=0", "$N0=G20", "$I=mill", "$RST=$", "$RST=#", "$RST=*"):
+        assert machine.ask(line) == ["error:7"], line
+        machine.cycles(5)
+        assert (machine.ask("$$"), machine.ask("$N"), machine.ask("$#"), machine.ask("$I")) == before, line
+    tries.clear()
+    machine.do("G21", "G10L2P1X7")
+    machine.cycles(20)
+    assert len(tries) == 1 and machine.ask("$#")[0] == "[G54:7.000,0.000,0.000]"
+    assert [entry[1] for entry in machine.controller.machine.log.entries][-1] == errors.MEMORY
 
 
 def check_nothing_is_written_while_moving():

@@ -3,7 +3,9 @@
     settings = Settings(board, Journal(FileSlots("/settings")))
     settings.value(110)              # 500000: $110 in thousandths
     settings.change(110, 600_000)    # 0, or the number of an error; the board dict follows
-    settings.save()                  # where something has changed; never while the machine moves
+    settings.save()                  # if something has changed; never while the machine moves
+    before = settings.snapshot()
+    error = settings.change(110, 600_000) or settings.save(before)     # what cannot be kept does not count
     settings.put("G54", "0,0,0")     # texts beside the numbers: offsets, start-up lines
 
 What pins do ($0, $2, $3, $4) changes with the next start, all else at once. Numbers and meanings are grbl 1.1's, also of
@@ -47,6 +49,7 @@ class Settings:
         self._changed = {}
         self._texts = {}
         self.dirty = False
+        self.failed = False  # it could not be saved, and nothing has changed since
         self.version = 0  # goes up with each change of a number
         self._load(journal.read() or "")
         self.damaged = journal.damaged
@@ -119,6 +122,7 @@ class Settings:
 
     def _touch(self):
         self.dirty = True
+        self.failed = False
         self.version += 1
         self._apply()
 
@@ -139,6 +143,7 @@ class Settings:
         if self._texts.get(key) != text:
             self._texts[key] = text
             self.dirty = True
+            self.failed = False
 
     # --- all of them
 
@@ -151,12 +156,22 @@ class Settings:
                 del self._texts[key]
         self._touch()
 
-    def save(self):
-        """Write what has changed. Only while the machine stands still. 0, or MEMORY."""
+    def snapshot(self):
+        """All that counts now, for save()."""
+        return dict(self._changed), dict(self._texts), self.dirty
+
+    def save(self, before=None):
+        """Write what has changed. Only while the machine stands still. 0, or MEMORY: then all counts again as in the snapshot
+        `before`, if there is one."""
         if self.dirty:
             try:
                 self._journal.write(self._dump())
             except (OSError, MemoryError):
+                if before is not None:
+                    self._changed, self._texts, dirty = before
+                    self._touch()
+                    self.dirty = dirty
+                self.failed = True
                 return errors.MEMORY
             self.dirty = self.damaged = False
         return 0

@@ -160,8 +160,8 @@ class Controller:
         machine.jogging = False
         if machine.busy_with(commands.STOP):
             machine.finish(machine.report({}))
-        if machine.settings.dirty:
-            machine.settings.save()
+        if machine.settings.dirty and not machine.settings.failed and machine.settings.save():
+            machine.note(errors.MEMORY)  # what has been set counts until the power goes; it is tried again with the next change
 
     def begin(self):
         """Nothing more is coming for now: what waits sets out. A moving machine fetches on its own."""

@@ -164,19 +164,21 @@ class System:
         return version + "[OPT:VNMZ,%d,%d]\r\n" % (self._blocks, RX_BYTES) + (grbl_report.message(about) if about else "")
 
     def _keep(self, key, text):
+        before = self._settings.snapshot()
         try:
             self._settings.put(key, text)
         except ValueError:
             return errors.START_LINE_TOO_LONG
-        return self._settings.save() or answer("")
+        return self._settings.save(before) or answer("")
 
     def _restore(self, what):
         if what not in ("$", "#", "*"):
             return errors.STATEMENT
+        before = self._settings.snapshot()
         self._settings.restore(what != "#", "$#*".find(what))
+        error = self._settings.save(before)
         if what != "$":
             self._gcode.offsets.load()
-        error = self._settings.save()
         return error or answer(grbl_report.message(grbl_report.RESTORING)) + [Command(commands.RESET)]
 
     def _start_lines(self, line, state):
@@ -217,4 +219,5 @@ class System:
         error = words.scan(b"X" + text.encode())
         if error or words.count or words.have != 1 << X:
             return errors.NUMBER
-        return self._settings.change(int(key), words.fixed(X, places)) or self._settings.save() or answer("")
+        before = self._settings.snapshot()
+        return self._settings.change(int(key), words.fixed(X, places)) or self._settings.save(before) or answer("")
