@@ -22,6 +22,7 @@ from pathlib import Path
 
 from host_tools.failure import Failure, reason
 from host_tools.language import _
+from host_tools.sim.gate import Gate
 
 READ_BYTES = 4096
 UNSENT_BYTES = 1 << 20  # kept for a client that does not read; beyond that the oldest are lost, with a message
@@ -170,7 +171,8 @@ def _same(fd, path):
 
 
 class TcpLine(_Line):
-    """A TCP server on this machine with one client at a time; a new client takes the place of the old. Port 0: any."""
+    """A TCP server on this machine with one client at a time; a new client takes the place of the old. Port 0: any. A browser's requests,
+    and who is refused from the first line on, are hung up on: gate.py."""
 
     def __init__(self, port, host="127.0.0.1"):
         super().__init__()
@@ -180,6 +182,7 @@ class TcpLine(_Line):
             raise Failure("cannot serve TCP port {}: {}", port, reason(error)) from error
         self._server.setblocking(False)
         self._client = None
+        self._gate = Gate()
         self.name = f"socket://{host}:{self._server.getsockname()[1]}"
 
     def read(self):
@@ -194,8 +197,22 @@ class TcpLine(_Line):
                 pass
             except OSError:
                 self._drop()
+            if data or self._gate.held():
+                data = self._through(data)
         if self._unsent:
             self._send()
+        return data
+
+    def write(self, data):
+        self._gate.answered(bytes(data))
+        super().write(data)
+
+    def _through(self, data):
+        data = self._gate.take(data, time.monotonic())
+        if data is None:
+            print(_("{}: hung up on a client that is no sender", self.name), file=sys.stderr, flush=True)
+            self._drop()
+            return b""
         return data
 
     def watched(self):
@@ -211,6 +228,7 @@ class TcpLine(_Line):
         except OSError:
             return
         self._drop()
+        self._gate = Gate()
         client.setblocking(False)
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._client = client

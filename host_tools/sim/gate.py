@@ -1,0 +1,63 @@
+"""What keeps a browser out of a TCP port that takes a machine's orders: any page may have one send bytes to any port of the PC.
+
+    gate = Gate()                           # of one connection
+    data = gate.take(received, now)         # what the board may have of it; None: hang up
+    gate.answered(said)                     # what the board says
+
+A connection is hung up on, before more of it is read, if it begins with a request of HTTP or with TLS, and at the fifth line refused
+while none has been accepted: the body of a request that looks like nothing else is lines to a board. Until one line has been accepted
+the next waits for an answer, or for WAIT_S: so none is carried out behind the fifth. Real-time bytes, and what a program has
+accepted answers to, pass at once.
+"""
+
+import re
+
+WAIT_S = 0.05  # a language need not answer
+_REFUSALS = 5
+_TLS = b"\x16\x03"
+_REQUEST = re.compile(rb"[A-Z]{3,16} [^\r\n]{0,8000} HTTP/\d")
+_MAY_BE = re.compile(rb"[A-Z]{0,16}(?: [^\r\n]{0,8000})?")  # of which a request may still come
+_PUSHED = b"<[GA\r\n"  # what a grbl says unasked begins so
+
+
+class Gate:
+    def __init__(self):
+        self._open = False  # an answer was no refusal
+        self._first = True  # the first line has not ended yet
+        self._held = b""
+        self._refused = 0
+        self._waits_since = None  # time at which a line was let through that has no answer yet
+
+    def take(self, data, now):
+        """The bytes that may go on, perhaps some of those held back before; None: no more of this connection."""
+        if self._refused >= _REFUSALS:
+            return None
+        self._held += data
+        if self._open:
+            data, self._held = self._held, b""
+            return data
+        if self._first:
+            if self._held[:2] == _TLS or _REQUEST.match(self._held):
+                return None
+            if self._held[:1] == _TLS[:1] and len(self._held) == 1 or self._held and _MAY_BE.fullmatch(self._held):
+                return b""  # what it is shows with the next bytes, or the line's end
+            self._first = False
+        if self._waits_since is not None and now - self._waits_since < WAIT_S:
+            return b""
+        end = min((at for at in (self._held.find(b"\n"), self._held.find(b"\r")) if at >= 0), default=-1) + 1 or len(self._held)
+        data, self._held = self._held[:end], self._held[end:]
+        self._waits_since = now if data[-1:] in (b"\n", b"\r") and data.strip() else None
+        return data
+
+    def held(self):
+        """True if there is something that take(b"", now) may give."""
+        return bool(self._held)
+
+    def answered(self, said):
+        if self._open or not said:
+            return
+        refused = said.count(b"error:")
+        self._refused += refused
+        if b"ok\r\n" in said or b"ok\n" in said or not refused and said[:1] not in _PUSHED:
+            self._open = True
+        self._waits_since = None
