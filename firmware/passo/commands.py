@@ -44,12 +44,12 @@ CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the o
 OUTPUT = const(35)  # output p0 … p9: `value` its number, `tool`: on; `power` 1: at once, 0: as the next motion begins
 MORE = const(36)  # no command: `value` makes the line's next one each time it is asked, next(value), then None
 STILL = const(33)  # nothing but an answer: accepted at a stand, else refused as BUSY
-ADMIT = const(36)  # `value` minutes: who sends no key may move the machine over the network, where the board file allows that
+ADMIT = const(39)  # `value` minutes: who sends no key may move the machine over the network, where the board file allows that
 WEAVE = const(37)  # `value`: how lines and arcs at a feed are woven from now on, a spec of motion/weave.py; None: not at all
 SEAM = const(38)  # a line or an arc woven by `value`, from rest: `target` in steps from here; the rest as of a Motion
 ZERO_COUNTS = const(34)  # the counts of the encoders that are shown begin at 0
 JOB = const(50)  # a stored job: `value` is one of JOB_RUN …, `target` its name or what else it needs
-
+JOURNAL = const(51)  # of the job: `target` None: tell it; else the number of the job that begins
 STEP_PROGRAM_ADD = const(40)  # a step program comes: `value` is one of STEPS_OPEN … STEPS_ABORT
 STEP_PROGRAM = const(41)  # `value`: what to do with it, one of STEPS_GO … STEPS_HAND_DRIVES
 
@@ -68,7 +68,6 @@ AT_REST = const(0)  # Run.when: refused while anything moves
 AS_JOG = const(1)  # or extends a jog of the same axes in the same directions
 LIVE = const(2)  # or changes what the axes named do, while others run on
 FOREVER = const(0x1FFFFFFF)  # steps of a Run without an end
-JOURNAL = const(51)  # of the job: `target` None: tell it; else the number of the job that begins
 
 # JOB
 JOB_RUN = const(0)  # without a name the button's

@@ -6,7 +6,9 @@ from draws import Random
 from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.words import rounded
 from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
-from passo.records import REPORT_AXIS, REPORT_FIELDS, REPORT_UNIT
+from passo.records import (
+    REPORT_AXIS, REPORT_FIELDS, REPORT_LONGEST, REPORT_UNIT, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT,
+)  # fmt: skip
 
 CASES = {"check_places": (("seed", "seed"),), "check_numbers": (("seed", "seed"),)}
 RUNS = {"check_places": 300, "check_numbers": 100}
@@ -15,7 +17,7 @@ MOST = (1 << 28) - 1  # steps
 
 
 def told(label, figures, count):
-    out = bytearray(120)
+    out = bytearray(REPORT_LONGEST)
     end = tell(out, 3, label + b",".join([bytes((number + 1,)) for number in range(count)]) + b"\0", figures)
     assert out[:3] == bytes(3) and not any(out[end:])
     return bytes(out[3:end]).decode()
@@ -64,3 +66,62 @@ def check_speeds():
     for nm_s in (0, 1, 8333, 8334, 541_266_000, 715_827_882, 1 << 30, 16_666_666_650, 25_400_000, 423_333, 42_333, 21_167):
         assert grbl_report.rate(nm_s, 0) == str(rounded(nm_s * 60, 1_000_000))
         assert grbl_report.rate(nm_s, 1) == grbl_report.decimal(rounded(nm_s * 60, 2_540_000), 1)
+
+
+class _Longest:
+    """Gcode, its offsets, settings and machine in one, every value the longest there is."""
+
+    axes = 4
+    system = 0
+    version = 0
+    steps_per_m = (3, 3, 3, 3)
+
+    def __init__(self):
+        self.offsets = self
+
+    def of(self, system, axis):
+        return -99_999_999_999_999
+
+    def value(self, key):
+        return {SETTING_REPORT: 3, SETTING_INCHES: 0, SETTING_MAX_RPM: 1_000_000_000}[key]
+
+
+def say(status, report):
+    """The longest of the reports that tell the overrides, and of those that tell the offsets."""
+    found = {}
+    for _ in range(40):
+        text = bytes(status.text(report, 999_999_999)).decode()
+        assert text[0] == "<" and text[-3:] == ">\r\n" and text.count("|") >= 4
+        kind = "Ov" if "|Ov:" in text else "WCO" if "|WCO:" in text else ""
+        found[kind] = max(found.get(kind, ""), text)
+    return found
+
+
+def longest_report():
+    counts = ",".join(["-999999999"] * 4)
+    return {
+        "position": array("i", [-MOST] * 4), "blocks": 999_999_999, "number": 999_999_999, "feed": 0x3FFFFFFF,
+        "power": 1_000_000, "state": "door", "substate": 3, "pins": "XYZAPDHRSNxyzan", "overrides": (200, 100, 200), "spindle": 4,
+        "coolant": 3, "job": (100, "n" * 32), "counts": counts, "rpm": 999_999_999, "glitches": 999_999_999,
+    }  # fmt: skip
+
+
+def check_every_field_at_its_longest():
+    one = _Longest()
+    found = say(grbl_report.Status(one, one, one), longest_report())
+    wanted = "|Ov:200,100,200|A:CFM|SD:100,", "|En:-999999999,", "|RPM:999999999|Gl:999999999>"
+    for field in wanted + ("|Pn:XYZAPDHRSNxyzan|", "|Ln:999999999|"):
+        assert field in found["Ov"], (field, found["Ov"])
+    assert "|WCO:-100000000.000," in found["WCO"], found["WCO"]
+    assert len(found["Ov"]) + len("|T:999999999") <= REPORT_LONGEST, len(found["Ov"])
+
+
+def check_a_field_too_long_is_left_out():
+    """And those behind it stand, as does the end."""
+    one = _Longest()
+    report = longest_report()
+    for length in range(0, 2 * REPORT_LONGEST, 7):
+        report["job"] = (100, "n" * length)
+        text = say(grbl_report.Status(one, one, one), report)["Ov"]
+        assert len(text) <= REPORT_LONGEST + 3
+    assert "|SD:" not in text and "|En:" in text and "|Gl:999999999>" in text

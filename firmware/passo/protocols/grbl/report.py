@@ -9,7 +9,7 @@ from passo.protocols.gcode.words import rounded
 from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
 from passo.records import (
     NUMBER_DECIMALS, NUMBER_FIELDS, NUMBER_FIRST, NUMBER_WHOLE, REPORT_AXIS, REPORT_BLOCKS, REPORT_FIELDS, REPORT_LINE,
-    REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_ROOM, REPORT_RPM, REPORT_SPEED, REPORT_STEPS_PER_M,
+    REPORT_LONGEST, REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_ROOM, REPORT_RPM, REPORT_SPEED, REPORT_STEPS_PER_M,
     REPORT_UNIT, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT,
 )  # fmt: skip
 
@@ -39,7 +39,7 @@ _WCO_BUSY = const(30)
 _OVERRIDES_BUSY = const(20)
 _IDLE = const(10)
 _NM_PER_TENTH_MIL = const(2540)
-_LONGEST = const(224)  # bytes of a report
+_END = const(3)  # bytes of what ends a report
 
 
 def message(text):
@@ -146,7 +146,7 @@ class Status:
         gcode = self._gcode
         settings = self._settings
         if self._out is None:
-            self._out = bytearray(_LONGEST)
+            self._out = bytearray(REPORT_LONGEST + _END)
             self._view = self._said = memoryview(self._out)
             self._fields = array("i", [0] * (REPORT_AXIS + REPORT_FIELDS * gcode.axes))
         self._settings_of = settings.version
@@ -195,7 +195,10 @@ class Status:
             self.overrides -= 1
         else:
             at = self._now_and_then(report, at)
-        at = tell(out, at, b">\r\n\0", fields)
+        out[at] = 62  # >
+        out[at + 1] = 13
+        out[at + 2] = 10
+        at += _END
         if len(self._said) != at:
             self._said = self._view[:at]
         return self._said

@@ -19,7 +19,7 @@ from micropython import const
 
 from passo.records import (
     NUMBER_DECIMALS, NUMBER_FIELDS, NUMBER_FIRST, NUMBER_NEGATIVE, NUMBER_WHOLE, REPORT_AXIS, REPORT_DECIMAL,
-    REPORT_FIELDS, REPORT_FIRST, REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_STEPS_PER_M, REPORT_UNIT,
+    REPORT_FIELDS, REPORT_FIRST, REPORT_LONGEST, REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_STEPS_PER_M, REPORT_UNIT,
 )  # fmt: skip
 
 try:
@@ -28,6 +28,7 @@ except NameError:
     ptr32 = ptr8 = None  # names that only viper's compiler knows
 
 FARTHEST_MM = const(100_000_000)
+_LONGEST_NUMBER = const(16)  # bytes: sign, ten digits, point, four decimals
 # REPORT_UNIT, REPORT_DECIMAL, REPORT_FIRST.
 MILLIMETRES = array("i", (10, 1000, 100))
 INCHES = array("i", (254, 2540, 1000))
@@ -36,9 +37,12 @@ INCHES = array("i", (254, 2540, 1000))
 @micropython.viper
 def tell(out: ptr8, at: int, form: ptr8, fields: ptr32) -> int:
     """Write `form`, which a zero byte ends, at out[at]; a byte of less than a line feed stands for a number of `fields`, 1 for
-    the first. Returns where that ends."""
+    the first. Returns where that ends; `at` where it might go beyond REPORT_LONGEST, which `out` has room for."""
     place = 0
+    begin = at
     while form[place]:
+        if at > REPORT_LONGEST - _LONGEST_NUMBER:
+            return begin
         byte = int(form[place])
         place += 1
         if byte > 9:

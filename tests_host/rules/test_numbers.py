@@ -1,0 +1,60 @@
+"""No two names that are told apart by their number have the same one: kinds of commands and events, errors, notices, fields of rows."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.quick
+
+PASSO = Path(__file__).resolve().parents[2] / "firmware" / "passo"
+CONSTANT = re.compile(r"^([A-Z][A-Z0-9_]*) = const\((-?(?:0x)?[0-9A-Fa-f]+)\)", re.MULTILINE)
+
+# One field used for one thing after the other; a distance between fields.
+SHARED = [("SCRATCH_LENGTH", "SCRATCH_CHANGE"), ("LIMIT_GAIN", "LIMIT_SHIFTS")]
+
+
+def groups(text, of_rows):
+    """Lists of (name, number) that stand together: a paragraph each; of rows, whose fields are counted, from each 0 and prefix on."""
+    for paragraph in re.split(r"\n\s*\n", text):
+        found, prefix = [], None
+        for name, number in CONSTANT.findall(paragraph):
+            number = int(number, 0)
+            if of_rows and (number == 0 or name.split("_")[0] != prefix):
+                yield found
+                found = []
+            prefix = name.split("_")[0]
+            found.append((name, number))
+        yield found
+
+
+def twice(text, of_rows=False):
+    faults = []
+    for group in groups(text, of_rows):
+        names = {}
+        for name, number in group:
+            if number in names:
+                faults.append((names[number], name, number))
+            names[number] = name
+    return faults
+
+
+@pytest.mark.parametrize("module", ["commands.py", "errors.py", "records.py"])
+def test_numbers_are_unique(module):
+    text = (PASSO / module).read_text()
+    assert len(CONSTANT.findall(text)) > 50
+    assert [fault[:2] for fault in twice(text, of_rows=module == "records.py")] == (SHARED if module == "records.py" else [])
+
+
+def test_kinds_are_one_paragraph():
+    """Also those that were added last: else nothing would compare them."""
+    text = (PASSO / "commands.py").read_text()
+    kinds = next(dict(group) for group in groups(text, False) if group and group[0][0] == "BAD")
+    used = set(re.findall(r"(?:Command|Motion)\(\s*(?:commands\.)?([A-Z_]+)\b", "".join(p.read_text() for p in PASSO.rglob("*.py"))))
+    used = {name for name in used if name[0] != "_"}
+    assert {"LINE", "MORE", "ADMIT", "HELLO"} <= used and used <= set(kinds), used - set(kinds)
+
+
+def test_the_rule_sees_it():
+    assert twice("A = const(1)\nB = const(2)\nC = const(0x1)\n\nD = const(1)\n") == [("A", "C", 1)]
+    assert twice("ROW_A = const(0)\nROW_B = const(1)\nROW_C = const(1)\nIN_A = const(0)\n", True) == [("ROW_B", "ROW_C", 1)]
