@@ -299,3 +299,19 @@ def check_sleep():
     assert machine.status()["state"] == "Sleep"
     machine.put(b"\x18")
     assert machine.cycles(3) == [BANNER, UNHOMED]
+
+
+def check_feeds_of_every_size():
+    """Beyond the machine's fastest a feed is that, however large: no exception, and the same way."""
+    machine = Machine().ready()
+    place = 0
+    feeds = {base**power + more for base, most in ((2, 31), (10, 9)) for power in range(7, most) for more in (-1, 0, 1)}
+    for feed in sorted(feeds | {128_849, 128_850, 200_000}):
+        if feed < 100:
+            continue
+        place = 1 - place
+        for line in ("G1 X%d F%d" % (place, feed), "G1X%dF%d" % (1 - place, feed)):
+            said = machine.ask(line)
+            assert said in (["ok"], ["error:2"]), (line, said)
+        machine.settle()
+        assert machine.status()["state"] == "Idle", feed

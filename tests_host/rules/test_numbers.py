@@ -1,4 +1,4 @@
-"""No two names that are told apart by their number have the same one: kinds of commands and events, errors, notices, fields of rows."""
+"""Names that are told apart by their numbers have one each: kinds of commands and events, errors, notices, fields of rows."""
 
 import re
 from pathlib import Path
@@ -15,7 +15,7 @@ SHARED = [("SCRATCH_LENGTH", "SCRATCH_CHANGE"), ("LIMIT_GAIN", "LIMIT_SHIFTS")]
 
 
 def groups(text, of_rows):
-    """Lists of (name, number) that stand together: a paragraph each; of rows, whose fields are counted, from each 0 and prefix on."""
+    """Lists of (name, number) that stand together: a paragraph; of fields of rows from each 0 and each prefix on."""
     for paragraph in re.split(r"\n\s*\n", text):
         found, prefix = [], None
         for name, number in CONSTANT.findall(paragraph):
@@ -50,7 +50,8 @@ def test_kinds_are_one_paragraph():
     """Also those that were added last: else nothing would compare them."""
     text = (PASSO / "commands.py").read_text()
     kinds = next(dict(group) for group in groups(text, False) if group and group[0][0] == "BAD")
-    used = set(re.findall(r"(?:Command|Motion)\(\s*(?:commands\.)?([A-Z_]+)\b", "".join(p.read_text() for p in PASSO.rglob("*.py"))))
+    firmware = "".join(path.read_text() for path in PASSO.rglob("*.py"))
+    used = set(re.findall(r"(?:Command|Motion)\(\s*(?:commands\.)?([A-Z_]+)\b", firmware))
     used = {name for name in used if name[0] != "_"}
     assert {"LINE", "MORE", "ADMIT", "HELLO"} <= used and used <= set(kinds), used - set(kinds)
 
