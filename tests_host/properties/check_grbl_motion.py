@@ -302,7 +302,7 @@ def check_sleep():
 
 
 def check_feeds_of_every_size():
-    """Beyond the machine's fastest a feed is that, however large: no exception, and the same way."""
+    """However large a feed is, it is taken or refused, and the move ends where it should."""
     machine = Machine().ready()
     place = 0
     feeds = {base**power + more for base, most in ((2, 31), (10, 9)) for power in range(7, most) for more in (-1, 0, 1)}
@@ -315,3 +315,5 @@ def check_feeds_of_every_size():
             assert said in (["ok"], ["error:2"]), (line, said)
         machine.settle()
         assert machine.status()["state"] == "Idle", feed
+        if said == ["ok"]:
+            assert machine.controller.position()[0] == 320 * (1 - place), feed
