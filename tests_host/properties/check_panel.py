@@ -11,6 +11,7 @@ from passo.records import TICKS_PER_MS
 from passo.web.jog import Limits
 from passo.web.lease import FRESH_MS, LEASE_MS, Lease
 from passo.web.pace import Pace
+from passo.web.pages import too_deep
 from passo.web.session import Session, hex_of, hmac, make_key, read_key, shown
 from passo.web.teach import lines_of
 from passo.web.wire import PAGE, Wire, dwell_ms
@@ -195,6 +196,32 @@ def check_without_the_key_only_stop():
     stood = desk.place()
     desk.run_ms(500)
     assert desk.place() == stood and stood[0] < before[0] + 20 * MM
+
+
+def check_nested_orders():
+    """However deep, and in a text as well: nothing is raised, and no stack is needed."""
+    for opened, closed in ("[]", ('{"a":', "}")):
+        for depth, deep in ((2, False), (8, False), (9, True), (1000, True), (20000, True)):
+            text = opened * depth + "1" + closed * depth
+            assert too_deep(text) == deep, (opened, depth)
+    assert not too_deep('{"do":"line","line":"' + "[" * 50 + '\\"' + "{" * 50 + '"}')
+    assert too_deep('"\\"[[[[["' + "[" * 9)
+
+
+def check_directions_of_every_size():
+    """A jog's way is a direction: of any size, none that is too small to be one; what is beside it goes along or not at all."""
+    for exponent in list(range(-330, 310, 40)) + list(range(-8, 7)):
+        for other in (0, 1, -1e-7, 1e-320, -1e300):
+            desk = Desk()
+            size = float("1e%d" % exponent)
+            error = desk.order("jog", lease=1, beat=desk.beats, way={"x": size, "y": other}, speed=SPEED)
+            assert error in (0, errors.ORDER_FIELD), (size, other, error)
+            if abs(other) <= 1:
+                assert error == (0 if 1e-6 <= max(size, abs(other)) <= 1e5 else errors.ORDER_FIELD), (size, other)
+            desk.order("release")
+    for value in ("nan", "inf", "-inf"):
+        assert Desk().order("jog", lease=1, beat=1, way={"x": float(value)}, speed=SPEED) == errors.ORDER_FIELD
+        assert Desk().order("step", by={"x": 1.0}, speed=float(value)) == errors.ORDER_FIELD
 
 
 PRESENCE = {

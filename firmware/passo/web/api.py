@@ -14,6 +14,7 @@ from passo import errors
 
 _MOST_MM = 100_000.0
 _MOST_SPEED = 1_000_000.0
+_LEAST_WAY = 1e-6  # of a direction: less is no direction, and its square may be 0
 _LINE = const(120)
 _PASSES = const(100)
 _MOST_NUMBER = const(0x1FFFFFFF)
@@ -144,8 +145,10 @@ class Api:
         beat = number(order, "beat", 0, _MOST_NUMBER)
         way = places(order, "way", self.machine.axes)
         direction = [way.get(axis, 0) for axis in self.machine.axes]
-        if not [part for part in direction if part]:
+        most = max([abs(part) for part in direction])
+        if most < _LEAST_WAY:
             raise Wrong("way")
+        direction = [part / most if abs(part) >= most * _LEAST_WAY else 0 for part in direction]
         speed = number(order, "speed", 0.1, _MOST_SPEED)
         return self._moving() or self.machine.begin_jog(lease, beat, direction, speed)
 

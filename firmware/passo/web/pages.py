@@ -22,6 +22,30 @@ from passo.web.session import Session
 _MESSAGES_S = const(100)  # orders a second, of one page
 _SECOND_MS = const(1000)
 _TOLD = const(100)  # events that wait for the next push
+_DEEPEST = const(8)  # brackets in each other: an order has two
+
+
+def too_deep(text):
+    """True if brackets of JSON stand in each other more than _DEEPEST times: a parser that calls itself would run out of stack."""
+    if text.count("{") + text.count("[") <= _DEEPEST:
+        return False
+    depth = 0
+    quoted = escaped = False
+    for letter in text:
+        if escaped:
+            escaped = False
+        elif quoted:
+            escaped = letter == "\\"
+            quoted = letter != '"'
+        elif letter == '"':
+            quoted = True
+        elif letter in "{[":
+            depth += 1
+            if depth > _DEEPEST:
+                return True
+        elif letter in "}]":
+            depth -= 1
+    return False
 
 
 class Page:
@@ -86,7 +110,7 @@ class Pages:
                 page.wrong += 1
                 return {"t": "answer", "do": "", "error": errors.NO_SESSION} if page.wrong < WRONG else None
         try:
-            order = json.loads(text)
+            order = None if too_deep(text) else json.loads(text)
         except ValueError:
             return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
         looks = isinstance(order, dict) and order.get("do") == "look"
