@@ -1,7 +1,9 @@
 """`passo board`: the firmware on the virtual port, on serial lines that any program can open."""
 
+import contextlib
 import os
 import signal
+import threading
 import time
 from pathlib import Path
 from typing import Annotated, List, Optional
@@ -10,6 +12,7 @@ import typer
 
 from host_tools.failure import Failure, reason
 from host_tools.language import _
+from host_tools.panel.board import END_WITH_STDIN
 
 FLUSH_S = 0.5  # longest time before buffered rows are written
 
@@ -111,6 +114,8 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
     stopped = []
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stopped.append(True))
+    if os.environ.get(END_WITH_STDIN):
+        threading.Thread(target=_end_with_stdin, daemon=True).start()
     lines = {}
     try:
         cables = [entry["name"] for entry in config["links"] if not (config.get("network") and entry["port"] in NETWORK_PORTS)]
@@ -145,6 +150,14 @@ def serve(config, mode, protocols, links, tcp, trace, vcd, options):
     finally:
         for line in lines.values():
             line.close()
+
+
+def _end_with_stdin():
+    """As SIGTERM, once whoever started this is gone."""
+    with contextlib.suppress(OSError):
+        while os.read(0, 4096):
+            pass
+    os.kill(os.getpid(), signal.SIGTERM)
 
 
 def _radio(config, ports, key):

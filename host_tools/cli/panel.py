@@ -1,6 +1,9 @@
 """`passo panel`: one page for the machine, in a browser of this PC or of a phone."""
 
 import asyncio
+import atexit
+import json
+import shutil
 from pathlib import Path
 from typing import Annotated, Optional
 
@@ -86,9 +89,19 @@ def _tell(host, number, key, line, open_):
         print(f"port: {line.name}")
     print(_("Ctrl-C ends it."), flush=True)
     if open_:
-        import webbrowser
+        _open(f"{address}#key={key}")
 
-        webbrowser.open(f"{address}#key={key}")
+
+def _open(address):
+    """Open an address in this PC's browser. Its key is not for the list of processes, where all users see a browser's arguments: the
+    browser is given a file that only this user can read, which leads there."""
+    import tempfile
+    import webbrowser
+
+    page = Path(tempfile.mkdtemp(prefix="passo-")) / "page.html"  # a folder of this user's only
+    page.write_text(f'<!doctype html><title>Passo</title><script>location.replace({json.dumps(address)})</script>')
+    atexit.register(shutil.rmtree, page.parent, ignore_errors=True)
+    webbrowser.open(page.as_uri())
 
 
 def _made(virtual, port, baud, protocol, board, line, jobs, host, own, prompt):

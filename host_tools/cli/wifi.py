@@ -171,7 +171,12 @@ def off(port: Port = None):
 @app.command()
 def bridge(
     host: Annotated[str, typer.Argument(help="The board: passo.local, or its address.")],
-    key: Annotated[str, typer.Option(help="The board's key (passo wifi show).", envvar="PASSO_KEY")],
+    key: Annotated[
+        Optional[str],
+        typer.Option(
+            help="The board's key (passo wifi show). Default: asked for. Other users of this PC see what stands in a command.", envvar="PASSO_KEY"
+        ),
+    ] = None,
     tcp_port: Annotated[int, typer.Option(help="The board file's network.tcp_port.")] = 23,
     link: Annotated[Optional[str], typer.Option(help="A symlink to the pty for the sender.")] = None,
     tcp: Annotated[Optional[int], typer.Option(min=0, max=65535, help="A TCP socket for the sender, not a pty. 0: any free port.")] = None,
@@ -183,12 +188,16 @@ def bridge(
 
     Examples:
 
-        passo wifi bridge passo.local --key ABCD-EFGH-JKLM-NPQR --link /tmp/router
+        passo wifi bridge passo.local --link /tmp/router
 
         PASSO_KEY=ABCD-EFGH-JKLM-NPQR passo wifi bridge 192.168.4.1 --tcp 5000
 
-        passo wifi bridge passo.local --key ABCD-EFGH-JKLM-NPQR --websocket 8081
+        passo wifi bridge passo.local --websocket 8081
     """
+    if key is None:
+        if not sys.stdin.isatty():
+            raise Failure("give the board's key: PASSO_KEY=…")
+        key = typer.prompt(_("key"), hide_input=True)
     from host_tools.clients.signed import Bridge
     from host_tools.sim.serial_line import PtyLine, TcpLine
     from host_tools.sim.websocket_line import WebSocketLine

@@ -1,11 +1,14 @@
 """The board of a panel: a serial port that may go and come back, or a virtual board of its own."""
 
+import os
 import subprocess
 import sys
 import time
 
 from host_tools.clients.serial_port import LinkError, open_exclusively
 from host_tools.failure import Failure
+
+END_WITH_STDIN = "PASSO_END_WITH_STDIN"  # set by a program that keeps a virtual board's standard input open as long as it lives
 
 _AGAIN_S = 1.0
 
@@ -86,7 +89,9 @@ class Demo:
 
     def _start(self):
         words = [sys.executable, "-m", "host_tools.cli", "board", "--board", self.board, *self._options]
-        self._process = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        # The board ends when this pipe does: also if this program is killed.
+        environment = {**os.environ, END_WITH_STDIN: "1"}
+        self._process = subprocess.Popen(words, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True, env=environment)
         line = self._process.stdout.readline()
         if not line.startswith("port: "):
             self.close()
@@ -108,3 +113,4 @@ class Demo:
             self._process.kill()
             self._process.wait()
         self._process.stdout.close()
+        self._process.stdin.close()
