@@ -198,6 +198,28 @@ def check_without_the_key_only_stop():
     assert desk.place() == stood and stood[0] < before[0] + 20 * MM
 
 
+def check_a_target_beyond_the_travel():
+    """One press of Unlock, or of Home, ends the alarm that asks for a reset; the page does not tell of it any more."""
+    for order in ("unlock", "home"):
+        desk = Desk()
+        for line in ("$22=1", "$20=1"):
+            desk.order("line", line=line)
+            desk.run_ms(50)
+        assert desk.order("home") == 0
+        desk.settle()
+        desk.order("line", line="G91G1X900F1000")
+        desk.run_ms(200)
+        assert desk.machine.state["state"] == "Alarm" and desk.machine.state["alarm"] == errors.ALARM_SOFT_LIMIT
+        assert desk.order("jog", lease=1, beat=desk.beats, way={"x": 1}, speed=SPEED) == errors.LOCKED
+        assert desk.order(order) == 0
+        desk.settle()
+        desk.run_ms(200)
+        assert desk.machine.state["state"] == "Idle" and desk.machine.state["alarm"] == 0, desk.machine.state
+        assert desk.order("step", by={"x": 1}, speed=SPEED) == 0
+        desk.settle()
+        assert desk.machine.state["state"] == "Idle"
+
+
 def check_nested_orders():
     """However deep, and in a text as well: nothing is raised, and no stack is needed."""
     for opened, closed in ("[]", ('{"a":', "}")):

@@ -145,6 +145,8 @@ class AnyMachine:
 
     def begin_jog(self, number, beat, direction, speed):
         """A continuous jog; it lasts while its lease does. Returns 0 or an error."""
+        if self.state["state"] == "Alarm":
+            return errors.LOCKED
         if self.state["state"] not in self.jogs_from or self.jog.waiting or not self._may_jog(direction):
             return errors.BUSY
         if not self.lease.begin(number, beat, self._now_ms):

@@ -50,6 +50,7 @@ class GrblMachine(AnyMachine):
         self._waits = b""  # the line that is answered next
         self._wait_ms = self._counted_ms = 0
         self._known = False  # the settings have been asked for
+        self._behind = b""  # what is said once the board has been reset
 
     # --- bytes
 
@@ -100,6 +101,11 @@ class GrblMachine(AnyMachine):
         elif line[:5] == "Grbl ":
             self.end_jog()
             self.job.fail(errors.STOPPED)
+            self.state["alarm"] = 0
+            behind = self._behind
+            self._behind = b""
+            if behind:
+                self.say(behind)
         elif line[:1] == "[" and not self.job.heard(line) and owner == PAGE:
             self._tell({"t": "said", "text": line})
         if owner != PAGE or line[:1] != "[" or line[:5] == "[MSG:":
@@ -178,10 +184,18 @@ class GrblMachine(AnyMachine):
         return 0
 
     def home(self):
-        return self.say(b"$H")
+        return self._begin_anew(b"$H")
 
     def unlock(self):
-        return self.say(b"$X")
+        return self._begin_anew(b"$X")
+
+    def _begin_anew(self, line):
+        """Say `line`; of an alarm that only a reset ends, reset the board first, and say it behind that."""
+        if self.state["state"] != "Alarm" or self.state["alarm"] not in errors.NEED_RESET:
+            return self.say(line)
+        self._behind = line
+        self.wire.write(_RESET)
+        return 0
 
     def zero(self, axes):
         """Work zero of the axes named is here."""
