@@ -28,7 +28,7 @@ Compiled = namedtuple("Compiled", "texts modules by")
 
 def groups(program, board, left=()):
     """[(name, kernels)]"""
-    accelerates = any("accel_mm_s2" in axis for axis in board["axes"])
+    accelerates = any("accel_mm_s2" in axis for axis in board.get("axes", ()))
 
     plan = program.loaded_with(PLAN)
 

@@ -146,7 +146,7 @@ def test_a_module_that_does_not_compile_is_named(tmp_path, firmware):
 )
 def test_machine_code_is_the_chips(tmp_path, name, architecture):
     tree.build_tree(name, tmp_path)
-    assert (tmp_path / "passo" / "motion" / "line_viper.mpy").read_bytes()[2] >> 2 == architecture
+    assert (tmp_path / "passo" / "motion" / "line.mpy").read_bytes()[2] >> 2 == architecture
     families = {path.name for path in (tmp_path / "passo" / "ports").iterdir() if path.is_dir()}
     assert families == {"esp32" if name == "plotter_esp32" else "rp2"}
 
