@@ -265,6 +265,35 @@ def test_a_job_from_upload_to_end(browser, panel, tmp_path):
     browser.until(lambda: browser.text("state") in ("Ready", "Alarm"))
 
 
+def test_the_job_chosen_is_kept(browser, panel, tmp_path):
+    """After a reload *Run* starts what it named before; without a choice it starts nothing, and what is not shown is asked for."""
+    for name in ("a first.gcode", "the second.gcode"):
+        (tmp_path / name).write_text(f"G21 G91 F3000 ({name})\nG1 X1\n")
+        browser.find("upload").send_keys(str(tmp_path / name))
+        browser.until(lambda name=name: name in browser.text("lines"))
+    browser.until(lambda: browser.text("run").split("\n") == ["Run", "the second.gcode"])
+    browser.driver.execute_script("document.getElementById('run').scrollIntoView({block: 'center'})")
+    browser.shot("chosen")
+    for _ in range(2):
+        browser.driver.refresh()
+        browser.until(lambda: "the second.gcode" in browser.text("run") and "the second.gcode" in browser.text("lines"))
+    browser.click("run")
+    browser.until(lambda: "Done" in browser.text("job-state"))
+    assert "the second.gcode" in browser.text("job-state")
+    browser.driver.execute_script("localStorage.clear()")
+    browser.driver.refresh()
+    browser.until(lambda: "a first.gcode" in browser.find("jobs").text)
+    assert browser.text("run") == "Run" and not browser.find("run").is_enabled()
+    before = browser.place()
+    browser.driver.execute_script("document.getElementById('jobs').value = 'a first.gcode'")  # chosen, and its text has not come
+    browser.until(lambda: browser.find("run").is_enabled())
+    browser.find("run").click()
+    browser.until(lambda: browser.text("ask-text") == "Run a first.gcode, which is not shown here yet?")
+    browser.answer(False)
+    assert browser.place() == before
+    browser.driver.refresh()
+
+
 def test_teach_in(browser, panel):
     browser.driver.execute_script("document.querySelector('input[name=step][value=\"1\"]').click()")
     browser.click("teach-begin")

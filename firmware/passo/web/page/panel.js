@@ -309,9 +309,9 @@ function showSettings(settings) {
 
 function takeJobs(message) {
   if (message.jobs) {
-    const before = $("jobs").value;
-    $("jobs").replaceChildren(...message.jobs.map(([name, size]) => new Option(`${name} (${Math.ceil(size / 1024)} kB)`, name)));
-    if (before && message.jobs.some(([name]) => name === before)) $("jobs").value = before;
+    const before = $("jobs").value || kept("job");  // the choice is this browser's, also after a reload: none is made for it
+    $("jobs").replaceChildren(new Option("–", ""), ...message.jobs.map(([name, size]) => new Option(`${name} (${Math.ceil(size / 1024)} kB)`, name)));
+    $("jobs").value = message.jobs.some(([name]) => name === before) ? before : "";
     if ($("jobs").value !== job.name) load();
   }
   return message;
@@ -321,6 +321,9 @@ async function load() {
   const name = $("jobs").value;
   const mine = { name, text: "", lines: [] };
   job = mine;
+  if (name) put("job", name);
+  $("run-name").textContent = name;
+  enable();
   for (let size = name ? 1 : 0; mine.text.length < size && job === mine;) {
     const piece = await link.order({ do: "job_text", name, at: mine.text.length });
     if (piece.error || !piece.text) break;
@@ -410,7 +413,11 @@ $("remove").onclick = async () => {
   const name = $("jobs").value;
   if (name && await ask(_("Remove {name}?", { name }))) { await order("job_remove", { name }); await order("jobs"); }
 };
-$("run").onclick = () => order("run", { name: $("jobs").value, passes: Number($("passes").value) || 1 });
+$("run").onclick = async () => {
+  const name = $("jobs").value;
+  const shown = job.name === name && job.lines.length > 0;
+  if (shown || await ask(_("Run {name}, which is not shown here yet?", { name }))) order("run", { name, passes: Number($("passes").value) || 1 });
+};
 $("check").onclick = () => order("run", { name: $("jobs").value, check: true });
 $("line-form").onsubmit = (event) => { event.preventDefault(); order("line", { line: $("line").value }); $("line").select(); };
 $("key-form").onsubmit = (event) => {
