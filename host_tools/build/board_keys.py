@@ -103,7 +103,7 @@ MEANINGS = {
     "tool.off_ms": "Wait after switching off, ms.",
     "inputs.name": "Its name.",
     "inputs.pin": "Its pin.",
-    "inputs.filter_us": "Input of the interlock: a change that does not last so long is a glitch, and only counted, µs. A true one "
+    "inputs.filter_us": "Input of the interlock, or a limit without one (0: 50): a change that does not last so long is a glitch, and only counted, µs. A true one "
     "acts that much later.",
     "inputs.active": "Level at which the input counts as active. 1 with a switch that opens when hit: a broken wire reads as a hit.",
     "inputs.pull": "The chip's own pull resistor.",

@@ -65,7 +65,7 @@ def check_a_start_and_a_button():
         machine.world.switches["job"] = 0
         machine.run_ms(100)
         machine.world.switches["job"] = 1
-        machine.run_ms(5)
+        machine.run_ms(10)
     machine.until("[MSG:Job PART done]")
     remove(machine)
 

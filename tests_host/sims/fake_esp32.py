@@ -415,7 +415,7 @@ def _import_port():
 
         base = registers.gpio_base
         registers.gpio_base = lambda machine=_MACHINE: base(machine)
-        from passo.ports import pin_interlock  # noqa: F401: the port asks for it later
+        from passo.ports import limit_watch, pin_interlock  # noqa: F401: the port asks for them later
         from passo.ports.esp32 import i2s_player, port, start, timer_player
     finally:
         for name in before:

@@ -359,9 +359,10 @@ def _check_step_program(board):
 def _check_interlock(board):
     section = board["interlock"]
     if section is None:
+        sensors = list(board["homing"]["sensors"].values()) if board["homing"] else []
         for item in board["inputs"]:
-            if item["filter_us"]:
-                raise BoardError("input %s: filter_us is for inputs of the interlock; there is none" % item["name"])
+            if item["filter_us"] and (item["halt"] or item["name"] not in sensors and item["name"][:6] != "limit_"):
+                raise BoardError("input %s: filter_us is for limits and inputs of the interlock that do not halt" % item["name"])
     elif "masks" not in section:
         from passo.config import interlock_table  # most boards have none
 

@@ -1,9 +1,13 @@
-"""The switches that act by themselves, beside homing's work: hard limits, safety door, buttons."""
+"""The switches that act by themselves, beside homing's work: hard limits, safety door, buttons.
+
+A limit whose pin has an interrupt stops the player there; what is looked at here once a cycle says why, and when it may again.
+"""
 
 from passo import commands, errors
 from passo.config import setting_numbers as table
 from passo.control.sensor import Sensor
 
+_LIMIT_FILTER_US = 50  # where the board file gives none
 _BUTTONS = (("reset", commands.RESET), ("hold", commands.HOLD), ("resume", commands.RESUME), ("job", commands.JOB))
 
 
@@ -19,10 +23,42 @@ class Switches:
         self._limits = [(name, self._sensor(name)) for _, name in inputs.limits if name in inputs.names]
         self._buttons = [(name, kind, self._sensor(name)) for name, kind in _BUTTONS if name in names]
         self._door = self._sensor("door") if inputs.door else None
+        self._watches = self._watch(board, machine.port)
+        self._armed = False
+        self._turn()
         self._watched = self._to_watch()
         self._seen = -1  # their states at the last cycle, a bit each
         self._calm = False  # they are as the sensors have them: until one changes there is nothing to do
-        self._polled_ms = 0
+
+    def _watch(self, board, port):
+        """[(watch of the pin's interrupt, sensor, the board file's active level)] of the limits."""
+        watches = []
+        if hasattr(port, "watch_limit"):
+            items = {item["name"]: item for item in board["inputs"]}
+            for name, sensor in self._limits:
+                watch = port.watch_limit(name, items[name]["filter_us"] or _LIMIT_FILTER_US)
+                if watch is not None:
+                    watches.append((watch, sensor, items[name]["active"]))
+        return watches
+
+    def _turn(self):
+        turned = 1 if self._settings.turned(table.LIMIT_INVERT) else 0
+        for watch, _, level in self._watches:
+            watch.turn(level ^ turned)
+
+    def ready(self):
+        """True: switches keep nothing from moving. Asked before the first words are played."""
+        self._arm()
+        return True
+
+    def _arm(self):
+        """Limits stop the player while they are watched; one that has been active is no news."""
+        machine = self._machine
+        armed = not machine.alarm and not machine.busy_with(commands.HOME) and bool(self._settings.value(table.HARD_LIMITS))
+        if armed != self._armed:
+            self._armed = armed
+            for watch, sensor, _ in self._watches:
+                watch.arm(armed and not sensor.active)
 
     def _sensor(self, name):
         read = self._inputs.read
@@ -44,7 +80,8 @@ class Switches:
         if seen != self._seen or not self._calm or self._settings_of != self._settings.version:
             self._seen = seen
             self._sample(now_ms)
-        self._polled_ms = now_ms
+        if self._watches:
+            self._arm()
 
     def _look(self):
         seen = 0
@@ -55,9 +92,9 @@ class Switches:
 
     def _sample(self, now_ms):
         machine = self._machine
-        if self._calm:
-            for sensor in self._sensors:
-                sensor.pass_by(self._polled_ms)
+        for sensor in self._sensors:
+            if not sensor.pending:
+                sensor.pass_by(now_ms)  # a change lasts from here on: a spike that is met by luck has not lasted a cycle
         if self._settings_of != self._settings.version:
             self._settings_of = self._settings.version
             self._watched = self._to_watch()
@@ -65,6 +102,7 @@ class Switches:
                 sensor.debounce_ms = self._settings.value(table.HOMING_DEBOUNCE)
             for _, sensor in self._limits:
                 sensor.restart(now_ms)  # one that was hit before it was watched is no news
+            self._turn()
         if self._door is not None:
             before = self._door.active
             self._door.sample(now_ms, 0)
@@ -77,6 +115,7 @@ class Switches:
                 machine.carry_out(kind)
         self._poll_limits(now_ms)
         self._calm = not any([sensor.pending for sensor in self._sensors])
+        self._armed = None  # as the sensors are now
 
     def _poll_limits(self, now_ms):
         if not self._settings.value(table.HARD_LIMITS):

@@ -207,6 +207,15 @@ class ChipPort:
 
         return PinPulses(self._inputs[name], self, least_us)
 
+    def watch_limit(self, name, filter_us):
+        """What stops the player as a limit becomes active, once that has lasted; None: its pin has no interrupt of its own."""
+        item = self._inputs[name]
+        if item.pin is None or item in self._halting:
+            return None
+        from passo.ports.limit_watch import LimitWatch  # here: an interlock sees to its limits itself
+
+        return LimitWatch(item, filter_us, getattr(self, "latches", {}).get(name), self)
+
     def card(self, config):
         """The memory card of the board file."""
         from passo.ports.memory_card import MemoryCard  # here: most boards have none

@@ -74,11 +74,15 @@ class VirtualPort:
         for entry in board.get("outputs", ()):
             self._outputs[entry["name"]] = entry.get("active", 1)
         self._trip = None  # what has stopped the player, until the main loop has been told
-        self.interlock = None
+        self.interlock = self._limits = None
         if board.get("interlock"):
             from passo.ports.virtual_interlock import VirtualInterlock
 
             self.world = self.interlock = VirtualInterlock(board, self, self.world)
+        elif hasattr(world, "listen") and self._inputs:
+            from passo.ports.virtual_inputs import VirtualLimits
+
+            self.world = self._limits = VirtualLimits(self, world, self._inputs)
         self.latches = {}
         if hasattr(world, "listen") and board.get("homing") and board["homing"]["latch"]:
             from passo.ports.latch import VirtualLatch, named
@@ -105,6 +109,8 @@ class VirtualPort:
         """There are no interrupts here: the main loop fills the ring itself."""
         if self.interlock is not None:
             self.interlock.join(feeder, player)
+        elif self._limits is not None:
+            self._limits.watch(player, feeder.layout.pulse_mask)
         if self.encoders is not None:
             self.encoders.join(feeder, player)
         for latch in self.latches.values():
@@ -124,6 +130,10 @@ class VirtualPort:
     def input(self, name):
         """True while the input is in its active state."""
         return self.world.input(self.now, name) == self._inputs[name]
+
+    def watch_limit(self, name, filter_us):
+        """What stops the player as a limit becomes active, once that has lasted; None: it is looked at once a cycle."""
+        return self._limits.watch_limit(name, filter_us) if self._limits is not None else None
 
     def pulses(self, name):
         """What counts the pulses of an input. The world knows of the spindle's only."""

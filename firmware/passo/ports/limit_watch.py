@@ -1,0 +1,47 @@
+"""Hard limits of a board without an interlock: the pin's interrupt stops the player, not the main loop's next look.
+
+    watch = port.watch_limit("limit_x", filter_us)  # None: its pin has no interrupt
+    watch.turn(1)               # its level at the pin while it is active: the settings may turn it round
+    watch.arm(True)             # from here on; once it has stopped the player it is not, until it is armed anew
+
+A change counts once it has lasted `filter_us`; the interrupt waits for that.
+"""
+
+from time import ticks_diff, ticks_us
+
+import micropython
+from machine import Pin
+
+
+class LimitWatch:
+    def __init__(self, item, filter_us, latch, port):
+        """`item`: an Input of the port; `latch`: homing's PinLatch of it, or None, which had the interrupt to itself."""
+        self.name = item.name
+        self.armed = False
+        self.level = item.level
+        self._filter_us = filter_us
+        self._latch = latch
+        self._port = port
+        port.watch(item.pin, self._edge, Pin.IRQ_RISING | Pin.IRQ_FALLING)
+
+    def turn(self, level):
+        """Active is `level` at the pin from now on."""
+        self.level = level
+
+    def arm(self, on):
+        self.armed = on
+
+    @micropython.native
+    def _edge(self, pin):  # ISR: no allocation
+        level = self.level
+        if pin.value() != level:
+            return
+        if self._latch is not None:
+            self._latch.catch()
+        if self.armed:
+            begun = ticks_us()
+            while ticks_diff(ticks_us(), begun) < self._filter_us:
+                if pin.value() != level:
+                    return
+            self.armed = False
+            self._port.trip(self)

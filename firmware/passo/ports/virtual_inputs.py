@@ -1,0 +1,116 @@
+"""Inputs with interrupts on the virtual port: between the port and its world, changes are heard at their tick.
+
+VirtualInputs has the methods of a world, and hands on all calls. A change counts once it has lasted the input's filter, exactly;
+what a chip's interrupt takes on top of that is not modelled, but that no pulse is cut short: what stops the player does so with
+the first edge behind that time that leaves no pulse up.
+"""
+
+TICKS_PER_US = 12.5
+
+
+class VirtualInputs:
+    def __init__(self, port, world):
+        self._port = port
+        self._world = world
+        self._player = None
+        self._pulses = 0  # mask of the player's pins
+        self._amid = False  # the world is being told of an edge
+        self._due = {}  # of an input: (tick at which its change has lasted, what it is then)
+        self.attach = world.attach
+        self._switch = world.output
+        for name in ("power", "pulses", "encoder"):
+            if hasattr(world, name):
+                setattr(self, name, getattr(world, name))
+        self._pass_edges = world.edges
+
+    def watch(self, player, pulse_mask):
+        """From here on `player` plays."""
+        self._player = player
+        self._pulses = pulse_mask
+
+    def edges(self, tick, levels, changed):
+        self._amid = True
+        self._pass_edges(tick, levels, changed)
+        self._amid = False
+        if self._due:
+            self._let(tick)
+
+    def input(self, tick, name):
+        return self._world.input(tick, name)
+
+    def run(self, tick):
+        self._world.run(tick)
+        self._let(tick)
+
+    def next_event(self):
+        due = self._world.next_event()
+        if self._due:
+            late = self._port.now + 1 if self._pulse() else 0  # it waits for the pulse's end
+            for tick, _ in self._due.values():
+                tick = max(tick, late)
+                due = tick if due is None or tick < due else due
+        return due
+
+    def _pulse(self):
+        """True while a pulse is up."""
+        return self._player is not None and self._player.levels() & self._pulses
+
+    def _let(self, tick):
+        """Changes that have lasted by `tick` count."""
+        if self._amid or not self._due or self._pulse():
+            return
+        for key, (due, active) in list(self._due.items()):
+            if due <= tick and key in self._due:
+                del self._due[key]
+                self._lasted(key, active)
+
+    def _lasted(self, key, active):
+        """A change of an input has lasted its filter's time."""
+
+
+class VirtualLimits(VirtualInputs):
+    """Hard limits, where no interlock looks at them: the methods of limit_watch.py."""
+
+    def __init__(self, port, world, levels):
+        """`levels`: {name of an input: its level when active}."""
+        VirtualInputs.__init__(self, port, world)
+        self._levels = levels
+        self._watches = {}
+        self.output = world.output
+        world.listen(self._changed)
+
+    def watch_limit(self, name, filter_us):
+        self._watches[name] = watch = _Watch(name, self._levels[name], int(filter_us * TICKS_PER_US))
+        return watch
+
+    def _changed(self, tick, name, level):
+        watch = self._watches.get(name)
+        if watch is None:
+            return
+        self._let(tick)
+        if level != watch.level:
+            self._due.pop(name, None)
+        elif watch.armed:
+            self._due[name] = tick + watch.filter_ticks, True
+            self._let(tick)
+
+    def _lasted(self, key, active):
+        watch = self._watches[key]
+        if watch.armed:
+            watch.armed = False
+            self._port.trip(watch)
+
+
+class _Watch:
+    def __init__(self, name, level, filter_ticks):
+        self.name = name
+        self.level = level
+        self.filter_ticks = filter_ticks
+        self.armed = False
+
+    def turn(self, level):
+        """Active is `level` at the pin from now on."""
+        self.level = level
+
+    def arm(self, on):
+        self.armed = on
