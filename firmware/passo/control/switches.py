@@ -24,7 +24,7 @@ class Switches:
         self._buttons = [(name, kind, self._sensor(name)) for name, kind in _BUTTONS if name in names]
         self._door = self._sensor("door") if inputs.door else None
         self._watches = self._watch(board, machine.port)
-        self._armed = False
+        self._armed = None  # True, False: the interrupts of limits are; None: some may be other
         self._turn()
         self._watched = self._to_watch()
         self._seen = -1  # their states at the last cycle, a bit each
@@ -42,23 +42,16 @@ class Switches:
         return watches
 
     def _turn(self):
+        self._hard = bool(self._settings.value(table.HARD_LIMITS))
         turned = 1 if self._settings.turned(table.LIMIT_INVERT) else 0
         for watch, _, level in self._watches:
             watch.turn(level ^ turned)
 
-    def ready(self):
-        """True: switches keep nothing from moving. Asked before the first words are played."""
-        self._arm()
-        return True
-
-    def _arm(self):
+    def _arm(self, armed):
         """Limits stop the player while they are watched; one that has been active is no news."""
-        machine = self._machine
-        armed = not machine.alarm and not machine.busy_with(commands.HOME) and bool(self._settings.value(table.HARD_LIMITS))
-        if armed != self._armed:
-            self._armed = armed
-            for watch, sensor, _ in self._watches:
-                watch.arm(armed and not sensor.active)
+        self._armed = armed
+        for watch, sensor, _ in self._watches:
+            watch.arm(armed and not sensor.active)
 
     def _sensor(self, name):
         read = self._inputs.read
@@ -81,7 +74,11 @@ class Switches:
             self._seen = seen
             self._sample(now_ms)
         if self._watches:
-            self._arm()
+            machine = self._machine
+            command = machine.command
+            armed = self._hard and not machine.alarm and (command is None or command.kind != commands.HOME)
+            if armed != self._armed:
+                self._arm(armed)
 
     def _look(self):
         seen = 0
@@ -115,7 +112,7 @@ class Switches:
                 machine.carry_out(kind)
         self._poll_limits(now_ms)
         self._calm = not any([sensor.pending for sensor in self._sensors])
-        self._armed = None  # as the sensors are now
+        self._armed = None
 
     def _poll_limits(self, now_ms):
         if not self._settings.value(table.HARD_LIMITS):
