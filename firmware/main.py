@@ -1,14 +1,31 @@
-"""Runs the machine of /board.py. Ways to the REPL: BOOTSEL or the input "repl" held at the start, Ctrl-C."""
+"""Runs the machine of /board.py. Ways to the REPL: BOOTSEL or the input "repl" held at the start, Ctrl-C.
+
+A build has its stamp in passo/stamp.txt, and once more in stamp.txt, which is copied last: without it, or with another one, the
+files here are not those of one build, and none of them is run.
+"""
 
 import sys
 
-from passo.config.board_error import BoardError
-from passo.ports.start import forget
 
-if sys.platform == "esp32":
-    from passo.ports.esp32.start import Start
-else:
-    from passo.ports.rp2.start import Start
+def stamp_of(path):
+    try:
+        with open(path) as file:
+            return file.read().strip()
+    except OSError:
+        return ""
+
+
+STAMP = stamp_of("passo/stamp.txt")
+WHOLE = STAMP == stamp_of("stamp.txt")
+
+if WHOLE:
+    from passo.config.board_error import BoardError
+    from passo.ports.start import forget
+
+    if sys.platform == "esp32":
+        from passo.ports.esp32.start import Start
+    else:
+        from passo.ports.rp2.start import Start
 
 
 def checked(board):
@@ -76,9 +93,10 @@ def main():
         forget("passo.machine_builder")
         if board["network"]:
             forget("passo.network_builder")
-        if said:
-            print(said)
-            app.tell(said)
+        said = said + ", " if said else ""
+        said += "build " + (STAMP or "without a stamp")
+        print(said)
+        app.tell(said)
         start.run(app, port)
     except BoardError as wrong:
         print("board.py is wrong:", wrong)
@@ -92,4 +110,7 @@ def main():
     start.end(app, port, error)
 
 
-main()
+if WHOLE:
+    main()
+else:
+    print("the firmware here is not whole: copying it was cut short, or it is of two builds. Flash it again: passo flash")

@@ -34,6 +34,8 @@ from passo import machine_builder
 from passo.config.boardfile import check
 
 FILE_LIST = "files.txt"
+PACKAGE = "package.json"
+STAMP = "stamp.txt"  # in passo, and once more beside it, copied last: main.py compares them
 
 # The instruction set of each chip, by mpy-cross's name for it.
 MARCH = {
@@ -319,14 +321,27 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
         rows.append((file_name, source.stat().st_size, source.stat().st_size))
     listed = [name + "\n" for name in (*(path.with_suffix(".mpy").as_posix() for path in files), *compiled.modules)]
     (out / "passo" / FILE_LIST).write_text("".join(listed), encoding="utf-8")
+    write_stamp(out)
     return rows
 
 
+def write_stamp(out):
+    """What tells this build from any other, of all its files: twelve hexadecimal digits."""
+    digest = hashlib.sha256()
+    for path in sorted(path for path in out.rglob("*") if path.is_file() and path.name not in (STAMP, PACKAGE)):
+        digest.update(path.relative_to(out).as_posix().encode() + b"\0" + path.read_bytes())
+    for path in (out / "passo" / STAMP, out / STAMP):
+        path.write_text(digest.hexdigest()[:12] + "\n", encoding="utf-8")
+
+
 def write_package(out):
-    """package.json in the folder of a build, which mip takes: as a file, or from a web server that serves the folder."""
-    names = ["board.py", *sorted(path.relative_to(out).as_posix() for path in (out / "passo").rglob("*.*")), "main.py"]
+    """package.json in the folder of a build, which mip takes: as a file, or from a web server that serves the folder. One stamp comes
+    first and the other last, so that a copy cut short is told from a whole one."""
+    inner = f"passo/{STAMP}"
+    files = sorted(path.relative_to(out).as_posix() for path in (out / "passo").rglob("*.*"))
+    names = [inner, "board.py", *(name for name in files if name != inner), "main.py", STAMP]
     package = {"urls": [[name, name] for name in names], "deps": []}
-    (out / "package.json").write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
+    (out / PACKAGE).write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
 
 
 def default_out(board):

@@ -16,26 +16,29 @@ import typer
 
 from host_tools import boards
 from host_tools.build.budget import memory
-from host_tools.build.tree import build_tree, default_out
+from host_tools.build.tree import STAMP, build_tree, default_out
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.resources import HOST_TOOLS
 from passo.config.boardfile import check
 
 REMOVE_STALE = HOST_TOOLS / "build" / "remove_stale.py"
+REMOVE_STAMP = HOST_TOOLS / "build" / "remove_stamp.py"
 # mpremote gives up on a board that does not answer after some ten seconds, and a whole copy takes about a minute.
 PROBE_TIMEOUT_S = 30
 COPY_TIMEOUT_S = 600
 
 
 def commands(port, out, drivers=()):
-    """The mpremote commands, as argument lists: ask if a board answers; then copy, remove stale modules and reset. `drivers`: packages
-    of micropython-lib, which mpremote fetches from the internet."""
+    """The mpremote commands, as argument lists: ask if a board answers; then copy, remove stale modules, copy the stamp and reset. The
+    old stamp goes first: a board whose copy was cut short has none, and says so at its start. `drivers`: packages of micropython-lib,
+    which mpremote fetches from the internet."""
     mpremote = [sys.executable, "-m", "mpremote", "connect", port]
     copy = ["cp", "-r", str(out / "passo"), ":", "+", "cp", str(out / "main.py"), str(out / "board.py"), ":"]
     if drivers:
         copy += ["+", "mip", "install", *drivers]
-    return [mpremote + ["exec", "pass"], mpremote + copy + ["+", "run", str(REMOVE_STALE), "+", "reset"]]
+    finish = ["+", "run", str(REMOVE_STALE), "+", "cp", str(out / STAMP), ":", "+", "reset"]
+    return [mpremote + ["exec", "pass"], mpremote + ["run", str(REMOVE_STAMP), "+"] + copy + finish]
 
 
 def drivers_of(board):

@@ -59,7 +59,7 @@ class Started:
 @pytest.mark.parametrize("board, free", [("router_3axis", 47_000), ("plotter_2014", 110_000)])
 def test_room_and_time(uf2, board, free, show):
     started = Started(board, uf2=uf2)
-    assert "code in flash: " in started.said
+    assert "code in flash: " in started.said and "build %s" % firmware_files(board)["stamp.txt"].decode().strip() in started.said
     assert started.heap.free >= free and started.heap.largest >= LARGEST
     assert started.answered_ms <= FIRST_ANSWER_MS
     if board == "router_3axis":
@@ -77,6 +77,22 @@ def test_room_and_time(uf2, board, free, show):
 def test_other_interpreters(version):
     started = Started("plotter_2014", uf2=version)
     assert "code in flash: " in started.said and started.heap.largest >= LARGEST
+
+
+@pytest.mark.parametrize("torn", ["stamp.txt", "passo/stamp.txt", "of another build"])
+def test_a_torn_or_mixed_build_is_not_run(torn, uf2):
+    """What is there would start: it says what is wrong, touches no pin, and the prompt comes."""
+    files = dict(firmware_files("plotter_2014"))
+    if torn in files:
+        del files[torn]
+    else:
+        files["stamp.txt"] = b"0123456789ab\n"
+    machine = EmulatedMachine("plotter_2014", files, uf2=uf2).boot()
+    console = machine.pico.console
+    machine.run_until(lambda: b">>> " in console.text, LIMIT_MS)
+    said = bytes(console.take()).decode()
+    assert "the firmware here is not whole" in said and "Traceback" not in said
+    assert not machine.wiring.edge_count
 
 
 EVERYTHING = {"journal": {"every_ms": 500}, "jobs": {"language": "grbl"}}

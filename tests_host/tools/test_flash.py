@@ -40,8 +40,9 @@ def test_dry_run_transcript(folder):
     mpremote = shlex.join([sys.executable, "-m", "mpremote", "connect", "/dev/ttyACM0"])
     assert result.output.splitlines()[-2:] == [
         f"{mpremote} exec pass",
-        f"{mpremote} cp -r build/plotter_2014/passo : + cp build/plotter_2014/main.py build/plotter_2014/board.py :"
-        f" + run {shlex.quote(str(flash.REMOVE_STALE))} + reset",
+        f"{mpremote} run {shlex.quote(str(flash.REMOVE_STAMP))} + cp -r build/plotter_2014/passo :"
+        " + cp build/plotter_2014/main.py build/plotter_2014/board.py :"
+        f" + run {shlex.quote(str(flash.REMOVE_STALE))} + cp build/plotter_2014/stamp.txt : + reset",
     ]
     assert (folder / "build/plotter_2014/passo/app.mpy").is_file()
 
@@ -147,7 +148,22 @@ def test_a_whole_flash(folder, board, small_firmware):
 def test_a_copy_that_ends_early(folder, board, small_firmware):
     port, files = board
     put(files, "passo", "a file where the package's folder belongs")
+    put(files, "stamp.txt")
     result = run_flash("--port", port)
     assert isinstance(result.exception, Failure)
     assert str(result.exception).startswith(f"copying to {port} ended early: ")
     assert "\n" not in str(result.exception)
+    assert not (files / "stamp.txt").exists(), "it would say that the firmware is whole"
+
+
+def test_a_stamp_is_of_all_files(folder, small_firmware):
+    """Another number in one module is another build; the same files are the same."""
+    out = folder / "build" / "plotter_2014"
+    stamps = []
+    put(folder / "firmware", "main.py", "import passo.app\n")
+    for text in ("x = 1\nprint(x)\n", "x = 2\nprint(x)\n", "x = 1\nprint(x)\n"):
+        put(folder / "firmware", "passo/app.py", text)
+        assert run_flash("--dry-run").exit_code == 0
+        stamps.append((out / "stamp.txt").read_text())
+        assert stamps[-1] == (out / "passo" / "stamp.txt").read_text()
+    assert stamps[0] == stamps[2] != stamps[1] and len(stamps[0]) == 13
