@@ -77,7 +77,7 @@ class App:
         self.planner = Planner(self.layout.axes)  # first: it takes the largest pieces of memory
         if "program" in names:
             self.planner.load(whole)
-        settings = Settings(board, Journal(slots or MemorySlots()))
+        settings = Settings(board, Journal(slots or MemorySlots()), writing=getattr(port, "writing", None))
         machine_builder.forget("setting_table")
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)))
         self.player = port.player(self.ring, self.layout, board)  # whose pins follow the settings

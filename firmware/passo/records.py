@@ -24,6 +24,7 @@ LONG_TICKS = const(375_000)  # 30 ms of motion queued: with less a stream is slo
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
 JOB_WORDS = const(275)  # of memory in one piece, kept for the window that a stored job is read through
+REST_MS = const(1000)  # a machine that stands for so long rests: a sender that counts has sent all it may
 JOURNAL_BYTES = const(32)  # of a record of the job's journal, see control/job_journal.py
 REGISTER_BIT = const(100)  # pins from here on are bits of shift registers: of the 74HC165 if inputs, of the 74HC595 if outputs
 REQUEST_PROVEN = const(1)  # flags of a request over the network: its sender may move the machine

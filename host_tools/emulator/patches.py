@@ -6,8 +6,8 @@ Each takes the emulated chip. The larger ones have a module of their own, which 
 `system_clock`; the pads and the USB port belong to `pico.EmulatedPico`, with switches of the same kind.
 
 The flash cache and the faults of accesses that are not aligned are in `flash_cache`. Not modelled, here or there: the time
-of exception entry and exit, bus contention, the second core, the two-cycle synchroniser of inputs, and the time that
-flash takes to erase (milliseconds here, tens of them on silicon). Timings are therefore a lower bound.
+of exception entry and exit, bus contention, the second core, and the two-cycle synchroniser of inputs. Timings are therefore a lower
+bound. How long flash takes to erase and to program is in `flash_times`.
 """
 
 from host_tools.emulator import pio as pio_patch

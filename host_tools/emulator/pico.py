@@ -17,6 +17,7 @@ that a miss of the flash cache costs, which PASSO_FLASH_MISS says otherwise; 0 l
 from host_tools.emulator import binary, bus, cycles, filesystem, native, patches
 from host_tools.emulator.console import Console
 from host_tools.emulator.flash_cache import FlashCache, wanted_cycles
+from host_tools.emulator.flash_times import TYPICAL, FlashTimes
 from host_tools.emulator.loop import Loop
 from host_tools.emulator.pads import Pads
 from host_tools.emulator.usb import UsbPort
@@ -33,6 +34,7 @@ class EmulatedPico:
         self._files_at, self._blocks = filesystem.location(self._uf2)
         self._leave_out = leave_out
         self._flash_miss = wanted_cycles() if flash_miss is None else flash_miss
+        self.flash_times = None
         if files is not None:
             files = files if isinstance(files, dict) else filesystem.folder_files(files)
             image = filesystem.make_image(files, self._blocks)
@@ -50,6 +52,7 @@ class EmulatedPico:
         self._halted = False
         patches.apply(self.chip, self._leave_out)
         bus.install(self.chip)
+        self.flash_times = FlashTimes(self.chip, self.flash_times.times if self.flash_times else TYPICAL)
         self.flash_cache = FlashCache(self.chip)
         self.flash_cache.miss_cycles = self._flash_miss
         self._loop = self._make_loop()

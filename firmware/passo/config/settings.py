@@ -34,8 +34,10 @@ _VERSION = "2:"
 
 
 class Settings:
-    def __init__(self, board, journal, steps_s=1_000_000):
-        """`board`: a checked board, which follows the settings from now on. `steps_s`: as limit_steps()."""
+    def __init__(self, board, journal, steps_s=1_000_000, writing=None):
+        """`board`: a checked board, which follows the settings from now on. `steps_s`: as limit_steps(). `writing`: called
+        with True before something is written, and with False after it."""
+        self._writing = writing
         self._board = board
         self._journal = journal
         self._board_travel = [axis["travel_steps"] for axis in board["axes"]]
@@ -165,7 +167,7 @@ class Settings:
         `before`, if there is one."""
         if self.dirty:
             try:
-                self._journal.write(self._dump())
+                self._write(self._dump())
             except (OSError, MemoryError):
                 if before is not None:
                     self._changed, self._texts, dirty = before
@@ -175,6 +177,15 @@ class Settings:
                 return errors.MEMORY
             self.dirty = self.damaged = False
         return 0
+
+    def _write(self, text):
+        if self._writing:
+            self._writing(True)
+        try:
+            self._journal.write(text)
+        finally:
+            if self._writing:
+                self._writing(False)
 
     def _dump(self):
         lines = []

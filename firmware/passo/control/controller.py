@@ -13,6 +13,7 @@ from passo import commands, errors
 from passo.commands import ACCEPTED, DROPPED, REFUSED, Event
 from passo.control.links import OF_ANY_LINK
 from passo.control.state import hooks
+from passo.records import COUNT_MASK, REST_MS
 
 # What the link that has started a stored job may still say.
 _OF_LENDER = (
@@ -54,6 +55,8 @@ class Controller:
         self._report = {}  # one for all: it is used up before the next
         self._late = 0
         self._still = True  # as poll() has found it
+        self._stood_ms = -1  # since when; −1: it does not
+        self._set_amid = False  # settings have changed amid a motion: they are kept when a sender is sure to have sent all it may
 
     # --- the face towards the app
 
@@ -149,18 +152,26 @@ class Controller:
         for poll in self._ends:
             poll(still)
         if still:
-            self._stand()
+            self._stand(now_ms)
+        else:
+            self._stood_ms = -1
         if self._feeder.late != self._late:
             self._late = self._feeder.late
             self.machine.note(errors.WORDS_LATE)
         self._motors.poll(now_ms, not still and not self.machine.sleeping, self.queue.tool)
 
-    def _stand(self):
+    def _stand(self, now_ms):
         machine = self.machine
         machine.jogging = False
         if machine.busy_with(commands.STOP):
             machine.finish(machine.report({}))
-        if machine.settings.dirty and not machine.settings.failed and machine.settings.save():
+        settings = machine.settings
+        if self._stood_ms < 0:
+            self._stood_ms = now_ms
+            self._set_amid = settings.dirty
+        if not settings.dirty:
+            self._set_amid = False
+        elif not settings.failed and (not self._set_amid or (now_ms - self._stood_ms) & COUNT_MASK >= REST_MS) and settings.save():
             machine.note(errors.MEMORY)  # what has been set counts until the power goes; it is tried again with the next change
 
     def begin(self):

@@ -3,9 +3,11 @@
     port.pages.read(block, slot) → 32 bytes; write(block, slot, data); erase(block); BLOCKS, SLOTS
 
 A record is 32 bytes: sequence u16, flags u16, job u32, line u32, four positions i32 in steps, CRC-32 of all before. Records follow
-each other through the blocks; the newest whole one counts, so a power cut at any byte of a write leaves the one before. A block is
-erased only at a stand, and never the one with the newest record. A page takes 0.7 ms, in which no interrupt comes: the words
-that lie ahead, 8 ms and more, play on. An erase takes 45 to 400 ms.
+each other through the blocks; the newest whole one counts, so a power cut at any byte of a write leaves the one before. A page takes
+0.7 ms, up to 3, in which no interrupt comes: the words that lie ahead, 8 ms and more, play on, and the port keeps the bytes of lines.
+
+An erase takes 45 to 400 ms. So blocks are erased only as a job is announced, whose answer comes after it, and one a second while the
+machine has stood for that long; never the one with the newest record.
 
 What is written while it moves is at most `every_ms` old, twice that once half of the slots are used, and so on; at a stand all is
 written. The job is a number that the PC makes of its file; lines are those of N words.
@@ -18,7 +20,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.motion.block import WAIT
-from passo.records import COUNT_MASK, JOURNAL_BYTES, ROW_KIND, ROW_TAG
+from passo.records import COUNT_MASK, JOURNAL_BYTES, REST_MS, ROW_KIND, ROW_TAG
 
 _WAITS = const(8)  # blocks that wait for a tool, behind a line
 DONE = const(1)  # flags: the line has been played to its end, the position is there
@@ -55,7 +57,10 @@ class JobJournal:
         self._position = [0] * 4
         self._written = None  # what the newest record holds
         self._written_ms = 0
-        self._left = 0  # slots that are erased
+        self._empty = [0] * pages.BLOCKS  # slots of each block that are erased
+        self._newest = 0  # the block with the newest record
+        self._rest_ms = 0  # since when the machine stands
+        self._late = False  # what is known at this stand is still to be written
         self._retired = queue.retired()  # blocks, as seen last
         self._moving = False  # by a line of the job
         self._broken = False  # what was queued has been dropped amid a line
@@ -67,11 +72,12 @@ class JobJournal:
         for block in range(pages.BLOCKS):
             for slot in range(pages.SLOTS):
                 data = bytes(pages.read(block, slot))
-                self._left += data == _EMPTY
+                self._empty[block] += data == _EMPTY
                 record = unpacked(data)
                 if record and (newest is None or (record[0] - newest[0]) & 0xFFFF < 0x8000):
                     newest = record
-                    self._block, self._slot = block, slot + 1
+                    self._newest = self._block = block
+                    self._slot = slot + 1
         if newest:
             self._sequence = newest[0] + 1 & 0xFFFF
             self._written = newest[1:]
@@ -108,7 +114,9 @@ class JobJournal:
         self._sample_place()
         self._begin(command.target)
         self._flags |= self._homed()
-        self._erase()
+        if self._few():
+            while self._erase():
+                pass
         self._write()
         return machine.accepted(command)
 
@@ -130,9 +138,16 @@ class JobJournal:
         machine = self._machine
         if self._power and not machine.alarm and machine.inputs.input(self._power):
             machine.raise_alarm(errors.ALARM_POWER, self._power)  # halt() writes what is known
+        still = self._queue.still()
+        if not still:
+            self._rest_ms = now_ms
+        elif now_ms - self._rest_ms & COUNT_MASK >= REST_MS:
+            self._rest_ms = now_ms
+            if self._few():
+                self._erase()
         if not self._job or not self._counting():
             return
-        if not self._queue.still():
+        if not still:
             self._sample(now_ms)
             return
         retired = self._queue.retired()
@@ -142,6 +157,10 @@ class JobJournal:
             self._stand(min((retired - self._retired) & COUNT_MASK, _WAITS))
         self._retired = retired
         self._moving = False
+        if self._late and now_ms - self._written_ms & COUNT_MASK >= self._interval():
+            self._written_ms = now_ms
+            self._late = False
+            self._write()
 
     def _sample(self, now_ms):
         """The line under way, and where it is."""
@@ -157,6 +176,7 @@ class JobJournal:
         if at != planner.row():  # another block has begun meanwhile
             return
         self._moving = True
+        self._late = False
         self._line = line
         self._position[: self._axes] = found
         self._flags = self._homed()
@@ -181,8 +201,10 @@ class JobJournal:
         self._line = line
         self._flags = DONE | self._homed()
         self._sample_place()
-        self._write()
-        self._erase()
+        if self._few():
+            self._late = True
+        else:
+            self._write()
 
     def halt(self):
         """The pins have stopped amid a word; what is queued is dropped next."""
@@ -201,13 +223,18 @@ class JobJournal:
             self._write()
         self._broken = True
 
+    def _few(self):
+        """True if less than half of the slots are left."""
+        return sum(self._empty) < self._pages.SLOTS * self._pages.BLOCKS // 2
+
     def _interval(self):
-        """Rarer, the fewer slots are left before the next stand."""
+        """Rarer, the fewer slots are left before the next erase."""
         if self._block < 0:
             return COUNT_MASK
         interval = self._every_ms
+        left = sum(self._empty)
         share = self._pages.SLOTS * self._pages.BLOCKS // 2
-        while self._left < share and share > 4:
+        while left < share and share > 4:
             interval *= 2
             share //= 2
         return interval
@@ -218,34 +245,29 @@ class JobJournal:
         now = self._flags, self._job, self._line, list(self._position)
         if now == self._written or self._block < 0:
             return
+        port = self._machine.port
+        port.writing(True)
         self._pages.write(self._block, self._slot, packed(self._sequence, *now))
+        port.writing(False)
         self._sequence = self._sequence + 1 & 0xFFFF
         self._written = now
+        self._newest = self._block
+        self._empty[self._block] -= 1
         self._slot += 1
-        self._left -= 1
         self._next_free()
 
     def _erase(self):
-        """At a stand: erase the blocks behind the one that is written, if few slots are left."""
+        """Erase the next block behind the newest record that is not. Returns whether there was one."""
         pages = self._pages
-        if self._block >= 0 and self._interval() == self._every_ms:
-            return
-        newest = self._block if self._slot or self._block < 0 else (self._block - 1) % pages.BLOCKS
-        if self._block < 0:
-            newest = self._newest_block()
-        for block in range(pages.BLOCKS):
-            if block != newest:
+        for ahead in range(1, pages.BLOCKS):
+            block = (self._newest + ahead) % pages.BLOCKS
+            if self._empty[block] < pages.SLOTS:
+                port = self._machine.port
+                port.writing(True)
                 pages.erase(block)
-        self._block, self._slot = (newest + 1) % pages.BLOCKS, 0
-        self._left = (pages.BLOCKS - 1) * pages.SLOTS
-
-    def _newest_block(self):
-        best = None
-        where = 0
-        pages = self._pages
-        for block in range(pages.BLOCKS):
-            for slot in range(pages.SLOTS):
-                record = unpacked(pages.read(block, slot))
-                if record and (best is None or (record[0] - best) & 0xFFFF < 0x8000):
-                    best, where = record[0], block
-        return where
+                port.writing(False)
+                self._empty[block] = pages.SLOTS
+                if self._block < 0:
+                    self._block, self._slot = block, 0
+                return True
+        return False

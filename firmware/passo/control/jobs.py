@@ -179,6 +179,7 @@ class Jobs:
             return errors.JOB_RUNS
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return errors.BUSY
+        machine.port.feed_watchdog()
         if what in (commands.JOB_LIST, commands.JOB_DELETE, commands.JOB_OPEN):
             error = self._mount()
             if error:
@@ -344,6 +345,7 @@ class Jobs:
         self._store.close(self._reading)
         self._reading = None
         if not error:
+            machine.port.feed_watchdog()
             try:
                 self._store.keep()
             except OSError:

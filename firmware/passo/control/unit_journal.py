@@ -80,5 +80,3 @@ class UnitJournal(JobJournal):
         for axis in range(self._axes):
             self._position[axis] = spot[SPOT_AXES + axis]
         self._write()
-        if self._queue.still():
-            self._erase()

@@ -222,6 +222,13 @@ class ChipPort:
 
         return MemoryCard(config, self)
 
+    def writing(self, on):
+        """Flash is about to be erased or written, all interrupts off for up to 0.4 s at a time, or it has been."""
+        self.feed_watchdog()
+        for line in self._lines:
+            if hasattr(line, "writing"):
+                line.writing(on)
+
     def feed_watchdog(self):
         """Something takes longer than a cycle may, and is still going on. Only at a stand."""
         if self._watchdog is not None:

@@ -14,6 +14,9 @@ _PARITIES = {"none": None, "even": 0, "odd": 1}
 class UartLine:
     def __init__(self, link):
         """`link` of the board file; its port is "uart0" or "uart1". An inverter's says parity and stop bits too."""
+        self._capture = None
+        self._before = self._kept = self._given = 0  # bytes in the UART's buffer that come before what was captured; that; and given of it
+        self._capturing = False
         self._uart = UART(
             int(link["port"][4:]),
             link["baud"],
@@ -29,11 +32,30 @@ class UartLine:
         self._data = bytearray(_MOST)
         self._view = self._said = memoryview(self._data)
 
+    def keep(self, capture):
+        """`capture` keeps what comes while flash is written."""
+        self._capture = capture
+
+    def writing(self, on):
+        """Flash is about to be written, or has been: no interrupt takes bytes off the FIFO meanwhile."""
+        if self._capture is None:
+            return
+        if on:
+            if not self._kept:  # else what was kept the last time has not been read: the FIFO has to do
+                self._before = self._capture.begin(self._uart)
+                self._capturing = True
+        elif self._capturing:
+            self._capturing = False
+            self._kept = self._capture.end()
+            self._given = 0
+
     def any(self):
-        return self._uart.any()
+        return self._uart.any() + self._kept - self._given
 
     def read(self):
         """Bytes that have come, at most 128, good until the next read; b"" if none."""
+        if self._kept:
+            return self._read_kept()
         count = self._uart.any()
         if not count:
             return b""
@@ -44,8 +66,22 @@ class UartLine:
             self._said = self._view[:count]
         return self._said
 
+    def _read_kept(self):
+        if self._before:
+            data = self._uart.read(min(self._before, _MOST))
+            self._before -= len(data)
+            return data
+        first = self._given
+        self._given = min(first + _MOST, self._kept)
+        data = self._capture.view[first : self._given]
+        if self._given == self._kept:
+            self._kept = self._given = 0
+        return data
+
     def write(self, data):
         self._uart.write(data)
 
     def close(self):
         self._uart.deinit()
+        if self._capture is not None:
+            self._capture.close()

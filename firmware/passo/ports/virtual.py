@@ -123,6 +123,12 @@ class VirtualPort:
             self.lines[name] = MemoryLine()
         return self.lines[name]
 
+    def writing(self, on):
+        """Flash is about to be written, or has been: here that takes no time."""
+
+    def feed_watchdog(self):
+        pass
+
     def card(self, config):
         """The memory card of the board file."""
         return VirtualCard()

@@ -19,6 +19,9 @@ from passo.records import TICKS_PER_S
 RP2350 = "RP2350" in sys.implementation._machine
 IO_BANK0 = 0x40028000 if RP2350 else 0x40014000
 PWM = 0x400A8000 if RP2350 else 0x40050000
+UARTS = (0x40070000, 0x40078000) if RP2350 else (0x40034000, 0x40038000)  # their data registers
+UART_REQUESTS = (29, 31) if RP2350 else (21, 23)  # to DMA, of a byte that has come
+_WATCHDOG_LOAD = 4
 WATCHDOG = 0x400D8000 if RP2350 else 0x40058000
 ABORT = 0x50000464 if RP2350 else 0x50000444  # DMA's CHAN_ABORT
 TOGGLE = 0xD0000028 if RP2350 else 0xD000001C  # SIO's GPIO_OUT_XOR
@@ -60,6 +63,11 @@ def invert_input(pin):
 def yield_timers():
     """Timer interrupts give way to all others: to halting pins, to the serial ports, to USB."""
     mem32[_NVIC_PRIORITY + (_TIMER_IRQ_3 & ~3)] = mem32[_NVIC_PRIORITY + (_TIMER_IRQ_3 & ~3)] & 0xFFFFFF | 0xC0 << 24
+
+
+def long_watchdog():
+    """The watchdog waits as long as it can, 8.3 s and on an RP2350 16.7, until it is fed."""
+    mem32[WATCHDOG + _WATCHDOG_LOAD] = 0xFFFFFF
 
 
 def stop_watchdog():

@@ -114,6 +114,19 @@ class Port(ChipPort):
         """The pins of all inputs as one integer."""
         return ptr32(0xD0000004)[0] & int(self._mask)
 
+    def serial(self, link):
+        line = ChipPort.serial(self, link)
+        if link["port"] != "usb" and not link.get("frames"):  # frames are sent again
+            from passo.ports.rp2.uart_capture import Capture
+
+            line.keep(Capture(int(link["port"][4:])))
+        return line
+
+    def feed_watchdog(self):
+        """Something takes longer than a cycle may: three sectors of flash that are erased in one call may take 1.2 s. Only at a stand."""
+        if self._watchdog is not None:
+            chip.long_watchdog()
+
     def watch(self, pin, handler, edge):
         """Call `handler(pin)` in the interrupt of an edge."""
         pin.irq(handler, edge, hard=True)

@@ -1,0 +1,91 @@
+"""Flash that is erased on the emulated Pico, at its typical and its longest times: what a sender that counts has sent is not lost,
+and no watchdog barks.
+"""
+
+import re
+
+import pytest
+from emulated import uf2  # noqa: F401
+
+from host_tools import boards
+from host_tools.emulator.flash_times import LONGEST, TYPICAL
+from host_tools.emulator.machine import EmulatedMachine, written
+from passo.control.job_journal import packed
+
+BLOCKS, SLOTS, RECORD = 4, 128, 32
+USED = 3 * SLOTS + 60  # of the slots: three blocks are erased
+RX_BYTES = 128
+ANSWER = re.compile(rb"(ok|error:\d+|ALARM:\d+)\r\n")
+LINK = "serial"
+
+
+@pytest.fixture(params=[TYPICAL, LONGEST], ids=["typical", "longest"])
+def machine(request, uf2):  # noqa: F811
+    board = boards.load("router_3axis")
+    board["journal"] = {"every_ms": 200}
+    board["links"] = [link for link in board["links"] if link["name"] == LINK]
+    files = dict(written(board))
+    for block in range(BLOCKS):
+        records = [packed(slot, 1, 7, slot, [0, 0, 0, 0]) for slot in range(block * SLOTS, min(USED, (block + 1) * SLOTS))]
+        files[f"journal.{block}"] = b"".join(records).ljust(SLOTS * RECORD, b"\xff")
+    made = EmulatedMachine(board, files, trace=None, start=(3000, 3000, -3000))
+    made.pico.flash_times.take(**request.param)
+    made.boot()
+    made.run_until(made.listening, 15_000)
+    made.run_ms(800)
+    made.pico.flash_times.take(**request.param)
+    return made
+
+
+def stream(machine, lines, pauses=(), question_ms=0):
+    """Send lines as a sender does that counts 128 bytes; `pauses`: {number of a line: ms before it}. Returns the answers."""
+    said, sent, answered = b"", [], 0
+    asked_ms = machine.now_ms()
+    for number, line in enumerate(lines):
+        if number in pauses:
+            machine.run_ms(pauses[number])
+        while sum(sent[answered:]) + len(line) > RX_BYTES:
+            machine.run_ms(1)
+            said += machine.take(LINK)
+            answered = len(ANSWER.findall(said))
+            if question_ms and machine.now_ms() - asked_ms > question_ms:
+                asked_ms = machine.now_ms()
+                machine.send(b"?", LINK)
+            assert machine.now_ms() - asked_ms < 60_000
+        machine.send(line, LINK)
+        sent.append(len(line))
+    end = machine.now_ms() + 20_000
+    while answered < len(lines) and machine.now_ms() < end:
+        machine.run_ms(5)
+        said += machine.take(LINK)
+        answered = len(ANSWER.findall(said))
+    return ANSWER.findall(said)
+
+
+def test_a_sender_that_counts_loses_nothing(machine, show):
+    """A job is announced with lines behind it, pauses until the machine runs dry, ends, and the next follows at once."""
+    head = [b"$X\n", b"$JR=1234\n", b"$110=4000\n", b"G21G91\n"]
+    moves = [b"N%d G1X0.5F3000\n" % number for number in range(1, 81)]
+    more = [b"M30\n", b"$JR=77\n", b"G91\n"] + [b"N%d G1X-0.5F3000\n" % number for number in range(1, 21)] + [b"G10L2P1X0\n"] + [
+        b"G1X-0.5F3000\n" for _ in range(20)
+    ]
+    lines = head + moves + more
+    answers = stream(machine, lines, {30: 60, 44: 60, 61: 400}, question_ms=150)
+    assert answers == [b"ok"] * len(lines)
+    machine.run_ms(3000)
+    machine.send(b"?", LINK)
+    machine.run_ms(40)
+    assert b"<Idle|MPos:20.000,0.000,0.000|" in machine.take(LINK)
+    assert machine.pico.flash_times.erased >= 3
+    show("erases while a sender counts", f"{machine.pico.flash_times.erased} of {machine.pico.flash_times.times['erase_us'] // 1000} ms, {len(lines)} lines, none lost")
+
+
+def test_no_watchdog_barks(machine):
+    """Three blocks in a row, settings on a full page, an erase at rest: it goes on, and has not been reset."""
+    assert stream(machine, [b"$X\n", b"$JR=1\n", b"$120=200\n", b"$N0=G20\n", b"$I=a name\n"]) == [b"ok"] * 5
+    machine.run_ms(4000)
+    machine.send(b"?", LINK)
+    machine.run_ms(40)
+    said = machine.take(LINK)
+    assert b"<Idle" in said and b"Grbl" not in said
+    assert machine.pico.flash_times.erased >= 3
