@@ -42,8 +42,12 @@ BOARD = {
                 "coolant_ms": 1000},  # after the door: wait so long for the air assist or exhaust
     "idle_release_ms": 0,
     "store_points": 1000,
+    # Where a job is, for `passo resume` and the page, after the PC or the power has failed.
+    "journal": {"every_ms": 1000},
+    # A program that asks for the status, and then says nothing for three seconds amid a job, has died: the machine comes to a
+    # stand, the beam off.
     "links": [
-        {"name": "pc", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl"},
-        {"name": "usb", "port": "usb", "protocol": "grbl"},
+        {"name": "pc", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl", "lost": "stop"},
+        {"name": "usb", "port": "usb", "protocol": "grbl", "lost": "stop"},
     ],
 }

@@ -53,8 +53,12 @@ BOARD = {
     "spindle": {"max_rpm": 24000, "min_rpm": 0, "spin_up_ms": 4000, "coolant_ms": 1000},
     "idle_release_ms": 0,
     "store_points": 1000,
+    # Where a job is, for `passo resume` and the page, after the PC or the power has failed.
+    "journal": {"every_ms": 1000},
+    # A program that asks for the status, and then says nothing for three seconds amid a job, has died: the machine comes to a
+    # stand, Z goes up, the spindle goes off.
     "links": [
-        {"name": "pc", "port": "usb", "protocol": "grbl"},
-        {"name": "serial", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl"},
+        {"name": "pc", "port": "usb", "protocol": "grbl", "lost": "retract"},
+        {"name": "serial", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl", "lost": "retract"},
     ],
 }

@@ -60,7 +60,7 @@ FEATURES = (
     ("tachometer", "Tachometer", lambda board: board["tachometer"]),
     ("pins", "Pins", None),
     ("links", "Links", lambda board: True),
-    ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop")),
+    ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop", "retract")),
     ("resets", "Resets", lambda board: True),
     ("job_journal", "JobJournal", lambda board: board["journal"] and not _counted(board)),
     ("unit_journal", "UnitJournal", lambda board: board["journal"] and _counted(board)),

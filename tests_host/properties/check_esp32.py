@@ -332,7 +332,7 @@ class Switched(Table):
 
 def laser():
     """The laser's board on this chip, its alarm taken away."""
-    data = copy(LASER)
+    data = dict(copy(LASER), journal=None)
     data.update(chip="esp32", clock_mhz=0, tool={"pin": 26}, inputs=[], homing=None, outputs=[])
     data["speed"].update(default=4000, max=4000)
     for axis, pins in zip(data["axes"], ([16, 17], [18, 19])):

@@ -28,11 +28,17 @@ def run_ms(machine, milliseconds, every=None):
         machine.app.cycle()
 
 
+def begin(machine, lines, sign="?"):
+    """What begins a job, of a host that asks for the status."""
+    machine.put(lines)
+    run_ms(machine, 550, (100, sign))
+
+
 def check_pause():
     """It comes to its stand on the path, says why in the log, goes on at a word, and is held again if no other follows."""
     machine = machine_with("pause")
-    machine.put("G1X20\n")
-    run_ms(machine, LOST_MS - 100)
+    begin(machine, "G1X20\n")
+    run_ms(machine, LOST_MS - 150)
     assert machine.controller.state == "run"
     run_ms(machine, 600)
     assert machine.controller.state == "hold" and 0 < machine.world.place[0] - 3000 < 6400
@@ -53,7 +59,7 @@ def check_pause():
 def check_stop():
     """It comes to its stand, knows where it is, tool off, the rest dropped."""
     machine = machine_with("stop")
-    machine.put("M3S1000\nG1X20\nG1Y20\n")
+    begin(machine, "M3S1000\nG1X20\nG1Y20\n")
     run_ms(machine, 2000)
     assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST and machine.world.tool == 0
     place = machine.world.place
@@ -67,7 +73,7 @@ def check_stop():
 def check_spindle_at_rest():
     """A spindle that turns while nothing moves is under way too."""
     machine = machine_with("stop")
-    machine.put("M3S1000\n")
+    begin(machine, "M3S1000\n")
     run_ms(machine, 2 * LOST_MS)
     assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST and machine.world.tool == 0
 
@@ -78,6 +84,49 @@ def check_a_word_in_time_is_enough():
         machine.put("G1X20\n")
         run_ms(machine, 3000, (LOST_MS - 100, "?"))
         assert machine.world.place[0] == 3000 + 6400 and machine.controller.state == "idle"
+
+
+def check_a_host_that_does_not_ask():
+    """Nothing is said while a long line lasts: it is not lost; nor one that asks now and then, as a person does."""
+    for every in (None, (LOST_MS + 100, "?")):
+        machine = machine_with("stop")
+        machine.put("M3S1000\nG1X90F60\n")
+        run_ms(machine, 6000, every)
+        run_ms(machine, 90_000)
+        assert machine.world.place[0] == 3000 + 90 * 320 and not machine.controller.machine.alarm
+
+
+def check_retract():
+    """It comes to its stand, Z goes up, and then the spindle goes off; not before it is homed, and no laser."""
+    for homed in (True, False):
+        machine = machine_with("retract")
+        if homed:
+            assert machine.ask("$H")[-1] == "ok"
+            machine.ask("G91F600")
+        machine.do("G1X5Z-10" if homed else "G1X5", "M3S1000")
+        machine.settle()
+        machine.world.path = []
+        begin(machine, "G1X20\nG1Y20\n")
+        run_ms(machine, 6000)
+        assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST and machine.world.tool == 0
+        place = machine.controller.position()
+        assert machine.world.path and all([row[4] for row in machine.world.path]), "the spindle turned until it was up"
+        assert place[2] == 0 and (not homed or machine.world.path[-1][3] > machine.world.path[0][3])
+        assert not machine.controller.machine.retracts
+        assert machine.ask("$X")[-1] == "ok" and machine.ask("G1X1")[-1] == "ok"
+
+
+def check_a_reset_amid_the_retreat():
+    machine = machine_with("retract")
+    assert machine.ask("$H")[-1] == "ok"
+    machine.do("G91F600", "G1X5Z-40", "M3S1000")
+    machine.settle()
+    begin(machine, "G1X20\n")
+    run_ms(machine, LOST_MS + 600)
+    assert machine.controller.machine.retracts and machine.world.tool == 1
+    machine.put("\x18")
+    run_ms(machine, 100)
+    assert not machine.controller.machine.retracts and machine.world.tool == 0
 
 
 def check_go_on():
@@ -106,8 +155,8 @@ def check_noise_is_no_host():
     """On a framed link only a sound frame is a sign of life."""
     for sign, state in ((b"?~!G1X1\n\0\1\2\0", "hold"), (codec.delimited(codec.frame(codec.ACK, 0, 0, 15)), "idle")):
         machine = machine_with("pause", True)
+        begin(machine, "G1X20\n")
         machine.put(codec.HELLO_WIRE)
-        machine.put(codec.delimited(codec.frame(codec.DATA, 0, 0, 15, b"G1X20\n")))
         run_ms(machine, 3000, (100, sign))
         assert machine.controller.state == state, sign
 
@@ -115,7 +164,7 @@ def check_noise_is_no_host():
 def check_the_link_that_commands():
     """Only its host counts."""
     machine = machine_with("pause")
-    machine.put("G1X20\n")
+    begin(machine, "G1X20\n")
     other = machine.port.lines["serial"]
     for _ in range(10):
         other.incoming += b"?"

@@ -70,7 +70,7 @@ class Fuzz:
         board["spindle"] = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 20, "laser": laser, "spin_up_ms": 40, "coolant_ms": 20}
         board["links"] = board["links"][:1]
         self.port = Port()
-        self.app = App(board, self.port)
+        self.app = App(dict(board, journal=None), self.port)
         self.controller = self.app.controller
         self.controller.machine.homed = True
         self._recover()

@@ -16,6 +16,8 @@ from passo.config.journal import MemorySlots
 from passo.ports.virtual import VirtualPort
 
 HOME = (0, 0, 0)  # places where the limit switches of X, Y (low ends) and Z (high end) trip
+# Without what needs flash, and a host that goes on asking.
+PLAIN = dict(BOARD, journal=None, links=[{key: link[key] for key in link if key != "lost"} for link in BOARD["links"]])
 PULL_OFF = BOARD["homing"]["pull_off_steps"]
 LASER = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": 18, "laser": True}
 UNHOMED = "[MSG:'$H'|'$X' to unlock]"
@@ -91,7 +93,7 @@ def answers(said):
 
 class Machine:
     def __init__(self, world=None, slots=None, whole=True, radio=None, pages=None, **changes):
-        board = check(BOARD)
+        board = check(PLAIN)
         board.update(changes)
         if "interlock" in changes:
             board = check(board)  # the port wants it compiled

@@ -125,7 +125,7 @@ def test_what_a_board_file_may_say():
     assert check(router())["registers"]["inputs"] == 1
     refused("registers.outputs has 8 bits, pins 100 … 107, not 108", outputs=[{"name": "flood", "pin": 108}])
     refused("claimed by flood and by mist", outputs=[{"name": "flood", "pin": 101}, {"name": "mist", "pin": 101}])
-    refused("there are none", registers=None)
+    refused("there is none", registers=None)
     refused("pin 17 is claimed", outputs=[{"name": "flood", "pin": 17}])
     inputs = boards.load("router_3axis")["inputs"]
     for name, why in (("limit_x", "homing's sensor needs a pin of its own, or one of registers.edges"), ("stop", "one that halts needs a pin of its own")):

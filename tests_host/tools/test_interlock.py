@@ -299,7 +299,7 @@ def test_filters_are_for_inputs_that_count():
     with pytest.raises(BoardError, match="filter_us is for inputs"):
         check(board)
     del board["interlock"]
-    with pytest.raises(BoardError, match="there is none"):
+    with pytest.raises(BoardError, match="filter_us is for limits"):
         check(board)
     board = boards.load("mill_2004")
     board["inputs"] = [{**item, "filter_us": 50} if item["name"] == "stop" else item for item in board["inputs"]]

@@ -118,7 +118,7 @@ _LINK = {
     "protocol": (str, MUST, 1, 16),
     "idle_gap_ms": (int, 5, 1, 1000),
     "frames": (bool, False, 0, 1),  # a host may ask for frames that prove themselves: protocols/frames
-    "lost": ("go_on", "pause", "stop"),  # what is done if the host says nothing for lost_ms while its job is under way
+    "lost": ("go_on", "pause", "stop", "retract"),  # what is done if the host says nothing for lost_ms while its job is under way
     "lost_ms": (int, 3000, 100, 600_000),
     "tell_end": (bool, False, 0, 1),  # say unasked that a motion has ended, where the language has a word for it
 }

@@ -48,6 +48,7 @@ class Controller:
         self._readies = hooks(features, "ready")
         self._busies = hooks(features, "busy")
         self._stops = hooks(features, "stopped")
+        self._asked = hooks(features, "asked")
         self._batches = {}  # (open, accept, close) by their kind
         for batches in hooks(features, "batches"):
             self._batches.update(batches())
@@ -216,6 +217,8 @@ class Controller:
     def status(self, command):
         """The event that answers STATUS, which is never refused."""
         machine = self.machine
+        for asked in self._asked:
+            asked(command.link)
         report = self._report
         report["state"] = machine.state
         report["error"] = machine.alarm or machine.log.last

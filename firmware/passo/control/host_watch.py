@@ -2,10 +2,22 @@
 
 Per link of the board file: `lost`, what is done then, and `lost_ms`. Under way is what the link that commands has begun: motion,
 but for homing, or a tool or spindle that is on. What says something on a framed link is a sound frame, not noise.
+
+Some hosts say nothing as long as a line lasts. So one counts as lost only if it has asked for the status while this was under way,
+_SURE times, each within lost_ms of the time before; a link of a language without such a word is watched in any case.
+
+"retract": as "stop", but before tool and outputs go off Z goes up to where it stood after homing, if it has homed at its high end.
 """
 
+from micropython import const
+
 from passo import commands, errors
+from passo.config import setting_numbers as table
 from passo.records import COUNT_MASK
+
+_SURE = const(4)
+_SILENT = ("keys",)  # languages that have no word for the status
+_Z = const(2)
 
 
 class WatchedLine:
@@ -34,6 +46,15 @@ class HostWatch:
         self._links = board["links"]
         self._lines = {}  # by the numbers of their links; stored jobs come by another, and need no host
         self._since_ms = 0  # nothing has come from the link that commands, or nothing was under way
+        self._asked_ms = 0  # when its host asked last
+        self._asked = 0  # how often, each time within lost_ms of the one before
+        self._number = -1  # the link that commands
+        homing = board["homing"]
+        names = [axis["name"] for axis in board["axes"]]
+        self._rises = bool(homing) and "z" in homing["high_end"] and names[_Z : _Z + 1] == ["z"]
+        self._retracts = False  # lost: once it stands, Z goes up before the tool goes off
+        self._up = False  # it does
+        self._power = 0  # of the tool, as it was
 
     def watch(self, number, line):
         """Returns what is to be read instead of `line`, that of link `number`."""
@@ -50,14 +71,28 @@ class HostWatch:
         line = self._lines.get(number)
         if line is None:
             return
-        if line.heard or not self._under_way():
+        under_way = self._under_way()
+        if not under_way and not machine.hold or number != self._number:
+            self._asked = 0
+            self._number = number
+        if line.heard or not under_way:
             line.heard = False
             self._since_ms = now_ms
             return
         link = self._links[number]
         if (now_ms - self._since_ms) & COUNT_MASK >= link["lost_ms"]:
             self._since_ms = now_ms
-            self._lost(link)
+            if self._asked >= _SURE or link["protocol"] in _SILENT:
+                self._lost(link)
+
+    def asked(self, link):
+        """The host of `link` has asked for the status."""
+        if link is None or link.number != self._number or link.number not in self._lines:
+            return
+        now_ms = self._machine.port.link_ms()
+        in_time = (now_ms - self._asked_ms) & COUNT_MASK < self._links[link.number]["lost_ms"]
+        self._asked = self._asked + 1 if in_time else 0
+        self._asked_ms = now_ms
 
     def _under_way(self):
         machine = self._machine
@@ -71,8 +106,33 @@ class HostWatch:
         if commands.HOLD not in machine.handlers:
             machine.note(errors.HOST_LOST, link["name"])
             machine.carry_out(commands.STOP)
-        elif link["lost"] == "stop":
+        elif link["lost"] != "pause":
+            self._power = self._queue.planner.power
             machine.raise_alarm(errors.ALARM_HOST_LOST, link["name"])
+            rises = self._rises and machine.homed and not machine.settings.value(table.LASER)
+            self._retracts = machine.retracts = rises and link["lost"] == "retract"
         else:
             machine.note(errors.HOST_LOST, link["name"])
             machine.carry_out(commands.HOLD)
+
+    def poll_end(self, still):
+        machine = self._machine
+        if not self._retracts or machine.dropping or not still:
+            return
+        queue = self._queue
+        target = list(queue.position())
+        if not self._up and target[_Z] < 0:
+            self._up = True
+            target[_Z] = 0
+            queue.tool = queue.lit()
+            queue.set_power(self._power, False)
+            queue.go(target, 0, 0, queue.tool, 0)
+            queue.flush()
+        else:
+            self.clear()
+
+    def clear(self):
+        """It is up, or all work is dropped."""
+        if self._retracts:
+            self._retracts = self._up = self._machine.retracts = False
+            self._machine.switch_off()

@@ -157,7 +157,7 @@ class Pauses:
             kind = machine.hold
             machine.drop()
             machine.end_hold()
-            if machine.alarm in errors.NEED_RESET or machine.alarm >= errors.ALARM_INVERTER_SILENT:
+            if (machine.alarm in errors.NEED_RESET or machine.alarm >= errors.ALARM_INVERTER_SILENT) and not machine.retracts:
                 machine.switch_off()
             if kind == "door":
                 self._stop(kind)

@@ -76,6 +76,7 @@ class MachineState:
         self.fresh = False  # such motion was queued since the last cycle
         self.drawing = False  # points are taken out of the point buffer
         self.unattended = False  # what is under way needs no host
+        self.retracts = False  # after an alarm Z still goes up, before the tool goes off: see host_watch.py
         self.coolant = 0  # as it should be, see COOLANT
         self.spindle = commands.SPINDLE_OFF  # as it should be, see SPINDLE
         self.power = 0  # of the spindle, in millionths of the most

@@ -34,7 +34,7 @@ except ImportError:  # MicroPython's clock is monotonic only as far as the syste
     from time import time_ns as wall_ns
 
 from passo.ports.virtual_player import Player
-from passo.records import COUNT_MASK, TICKS_PER_MS
+from passo.records import COUNT_MASK, JOURNAL_BYTES, TICKS_PER_MS
 from passo.steps.wiring import inverted_pins, muted_pins, word_times
 
 TICK_NS = 80
@@ -83,6 +83,8 @@ class VirtualPort:
             from passo.ports.virtual_inputs import VirtualLimits
 
             self.world = self._limits = VirtualLimits(self, world, self._inputs)
+        if board.get("journal"):
+            self.pages = MemoryPages()
         self.latches = {}
         if hasattr(world, "listen") and board.get("homing") and board["homing"]["latch"]:
             from passo.ports.latch import VirtualLatch, named
@@ -264,6 +266,26 @@ class MemoryLine:
 
     def write(self, data):
         self.outgoing += bytes(data)
+
+
+class MemoryPages:
+    """The flash of the job's journal, in memory: as ports/rp2/pages.py."""
+
+    BLOCKS = 4
+    SLOTS = 128
+
+    def __init__(self):
+        self._slots = {}
+
+    def read(self, block, slot):
+        return self._slots.get((block, slot), b"\xff" * JOURNAL_BYTES)
+
+    def write(self, block, slot, data):
+        self._slots[block, slot] = bytes(data)
+
+    def erase(self, block):
+        for slot in range(self.SLOTS):
+            self._slots.pop((block, slot), None)
 
 
 class VirtualCard:
