@@ -13,12 +13,15 @@ _SIGN_S = 0.3
 _WAIT_S = 600  # that a way, a spindle or a dwell may take
 
 
-def announce(client, lines):
-    """Tell a board with a journal which program begins."""
+def announce(client, lines, name):
+    """Tell a board with a journal which program begins, and remember its name."""
     from host_tools.clients.grbl import Refused
+    from host_tools.programs import begun
 
+    number = number_of(lines)
+    begun.remember(number, name)
     try:
-        client.command(f"$JR={number_of(lines):08x}")
+        client.command(f"$JR={number:08x}")
     except Refused as refused:
         if refused.number not in (errors.STATEMENT, errors.BUSY):
             raise

@@ -61,10 +61,27 @@ def _grbl(port, baud):
         except LinkError:
             fields = {**fields, **client.ask_status()}  # raises if the link is gone; else lines that were sent before hold $LOG up
             return [*grbl_rows(fields, [], []), ("", _("no log, no encoders: they are answered after the lines sent before"))]
+        job = _job(client, fields["state"])
         encoders = []
         if "En" in fields:  # the board has some
             encoders = [line for line in client.command("$ENC") if line.startswith("[ENC:")]
-    return grbl_rows(fields, encoders, log)
+    rows = grbl_rows(fields, encoders, log)
+    return rows[:1] + job + rows[1:]
+
+
+def _job(client, state):
+    """The row that tells which job has not been done to its end: where the board keeps a journal, and stands."""
+    from host_tools.programs import begun
+    from host_tools.programs.job_record import Record
+
+    if state not in ("Idle", "Alarm") or not any(line.startswith("[OPT:") and "J" in line.split(",")[0] for line in client.command("$I")):
+        return []
+    record = Record.of(client.command("$JR"))
+    if not record.job or not record.line:
+        return []
+    name = begun.name_of(record.job) or _("a program that this PC has not begun ({})", f"{record.job:08x}")
+    text = _("stopped after line {} of {}", record.line, name) if record.done else _("stopped amid line {} of {}", record.line, name)
+    return [(N_("job"), text + _("; passo resume goes on with it"))]
 
 
 def grbl_rows(fields, encoders, log):

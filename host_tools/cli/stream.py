@@ -74,7 +74,7 @@ def stream(
         _make_ready(client, home, unlock)
         if first:
             lines = prepared(client, lines, first, None, yes)
-        announce(client, lines)
+        announce(client, lines, file.name)
         limits = gcode_time.Limits.of_settings(client.command("$$"))
         with Panel(client, lines, gcode_time.estimate(lines, limits), program.origin) as panel:
             for number in client.stream(lines, flow == "count", panel.cycle, panel.numbered, program.origin):

@@ -18,6 +18,7 @@ from passo.web.stored import StoredJobs
 from passo.web.wire import PAGE
 
 _REST = ("Idle", "Alarm")
+_HOMING, _HOMING_WAYS = 22, 23  # settings: whether it homes, and which axes at their low ends
 
 
 class RecoverableJobs(StoredJobs):
@@ -94,9 +95,12 @@ class RecoverableJobs(StoredJobs):
 
     def _drop(self):
         machine = self._machine
+        known = machine.state["recover"]["known"]
         self._stage = ""
         machine.state["recover"] = None
-        return machine.say(b"M5") or machine.say(b"M9")
+        homing, ways = (int(machine.settings.get(number, 0)) for number in (_HOMING, _HOMING_WAYS))
+        rises = known and homing and not ways >> 2 & 1 and len(machine.axes) > 2 and machine.state["state"] == "Idle"
+        return (machine.say(b"G53G0Z0") if rises else 0) or machine.say(b"M5") or machine.say(b"M9")
 
     def _begin_again(self, sure):
         if not sure:

@@ -117,7 +117,7 @@ def test_what_the_journal_says(part):
 
 
 def test_a_board_without_a_journal(part):
-    running = Running("fast")
+    running = Running("fast", journal=None)
     try:
         with pytest.raises(Failure, match="no journal"):
             resume.resume(part, running.line.name, 115200)

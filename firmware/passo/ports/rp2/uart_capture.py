@@ -7,7 +7,7 @@ A FIFO alone has 32, at 115 200 baud those of 2.8 ms: a page of flash takes up t
 """
 
 import rp2
-from machine import disable_irq, enable_irq
+from machine import disable_irq, enable_irq, mem32
 from micropython import const
 from uctypes import addressof
 
@@ -22,6 +22,7 @@ class Capture:
         self._data = chip.UARTS[number]
         self.view = memoryview(bytearray(_BYTES))
         self._dma = dma = rp2.DMA()
+        self._write_address = 0x50000004 + 0x40 * dma.channel
         self._ctrl = dma.pack_ctrl(size=0, inc_read=False, inc_write=True, treq_sel=chip.UART_REQUESTS[number])
 
     def begin(self, uart):
@@ -37,7 +38,7 @@ class Capture:
         dma = self._dma
         state = disable_irq()
         dma.active(0)
-        count = dma.write - addressof(self.view)
+        count = mem32[self._write_address] - addressof(self.view)
         enable_irq(state)
         return count
 

@@ -161,7 +161,8 @@ class System:
         text = self._settings.get(INFO) or ""
         version = "[VER:%s.%s:%s]\r\n" % (grbl_report.VERSION, grbl_report.DATE, text)
         about = self._machine.about
-        return version + "[OPT:VNMZ,%d,%d]\r\n" % (self._blocks, RX_BYTES) + (grbl_report.message(about) if about else "")
+        journal = "J" if commands.JOURNAL in self._machine.handlers else ""
+        return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (journal, self._blocks, RX_BYTES) + (grbl_report.message(about) if about else "")
 
     def _keep(self, key, text):
         before = self._settings.snapshot()

@@ -213,7 +213,7 @@ function enable() {
   set("give", idle && !busy && mine);
   set("take", (idle || report.state === "Alarm") && !mine);
   cards.show(report);
-  recover.show(report.recover, mine && !busy, idle);
+  recover.show(report.recover, mine && !busy, idle, /[SC]/.test(report.on || ""));
   if (link.key && $("card-key").hidden) shelf.show(mine && !busy);
 }
 

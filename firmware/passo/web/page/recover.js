@@ -12,11 +12,11 @@ export class Recover {
     $("recover-drop").onclick = () => order("recover", { what: "drop" });
   }
 
-  // `offer`: of the state; `free`: nothing runs, and this page commands; `idle`: the machine is.
-  show(offer, free, idle) {
+  // `offer`: of the state; `free`: nothing runs, and this page commands; `idle`: the machine is; `turns`: its spindle does.
+  show(offer, free, idle, turns) {
     $("recover-row").hidden = !offer;
     if (!offer) return;
-    let text = _("{name} was interrupted in line {line}.", offer) + " ";
+    let text = (turns ? _("{name} stopped in line {line}, the spindle turns.", offer) : _("{name} stopped in line {line}, spindle off.", offer)) + " ";
     if (offer.next) text += _("The tool is over the place. Next: {next}. Is the place right, and all clear?", offer);
     else if (offer.known) text += _("It can go on there: tool up, over the place, spindle and coolant on, then you are asked.");
     else text += _("Where the machine stands is not known since then: home it first.");

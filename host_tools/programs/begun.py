@@ -1,0 +1,39 @@
+"""The names of the programs that this PC has begun, by the number that a board's journal knows them by: so that a board whose sender
+has died can be told of by name.
+
+    begun.remember(number, "rings.gcode")
+    begun.name_of(number)           # "" if it has been begun elsewhere, or long ago
+"""
+
+import json
+import os
+from pathlib import Path
+
+KEPT = Path.home() / ".local" / "share" / "passo" / "begun.json"
+_MOST = 100
+
+
+def _known():
+    try:
+        known = json.loads(KEPT.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return known if isinstance(known, dict) else {}
+
+
+def remember(number, name):
+    """The oldest are forgotten. A folder that cannot be written is no reason not to begin."""
+    known = _known()
+    known.pop(f"{number:08x}", None)
+    known[f"{number:08x}"] = name
+    new = KEPT.with_suffix(".new")
+    try:
+        KEPT.parent.mkdir(parents=True, exist_ok=True)
+        new.write_text(json.dumps(dict(list(known.items())[-_MOST:])), encoding="utf-8")
+        os.replace(new, KEPT)
+    except OSError:
+        pass
+
+
+def name_of(number):
+    return str(_known().get(f"{number:08x}", ""))
