@@ -238,7 +238,7 @@ MEANINGS = {
     "links.protocol": "The language: `plotter`, `grbl`, `torch`, `pulses` or `keys`.",
     "links.idle_gap_ms": "Plotter and torch: a silence of so many ms ends a torn packet.",
     "links.frames": "A program may ask for frames that prove themselves, see [frames](languages/frames.md).",
-    "links.lost": "What is done if the host is [lost](#a-lost-host) while its job is under way: `pause` holds, `stop` drops the job.",
+    "links.lost": "What is done if the host is [lost](#a-lost-host) while its job is under way: `pause` holds, `stop` drops the job, `retract` takes Z up, too.",
     "links.lost_ms": "The host is lost if it says nothing for so long, ms.",
     "links.tell_end": "Torch: say FINISHED when a move has ended.",
 }

@@ -27,6 +27,9 @@ DIFFERENT = {
     "TOGGLE": (("SIO_BASE", "SIO_GPIO_OUT_XOR_OFFSET"), 0xD000001C, 0xD0000028),
     "COUNTER": (("CLOCKS_BASE", "CLOCKS_FC0_REF_KHZ_OFFSET"), 0x40008080, 0x4001008C),
     "BUSY": (("DMA_CH0_CTRL_TRIG_BUSY_BITS",), 1 << 24, 1 << 26),
+    "UART0": (("UART0_BASE", "UART_UARTDR_OFFSET"), 0x40034000, 0x40070000),
+    "UART1": (("UART1_BASE", "UART_UARTDR_OFFSET"), 0x40038000, 0x40078000),
+    "UART0_REQUEST": (("DREQ_UART0_RX",), 21, 29),
     "_OUT_OVER": (("IO_BANK0_GPIO0_CTRL_OUTOVER_LSB",), 8, 12),
 }
 ONLY_RP2040 = {
@@ -43,6 +46,8 @@ COUNTER = {  # of the frequency counter: from its first register
     "CLOCKS_FC0_RESULT_OFFSET": 28,
 }
 SAME = {
+    ("WATCHDOG_LOAD_OFFSET",): 4,
+    ("DMA_CH0_WRITE_ADDR_OFFSET",): 4,
     ("CLOCKS_FC0_SRC_VALUE_CLK_SYS",): 9,
     ("CLOCKS_FC0_STATUS_DONE_BITS",): 1 << 4,
     ("CLOCKS_FC0_RESULT_KHZ_LSB",): 5,
@@ -120,7 +125,7 @@ def test_as_the_headers_have_them():
         pytest.skip("PICO_SDK_PATH names no pico-sdk")
     for number, chip in enumerate(CHIPS):
         folder = Path(sdk) / "src" / chip / "hardware_regs" / "include" / "hardware" / "regs"
-        names = ["addressmap", "clocks", "dma", "dreq", "io_bank0", "pio", "pwm", "sio", "watchdog"]
+        names = ["addressmap", "clocks", "dma", "dreq", "io_bank0", "pio", "pwm", "sio", "uart", "watchdog"]
         names += ["vreg_and_chip_reset"] * (chip == "rp2040")
         text = "".join((folder / (name + ".h")).read_text() for name in names)
         defined = {name: int(value, 0) for name, value in

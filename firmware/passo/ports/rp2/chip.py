@@ -19,8 +19,9 @@ from passo.records import TICKS_PER_S
 RP2350 = "RP2350" in sys.implementation._machine
 IO_BANK0 = 0x40028000 if RP2350 else 0x40014000
 PWM = 0x400A8000 if RP2350 else 0x40050000
-UARTS = (0x40070000, 0x40078000) if RP2350 else (0x40034000, 0x40038000)  # their data registers
-UART_REQUESTS = (29, 31) if RP2350 else (21, 23)  # to DMA, of a byte that has come
+UART0 = 0x40070000 if RP2350 else 0x40034000  # its data register
+UART1 = 0x40078000 if RP2350 else 0x40038000
+UART0_REQUEST = 29 if RP2350 else 21  # to DMA, of a byte that has come; UART1's is two more
 _WATCHDOG_LOAD = 4
 WATCHDOG = 0x400D8000 if RP2350 else 0x40058000
 ABORT = 0x50000464 if RP2350 else 0x50000444  # DMA's CHAN_ABORT

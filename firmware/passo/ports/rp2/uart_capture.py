@@ -19,11 +19,11 @@ _BYTES = const(256)  # twice what a sender that counts may have on its way
 class Capture:
     def __init__(self, number):
         """`number` of the UART."""
-        self._data = chip.UARTS[number]
+        self._data = chip.UART1 if number else chip.UART0
         self.view = memoryview(bytearray(_BYTES))
         self._dma = dma = rp2.DMA()
-        self._write_address = 0x50000004 + 0x40 * dma.channel
-        self._ctrl = dma.pack_ctrl(size=0, inc_read=False, inc_write=True, treq_sel=chip.UART_REQUESTS[number])
+        self._write_address = 0x50000000 + 0x40 * dma.channel + 4
+        self._ctrl = dma.pack_ctrl(size=0, inc_read=False, inc_write=True, treq_sel=chip.UART0_REQUEST + 2 * number)
 
     def begin(self, uart):
         """Returns how many bytes come before."""
