@@ -12,6 +12,8 @@ STAMP = $(VENV)/.installed
 JOBS ?= 2
 PYTEST = $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --durations=20 --durations-min=2
 
+MINOR = import sys; print(*sys.version_info[:2])
+
 .DEFAULT_GOAL := help
 .PHONY: help venv run check test test-all soak bench build flash emulate site clean
 
@@ -23,6 +25,10 @@ help:  ## this list
 # $(1): extras of the project, $(2): what for, $(3): how much is new. Modules are compiled when they are first imported:
 # compiling all of them would take longer than fetching them, and a third more room.
 define install
+@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+    { echo "Passo wants Python 3.11 or later, and $(PYTHON) is $$($(PYTHON) -V 2>&1): make PYTHON=python3.11 $(MAKECMDGOALS)" >&2; exit 2; }
+@if test -e $(BIN)/python && test "$$($(BIN)/python -c '$(MINOR)' 2>&1)" != "$$($(PYTHON) -c '$(MINOR)')"; then \
+    echo "$(VENV) is of another Python than $(PYTHON): it is made anew."; rm -rf $(VENV); fi
 @test -x $(BIN)/python || $(PYTHON) -m venv $(VENV)
 @echo "Installing what $(2) needs into $(VENV): some $(3) MB, a minute or two; once."
 @$(BIN)/python -m pip install --quiet --no-compile --disable-pip-version-check -e '.$(1)'

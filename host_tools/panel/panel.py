@@ -9,13 +9,13 @@ from host_tools.failure import Failure
 from host_tools.panel import languages
 from host_tools.panel.server import PUSH_MS, Server, clock_ms
 from host_tools.panel.store import Store
-from host_tools.resources import ROOT
+from host_tools.resources import FIRMWARE
 from passo import errors
 from passo.web import session
 from passo.web.api import Api
 
 _HALF_WAY = ("Hold", "Door")  # stands, but with motion that is to be gone on with
-FOLDER = ROOT / "firmware" / "passo" / "web" / "page"
+FOLDER = FIRMWARE / "passo" / "web" / "page"
 TICK_S = 0.01
 SETTLE_S = 0.3  # a move that began just before has been reported by then
 

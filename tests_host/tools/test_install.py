@@ -2,6 +2,7 @@
 folder. What it depends on is that of the environment the tests run in; the project itself is not.
 """
 
+import ast
 import os
 import re
 import shutil
@@ -9,6 +10,8 @@ import signal
 import subprocess
 import sys
 import sysconfig
+import tomllib
+import urllib.request
 import venv
 import zipfile
 from pathlib import Path
@@ -138,3 +141,36 @@ def test_check_and_draw(passo):
     (passo.folder / "part.svg").write_text(SVG)
     assert "time" in good(passo("check", "part.gcode"))
     good(passo("draw", "part.svg", "--dry-run"))
+
+
+def test_a_panel_and_its_page(passo):
+    """What `passo panel` imports is installed with the command, and its page lies in the wheel."""
+    process = passo("panel", "--demo", "--http", "0", start=True)
+    try:
+        address = ""
+        for line in process.stdout:
+            found = re.search(r"http://127\.0\.0\.1:\d+/", line)
+            if found:
+                address = found[0]
+                break
+        assert address, process.stderr.read()
+        page = urllib.request.urlopen(address, timeout=30).read().decode()
+        assert "<title>Passo" in page
+        assert b"enable" in urllib.request.urlopen(address + "panel.js", timeout=30).read()
+    finally:
+        process.send_signal(signal.SIGINT)
+        process.wait(timeout=30)
+        process.stdout.close()
+        process.stderr.close()
+
+
+def test_what_a_panel_imports_is_no_extra():
+    wanted = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["dependencies"]
+    assert any(name.startswith("microdot") for name in wanted)
+    plain = {re.split(r"[<>=]", name)[0].replace("-", "_") for name in wanted} | {"serial", "passo", "host_tools"}
+    for path in (ROOT / "host_tools" / "panel").glob("*.py"):
+        for node in ast.parse(path.read_text(encoding="utf-8")).body:
+            names = [node.module] if isinstance(node, ast.ImportFrom) else [each.name for each in node.names] if isinstance(node, ast.Import) else []
+            for name in names:
+                first = name.split(".")[0]
+                assert first in plain or first in sys.stdlib_module_names, (path.name, name)
