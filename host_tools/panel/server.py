@@ -5,6 +5,10 @@
 
 Requests are bounded in size, number and time; Host and Origin must be this server's. A WebSocket brings state and answers to the
 page, and orders from it; one that ends, ends its jog.
+
+Nobody is kept out by those who only take up room: one connection more takes the place of the oldest whose request is not whole, then
+of the oldest that does not read its answer; one page more that of a page that has proven nothing. A page that is silent is asked for a
+sign of life, and given up without one. The bounds are those of a board's own server (passo/web/http.py).
 """
 
 import asyncio
@@ -25,6 +29,10 @@ PUSH_MS = 50
 _CONNECTIONS = 24
 _PAGES = 8
 _REQUEST_S = 5  # a request's head and body
+_ANSWER_S = 10  # and its answer has been taken
+_UNREAD_S = 1  # an answer of which nothing is taken makes room
+_ALIVE_MS = 2000  # a page without a sign of life is asked for one
+_GONE_MS = 8000  # and given up
 _HEAD_BYTES = 8192
 _MESSAGE_BYTES = 49_152
 _BODY_BYTES = 4096
@@ -49,15 +57,22 @@ def clock_ms():
 class Bounded:
     """A reader whose request must be whole in time, and no longer than allowed."""
 
-    def __init__(self, reader):
+    def __init__(self, reader, transport):
         self._reader = reader
         self._left = _HEAD_BYTES + _BODY_BYTES
         self._deadline = time.monotonic() + _REQUEST_S
+        self.transport = transport
         self.open = False  # a WebSocket: without an end
+        self.whole_s = None  # when the request was whole
+        self.heard_ms = clock_ms()  # when something has come
+        self.asked = False  # for a sign of life
 
     async def _within(self, coroutine, count):
         if self.open:
-            return await coroutine
+            data = await coroutine
+            self.heard_ms = clock_ms()
+            self.asked = False
+            return data
         left = self._deadline - time.monotonic()
         if left <= 0 or self._left <= 0:
             coroutine.close()
@@ -81,19 +96,34 @@ class App(Microdot):
 
     def __init__(self):
         super().__init__()
-        self._connections = 0
+        self._connections = []  # readers, the oldest first
+
+    def _make_room(self):
+        """One connection more. False if there is no room for it: all the others are being answered."""
+        asking = [each for each in self._connections if not each.open]
+        if len(asking) < _CONNECTIONS:
+            return True
+        late_s = time.monotonic() - _UNREAD_S
+        for each in [each for each in asking if each.whole_s is None] + [each for each in asking if each.whole_s and each.whole_s < late_s]:
+            each.transport.abort()
+            self._connections.remove(each)
+            return True
+        return False
 
     async def handle_request(self, reader, writer):
-        if self._connections >= _CONNECTIONS:
-            writer.close()
+        transport = writer.transport
+        if not self._make_room():
+            transport.abort()
             return
-        self._connections += 1
+        bounded = Bounded(reader, transport)
+        self._connections.append(bounded)
         try:
-            await self._handle(Bounded(reader), writer)
+            await self._handle(bounded, writer)
         except (Exception, asyncio.CancelledError):  # of one connection: torn, late, oversized. It ends, and nothing else does
             pass
         finally:
-            self._connections -= 1
+            if bounded in self._connections:
+                self._connections.remove(bounded)
             try:
                 writer.close()
             except OSError:
@@ -103,10 +133,11 @@ class App(Microdot):
         request = await Request.create(self, reader, writer, writer.get_extra_info("peername"))
         if request is None:
             return
+        reader.whole_s = time.monotonic()
         response = await self.dispatch_request(request)
         if response != Response.already_handled:
-            await response.write(writer)
-            await writer.aclose()
+            await asyncio.wait_for(response.write(writer), _ANSWER_S)
+            await asyncio.wait_for(writer.aclose(), _ANSWER_S)
 
 
 class Server:
@@ -177,7 +208,7 @@ class Server:
     # --- a page
 
     async def _socket(self, request):
-        if self.pages.full():
+        if self.pages.full() and not self._drop_unproven():
             return "too many pages", 503
         socket = await websocket_upgrade(request)
         request.sock[0].open = True
@@ -195,6 +226,29 @@ class Server:
                 self.pages.leave(page)
         return Response.already_handled
 
+    def _drop_unproven(self):
+        """The oldest page that has proven nothing makes room. False if there is none."""
+        for page in self.pages.pages:
+            if not page.session.opened:
+                self._drop(page)
+                return True
+        return False
+
+    def _drop(self, page):
+        page.socket.request.sock[0].transport.abort()
+        self.pages.leave(page)
+
+    def _alive(self, page, now_ms):
+        """False if a page has given no sign of life for long; it has been asked for one."""
+        reader, writer = page.socket.request.sock[:2]
+        silent_ms = (now_ms - reader.heard_ms) & COUNT_MASK
+        if silent_ms > _GONE_MS:
+            return False
+        if silent_ms > _ALIVE_MS and not reader.asked:
+            reader.asked = True
+            writer.write(bytes(WebSocket._encode_websocket_frame(WebSocket.PING, b"")))
+        return True
+
     def change(self, api, about):
         """Another machine: the pages that look are told."""
         self.api = self.pages.api = api
@@ -207,8 +261,8 @@ class Server:
         for page in list(self.pages.pages):
             writer = page.socket.request.sock[1]
             transport = getattr(writer, "transport", None)
-            if transport is not None and transport.get_write_buffer_size() > _UNSENT:
-                transport.abort()
+            if transport is not None and transport.get_write_buffer_size() > _UNSENT or not self._alive(page, now_ms):
+                self._drop(page)
                 continue
             told, page.told = page.told, []
             for each in [text] * page.pace.due(self.pages.state, now_ms) + [json.dumps(event) for event in told]:

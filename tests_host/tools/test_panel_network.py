@@ -5,6 +5,7 @@ import json
 import random
 import socket
 import string
+import time
 
 import pytest
 import websocket
@@ -220,3 +221,54 @@ def test_stop_needs_no_key(tmp_path):
         assert state["job"]["error"] == errors.STOPPED
         page.until(lambda state: state["state"] == "Alarm")
     assert len(panel.trace()) < 100_000
+
+
+def test_nobody_is_kept_from_stop(tmp_path):
+    """Slow heads, connections that say nothing, readers that take no answer, pages that prove nothing: they make room."""
+    with PanelProcess(tmp_path) as panel:
+        stop = request(panel, b"POST /stop HTTP/1.1")
+        honest = panel.page().ready()
+
+        def connections(count, data):
+            opened = [socket.create_connection(("127.0.0.1", panel.port)) for _ in range(count)]
+            for each in opened:
+                try:
+                    each.sendall(data)
+                except OSError:
+                    pass  # it has been closed for another
+            return opened
+
+        for count, data, stops in ((30, b"GET / HTTP/1.1\r\nHost: ", 40), (200, b"", 5), (60, request(panel, b"GET /panel.js HTTP/1.1"), 5)):
+            taken = connections(count, data)
+            for _ in range(stops):
+                assert b" 200" in ask(panel, stop), (count, data)
+            for each in taken:
+                each.close()
+        strangers = [PageClient(panel.host, "A" * 16) for _ in range(7)]
+        assert honest.order("unlock")["error"] == 0
+        more = panel.page()
+        assert more.order("jobs")["t"] == "jobs", "in the place of a stranger"
+        assert b" 200" in ask(panel, stop)
+        assert honest.order("jobs")["t"] == "jobs", "who has proven the key stays"
+        for _ in range(12):
+            strangers.append(PageClient(panel.host, "A" * 16))
+        assert honest.order("jobs")["t"] == "jobs" and more.order("jobs")["t"] == "jobs"
+        for each in strangers:
+            each.socket.close()
+
+
+@pytest.mark.slow
+def test_a_page_that_has_gone_is_given_up(tmp_path):
+    """One whose computer went to sleep says nothing; its place is free after some seconds. One that answers pings stays."""
+    with PanelProcess(tmp_path) as panel:
+        silent = [panel.page() for _ in range(7)]
+        for each in silent:
+            assert each.order("jobs")["t"] == "jobs"
+        honest = panel.page()
+        assert honest.order("jobs")["t"] == "jobs"
+        with pytest.raises(websocket.WebSocketBadStatusException):
+            panel.page()
+        end = time.monotonic() + 12
+        while time.monotonic() < end:
+            honest.hear()
+        assert panel.page().order("jobs")["t"] == "jobs" and honest.order("jobs")["t"] == "jobs"
