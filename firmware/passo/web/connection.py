@@ -66,6 +66,8 @@ class Connection:
         self._rest = []  # what follows it, in parts: a board may have no piece of memory for the whole
         self._file = None
         self._left = 0  # bytes of it
+        self.taken = 0  # bytes that the network has taken
+        self.taken_ms = now_ms  # when it was seen to have taken some
 
     # --- the request
 
@@ -232,6 +234,7 @@ class Connection:
             if self._out:
                 try:
                     sent = self.socket.send(self._out if len(self._out) <= _SENT else self._out[:_SENT])
+                    self.taken += sent
                     self._out = self._out[sent:] if sent < len(self._out) else b""
                 except OSError as error:
                     if error.errno not in AGAIN:

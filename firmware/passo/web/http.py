@@ -10,7 +10,7 @@
 Microdot and asyncio would take more memory than a Pico W has beside the machine, and a main loop of their own. This one does a
 bounded piece of work a call: it takes one connection, and goes on with two. It holds at most SLOTS requests, PAGES pages that
 events are pushed to, and as many WebSockets as their owners admit; one more takes the place of the oldest request that is not
-whole, so slow ones keep nobody out.
+whole, or of an answer of which nothing has been taken for a second, so slow ones keep nobody out.
 """
 
 import socket as sockets
@@ -28,6 +28,7 @@ _STEPS = const(2)  # connections that are gone on with in one call
 _WHOLE_MS = const(3000)  # by then a request is whole, and answered
 _LOOK_MS = const(50)  # between two looks for who takes too long
 _SENT_MS = const(10_000)  # and its answer has been taken
+_UNREAD_MS = const(1000)  # one of which nothing is taken makes room
 _ALIVE_MS = const(2000)  # a WebSocket without a sign of life is asked for one
 _GONE_MS = const(8000)  # and given up
 _PUSH_MS = const(170)  # a pass of the main loop comes on top: five pushes a second, or more
@@ -159,7 +160,7 @@ class Server:
         """Take a connection. It waits if all that there are are being answered."""
         if self._asking() >= SLOTS:
             for connection in self.connections:
-                if connection.state in (HEAD, BODY):
+                if connection.state in (HEAD, BODY) or self._unread(connection, now_ms):
                     self.drop(connection)
                     break
             else:
@@ -175,6 +176,15 @@ class Server:
         self.connections.append(connection)
         self._poll.register(socket, POLLIN)
         self._advance(connection, now_ms)
+
+    def _unread(self, connection, now_ms):
+        """True if nothing of an answer has been taken for a second."""
+        return connection.state == ANSWERED and (now_ms - connection.taken_ms) & COUNT_MASK > _UNREAD_MS
+
+    def _note(self, connection, before):
+        """The network has taken something of it."""
+        if connection.taken != before:
+            connection.taken_ms = self._now_ms
 
     def _step(self, found, now_ms):
         for connection in self.connections:
@@ -193,7 +203,10 @@ class Server:
             elif connection.state == ASKED:
                 return  # the answer is still to come; whoever has gone is noticed then
             elif connection.sending():
-                if connection.send():
+                before = connection.taken
+                ended = connection.send()
+                self._note(connection, before)
+                if ended:
                     self.drop(connection)
                 elif not connection.sending():
                     self._poll.modify(connection.socket, POLLIN)
@@ -229,6 +242,7 @@ class Server:
 
     def _go_on(self, connection):
         """Send at once what the network takes, the rest as it takes it."""
+        connection.taken_ms = self._now_ms
         try:
             if connection.send():
                 self.drop(connection)
