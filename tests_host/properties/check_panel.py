@@ -394,9 +394,38 @@ def check_a_job_is_only_checked():
         desk.run_ms(500)
         assert desk.machine.state["job"]["how"] == how and desk.machine.state["job"]["checked"]
         assert desk.place() == before and desk.board.controller.state != "check"
-        if desk.machine.state["state"] == "Alarm":
-            desk.order("unlock")
-            desk.run_ms(200)
+        assert desk.machine.state["state"] == "Idle" and desk.machine.state["alarm"] == 0, "as before"
+
+
+def check_the_line_beyond_the_travel():
+    """It is told by its own number, whether it runs or is only checked; after the check the machine is ready."""
+    for check in (True, False):
+        desk = Desk()
+        assert desk.order("home") == 0
+        desk.settle()
+        desk.run_ms(500)
+        desk.store.put("far", "G21G90\nG1X4F3000\nX5\nX900\nX6\n")
+        assert desk.order("run", name="far", check=check) == 0
+        desk.settle()
+        desk.run_ms(1000)
+        job = desk.machine.state["job"]
+        assert job["how"] == "failed" and job["line"] == 4, job
+        assert desk.machine.state["state"] == ("Idle" if check else "Alarm")
+
+
+def check_why_it_is_held():
+    """A pause and a change of tool are told until the machine goes on."""
+    desk = Desk()
+    desk.store.put("a", "G21G91\nG1X1F3000\nM0\nG1X1\nM6T2\nX1\n")
+    assert desk.order("run", name="a") == 0
+    for why in ("pause", "T2"):
+        desk.run_ms(1500)
+        assert desk.machine.state["state"] == "Hold" and desk.machine.state["why"] == why
+        assert desk.order("resume") == 0
+        desk.run_ms(100)
+    desk.settle()
+    desk.run_ms(500)
+    assert desk.machine.state["why"] == "" and desk.machine.state["job"]["how"] == "done"
 
 
 def check_a_sender_beside_the_page():

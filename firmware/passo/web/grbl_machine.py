@@ -106,6 +106,10 @@ class GrblMachine(AnyMachine):
             self._behind = b""
             if behind:
                 self.say(behind)
+        elif line[:11] == "[MSG:Pause:":
+            self.state["why"] = "pause"
+        elif line[:18] == "[MSG:Tool change: ":
+            self.state["why"] = line[18:].split(",")[0]
         elif line[:1] == "[" and not self.job.heard(line) and owner == PAGE:
             self._tell({"t": "said", "text": line})
         if owner != PAGE or line[:1] != "[" or line[:5] == "[MSG:":
@@ -117,6 +121,8 @@ class GrblMachine(AnyMachine):
         name, _, sub = fields["state"].partition(":")
         if name not in ("Alarm",) and state["alarm"]:
             state["alarm"] = 0
+        if name != "Hold":
+            state["why"] = ""
         state["state"] = name
         state["sub"] = sub
         self._places(fields)
@@ -173,6 +179,12 @@ class GrblMachine(AnyMachine):
         self.job.fail(errors.STOPPED)
         self.wire.write(_RESET)
         return 0
+
+    def leave_check(self):
+        """A reset leaves the mode, also behind lines that are still under way; the machine was ready before, and nothing has moved."""
+        self.end_jog()
+        self._behind = b"$X"
+        self.wire.write(_RESET)
 
     def hold(self):
         self.end_jog()

@@ -118,6 +118,8 @@ class Job:
     def fail(self, error):
         """It has ended, for a reason outside of it."""
         if self._lines is not None:
+            if error == errors.ALARM_SOFT_LIMIT and not self._failed and self._done < self._at:
+                self._failed_line = self._lines[self._done][0]  # told before the line that it is of is answered
             self._end("failed", self._failed or error)
 
     def line(self):
@@ -142,7 +144,7 @@ class Job:
         self._tell(how, error)
         self._lines = None
         if checked:
-            self._machine.stop()  # a reset leaves the mode: $C would be the next line of those under way
+            self._machine.leave_check()  # $C would be the next line of those under way
 
     def _tell(self, how, error):
         """What every page gets to know: `how` is run, done or failed."""

@@ -147,7 +147,7 @@ class StoredJobs(Job):
         self._upload = []
         self._machine.state["stored"] = ""  # not every report tells it
         if kept == "check":
-            self._machine.stop()  # a reset leaves the mode
+            self._machine.leave_check()
 
     # --- storing
 

@@ -174,11 +174,14 @@ function setAxes(wanted) {
 
 // --- what is shown
 
+let alarmText = "";  // what was said of the alarm
+
 function show() {
   const number = report.state || "";
   $("state").dataset.state = number;
   const braking = ["Hold", "Door"].includes(number) && report.sub !== "0";
-  const name = braking ? _("Stopping") : _(STATES[report.link === false ? "" : number] || number);
+  let name = braking ? _("Stopping") : _(STATES[report.link === false ? "" : number] || number);
+  if (number === "Hold" && report.why) name += ": " + (report.why === "pause" ? _("a pause of the program") : _("change the tool to {tool}", { tool: report.why }));
   if ($("state-name").textContent !== name) $("state-name").textContent = name;
   [...axes].forEach((axis, n) => {
     $(`w-${axis}`).textContent = report.w && n in report.w ? report.w[n].toFixed(3) : "";
@@ -193,7 +196,13 @@ function show() {
   showSignals();
   showJob();
   if (report.teaching !== undefined) $("teach-state").textContent = report.teaching < 0 ? "" : _("Recording: {count} places", { count: report.teaching });
-  if (report.alarm) refuse(report.alarm);
+  if (report.alarm) {
+    refuse(report.alarm);
+    alarmText = $("message").textContent;
+  } else if (alarmText) {
+    if ($("message").textContent === alarmText) say("");
+    alarmText = "";
+  }
   enable();
 }
 
