@@ -82,6 +82,8 @@ def _resume_gcode(file, port, baud, home, unverified, yes):
         try:
             said = client.command("$JR")
         except Refused as refused:
+            if refused.number == errors.COMMANDED_ELSEWHERE:
+                raise Failure("another link commands the machine: {}; $LINK=0 takes the command while it stands", refused) from None
             raise Failure("the board has no journal (docs/jobs.md): {}; passo stream --from LINE needs none", refused) from None
         number, place, known = interrupted(said, lines, stored_job.crc(stored_job.gcode_job(file)) if plain else 0)
         print(_("{}: interrupted before line {}", file, number) if place is None else _("{}: interrupted in line {}", file, number))
@@ -121,6 +123,7 @@ def _settled(client):
     if state.startswith(("Hold", "Door")):
         raise Failure("the machine is held ({}): ~ goes on, Ctrl-X ends it", state)
     if state in ("Run", "Jog", "Home"):
+        print(_("the machine moves ({}): waiting until it stands", state))
         client.wait_idle()
 
 

@@ -146,3 +146,19 @@ def test_keys(state):
     header, rows = tables()[1]
     assert header[1:] == list(KEYS) and list(rows) == list(STATES)
     assert [outcome(state, key) for key in KEYS] == rows[state]
+
+
+def test_a_soft_limit_is_told_as_an_alarm_once_it_stands():
+    """While it still slows down the machine is no machine in alarm that one may reach into."""
+    made = VirtualMachine("router_3axis", start=(3000, 3000, -3000), trace=None)
+    made.run_ms(40)
+    made.send(b"$20=1\n$H\n")
+    made.run_ms(60_000)
+    send(made, b"G91\nG1X80F5000\n", 900)
+    assert "ALARM:2" in send(made, b"X900\n", 8)
+    seen = []
+    for _ in range(300):
+        before = list(made.plant.position)
+        state = state_of(made)
+        seen.append((state, before != list(made.plant.position)))
+    assert ("Hold", True) in seen and ("Alarm", True) not in seen and seen[-1] == ("Alarm", False), set(seen)

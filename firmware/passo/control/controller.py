@@ -109,7 +109,7 @@ class Controller:
         kind = command.kind
         if link is None or link.number == self.machine.commander or kind in OF_ANY_LINK:
             return 0
-        if link.number == self.machine.lender and kind in _OF_LENDER:
+        if link.number == self.machine.lender and kind in _OF_LENDER or kind == commands.JOURNAL and command.target is None:
             return 0
         return errors.COMMANDED_ELSEWHERE
 
@@ -221,6 +221,7 @@ class Controller:
             asked(command.link)
         report = self._report
         report["state"] = machine.state
+        report["slows"] = machine.dropping
         report["error"] = machine.alarm or machine.log.last
         report["log"] = machine.log.entries
         machine.report(report)

@@ -218,6 +218,9 @@ class Status:
             fields[REPORT_RPM + NUMBER_WHOLE] = rounded(power * self._settings.value(SETTING_MAX_RPM), 1_000_000_000)
         state = report["state"]
         substate = report["substate"] if state == "hold" or state == "door" else -1
+        if state == "alarm" and report["slows"]:  # on its way to the alarm's stand
+            state = "hold"
+            substate = 1
         if state != self._state or substate != self._substate or self._numbered != (number > 0):
             self._state = state
             self._substate = substate

@@ -59,7 +59,7 @@ class System:
             return answer(grbl_report.masks(self._settings))
         if line[:5] == "$LINK":
             return self._link(line[5:])
-        if line not in ("$#", "$I", "$N") and self._machine.commander != self._number:
+        if line not in ("$#", "$I", "$N", "$JR") and self._machine.commander != self._number:
             return errors.COMMANDED_ELSEWHERE
         if line == "$C":
             return [Command(commands.CHECK, value=0 if state == "check" else 1)]
