@@ -116,7 +116,8 @@ class Port(ChipPort):
 
     def serial(self, link):
         line = ChipPort.serial(self, link)
-        if link["port"] != "usb" and not link.get("frames"):  # frames are sent again
+        # Frames are sent again; an inverter's answer fits into the FIFO.
+        if link["port"] != "usb" and not link.get("frames") and "parity" not in link:
             from passo.ports.rp2.uart_capture import Capture
 
             line.keep(Capture(int(link["port"][4:])))
