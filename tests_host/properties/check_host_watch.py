@@ -124,6 +124,7 @@ def check_a_reset_amid_the_retreat():
     begin(machine, "G1X20\n")
     run_ms(machine, LOST_MS + 600)
     assert machine.controller.machine.retracts and machine.world.tool == 1
+    assert machine.status()["state"] == "Hold:1", "it moves: no alarm yet that one may reach into"
     machine.put("\x18")
     run_ms(machine, 100)
     assert not machine.controller.machine.retracts and machine.world.tool == 0

@@ -221,7 +221,7 @@ class Controller:
             asked(command.link)
         report = self._report
         report["state"] = machine.state
-        report["slows"] = machine.dropping
+        report["slows"] = machine.dropping or machine.retracts
         report["error"] = machine.alarm or machine.log.last
         report["log"] = machine.log.entries
         machine.report(report)

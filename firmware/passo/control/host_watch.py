@@ -3,8 +3,8 @@
 Per link of the board file: `lost`, what is done then, and `lost_ms`. Under way is what the link that commands has begun: motion,
 but for homing, or a tool or spindle that is on. What says something on a framed link is a sound frame, not noise.
 
-Some hosts say nothing as long as a line lasts. So one counts as lost only if it has asked for the status while this was under way,
-_SURE times, each within lost_ms of the time before; a link of a language without such a word is watched in any case.
+Some hosts say nothing as long as a line lasts. So one counts as lost only if it has asked for the status, until it fell silent, three
+times or more, each within lost_ms of the time before; a link of a language without such a word is watched in any case.
 
 "retract": as "stop", but before tool and outputs go off Z goes up to where it stood after homing, if it has homed at its high end.
 """
@@ -15,7 +15,7 @@ from passo import commands, errors
 from passo.config import setting_numbers as table
 from passo.records import COUNT_MASK
 
-_SURE = const(4)
+_SURE = const(2)  # times after the first
 _SILENT = ("keys",)  # languages that have no word for the status
 _Z = const(2)
 
@@ -72,7 +72,7 @@ class HostWatch:
         if line is None:
             return
         under_way = self._under_way()
-        if not under_way and not machine.hold or number != self._number:
+        if number != self._number:
             self._asked = 0
             self._number = number
         if line.heard or not under_way:
