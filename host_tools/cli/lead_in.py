@@ -19,7 +19,8 @@ def announce(client, lines, name):
     from host_tools.programs import begun
 
     number = number_of(lines)
-    begun.remember(number, name)
+    moving = [at for at, line in lines if any(letter in line.upper() for letter in b"XYZ")]
+    begun.remember(number, name, moving[-1] if moving else 0)
     try:
         client.command(f"$JR={number:08x}")
     except Refused as refused:

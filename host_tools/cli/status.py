@@ -79,7 +79,10 @@ def _job(client, state):
     record = Record.of(client.command("$JR"))
     if not record.job or not record.line:
         return []
-    name = begun.name_of(record.job) or _("a program that this PC has not begun ({})", f"{record.job:08x}")
+    name, last = begun.found(record.job)
+    if name and record.done and record.line >= last:
+        return []  # it has been done to its end
+    name = name or _("a program that this PC has not begun ({})", f"{record.job:08x}")
     text = _("stopped after line {} of {}", record.line, name) if record.done else _("stopped amid line {} of {}", record.line, name)
     return [(N_("job"), text + _("; passo resume goes on with it"))]
 

@@ -1,8 +1,8 @@
 """The names of the programs that this PC has begun, by the number that a board's journal knows them by: so that a board whose sender
 has died can be told of by name.
 
-    begun.remember(number, "rings.gcode")
-    begun.name_of(number)           # "" if it has been begun elsewhere, or long ago
+    begun.remember(number, "rings.gcode", 251)      # the last line that moves
+    begun.found(number)             # (name, that line); ("", 0) if it has been begun elsewhere, or long ago
 """
 
 import json
@@ -21,11 +21,11 @@ def _known():
     return known if isinstance(known, dict) else {}
 
 
-def remember(number, name):
+def remember(number, name, last):
     """The oldest are forgotten. A folder that cannot be written is no reason not to begin."""
     known = _known()
     known.pop(f"{number:08x}", None)
-    known[f"{number:08x}"] = name
+    known[f"{number:08x}"] = [name, last]
     new = KEPT.with_suffix(".new")
     try:
         KEPT.parent.mkdir(parents=True, exist_ok=True)
@@ -35,5 +35,8 @@ def remember(number, name):
         pass
 
 
-def name_of(number):
-    return str(_known().get(f"{number:08x}", ""))
+def found(number):
+    kept = _known().get(f"{number:08x}")
+    if not isinstance(kept, list) or len(kept) != 2 or not isinstance(kept[0], str) or not isinstance(kept[1], int):
+        return "", 0
+    return kept[0], kept[1]
