@@ -93,10 +93,10 @@ def main():
         forget("passo.machine_builder")
         if board["network"]:
             forget("passo.network_builder")
-        said = said + ", " if said else ""
-        said += "build " + (STAMP or "without a stamp")
-        print(said)
-        app.tell(said)
+        said = ", ".join([part for part in (said, STAMP and "build " + STAMP) if part])
+        if said:
+            print(said)
+            app.tell(said)
         start.run(app, port)
     except BoardError as wrong:
         print("board.py is wrong:", wrong)

@@ -11,7 +11,7 @@ from typing import Annotated
 
 import typer
 
-from host_tools.build.tree import build_tree, default_out
+from host_tools.build.tree import STAMP, build_tree, default_out
 from host_tools.cli.flash import COPY_TIMEOUT_S, PROBE_TIMEOUT_S, check_port, commands, copy, probe, reason_of
 from host_tools.failure import Failure
 from host_tools.language import _
@@ -105,6 +105,7 @@ def store(board, port, call, out=None):
         raise Failure("this board is an {}, and {} is for an {}", there, name, chip)
     out = out or default_out(board)
     build_tree(board, out)
+    (out / "passo" / STAMP).unlink()  # of one build: here each machine has the digests of its modules
     files = sorted(path for path in (out / "passo").rglob("*.*") if path.name != "files.txt")
     lines = [f"{path.relative_to(out).as_posix()} {hashlib.sha256(path.read_bytes()).hexdigest()[:16]}\n" for path in files]
     with tempfile.TemporaryDirectory() as folder:

@@ -86,7 +86,7 @@ def test_a_program_that_had_not_begun_begins_where_it_would_have(tmp_path):
             client.command("$H", 600)
             client.command("G90G0X5Y4Z-2")
             client.command("G4P0")
-            lead_in.announce(client, gcode_file.read(path))
+            lead_in.announce(client, gcode_file.read(path), path.name)
         stood = bench.machine.app.controller.position()
         after = bench.reboot()
         pc.revive(after)

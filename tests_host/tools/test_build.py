@@ -62,7 +62,7 @@ def built_files(out):
     return sorted(path.relative_to(out).as_posix() for path in out.rglob("*") if path.is_file())
 
 
-ALWAYS = ["board.py", "main.py", "passo/__init__.mpy", "passo/app.mpy", "passo/files.txt", "passo/motion/line.mpy"]
+ALWAYS = ["board.py", "main.py", "passo/__init__.mpy", "passo/app.mpy", "passo/files.txt", "passo/motion/line.mpy", "passo/stamp.txt", "stamp.txt"]
 ROOMS = [
     "passo/control/homing.mpy", "passo/errors.mpy", "passo/machine_builder.mpy", "passo/ports/pins.mpy",
     "passo/protocols/__init__.mpy",
@@ -95,7 +95,7 @@ def test_mip_is_given_every_file(tmp_path, firmware):
     urls = json.loads((out / "package.json").read_text())["urls"]
     assert [target for target, _ in urls] == [source for _, source in urls]
     assert sorted(target for target, _ in urls) == files
-    assert urls[-1][0] == "main.py"  # last: without it a copy that ended early starts nothing
+    assert [urls[0][0], urls[-2][0], urls[-1][0]] == ["passo/stamp.txt", "main.py", "stamp.txt"]  # a copy that ended early starts nothing
 
 
 def test_the_file_list_names_every_module(tmp_path, firmware):
@@ -236,10 +236,11 @@ def test_no_machine_code_is_compiled_on_the_board(tmp_path, name):
     sent = [path for path in tmp_path.rglob("*") if path.is_file()]
     sources = [path for path in sent if path.suffix not in (".mpy", ".txt")]
     assert sorted(path.name for path in sources) == ["board.py", "main.py"]
-    assert [machine_code(path) for path in [*sources, flash.REMOVE_STALE]] == [[], [], []]
+    run = [flash.REMOVE_STALE, flash.REMOVE_STAMP]
+    assert [machine_code(path) for path in [*sources, *run]] == [[], [], [], []]
     _, copying = flash.commands("PORT", tmp_path)
     files = {each for each in copying if "/" in each and each != sys.executable}
-    assert files == {str(tmp_path / "passo"), str(tmp_path / "main.py"), str(tmp_path / "board.py"), str(flash.REMOVE_STALE)}
+    assert files == {str(tmp_path / "passo"), str(tmp_path / "main.py"), str(tmp_path / "board.py"), str(tmp_path / "stamp.txt"), *map(str, run)}
 
 
 def test_the_firmware_compiles_no_text():

@@ -3,8 +3,8 @@
 Per link of the board file: `lost`, what is done then, and `lost_ms`. Under way is what the link that commands has begun: motion,
 but for homing, or a tool or spindle that is on. What says something on a framed link is a sound frame, not noise.
 
-Some hosts say nothing as long as a line lasts. So one counts as lost only if it has asked for the status, until it fell silent, three
-times or more, each within lost_ms of the time before; a link of a language without such a word is watched in any case.
+Some senders of G-code say nothing as long as a line lasts. So one of grbl counts as lost only if it has asked for the status, until it
+fell silent, three times or more, each within lost_ms of the time before. In other languages a silent host is lost.
 
 "retract": as "stop", but before tool and outputs go off Z goes up to where it stood after homing, if it has homed at its high end.
 """
@@ -16,7 +16,7 @@ from passo.config import setting_numbers as table
 from passo.records import COUNT_MASK
 
 _SURE = const(2)  # times after the first
-_SILENT = ("keys",)  # languages that have no word for the status
+_MAY_BE_SILENT = "grbl"  # the language
 _Z = const(2)
 
 
@@ -82,7 +82,7 @@ class HostWatch:
         link = self._links[number]
         if (now_ms - self._since_ms) & COUNT_MASK >= link["lost_ms"]:
             self._since_ms = now_ms
-            if self._asked >= _SURE or link["protocol"] in _SILENT:
+            if self._asked >= _SURE or link["protocol"] != _MAY_BE_SILENT:
                 self._lost(link)
 
     def asked(self, link):
