@@ -103,8 +103,6 @@ def test_with_journal_jobs_and_frames_it_starts(board, uf2, show):
     """What takes most memory: stored jobs, their journal, and frames on every link."""
     board = boards.load(board)
     board.update(EVERYTHING, links=[dict(link, frames=True) for link in board["links"]])
-    if board["name"] == "mill_2004":  # which has no room for the watch over its host beside these
-        board["links"] = [dict(link, lost="go_on") for link in board["links"]]
     started = Started(board, written(board), uf2)
     assert "code in flash: " in started.said and started.heap.free >= 12_000
     show(f"{board['name']} with everything", f"{started.heap.free} bytes free, {started.heap.largest} in one piece")

@@ -68,8 +68,9 @@ def plain_text(line):
 
 
 class Lines:
-    def __init__(self):
-        self.text = b""  # a bytearray(ROOM) from the first byte on: many a link never says anything
+    def __init__(self, at_once=False):
+        """`at_once`: make the buffer now, while memory comes in large pieces, and not at the first byte: many a link never says anything."""
+        self.text = bytearray(ROOM) if at_once else b""
         self.at = 0  # where the oldest line begins
         self.whole = 0  # behind the last line that has come to its end
         self._end = 0

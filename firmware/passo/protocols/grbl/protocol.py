@@ -94,7 +94,7 @@ class Grbl:
         self._most = most
         self._system = System(self.gcode, settings, machine, batch.link)
         self._status = Status(self.gcode, settings, machine)
-        self._lines = Lines()
+        self._lines = Lines(not batch.link)  # the first one speaks sooner or later
         self._asked = None  # made when first asked
         self._stale = 0  # lines that were sent before an alarm, a stop or a hand-over
         self._why = 0  # the error that answers them
