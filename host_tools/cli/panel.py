@@ -80,13 +80,14 @@ def panel(
 
 def _tell(host, number, key, line, open_):
     """Print where the page is, and open it."""
+    from host_tools.sim.consent import tell
     from passo.web.session import shown
 
     address = f"http://{'127.0.0.1' if host == '0.0.0.0' else host}:{number}/"
     print(f"page: {address}#key={key}")
     print(f"key: {shown(key)}")
     if line:
-        print(f"port: {line.name}")
+        tell(line)
     print(_("Ctrl-C ends it."), flush=True)
     if open_:
         _open(f"{address}#key={key}")
@@ -151,12 +152,13 @@ def _cable(port, prompt, board, own, guest):
 
 
 def _guest_line(guest):
+    from host_tools.sim.consent import Consent, GuestLine
     from host_tools.sim.serial_line import PtyLine, TcpLine
     from host_tools.sim.websocket_line import WebSocketLine
 
     if guest.startswith(_WEBSOCKET) and guest[len(_WEBSOCKET) :].isdigit():
-        return WebSocketLine(int(guest[len(_WEBSOCKET) :]))
-    return TcpLine(int(guest)) if guest.isdigit() else PtyLine(guest)
+        return GuestLine(WebSocketLine(int(guest[len(_WEBSOCKET) :])), Consent())
+    return GuestLine(TcpLine(int(guest)), Consent()) if guest.isdigit() else PtyLine(guest)
 
 
 def _spoken(language, port, baud, guest):

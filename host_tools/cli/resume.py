@@ -1,5 +1,6 @@
 """`passo resume`: goes on with a file where the board's journal says that it was interrupted: here with G-code."""
 
+import time
 from pathlib import Path
 from typing import Annotated, Optional
 
@@ -16,6 +17,8 @@ from passo import errors
 
 
 Protocol = Annotated[Optional[str], typer.Option(help="grbl, pulses or plotter; default by the file's name.")]
+_SLOWING = "Hold:1"  # on its way to a stand, a held one or an alarm's; or the tool goes up
+_AGAIN_S = 0.1
 _LANGUAGES = {".txt": "pulses", ".svg": "plotter", ".packets": "plotter"}
 
 
@@ -120,6 +123,11 @@ def _home(client):
 def _settled(client):
     """What was queued when the cable was cut is played to its end; nothing is reset while it moves."""
     state = client.ask_status()["state"]
+    if state == _SLOWING:
+        print(_("the machine moves ({}): waiting until it stands", state))
+        while state == _SLOWING:
+            time.sleep(_AGAIN_S)
+            state = client.ask_status()["state"]
     if state.startswith(("Hold", "Door")):
         raise Failure("the machine is held ({}): ~ goes on, Ctrl-X ends it", state)
     if state in ("Run", "Jog", "Home"):

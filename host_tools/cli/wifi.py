@@ -199,20 +199,23 @@ def bridge(
             raise Failure("give the board's key: PASSO_KEY=…")
         key = typer.prompt(_("key"), hide_input=True)
     from host_tools.clients.signed import Bridge
+    from host_tools.sim.consent import Consent, GuestLine, tell
     from host_tools.sim.serial_line import PtyLine, TcpLine
     from host_tools.sim.websocket_line import WebSocketLine
     from passo.web import session
 
     if websocket is not None:
-        line = WebSocketLine(websocket)
+        line = GuestLine(WebSocketLine(websocket), Consent())
     else:
-        line = TcpLine(tcp) if tcp is not None else PtyLine(link)
+        line = GuestLine(TcpLine(tcp), Consent()) if tcp is not None else PtyLine(link)
     try:
         made = Bridge(host, tcp_port, session.read_key(key), line)
-        print(f"port: {line.name}", flush=True)
+        tell(line)
         try:
             while True:
                 made.turn(_TURN_MS)
+                if line.consent:
+                    line.consent.poll()
         finally:
             made.close()
     except KeyboardInterrupt:

@@ -48,6 +48,7 @@ class Panel:
         self._port = make_port(self._changed)
         self._guest = guest
         self._watched = []
+        self._asked = False  # the pages have been told that the guest wants to be let in
         self._change = change
         self._changing = None  # the task of a change of machine
         self._jobs = jobs
@@ -89,6 +90,8 @@ class Panel:
                 self.machine.guest.poll()
 
     def _hear_guest(self):
+        if self._guest.consent:
+            self._admit(self._guest.consent)
         data = self._guest.read()
         if data:
             self.machine.guest.feed(data)
@@ -141,6 +144,15 @@ class Panel:
                 self._loop.add_reader(fd, self._hear_guest)
         self._watched = watched
         self._hear_guest()
+
+    def _admit(self, consent):
+        """Who hands the command over on the page lets the sender in; in the terminal one may answer, too."""
+        if consent.asked and not self._asked:
+            self._asked = True
+            self._tell({"t": "asks", "name": self._guest.name})
+        if self.machine.guest.commanded:
+            consent.give()
+        consent.poll()
 
     async def run(self, host, port, ready):
         """Serve until end(). `ready(port)`: it listens."""

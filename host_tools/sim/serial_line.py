@@ -38,6 +38,8 @@ def wait(lines, milliseconds):
 
 
 class _Line:
+    consent = None  # nobody is asked: consent.py
+
     def __init__(self):
         self._unsent = b""
         self._told = False  # that bytes are lost
@@ -182,6 +184,7 @@ class TcpLine(_Line):
             raise Failure("cannot serve TCP port {}: {}", port, reason(error)) from error
         self._server.setblocking(False)
         self._client = None
+        self.clients = 0  # so many have come
         self._gate = Gate()
         self.name = f"socket://{host}:{self._server.getsockname()[1]}"
 
@@ -232,6 +235,7 @@ class TcpLine(_Line):
         client.setblocking(False)
         client.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
         self._client = client
+        self.clients += 1
 
     def _drop(self):
         if self._client is not None:

@@ -38,6 +38,7 @@ class WebSocketLine:
         self._server = Server(listener, _Nothing(), Guard((_HOST.encode(), b"localhost"), None, "", lambda peer: False))
         self._server.sockets[b"/"] = self
         self._connection = None
+        self.clients = 0  # so many have come
         self._come = b""
         self.name = f"ws://{_HOST}:{listener.getsockname()[1]}/"
 
@@ -65,6 +66,7 @@ class WebSocketLine:
         if self._connection:
             self._server.drop(self._connection)
         self._connection = connection
+        self.clients += 1
         return b""
 
     def heard(self, connection, data, now_ms):

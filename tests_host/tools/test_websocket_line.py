@@ -21,6 +21,7 @@ KEY = "ABCDEFGHJKLMNPQR"
 
 class Sender:
     def __init__(self, address):
+        self.address = address
         self.socket = websocket.create_connection(address, timeout=LIMIT_S, suppress_origin=True)
         self._heard = ""
 
@@ -123,6 +124,8 @@ def test_beside_the_page(tmp_path):
     with PanelProcess(tmp_path, "--guest", "ws:0") as panel:
         sender = Sender(panel.guest)
         page = panel.page().ready()
+        assert sender.ask("$LINK=0") == "error:178" and page.said("asks")["name"] == panel.guest
+        assert page.order("give", to="guest")["error"] == 0 and page.order("give", to="page")["error"] == 0
         start = a_short_day(sender)
         page.until(lambda state: state["owner"] == "guest" and start[0] + 3 < state["m"][0] < start[0] + 60)
         assert page.order("step", by={"x": 1}, speed=600)["error"] == 112
@@ -164,9 +167,13 @@ def test_behind_the_bridge(tmp_path):
     with Board("--board", path, "--signed", 0, "--key", KEY, links=3) as board:
         port = board.lines[1].rsplit(":", 1)[1]
         words = [sys.executable, "-m", "host_tools.cli", "wifi", "bridge", "127.0.0.1", "--tcp-port", port, "--key", KEY, "--websocket", "0"]
-        bridge = subprocess.Popen(words, stdout=subprocess.PIPE, text=True)
+        bridge = subprocess.Popen(words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, text=True)
         try:
             sender = Sender(re.match(r"port: (ws:\S+)", bridge.stdout.readline())[1])
+            token = re.match(r"token: (\S+)", bridge.stdout.readline())[1]
+            assert sender.ask("$LINK=0") == "error:178" and sender.ask(f"$TOKEN={token}") == "error:178", "it was not the first line"
+            sender = Sender(sender.address)
+            assert sender.ask(f"$TOKEN={token}") == "ok"
             assert sender.ask("$LINK=0") == "ok" and sender.ask("$X") == "ok" and sender.ask("G91G0X1") == "ok"
         finally:
             bridge.terminate()

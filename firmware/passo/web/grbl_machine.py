@@ -274,6 +274,7 @@ class GrblMachine(AnyMachine):
             if self.still() or self.wire.of(GUEST) or self.wire.of(PAGE):
                 return errors.BUSY
             self.state["owner"] = owner
+            self.guest.commanded = self.guest.commanded or owner == "guest"
         return 0
 
 

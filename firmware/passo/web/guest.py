@@ -9,10 +9,10 @@ from micropython import const
 from passo import errors
 from passo.web.wire import GUEST
 
-_ALWAYS = (0x18, 0x21, 0x84, 0x85)  # reset, hold, door, jog cancel
+ALWAYS = (0x18, 0x21, 0x84, 0x85)  # reset, hold, door, jog cancel
 _LONGEST = const(256)
 _MOST = const(256)  # lines that wait for room
-_QUESTIONS = (b"$", b"$$", b"$#", b"$G", b"$I", b"$N", b"$LOG", b"$LINK", b"$ENC", b"$MASKS")
+QUESTIONS = (b"$", b"$$", b"$#", b"$G", b"$I", b"$N", b"$LOG", b"$LINK", b"$ENC", b"$MASKS")
 _TAKE = (b"$LINK=0", b"$LINK=1")
 
 
@@ -21,6 +21,7 @@ class Guest:
         """`write(bytes)`: to the guest; None: there is none."""
         self._machine = machine
         self._write = write
+        self.commanded = False  # it has had the command, once
         self._asked = False
         self._buffer = b""
         self._lines = []
@@ -31,7 +32,7 @@ class Guest:
         for byte in data:
             if byte == 0x3F:
                 self._asked = True
-            elif byte in _ALWAYS:
+            elif byte in ALWAYS:
                 if byte == 0x18:
                     plain = bytearray()
                     self._lines = []
@@ -60,7 +61,7 @@ class Guest:
                 if wire.of(GUEST):
                     return
                 self._answer(self._machine.give("guest"))
-            elif not word or self._commands() or word in _QUESTIONS:
+            elif not word or self._commands() or word in QUESTIONS:
                 if not wire.say(GUEST, line):
                     return
             elif wire.of(GUEST):

@@ -120,6 +120,8 @@ function told(message) {
     say(_("The board becomes {name}: this may take a minute…", { name: message.name }));
   } else if (message.t === "refused") {
     say(message.text);
+  } else if (message.t === "asks") {
+    say(_("A program at {name} wants to move the machine. “Give it to the sender” lets it.", { name: message.name }));
   } else if (message.t === "log") {
     showLog(message);
   } else if (message.t === "said") {

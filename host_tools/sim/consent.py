@@ -1,0 +1,151 @@
+"""Who may move the machine from a port of this PC that any program here can reach: whom its operator has let in.
+
+    consent = Consent()                         # of one start of a program
+    line = GuestLine(TcpLine(5000), consent)    # as a line of serial_line.py or websocket_line.py
+    consent.poll()                              # a few times a second: reads the operator's answer
+    consent.give()                              # the page's button
+
+Until then a sender is shown the machine: questions go on, and so do `?`, hold, door, jog cancel and reset. Any other line is error 178 and
+asks the operator: once a start, in the terminal that the program was started in (y or n), or on the page. Where there is neither, the
+token that was printed at the start admits a connection whose first line it is: `$TOKEN=ABCD-EFGH-JKLM-NPQR`.
+"""
+
+import os
+import select
+import sys
+
+from host_tools.language import _
+from passo import errors
+from passo.web.guest import ALWAYS, QUESTIONS
+from passo.web.session import make_key, read_key, same, shown
+
+_LONGEST = 256  # bytes of a line that is kept
+_MOST = 256  # lines
+_TOKEN = b"$TOKEN="
+_REFUSED = b"error:%d\r\n" % errors.NOT_ADMITTED
+_STATUS = 0x3F
+_YES = ("y", "yes", "s", "sim")
+
+
+class Consent:
+    def __init__(self):
+        self.given = False
+        self.token = make_key(os.urandom)
+        self.asked = False  # a sender wants to move the machine
+        self._answered = False
+        self.terminal = _terminal()
+
+    def ask(self, name):
+        if self.asked:
+            return
+        self.asked = True
+        if self.terminal:
+            print(_("a program at {} wants to move the machine: let it until this ends? y/n", name), end=" ", flush=True)
+
+    def give(self):
+        self.given = self._answered = True
+
+    def poll(self):
+        """Take the operator's answer, if one has been typed. Never waits for it."""
+        if not self.asked or self._answered or not self.terminal or not select.select([sys.stdin], [], [], 0)[0]:
+            return
+        if not _terminal():
+            return  # moved to the background since: reading would stop this program
+        self._answered = True
+        self.given = sys.stdin.readline().strip().lower() in _YES
+        print(_("it may") if self.given else _("it may not: start this program again to be asked again"), flush=True)
+
+
+class GuestLine:
+    """A line whose client has to be let in. What it is refused is answered behind the answers to what went on."""
+
+    def __init__(self, line, consent):
+        self._line = line
+        self.consent = consent
+        self._client = None  # number of the client that is there
+        self._admitted = False  # by the token
+        self._first = True  # its first line has not come yet
+        self._typed = b""
+        self._held = []  # lines that came, with their ends; one after the other, each behind the answers of those before
+        self._unanswered = 0
+        self._said = b""  # the begin of a line from the board
+        self.name = line.name
+
+    def read(self):
+        data = self._line.read()
+        if self._line.clients != self._client:
+            self._client = self._line.clients
+            self._admitted, self._first, self._typed, self._held, self._unanswered = False, True, b"", [], 0
+        if self._free():
+            held, self._held = b"".join(self._held), []
+            typed, self._typed = self._typed, b""
+            return held + typed + data
+        out = bytearray()
+        for byte in data:
+            if byte == _STATUS or byte in ALWAYS:
+                out.append(byte)
+                if byte == 0x18:
+                    self._typed, self._held, self._unanswered = b"", [], 0
+            elif byte < 0x80 and byte != 0x7E:
+                self._typed = (self._typed + bytes((byte,)))[:_LONGEST]
+                if byte == 0x0A:
+                    self._held += [self._typed.strip() + b"\n"][: _MOST - len(self._held)]
+                    self._typed = b""
+        return bytes(out) + self._through()
+
+    def _free(self):
+        return self.consent.given or self._admitted
+
+    def _through(self):
+        """What may go on of the lines held."""
+        out = b""
+        while self._held:
+            word = self._held[0].strip().upper()
+            if self._free():
+                out += b"".join(self._held)
+                self._held = []
+            elif not word or word in QUESTIONS:
+                out += self._held.pop(0)
+                self._unanswered += 1
+            elif self._unanswered:
+                break
+            elif self._first and word.startswith(_TOKEN):
+                self._held.pop(0)
+                self._admitted = same(read_key(word[len(_TOKEN) :].decode("ascii", "replace")), self.consent.token)
+                self._line.write(b"ok\r\n" if self._admitted else _REFUSED)
+            else:
+                self._held.pop(0)
+                self._line.write(_REFUSED)
+                self.consent.ask(self.name)
+            self._first = False
+        return out
+
+    def write(self, data):
+        self._line.write(data)
+        if self._free():
+            return
+        lines = (self._said + bytes(data)).split(b"\n")
+        self._said = lines.pop()[-_LONGEST:]
+        answers = sum(line.startswith((b"ok", b"error:")) for line in lines)
+        self._unanswered = max(0, self._unanswered - answers)
+
+    def watched(self):
+        return self._line.watched()
+
+    def close(self):
+        self._line.close()
+
+
+def _terminal():
+    """True if an operator may type: stdin is a terminal, and this program is the one in front."""
+    try:
+        return sys.stdin.isatty() and os.tcgetpgrp(sys.stdin.fileno()) == os.getpgrp()
+    except (OSError, ValueError, AttributeError):
+        return False
+
+
+def tell(line):
+    """Print where a sender may connect, and what it says first where nobody can be asked."""
+    print(f"port: {line.name}", flush=True)
+    if line.consent and not line.consent.terminal:
+        print(_("token: {}   (the first line of a sender: $TOKEN=…)", shown(line.consent.token)), flush=True)
