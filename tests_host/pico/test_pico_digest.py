@@ -16,6 +16,7 @@ from host_tools.kernels import build as kernels
 from host_tools.kernels import module
 from host_tools.kernels.inline import TIGHT, inlined
 from gcode_jobs import all_jobs
+import every_number
 from test_digest import CHECKS, GOLDEN, HEX_JOBS, ROOT, golden_of_gcode, golden_of_hex, hex_job, job_of
 
 LIMIT_US = 30_000_000
@@ -37,10 +38,10 @@ def compiled(sources, board="router_3axis"):
     return files
 
 
-def with_digest(board, job, data):
-    """The files of digest.py, of the firmware that `board` needs, and of one job."""
+def with_digest(board, job, data, *more):
+    """The files of digest.py, of the firmware that `board` needs, of one job, and of more programs of the checks."""
     sources = {path.as_posix(): ROOT / "firmware" / path for path in selected(boards.load(board))}
-    files = compiled({**sources, "digest.py": CHECKS / "digest.py"}, board)
+    files = compiled({**sources, **{name: CHECKS / name for name in ("digest.py", *more)}}, board)
     files["boards/__init__.py"] = b""
     files[f"boards/{board}.py"] = boards.path(board).read_bytes()
     files[job] = data
@@ -88,3 +89,19 @@ def test_the_pico_makes_the_words_of_other_languages(uf2, name, show):
     said = pico.exec(code + f"digest.main(['job.hex', {board!r}])", limit_us=LIMIT_US).split()
     show(f"digest of {name} on the Pico", f"{said[1]} words in {(pico.cycle - before) / 125e6:.2f} emulated s")
     assert said == golden_of_hex()[name]
+
+
+@pytest.mark.unmeasured
+@pytest.mark.parametrize(
+    "language, step",
+    [("grbl", 401), *(pytest.param(*case, marks=pytest.mark.slow) for case in (("keys", 31), ("plotter", 41), ("pulses", 61), ("torch", 151), ("grbl", 23)))],
+)
+def test_the_pico_answers_to_numbers_as_cpython_does(uf2, language, step, show):
+    """Powers of two and ten in every word, setting and packet: every_number.py."""
+    board = every_number.BOARDS[language]
+    files = with_digest(board, "job.txt", b"", "every_number.py")
+    pico = EmulatedPico(files=files, uf2=uf2).boot()
+    code = "import gc\ngc.threshold(16000)\n" + IN_FLASH + f"import every_number\nevery_number.main([{language!r}, '3', '{step}'])"
+    said = pico.exec(code, limit_us=10 * LIMIT_US).split()
+    assert " ".join(said) == "%08x %d %d" % every_number.run(language, 3, step)
+    show(f"numbers of {language} on the Pico", f"{said[1]} sent, {said[2]} refused, as under CPython")
