@@ -1,55 +1,88 @@
-"""Renames private attributes for a board: `self._something`, if only its class uses it, becomes `self._3`.
+"""Renames what is private for a board: `self._something` becomes `self._3`, and a module's `_something` `_19`.
 
     texts = shortened({"passo/a.py": "class A:\n    def __init__(self):\n        self._much = 1\n"})
     texts["passo/a.py"]          # "class A:\n    def __init__(self):\n        self._0 = 1\n"
 
 A board keeps the text of every name for ever, and its table of names doubles when it is full: one name too many costs
-thousands of bytes. All modules use the same short names; modules whose classes are derived from each other count as one.
-Kept are methods (tracebacks show them), names that another module or a string has too, attributes that are not read from `self`
-only, and those that tests and benches read on the board.
+thousands of bytes. All modules use the same short names. Those of attributes and methods are distinct in each family of modules
+whose classes derive from each other, those of a module's functions, classes and variables in each module. A traceback still shows
+file and line. Kept are: a name that occurs in a string, an attribute of another object than `self`, a name that another module
+imports, variables of a class, and what tests and benches read on the board.
 """
 
 import ast
 
-ASKED_FOR = {"_bytes", "_lines", "_timer", "_trip"}
+ASKED_FOR = {"_bytes", "_lines", "_redirect", "_timer", "_trip"}
+_FIRST_OF_MODULE = 16  # short names of a module's own; arguments.py gives those before to a function's
 
 
 def shortened(texts):
-    """{path: text} of the modules of a build, with short names for private attributes."""
+    """{path: text} of the modules of a build, with short names for what is private."""
     trees = {path: ast.parse(text) for path, text in texts.items()}
-    where, taken = {}, set(ASKED_FOR)  # {attribute: modules}
-    for path, tree in trees.items():
-        for node in ast.walk(tree):
-            if isinstance(node, ast.Attribute) and _private(node):
-                where.setdefault(node.attr, set()).add(path)
-            else:
-                taken |= _names(node)
-    short = {}
+    taken = ASKED_FOR.union(*(_taken(tree) for tree in trees.values()))
+    made = {}
     for family in _families(trees):
-        names = sorted(name for name, paths in where.items() if paths <= family and name not in taken)
-        short.update({name: f"_{number}" for number, name in enumerate(names)})
-    return {path: _renamed(text, trees[path], short) for path, text in texts.items()}
+        names = sorted(set().union(*(_of_self(trees[path]) for path in family)) - taken)
+        short = {name: f"_{number}" for number, name in enumerate(names)}
+        for path in family:
+            made[path] = _renamed(texts[path], trees[path], short, _globals(trees[path], taken))
+    return {path: made[path] for path in texts}
 
 
-def _private(node):
-    """Whether an attribute is one of `self`, and private."""
-    own = isinstance(node.value, ast.Name) and node.value.id == "self"
-    return own and node.attr.startswith("_") and not node.attr.startswith("__")
+def _private(name):
+    return name.startswith("_") and not name.startswith("__") and name != "_" and not name[1:].isdigit()
 
 
-def _names(node):
-    """Names in a node that are no private attributes of `self`."""
-    if isinstance(node, ast.Attribute):
-        return {node.attr}
-    if isinstance(node, ast.Name):
-        return {node.id}
-    if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
-        return {node.name}
-    if isinstance(node, (ast.arg, ast.keyword)):
-        return {node.arg}
-    if isinstance(node, ast.Constant) and isinstance(node.value, str):
-        return {node.value}
-    return set()
+def _is_of_self(node):
+    """Whether an expression is a private attribute of `self`."""
+    return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self" and _private(node.attr)
+
+
+def _methods(tree):
+    """The private methods of a module's classes."""
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef):
+            yield from (each for each in node.body if isinstance(each, ast.FunctionDef) and _private(each.name))
+
+
+def _of_self(tree):
+    return {node.attr for node in ast.walk(tree) if _is_of_self(node)} | {method.name for method in _methods(tree)}
+
+
+def _taken(tree):
+    """Names that must stay: a module uses them in a way that renaming does not follow."""
+    found = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Attribute) and not _is_of_self(node):
+            found.add(node.attr)
+        elif isinstance(node, ast.ImportFrom):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, (ast.arg, ast.keyword)):
+            found.add(node.arg)
+        elif isinstance(node, ast.Constant) and isinstance(node.value, str):
+            found.add(node.value)
+        elif isinstance(node, ast.ClassDef):
+            found |= {each.id for part in _class_scope(node) for each in ast.walk(part) if isinstance(each, ast.Name)}
+    return found
+
+
+def _class_scope(node):
+    """The parts of a class that are evaluated among its own variables."""
+    for each in node.body:
+        yield from each.decorator_list + [each.args] if isinstance(each, ast.FunctionDef) else [each]
+
+
+def _globals(tree, taken):
+    """{name: short name} of a module's private functions, classes and variables."""
+    own = set()
+    for node in tree.body:
+        if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            own.add(node.name)
+        else:
+            own |= {each.id for each in ast.walk(node) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
+    inner = {method.name for method in _methods(tree)}
+    names = sorted(name for name in own if _private(name) and name not in taken and name not in inner)
+    return {name: f"_{_FIRST_OF_MODULE + number}" for number, name in enumerate(names)}
 
 
 def _families(trees):
@@ -72,10 +105,25 @@ def _families(trees):
     return list({id(each): each for each in family.values()}.values())
 
 
-def _renamed(text, tree, short):
+def _renamed(text, tree, attributes, own):
     lines = [line.encode() for line in text.splitlines(keepends=True)]  # columns of `ast` are bytes
-    found = [node for node in ast.walk(tree) if isinstance(node, ast.Attribute) and _private(node) and node.attr in short]
-    for node in sorted(found, key=lambda node: (node.end_lineno, node.end_col_offset), reverse=True):
-        line, end = lines[node.end_lineno - 1], node.end_col_offset
-        lines[node.end_lineno - 1] = line[: end - len(node.attr)] + short[node.attr].encode() + line[end:]
+    places = []  # (line, column where the old name begins, old name, new name)
+    methods = set(_methods(tree))
+    for node in ast.walk(tree):
+        if _is_of_self(node):
+            places.append((node.end_lineno, node.end_col_offset - len(node.attr), node.attr, attributes.get(node.attr)))
+        elif isinstance(node, ast.Name):
+            places.append((node.lineno, node.col_offset, node.id, own.get(node.id)))
+        elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
+            begin = node.col_offset + len("def " if isinstance(node, ast.FunctionDef) else "class ")
+            places.append((node.lineno, begin, node.name, (attributes if node in methods else own).get(node.name)))
+        elif isinstance(node, ast.Global):
+            line, at = lines[node.lineno - 1], node.col_offset
+            for name in node.names:
+                at = line.index(name.encode(), at)
+                places.append((node.lineno, at, name, own.get(name)))
+    for number, at, old, new in sorted((place for place in places if place[3]), reverse=True):
+        line = lines[number - 1]
+        assert line[at : at + len(old)] == old.encode()
+        lines[number - 1] = line[:at] + new.encode() + line[at + len(old) :]
     return b"".join(lines).decode()

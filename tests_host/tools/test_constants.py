@@ -53,10 +53,10 @@ def test_numbers_for_names(text, wanted):
 
 
 def test_what_nobody_reads_is_not_defined():
-    assert both("x = 1\n")[0].splitlines()[2:5] == ["pass", "pass  # below", "_PRIVATE = const(7)"]
+    assert both("x = 1\n")[0].splitlines()[2:5] == ["pass", "pass  # below", "_16 = const(7)"]
     assert "FIVE = const(5)" in both("from passo import a\ndef f():\n    return a\n")[0]
     assert "FIVE = const(5)" in both("from passo import a\ndef f(a):\n    return a.FIVE\n")[0]
-    assert both("x = 1\n")[0].splitlines()[5] == "HALF = const(_PRIVATE)"
+    assert both("x = 1\n")[0].splitlines()[5] == "HALF = const(_16)"
 
 
 def test_a_constant_passes_through_modules():
