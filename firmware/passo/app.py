@@ -108,8 +108,10 @@ class App:
             self.links.append(made)
         if board["network"]:
             machine_builder.network().join(self.links, self.controller)
+        machine_builder.prepare(self.links)  # before what stored jobs want
         if board["jobs"]:
             self._add_jobs(languages, shared, most)
+            machine_builder.prepare(self.links)
         self.controller.start()
         self._answer()
 

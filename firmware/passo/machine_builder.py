@@ -222,6 +222,15 @@ def forget(name):
         delattr(config, name)
 
 
+def prepare(links):
+    """Make now what links make when they are used first, as far as memory lasts."""
+    for link in links:
+        try:
+            getattr(link.protocol, "prepare", int)()
+        except MemoryError:
+            return
+
+
 def fastest(board, settings):
     """Steps a second of the fastest axis."""
     axes = range(len(board["axes"]))

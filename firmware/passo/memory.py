@@ -1,21 +1,30 @@
-"""Large arrays, each in one piece of memory, made while there are pieces as large.
+"""Large arrays, each in one piece of memory, made while there are pieces as large; and pieces kept for what is made later.
 
     keep([("i", array("i", bytearray(4096)))])      # at the start, before code is loaded: it leaves small pieces only
     zeros(1024)                                     # this one
+    room = FileRoom()
+    room.give()
+    file = open(path)                               # takes the piece that has been kept
+    file.close()
+    file = None
+    room.keep()
 """
 
+import gc
 from array import array
 
 from micropython import const
 
 _PART = const(128)
+FILE_BYTES = const(1148)  # bytes of an open file, in one piece, on an RP2040
+WINDOW_BITS = const(10)
 _kept = []  # see keep()
 
 
 def keep(kept):
     """`kept`: a list of what was made while memory was free in large pieces: ("i", array) for zeros(), ("I", array) for
-    numbers(), ("n", list) for room(), and lists that only keep a piece free. If there is no room for another array they are
-    given back, the last first; [] forgets them."""
+    numbers(), ("b", bytearray) for buffer() and a FileRoom, ("d", DeflateIO) for stream(), and lists that only keep a piece
+    free. If there is no room for another array they are given back, the last first; [] forgets them."""
     _kept.clear()
     _kept.append(kept)
 
@@ -30,16 +39,45 @@ def numbers(count):
     return _make("I", _counted, count)
 
 
-def room(count):
-    """A list that keeps memory for `count` words free, until clear() gives it back at once."""
-    return _make("n", _nothing, count)
+def buffer(count):
+    """A bytearray."""
+    return _make("b", bytearray, count)
+
+
+def stream():
+    """A DeflateIO that has been read to its end: it keeps the two pieces that another one will take. None: there are none."""
+    try:
+        return _make("d", spent, 0)
+    except MemoryError:
+        return None
+
+
+class FileRoom:
+    """Keeps memory for a file that is opened later, at a stand: a board that has run for a while may have no such piece."""
+
+    def __init__(self):
+        self._kept = None  # until keep() is called first
+
+    def give(self):
+        """The next thing that is done opens the file."""
+        self._kept = None
+        gc.collect()  # so that it lies as low as may be
+
+    def keep(self):
+        """The file has been closed, and nothing points to it any more."""
+        self._kept = None
+        gc.collect()
+        try:
+            self._kept = buffer(FILE_BYTES)
+        except MemoryError:
+            pass  # the next file may find some
 
 
 def _make(kind, how, count):
     kept = _kept[0] if _kept else ()
     for place in range(len(kept)):
         piece = kept[place]
-        if piece and piece[0] == kind and len(piece[1]) == count:
+        if piece and piece[0] == kind and (not count or len(piece[1]) == count):
             kept[place] = ()
             return piece[1]
     while True:
@@ -72,5 +110,11 @@ def _zeros(count):
     return made
 
 
-def _nothing(count):
-    return [None] * count
+def spent(_):
+    from io import BytesIO
+
+    import deflate
+
+    made = deflate.DeflateIO(BytesIO(b"\x03\x00"), deflate.RAW, WINDOW_BITS)  # no bytes, deflated
+    made.readinto(bytearray(1))
+    return made

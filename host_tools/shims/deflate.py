@@ -14,6 +14,10 @@ class DeflateIO:
         self._stream = stream
         self._inflater = zlib.decompressobj(-(wbits or 15))
 
+    def close(self):
+        """Let go of the stream."""
+        self._stream = None
+
     def readinto(self, buffer):
         """Bytes put into `buffer`: all of it but at the end. Raises OSError if the stream is no deflate stream or is cut off."""
         view = memoryview(buffer)

@@ -255,6 +255,9 @@ def check_a_job_that_changes_as_it_runs(piece):
                 view[got - 2] ^= 1
             return got
 
+        def close(self):
+            pass
+
     file._stream = Bent()
     said = run(machine)
     assert "done" not in ended(said), said

@@ -11,16 +11,16 @@ CASES = {
 
 
 def check_each_is_handed_over_once(count, other):
-    made = array("i", [0] * count), array("I", [0] * count), [None] * count
-    kept = [[None] * 9, ("n", made[2]), ("I", made[1]), ("i", made[0])]
+    made = array("i", [0] * count), array("I", [0] * count)
+    kept = [[None] * 9, ("I", made[1]), ("i", made[0])]
     memory.keep(kept)
     try:
-        asked = memory.zeros, memory.numbers, memory.room
+        asked = memory.zeros, memory.numbers
         if other != count:
-            for number in range(3):
+            for number in range(2):
                 assert len(asked[number](other)) == other
-            assert len([piece for piece in kept if piece]) == 4, "of another size: it stays"
-        for number in range(3):
+            assert len([piece for piece in kept if piece]) == 3, "of another size: it stays"
+        for number in range(2):
             assert asked[number](count) is made[number]
             again = asked[number](count)
             assert again is not made[number] and len(again) == count
@@ -32,7 +32,7 @@ def check_each_is_handed_over_once(count, other):
 def check_short_of_memory_what_is_kept_is_given_back(count, lacking):
     """An array finds room when `lacking` pieces have been given back, the last first; with all of them gone it raises."""
     work, room = [None] * 9, [None] * 9
-    kept = [work, ("n", [None] * 500), ("i", array("i", [0] * 500)), room]
+    kept = [work, ("I", array("I", [0] * 500)), ("i", array("i", [0] * 500)), room]
     calls = []
     real = memory._zeros
 
@@ -54,3 +54,22 @@ def check_short_of_memory_what_is_kept_is_given_back(count, lacking):
         memory._zeros = real
         memory.keep([])
     assert bool(room) == (lacking == 0) and bool(work) == (lacking < 4), "lists are emptied, for whoever else points to them"
+
+
+def check_what_a_stored_job_is_read_through_is_handed_over():
+    stream, first, second = memory.spent(0), bytearray(memory.FILE_BYTES), bytearray(memory.FILE_BYTES)
+    memory.keep([[None] * 9, ("d", stream), ("b", first), ("b", second)])
+    try:
+        assert memory.stream() is stream and memory.stream() is not stream
+        rooms = [memory.FileRoom() for _ in range(3)]
+        for room in rooms:
+            assert room._kept is None
+            room.keep()
+        assert rooms[0]._kept is first and rooms[1]._kept is second and rooms[2]._kept is not None
+        for room in rooms:
+            room.give()
+            assert room._kept is None
+            room.keep()
+            assert len(room._kept) == memory.FILE_BYTES
+    finally:
+        memory.keep([])

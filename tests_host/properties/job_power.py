@@ -12,6 +12,7 @@ import vfs
 from binascii import crc32
 
 from check_jobs import stored_form
+from passo import memory
 from passo.config import job_store
 from passo.config.card_store import CardStore
 from passo.config.job_store import JobStore
@@ -148,7 +149,7 @@ def full(system, store_class, device, image):
 def main(kind):
     system, store_class, geometry = (vfs.VfsLfs2, JobStore, FLASH) if kind == "lfs" else (vfs.VfsFat, CardStore, CARD)
     gc.disable()  # files that a power cut has left open would be closed, and written
-    job_store.gc = Nothing()
+    job_store.gc = memory.gc = Nothing()
     device = Device(*geometry)
     system.mkfs(device)
     vfs.mount(system(device), "/flash")

@@ -52,6 +52,7 @@ BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", 
 MORE_BUILT_INS = {
     "ports": {"math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs", "sdcard"},  # the last is a driver of micropython-lib
     "config": {"deflate"},
+    "memory": {"deflate"},
     "control": {"math"},
     "web": {"socket", "network"},
 }

@@ -17,8 +17,8 @@ A file is one line of text and the job's bytes behind it, deflated (RFC 1951, wi
 
 An upload has a name of its own until it has been read back whole: a power cut, a full memory or a wrong byte leaves what
 was there before. All functions raise OSError if the memory is full or broken. Writing stops the processor for up to
-0.4 s a block: only at a stand. Reading needs 1.2 kB for the file and 1 kB in one piece for the window, which the store keeps free
-until then: later there may be no such piece.
+0.4 s a block: only at a stand. Reading needs three pieces of memory: 1.2 kB for the file, 1.3 kB for the stream, 1 kB for its
+window. The store has them from the start, and holds them between two jobs: later there may be no such pieces.
 """
 
 import gc
@@ -29,10 +29,8 @@ import deflate
 from micropython import const
 
 from passo import errors
-from passo.memory import room
-from passo.records import JOB_WORDS
+from passo.memory import WINDOW_BITS, FileRoom, stream
 
-WINDOW_BITS = const(10)
 _MAGIC = b"job "
 HEAD_BYTES = const(96)  # at most, of a file's first line
 _UPLOAD = "upload.new"
@@ -108,8 +106,11 @@ class JobFile:
         self._file.close()
 
     def drop(self):
-        """Give back the window."""
-        self._stream = None
+        """Let go of the file. Returns the stream, which keeps its memory."""
+        made = self._stream
+        made.close()
+        self._file = self._stream = None
+        return made
 
 
 def folders(path):
@@ -131,12 +132,18 @@ class JobStore:
         self._name = ""
         self._upload = ""  # its path
         self._left = 0  # bytes that it still lacks
-        self._room = room(JOB_WORDS)  # empty: a job is being read
+        self._room = FileRoom()
+        self._stream = None
+
+    def prepare(self):
+        """Make what keeps memory free. Call it last, before anything is read or uploaded."""
+        self._stream = stream()  # the last one: the next takes its memory
+        self._room.keep()
 
     def begin_reading(self, job):
-        """Make the job's window, in the room that has been kept. At a stand: it takes 30 ms. Raises MemoryError, Damaged; then the
-        job is closed."""
-        self._room.clear()
+        """Make the job's window, in the memory that has been kept. At a stand: it takes 30 ms. Raises MemoryError, Damaged; then
+        the job is closed."""
+        self._stream = None
         gc.collect()
         try:
             job.begin()
@@ -147,13 +154,11 @@ class JobStore:
     def close(self, job):
         """Close a job, and keep room for the next."""
         job.close()
-        job.drop()
-        if not self._room:
-            gc.collect()
-            try:
-                self._room = room(JOB_WORDS)
-            except MemoryError:
-                pass  # the next one may find some
+        made = job.drop()
+        if self._stream is None:
+            self._stream = made
+        made = None
+        self._room.keep()
 
     def mount(self):
         """Call it once, before anything else. Removes an upload that a power cut has left."""
@@ -171,7 +176,31 @@ class JobStore:
         return sorted([name[: -len(_END)] for name in os.listdir(self._folder[:-1]) if name.endswith(_END)])
 
     def open(self, name):
-        return JobFile(self._path(name))
+        return self._opened(self._path(name))
+
+    def _opened(self, path):
+        self._room.give()
+        try:
+            return JobFile(path)
+        except (OSError, MemoryError, Damaged):
+            self._room.keep()
+            raise
+
+    def entries(self):
+        """[(name, language, bytes, bytes stored, CRC-32)]; of one that is damaged the language is ""."""
+        found = []
+        names = self.names()
+        self._room.give()
+        for name in names:
+            try:
+                job = JobFile(self._path(name))
+                job.close()
+                found.append((name, job.language, job.size, job.stored, job.crc))
+            except Damaged:
+                found.append((name, "", 0, 0, 0))
+        job = None
+        self._room.keep()
+        return found
 
     def delete(self, name):
         os.remove(self._path(name))
@@ -194,6 +223,7 @@ class JobStore:
         """Begin an upload of `stored` bytes; another one under way is forgotten."""
         self.abort()
         self._upload = self._place(name)
+        self._room.give()
         self._file = open(self._upload, "wb")
         self._name = name
         self._left = stored
@@ -221,7 +251,7 @@ class JobStore:
             return None
         self._file.close()
         self._file = None
-        job = JobFile(self._upload)
+        job = self._opened(self._upload)
         self.begin_reading(job)
         return job
 
@@ -236,6 +266,7 @@ class JobStore:
         if self._file is not None:
             self._file.close()
             self._file = None
+            self._room.keep()
         self._remove(self._upload)
 
     def _remove(self, path):

@@ -10,14 +10,14 @@ of a write therefore leaves what was there before; one after it finds the new te
     passo <sequence> <length of the text in bytes> <CRC-32 of all the rest, in hexadecimal>\\n<text>
 """
 
-import gc
 import os
 from binascii import crc32
 
 from micropython import const
 
+from passo.memory import FileRoom
+
 SLOTS = const(2)
-_FILE = const(1148)
 _MAGIC = b"passo"
 
 
@@ -73,13 +73,13 @@ def _parse(data):
 
 
 class FileSlots:
-    """Slots as two files, PATH.0 and PATH.1. An open file takes 1148 bytes in one piece on an RP2040, which a board that has
-    run for a while may not have: they are kept for the next one written. A written file leaves much behind; it is
-    collected there and then, the machine at rest, and not when something has to stop."""
+    """Slots as two files, PATH.0 and PATH.1. A written file leaves much behind; it is collected there and then, the machine
+    at rest, and not when something has to stop."""
 
     def __init__(self, path):
         self._path = path
-        self._kept = bytearray(_FILE)
+        self._room = FileRoom()
+        self._room.keep()
 
     def _name(self, slot):
         return "%s.%d" % (self._path, slot)
@@ -92,14 +92,14 @@ class FileSlots:
             return b""
 
     def write(self, slot, data):
-        self._kept = None
+        name = self._name(slot)
+        self._room.give()
         try:
-            with open(self._name(slot), "wb") as file:
+            with open(name, "wb") as file:
                 file.write(data)
         finally:
             file = None
-            gc.collect()
-            self._kept = bytearray(_FILE)
+            self._room.keep()
         if hasattr(os, "sync"):
             os.sync()
 

@@ -16,6 +16,7 @@ from passo import commands, errors
 from passo.commands import DROPPED, Event
 from passo.config.job_keys import LINK, name_fits
 from passo.config.job_store import Damaged, JobStore
+from passo.memory import buffer
 
 _PIECE = const(512)  # bytes that are read at once while a job is proven
 _CHECKED = const(16)  # such pieces a cycle: some 12 ms on a Pico
@@ -39,7 +40,7 @@ class JobLine:
         self._protocol = protocol
         self._stored = stored
         self._most, piece = stored.LIMITS
-        self.piece = memoryview(bytearray(max(piece, _PIECE)))
+        self.piece = memoryview(buffer(max(piece, _PIECE)))
         self.view = self.piece[:piece]
         self._look = look
         self._damaged = damaged
@@ -127,6 +128,7 @@ class Jobs:
         """`number` and `protocol` of the link; `stored`: what its language says of stored jobs. Returns the serial line."""
         self._number = number
         self.line.join(protocol, stored, self._look, self._refused)
+        self._store.prepare()
         return self.line
 
     def handlers(self):
@@ -185,7 +187,7 @@ class Jobs:
             if error:
                 return error
         if what == commands.JOB_LIST:
-            return machine.accepted(command, ([self._entry(name) for name in self._store.names()], self._store.free()))
+            return machine.accepted(command, (self._store.entries(), self._store.free()))
         if what == commands.JOB_DELETE:
             self._store.delete(command.target)
         elif what == commands.JOB_OPEN:
@@ -203,15 +205,6 @@ class Jobs:
             machine.command = command
             return 0
         return machine.accepted(command)
-
-    def _entry(self, name):
-        """(name, language, bytes, bytes stored, CRC-32); of one that is damaged the language is ""."""
-        try:
-            file = self._store.open(name)
-        except Damaged:
-            return name, "", 0, 0, 0
-        file.close()
-        return name, file.language, file.size, file.stored, file.crc
 
     def _open(self, command):
         name, language, size, crc, stored = command.target
@@ -241,7 +234,7 @@ class Jobs:
             return error
         file = self._store.open(name)
         if file.language != self._config["language"]:
-            file.close()
+            self._store.close(file)
             return errors.JOB_LANGUAGE
         self._store.begin_reading(file)
         self._file = file

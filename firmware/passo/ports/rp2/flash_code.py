@@ -87,8 +87,8 @@ def _name(path):
 
 
 class FlashCode:
-    def __init__(self, rooms=([],)):
-        """`rooms`: what keeps memory free; the first, a list, is emptied if memory is short."""
+    def __init__(self, rooms=([], [])):
+        """`rooms`: what keeps memory free; if memory is short its first two, lists, are emptied one after the other."""
         self.why = "not tried"  # all stays in RAM; "" if not
         self._rooms = rooms
         self.functions = self.bytes = 0
@@ -142,7 +142,7 @@ class FlashCode:
             if self._is_short(file, table[0], table[1]):
                 self._round()
                 if self._is_short(file, table[0], table[1]):
-                    self._rooms[0].clear()
+                    self._give_back()
         if self._read > self._limit or self._read > self._look_at_read and self._is_tight():
             self._round()
         if table is None:  # the interpreter would read on for ever
@@ -226,6 +226,13 @@ class FlashCode:
         file.seek(size - 4 - 8 * count)
         return file.read(8 * count)
 
+    def _give_back(self):
+        """Empty the first list that keeps memory free. Returns its length, 0: there is none."""
+        room = self._rooms[0] or self._rooms[1]
+        length = len(room)
+        room.clear()
+        return length
+
     def _round(self, last=False):
         """Redirect what has been imported since the last one; in the last, also what was running then."""
         self._read = 0
@@ -242,8 +249,7 @@ class FlashCode:
                 self._left.extend([record for record in records if left(record.functions, len(record.functions)) > _LEFT])
             self._records = []
         except MemoryError as error:
-            if self._rooms[0]:
-                self._rooms[0].clear()
+            if self._give_back():
                 self._round(last)
             elif last:  # until then the next one tries again
                 self._give_up(error)
@@ -253,9 +259,11 @@ class FlashCode:
         gc.collect()
 
     def _is_tight(self):
-        free = self._free()
         self._look_at_read = self._read + _STEP
-        return free < _TIGHT and self._read > (_LITTLE if self._rooms[0] else _LITTLE // 2)
+        if not self._words:
+            return False
+        self._largest()
+        return self._words[FREE] < _TIGHT and self._read > (_LITTLE if self._rooms[0] else _LITTLE // 2)
 
     def _is_short(self, file, size, count):
         """Whether memory is short for a module of `count` functions."""
@@ -275,12 +283,6 @@ class FlashCode:
         from passo.ports.rp2.flash_scan import largest
 
         return largest(self._words)
-
-    def _free(self):
-        if not self._words:
-            return _TIGHT
-        self._largest()
-        return self._words[FREE]
 
     def _redirect(self, records):
         from passo.ports.rp2.flash_scan import mark, redirect, stack_pointer

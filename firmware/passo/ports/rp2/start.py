@@ -9,11 +9,13 @@ from micropython import const
 
 from passo.ports import start
 from passo.ports.rp2.fields import LEAD_TICKS
-from passo.records import ARCS, ARC_FIELDS, JOB_WORDS, QUEUE_SIZE, ROW_STEPS
+from passo.records import ARCS, ARC_FIELDS, LINES_BYTES, QUEUE_SIZE, ROW_STEPS
 
 _FOR_WORK = const(4_125)  # words kept free in one piece for what the main loop takes and gives back
 _FOR_LEAN = const(2_050)  # the same of a board that has no memory to spare: its table of names grows by as much
-_BUFFERS = const(8)  # of _BUFFER bytes: if they do not fit beside _FOR_WORK when all code is loaded, that is given back
+_LEAST_FOR_WORK = const(1_000)  # a smaller piece is not kept
+_FOR_NAMES = const(1_940)  # words for the interpreter's table of names, if it doubles at its 1261st name
+_BUFFERS = const(8)  # of _BUFFER bytes: the piece for work is made smaller until they fit beside it when all code is loaded
 _BUFFER = const(1_100)  # as links and tables have them
 _MODULES = const(130)
 _COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
@@ -34,7 +36,7 @@ class Start(start.Start):
         gc.threshold(_COLLECT)
         from passo.ports.rp2.flash_code import FlashCode
 
-        rooms = [[]]
+        rooms = [[], []]
         self._code = code = FlashCode(rooms)
         code.begin()
         if code.why:
@@ -56,15 +58,28 @@ class Start(start.Start):
         if "grbl" in [link["protocol"] for link in board["links"]]:  # no other language has arcs
             sizes += (("i", ARC_FIELDS * ARCS),)
         sizes += (("i", QUEUE_SIZE * (ROW_STEPS + len(board["axes"]))),)
-        self._keep_for_work()
-        if board["jobs"]:
-            self.rooms.append(("n", [None] * JOB_WORDS))
+        self.rooms[1] = [None] * (_FOR_LEAN if self.lean else _FOR_WORK)
+        if not self.lean:
+            self.rooms[0] = [None] * _FOR_NAMES
         self.rooms.extend([(kind, array(kind, bytearray(4 * count))) for kind, count in sizes])
+
+    def _keep_buffers(self, board):
+        """Make what links and stored jobs keep. It fits the holes that redirected code has left, beside the piece for work."""
+        languages = [link["protocol"] for link in board["links"]]
+        if board["jobs"]:
+            from passo.memory import FILE_BYTES, spent
+
+            languages.append(board["jobs"]["language"])
+            self.rooms.insert(2, ("d", spent(0)))
+            self.rooms.insert(2, ("b", bytearray(FILE_BYTES)))
+        for language in languages:
+            if language == "grbl":
+                self.rooms.insert(2, ("b", bytearray(LINES_BYTES)))
 
     def give_back(self):
         """Free what has been kept and was not asked for."""
         if self.rooms:
-            self.rooms[0].clear()  # not by collection: a stale word on the stack may point to it
+            self.rooms[1].clear()  # not by collection: a stale word on the stack may point to it
             self.rooms.clear()
 
     def run(self, app, port):
@@ -82,11 +97,12 @@ class Start(start.Start):
     def relieve(self):
         for place in range(len(self.rooms)):
             if self.rooms[place]:
-                if place:
+                if place > 1:
                     self.rooms[place] = ()
                 else:
-                    self.rooms[0].clear()
-                self._code.redirect(place > 0)
+                    self.rooms[place].clear()
+                    getattr(self, "name %d" % gc.mem_free(), None)  # a table of names that is full doubles here and now
+                self._code.redirect(place > 1)
                 return True
         return False
 
@@ -97,11 +113,20 @@ class Start(start.Start):
             self._said = code.text()
         return self._said
 
-    def _keep_for_work(self):
-        try:
-            self.rooms[0] = [None] * (_FOR_LEAN if self.lean else _FOR_WORK)
-        except MemoryError:
-            pass
+    def _keep_for_work(self, buffers):
+        """Keep one piece for work, as large as leaves room for `buffers`."""
+        count = _FOR_LEAN if self.lean else _FOR_WORK
+        while count >= _LEAST_FOR_WORK:
+            self.rooms[1].clear()
+            self.rooms[1] = []  # the one before still has its first words
+            gc.collect()
+            try:
+                self.rooms[1] = [None] * count
+                [bytearray(_BUFFER) for number in range(buffers)]
+                return
+            except MemoryError:
+                count -= count // 4
+        self.rooms[1].clear()
 
     def button(self):
         return "BOOTSEL" if rp2.bootsel_button() else None
@@ -115,12 +140,9 @@ class Start(start.Start):
         from passo.ports.rp2.port import Port
 
         made = Port(board)
-        gc.collect()
         if self.rooms:
-            if not self.rooms[0]:
-                self._keep_for_work()
-            try:
-                [bytearray(_BUFFER) for number in range(_BUFFERS)]
-            except MemoryError:
-                self.rooms[0].clear()
+            self.rooms[0].clear()
+            self._keep_for_work(_BUFFERS)
+            gc.collect()
+            self._keep_buffers(board)
         return made

@@ -18,7 +18,9 @@ Once a line has found no room none finds it until all that are kept have had the
 import micropython
 from micropython import const
 
+from passo.memory import buffer
 from passo.protocols.gcode.words import LONGEST, bare
+from passo.records import LINES_BYTES
 
 try:
     ptr8
@@ -26,7 +28,6 @@ except NameError:
     ptr8 = None  # a name that only viper's compiler knows
 
 RX_BYTES = const(128)  # that a sender may have under way
-ROOM = const(1024)  # bytes of lines that are kept
 _REAL_TIME = const(-1)
 _SLOWLY = const(-2)
 _QUESTION = const(4096)
@@ -68,13 +69,18 @@ def plain_text(line):
 
 
 class Lines:
-    def __init__(self, at_once=False):
-        """`at_once`: make the buffer now, while memory comes in large pieces, and not at the first byte: many a link never says anything."""
-        self.text = bytearray(ROOM) if at_once else b""
+    def __init__(self):
+        self.text = b""  # until make(), or the first byte: many a link never says anything
         self.at = 0  # where the oldest line begins
         self.whole = 0  # behind the last line that has come to its end
         self._end = 0
         self.clear()
+
+    def make(self):
+        """Make the buffer. Raises MemoryError."""
+        if not self.text:
+            self.text = buffer(LINES_BYTES)
+            self._view = memoryview(self.text)
 
     def clear(self):
         self.asked = False  # `?` was among what has come
@@ -101,7 +107,7 @@ class Lines:
 
     def free(self):
         """Bytes that can be kept."""
-        return ROOM - self._end + self.at
+        return LINES_BYTES - self._end + self.at
 
     def room(self):
         """Of the bytes that a sender may have under way, those that are not kept."""
@@ -113,11 +119,11 @@ class Lines:
         if not data:
             return True
         if not self.text:
-            self.text = bytearray(ROOM)
-        if self._end + len(data) > ROOM and self.at:
+            self.make()
+        if self._end + len(data) > LINES_BYTES and self.at:
             self._move_up()
         end = self._end
-        last = copy(self.text, end, data, len(data), ROOM - end)
+        last = copy(self.text, end, data, len(data), LINES_BYTES - end)
         if last == _REAL_TIME:
             return False
         if last == _SLOWLY or self._spoilt or self.lost or self._after_return:
@@ -138,7 +144,7 @@ class Lines:
         """Make room behind what is kept."""
         at = self.at
         held = self._end - at
-        self.text[:held] = self.text[at : self._end]
+        self.text[:held] = self._view[at : self._end]
         self.at = 0
         self.whole -= at
         self._end = held
@@ -169,7 +175,7 @@ class Lines:
             self._spoil()
             return
         end = self._end + len(piece)
-        if end > ROOM - len(_TOO_LONG):
+        if end > LINES_BYTES - len(_TOO_LONG):
             self._squeeze(piece)
             return
         self.text[self._end : end] = piece
@@ -184,7 +190,7 @@ class Lines:
         """Of the line that has not ended yet, and `piece` behind it, keep only what counts. An open comment stays open."""
         kept = bare(bytes(self.text[self.whole : self._end]) + piece, True)
         end = self.whole + len(kept)
-        if len(kept) > LONGEST + 1 or end > ROOM - len(_TOO_LONG):
+        if len(kept) > LONGEST + 1 or end > LINES_BYTES - len(_TOO_LONG):
             self._spoil()
             return
         self.text[self.whole : end] = kept
@@ -198,7 +204,7 @@ class Lines:
         line = _TOO_LONG if self._spoilt else b"\n"
         self._spoilt = False
         end = self._end + len(line)
-        if self.lost or end > ROOM:
+        if self.lost or end > LINES_BYTES:
             self.lost += 1
             return
         self.text[self._end : end] = line

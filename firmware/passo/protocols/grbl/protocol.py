@@ -84,19 +84,17 @@ class Grbl:
     keeps = True  # see app.py
 
     def __init__(self, axes, offsets, machine, batch, most):
-        """`axes`: names; `machine`: the record of the machine's state; `batch`: a batch.Lines of the link; `most`: lines that
-        feed() takes."""
+        """`axes`: names; `machine`: the record of its state; `batch`: a batch.Lines of the link; `most`: lines that feed() takes."""
         self.gcode = GCode(axes, offsets, machine)
         self.batch = batch
         self._settings = settings = machine.settings
         self._machine = machine
-        self._number = batch.link
-        self._most = most
+        self._number, self._most = batch.link, most
         self._system = System(self.gcode, settings, machine, batch.link)
         self._status = Status(self.gcode, settings, machine)
-        self._lines = Lines(not batch.link)  # the first one speaks sooner or later
+        self._lines = Lines()
         self._asked = None  # made when first asked
-        self._stale = 0  # lines that were sent before an alarm, a stop or a hand-over
+        self._stale = 0  # lines sent before an alarm, a stop or a hand-over
         self._why = 0  # the error that answers them
         self._configure()
         self._forget()
@@ -118,6 +116,10 @@ class Grbl:
 
     # --- bytes to batches
 
+    def prepare(self):
+        """Make what the link needs once it is used. Raises MemoryError."""
+        self._lines.make()
+
     def begin_file(self):
         """Modal state as after power-up, offsets stay; of what has come so far nothing is left."""
         self._forget()
@@ -125,8 +127,7 @@ class Grbl:
         self.gcode.reset()
 
     def collect(self, data, now_ms):
-        """Keep `data`. True if fill() may find lines in what is kept; None if there are real-time bytes other than `?`: all of
-        `data` is for feed()."""
+        """Keep `data`. True if fill() may find lines in it; None: there are real-time bytes but `?`, and all is for feed()."""
         lines = self._lines
         self._full = False
         if data and not lines.take(data):
@@ -142,8 +143,7 @@ class Grbl:
 
     @micropython.native
     def fill(self, data):
-        """Keep `data`, and put plain lines into `batch`. Returns how many, which the controller is to accept at once; None as
-        collect()."""
+        """Keep `data`, put plain lines into `batch`. Returns how many: the controller accepts them at once; None as collect()."""
         lines = self._lines
         self._full = False
         if data and not lines.take(data):
@@ -176,8 +176,7 @@ class Grbl:
         return self._commands(data)
 
     def pending(self):
-        """True if feed() has something to say without new bytes. A line that found no room waits until there is some for
-        several."""
+        """True if feed() has something to say without new bytes. A line that found no room waits until several have some."""
         if self._full and not self._lines.asked and self._machine.queue.room() < _SEVERAL:
             return False
         return self._lines.asked or self._waiting()

@@ -1,0 +1,147 @@
+"""A board with stored jobs and their journal, on which all kinds of orders come for long: its memory stays in one piece.
+
+    PASSO_ORDERS=10000 pytest -s -o faulthandler_timeout=0 tests_host/pico/test_pico_memory_lasts.py
+
+prints the largest piece as it goes on; it takes some hours. Without PASSO_ORDERS it is 300 orders a board.
+"""
+
+import base64
+import os
+import random
+import re
+
+import pytest
+from emulated import uf2  # noqa: F401
+
+from host_tools import boards
+from host_tools.emulator.heap import Heap
+from host_tools.emulator.machine import EmulatedMachine, written
+from host_tools.programs import stored_job
+
+pytestmark = pytest.mark.slow
+ORDERS = int(os.environ.get("PASSO_ORDERS", "300"))
+UPLOADS, RESETS = 10, 50  # in 10 000 orders; fewer in fewer, but not below 3
+EVERYTHING = {"journal": {"every_ms": 500}, "jobs": {"language": "grbl"}}
+LEAST = {"router_3axis": 1000, "laser_xy": 1000, "mill_2004": 500}  # bytes in one piece, at any time
+QUESTIONS = b"$$", b"$#", b"$I", b"$G", b"$N", b"$LOG", b"$JR", b"$F", b"$110", b"$10=511"
+KEPT = b"$110=%d", b"$120=%d", b"$N0=G4P0.0%d", b"G10L2P1X%d", b"G10L20P2Y%d", b"G92Z%d", b"$JR=%d"
+MOVES = b"X0.%02d", b"Y0.%02d", b"X0.%02dY0.1"
+OUT_OF_MEMORY = (7, 159)
+LOCKED = 9
+
+
+class Sender:
+    def __init__(self, board, uf2):
+        self.machine = EmulatedMachine(board, written(board), uf2=uf2, trace=None).boot()
+        self.random = random.Random(board["name"])
+        self.errors = {}
+        self.largest = []  # (orders, bytes free, in one piece)
+        self.orders = 0
+        self.await_(rb"for help\]")
+        self.ask(b"$X")
+
+    def await_(self, pattern, limit_ms=20_000):
+        self.machine.run_until(lambda: re.search(pattern, self.machine.received()), limit_ms)
+        return self.machine.take()
+
+    def ask(self, line):
+        self.orders += 1
+        self.machine.send(line + b"\n")
+        said = self.await_(rb"ok\r\n|error:\d+\r\n")
+        error = re.search(rb"error:(\d+)", said)
+        if error:
+            number = int(error[1])
+            self.errors[number] = self.errors.get(number, 0) + 1
+            if number == LOCKED and line != b"$X":  # an order too many took it out of its travel
+                self.reset()
+        return said
+
+    def still(self):
+        said = b""
+        while b"<Idle" not in said:
+            self.machine.send(b"?")
+            self.orders += 1
+            said = self.await_(rb"<[^>]*>\r\n")
+            self.machine.run_ms(20)
+
+    def note(self):
+        heap = Heap(self.machine.pico, True)
+        self.largest.append((self.orders, heap.free, heap.largest))
+        if "PASSO_ORDERS" in os.environ:
+            print(self.orders, heap.free, heap.largest, flush=True)
+
+    def order(self):
+        chosen = self.random.random()
+        number = self.random.randrange(1, 10)
+        if chosen < 0.5:
+            for sign in b"", b"-":
+                way = self.random.choice(MOVES) % number
+                for line in (b"G91G1%sF3000" % way, b"G91G1%s" % re.sub(rb"([XY])", rb"\1-", way)):
+                    self.ask(line)
+        elif chosen < 0.6:
+            self.ask(b"G91G2X0I0.%dF2000" % number)
+        elif chosen < 0.7:
+            self.still()
+            self.ask(b"$J=G91X0.%dF1000" % number)
+            self.ask(b"$J=G91X-0.%dF1000" % number)
+        elif chosen < 0.9:
+            self.still()
+            self.ask(self.random.choice(QUESTIONS))
+        else:
+            self.still()
+            line = self.random.choice(KEPT)
+            self.ask(line % (number + 500 if line[:2] == b"$1" else number))
+
+    def reset(self):
+        self.machine.send(b"\x18")
+        self.await_(rb"for help\]")
+        self.ask(b"$X")
+
+    def upload(self):
+        """A job is sent, run once or stopped, and deleted."""
+        self.still()
+        lines = [b"G1X0.%d" % n + b"F%d\nG1X-0.%d" % (1000 + 7 * n, n) for n in range(1, self.random.randrange(20, 60))]
+        data = b"G91\n" + b"\n".join(lines) + b"\nM30\n"
+        packed = stored_job.pack(data)
+        name = self.random.choice((b"A", b"LONGER.GCODE"))
+        self.ask(b"$FS=%s,grbl,%d,%08x,%d" % (name, len(data), stored_job.crc(data), len(packed)))
+        for at in range(0, len(packed), 57):
+            self.ask(b"$F:" + base64.b64encode(packed[at : at + 57]))
+        self.ask(b"$FE")
+        self.note()
+        said = self.ask(b"$F=" + name)
+        self.machine.run_ms(300)
+        self.note()
+        if self.random.random() < 0.5:
+            self.reset()
+        elif b"[MSG:Job" not in said + self.machine.received():
+            self.await_(rb"\[MSG:Job [A-Z.]+ done", 120_000)
+
+
+@pytest.mark.parametrize("board", LEAST)
+def test_after_many_orders_memory_is_in_as_large_a_piece(board, uf2, show):
+    loaded = boards.load(board)
+    loaded.update(EVERYTHING)
+    sender = Sender(loaded, uf2)
+    sender.note()
+    uploads, resets = max(3, ORDERS * UPLOADS // 10_000), max(3, ORDERS * RESETS // 10_000)
+    for part in range(uploads * resets):
+        while sender.orders < ORDERS * part // (uploads * resets):
+            sender.order()
+        if part % resets == resets - 1:
+            sender.upload()
+        if part % uploads == uploads - 1:
+            sender.reset()
+        if part % 3 == 0:
+            sender.note()
+    sender.still()
+    sender.note()
+    least = min(largest for _, _, largest in sender.largest)
+    show(
+        f"{board}: memory over {sender.orders} orders, {uploads} uploads and {resets} resets",
+        f"in one piece {sender.largest[0][2]} bytes at first, {least} at least, {sender.largest[-1][2]} at last; "
+        f"free {sender.largest[0][1]} and {sender.largest[-1][1]}; errors {sender.errors}",
+    )
+    assert not set(OUT_OF_MEMORY) & set(sender.errors), sender.errors
+    assert least >= LEAST[board]
+    assert not sender.machine.plant.errors
