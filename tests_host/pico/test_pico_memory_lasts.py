@@ -7,11 +7,12 @@ prints the largest piece as it goes on; it takes some hours. Without PASSO_ORDER
 
 import base64
 import os
-import random
 import re
 
 import pytest
+from draws import Random
 from emulated import uf2  # noqa: F401
+from mixed_orders import job, mixed
 
 from host_tools import boards
 from host_tools.emulator.heap import Heap
@@ -22,10 +23,7 @@ pytestmark = pytest.mark.slow
 ORDERS = int(os.environ.get("PASSO_ORDERS", "300"))
 UPLOADS, RESETS = 10, 50  # in 10 000 orders; fewer in fewer, but not below 3
 EVERYTHING = {"journal": {"every_ms": 500}, "jobs": {"language": "grbl"}}
-LEAST = {"router_3axis": 1000, "laser_xy": 1000, "mill_2004": 500}  # bytes in one piece, at any time
-QUESTIONS = b"$$", b"$#", b"$I", b"$G", b"$N", b"$LOG", b"$JR", b"$F", b"$110", b"$10=511"
-KEPT = b"$110=%d", b"$120=%d", b"$N0=G4P0.0%d", b"G10L2P1X%d", b"G10L20P2Y%d", b"G92Z%d", b"$JR=%d"
-MOVES = b"X0.%02d", b"Y0.%02d", b"X0.%02dY0.1"
+LEAST = {"router_3axis": 1000, "laser_xy": 1000, "mill_2004": 300}  # bytes in one piece, at any time: no order wants as many
 OUT_OF_MEMORY = (7, 159)
 LOCKED = 9
 
@@ -33,7 +31,7 @@ LOCKED = 9
 class Sender:
     def __init__(self, board, uf2):
         self.machine = EmulatedMachine(board, written(board), uf2=uf2, trace=None).boot()
-        self.random = random.Random(board["name"])
+        self.random = Random(len(board["name"]))
         self.errors = {}
         self.largest = []  # (orders, bytes free, in one piece)
         self.orders = 0
@@ -71,26 +69,11 @@ class Sender:
             print(self.orders, heap.free, heap.largest, flush=True)
 
     def order(self):
-        chosen = self.random.random()
-        number = self.random.randrange(1, 10)
-        if chosen < 0.5:
-            for sign in b"", b"-":
-                way = self.random.choice(MOVES) % number
-                for line in (b"G91G1%sF3000" % way, b"G91G1%s" % re.sub(rb"([XY])", rb"\1-", way)):
-                    self.ask(line)
-        elif chosen < 0.6:
-            self.ask(b"G91G2X0I0.%dF2000" % number)
-        elif chosen < 0.7:
+        stands, lines = mixed(self.random)
+        if stands:
             self.still()
-            self.ask(b"$J=G91X0.%dF1000" % number)
-            self.ask(b"$J=G91X-0.%dF1000" % number)
-        elif chosen < 0.9:
-            self.still()
-            self.ask(self.random.choice(QUESTIONS))
-        else:
-            self.still()
-            line = self.random.choice(KEPT)
-            self.ask(line % (number + 500 if line[:2] == b"$1" else number))
+        for line in lines:
+            self.ask(line)
 
     def reset(self):
         self.machine.send(b"\x18")
@@ -100,8 +83,7 @@ class Sender:
     def upload(self):
         """A job is sent, run once or stopped, and deleted."""
         self.still()
-        lines = [b"G1X0.%d" % n + b"F%d\nG1X-0.%d" % (1000 + 7 * n, n) for n in range(1, self.random.randrange(20, 60))]
-        data = b"G91\n" + b"\n".join(lines) + b"\nM30\n"
+        data = job(self.random)
         packed = stored_job.pack(data)
         name = self.random.choice((b"A", b"LONGER.GCODE"))
         self.ask(b"$FS=%s,grbl,%d,%08x,%d" % (name, len(data), stored_job.crc(data), len(packed)))
@@ -112,7 +94,7 @@ class Sender:
         said = self.ask(b"$F=" + name)
         self.machine.run_ms(300)
         self.note()
-        if self.random.random() < 0.5:
+        if self.random.between(0, 1):
             self.reset()
         elif b"[MSG:Job" not in said + self.machine.received():
             self.await_(rb"\[MSG:Job [A-Z.]+ done", 120_000)

@@ -65,7 +65,8 @@ def log(log):
     if log.pins:
         lines += ["[PIN:%s,%d,%d,%d,%d,%d]\r\n" % pin for pin in log.pins()]
     counts = ["%dx%d" % (log.counts[number], number) for number in sorted(log.counts)]
-    return "".join(lines) + "[LOGGED:%s]\r\n" % ",".join(counts)
+    lines.append("[LOGGED:%s]\r\n" % ",".join(counts))
+    return lines
 
 
 def decimal(value, places):
@@ -111,15 +112,16 @@ def modes(gcode, inches):
 def parameters(gcode, probed, touched, inches):
     """The lines of $#; `probed` is the place of the last touch in nm, `touched` whether there was one."""
     offsets = gcode.offsets
-    lines = ["[G%d:%s]" % (54 + number, place(offsets.systems[number], inches)) for number in range(6)]
-    lines += ["[G%d:%s]" % (number, place(offsets.homes[number], inches)) for number in (28, 30)]
-    lines.append("[G92:%s]" % place(offsets.shift, inches))
-    lines.append("[TLO:%s]" % length(offsets.tool, inches))
+    lines = ["[G%d:%s]\r\n" % (54 + number, place(offsets.systems[number], inches)) for number in range(6)]
+    lines += ["[G%d:%s]\r\n" % (number, place(offsets.homes[number], inches)) for number in (28, 30)]
+    lines.append("[G92:%s]\r\n" % place(offsets.shift, inches))
+    lines.append("[TLO:%s]\r\n" % length(offsets.tool, inches))
     for tool in range(1, MAX_TOOL + 1):
         text = offsets.length_of(tool)
         if text:
-            lines.append("[T%d:%s]" % (tool, length(int(text), inches)))
-    return "\r\n".join(lines) + "\r\n" + probe(probed, touched, inches)
+            lines.append("[T%d:%s]\r\n" % (tool, length(int(text), inches)))
+    lines.append(probe(probed, touched, inches))
+    return lines
 
 
 def probe(probed, touched, inches):

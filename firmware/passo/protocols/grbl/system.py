@@ -27,6 +27,14 @@ def answer(text):
     return [command]
 
 
+def told(lines):
+    """Answers of a few lines each: all in one piece would ask for more memory than a board may have so."""
+    parts = []
+    for first in range(0, len(lines), _A_FEW):
+        parts += answer("".join(lines[first : first + _A_FEW]))
+    return parts
+
+
 class System:
     def __init__(self, gcode, settings, machine, number):
         self._gcode = gcode
@@ -50,11 +58,11 @@ class System:
         if line == "$G":
             return answer(grbl_report.modes(self._gcode, self.inches()))
         if line == "$LOG":
-            return answer(grbl_report.log(self._machine.log))
+            return told(grbl_report.log(self._machine.log))
         if line == "$ENC" and self._machine.encoders is not None:
-            from passo.protocols.grbl.encoders import told  # loaded at the start, by check()
+            from passo.protocols.grbl import encoders  # loaded at the start, by check()
 
-            return answer(told(self._machine.encoders))
+            return answer(encoders.told(self._machine.encoders))
         if line == "$MASKS":
             return answer(grbl_report.masks(self._settings))
         if line[:5] == "$LINK":
@@ -84,7 +92,7 @@ class System:
         if state not in ("idle", "alarm"):
             return errors.BUSY
         if line == "$#":
-            return answer(grbl_report.parameters(self._gcode, self.probed, self.touched, self.inches()))
+            return told(grbl_report.parameters(self._gcode, self.probed, self.touched, self.inches()))
         if line[:2] == "$H":
             return self._home(line[2:])
         if line == "$SLP":
@@ -146,13 +154,8 @@ class System:
         return [command]
 
     def _all(self):
-        """The settings, a few an answer: all in one piece would ask for more memory than a board may have so."""
-        numbers = self._settings.numbers
-        told = []
-        for first in range(0, len(numbers), _A_FEW):
-            lines = ["$%d=%s\r\n" % (number, self._show(number)) for number in numbers[first : first + _A_FEW]]
-            told += answer("".join(lines))
-        return told
+        """The settings."""
+        return told(["$%d=%s\r\n" % (number, self._show(number)) for number in self._settings.numbers])
 
     def _show(self, number):
         return grbl_report.decimal(self._settings.value(number), self._settings.places(number))
