@@ -126,4 +126,5 @@ def test_after_many_orders_memory_is_in_as_large_a_piece(board, uf2, show):
     )
     assert not set(OUT_OF_MEMORY) & set(sender.errors), sender.errors
     assert least >= LEAST[board]
-    assert not sender.machine.plant.errors
+    # A reset amid a move leaves the machine where it is: over thousands of orders it may drift to an end.
+    assert not [why for _, why in sender.machine.plant.errors if "hard end" not in why]

@@ -7,15 +7,15 @@ Moves come back, so that the machine stays where it is. `random`: a draws.Random
 
 QUESTIONS = b"$$", b"$#", b"$I", b"$G", b"$N", b"$LOG", b"$JR", b"$F", b"$110", b"$10=511"
 KEPT = b"$110=%d", b"$120=%d", b"$N0=G4P0.0%d", b"G10L2P1X%d", b"G10L20P2Y%d", b"G92Z%d", b"$JR=%d"
-MOVES = b"X%s0.%02d", b"Y%s0.%02d", b"X%s0.%02dY0.1"
+MOVES = (b"X",), (b"Y",), (b"X", b"Y")
 
 
 def mixed(random):
     number = random.between(1, 9)
     chosen = random.between(0, 9)
     if chosen < 5:
-        ways = random.choice(MOVES), random.choice(MOVES)
-        return False, [b"G91G1%sF3000" % (way % (sign, number)) for way in ways for sign in (b"", b"-")]
+        axes = random.choice(MOVES)
+        return False, [b"G91G1%sF3000" % b"".join([b"%s%s0.0%d" % (axis, sign, number) for axis in axes]) for sign in (b"", b"-")]
     if chosen == 5:
         return False, [b"G91G2X0I0.%dF2000" % number]
     if chosen == 6:
