@@ -29,6 +29,7 @@ from host_tools.build.constants import folded, numbered_only
 from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
 from host_tools.kernels import inline
+from host_tools.kernels import module as modules
 from host_tools.resources import FIRMWARE, MAIN
 from passo import machine_builder
 from passo.config.boardfile import check
@@ -53,6 +54,7 @@ OLDEST_COMPILER = 1, 28
 # The chip whose code runs from its files in flash (passo/ports/rp2/flash_code.py); of the native code only what a stream of
 # lines seldom calls: from flash it runs at half the speed.
 IN_PLACE = "rp2040"
+ACCELERATES = {"axes": [{"accel_mm_s2": 1}]}  # of a board file: so that the planner is loaded with the feeder
 COLD = (
     "passo/app.py",
     "passo/control/queue.py",
@@ -233,27 +235,37 @@ def check_compiler():
         )
 
 
-def unix_tree(firmware=FIRMWARE):
+def unix_tree(firmware=FIRMWARE, march=None):
     """The folder of the firmware as MicroPython on a PC runs it: its compiler of machine code knows no constants of other
-    modules, so they are written as numbers; and short kernels go where others call them. Made once for each state of the source,
+    modules, so they are written as numbers; and short kernels go where others call them. With `march` kernels are compiled for it
+    as a board's are, where there is a compiler for it; all of them can be called from Python. Made once for each state of the source,
     in build/unix."""
     texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in module_files(firmware)}
-    makers = [path.read_text(encoding="utf-8") for path in sorted(Path(inline.__file__).parent.glob("*.py"))]
-    state = hashlib.sha256(repr((sorted(texts.items()), makers)).encode()).hexdigest()[:16]
+    makers = [path.read_text(encoding="utf-8") for path in sorted(Path(inline.__file__).parent.glob("*.*"))]
+    compiler = march and modules.compiler(march)
+    state = hashlib.sha256(repr((sorted(texts.items()), makers, march, compiler)).encode()).hexdigest()[:16]
     out = firmware.parent / "build" / "unix" / state
     if not out.exists():
         out.parent.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryDirectory(dir=out.parent) as folder:
             made = Path(folder) / "made"
-            for name, text in inline.inlined(numbered_only(texts), keep=True).items():
+            for name, data in _unix_files(numbered_only(texts), compiler and march).items():
                 (made / name).parent.mkdir(parents=True, exist_ok=True)
-                (made / name).write_text(text, encoding="utf-8")
+                (made / name).write_bytes(data)
             try:
                 made.rename(out)  # whole, or another process was first
             except OSError:
                 if not out.exists():
                     raise
     return out
+
+
+def _unix_files(texts, march):
+    """{path: bytes} of texts with numbers for constants."""
+    compiled = {}
+    if march:
+        texts, compiled, _ = kernels.compiled(texts, texts, ACCELERATES, march, keep=True)
+    return {**{path: text.encode() for path, text in inline.inlined(texts, keep=True).items()}, **compiled}
 
 
 def compile_module(source, target, march, shown_as):

@@ -26,8 +26,8 @@ LEFT = {"passo.ports.rp2.flash_scan"}
 Compiled = namedtuple("Compiled", "texts modules by")
 
 
-def groups(program, board, left=()):
-    """[(name, kernels)]"""
+def groups(program, board, left=(), keep=False):
+    """[(name, kernels)]; `keep`: also kernels that only kernels call."""
     accelerates = any("accel_mm_s2" in axis for axis in board.get("axes", ()))
 
     plan = program.loaded_with(PLAN)
@@ -40,17 +40,17 @@ def groups(program, board, left=()):
     uses = program.uses()
     found = {}
     for kernel in program.kernels.values():
-        if kernel.module not in LEFT and kernel.path not in left and uses[kernel.full][1]:
+        if kernel.module not in LEFT and kernel.path not in left and (keep or uses[kernel.full][1]):
             found.setdefault(group(kernel.module), []).append(kernel)
     return sorted(found.items())
 
 
-def compiled(numbered, texts, board, march, left=()):
+def compiled(numbered, texts, board, march, left=(), keep=False):
     """`numbered`: the same texts with numbers for constants, and all other names as they are; `left`: paths of modules that are left
-    to viper."""
+    to viper; `keep`: every kernel can still be called from Python, for tests call each."""
     program = Program(numbered)
     modules, imports, by, inside = {}, {}, [], set()
-    for name, kernels in groups(program, board, left):
+    for name, kernels in groups(program, board, left, keep):
         unit = Unit(program, kernels)
         made = module(unit.text(RUNTIME), unit.names, march)
         if made is None:
@@ -62,7 +62,7 @@ def compiled(numbered, texts, board, march, left=()):
             imports[kernel.full] = f"from passo.kernels_{name} import {unit.python_name(kernel)} as {kernel.name}\n"
     uses = program.uses()
     wanted = {called.full for kernel in program.kernels.values() if kernel.full not in inside for called in program.calls(kernel)}
-    gone = {full for full in inside if not uses[full][1] and full not in wanted}
+    gone = set() if keep else {full for full in inside if not uses[full][1] and full not in wanted}
     return Compiled({path: _thin(program, path, text, imports, gone) for path, text in texts.items()}, modules, by)
 
 

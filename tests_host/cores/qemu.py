@@ -63,11 +63,16 @@ def missing(kind):
     return ""
 
 
-def image_of(kind, jobs, folder):
-    """A ROMFS of the firmware, checks, simulations and boards, compiled for the core, and of `jobs`: {path: bytes}. A module's
-    text lies beside it as NAME.txt, for the plain twins of kernels."""
+def image_of(kind, jobs, folder, in_c=False):
+    """A ROMFS of the firmware, checks, simulations and boards, compiled for the core, and of `jobs`: {path: bytes}; `in_c`: kernels
+    compiled as C, instead of viper. A module's text lies beside it as NAME.txt, for the plain twins of kernels."""
     tree = folder / kind.name
-    for source, target in modules():
+    firmware = unix_tree(march=kind.march if in_c else None)
+    for path in firmware.rglob("*.mpy"):
+        (tree / path.relative_to(firmware)).parent.mkdir(parents=True, exist_ok=True)
+        (tree / path.relative_to(firmware)).write_bytes(path.read_bytes())
+    plain = unix_tree()
+    for source, target in modules(firmware):
         place = tree / target
         try:
             compile_module(source, place.with_suffix(".mpy"), kind.march, target)
@@ -75,20 +80,25 @@ def image_of(kind, jobs, folder):
             if TESTS not in source.parents and "rp2" not in target.parts:
                 raise
             continue  # for pytest only, or with instructions of the RP2040: who imports it there finds nothing
-        place.with_suffix(".txt").write_bytes(source.read_bytes())
+        text = plain / target if firmware in source.parents else source
+        place.with_suffix(".txt").write_bytes(text.read_bytes())
     (tree / "time.py").write_text(TIME)
-    for path, data in jobs.items():
+    return packed(jobs, tree)
+
+
+def packed(files, tree):
+    """A ROMFS of what lies in the folder `tree`, and of `files`: {path: bytes}."""
+    for path, data in files.items():
         (tree / path).parent.mkdir(parents=True, exist_ok=True)
         (tree / path).write_bytes(data)
-    image = folder / f"{kind.name}.romfs"
+    image = tree.with_suffix(".romfs")
     with redirect_stdout(StringIO()):  # it lists every file
         image.write_bytes(make_romfs(str(tree), mpy_cross=None))
     return image
 
 
-def modules():
+def modules(firmware):
     """(source, path on the core) of all that runs there. What MicroPython cannot compile (tests for pytest) is no module of it."""
-    firmware = unix_tree()
     for path in sorted((firmware / "passo").rglob("*.py")):
         yield path, path.relative_to(firmware)
     for path in sorted((TESTS.parent / "boards").glob("*.py")):

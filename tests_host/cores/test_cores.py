@@ -1,12 +1,17 @@
 """Machine code on other cores than the Pico's: the digests of jobs of every language, and the properties, on MicroPython's qemu
-port for RV32IMC (the ESP32-C3's instructions) and for Thumb-2 (near the RP2350's). How to build it: qemu.py."""
+port for RV32IMC (the ESP32-C3's instructions) and for Thumb-2 (near the RP2350's), kernels compiled as C and by viper. How to build
+it: qemu.py."""
 
 import pytest
 import tiers
-from qemu import CORES, INSTRUCTION_CLOCK, TESTS, Core, image_of, missing
+from expressions import EDGES, checksums, module_for, target_code
+from hypothesis import HealthCheck, example, given, settings
+from hypothesis import strategies as st
+from qemu import CORES, INSTRUCTION_CLOCK, TESTS, Core, image_of, missing, packed
 
 from gcode_jobs import all_jobs
 from host_tools.drawings.objects import objects
+from host_tools.kernels import module
 from test_pico_frames import PREPARE
 from test_digest import GOLDEN, HEX_JOBS, PICO_PULSES, PULSES, golden_of_gcode, golden_of_hex, hex_job, hex_of, job_of
 
@@ -31,13 +36,20 @@ def jobs():
     return files | {f"jobs/{name}.hex": hex_of(lines).encode() for name, lines in PULSE_JOBS.items()}
 
 
-@pytest.fixture(scope="module", params=("rv32", pytest.param("arm", marks=pytest.mark.slow)))
+SLOW_CORES = [pytest.param(name, marks=pytest.mark.slow) for name in ("arm-c", "rv32-viper", "arm-viper")]
+
+
+@pytest.fixture(scope="module", params=("rv32-c", *SLOW_CORES))
 def core(request, tmp_path_factory):
-    kind = CORES[request.param]
-    why = missing(kind)
+    """A core, with kernels compiled as C or by viper."""
+    name, _, by = request.param.partition("-")
+    kind = CORES[name]
+    why = missing(kind) or (by == "c" and module.compiler(kind.march) is None and "there is no compiler for kernels: pip install ziglang")
     if why:
         pytest.skip(why)
-    return Core(kind, image_of(kind, jobs(), tmp_path_factory.mktemp("core")))
+    made = Core(kind, image_of(kind, jobs(), tmp_path_factory.mktemp("core"), by == "c"))
+    made.in_c = by == "c"
+    return made
 
 
 def digest(core, *arguments):
@@ -71,11 +83,13 @@ def test_kernels_are_machine_code(core):
     """Not the text as bytecode: on a core that had refused it, digests would say nothing of it."""
     said = core.run("from passo.motion import line_viper\nprint(type(line_viper.walk) is type(lambda: 0), type(line_viper.walk))")
     assert said.startswith("False"), said
+    assert core.run("import os\nprint('kernels_steps.mpy' in os.listdir('/rom/passo'))") == f"{core.in_c}\n"
 
 
 @pytest.mark.xdist_group("qemu")
+@pytest.mark.parametrize("core", ["rv32-viper", pytest.param("arm-viper", marks=pytest.mark.slow)], indirect=True)
 def test_three_axes_at_60_khz_fit_an_esp32(core, show):
-    """Instructions of the kernel that makes frames for the I2S. An instruction of Xtensa is assumed to do as much, in two cycles
+    """Instructions of the kernel that makes frames for the I2S, by viper: an ESP32 has nothing else. An instruction of Xtensa is assumed to do as much, in two cycles
     at most: its loads and taken branches have two or three, all else one, and RAM has no wait states."""
     found = []
     for what, ticks in (("at rest", 0), ("three axes in step, 60 kHz", 208), ("a word every other frame, the most", 100)):
@@ -87,15 +101,38 @@ def test_three_axes_at_60_khz_fit_an_esp32(core, show):
     assert 2 * found[1][1] < ESP32_CYCLES / 3
 
 
+EDGE_PAIRS = [(a, b, 0) for a in EDGES for b in EDGES]
+triples = st.lists(st.tuples(*[st.integers(-(1 << 31), (1 << 31) - 1)] * 3), min_size=60, max_size=60)
+
+
+@pytest.mark.xdist_group("qemu")
+@pytest.mark.parametrize("name", CORES)
+def test_operators_of_compiled_kernels(name, tmp_path_factory):
+    """At each pair of edges, and of numbers at random, as CPython has it; nothing is allocated meanwhile."""
+    kind = CORES[name]
+    if missing(kind) or module.compiler(kind.march) is None:
+        pytest.skip(missing(kind) or f"there is no compiler of kernels for {kind.march}")
+    unit, data = module_for(kind.march)
+    core = Core(kind, packed({"kernels_tried.mpy": data}, tmp_path_factory.mktemp("operators")))
+
+    @settings(max_examples=4, suppress_health_check=list(HealthCheck))
+    @example(EDGE_PAIRS)
+    @given(triples)
+    def run(triples):
+        assert core.run(target_code(unit, triples)) == checksums(triples)
+
+    run()
+
+
 @pytest.mark.slow
 @pytest.mark.xdist_group("qemu")
-@pytest.mark.parametrize("module", MODULES)
-def test_properties(core, module):
+@pytest.mark.parametrize("checks", MODULES)
+def test_properties(core, checks):
     """Few examples of each: it runs some hundred times slower than the chip."""
-    if module in WITHOUT:
-        pytest.skip(f"{module} wants {WITHOUT[module]}")
+    if checks in WITHOUT:
+        pytest.skip(f"{checks} wants {WITHOUT[checks]}")
     free = int(core.run("gc.collect()\nprint(gc.mem_free())"))
-    if free < HEAP.get(module, 0):
-        pytest.skip(f"{module} wants {HEAP[module]} bytes of heap, the build has {free}")
-    said = core.run(f"import micro_runner\nprint(micro_runner.main(['--few', '--most={tiers.FEW}', {module!r}]))")
+    if free < HEAP.get(checks, 0):
+        pytest.skip(f"{checks} wants {HEAP[checks]} bytes of heap, the build has {free}")
+    said = core.run(f"import micro_runner\nprint(micro_runner.main(['--few', '--most={tiers.FEW}', {checks!r}]))")
     assert " 0 failed" in said, said
