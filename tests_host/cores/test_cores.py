@@ -101,6 +101,17 @@ def test_three_axes_at_60_khz_fit_an_esp32(core, show):
     assert 2 * found[1][1] < ESP32_CYCLES / 3
 
 
+# What a module finds when it tries where the numbers of an array lie: nothing that it knows.
+STRANGE_ARRAYS = """
+import array, sys
+class Strange:
+    @staticmethod
+    def array(code, numbers):
+        return array.array(code, numbers)
+sys.modules["array"] = Strange
+import kernels_tried
+sys.modules["array"] = array
+"""
 EDGE_PAIRS = [(a, b, 0) for a in EDGES for b in EDGES]
 triples = st.lists(st.tuples(*[st.integers(-(1 << 31), (1 << 31) - 1)] * 3), min_size=60, max_size=60)
 
@@ -108,7 +119,8 @@ triples = st.lists(st.tuples(*[st.integers(-(1 << 31), (1 << 31) - 1)] * 3), min
 @pytest.mark.xdist_group("qemu")
 @pytest.mark.parametrize("name", CORES)
 def test_operators_of_compiled_kernels(name, tmp_path_factory):
-    """At each pair of edges, and of numbers at random, as CPython has it; nothing is allocated meanwhile."""
+    """At each pair of edges, and of numbers at random, as CPython has it, while nothing may be allocated; also if arrays are not what
+    the module knows."""
     kind = CORES[name]
     if missing(kind) or module.compiler(kind.march) is None:
         pytest.skip(missing(kind) or f"there is no compiler of kernels for {kind.march}")
@@ -122,6 +134,7 @@ def test_operators_of_compiled_kernels(name, tmp_path_factory):
         assert core.run(target_code(unit, triples)) == checksums(triples)
 
     run()
+    assert core.run(STRANGE_ARRAYS + target_code(unit, EDGE_PAIRS[:9])) == checksums(EDGE_PAIRS[:9])
 
 
 @pytest.mark.slow
