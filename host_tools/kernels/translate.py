@@ -34,7 +34,11 @@ class Function:
         self.with_objects = None  # until it is known
 
     def _learn(self):
-        arguments = [name for name, _ in self.kernel.arguments]
+        arguments, asked = [name for name, _ in self.kernel.arguments], self.kernel.node.args
+        if asked.vararg or asked.kwarg or asked.kwonlyargs or asked.posonlyargs or asked.defaults:
+            self.refuse(self.kernel.node, "arguments have names and no defaults: write kernel(a: int, b: ptr32)")
+        if self.kernel.returns not in (None, INT, BOOL):
+            self.refuse(self.kernel.node, f"returns {self.kernel.returns}: write -> int, -> bool or nothing")
         for name, kind in self.kernel.arguments:
             if kind not in C_TYPE:
                 self.refuse(self.kernel.node, f"{name}: {kind}; arguments are int, ptr8, ptr16, ptr32, or objects without a type")
@@ -107,7 +111,7 @@ class Function:
             return self._constant(ast.Constant(numbers[node.id]))
         if node.id in self.other_names:
             self.refuse(node, f"{node.id} is a kernel: call it, or have it given as an argument")
-        self.refuse(node, f"{node.id} is no local, no argument and no constant")
+        self.refuse(node, f"{node.id} is no local, no argument and no constant: constants are whole numbers under names in capitals")
 
     def sequenced(self, nodes, values, form):
         """`form` of values in Python's order: C has none, where one of them calls, or reads what others change."""
@@ -166,7 +170,7 @@ class Function:
 
     def _attribute(self, node):
         if self.kind(node.value) != OBJECT:
-            self.refuse(node, f"{ast.unparse(node.value)} is no object")
+            self.refuse(node, f"{ast.unparse(node.value)} is no object: give it as an argument without a type")
         return f"load_attr({self.value(node.value)}, {self.unit.name(node.attr)})"
 
     def _call(self, node):
@@ -268,6 +272,9 @@ class Function:
         if isinstance(node, ast.Assign):
             return self._assign(node)
         if isinstance(node, ast.AugAssign):
+            if isinstance(node.target, ast.Subscript) and not isinstance(node.target.slice, ast.Constant):
+                if any(isinstance(each, (ast.Call, ast.Subscript)) for each in ast.walk(node.target.slice)):
+                    self.refuse(node, f"{ast.unparse(node.target)} with an operator: the index is computed twice: use a variable for it")
             read = ast.copy_location(ast.BinOp(_loaded(node.target), node.op, node.value), node)
             return self._store(node.target, self._binop(read))
         if isinstance(node, ast.While) and not node.orelse:
@@ -301,9 +308,11 @@ class Function:
         kind = self.kind(node.value)
         lines = []
         for target in node.targets:
-            known = self.kind(target) if isinstance(target, (ast.Name, ast.Subscript)) else None
+            if not isinstance(target, (ast.Name, ast.Subscript)):
+                self.refuse(node, f"{ast.unparse(target)} = …: write an assignment for each variable or element of an array")
+            known = self.kind(target)
             if known != kind and {known, kind} != {INT, BOOL}:
-                self.refuse(node, f"{ast.unparse(target)} is {known or 'no variable'}, {ast.unparse(node.value)[:40]} is {kind}")
+                self.refuse(node, f"{ast.unparse(target)} is {known}, {ast.unparse(node.value)[:40]} is {kind}")
             lines += self._store(target, self.value(node.value))
         return lines
 
@@ -323,7 +332,7 @@ class Function:
             self.refuse(node, "for: write for NAME in range(…), with one number or two")
         first, end = ([ast.Constant(0)] + call.args)[-2:]
         name, count = "v_" + node.target.id, f"end_{node.target.id}_{node.lineno}"
-        head = f"{{ int32_t {count} = {self.number(end)}; for (int32_t next = {self.number(first)}; next < {count}; next++) {{"
+        head = f"{{ int32_t next = {self.number(first)}, {count} = {self.number(end)}; for (; next < {count}; next++) {{"
         return [head, f"    {name} = next;", *self.inner(node.body), "} }"]
 
     # --- text
