@@ -2,6 +2,7 @@
 
     make soak                                   # an hour, two processes
     make soak ARGS="--seed 7 --minutes 5"
+    make soak ARGS="--machine feeds --minutes 600 --actions 100000"    # over both links
     make soak ARGS="--machine router --life 70012"      # one life again, as a violation has named it
 
 A *life* is a machine from its seed on: so many rounds of work and faults. The machines and what must hold are told in soak_router.py,
@@ -21,11 +22,11 @@ from soak_bench import EVENTS
 from soak_mill import Mill
 from soak_plotter import Plotter
 from soak_pulses import Pulses
-from soak_router import Router
+from soak_router import Feeds, Router
 
-MACHINES = {made.NAME: made for made in (Router, Plotter, Mill, Pulses)}
-SHARES = {"router": 0.4, "plotter": 0.2, "mill": 0.2, "pulses": 0.2}  # of processor time
-ROUNDS = {"router": 45, "plotter": 45, "mill": 4, "pulses": 45}  # of a life
+MACHINES = {made.NAME: made for made in (Router, Feeds, Plotter, Mill, Pulses)}
+SHARES = {"router": 0.2, "feeds": 0.2, "plotter": 0.2, "mill": 0.2, "pulses": 0.2}  # of processor time
+ROUNDS = {"router": 45, "feeds": 45, "plotter": 45, "mill": 4, "pulses": 45}  # of a life
 LIVES = 10_000  # seeds of lives between two seeds of a run
 
 
@@ -57,17 +58,17 @@ def live(name, seed, rounds=None, told=None):
 
 
 def work(number, processes, seed, end, names, out):
-    """A process: lives until `end`, of the monotonic clock. Puts (machine, new lives, steps, virtual ms, faults, CPU s), all since
-    the last time, or the text of a violation."""
+    """A process: lives until `end`, of the monotonic clock. Puts (machine, new lives, steps, virtual ms, faults, CPU s, actions), all
+    since the last time, or the text of a violation."""
     spent = dict.fromkeys(names, 0.0)
     life = seed * LIVES + number
     while time.monotonic() < end and multiprocessing.parent_process().is_alive():
         name = min(names, key=lambda each: spent[each] / SHARES[each])
-        last = [0, 0.0, Counter(), time.process_time(), 1]
+        last = [0, 0.0, Counter(), time.process_time(), 0, 1]
 
         def tell(machine, name=name, last=last):
-            now = [machine.steps, machine.now_ms(), Counter(machine.faults), time.process_time(), 0]
-            out.put((name, last[4], *(new - old for new, old in zip(now[:4], last))))
+            now = [machine.steps, machine.now_ms(), Counter(machine.faults), time.process_time(), machine.actions, 0]
+            out.put((name, last[5], *(new - old for new, old in zip(now[:5], last))))
             spent[name] += now[3] - last[3]
             last[:] = now
             return time.monotonic() >= end or not multiprocessing.parent_process().is_alive()
@@ -85,12 +86,13 @@ def work(number, processes, seed, end, names, out):
 class Sum:
     def __init__(self, seed):
         self.seed = seed
-        self.steps, self.virtual_ms, self.cpu_s, self.lives = 0, 0.0, 0.0, Counter()
+        self.steps, self.actions, self.virtual_ms, self.cpu_s, self.lives = 0, 0, 0.0, 0.0, Counter()
         self.faults = Counter()
         self.begun = time.monotonic()
 
-    def add(self, name, lives, steps, virtual_ms, faults, cpu_s):
+    def add(self, name, lives, steps, virtual_ms, faults, cpu_s, actions):
         self.steps += steps
+        self.actions += actions
         self.virtual_ms += virtual_ms
         self.faults += faults
         self.cpu_s += cpu_s
@@ -100,13 +102,13 @@ class Sum:
         wall_s = time.monotonic() - self.begun
         lives = ", ".join(f"{count} {name}" for name, count in sorted(self.lives.items()))
         return (
-            f"{wall_s / 60:5.1f} min, {self.cpu_s:.0f} s of CPU: {self.steps} steps, {sum(self.faults.values())} faults, "
+            f"{wall_s / 60:5.1f} min, {self.cpu_s:.0f} s of CPU: {self.steps} steps, {self.actions} actions, {sum(self.faults.values())} faults, "
             f"{self.virtual_ms / 86_400_000:.2f} virtual days, lives: {lives or 0}, seed {self.seed}"
         )
 
 
-def run(seed, minutes, processes, names, every_s=60):
-    """0, or 1 if something has been violated."""
+def run(seed, minutes, processes, names, actions=None, every_s=60):
+    """0, or 1 if something has been violated. It ends after `minutes`, or after so many `actions`."""
     total = Sum(seed)
     out = multiprocessing.Queue()
     end = time.monotonic() + 60 * minutes
@@ -117,6 +119,8 @@ def run(seed, minutes, processes, names, every_s=60):
     violation, stopped = None, False
     try:
         while violation is None and (any(worker.is_alive() for worker in workers) or not out.empty()):
+            if actions and total.actions >= actions:
+                break
             try:
                 what = out.get(timeout=0.5)
             except queue.Empty:
@@ -140,7 +144,7 @@ def run(seed, minutes, processes, names, every_s=60):
     if violation:
         print(violation, file=sys.stderr)
         return 1
-    dead = [] if stopped else [worker.exitcode for worker in workers if worker.exitcode]
+    dead = [] if stopped or actions and total.actions >= actions else [worker.exitcode for worker in workers if worker.exitcode]
     print(("stopped: " if stopped else "") + "0 violations" if not dead else f"a process has died: {dead}")
     return 1 if dead else 0
 
@@ -153,6 +157,7 @@ def main(arguments=None):
     )  # fmt: skip
     parser.add_argument("--seed", type=int, default=1, help="of the run (1)")
     parser.add_argument("--minutes", type=float, default=60, help="of the wall clock (60)")
+    parser.add_argument("--actions", type=int, help="end after so many, if the minutes last: lines, real-time bytes, faults")
     parser.add_argument("--processes", type=int, default=2, help="in parallel (2)")
     parser.add_argument("--machine", choices=MACHINES, action="append", help="only this one; may be given more than once")
     parser.add_argument("--life", type=int, help="one life of --machine again, by its seed")
@@ -161,7 +166,7 @@ def main(arguments=None):
         parser.error("--minutes and --processes are positive")
     names = chosen.machine or list(MACHINES)
     if chosen.life is None:
-        return run(chosen.seed, chosen.minutes, chosen.processes, names)
+        return run(chosen.seed, chosen.minutes, chosen.processes, names, chosen.actions)
     if len(names) != 1:
         parser.error("--life wants one --machine")
     try:

@@ -47,6 +47,7 @@ class Bench:
         self.seed = seed
         self.dice = random.Random(f"{self.NAME} {seed}")
         self.faults = Counter()
+        self.actions = 0  # lines and real-time bytes sent but `?`, and faults but those of bytes on a wire
         self.events = deque(maxlen=EVENTS)
         self.machine = None
         self.witness = None
@@ -64,6 +65,7 @@ class Bench:
 
     def fault(self, kind, text="", count=1):
         self.faults[kind] += count
+        self.actions += count
         self.note(f"FAULT {kind} {text}")
 
     @property

@@ -60,6 +60,8 @@ MOST_RESUMES = 4  # of a program
 TWICE = 16_000  # steps of 0.6 s at the fastest: every_ms, what lies ahead, and the tool's way down
 REFUSES = ("another file", "is empty", "done to its end", "passo stream --from")  # what passo resume says that does not go on
 OUTSIDE = "G90G0X5000"  # a line out of the travel
+SLOWEST_S = 3  # that a line or a chain takes
+FASTEST = 9e8  # mm/min: a number has nine digits, and a chip's integers hold less
 ASKED, SENT = 1, 2
 OF_LANGUAGE = re.compile(r"ok|error:\d+|ALARM:\d+|<[^<>]*>|\[[^\[\]]*\]|Grbl 1\.1.*|")
 HARMLESS = ("hold", "override", "question", "door", "fight", "garbage", "cut", "noise", "store", "delete", "hand over")
@@ -96,6 +98,10 @@ class Program:
         if move:
             self.place = list(move.target)
 
+    def feed(self, low, high, target):
+        """F of a way to `target`."""
+        return f"F{self.dice.randint(low, high) if low < high else low}"
+
     def to(self, target, word):
         axes = [axis for axis in range(3) if target[axis] != self.place[axis] or self.dice.random() < 0.2]
         text = "".join("XYZ"[axis] + mm(target[axis], axis) for axis in axes)
@@ -107,10 +113,10 @@ class Program:
         target = [self.dice.randint(low, high) for low, high in zip(LOW, HIGH)]
         if self.dice.random() < 0.9:
             target[2] = self.place[2]
-        self.to(target, "G0" if self.dice.random() < 0.3 else f"G1F{self.dice.randint(2000, 6000)}")
+        self.to(target, "G0" if self.dice.random() < 0.3 else "G1" + self.feed(2000, 6000, target))
 
     def chain(self):
-        self.add(f"G1F{self.dice.randint(500, 5000)}")
+        self.add("G1" + self.feed(500, 5000, [at + 1000 for at in self.place]))
         for _ in range(self.dice.randint(3, 20)):
             self.to([min(max(at + self.dice.randint(-200, 200), 0), high) for at, high in zip(self.place[:2], HIGH)] + [self.place[2]], "")
 
@@ -119,7 +125,7 @@ class Program:
         centre = [self.dice.randint(radius + 10, HIGH[axis] - radius - 10) for axis in (0, 1)]
         first = self.dice.uniform(0, 2 * pi)
         start = [round(centre[0] + radius * cos(first)), round(centre[1] + radius * sin(first)), self.place[2]]
-        self.to(start, f"G1F{self.dice.randint(1000, 5000)}")
+        self.to(start, "G1" + self.feed(1000, 5000, [start[0] + round(radius * 6), start[1], start[2]]))
         start = self.place
         clockwise = self.dice.random() < 0.5
         turn = self.dice.uniform(0.3, 5.5) * (-1 if clockwise else 1)
@@ -133,7 +139,7 @@ class Program:
         by = [self.dice.randint(-100, 100) * 8 for _ in range(2)]
         target = [at + each for at, each in zip(self.place, by)]
         if all(0 <= at <= high for at, high in zip(target, HIGH)):
-            self.add(f"G91G1X{mm(by[0], 0)}Y{mm(by[1], 1)}F3000", Line(target + [self.place[2]], self.lit))
+            self.add(f"G91G1X{mm(by[0], 0)}Y{mm(by[1], 1)}{self.feed(3000, 3000, target + [self.place[2]])}", Line(target + [self.place[2]], self.lit))
             self.add("G90")
 
     def tool(self):
@@ -142,6 +148,13 @@ class Program:
 
     def dwell(self):
         self.add(f"G4P0.{self.dice.randint(0, 30):02d}")
+
+
+class AnyFeed(Program):
+    def feed(self, low, high, target):
+        """Of any size, as far as the way takes no more than SLOWEST_S."""
+        slow = max(hypot(*[(to - at) / scale for to, at, scale in zip(target, self.place, STEPS_MM)]) * 60 / SLOWEST_S, 0.1)
+        return "F%.4f" % (slow * (FASTEST / slow) ** (self.dice.random() ** self.dice.choice((1, 3))))
 
 
 class Link:
@@ -158,6 +171,7 @@ class Link:
 
     def send(self, line):
         self.waiting.append(line)
+        self.bench.actions += 1
         data = line.encode() + b"\n"
         if self.port:
             self.port.write(data)
@@ -166,6 +180,7 @@ class Link:
 
     def real_time(self, byte):
         self.bench.note(f"{self.name} <- {byte!r}")
+        self.bench.actions += byte != b"?"
         if not self.port:
             self.bench.to_board(self.name, byte)
         else:
@@ -219,6 +234,7 @@ class Link:
 
 class Router(Cabled):
     NAME = "router"
+    PROGRAM = Program
 
     def __init__(self, seed):
         super().__init__(seed)
@@ -336,7 +352,7 @@ class Router(Cabled):
         self.machine.plant.errors.clear()
         link = self.begin()
         start = self.place()
-        program = Program(self.dice, start, self.dice.randint(8, 60))
+        program = self.PROGRAM(self.dice, start, self.dice.randint(8, 60))
         program.lines = [(f"N{number}{text}", move) for number, (text, move) in enumerate(program.lines, 1)]
         self.ended = ""
         self.outside, self.door = 0, False
@@ -856,3 +872,10 @@ class Router(Cabled):
             raise Wrong(f"after a reset the board is {state}")
         self.check_stands()
         self.check_plant((CUT_SHORT,))
+
+
+class Feeds(Router):
+    """The same with feeds of every size."""
+
+    NAME = "feeds"
+    PROGRAM = AnyFeed

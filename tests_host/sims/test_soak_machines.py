@@ -22,7 +22,7 @@ from soak_plotter import Plotter
 from virtual_wire import plugged
 
 
-@pytest.mark.parametrize("name, life, rounds", [("router", 5, 6), ("plotter", 1, 5), ("mill", 1, 1), ("pulses", 1, 8)])
+@pytest.mark.parametrize("name, life, rounds", [("router", 5, 6), ("feeds", 6, 6), ("plotter", 1, 5), ("mill", 1, 1), ("pulses", 1, 8)])
 def test_some_seconds(name, life, rounds, show):
     machine = soak.live(name, life, rounds)
     assert machine.steps > 5000 and sum(machine.faults.values()) > 10
