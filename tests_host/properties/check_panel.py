@@ -198,6 +198,22 @@ def check_without_the_key_only_stop():
     assert desk.place() == stood and stood[0] < before[0] + 20 * MM
 
 
+def check_stop_amid_a_jog():
+    """The reset is the first that is said: behind a jog cancel it could find the machine at a stand, and tell no alarm."""
+    desk = Desk()
+    desk.hold_jog(1, 600, way={"x": 1}, speed=SPEED)
+    said = []
+    write = desk.machine.wire.write
+    desk.machine.wire.write = lambda data: (said.append(bytes(data)), write(data))
+    assert desk.order("stop", False) == 0
+    assert said == [b"\x18"], said
+    desk.run_ms(300)
+    stood = desk.place()
+    assert desk.machine.state["state"] == "Alarm" and desk.order("keep", lease=1, beat=desk.beats) == errors.LEASE
+    desk.run_ms(300)
+    assert desk.place() == stood and b"\x85" not in said
+
+
 def check_a_target_beyond_the_travel():
     """One press of Unlock, or of Home, ends the alarm that asks for a reset; the page does not tell of it any more."""
     for order in ("unlock", "home"):

@@ -175,14 +175,14 @@ class GrblMachine(AnyMachine):
 
     def stop(self):
         """Stop at once: who asks does not matter."""
-        self.end_jog()
+        self.drop_jog()
         self.job.fail(errors.STOPPED)
         self.wire.write(_RESET)
         return 0
 
     def leave_check(self):
         """A reset leaves the mode, also behind lines that are still under way; the machine was ready before, and nothing has moved."""
-        self.end_jog()
+        self.drop_jog()
         self._behind = b"$X"
         self.wire.write(_RESET)
 

@@ -71,8 +71,7 @@ class KeysMachine(AnyMachine):
 
     def stop(self):
         """Both off."""
-        self.lease.end()
-        self.jog.end()
+        self.drop_jog()
         return self._say(_OFF[0], 0, "on", False)
 
     def _motor(self, order):

@@ -186,8 +186,7 @@ class PlotterMachine(AnyMachine):
 
     def stop(self):
         """Stop at once, pen up; the drawing is forgotten."""
-        self.lease.end()
-        self.jog.end()
+        self.drop_jog()
         self.job.fail(errors.STOPPED)
         self._drop(0)
         return self._order("STOP")

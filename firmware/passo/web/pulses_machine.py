@@ -217,7 +217,7 @@ class PulsesMachine(AnyMachine):
 
     def stop(self):
         """Stop at once: the file is at its start then, the tool off."""
-        self.end_jog()
+        self.drop_jog()
         self.job.fail(errors.STOPPED)
         self._cut = False
         self.wire.say_always(("stop",), self.finished)

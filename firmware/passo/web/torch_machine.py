@@ -130,8 +130,7 @@ class TorchMachine(AnyMachine):
 
     def stop(self):
         """Stop at once: what was to come is forgotten."""
-        self.lease.end()
-        self.jog.end()
+        self.drop_jog()
         self._write(torch.frame("STOP"))
         return 0
 
