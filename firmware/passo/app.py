@@ -30,7 +30,7 @@ _CALLS_S = const(200)  # half a ring of words has to last as long as such a call
 _WAITING = const(64)  # commands of one link that may wait for their turn
 _READS = const(64)  # enough to empty a serial line: some give 64 bytes at a time
 _LOOK_MS = const(12)  # while bytes keep coming, the machine is polled at least so often
-_MOST = const(3)  # lines a cycle on a chip, where they take time
+_SEVERAL = const(8)  # lines at a time on a chip, where they take time
 _ALL = const(0x1FFFFFFF)
 _FULL = const(128)  # bytes of a read that left some in the line's buffer
 _MORE = const(8)  # such reads a cycle: the whole buffer
@@ -49,7 +49,8 @@ class Link:
         self.protocol = protocol
         self.batch = getattr(protocol, "batch", None)  # for what comes in great numbers, if the language has one
         if self.batch:
-            self.open, self.accept, self.close = controller.batches(self.batch)
+            self.take = protocol.take
+            self.batch.join(*controller.batches(self.batch))
         self._log = controller.machine.note
         self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: it may fill batches while commands wait
         self.waiting = []
@@ -95,7 +96,7 @@ class App:
         self._overruled = 0  # the error that ends the rest of them: another link, or an alarm, has stopped the machine
         self.links = []
         shared = {}  # what links of one language have in common
-        most = _MOST if self.interrupt else _ALL
+        most = _SEVERAL if self.interrupt else _ALL
         for config, language, serial in zip(board["links"], languages, serials):
             number = len(self.links)
             protocol = language.create(config, number, board, self.controller, shared, most)
@@ -269,16 +270,16 @@ class App:
     def _in_batches(self, link, data):
         """Carry out in batches what comes most often in `data`, and in what comes while that is done: as long as there are
         answers, and the machine may wait. Returns what is left for feed()."""
-        again = False
+        take = link.take
+        serial = link.serial
+        now_ms = self._now_ms
         more = _MORE
         while True:
-            answers = self._batch(link, data, again)
+            answers = take(data, now_ms)
             if answers:
-                again = True
-                if not self.feeder.open and self.interrupt and not link.serial.any():
+                if not self.feeder.open and self.interrupt and not serial.any():
                     self._set_off(link)
-                    again = False
-                link.serial.write(answers)
+                serial.write(answers)
                 if not self.interrupt or (self.port.machine_ms() - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
                     data = b""
                     break
@@ -286,9 +287,10 @@ class App:
                 break
             else:
                 more -= 1  # the wire brings more than the machine takes: what is left there would be lost
-            data = link.serial.read()
-        if again:
-            link.close(link.batch)
+            data = serial.read()
+        batch = link.batch
+        if batch.begun:
+            batch.close(batch)
             if self.controller.queue.waiting:
                 self._heard |= _WHOLE
         return data if answers is None else b""
@@ -296,36 +298,9 @@ class App:
     @micropython.native
     def _set_off(self, link):
         """The machine stands, and no more lines are coming: move first, answer then."""
-        link.close(link.batch)
+        link.batch.close(link.batch)
         self.controller.begin()
         self._feed()
-
-    @micropython.native
-    def _batch(self, link, data, again):
-        """What can be done at once of `data`, and of what the language keeps: the answers; None: `data` is for feed()."""
-        protocol = link.protocol
-        batch = link.batch
-        if not again:
-            found = protocol.collect(data, self._now_ms)
-            if not found:
-                return None if found is None else b""
-            if not link.open(batch) or not protocol.begin():
-                return b""
-            data = b""
-        count = protocol.fill(data)
-        if not count:
-            return None if count is None else b""
-        count = link.accept(batch)
-        if batch.more:
-            return protocol.accepted(count) + self._rest_of(link)
-        return protocol.accepted(count)
-
-    def _rest_of(self, link):
-        """The same of what did not find room in the first batch."""
-        answers = b""
-        while link.batch.more and link.protocol.fill(b""):
-            answers += link.protocol.accepted(link.accept(link.batch))
-        return answers
 
     def _answer(self):
         events = self.controller.take_events()

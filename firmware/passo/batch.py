@@ -1,11 +1,9 @@
 """What comes most often, several at a time on its way from a language to the machine: lines to go, points to draw.
 
-    open, accept, close = controller.batches(batch)
-    if language.collect(data, now_ms):                          # bytes have come that may be rows
-        if open(batch) and language.begin():   # the machine takes some now, as the language has them
-            while language.fill(b""):                           # batch.count of them
-                answers = language.accepted(accept(batch))
-            close(batch)
+    batch.join(*controller.batches(batch))
+    while answers := language.take(data, now_ms):   # opens the batch, fills rows, has the machine take them
+        ...
+    batch.close(batch)
 
 A batch belongs to one link. The controller fills in what a language has to know, the language the rows. What a row may not
 express comes as a Command.
@@ -22,23 +20,32 @@ def thousandths(power):
     return max((power + 500) // 1000, 1) if power else 0
 
 
-class Lines:
+class _Batch:
+    def __init__(self, link):
+        self.link = link  # its number
+        self.count = 0  # rows filled last
+        self.begun = False  # open() has said yes, and close() has not been called since
+        self.room = 0  # the controller's, as what follows: for so many rows
+
+    def join(self, open, accept, close):
+        """What Controller.batches() gives."""
+        self.open, self.accept, self.close = open, accept, close
+
+
+class Lines(_Batch):
     """Rows of BATCH_FIELDS (records.py), each a line from where the one before it ends."""
 
     kind = LINES
 
     def __init__(self, link, rows, most, slow_tool):
-        """`link`: its number; `rows`: array of BATCH_ROWS rows; `most`: rows that one filling takes; `slow_tool`: a change of
-        the tool takes time, and no row may bring one about."""
-        self.link = link
+        """`rows`: array of BATCH_ROWS rows; `most`: lines that are taken at a time; `slow_tool`: a change of the tool takes time,
+        and no row may bring one about."""
+        _Batch.__init__(self, link)
         self.rows = rows
         self.most = most
         self.slow_tool = slow_tool
-        self.count = 0  # rows filled
-        self.taken = 0  # of them the machine has queued so many last
-        self.more = False  # there may be more of them at once
         # the controller's:
-        self.room = 0  # for so many rows
+        self.taker = None  # (TRACE_… array, the kernel that queues rows, what it takes behind rows and count): one until these change
         self.target = None  # where the first row begins, steps of each axis: an array that is the machine's own
         self.reach = None  # (lowest, highest) positions of the axes if the travel counts; one object until that changes
         self.tool = False  # the tool before the first row
@@ -46,17 +53,13 @@ class Lines:
         self.dynamic = False
 
 
-class Points:
+class Points(_Batch):
     """Points of five bytes each: 1 for a line or 0, x and y in steps, high byte first."""
 
     kind = POINTS
 
     def __init__(self, link):
-        self.link = link
-        self.count = 0
-        self.more = False
-        # the controller's:
-        self.data = None  # where they go,
+        _Batch.__init__(self, link)
+        self.data = None  # the controller's: where they go, at most `room`,
         self.offset = 0  # from this byte on,
-        self.room = 0  # at most so many,
         self.most_x = self.most_y = 0  # none beyond these

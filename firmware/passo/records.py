@@ -280,7 +280,12 @@ POWER_SIZE = const(128)  # marks, a power of two: at most one a segment
 TRACE_LOW = const(0)
 TRACE_HIGH = const(4)
 TRACE_AXES = const(8)
-TRACE_FIELDS = const(9)
+TRACE_ROOM = const(9)  # so many rows may still be queued
+TRACE_TAKEN = const(10)  # so many of the last rows have been
+TRACE_MOVED = const(11)  # 1: some have been since the batch was opened; of the last of them:
+TRACE_FLAGS = const(12)  # BATCH_FLAGS
+TRACE_POWER = const(13)  # BATCH_POWER
+TRACE_FIELDS = const(14)
 
 # An arc's plan: what arc.plan() works out once a block, in steps. "Along the circle" means its length in steps of the path.
 ARC_AXIS_A = const(0)  # the plane's axes: counter-clockwise is from A to B; then the third one, -1: none

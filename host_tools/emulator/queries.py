@@ -82,9 +82,10 @@ def positions(rig, deltas, steps_s):
 
 
 class Asking:
-    """A sender of G-code on one link of an emulated machine, which also asks for the status."""
+    """A sender of G-code on one link of an emulated machine, which also asks for the status. It takes `think_us` to read an
+    answer and send what that makes room for."""
 
-    def __init__(self, machine, link):
+    def __init__(self, machine, link, think_us=0):
         self._machine = machine
         self._pico = machine.pico
         config = next(config for config in machine.board["links"] if config["name"] == link)
@@ -96,6 +97,7 @@ class Asking:
             self._wire.listeners.append(lambda value: self._said(bytes((value,))))
         self.said = bytearray()
         self._begins = []  # cycles at which a status has begun
+        self._think_cycles = think_us * CYCLES_PER_US
         self._lines = []  # still to be sent
         self.unanswered = []  # lengths of the lines sent
 
@@ -103,7 +105,14 @@ class Asking:
         self._begins += [self._pico.cycle] * data.count(b"<")
         before = self.said.count(b"ok\r\n")
         self.said += data
-        for _ in range(self.said.count(b"ok\r\n") - before):
+        answered = self.said.count(b"ok\r\n") - before
+        if answered and self._think_cycles:
+            self._pico.at(self._pico.cycle + self._think_cycles, lambda: self._answered(answered))
+        else:
+            self._answered(answered)
+
+    def _answered(self, count):
+        for _ in range(count):
             self.unanswered.pop(0)
             self._pump()
 

@@ -20,7 +20,7 @@ STEPS = (
     "passo.motion.block", "passo.motion.integers",
 )  # fmt: skip
 PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motion.ramp", "passo.motion.circle"  # and what these import
-LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"
+LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"  # what these call is planner's
 # Left to viper: it looks through all memory at the start with functions in assembler, and is given back.
 LEFT = {"passo.ports.rp2.flash_scan"}
 Compiled = namedtuple("Compiled", "texts modules by")
@@ -33,9 +33,9 @@ def groups(program, board, left=(), keep=False):
     plan = program.loaded_with(PLAN)
 
     def group(module):
-        if module in STEPS or module in plan and accelerates:
+        if module in STEPS or accelerates and (module in plan or module.startswith(LINES)):
             return "steps"
-        return "plan" if module in plan else "lines" if module.startswith(LINES) else module.removeprefix("passo.").replace(".", "_")
+        return "plan" if module in plan or module.startswith(LINES) else module.removeprefix("passo.").replace(".", "_")
 
     uses = program.uses()
     found = {}

@@ -149,7 +149,7 @@ def check_machine_code(seed):
             if not limits.fields[LIMIT_WHOLE] and feed != scratch[SCRATCH_ASKED]:
                 scratch[SCRATCH_FEED], scratch[SCRATCH_ASKED] = min(limits.part(feed), MOST) if feed else 0, feed
             batch = array("i", [0, taken, feed, 7 * number, number, 0] + deltas + [0] * 4)
-            results.append(plan(batch, 1, rows, scratch, indices, limits.fields))
+            results.append(plan(batch, 0, 1, rows, scratch, indices, limits.fields))
             assert not feed or scratch[SCRATCH_FEED] == min(limits.part(feed), MOST)
             if taken == 3 or number % 5 == 4:
                 indices[QUEUE_FLUSHED] = indices[QUEUE_ADDED]  # released

@@ -8,11 +8,13 @@ from passo import commands
 from passo.batch import Lines as Batch
 from passo.batch import thousandths
 from passo.protocols.grbl.lines import Lines
+from passo.protocols.grbl.take_viper import take_lines
 from passo.protocols.gcode.parse_records import (
-    PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LOW, PARSE_RELATIVE,
+    LINES_WAITS, PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LOW, PARSE_RELATIVE,
 )  # fmt: skip
 from passo.records import (
     BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_ROWS, BATCH_STEPS, BATCH_TAG,
+    TRACE_FIELDS, TRACE_ROOM, TRACE_TAKEN,
 )  # fmt: skip
 from plain import plain
 
@@ -73,19 +75,20 @@ class Straight(Machine):
         self.power = 0
         self.dynamic = False
         self.batch = Batch(0, array("i", [0] * (BATCH_FIELDS * BATCH_ROWS)), BATCH_ROWS, False)
+        self.travel_fields = array("i", [0] * TRACE_FIELDS)
         self.took = []  # as facts()
 
     def open(self):
         batch = self.batch
+        self.travel_fields[TRACE_ROOM] = self.blocks - 1
         batch.target = array("i", self.target)
         batch.reach = self.travel
         batch.tool, batch.power, batch.dynamic = self.tool, self.power, self.dynamic
         batch.room = self.blocks - 1
 
-    def accept(self):
-        """What Planner.lines() would queue."""
-        rows = self.batch.rows
-        for row in range(self.batch.count):
+    def accept(self, rows, count, *others):
+        """What queue_lines() would queue."""
+        for row in range(count):
             fields = rows[row * BATCH_FIELDS : (row + 1) * BATCH_FIELDS]
             before = self.took[-1][0] if self.took else self.target
             target = [before[axis] + fields[BATCH_STEPS + axis] for axis in range(3)]
@@ -94,23 +97,18 @@ class Straight(Machine):
             self.tool, self.power, self.dynamic = bool(flags & 1), fields[BATCH_POWER], bool(flags & 4)
             self.took.append((target, nm_s, 0, fields[BATCH_TAG]) + self.light())
             self.blocks -= 1
-        self.batch.room = self.blocks - 1
+        self.travel_fields[TRACE_ROOM] = self.blocks - 1
+        self.travel_fields[TRACE_TAKEN] = count
 
     def follow(self, gcode, lines, most):
         """Have `gcode` fill batches of `lines`, `most` lines at most, and take them: how many it were."""
         batch = self.batch
         self.open()
+        lines.fields[LINES_WAITS] = 0
         if not gcode.opens(batch):
-            gcode.waits = False
             return 0
-        batch.most = min(most, BATCH_ROWS)
-        count = gcode.fill(lines, batch)
-        while batch.count:
-            self.accept()
-            batch.most = min(most - count, BATCH_ROWS)
-            if not batch.more or not batch.most:
-                break
-            count += gcode.fill(lines, batch)
+        travel = self.travel_fields
+        count = take_lines(b"", 0, lines.text, lines.fields, gcode.place, batch.rows, most, travel, self.accept, travel, travel, travel, travel, travel)
         if count:
             self.target = list(self.took[-1][0])
         return count
@@ -135,6 +133,11 @@ class Straight(Machine):
         count = self.follow(gcode, lines, most)
         assert count == len(self.took)
         return self.took
+
+
+def waits(lines):
+    """The oldest line is not for interpret(), but waits for room."""
+    return lines.fields[LINES_WAITS]
 
 
 def facts(command):
@@ -177,7 +180,7 @@ def check_same_as_in_full(seed):
         whole = not taken
         if taken:
             dealt += 1
-            assert error == 0 and not lines.waiting() and short.gcode.waits, (line, error)
+            assert error == 0 and not lines.waiting() and waits(lines), (line, error)
             for axis in range(3):
                 at = taken[0][0][axis]
                 assert not travel or at == before[axis] or travel[0][axis] <= at <= travel[1][axis], line
@@ -226,12 +229,12 @@ def check_several_at_once(seed):
         most = random.between(1, 6)
         before = len(took)
         took += all.machine.take_of(all.gcode, lines, most)
-        assert len(took) - before == min(most, len(whole) - before) and all.gcode.waits
+        assert len(took) - before == min(most, len(whole) - before) and waits(lines)
     assert took == made
     lines.take(b"X1\n")
     all.machine.took = []
     all.machine.blocks = 1  # a block is kept for the tool
-    assert all.machine.follow(all.gcode, lines, 4) == 0 and all.gcode.waits and lines.waiting()
+    assert all.machine.follow(all.gcode, lines, 4) == 0 and waits(lines) and lines.waiting()
 
 
 def check_machine_code(seed):
@@ -269,7 +272,7 @@ def check_the_frequent_line_is_dealt_with():
     for line in (b"G2 X1 I1", b"", b"X1 (note)", b"X1 ; note", b"M3", b"X1 S-3", b"X1 X2", b"X", b"G1", b"X2200", b"X1 F.001"):
         lines = Lines()
         lines.take(line + b"\n")
-        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting() and not shop.gcode.waits, line
+        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting() and not waits(lines), line
 
 
 def check_a_laser_raster_is_dealt_with():
@@ -286,7 +289,7 @@ def check_a_laser_raster_is_dealt_with():
         lights = [dark, (True, 450), dark, (True, 1000), (True, 1000), dark, (True, 1), (True, 1000), dark, (True, 300)]
         assert [fact[4:] for fact in facts] == [light + (mode == b"M4",) for light in lights]
         lines.take(b"X1S5\n")  # no step to change it with
-        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and not shop.gcode.waits
+        assert shop.machine.follow(shop.gcode, lines, 9) == 0 and not waits(lines)
 
 
 def check_a_spindle_changes_its_speed_at_a_stand():

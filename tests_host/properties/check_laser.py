@@ -38,16 +38,16 @@ def play(lines, batches):
     """What comes of `lines`, one after the other, and how many of them went in batches."""
     port = Sink()
     app = App(checked(board_named("laser_xy")), port)
-    protocol = app.links[0].protocol
-    fill = protocol.gcode.fill
+    link = app.links[0]
+    take = link.take
     taken = []
 
-    def counted(*arguments):
-        count = fill(*arguments)
-        taken.append(count)
-        return count
+    def counted(data, now_ms):
+        answers = take(data, now_ms)
+        taken.append((answers or b"").count(b"ok"))
+        return answers
 
-    protocol.gcode.fill = counted
+    link.take = counted
     if not batches:
         app.links[0].batch = None
     said = b""

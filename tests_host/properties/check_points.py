@@ -57,20 +57,22 @@ class Room:
     def __init__(self, random):
         self._random = random
         self.batch = Points(0)
+        self.batch.join(self.open, self.accept, None)
         self.batch.data = bytearray(300)
         self.batch.most_x, self.batch.most_y = [random.between(60_000, 65_535) for _ in range(2)]
         self.points = []
 
-    def open(self):
+    def open(self, batch):
+        batch.begun = True
         self.batch.offset = self._random.between(0, 40)
         self.batch.room = max(0, self._random.between(-8, 50))
+        return True
 
-    def accept(self):
-        batch = self.batch
+    def accept(self, batch):
         for at in range(batch.offset, batch.offset + 5 * batch.count, 5):
             tool, x_high, x_low, y_high, y_low = batch.data[at : at + 5]
             self.points.append((POINT, (x_high << 8 | x_low, y_high << 8 | y_low), tool == 1, 0, 0))
-        self.open()
+        self.open(batch)
         return batch.count
 
 
@@ -83,11 +85,8 @@ def check_the_language(seed, chunk):
     for data, wait_ms in parts(random, stream(random, 65535), chunk):
         wanted = [meaning(command) for command in plain.feed(data, now_ms)]
         room.points = []
-        answers = b""
-        if batched.collect(data, now_ms):
-            room.open()
-            while batched.fill(b""):
-                answers += batched.accepted(room.accept())
+        answers = batched.take(data, now_ms)
+        room.batch.begun = False
         assert answers == b"n" * len(room.points)
         for _, place, _, _, _ in room.points:
             assert place[0] <= room.batch.most_x and place[1] <= room.batch.most_y

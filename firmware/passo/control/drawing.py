@@ -101,6 +101,7 @@ class Drawing:
         reach = self._queue.reach
         batch.most_x = reach(0)[1]
         batch.most_y = reach(1)[1]
+        batch.begun = True
         return True
 
     def accept(self, batch):
@@ -111,7 +112,7 @@ class Drawing:
         return batch.count
 
     def close(self, batch):
-        """Nothing moves by a point."""
+        batch.begun = False  # nothing moves by a point
 
     def _draw(self, command):
         machine = self._machine

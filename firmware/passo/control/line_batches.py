@@ -1,4 +1,5 @@
 """The half of a program's motion that takes lines in batches (batch.Lines)."""
+# Shared with interrupts: indices
 # ruff: noqa: F821
 
 from array import array
@@ -7,9 +8,10 @@ import micropython
 
 from passo import errors
 from passo.batch import LINES
+from passo.motion.look_ahead_viper import plan_lines
 from passo.records import (
-    BATCH_FIELDS, BATCH_FLAGS, BATCH_POWER, BATCH_STEPS, BIAS, FARTHEST, TRACE_AXES, TRACE_FIELDS, TRACE_HIGH,
-    TRACE_LOW,
+    BATCH_FIELDS, BATCH_FLAGS, BATCH_POWER, BATCH_STEPS, BIAS, FARTHEST, TRACE_AXES, TRACE_FIELDS, TRACE_FLAGS, TRACE_HIGH,
+    TRACE_LOW, TRACE_MOVED, TRACE_POWER, TRACE_ROOM, TRACE_TAKEN,
 )  # fmt: skip
 
 
@@ -20,26 +22,46 @@ except NameError:
 
 
 @micropython.viper
-def trace(rows: ptr32, count: int, at: ptr32, travel: ptr32) -> int:
-    """Go along `count` rows from the position `at`, within `travel` (TRACE_…). Returns how many of them stay within it: `at`
-    is the end of the last of these."""
-    axes = travel[TRACE_AXES]
+def queue_lines(
+    rows: ptr32, count: int, target: ptr32, travel: ptr32, blocks: ptr32, scratch: ptr32, indices: ptr32, limits: ptr32
+):
+    """Queue `count` rows from the position `target` on, as far as they stay within `travel` (TRACE_…) and plan_lines() takes them:
+    TRACE_TAKEN of them. `target` is the end of the last of these."""
     line = 0
-    row = BATCH_STEPS
     while line < count:
-        axis = 0
-        while axis < axes:
-            place = (at[axis] + rows[row + axis] + 0x20000000) & 0x3FFFFFFF
-            if place < travel[TRACE_LOW + axis] or place > travel[TRACE_HIGH + axis]:
-                return line
-            axis += 1
-        axis = 0
-        while axis < axes:
-            at[axis] = at[axis] + rows[row + axis]
-            axis += 1
-        row += BATCH_FIELDS
+        row = line * BATCH_FIELDS
+        if int(inside(rows, row, target, travel)) == 0:
+            break
+        if int(plan_lines(rows, line, line + 1, blocks, scratch, indices, limits)) <= line:
+            break
+        go_along(rows, row, target, travel)
         line += 1
-    return line
+    travel[TRACE_TAKEN] = line
+    travel[TRACE_ROOM] = travel[TRACE_ROOM] - line
+
+
+@micropython.viper
+def inside(rows: ptr32, row: int, at: ptr32, travel: ptr32) -> int:
+    """1 if the line at rows[row] leads from the position `at` to one within the travel."""
+    axis = 0
+    while axis < travel[TRACE_AXES]:
+        place = (at[axis] + rows[row + BATCH_STEPS + axis] + 0x20000000) & 0x3FFFFFFF
+        if place < travel[TRACE_LOW + axis] or place > travel[TRACE_HIGH + axis]:
+            return 0
+        axis += 1
+    return 1
+
+
+@micropython.viper
+def go_along(rows: ptr32, row: int, at: ptr32, travel: ptr32):
+    """The line at rows[row] is queued: `at` is where it leads."""
+    axis = 0
+    while axis < travel[TRACE_AXES]:
+        at[axis] = at[axis] + rows[row + BATCH_STEPS + axis]
+        axis += 1
+    travel[TRACE_MOVED] = 1
+    travel[TRACE_FLAGS] = rows[row + BATCH_FLAGS]
+    travel[TRACE_POWER] = rows[row + BATCH_POWER]
 
 
 class LineBatches:
@@ -47,6 +69,7 @@ class LineBatches:
         self._trace = array("i", [0] * TRACE_FIELDS)
         self._trace[TRACE_AXES] = axes
         self._reached = self  # the travel that `_trace` is of: not yet any
+        self._arrays = self._taker = None  # the planner's, and what a batch gets with them
 
     def batches(self):
         return {LINES: (self.open, self.accept, self.close)}
@@ -73,12 +96,18 @@ class LineBatches:
         reach = self.reach()
         if self._reached is not reach:
             self._take_over(reach)
+        if self._arrays is not planner.arrays:
+            self._arrays = planner.arrays
+            self._taker = (self._trace, queue_lines, queue.target) + self._arrays
+        batch.taker = self._taker
         batch.target = queue.target
         batch.reach = reach
         batch.tool = queue.tool
         batch.power = planner.power
         batch.dynamic = planner.dynamic
-        batch.room = queue.room() - 1
+        self._trace[TRACE_ROOM] = batch.room = queue.room() - 1  # what is played meanwhile counts from the next open() on
+        self._trace[TRACE_TAKEN] = 0
+        batch.begun = True
         return True
 
     def _take_over(self, reach):
@@ -90,14 +119,16 @@ class LineBatches:
             at[TRACE_LOW + axis] = max(low, -FARTHEST) + BIAS
             at[TRACE_HIGH + axis] = min(high, FARTHEST) + BIAS
 
-    @micropython.native
     def accept(self, batch):
-        """Queue the rows, as far as they stay within the travel."""
-        count = trace(batch.rows, batch.count, batch.target, self._trace)
-        if count:
-            self._planner.lines(count)
-            batch.taken = count
-            batch.room -= count  # what is played meanwhile counts from the next open() on
+        """Queue what queue_lines() has left of the rows, as far as they stay within the travel."""
+        travel = self._trace
+        done = count = travel[TRACE_TAKEN]
+        while count < batch.count and inside(batch.rows, count * BATCH_FIELDS, batch.target, travel):
+            go_along(batch.rows, count * BATCH_FIELDS, batch.target, travel)
+            count += 1
+        self._planner.lines(done, count)
+        travel[TRACE_TAKEN] = count
+        travel[TRACE_ROOM] -= count - done
         if count < batch.count:
             self.close(batch)
             self._machine.raise_alarm(errors.ALARM_SOFT_LIMIT)
@@ -106,14 +137,14 @@ class LineBatches:
     @micropython.native
     def close(self, batch):
         """The queue's end is as the last row taken says."""
-        if batch.taken:
-            rows = batch.rows
-            row = (batch.taken - 1) * BATCH_FIELDS
-            batch.taken = 0
+        batch.begun = False
+        travel = self._trace
+        if travel[TRACE_MOVED]:
+            travel[TRACE_MOVED] = 0
             queue = self._queue
             machine = self._machine
-            flags = rows[row + BATCH_FLAGS]
+            flags = travel[TRACE_FLAGS]
             queue.tool = flags & 1 > 0
-            self._planner.set_power(rows[row + BATCH_POWER], flags & 4 > 0)
+            self._planner.set_power(travel[TRACE_POWER], flags & 4 > 0)
             queue.waiting = True
             machine.active = machine.fresh = True

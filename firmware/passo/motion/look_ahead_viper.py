@@ -1,6 +1,6 @@
 """The look-ahead: at which speed each of the queued blocks may be left.
 
-    done = plan_lines(batch, count, rows, scratch, indices, limits)  # lines: planned and queued, and the look-ahead raised
+    done = plan_lines(batch, 0, count, rows, scratch, indices, limits)  # lines: planned and queued, and the look-ahead raised
     corner(rows, at, work, limits)               # behind plan_block(): the speed of the corner before this block
     raised = look_back(rows, scratch, indices)      # behind row_viper.close()
 
@@ -176,12 +176,11 @@ def square_with(rows: ptr32, at: int, scratch: ptr32) -> int:
 
 
 @micropython.viper
-def plan_lines(batch: ptr32, count: int, rows: ptr32, scratch: ptr32, indices: ptr32, limits: ptr32) -> int:
-    """Queue the lines in the first `count` rows of `batch`, for which there is room; one of no steps is no block. Returns how
-    many were taken: fewer if the next one's feed is for Planner._ask() to work out; -1 or -2 if plan_block() refuses the next."""
+def plan_lines(batch: ptr32, done: int, count: int, rows: ptr32, scratch: ptr32, indices: ptr32, limits: ptr32) -> int:
+    """Queue the lines in rows `done` … count − 1 of `batch`, for which there is room; one of no steps is no block. Returns the
+    first row not taken: one whose feed is for Planner._ask() to work out; -1 or -2 if plan_block() refuses it."""
     axes = scratch[SCRATCH_STRIDE] - ROW_STEPS
-    done = 0
-    line = 0
+    line = done * BATCH_FIELDS
     while done < count:
         at = indices[QUEUE_ADDED] % scratch[SCRATCH_SIZE] * scratch[SCRATCH_STRIDE]
         if int(ask(scratch, limits, batch[line + BATCH_FEED])) == 0:

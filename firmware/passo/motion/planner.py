@@ -72,6 +72,7 @@ class Planner:
         self.accelerates = False  # it has limits
         self._limits = None
         self._fields = None  # of the limits
+        self.arrays = None  # what plan_lines() takes, one tuple until there are other limits
         self._plan_block = self._corner = self._plan_lines = self._look_back = None  # what works with them
         self.batch = array("i", bytearray(4 * BATCH_FIELDS * BATCH_ROWS))  # of lines to be queued
         self.clear()
@@ -85,6 +86,7 @@ class Planner:
                 self._limit_jerk(ramp, limits, self._stride, len(self.rows))
         self._limits = limits
         self._fields = limits.fields if limits else None
+        self.arrays = self.rows, self.scratch, self.indices, self._fields
         self.scratch[SCRATCH_START] = limits.start if limits else 0
         self.accelerates = limits is not None
         self.scratch[SCRATCH_FEED] = self.scratch[SCRATCH_GIVEN] = self.scratch[SCRATCH_ASKED] = 0
@@ -181,22 +183,15 @@ class Planner:
             self._corner(rows, at, scratch, self._fields)
         self._add(at, LINE, tool, tag, rapid)
 
-    @micropython.native
-    def lines(self, count):
-        """Queue the first `count` lines of `batch`, for which there is room, and none of which line() would refuse."""
-        batch = self.batch
-        done = self._plan_lines(batch, count, self.rows, self.scratch, self.indices, self._fields)
-        if done < count:
-            self._rest_of(done, count)
-
-    def _rest_of(self, done, count):
-        """The machine's speeds are beyond what machine code reckons with: ask for each line's feed here."""
+    def lines(self, done, count):
+        """Queue rows `done` … count − 1 of `batch`, for which there is room, and none of which line() would refuse: also if the
+        machine's speeds are beyond what machine code reckons with."""
         batch = self.batch
         while done < count:
-            first = done * BATCH_FIELDS
-            self._ask(None, 0, batch[first + BATCH_FEED])
-            rest = batch[first:]
-            done += self._plan_lines(rest, count - done, self.rows, self.scratch, self.indices, self._fields)
+            self._ask(None, 0, batch[done * BATCH_FIELDS + BATCH_FEED])
+            done = self._plan_lines(batch, done, count, *self.arrays)
+            if done < 0:
+                refuse(done)
 
     def _next_row(self):
         return self.indices[QUEUE_ADDED] % QUEUE_SIZE * self._stride

@@ -1,8 +1,8 @@
-"""The fields of GCode._place, by which parse_viper.py understands plain lines."""
+"""The fields of GCode.place, by which parse_viper.py understands plain lines, and of Lines.fields, which has these."""
 
 from micropython import const
 
-# GCode._place: what plain lines are understood by, three numbers each if the axes'; places from PARSE_LOW on have 2²⁹ added.
+# GCode.place: what plain lines are understood by, three numbers each if the axes'; places from PARSE_LOW on have 2²⁹ added.
 PARSE_AXES = const(0)
 PARSE_RELATIVE = const(1)  # 1: G91
 PARSE_MODAL = const(2)  # 0 or 1: G0 or G1 holds
@@ -34,3 +34,14 @@ PARSE_SPEED = const(43)  # F, nm/s
 PARSE_TURNS = const(44)  # S
 PARSE_LINE = const(45)  # N
 PARSE_FIELDS = const(46)
+
+# Lines.fields: bytes of Lines.text.
+LINES_AT = const(0)  # where the oldest line begins
+LINES_WHOLE = const(1)  # behind the last line that has come to its end
+LINES_END = const(2)  # behind all that has come
+LINES_ASKED = const(3)  # 1: `?` was among it
+LINES_SLOWLY = const(4)  # 1: what comes has to be looked at byte by byte: see Lines.take_each()
+LINES_TAKEN = const(5)  # lines that the machine has taken at the last time
+LINES_FILLED = const(6)  # rows filled last
+LINES_WAITS = const(7)  # 1: the oldest line is not for the full parser, but waits for room
+LINES_FIELDS = const(8)

@@ -3,7 +3,7 @@
     gcode = GCode("xyz", offsets, machine)
     error = gcode.interpret(b"G1 X10 F600")     # 0: everything was right, and gcode.commands says what to do
     gcode.commands                              # a list that the next line overwrites, its commands too
-    gcode.opens(batch), gcode.fill(lines, batch)    # much faster, for lines that are nothing but a G0 or G1
+    gcode.opens(batch), gcode.place         # for parse_viper.parse(): much faster, for lines that are nothing but a G0 or G1
 
 A line is parsed whole and checked whole before anything of it counts; one that is refused changes nothing. Order of
 execution is that of RS274/NGC (NIST IR 6556, table 8). Lengths are nanometres, speeds nanometres a second, both exact
@@ -15,7 +15,6 @@ Extensions: G73, G81, G82 and G83, G43 with a table of tools, and an arc's sweep
 more than 360 are more than one turn. The end comes from the machine's CORDIC.
 """
 
-import gc
 from array import array
 
 import micropython
@@ -32,11 +31,11 @@ from passo.protocols.gcode.motion import Motions, new_moves
 from passo.protocols.gcode.reader import NONE, Refused
 from passo.protocols.gcode.words import F, M_CODES, S, T, rounded
 from passo.protocols.gcode.parse_records import (
-    PARSE_AFTER, PARSE_AXES, PARSE_DYNAMIC, PARSE_FEED, PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST,
+    PARSE_AXES, PARSE_DYNAMIC, PARSE_FEED, PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST,
     PARSE_LIT, PARSE_LOW, PARSE_MODAL, PARSE_NUMBER, PARSE_OFFSET, PARSE_POSITION, PARSE_POWER, PARSE_RELATIVE,
     PARSE_RESOLUTION, PARSE_RPM, PARSE_TARGET,
 )  # fmt: skip
-from passo.records import BATCH_ROWS, BIAS, FARTHEST
+from passo.records import BIAS, FARTHEST
 
 # `place`, what plain lines are understood by; three numbers each where they are the axes'.
 _ANY = const(0)
@@ -46,25 +45,18 @@ _FARTHEST_NM = const(0x7FFFFFFF)  # of a plain line
 _MOST_RPM = const(100_000_000)
 _ROUNDING = const(0x18000)  # P and Q: of G64 how far corners may be rounded; the path is kept to
 
-gc.collect()
-try:
-    from passo.protocols.gcode.parse_viper import parse
-except MemoryError:  # a board that has too little, or not in one piece: interpret() deals with all lines
-    parse = None
-
 
 class GCode(Motions):
     def __init__(self, axes, offsets, machine):
         """`axes`: the names of the machine's axes in their order, the first three of "xyz" at most."""
         Motions.__init__(self, len(axes), offsets, machine)
         self.ended = False  # the line was the programme's last
-        self.waits = False  # see fill()
         self.laser = False
         self.changer = None  # of a board with tool_change
         self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
-        self._place = array("i", [0] * PARSE_FIELDS)  # for plain lines
-        self._place[PARSE_AXES] = len(axes)
-        self._ends = memoryview(self._place)[PARSE_TARGET : PARSE_TARGET + len(axes)]
+        self.place = array("i", [0] * PARSE_FIELDS)  # for plain lines
+        self.place[PARSE_AXES] = len(axes)
+        self._ends = memoryview(self.place)[PARSE_TARGET : PARSE_TARGET + len(axes)]
         self._offsets_known = 0
         self._level = 0  # power of the modal state, thousandths
         self._reach = None  # the travel that `place` knows
@@ -105,7 +97,7 @@ class GCode(Motions):
         """What the last plain lines have changed is known here, too; the next one finds out anew where it is."""
         if not self._unknown:
             self._unknown = True
-            place = self._place
+            place = self.place
             self.feed = place[PARSE_FEED]
             self.rpm = place[PARSE_RPM]
             self.number = place[PARSE_NUMBER]
@@ -156,7 +148,7 @@ class GCode(Motions):
             or self._reach is not batch.reach
         ) and not self._know(batch):  # fmt: skip
             return False
-        place = self._place
+        place = self.place
         dynamic = self._dynamic
         if place[PARSE_FULL] > _SAME:  # each line brings its own tool and power
             place[PARSE_LIT] = 1 if batch.tool else 0
@@ -169,35 +161,17 @@ class GCode(Motions):
         place[PARSE_DYNAMIC] = 1 if dynamic else 0
         return True
 
-    @micropython.native
-    def fill(self, lines, batch):
-        """Understand plain lines of `lines` (grbl.lines.Lines), from the oldest on: as many as there is room for, and
-        `batch.most` at most. Returns how many; `waits`: the next one is not for interpret(), but has to wait for room."""
-        rows = batch.most
-        if batch.room < rows:
-            rows = batch.room
-        at = lines.at
-        count = 0
-        if rows > 0:
-            count = parse(lines.text, at, lines.whole, self._place, batch.rows, rows)
-        if count:
-            lines.at = at = self._place[PARSE_AFTER]
-        batch.count = count
-        self.waits = count == rows or at == lines.whole or rows <= 0
-        batch.more = count == rows and rows == BATCH_ROWS
-        return count
-
     def _know(self, batch):
         """Fill in `place` from the modal state. False if that is not for plain lines."""
         self.leave_batch()
         if (
-            parse is None or self.weaving or self.motion not in (0, 100) or not self.per_minute
+            self.weaving or self.motion not in (0, 100) or not self.per_minute
             or self.feed > FARTHEST or self.rpm > FARTHEST
             or self.laser and (not _SAME < self.max_rpm <= _MOST_RPM or batch.slow_tool)
         ):  # fmt: skip
             return False
         self._settle()
-        place = self._place
+        place = self.place
         place[PARSE_RELATIVE] = 0 if self.absolute else 1
         place[PARSE_INCHES] = 1 if self.inches else 0
         place[PARSE_MODAL] = self.motion // 100

@@ -3,7 +3,6 @@
 from passo.batch import Lines
 from passo.protocols.gcode.offsets import Offsets
 from passo.protocols.grbl.protocol import Grbl
-from passo.records import BATCH_ROWS
 
 NEEDS = ("program", "pauses", "tools", "pins")
 GUARDED = True  # with homing ($22) a link moves nothing before the machine is homed or unlocked
@@ -35,8 +34,8 @@ def create(link, number, board, controller, shared, most):
     if "offsets" not in shared:
         shared["offsets"] = Offsets(len(axes), machine.settings)
     program = controller.features["program"]
-    batch = Lines(number, program.rows, min(most, BATCH_ROWS), program.slow_tool())
-    made = Grbl(axes, shared["offsets"], machine, batch, (most + 3) >> 2)  # one that goes as a command costs as much as four
+    batch = Lines(number, program.rows, most, program.slow_tool())
+    made = Grbl(axes, shared["offsets"], machine, batch, (most + 7) >> 3)  # one that goes as a command costs as much as eight
     if board["tool_change"]:
         from passo.protocols.gcode.tool_change import ToolChange
 

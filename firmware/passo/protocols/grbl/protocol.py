@@ -12,12 +12,14 @@ next line is not looked at before the one before it is answered, so each is unde
     bytes ─► _peel ─► Lines ─► GCode or System ─► commands ─► controller ─► events ─► reply
                 └────► real-time commands ───────────────────────▲
 
-Lines that are nothing but a G0 or G1 go several at a time, in a batch, while nothing is unusual: collect() and fill(), before
-feed() has the rest. They are answered when they are queued.
+Lines that are nothing but a G0 or G1 go several at a time, in a batch, while nothing is unusual: take(), before feed() has the
+rest. They are answered when they are queued.
 
 A sender may have 128 bytes under way. Lines beyond that are kept too while there is room; a line that found none is
 answered by error:11 and nothing of it is done.
 """
+
+import gc
 
 import micropython
 from micropython import const
@@ -26,58 +28,26 @@ from passo import commands, errors
 from passo.commands import ACCEPTED, ALARM, DROPPED, NOTICE, REFUSED, RESTARTED, Command, Event
 from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
+from passo.protocols.gcode.parse_records import (
+    LINES_ASKED, LINES_AT, LINES_FILLED, LINES_TAKEN, LINES_WAITS, LINES_WHOLE,
+)  # fmt: skip
 from passo.protocols.gcode.words import LONGEST, bare, rounded
-from passo.protocols.grbl.lines import Lines, plain_text
+from passo.protocols.grbl.lines import LONG, REAL_TIME, SLOWLY, Lines, plain_text
+from passo.protocols.grbl.real_time import real_time
 from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, answer
-from passo.records import NM_PER_M, SETTING_LASER, SETTING_MAX_RPM
+from passo.records import BATCH_ROWS, NM_PER_M, SETTING_LASER, SETTING_MAX_RPM, TRACE_TAKEN
+
+gc.collect()
+try:
+    from passo.protocols.grbl.take_viper import LEFT, take_lines
+except MemoryError:  # a board that has too little, or not in one piece: feed() deals with all lines
+    LEFT = take_lines = None
 
 _SEVERAL = const(2)
 _ALARMS = const(200)  # errors.py has alarms that much higher
 
-# Kind · 1, value · 64, whether the amount is a change · 512, amount · 1024: in one integer, 20 tuples take much more.
-_VALUE = const(6)
-_CHANGE = const(9)
-_AMOUNT = const(10)
-_OKS = (b"", b"ok\r\n", b"ok\r\nok\r\n", b"ok\r\nok\r\nok\r\n", b"ok\r\nok\r\nok\r\nok\r\n")
-_REAL_TIME = {
-    0x18: commands.RESET,
-    0x21: commands.HOLD,
-    0x3F: commands.STATUS,
-    0x7E: commands.RESUME,
-    0x84: commands.DOOR,
-    0x85: commands.JOG_CANCEL,
-    0x9E: commands.TOGGLE | commands.SPINDLE_STOP << _VALUE,
-    0xA0: commands.TOGGLE | 1 << _VALUE,
-    0xA1: commands.TOGGLE | 2 << _VALUE,
-    0x95: commands.OVERRIDE | commands.RAPID << _VALUE | 100 << _AMOUNT,
-    0x96: commands.OVERRIDE | commands.RAPID << _VALUE | 50 << _AMOUNT,
-    0x97: commands.OVERRIDE | commands.RAPID << _VALUE | 25 << _AMOUNT,
-}
-
-
-def _add(first, override):
-    """The five bytes of an override: 100 %, and its changes."""
-    _REAL_TIME[first] = override | 100 << _AMOUNT
-    for byte, change in ((1, 10), (2, -10), (3, 1), (4, -1)):
-        _REAL_TIME[first + byte] = override | 1 << _CHANGE | change << _AMOUNT
-
-
-_add(0x90, commands.OVERRIDE | commands.FEED << _VALUE)
-_add(0x99, commands.OVERRIDE | commands.POWER << _VALUE)
-
-
-def real_time(byte):
-    """The command of a real-time byte, or None."""
-    found = _REAL_TIME.get(byte)
-    if found is None:
-        return None
-    command = Command(found & 63, None, found >> _VALUE & 7)
-    if found >> _CHANGE & 1:
-        command.feed = found >> _AMOUNT
-    else:
-        command.power = found >> _AMOUNT
-    return command
+_OKS = tuple([b"ok\r\n" * count for count in range(BATCH_ROWS + 1)])
 
 
 class Grbl:
@@ -93,6 +63,7 @@ class Grbl:
         self._system = System(self.gcode, settings, machine, batch.link)
         self._status = Status(self.gcode, settings, machine)
         self._lines = Lines()
+        self._taker = self._arrays = None  # the batch's, and what take_lines() takes
         self._asked = None  # made when first asked
         self._stale = 0  # lines sent before an alarm, a stop or a hand-over
         self._why = 0  # the error that answers them
@@ -105,7 +76,6 @@ class Grbl:
         self._under_way = None  # the command that an answer is awaited for
         self._rest = []  # of its line's commands
         self._start_line = None  # the line under way is a start-up line
-        self._full = False  # the oldest line waits for room, to go in a batch
 
     def _configure(self):
         settings = self._settings
@@ -126,67 +96,84 @@ class Grbl:
         self._stale = 0
         self.gcode.reset()
 
-    def collect(self, data, now_ms):
-        """Keep `data`. True if fill() may find lines in it; None: there are real-time bytes but `?`, and all is for feed()."""
-        lines = self._lines
-        self._full = False
-        if data and not lines.take(data):
+    @micropython.native
+    def take(self, data, now_ms):
+        """Keep `data`, and have the machine take the lines kept that are nothing but a G0 or G1, while nothing is unusual. Returns
+        the answers to them. None: `data` is not kept, and all is for feed()."""
+        if not self.batch.begun and not self._open(data):
             return None
-        return lines.at < lines.whole and not (
-            lines.asked or self._under_way is not None or self._rest or self._start_lines
-            or self._stale or self._version != self._settings.version
-        )  # fmt: skip
-
-    def begin(self):
-        """True if lines may be put into `batch`, which has just been opened."""
-        return self.gcode.opens(self.batch)
+        text, lines, place, rows, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
+        taken = take_lines(
+            data, len(data), text, lines, place, rows, most, travel, queue_lines, target, blocks, scratch, indices, limits
+        )
+        return _OKS[taken] if 0 <= taken <= BATCH_ROWS else self._took(taken, data)
 
     @micropython.native
-    def fill(self, data):
-        """Keep `data`, put plain lines into `batch`. Returns how many: the controller accepts them at once; None as collect()."""
+    def _open(self, data):
+        """True if the batch is open: nothing is unusual, and some lines may be there."""
         lines = self._lines
-        self._full = False
-        if data and not lines.take(data):
-            return None
-        if lines.at == lines.whole or lines.asked:
-            return 0
-        gcode = self.gcode
-        count = gcode.fill(lines, self.batch)
-        self._full = gcode.waits
-        return count
+        fields = lines.fields
+        fields[LINES_WAITS] = 0
+        if (
+            take_lines is None or self._under_way is not None or self._rest or self._start_lines or self._stale
+            or self._version != self._settings.version or not data and fields[LINES_AT] == fields[LINES_WHOLE]
+        ):  # fmt: skip
+            return False
+        batch = self.batch
+        if not batch.open(batch):
+            return False
+        if not self.gcode.opens(batch):
+            batch.close(batch)
+            return False
+        if self._taker is not batch.taker:
+            lines.make()
+            self._taker = batch.taker
+            self._arrays = (lines.text, fields, self.gcode.place, batch.rows, batch.most) + batch.taker
+        return True
 
-    def accepted(self, count):
-        """The answers to so many lines; the rest of those that fill() has put there have been refused."""
-        refused = self.batch.count - count
-        text = _OKS[count] if count < 5 else _OKS[1] * count
-        return text + b"error:%d\r\n" % errors.JOG_TRAVEL * refused if refused else text
+    def _took(self, taken, data):
+        """The same of many lines, and of what take_lines() could not do."""
+        if taken == REAL_TIME:
+            return None
+        lines = self._lines
+        if taken == SLOWLY or taken == LONG:
+            lines.kept(taken, data)
+            return self.take(b"", 0)
+        if taken != LEFT:
+            return _OKS[1] * taken
+        batch = self.batch
+        batch.count = filled = lines.fields[LINES_FILLED]
+        before = lines.fields[LINES_TAKEN] - self._taker[0][TRACE_TAKEN]
+        count = batch.accept(batch)
+        return _OKS[1] * (before + count) + b"error:%d\r\n" % errors.JOG_TRAVEL * (filled - count)
 
     # --- bytes to commands
 
     def feed(self, data, now_ms):
         """Commands, each to be answered by reply() before the next is asked for."""
         if not data:
-            lines = self._lines
-            if lines.asked:
+            fields = self._lines.fields
+            if fields[LINES_ASKED]:
                 return self._ask()
-            if self._under_way is not None or self._full:
-                return ()
-            if not (self._rest or self._start_lines or lines.at < lines.whole or lines.lost):
+            if self._under_way is not None or fields[LINES_WAITS] or not self._waiting():
                 return ()
         return self._commands(data)
 
     def pending(self):
         """True if feed() has something to say without new bytes. A line that found no room waits until several have some."""
-        if self._full and not self._lines.asked and self._machine.queue.room() < _SEVERAL:
+        fields = self._lines.fields
+        if fields[LINES_ASKED]:
+            return True
+        if fields[LINES_WAITS] and self._machine.queue.room() < _SEVERAL:
             return False
-        return self._lines.asked or self._waiting()
+        return self._waiting()
 
     def drop_begun(self):
         """Forget the line that has begun and not ended."""
         self._lines.drop_begun()
 
     def space(self):
-        """Bytes that feed() and collect() can keep."""
+        """Bytes that feed() and take() can keep."""
         return self._lines.free()
 
     def _waiting(self):
@@ -194,7 +181,7 @@ class Grbl:
 
     def _ask(self):
         """The command of `?`: one, used again and again."""
-        self._lines.asked = False
+        self._lines.fields[LINES_ASKED] = 0
         if self._asked is None:
             command = Command(commands.STATUS)
             command.accepted = Event(ACCEPTED, command)
@@ -206,7 +193,7 @@ class Grbl:
             for command in self._peel(data):
                 yield command
             return  # the lines come with the next cycle, in a batch or not
-        if self._lines.asked:
+        if self._lines.fields[LINES_ASKED]:
             yield self._ask()[0]
         most = self._most
         while self._under_way is None and most:

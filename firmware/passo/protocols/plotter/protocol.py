@@ -138,33 +138,20 @@ class Plotter:
         self._since = 0  # when the oldest pending byte came
         self._latest = 0  # when the newest one came
 
-    def collect(self, data, now_ms):
-        """Keep `data`. True if fill() may find points in what is kept."""
-        if not data:
-            return False
-        self._hear(data, now_ms)
-        return not self._broken and len(self._bytes) >= PACKET
-
-    def begin(self):
-        return True
-
-    def fill(self, data):
-        """Keep `data`, and put the points at the start of what has come into `batch`. Returns how many."""
+    def take(self, data, now_ms):
+        """Keep `data`, and have the machine take the points at the start of what has come. Returns the answers to them."""
         if data:
-            self._hear(data, self._latest)
+            self._hear(data, now_ms)
         batch = self.batch
-        if self._broken:
-            return 0
-        count = sift(
-            self._bytes, len(self._bytes), self._before, 0, batch.data, batch.offset, batch.room, batch.most_x, batch.most_y
-        ) >> 2  # fmt: skip
-        if count:
-            self._cut(count, self._latest)
-        batch.count = count
-        batch.more = len(self._bytes) >= PACKET
-        return count
-
-    def accepted(self, count):
+        count = 0
+        while data and not self._broken and len(self._bytes) >= PACKET and (batch.begun or batch.open(batch)):
+            batch.count = sift(
+                self._bytes, len(self._bytes), self._before, 0, batch.data, batch.offset, batch.room, batch.most_x, batch.most_y
+            ) >> 2  # fmt: skip
+            if not batch.count:
+                break
+            self._cut(batch.count, now_ms)
+            count += batch.accept(batch)
         return b"n" * count
 
     def feed(self, data, now_ms):

@@ -1,0 +1,71 @@
+"""The one call of a batch of lines: from the bytes that have come to blocks in the planner's queue.
+
+    taken = take_lines(data, len(data), lines.text, lines.fields, gcode.place, batch.rows, batch.most, *batch.taker)
+
+    data ─► keep() ─► text ─► parse() ─► rows ─► queue_lines(), the machine's ─► blocks
+
+One text for all interpreters; see motion/block_viper.py.
+"""
+# `queue_lines` is usually passo.control.line_batches.queue_lines
+# ruff: noqa: F821
+
+import micropython
+from micropython import const
+
+from passo.protocols.gcode.parse_records import (
+    LINES_ASKED, LINES_AT, LINES_FILLED, LINES_TAKEN, LINES_WAITS, LINES_WHOLE, PARSE_AFTER,
+)  # fmt: skip
+from passo.protocols.gcode.parse_viper import parse
+from passo.protocols.grbl.lines import keep
+from passo.records import BATCH_ROWS, TRACE_ROOM, TRACE_TAKEN
+
+try:
+    ptr32, ptr8
+except NameError:
+    ptr8 = None  # names that only viper's compiler knows
+
+    def ptr32(array):
+        return array
+
+
+LEFT = const(-4)  # the machine has not taken all rows: `accept` of the batch knows why
+
+
+@micropython.viper
+def take_lines(
+    data: ptr8, count: int, text: ptr8, lines: ptr32, place: ptr32, rows, most: int, travel, queue_lines, target, blocks, scratch,
+    indices, limits,
+) -> int:
+    """Keep `count` bytes of `data`, and have the machine take the plain lines of what is kept: as many as it has room for, `most`
+    at most, none while `?` waits. Returns how many; or what keep() says, or LEFT, and LINES_TAKEN is how many."""
+    machine = ptr32(travel)
+    taken = 0
+    lines[LINES_TAKEN] = 0
+    lines[LINES_WAITS] = 0
+    if count:
+        kept = int(keep(data, count, text, lines))
+        if kept:
+            return kept
+    while lines[LINES_ASKED] == 0 and lines[LINES_AT] < lines[LINES_WHOLE]:
+        part = most - taken
+        if part > machine[TRACE_ROOM]:
+            part = machine[TRACE_ROOM]
+        if part > BATCH_ROWS:
+            part = BATCH_ROWS
+        lines[LINES_WAITS] = 1
+        if part <= 0:
+            break
+        filled = int(parse(text, lines[LINES_AT], lines[LINES_WHOLE], place, ptr32(rows), part))
+        if filled:
+            lines[LINES_AT] = place[PARSE_AFTER]
+            lines[LINES_FILLED] = filled
+            queue_lines(rows, filled, target, travel, blocks, scratch, indices, limits)
+            taken += machine[TRACE_TAKEN]
+            lines[LINES_TAKEN] = taken
+            if machine[TRACE_TAKEN] < filled:
+                return LEFT
+        if filled < part:
+            if lines[LINES_AT] < lines[LINES_WHOLE]:
+                lines[LINES_WAITS] = 0
+            break
+    return taken
