@@ -15,7 +15,7 @@ PYTEST = $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --durations=20 --du
 MINOR = import sys; print(*sys.version_info[:2])
 
 .DEFAULT_GOAL := help
-.PHONY: help venv run check test test-all soak bench build flash emulate site clean
+.PHONY: help venv run check test test-all soak bench build flash emulate site wheel clean
 
 help:  ## this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -50,7 +50,7 @@ $(EMULATE): pyproject.toml
 	@touch $(TOOLS)
 
 $(STAMP): pyproject.toml
-	$(call install,[test],testing,255)
+	$(call install,[test],testing,670)
 	@touch $(TOOLS) $(DRAW) $(EMULATE)
 
 run: $(DRAW)  ## draw on the virtual board; pictures and traces in out/
@@ -106,6 +106,10 @@ emulate: $(EMULATE)  ## the firmware on an emulated Pico; ARGS='--board NAME --t
 site: $(TOOLS)  ## the page with the firmware in it, for any web server: build/site; ARGS='--serve 8000'
 	$(BIN)/passo site $(ARGS)
 
+wheel: $(STAMP)  ## what pip installs, with the kernels compiled for every chip: dist/
+	$(BIN)/python -m host_tools.build.ship
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps -w dist .
+
 clean:  ## remove what was made, except .venv
-	rm -rf out build .pytest_cache .hypothesis .coverage .coverage.* *.egg-info
+	rm -rf out build dist host_tools/kernels/modules .pytest_cache .hypothesis .coverage .coverage.* *.egg-info
 	find . -path ./$(VENV) -prune -o -name __pycache__ -type d -exec rm -rf {} +

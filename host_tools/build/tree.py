@@ -30,6 +30,8 @@ from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
 from host_tools.kernels import inline
 from host_tools.kernels import module as modules
+from host_tools.kernels.program import Program
+from host_tools.language import _
 from host_tools.resources import FIRMWARE, MAIN
 from passo import machine_builder
 from passo.config.boardfile import check
@@ -264,7 +266,7 @@ def _unix_files(texts, march):
     """{path: bytes} of texts with numbers for constants."""
     compiled = {}
     if march:
-        texts, compiled, _ = kernels.compiled(texts, texts, ACCELERATES, march, keep=True)
+        texts, compiled, *_ = kernels.compiled(texts, texts, ACCELERATES, march, keep=True)
     return {**{path: text.encode() for path, text in inline.inlined(texts, keep=True).items()}, **compiled}
 
 
@@ -281,12 +283,19 @@ def compile_module(source, target, march, shown_as):
         raise Failure("{} does not compile for {}: {}", Path(shown_as).with_suffix(".py"), march, reason[-1])
 
 
-def kernels_of(name, firmware=FIRMWARE):
-    """The kernels of a board's build as kernels.build has them: a Program, and groups() of it."""
-    board = boards.load(name)
+def kernels_of(name, chip=None, firmware=FIRMWARE):
+    """The kernels of a board's build as kernels.build has them: a Program, and groups() of it; `chip`: as if the board had this one.
+    Raises Failure if it cannot have."""
+    board = {**boards.load(name)}
+    board["chip"] = chip or board["chip"]
     texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in selected(board, firmware)}
-    program = kernels.Program(numbered_only(texts))
-    return program, kernels.groups(program, board)
+    program = Program(numbered_only(texts))
+    return program, kernels.groups(program, board, _left(board))
+
+
+def _left(board):
+    """Paths of modules whose kernels viper compiles."""
+    return COLD if board["chip"] == IN_PLACE else ()
 
 
 def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
@@ -305,10 +314,11 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     cold = COLD + COLD_IF_LEAN if board.get("memory") == "lean" else COLD
     sources = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files}
     march = march or MARCH[board["chip"]]
-    compiled = kernels.compiled(numbered_only(sources), folded(sources), board, march, COLD if board["chip"] == IN_PLACE else ())
+    compiled = kernels.compiled(numbered_only(sources), folded(sources), board, march, _left(board))
     texts = inline.inlined(compiled.texts, bounds=inline.TIGHT if board["chip"] == IN_PLACE else inline.ROOMY)
     if by is not None:
         by += compiled.by
+        by += [_("and {} words look like pointers: the collector may keep garbage for them", compiled.pointers)] if compiled.pointers else []
     with tempfile.TemporaryDirectory() as folder:
         source = Path(folder) / "module.py"
         for path in files:

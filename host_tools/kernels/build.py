@@ -2,6 +2,7 @@
 
     made = compiled(numbered, texts, board, march)
     made.texts, made.modules, made.by       # {path: text}; {path of .mpy: bytes}; what compiled them: [] is viper
+    made.pointers                           # words of machine code that the collector takes for pointers
 """
 
 import ast
@@ -23,7 +24,7 @@ PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motio
 LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"  # what these call is planner's
 # Left to viper: it looks through all memory at the start with functions in assembler, and is given back.
 LEFT = {"passo.ports.rp2.flash_scan"}
-Compiled = namedtuple("Compiled", "texts modules by")
+Compiled = namedtuple("Compiled", "texts modules by pointers")
 
 
 def groups(program, board, left=(), keep=False):
@@ -49,7 +50,7 @@ def compiled(numbered, texts, board, march, left=(), keep=False):
     """`numbered`: the same texts with numbers for constants, and all other names as they are; `left`: paths of modules that are left
     to viper; `keep`: every kernel can still be called from Python, for tests call each."""
     program = Program(numbered)
-    modules, imports, by, inside = {}, {}, [], set()
+    modules, imports, by, inside, pointers = {}, {}, [], set(), 0
     for name, kernels in groups(program, board, left, keep):
         unit = Unit(program, kernels)
         made = module(unit.text(RUNTIME), unit.names, march)
@@ -57,13 +58,14 @@ def compiled(numbered, texts, board, march, left=(), keep=False):
             continue
         modules[f"passo/kernels_{name}.mpy"] = made.data
         by += [] if made.by in by else [made.by]
+        pointers += made.pointers
         inside |= unit.functions.keys()
         for kernel in kernels:
             imports[kernel.full] = f"from passo.kernels_{name} import {unit.python_name(kernel)} as {kernel.name}\n"
     uses = program.uses()
     wanted = {called.full for kernel in program.kernels.values() if kernel.full not in inside for called in program.calls(kernel)}
     gone = set() if keep else {full for full in inside if not uses[full][1] and full not in wanted}
-    return Compiled({path: _thin(program, path, text, imports, gone) for path, text in texts.items()}, modules, by)
+    return Compiled({path: _thin(program, path, text, imports, gone) for path, text in texts.items()}, modules, by, pointers)
 
 
 def shown(program, groups, name):

@@ -5,6 +5,7 @@ Each table of exceptions says why, or is a list to be emptied: what is in it and
 """
 
 import ast
+import re
 from pathlib import Path
 
 import pytest
@@ -163,6 +164,22 @@ def test_no_function_is_long():
     long = {f"{name}:{function}" for name, tree in TREES.items() for function in long_functions(tree)}
     report([f"{each}: more than {MOST_LINES_OF_A_FUNCTION} lines" for each in long - LONG_FUNCTIONS])
     report([f"{each}: is short enough by now" for each in LONG_FUNCTIONS - long])
+
+
+def native_functions():
+    """{module of `passo`: names of its native functions}"""
+    found = {}
+    for name in FIRMWARE:
+        for node in ast.walk(TREES[name]):
+            if isinstance(node, ast.FunctionDef) and "native" in decorators(node):
+                found.setdefault(name.removeprefix("passo/"), set()).add(node.name)
+    return found
+
+
+def test_native_functions_are_listed_with_their_reason():
+    text = (ROOT / "docs" / "kernels.md").read_text(encoding="utf-8").split("## What is native, and why")[1]
+    rows = re.findall(r"^\| `(\S+)` \| (.+?) \| (.+) \|$", text, re.MULTILINE)
+    assert {module: set(re.findall(r"`(\w+)`", names)) for module, names, _ in rows} == native_functions()
 
 
 # --- (d) no circle of imports

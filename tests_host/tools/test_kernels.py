@@ -15,7 +15,8 @@ from hypothesis import example, given
 from hypothesis import strategies as st
 
 from expressions import EDGES, expected, expressions, kernels_text, wrapped
-from host_tools.build import mpy
+from host_tools import boards
+from host_tools.build import mpy, ship, tree
 from host_tools.failure import Failure
 from host_tools.kernels import module, translate
 from host_tools.kernels.build import RUNTIME, compiled
@@ -261,5 +262,49 @@ def test_a_text_without_its_kernels_keeps_its_lines(monkeypatch):
         assert text.split("\n").index("LAST = 1") == texts["passo/steps/a.py"].split("\n").index("LAST = 1")
         assert list(made.modules) == ["passo/kernels_steps_a.mpy"]
     monkeypatch.setenv("PASSO_KERNELS", "viper")
-    assert compiled(texts, texts, {"axes": []}, "armv6m") == (texts, {}, [])
-    assert compiled(texts, texts, {"axes": []}, "xtensawin") == (texts, {}, [])
+    assert compiled(texts, texts, {"axes": []}, "armv6m") == (texts, {}, [], 0)
+    assert compiled(texts, texts, {"axes": []}, "xtensawin") == (texts, {}, [], 0)
+
+
+@pytest.mark.skipif("armv6m" not in MARCHES, reason="there is no compiler of kernels for armv6m")
+def test_what_a_release_ships_is_taken_where_there_is_no_compiler(tmp_path, monkeypatch):
+    program, _ = tree.kernels_of("two_motor_kit")
+
+    def made():
+        return compiled(program.texts, program.texts, boards.load("two_motor_kit"), "armv6m", tree.COLD)
+
+    here = made()
+    (tmp_path / "old.mpy").write_bytes(b"")
+    shipped = ship.ship(["two_motor_kit"], tmp_path, ("rp2040",))
+    assert here.by == sorted(set(shipped.values())) and {path.name for path in tmp_path.glob("*.mpy")} == shipped.keys()
+    assert sorted(here.modules.values()) == sorted(path.read_bytes() for path in tmp_path.glob("*.mpy"))
+    monkeypatch.setattr(module, "compiler", lambda march: None)
+    assert made() == (program.texts, {}, [], 0)
+    monkeypatch.setattr(module, "SHIPPED", tmp_path)
+    assert made() == here._replace(by=["what came with Passo"])
+    with pytest.raises(Failure, match="nothing here compiles kernels for armv6m"):
+        ship.ship(["two_motor_kit"], tmp_path, ("rp2040",))
+
+
+@pytest.mark.parametrize("by", ["gcc", "zig"])
+def test_no_word_of_a_router_looks_like_a_pointer(by, monkeypatch):
+    monkeypatch.setenv("PASSO_KERNELS", by)
+    if module.compiler("armv6m") is None:
+        pytest.skip(f"no {by} for kernels")
+    program, groups = tree.kernels_of("router_3axis")
+    assert groups
+    for _, kernels in groups:
+        unit = Unit(program, kernels)
+        assert module.module(unit.text(RUNTIME), unit.names, "armv6m").pointers == 0
+
+
+def test_the_build_says_how_many_words_look_like_pointers(monkeypatch, tmp_path):
+    word = (0x20001230).to_bytes(4, "little")
+    assert module.pointers(b"1234" + word + word + b"4321", "armv6m") == [4, 8]
+    assert module.pointers(b"12" + word + b"43", "armv6m") == []
+    assert module.pointers((0x20001234).to_bytes(4, "little"), "armv6m") == []
+    made = compiled({}, {}, {"axes": []}, "armv6m")._replace(by=["gcc 1"], pointers=3)
+    monkeypatch.setattr(tree.kernels, "compiled", lambda numbered, texts, *more: made._replace(texts=texts))
+    by = []
+    tree.build_tree("two_motor_kit", tmp_path, by=by)
+    assert by == ["gcc 1", "and 3 words look like pointers: the collector may keep garbage for them"]

@@ -1,0 +1,41 @@
+"""Moves code by half a word, so that what looked like a pointer to the collector does so no more: two halves that belong to two
+instructions make no word then.
+
+    text = shifted(text, {"steps_pace_viper_pace"})     # C with a nop at the beginning of these functions
+    names = functions_at(elf, base, {0x1234})           # the functions in which these bytes of the code lie
+"""
+
+import re
+import struct
+
+_SYMBOLS, _FUNCTION = 2, 2  # kinds of a section and of a symbol
+
+
+def shifted(text, names):
+    for name in names:
+        text = re.sub(rf"^(\w[^;\n]*\b{name}\([^;\n]*\) {{)$", r'\1 __asm volatile("nop");', text, count=1, flags=re.MULTILINE)
+    return text
+
+
+def functions_at(elf, base, places):
+    """Names of the functions of an ELF whose code has any of these bytes, counted from `base`."""
+    found = set()
+    for name, begin, length in _functions(elf):
+        if any(begin - base <= place < begin - base + length for place in places):
+            found.add(name)
+    return found
+
+
+def _functions(elf):
+    """(name, address, length) of each."""
+    (offset,) = struct.unpack_from("<I", elf, 32)
+    size, count = struct.unpack_from("<HH", elf, 46)
+    sections = [struct.unpack_from("<IIIIIIIIII", elf, offset + size * each) for each in range(count)]
+    for _, kind, _, _, place, length, link, *_ in sections:
+        if kind == _SYMBOLS:
+            names = sections[link][4]
+            for at in range(place, place + length, 16):
+                name, address, extent, info = struct.unpack_from("<IIIB", elf, at)
+                if info & 15 == _FUNCTION:
+                    text = elf[names + name : elf.index(b"\0", names + name)].decode()
+                    yield text.partition(".")[0], address & ~1, extent
