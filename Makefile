@@ -15,7 +15,7 @@ PYTEST = $(BIN)/python -m pytest -n $(JOBS) --dist loadgroup --durations=20 --du
 MINOR = import sys; print(*sys.version_info[:2])
 
 .DEFAULT_GOAL := help
-.PHONY: help venv run check test test-all soak bench build flash emulate site wheel clean
+.PHONY: help venv run check test test-all soak bench build flash uf2 emulate site wheel clean
 
 help:  ## this list
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 10
@@ -99,6 +99,10 @@ build: $(TOOLS)  ## compile the firmware of BOARD into build/BOARD
 flash: $(TOOLS)  ## copy the firmware of BOARD to the board on PORT; DRY=1 only prints
 	@test -n '$(BOARD)' || { echo 'which board? make flash BOARD=plotter_2014 PORT=/dev/ttyACM0' >&2; exit 2; }
 	$(BIN)/passo flash --board $(BOARD) $(if $(PORT),--port $(PORT)) $(if $(DRY),--dry-run)
+
+uf2: $(TOOLS)  ## MicroPython with the firmware in it for CHIP (rp2040, rp2040_w, rp2350, rp2350_w); MICROPYTHON=its source
+	@test -n '$(CHIP)' || { echo 'which chip? make uf2 CHIP=rp2040' >&2; exit 2; }
+	$(BIN)/python -m host_tools.build.uf2 $(CHIP)
 
 emulate: $(EMULATE)  ## the firmware on an emulated Pico; ARGS='--board NAME --tcp 5001'
 	$(BIN)/passo emulate $(ARGS)

@@ -1,10 +1,16 @@
 """Runs the machine of /board.py. Ways to the REPL: BOOTSEL or the input "repl" held at the start, Ctrl-C.
 
 A build has its stamp in passo/stamp.txt, and once more in stamp.txt, which is copied last: without it, or with another one, the
-files here are not those of one build, and none of them is run.
+files here are not those of one build, and none of them is run. In Passo's UF2 this file and the package are frozen: passo_image knows
+whether it is whole.
 """
 
 import sys
+
+try:
+    import passo_image as image
+except ImportError:  # MicroPython as it comes
+    image = None
 
 
 def stamp_of(path):
@@ -15,8 +21,11 @@ def stamp_of(path):
         return ""
 
 
-STAMP = stamp_of("passo/stamp.txt")
-WHOLE = STAMP == stamp_of("stamp.txt")
+if image and image.chosen():
+    STAMP, WHOLE = image.STAMP, image.whole()
+else:
+    STAMP = stamp_of("passo/stamp.txt")
+    WHOLE = STAMP == stamp_of("stamp.txt")
 
 if WHOLE:
     from passo.config.board_error import BoardError
@@ -112,5 +121,7 @@ def main():
 
 if WHOLE:
     main()
+elif image and STAMP == image.STAMP:
+    print("the UF2 here is not whole: copy it again. Hold BOOTSEL while you plug the board in: passo flash --uf2")
 else:
     print("the firmware here is not whole: copying it was cut short, or it is of two builds. Flash it again: passo flash")

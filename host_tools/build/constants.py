@@ -223,9 +223,14 @@ def folded(texts):
     short names.
 
     Raises Failure for what is not Python."""
+    return numbered(shortened(whole(texts)))
+
+
+def whole(texts):
+    """The same with all names but those of constants as they are."""
     modules = _modules(texts)
     for module in modules.values():
         _fold(module, modules)
     for module in modules.values():
         _drop(module)
-    return numbered(shortened({module.path: _edited(module) for module in modules.values()}))
+    return {module.path: _edited(module) for module in modules.values()}

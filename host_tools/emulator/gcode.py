@@ -144,13 +144,17 @@ def padded(*lines, width=LINE_BYTES):
 def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False, clock_mhz=125):
     """A booted EmulatedMachine of the board file that waits for run_lines(); with a `laser` instead of a spindle for
     run_raster(). Its axes do 250 mm/s and 20 000 mm/s², so that the processor is the limit."""
+    return router(*fast_board(lengths_mm, name, laser, clock_mhz))
+
+
+def fast_board(lengths_mm, name="router_3axis", laser=False, clock_mhz=125):
+    """(board, texts) of fast_router()."""
     board = {**boards.load(name), "clock_mhz": clock_mhz}
     for axis in board["axes"]:
         axis.update(max_mm_min=15_000, accel_mm_s2=20_000)
     if laser:
         board["spindle"] = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": LASER_PIN, "pwm_hz": 5000, "laser": True}
-    texts = {f"{length}.txt": raster(length)[0] if laser else chords(length)[1] for length in lengths_mm}
-    return router(board, texts)
+    return board, {f"{length}.txt": raster(length)[0] if laser else chords(length)[1] for length in lengths_mm}
 
 
 def router(board=None, texts=(), jerk=0):
@@ -160,11 +164,7 @@ def router(board=None, texts=(), jerk=0):
     files = written(board)
     assert files["main.py"].count(_RUN) == 1
     files["main.py"] = files["main.py"].replace(_RUN, _ATTACH + _RUN)
-    with tempfile.TemporaryDirectory() as folder:
-        source, target = Path(folder) / "memory_line.py", Path(folder) / "memory_line.mpy"
-        source.write_text(_LINE)
-        compile_module(source, target, "armv6m", "memory_line")
-        files[target.name] = target.read_bytes()
+    files.update(line_of_memory())
     files.update(texts)
     if jerk:
         slots = MemorySlots()
@@ -174,6 +174,15 @@ def router(board=None, texts=(), jerk=0):
     machine.pico.console.expect(b"ready")
     machine.free_bytes = int(machine.pico.console.expect(b"\n").split()[-1])
     return machine
+
+
+def line_of_memory():
+    """{name: bytes} of the module that stands for a link."""
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = Path(folder) / "memory_line.py", Path(folder) / "memory_line.mpy"
+        source.write_text(_LINE)
+        compile_module(source, target, "armv6m", "memory_line")
+        return {target.name: target.read_bytes()}
 
 
 def talk_to(machine):

@@ -50,7 +50,7 @@ ZIG_OPTIONS = "-g -Os", "-g -Os -mllvm -disable-block-placement", "-g -Os -mllvm
 ROUNDS = 5  # of moving functions
 KEEPS = 1000  # bytes that a word which looks like a pointer is taken to keep
 SCRIPT = """
-SECTIONS {{ . = {base:#x}; .text : {{ *(.text.start) *(.text .text.*) *(.rodata .rodata.*) }}
+SECTIONS {{ . = {base:#x}; .text : {{ *(.text.start) *(.text .text.*) *(.rodata .rodata.*) code_end = .; }}
 .other : {{ *(.got .got.plt) *(.data .data.*) *(.bss .bss.*) }}
 /DISCARD/ : {{ *(.comment .ARM.* .note* .debug* .eh_frame* .riscv.attributes .dyn* .gnu.hash .hash .interp) }} }}
 """
@@ -184,7 +184,7 @@ def pointers(code, march):
     return [4 * number for number, word in enumerate(words) if low <= word < high and word % 16 == 0]
 
 
-def _number(value):
+def number(value):
     out = bytes([value & 0x7F])
     while value := value >> 7:
         out = bytes([0x80 | value & 0x7F]) + out
@@ -193,13 +193,13 @@ def _number(value):
 
 def _head(names, march):
     """What stands before the code of an .mpy (version 6.3): names, and one object, the table of the interpreter's functions."""
-    table = b"".join(_number(len(name) << 1) + name.encode() + b"\0" for name in names)
-    return bytes([ord("M"), 6, ARCHITECTURE[march] << 2 | 3, 31]) + _number(len(names)) + _number(1) + table + b"\0"
+    table = b"".join(number(len(name) << 1) + name.encode() + b"\0" for name in names)
+    return bytes([ord("M"), 6, ARCHITECTURE[march] << 2 | 3, 31]) + number(len(names)) + number(1) + table + b"\0"
 
 
 def mpy_of(code, names, march):
     """The .mpy, of one function of viper's kind."""
-    return _head(names, march) + _number(len(code) << 3 | 2) + code + _number(0)
+    return _head(names, march) + number(len(code) << 3 | 2) + code + number(0)
 
 
 def code_of(data, names, march):

@@ -39,8 +39,9 @@ MAY_IMPORT = {
     "app": ("passo",),
     "machine_builder": ("passo",),
     "network_builder": ("passo",),
+    "passo_image": ("passo.ports.rp2",),
     "main": (
-        "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.port_pins", "passo.config.board_error", "passo.config.journal", "passo.ports", "board",
+        "passo_image", "passo.app", "passo.machine_builder", "passo.config.boardfile", "passo.config.port_pins", "passo.config.board_error", "passo.config.journal", "passo.ports", "board",
     ),
 }
 
@@ -54,6 +55,7 @@ MORE_BUILT_INS = {
     "config": {"deflate"},
     "memory": {"deflate"},
     "control": {"math"},
+    "passo_image": {"rp2", "uctypes"},
     "web": {"socket", "network"},
 }
 

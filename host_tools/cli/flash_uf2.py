@@ -1,0 +1,167 @@
+"""What `passo flash` does with UF2s: it asks the board what it has, and puts another one there by the chip's own boot loader.
+
+    has = ask(port)                 # has.chip is None: MicroPython without Passo
+    replace(port, path, has)        # the board starts with the UF2 of a file; files survive
+
+The boot loader shows the board as a drive: INFO_UF2.TXT on it says which chip it is. On Linux the desktop mounts it, or udisksctl;
+on Windows it gets a letter.
+"""
+
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+import time
+from collections import namedtuple
+from pathlib import Path
+
+from host_tools.build.frozen import CHIPS
+from host_tools.build.uf2 import told_by
+from host_tools.emulator.filesystem import location
+from host_tools.failure import Failure
+from host_tools.language import _
+from host_tools.resources import HOST_TOOLS
+from host_tools.uf2_format import is_whole
+
+ASK = HOST_TOOLS / "build" / "ask_board.py"
+REMOVE_PACKAGE = HOST_TOOLS / "build" / "remove_package.py"
+DRIVES = "RPI-RP2", "RP2350"  # by what the boot loaders of the chips call them
+INFO = "INFO_UF2.TXT"
+DRIVE_S, START_S, COPY_S = 20, 30, 600
+_OF_PACKAGE = "passo", "main.py", "stamp.txt", "source.txt"  # not carried over: another build brings its own
+# `chip`: of Passo's UF2, None of another interpreter; `files_at`: where its file system begins, −1 unknown.
+Has = namedtuple("Has", "chip stamp version files_at names")
+
+
+def mpremote(port):
+    return [sys.executable, "-m", "mpremote", "connect", port]
+
+
+def asking(port):
+    return [*mpremote(port), "run", str(ASK)]
+
+
+def told(text, port):
+    """What ask_board.py has printed. Raises Failure if the board runs something else."""
+    lines = text.splitlines()
+    words = lines[0].split() if lines else []
+    if len(lines) < 2 or words[0] not in ("uf2", "micropython"):
+        raise Failure("{} runs {}, and no MicroPython: docs/build.md says how a UF2 comes onto a board", port, " ".join(words) or _("nothing that answers"))
+    chip, stamp, version = words[1:4] if words[0] == "uf2" else (None, None, words[1])
+    return Has(chip, stamp, version, int(lines[1]), lines[2].split() if len(lines) > 2 else [])
+
+
+def check_fits(has, board, name):
+    """Raises Failure if the UF2 that a board has does not serve a board file, a dict."""
+    chip = CHIPS.get(has.chip)
+    if chip is None or chip.mcu != board["chip"] or board.get("network") and not chip.network:
+        wanted = board["chip"] + ("_w" if board.get("network") else "")
+        raise Failure("the board has Passo's UF2 for the {}, and {} wants that for the {}: passo flash --uf2 FILE", has.chip, name, wanted)
+
+
+def copying(port, board_file):
+    """The command that lays a board file beside Passo's UF2."""
+    return [*mpremote(port), "run", str(REMOVE_PACKAGE), "+", "cp", str(board_file), ":board.py", "+", "reset"]
+
+
+# --- another UF2
+
+
+def replace(port, path, has):
+    """`has` is None if nothing answers: then the board has to be in its boot loader. Raises Failure."""
+    kept = saved(port, path, has) if has else None
+    if has:
+        subprocess.run([*mpremote(port), "exec", "--no-follow", "import machine; machine.bootloader()"], capture_output=True, timeout=START_S)
+    drive = awaited(drive_of, DRIVE_S)
+    if drive is None:
+        raise hold(path)
+    print(_("copying {} to {}", path.name, drive))
+    write(path, drive)
+    if awaited(lambda: drive_of() is None, DRIVE_S) is None or awaited(lambda: answer(port), START_S) is None:
+        raise hold(path)
+    if kept:
+        put_back(port, kept)
+
+
+def hold(path):
+    return Failure("the board did not start with {}: hold BOOTSEL while you plug it in, then: passo flash --uf2 {0}", path)
+
+
+def saved(port, path, has):
+    """A folder with the board's files if they would be lost, because the file system begins elsewhere; otherwise None."""
+    if has.files_at == location(path)[0]:
+        return None
+    folder = Path(tempfile.mkdtemp(prefix="passo-files-"))
+    names = [name for name in has.names if name not in _OF_PACKAGE]
+    for name in names:
+        done = subprocess.run([*mpremote(port), "cp", "-r", f":{name}", str(folder)], capture_output=True, text=True, timeout=COPY_S)
+        if done.returncode:
+            raise Failure("{} cannot be read from the board, and its file system is to move: {}", name, done.stderr.strip())
+    print(_("the file system begins elsewhere: {} files and folders are kept in {}", len(names), folder))
+    return folder
+
+
+def put_back(port, folder):
+    names = sorted(str(each) for each in folder.iterdir())
+    if names:
+        done = subprocess.run([*mpremote(port), "cp", "-r", *names, ":"], capture_output=True, text=True, timeout=COPY_S)
+        if done.returncode:
+            raise Failure("the board's files could not be put back, and are in {}: {}", folder, done.stderr.strip())
+    shutil.rmtree(folder)
+
+
+def write(path, drive):
+    """The board restarts when the last block has come: some systems report that as an error."""
+    try:
+        with open(path, "rb") as source, open(drive / path.name, "wb") as target:
+            shutil.copyfileobj(source, target)
+            target.flush()
+            os.fsync(target.fileno())
+    except OSError:
+        pass  # what counts is whether the board starts
+
+
+def awaited(question, limit_s):
+    """The first answer but None or False; None after the limit."""
+    end = time.monotonic() + limit_s
+    while time.monotonic() < end:
+        found = question()
+        if found:
+            return found
+        time.sleep(0.2)
+    return None
+
+
+def answer(port):
+    try:
+        return subprocess.run([*mpremote(port), "exec", "pass"], capture_output=True, timeout=START_S).returncode == 0
+    except subprocess.TimeoutExpired:
+        return False
+
+
+def drive_of():
+    """The folder of the boot loader's drive, or None."""
+    if os.name == "nt":
+        places = [Path(f"{letter}:/") for letter in "DEFGHIJKLMNOPQRSTUVWXYZ"]
+    else:
+        user = os.environ.get("USER", "root")
+        roots = [Path("/Volumes"), Path("/media"), Path("/run/media") / user, Path("/media") / user, Path("/mnt")]
+        places = [root / name for root in roots for name in DRIVES]
+    for place in places:
+        if (place / INFO).is_file():
+            return place
+    for name in DRIVES:
+        disk = Path("/dev/disk/by-label") / name
+        if disk.exists() and shutil.which("udisksctl"):
+            subprocess.run(["udisksctl", "mount", "--no-user-interaction", "-b", str(disk)], capture_output=True)
+    return None
+
+
+def check_file(path):
+    """What a UF2 holds, as told_by(): None is MicroPython as it comes. Raises Failure if it is not whole."""
+    if not path.is_file():
+        raise Failure("no file {}", path)
+    if not is_whole(path.read_bytes()):
+        raise Failure("{} is no whole UF2", path)
+    return told_by(path)
