@@ -241,8 +241,10 @@ class Cabled(Bench):
             patched(self.wire, framed), contextlib.redirect_stdout(io.StringIO()), contextlib.redirect_stderr(io.StringIO()),
             mock.patch.object(sys, "stdin", io.StringIO()),
         ):  # fmt: skip
-            yield
-        self.wire.end_ms = None
+            try:
+                yield
+            finally:
+                self.wire.end_ms = None
 
     def count_noise(self):
         faults = self.line.faults()

@@ -47,10 +47,13 @@ def polled(server, now_ms, count=400):
 def stops(server, address, now_ms):
     """Whether STOP is answered."""
     asking = connect(address, STOP)
-    polled(server, now_ms)
     try:
-        return b" 200" in asking.recv(4096)
-    except TimeoutError:
+        for _ in range(LOOKS):
+            polled(server, now_ms)
+            try:
+                return b" 200" in asking.recv(4096)
+            except TimeoutError:
+                continue
         return False
     finally:
         asking.close()
