@@ -420,13 +420,20 @@ def check_the_line_beyond_the_travel():
         assert desk.order("home") == 0
         desk.settle()
         desk.run_ms(500)
-        desk.store.put("far", "G21G90\nG1X4F3000\nX5\nX900\nX6\n")
+        near = ["X%d" % mm for mm in range(1, 101)]  # more than are looked ahead: it moves as the alarm comes, and is held on its way to the stand
+        desk.store.put("far", "G21G90\nG1X0F3000\n" + "\n".join(near) + "\nX900\nX6\n")
         assert desk.order("run", name="far", check=check) == 0
         desk.settle()
         desk.run_ms(1000)
         job = desk.machine.state["job"]
-        assert job["how"] == "failed" and job["line"] == 4, job
+        assert job["how"] == "failed" and job["line"] == 103, job
         assert desk.machine.state["state"] == ("Idle" if check else "Alarm")
+        if not check:
+            assert desk.machine.state["alarm"] == errors.ALARM_SOFT_LIMIT
+            assert desk.order("unlock") == 0
+            desk.settle()
+            desk.run_ms(200)
+            assert desk.machine.state["state"] == "Idle" and desk.machine.state["alarm"] == 0
 
 
 def check_why_it_is_held():

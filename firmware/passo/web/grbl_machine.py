@@ -119,7 +119,7 @@ class GrblMachine(AnyMachine):
         state = self.state
         self._reported()
         name, _, sub = fields["state"].partition(":")
-        if name not in ("Alarm",) and state["alarm"]:
+        if name not in ("Alarm", "Hold", "Door"):  # on its way to an alarm's stand it is held
             state["alarm"] = 0
         if name != "Hold":
             state["why"] = ""
