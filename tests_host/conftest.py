@@ -43,6 +43,7 @@ def pytest_addoption(parser):
 
 def pytest_configure(config):
     os.environ["LANGUAGE"] = "en"  # what `passo` says is compared
+    os.environ.setdefault("PASSO_PC_KERNELS", "plain")  # coverage sees kernels as Python; test_compiled.py has them as C
     for line in MARKERS.strip().splitlines():
         config.addinivalue_line("markers", line)
     tiers.current = config.getoption("--tier")  # before the test modules are imported

@@ -106,11 +106,14 @@ def board(
 
 def serve(config, mode, protocols, links, tcp, trace, vcd, options):
     """Run the board until SIGTERM or SIGINT; see `board` for the arguments."""
+    from host_tools.build.pc_kernels import use_compiled
     from host_tools.sim.machine import Machine
     from host_tools.sim.serial_line import PtyLine, TcpLine, wait
     from passo.config.boardfile import BoardError
     from passo.records import NETWORK_PORTS
 
+    if any("accel_mm_s2" in axis for axis in config["axes"]):  # others have little to compute
+        use_compiled()
     stopped = []
     for number in (signal.SIGTERM, signal.SIGINT):
         signal.signal(number, lambda *_: stopped.append(True))

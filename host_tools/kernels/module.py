@@ -14,6 +14,7 @@ have such words are moved by half a word (shift.py), and other options are tried
 import hashlib
 import importlib.util
 import os
+import platform
 import shutil
 import struct
 import subprocess
@@ -24,7 +25,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from host_tools.failure import Failure
-from host_tools.kernels.shift import functions_at, shifted
+from host_tools.kernels.shift import functions_at, sections, shifted
 
 CACHE = Path.home() / ".cache" / "passo" / "kernels"
 SHIPPED = Path(__file__).parent / "modules"
@@ -37,13 +38,15 @@ ZIG_ONLY = "-fno-sanitize=all"
 GCC = {
     "armv6m": "arm-none-eabi-gcc -mthumb -mcpu=cortex-m0plus",
     "armv7emsp": "arm-none-eabi-gcc -mthumb -mcpu=cortex-m4 -mfpu=fpv4-sp-d16 -mfloat-abi=hard",
+    "x64": "gcc -m64 -mno-red-zone -O2",
 }
 ZIG = {
     "armv6m": "-target thumb-freestanding-eabi -mcpu=cortex_m0plus",
     "armv7emsp": "-target thumb-freestanding-eabi -mcpu=cortex_m4",
     "rv32imc": "-target riscv32-freestanding-none -mcpu=generic_rv32+m+c",
+    "x64": "-target x86_64-freestanding-none",
 }
-ARCHITECTURE = {"armv6m": 4, "armv7emsp": 7, "rv32imc": 11}
+ARCHITECTURE = {"armv6m": 4, "armv7emsp": 7, "rv32imc": 11, "x64": 2}  # the last one is MicroPython's on a PC
 HEAPS = {"armv6m": (0x20000000, 0x20042000), "armv7emsp": (0x20000000, 0x20082000), "rv32imc": (0x3FC80000, 0x3FCE0000)}
 OPTIONS = "-Os -fno-reorder-blocks", "-Os", "-O2"  # the first made a line 3 % cheaper than -Os
 ZIG_OPTIONS = "-g -Os", "-g -Os -mllvm -disable-block-placement", "-g -Os -mllvm -disable-lsr"  # without -g it leaves the names of functions out
@@ -65,6 +68,8 @@ def compiler(march):
 @lru_cache(maxsize=16)
 def _compiler(march, asked):
     gcc = GCC.get(march, "").split()
+    if march == "x64" and platform.machine() not in ("x86_64", "AMD64"):
+        return None
     if asked in (None, "gcc") and gcc and shutil.which(gcc[0]):
         return "gcc", [*gcc, *GCC_ONLY.split()], OPTIONS, _version([gcc[0], "-dumpfullversion"])
     if asked in (None, "zig") and march in ZIG and importlib.util.find_spec("ziglang"):
@@ -166,10 +171,8 @@ def _run(command, folder):
 
 def loaded(elf, base):
     """The bytes of an ELF that are loaded from `base` on. Raises Failure if there is data that can be written."""
-    offset, size, count, names = *struct.unpack_from("<I", elf, 32), *struct.unpack_from("<HHH", elf, 46)
     found = b""
-    for at in range(offset, offset + size * count, size):
-        _, kind, flags, address, place, length = struct.unpack_from("<IIIIII", elf, at)
+    for kind, flags, address, place, length, _ in sections(elf):
         if flags & 2 and length:
             if flags & 1 or kind == 8:
                 raise Failure("the machine code of kernels has data that is written")
@@ -179,7 +182,7 @@ def loaded(elf, base):
 
 def pointers(code, march):
     """Where in the code words are that the collector takes for addresses of its heap."""
-    low, high = HEAPS[march]
+    low, high = HEAPS.get(march, (0, 0))
     words = struct.unpack(f"<{len(code) // 4}I", code[: len(code) & ~3])
     return [4 * number for number, word in enumerate(words) if low <= word < high and word % 16 == 0]
 

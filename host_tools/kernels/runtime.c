@@ -19,7 +19,7 @@ typedef const struct function {
 #define TABLE(number, type) ((type)((void *const *)at->context->objects[0])[number])
 #define NAME(number) (at->context->names[number])
 #define load_attr TABLE(9, object_t (*)(object_t, uintptr_t))
-#define SMALL_INT(value) ((object_t)(uintptr_t)((uint32_t)(value) << 1 | 1))
+#define SMALL_INT(value) ((object_t)((uintptr_t)(intptr_t)(value) << 1 | 1))
 #define AS_INT 2
 #define AS_PTR32 7
 #define FUNCTION static __attribute__((noinline, unused))
@@ -113,6 +113,10 @@ FUNCTION object_t to_object(context_t at, int32_t value) {
     return TABLE(4, object_t (*)(uintptr_t, uintptr_t))((uintptr_t)(intptr_t)value, AS_INT);
 }
 
+INLINE object_t to_pointer(context_t at, const volatile void *pointer) {
+    return sizeof pointer == 4 ? to_object(at, (int32_t)(uintptr_t)pointer) : SMALL_INT((intptr_t)pointer);
+}
+
 INLINE object_t none(context_t at) {
     return TABLE(0, object_t);
 }
@@ -170,13 +174,12 @@ FUNCTION intptr_t copied(context_t at) {
 #define copied(at) 0
 #endif
 
-#if !defined(__x86_64__) && !defined(__aarch64__)
 __attribute__((section(".text.start"), used)) object_t start(context_t at, size_t count, size_t named, object_t *args) {
     object_t module = TABLE(35, object_t (*)(uintptr_t, object_t, object_t))(NAME(1), none(at), SMALL_INT(0));
     object_t arrays = load_attr(module, NAME(1));
     // A trial: whether the numbers of an array lie where its fourth word says. If not, the interpreter is asked each time.
     object_t numbers[2] = {SMALL_INT(5), SMALL_INT(8)};
-    object_t made = call_object(arrays, 2, (object_t)(uintptr_t)((uint32_t)NAME(3) << 3 | 2), TABLE(19, object_t (*)(size_t, const object_t *))(2, numbers));
+    object_t made = call_object(arrays, 2, (object_t)((uintptr_t)NAME(3) << 3 | 2), TABLE(19, object_t (*)(size_t, const object_t *))(2, numbers));
     int32_t *place = ((int32_t **)made)[3];
     if (*(object_t *)made != arrays || place != (int32_t *)TABLE(3, uintptr_t (*)(object_t, uintptr_t))(made, AS_PTR32) || place[1] != 8) arrays = 0;
     void *before = TABLE(5, void *(*)(void *))(at->context->globals);
@@ -186,4 +189,3 @@ __attribute__((section(".text.start"), used)) object_t start(context_t at, size_
     TABLE(5, void *(*)(void *))(before);
     return none(at);
 }
-#endif

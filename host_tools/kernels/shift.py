@@ -26,14 +26,21 @@ def functions_at(elf, base, places):
     return found
 
 
+def sections(elf):
+    """[(kind, flags, address, place in the file, length, link)] of an ELF's sections."""
+    wide = elf[4] == 2
+    (offset,) = struct.unpack_from("<Q" if wide else "<I", elf, 40 if wide else 32)
+    size, count = struct.unpack_from("<HH", elf, 58 if wide else 46)
+    form = "<IIQQQQI" if wide else "<IIIIIII"
+    return [struct.unpack_from(form, elf, offset + size * each)[1:] for each in range(count)]
+
+
 def _functions(elf):
-    """(name, address, length) of each."""
-    (offset,) = struct.unpack_from("<I", elf, 32)
-    size, count = struct.unpack_from("<HH", elf, 46)
-    sections = [struct.unpack_from("<IIIIIIIIII", elf, offset + size * each) for each in range(count)]
-    for _, kind, _, _, place, length, link, *_ in sections:
+    """(name, address, length) of each function of an ELF of 32 bits."""
+    found = sections(elf)
+    for kind, _, _, place, length, link in found:
         if kind == _SYMBOLS:
-            names = sections[link][4]
+            names = found[link][3]
             for at in range(place, place + length, 16):
                 name, address, extent, info = struct.unpack_from("<IIIB", elf, at)
                 if info & 15 == _FUNCTION:

@@ -235,7 +235,7 @@ class Function:
         if self.kind(node) == OBJECT:
             return self.value(node)
         if self.kind(node) in POINTERS:
-            return f"to_object(at, (int32_t)(uintptr_t){self.value(node)})"
+            return f"to_pointer(at, {self.value(node)})"
         return f"to_object(at, {self.value(node)})"
 
     def needs_objects(self):
@@ -367,6 +367,13 @@ class Function:
             f"static object_t {self.wrapper_name()}(context_t at, size_t count, size_t named, object_t *args) {{\n"
             f"    if (count != {len(self.kernel.arguments)} || named) wrong_count(at, {len(self.kernel.arguments)}, count);\n    {result}\n}}\n\n"
         )
+
+
+    def exported(self):
+        """What ctypes calls on a PC."""
+        given = (["at"] if self.needs_objects() else []) + ["v_" + name for name, _ in self.kernel.arguments]
+        head = self.head().removeprefix("static ").replace(f" {self.c_name}(", f" pc_{self.c_name}(")
+        return f"{head} {{\n    {'return ' if self.kernel.returns else ''}{self.c_name}({', '.join(given)});\n}}\n"
 
 
 def _loaded(node):

@@ -1,7 +1,7 @@
 """One module of machine code as one text of C.
 
     unit = Unit(program, kernels)       # those that Python calls; what they call comes along
-    unit.text(runtime)                  # C, behind the text of runtime.c
+    unit.text(runtime)                  # C, behind the text of runtime.c; pc_text(): for a PC
     unit.names                          # of attributes and functions, in the order in which the C numbers them
 """
 
@@ -33,14 +33,24 @@ class Unit:
         return f"_{[each.kernel.full for each in self.called].index(kernel.full)}"
 
     def text(self, runtime):
+        heads, bodies, wrapped = self._parts()
+        heads += "".join(f"static object_t {each.wrapper_name()}(context_t at, size_t count, size_t named, object_t *args);\n" for each in wrapped)
+        stores = "".join(f"    define(at, {self.name(self.python_name(each.kernel))}, {each.wrapper_name()}, arrays);\n" for each in self.called)
+        bodies += "".join(each.wrapper() for each in wrapped)
+        return f"{runtime}\n{heads}\n{bodies}static void define_all(context_t at, object_t arrays) {{\n{stores}}}\n"
+
+    def pc_text(self, runtime):
+        """Instead of that, for a library of a PC: a function pc_… for each kernel that Python calls."""
+        heads, bodies, wrapped = self._parts()
+        heads += "".join(f"const char {each.wrapper_name()}[1];  // stands for the kernel, given as an argument\n" for each in wrapped)
+        return f"{runtime}\n{heads}\n{bodies}" + "".join(each.exported() for each in self.called)
+
+    def _parts(self):
+        """(C of all heads, C of all functions, those that are called as objects, too)"""
         texts = {}
         while texts.keys() != self.functions.keys():  # a text may want more of them
             for full in [each for each in self.functions if each not in texts]:
                 texts[full] = self.functions[full].text()
         functions = list(self.functions.values())
         wrapped = [each for each in functions if each in self.called or any(each.wrapper_name() in text for text in texts.values())]
-        heads = "".join(each.head() + ";\n" for each in functions)
-        heads += "".join(f"static object_t {each.wrapper_name()}(context_t at, size_t count, size_t named, object_t *args);\n" for each in wrapped)
-        stores = "".join(f"    define(at, {self.name(self.python_name(each.kernel))}, {each.wrapper_name()}, arrays);\n" for each in self.called)
-        bodies = "".join(texts.values()) + "".join(each.wrapper() for each in wrapped)
-        return f"{runtime}\n{heads}\n{bodies}static void define_all(context_t at, object_t arrays) {{\n{stores}}}\n"
+        return "".join(each.head() + ";\n" for each in functions), "".join(texts.values()), wrapped

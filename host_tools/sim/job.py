@@ -13,7 +13,8 @@ part of a job: they are noted in `skipped`. What guards a real machine (encoders
 guard here and is left out.
 
 The firmware runs under MicroPython, in a process of its own, if there is one (pip install 'passo[check]'): its machine code
-makes words some five times faster than Python. The words are the same.
+makes words some five times faster than Python. Without it kernels run as C, if there is a compiler (host_tools/build/pc_kernels.py). The
+words are the same.
 """
 
 import ast
@@ -28,6 +29,7 @@ import threading
 import numpy as np
 
 from host_tools import boards, language
+from host_tools.build.pc_kernels import use_compiled
 from host_tools.failure import Failure, reason
 from host_tools.language import _, error_text
 from host_tools.sim import job_runner
@@ -151,6 +153,7 @@ class VirtualJob:
     # --- the firmware in this process
 
     def _in_process(self):
+        use_compiled()
         try:
             self._runner = job_runner.Runner(self._setup[0], self, due_of_array, *self._setup[1:])
         except job_runner.Failed as failed:

@@ -1,0 +1,300 @@
+"""The kernels of the firmware as a library of this PC: CPython calls the largest of them by ctypes, so that a virtual board computes in C
+what a real one does.
+
+    use_compiled()              # before a machine is made; True: kernels are C from now on
+
+The same translator as for boards (host_tools/kernels), in front of it kernels/pc.c. The library is made once for each state of the
+sources, by cc, gcc, clang or PyPI's ziglang, and kept in ~/.cache/passo/kernels; where there is none of them, or PASSO_PC_KERNELS=plain,
+kernels stay Python.
+
+A call by ctypes costs a microsecond or two, which is what a short kernel takes in Python: TAKEN are those that gain. What they call they
+call in C. An array is handed over by its address, which is asked for at each call, for it may have moved; objects of other kinds by
+a number, by which C asks Python for what it wants of them.
+"""
+
+import array
+import ctypes
+import hashlib
+import importlib.abc
+import importlib.machinery
+import importlib.util
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from functools import lru_cache
+from pathlib import Path
+
+from host_tools.build.constants import numbered_only
+from host_tools.failure import Failure
+from host_tools.kernels import module as modules
+from host_tools.kernels import unit as units
+from host_tools.kernels.build import RUNTIME
+from host_tools.kernels.program import INT, OBJECT, Program
+from host_tools.resources import FIRMWARE
+
+CHOICE = "PASSO_PC_KERNELS"  # plain or c
+TAKEN = {
+    "passo.control.line_batches.trace",
+    "passo.drives.coils_viper.apply",
+    "passo.drives.gantry_viper.double",
+    "passo.motion.block_viper.plan_block",
+    "passo.motion.circle_viper.walk",
+    "passo.motion.independent_viper.walk",
+    "passo.motion.line_viper.walk",
+    "passo.motion.look_ahead_viper.look_back",
+    "passo.motion.look_ahead_viper.plan_lines",
+    "passo.protocols.gcode.parse_viper.parse",
+    "passo.protocols.grbl.lines.copy",
+    "passo.protocols.grbl.text_viper.tell",
+    "passo.protocols.plotter.protocol.sift",
+    "passo.steps.pace_viper.pace",
+    "passo.steps.pace_viper.repay",
+    "passo.steps.position_viper.find",
+    "passo.steps.segments_viper.make",
+}
+PC = (Path(units.__file__).parent / "pc.c").read_text(encoding="utf-8")
+OPTIONS = "-O2 -std=gnu11 -fwrapv -fno-strict-aliasing -fPIC -shared -w"
+SUFFIX = ".dll" if sys.platform == "win32" else ".so"
+
+
+def runtime():
+    """The C in front of kernels: pc.c, with the numbers of runtime.c."""
+    numbers = RUNTIME.partition("// --- numbers")[2].partition("// --- objects")[0].partition("\n")[2]
+    return PC.replace("/* numbers */\n", numbers)
+
+
+def compiler():
+    """The command of a C compiler for this PC, or None."""
+    for name in ("cc", "gcc", "clang"):
+        if shutil.which(name):
+            return [name]
+    return [sys.executable, "-m", "ziglang", "cc", "-fno-sanitize=all"] if importlib.util.find_spec("ziglang") else None
+
+
+def library():
+    """(path of the library, its table) for the firmware as it is now; None if nothing compiles here. Raises Failure."""
+    command = compiler()
+    if command is None:
+        return None
+    paths = [path for path in sorted((FIRMWARE / "passo").rglob("*.py")) if "ports" not in path.parts]
+    texts = {path.relative_to(FIRMWARE).as_posix(): path.read_text(encoding="utf-8") for path in paths}
+    makers = [path.read_text(encoding="utf-8") for path in sorted(Path(units.__file__).parent.glob("*.*")) if path.is_file()]
+    state = hashlib.sha256(repr((texts, makers, command, OPTIONS, sys.platform, Path(__file__).read_text(encoding="utf-8"))).encode())
+    kept = modules.CACHE / f"pc-{state.hexdigest()[:24]}{SUFFIX}"
+    table = kept.with_suffix(".json")
+    if not kept.is_file() or not table.is_file():
+        _make(texts, command, kept, table)
+    return kept, json.loads(table.read_text(encoding="utf-8"))
+
+
+def _make(texts, command, kept, table):
+    program = Program(numbered_only(texts))
+    unit = units.Unit(program, list(program.kernels.values()))
+    text = unit.pc_text(runtime())
+    rows = {
+        each.kernel.full: [each.c_name, each.kernel.arguments, each.kernel.returns, each.needs_objects()]
+        for each in unit.called if each.kernel.full in TAKEN
+    }
+    usual = {each.kernel.full: each.wrapper_name() for each in unit.functions.values() if f"const char {each.wrapper_name()}[" in text}
+    kept.parent.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory(dir=kept.parent) as folder:
+        source, made, listed = (Path(folder) / name for name in ("k.c", "k" + SUFFIX, "k.json"))
+        source.write_text(text, encoding="utf-8")
+        done = subprocess.run([*command, *OPTIONS.split(), "-o", made, source], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True)
+        if done.returncode:
+            raise Failure("{} does not compile kernels: {}", command[0], done.stdout)
+        listed.write_text(json.dumps({"names": unit.names, "kernels": rows, "usual": usual}), encoding="utf-8")
+        os.replace(made, kept)
+        os.replace(listed, table)
+
+
+@lru_cache(maxsize=1)
+def use_compiled():
+    """Let the firmware call kernels in C from now on; call it before machines are made. Returns whether it does."""
+    choice = os.environ.get(CHOICE)
+    found = None if choice == "plain" else library()
+    if found is None:
+        if choice == "c":
+            raise Failure("{}=c: there is no C compiler here", CHOICE)
+        return False
+    kernels = Library(*found)
+    finder = Finder(kernels)
+    sys.meta_path.insert(0, finder)
+    for name in [name for name in sys.modules if finder.names_in(name)]:
+        _replace(sys.modules[name], finder.names_in(name), kernels)
+    return True
+
+
+def _replace(module, names, library):
+    """Put compiled kernels into a module of the firmware, and wherever else its own are imported by name."""
+    for name in names:
+        plain = getattr(module, name)
+        made = library.function(f"{module.__name__}.{name}", plain)
+        for each in [each for key, each in sys.modules.items() if key.partition(".")[0] == "passo"]:
+            vars(each).update({key: made for key, value in vars(each).items() if value is plain})
+
+
+class Finder(importlib.abc.MetaPathFinder):
+    """Finds modules of kernels, and puts compiled ones into them when they have been imported."""
+
+    def __init__(self, library):
+        self._library = library
+
+    def names_in(self, module):
+        return [full.rpartition(".")[2] for full in self._library.wanted() if full.rpartition(".")[0] == module]
+
+    def find_spec(self, name, path, target=None):
+        wanted = self.names_in(name)
+        spec = importlib.machinery.PathFinder.find_spec(name, path, target) if wanted else None
+        if spec is not None:
+            spec.loader = _Loader(spec.loader, self._library, wanted)
+        return spec
+
+
+class _Loader(importlib.abc.Loader):
+    def __init__(self, inner, library, names):
+        self._inner, self._library, self._names = inner, library, names
+
+    def create_module(self, spec):
+        return self._inner.create_module(spec)
+
+    def exec_module(self, module):
+        self._inner.exec_module(module)
+        _replace(module, self._names, self._library)
+
+    def __getattr__(self, name):  # get_source and the like, for tracebacks
+        return getattr(self._inner, name)
+
+
+class Object(ctypes.Structure):
+    """object_t of pc.c."""
+
+    _fields_ = [("numbers", ctypes.c_void_p), ("code", ctypes.c_void_p), ("number", ctypes.c_int64)]
+
+
+_POINTER = ctypes.c_void_p
+_OBJECTS = ctypes.POINTER(ctypes.c_void_p)
+_CALLBACKS = (
+    ctypes.PYFUNCTYPE(_POINTER, _POINTER, ctypes.c_int32),
+    ctypes.PYFUNCTYPE(_POINTER, _POINTER, ctypes.c_int32, ctypes.c_int32, _OBJECTS),
+    ctypes.PYFUNCTYPE(_POINTER, ctypes.c_int32),
+    ctypes.PYFUNCTYPE(_POINTER, _POINTER),
+    ctypes.PYFUNCTYPE(ctypes.c_int32, _POINTER),
+    ctypes.PYFUNCTYPE(_POINTER, _POINTER),
+)
+_KEPT = 256  # objects that are remembered
+
+
+def address(numbers):
+    """Where the numbers of an array, a bytearray or bytes lie."""
+    if type(numbers) is array.array:
+        return numbers.buffer_info()[0]
+    if type(numbers) is bytes:
+        return ctypes.cast(numbers, ctypes.c_void_p).value
+    return ctypes.addressof(ctypes.c_char.from_buffer(numbers))
+
+
+class Library:
+    """The compiled kernels. Only one thread may call them."""
+
+    def __init__(self, path, table):
+        self._library = ctypes.PyDLL(str(path))  # which keeps the interpreter's lock: a call is short
+        self._names, self._kernels = table["names"], table["kernels"]
+        self._usual = {full: ctypes.addressof(ctypes.c_char.in_dll(self._library, name)) for full, name in table["usual"].items()}
+        self._codes = {}  # {id of a function: what stands for it in C}
+        self._known = {}  # {id of an object: (the object, what C gets for it)}
+        self._raised = None
+        self._scratch = ctypes.create_string_buffer(1 << 16)  # the numbers of what has failed
+        self._nothing = Object(ctypes.addressof(self._scratch), None, 0)
+        self._functions = [
+            kind(function) for kind, function in zip(_CALLBACKS, (self._attribute, self._call, self._given, self._array, self._to_int, self._numbers))
+        ]
+        self._context = (ctypes.c_void_p * len(_CALLBACKS))(*[ctypes.cast(each, ctypes.c_void_p).value for each in self._functions])
+
+    def wanted(self):
+        """Full names of kernels that are replaced, or that stand for something if they are given as arguments."""
+        return self._kernels.keys() | self._usual.keys()
+
+    def function(self, full, plain):
+        """What takes the place of a kernel in its module."""
+        made = self._called(full) if full in self._kernels else plain
+        if full in self._usual:
+            self._codes[id(made)] = self._usual[full]
+            self._given(made)
+        return made
+
+    def _called(self, full):
+        """A function of Python that calls a kernel."""
+        name, arguments, returns, objects = self._kernels[full]
+        function = self._library[f"pc_{name}"]
+        function.argtypes = [ctypes.c_void_p] * objects + [ctypes.c_int32 if kind == INT else ctypes.c_void_p for _, kind in arguments]
+        function.restype = ctypes.c_int32 if returns else None
+        names = ", ".join(argument for argument, _ in arguments)
+        form = {INT: "{}", OBJECT: "given({})"}
+        given = ", ".join(["context"] * objects + [form.get(kind, "address({})").format(argument) for argument, kind in arguments])
+        call = f"function({given})" if returns != "bool" else f"function({given}) != 0"
+        body = f"    return {call}\n" if not objects else f"    result = {call}\n    end()\n    return result\n"
+        space = {"function": function, "address": address, "given": self._given, "context": self._context, "end": self._end}
+        exec(f"def {full.rpartition('.')[2]}({names}):\n{body}", space)
+        return space[full.rpartition(".")[2]]
+
+    # --- objects
+
+    def _given(self, value):
+        """Where what C gets for an object lies."""
+        found = self._known.get(id(value))
+        if found is None:
+            found = self._known[id(value)] = value, Object(None, self._codes.get(id(value)), id(value))
+        if isinstance(value, (array.array, bytearray)):
+            found[1].numbers = address(value)
+        return ctypes.addressof(found[1])
+
+    def _end(self):
+        """Behind a call: forget objects if they are many, and raise what a callback has raised."""
+        if len(self._known) > _KEPT:
+            self._known = {key: each for key, each in self._known.items() if key in self._codes}
+        if self._raised is not None:
+            raised, self._raised = self._raised, None
+            raise raised
+
+    def _value(self, place):
+        return self._known[Object.from_address(place).number][0]
+
+    def _failed(self, error):
+        """C cannot be left in the middle: it goes on with nothing, and the call raises at its end."""
+        self._raised = self._raised or error
+        return ctypes.addressof(self._nothing)
+
+    def _attribute(self, place, name):
+        try:
+            return self._given(getattr(self._value(place), self._names[name]))
+        except Exception as error:
+            return self._failed(error)
+
+    def _call(self, place, name, count, arguments):
+        try:
+            function = self._value(place) if name < 0 else getattr(self._value(place), self._names[name])
+            return self._given(function(*[self._value(arguments[number]) for number in range(count)]))
+        except Exception as error:
+            return self._failed(error)
+
+    def _array(self, place):
+        """The array of the call that lies there, for a function of Python."""
+        found = [value for value, made in self._known.values() if made.numbers == place]
+        return self._given(found[0]) if found else self._failed(ValueError("no array lies there"))
+
+    def _to_int(self, place):
+        try:
+            return self._value(place)
+        except Exception as error:
+            return self._failed(error) & 0
+
+    def _numbers(self, place):
+        try:
+            return address(self._value(place))
+        except Exception as error:
+            self._failed(error)
+            return ctypes.addressof(self._scratch)
