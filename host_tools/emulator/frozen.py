@@ -66,7 +66,7 @@ class Started:
         said = b""
         while answer not in said and machine.now_ms() < limit_ms:
             machine.send(question, link)
-            machine.run_ms(5)
+            machine.run_ms(10)
             said += machine.take(link)
         self.answered_ms = machine.now_ms() if answer in said else None
         self.heap = Heap(machine.pico, True)
