@@ -13,6 +13,12 @@ _OF_PAGE = ("lease", "jog", "pace", "pages", "api", "any_machine")
 
 def load(board):
     """Import what serials() will ask for. Raises BoardError."""
+    try:
+        files = __import__("passo_pages").FILES
+    except ImportError:  # they are in the file system
+        files = None
+    if files:
+        __import__("vfs").mount(__import__("passo.web.frozen_files", None, None, ("FrozenFiles",)).FrozenFiles(files), "/page")
     for module in _OF_NETWORK:
         __import__("passo.web." + module)
     for link in board["links"]:

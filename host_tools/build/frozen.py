@@ -48,6 +48,7 @@ _MAKERS = ("build/constants.py", "build/frozen.py", "build/uf2.py", "build/tree.
 # A board whose kernels are those of all boards.
 _NAME = b"\x0ekernels\0"  # of every module of kernels: host_tools/kernels/unit.py
 _ANY = {"axes": [{"accel_mm_s2": 1}]}
+_ALL_PAGES = {"network": True, "links": [{"port": "page", "protocol": "grbl"}, {"port": "http", "protocol": "torch"}]}
 
 
 def chip_of(name):
@@ -90,11 +91,21 @@ def image_text(name, firmware=FIRMWARE):
     return text
 
 
+def pages_text():
+    """The module that holds the files of all pages."""
+    with tempfile.TemporaryDirectory() as folder:
+        pages.pack(_ALL_PAGES, Path(folder))
+        files = {path.name: path.read_bytes() for path in sorted(Path(folder).iterdir())}
+    return f"FILES = {files!r}\n"
+
+
 def texts_of(name, firmware=FIRMWARE, more=()):
     """({path: text} as they are compiled, {path of .mpy: bytes} of the kernels). `more`: {path: text} of modules that use the others."""
     chip = chip_of(name)
     sources = {path.as_posix(): source_of(path, firmware).read_text(encoding="utf-8") for path in modules(chip, firmware)}
     sources[IMAGE.as_posix()] = image_text(name, firmware)
+    if chip.network:
+        sources["passo_pages.py"] = pages_text()
     sources.update(more)
     compiled = kernels.compiled(numbered_only(sources), whole(sources), _ANY, MARCH[chip.mcu], COLD)
     return inline.inlined(compiled.texts, bounds=inline.ROOMY), compiled.modules

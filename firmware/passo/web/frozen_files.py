@@ -5,8 +5,6 @@
 
 from io import BytesIO
 
-_FILE = 0x8000
-
 
 class FrozenFiles:
     def __init__(self, files):
@@ -19,10 +17,10 @@ class FrozenFiles:
         pass
 
     def ilistdir(self, path):
-        return iter([(name, _FILE, 0, len(data)) for name, data in self._files.items()])
+        return iter([(name, 0x8000, 0, len(data)) for name, data in self._files.items()])
 
     def stat(self, path):
-        return _FILE, 0, 0, 0, 0, 0, len(self._found(path)), 0, 0, 0
+        return 0x8000, 0, 0, 0, 0, 0, len(self._found(path)), 0, 0, 0
 
     def open(self, path, mode):
         """Reads where the bytes are: they are not copied."""

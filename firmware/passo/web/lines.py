@@ -8,6 +8,8 @@
 the board has no Wi-Fi data, the lines are silent. A link of the port `http` and one of the port `page` share a server.
 """
 
+import sys
+
 from passo.records import NETWORK_PORTS
 from passo.web.files import Folder
 from passo.web.guard import Guard, nonce
@@ -15,7 +17,8 @@ from passo.web.http import Server
 from passo.web.radio import Radio  # noqa: F401: for who makes lines
 from passo.web.signed import SignedLine
 
-_FOLDER = __file__[: __file__.rfind("/")] + "/page/" if "/" in __file__ else "page/"
+_FROZEN = str(sys.modules["passo"].__path__).startswith(".frozen")  # network_builder.py puts the files there
+_FOLDER = "/page/" if _FROZEN else __file__[: __file__.rfind("/")] + "/page/" if "/" in __file__ else "page/"
 
 
 def make(board, radio, clock_ms, page_line):
