@@ -20,6 +20,7 @@ TREES = {name: ast.parse(source) for name, source in SOURCES.items()}
 
 MOST_LINES = 400
 MOST_LINES_OF_A_FUNCTION = 60
+MOST_LINES_OF_A_KERNEL = 40
 
 # Arrays without fields: {(file, name): why a number is an index there}. "" is what an expression gives.
 SEQUENCES = {
@@ -56,6 +57,15 @@ LONG_FILES = set()
 LONG_FUNCTIONS = {
     "passo/motion/step_program_words.py:_steps",
 }  # fmt: skip
+
+# {kernel: why it is longer}
+LONG_KERNELS = {
+    "passo/ports/esp32/frames_viper.py:make": "an ESP32 has viper only: what it counts stays in registers for all frames of a piece",
+    "passo/ports/rp2/flash_scan.py:look": "assembler: one loop over all memory",
+    "passo/ports/rp2/flash_scan.py:redirect": "one pass over a module's functions, viper's, and given back after the start",
+    "passo/ports/rp2/kernels.py:walk": "assembler: the loop of each step, where viper compiles kernels",
+    "passo/protocols/grbl/text_viper.py:places": "digits of a number in any of three forms, where viper compiles it from flash",
+}
 
 
 def report(faults):
@@ -164,6 +174,20 @@ def test_no_function_is_long():
     long = {f"{name}:{function}" for name, tree in TREES.items() for function in long_functions(tree)}
     report([f"{each}: more than {MOST_LINES_OF_A_FUNCTION} lines" for each in long - LONG_FUNCTIONS])
     report([f"{each}: is short enough by now" for each in LONG_FUNCTIONS - long])
+
+
+def long_kernels(tree):
+    return {
+        node.name
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno >= MOST_LINES_OF_A_KERNEL and decorators(node) & {"viper", "asm_thumb"}
+    }
+
+
+def test_kernels_are_short():
+    long = {f"{name}:{function}" for name in FIRMWARE for function in long_kernels(TREES[name])}
+    report([f"{each}: more than {MOST_LINES_OF_A_KERNEL} lines" for each in long - LONG_KERNELS.keys()])
+    report([f"{each}: is short enough by now" for each in LONG_KERNELS.keys() - long])
 
 
 def native_functions():
@@ -322,6 +346,12 @@ def test_constants_of_their_own_pass(one, other):
 def test_a_long_function_is_found(lines, found):
     assert long_functions(ast.parse("def f():\n" + "    x = 1\n" * lines)) == found
     assert not long_functions(ast.parse("@micropython.viper\ndef f():\n" + "    x = 1\n" * lines))
+
+
+@pytest.mark.parametrize("mark", ["viper", "asm_thumb"])
+def test_a_long_kernel_is_found(mark):
+    for lines, found in (39, set()), (40, {"f"}):
+        assert long_kernels(ast.parse(f"@micropython.{mark}\ndef f():\n" + "    x = 1\n" * lines)) == found
 
 
 def test_a_name_imported_twice_is_found():

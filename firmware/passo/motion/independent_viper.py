@@ -81,6 +81,18 @@ def take(state: ptr32, at: int):  # ISR: no allocation
 
 
 @micropython.viper
+def pace(state: ptr32, at: int) -> int:  # ISR: no allocation
+    """Ticks from the step just made to the next one, of an axis that does not accelerate."""
+    carry = state[at + AXIS_CARRY] + state[at + AXIS_REST]
+    ticks = state[at + AXIS_EACH]
+    if carry >= state[at + AXIS_OVER]:
+        carry -= state[at + AXIS_OVER]
+        ticks += 1
+    state[at + AXIS_CARRY] = carry
+    return ticks
+
+
+@micropython.viper
 def interval(state: ptr32, at: int, togo: int) -> int:  # ISR: no allocation
     """Ticks from the step just made to the next one, `togo` being left."""
     gain = state[at + AXIS_GAIN]
@@ -109,13 +121,51 @@ def interval(state: ptr32, at: int, togo: int) -> int:  # ISR: no allocation
                 speed = root(middle, 0x2000)
                 ticks = span // speed
             return state[at + AXIS_EACH] if ticks < state[at + AXIS_EACH] and q <= aim else ticks
-    carry = state[at + AXIS_CARRY] + state[at + AXIS_REST]
-    ticks = state[at + AXIS_EACH]
-    if carry >= state[at + AXIS_OVER]:
-        carry -= state[at + AXIS_OVER]
-        ticks += 1
-    state[at + AXIS_CARRY] = carry
-    return ticks
+    return int(pace(state, at))
+
+
+@micropython.viper
+def advance(state: ptr32, at: int, axis: int, made: ptr32) -> int:  # ISR: no allocation
+    """Let the axis whose numbers begin at state[at] step if it is due. Returns 0: it stands; 1: it waits for its next step; 2: it steps."""
+    if state[at + AXIS_NEW] or state[at + AXIS_ASKED] != state[at + AXIS_TAKEN]:
+        take(state, at)
+    due = state[at + AXIS_DUE]
+    togo = state[at + AXIS_TO_GO]
+    if togo == 0 or (state[INDEPENDENT_HOLD] and state[at + AXIS_Q] == 0):
+        return 0
+    negative = state[at + AXIS_NEGATIVE]
+    turn = state[INDEPENDENT_AXES] + axis
+    if ((state[INDEPENDENT_LEVELS] >> turn) & 1) == negative:
+        state[INDEPENDENT_LEVELS] = state[INDEPENDENT_LEVELS] ^ (1 << turn)
+        if due < state[INDEPENDENT_SETUP]:
+            due = state[INDEPENDENT_SETUP]
+    steps = 1
+    if due <= state[INDEPENDENT_LEAST]:
+        steps = 2
+        made[axis] = made[axis] + 1 - 2 * negative
+        if state[at + AXIS_ENDLESS] == 0:
+            togo -= 1
+            state[at + AXIS_TO_GO] = togo
+        if state[at + AXIS_GAIN]:
+            due += int(interval(state, at, togo))
+        else:
+            due += int(pace(state, at))
+    state[at + AXIS_DUE] = due
+    return steps
+
+
+@micropython.viper
+def elapse(state: ptr32, ticks: int):  # ISR: no allocation
+    """So many ticks pass for all axes."""
+    axis = 0
+    at = INDEPENDENT_AXIS + AXIS_DUE
+    while axis < state[INDEPENDENT_AXES]:
+        if state[at] > ticks:
+            state[at] = state[at] - ticks
+        else:
+            state[at] = 0
+        axis += 1
+        at += AXIS_FIELDS
 
 
 @micropython.viper
@@ -123,8 +173,6 @@ def walk(words: ptr32, at: int, room: int, bits: int, state: ptr32, made: ptr32)
     """Write at most `room` words, about a millisecond, to words[at:]; add each axis's signed steps to `made`.
 
     Returns how many: 0 if nothing moves and no interval runs."""
-    axes = state[INDEPENDENT_AXES]
-    least = state[INDEPENDENT_LEAST]
     count = 0
     ticks = 0
     while count < room and ticks < TICKS_PER_MS:
@@ -133,66 +181,28 @@ def walk(words: ptr32, at: int, room: int, bits: int, state: ptr32, made: ptr32)
         soonest = FAR
         axis = 0
         a = INDEPENDENT_AXIS
-        while axis < axes:
-            if state[a + AXIS_NEW] or state[a + AXIS_ASKED] != state[a + AXIS_TAKEN]:
-                take(state, a)
+        while axis < state[INDEPENDENT_AXES]:
+            steps = int(advance(state, a, axis, made))
             due = state[a + AXIS_DUE]
-            togo = state[a + AXIS_TO_GO]
-            if togo == 0 or (state[INDEPENDENT_HOLD] and state[a + AXIS_Q] == 0):
+            if steps == 2:
+                mask |= 1 << axis
+            if steps == 0 or state[a + AXIS_TO_GO] == 0:
                 if due > last:
                     last = due
-            else:
-                negative = state[a + AXIS_NEGATIVE]
-                if ((state[INDEPENDENT_LEVELS] >> (axes + axis)) & 1) == negative:
-                    state[INDEPENDENT_LEVELS] = state[INDEPENDENT_LEVELS] ^ (1 << (axes + axis))
-                    if due < state[INDEPENDENT_SETUP]:
-                        due = state[INDEPENDENT_SETUP]
-                if due <= least:
-                    mask |= 1 << axis
-                    if negative:
-                        made[axis] = made[axis] - 1
-                    else:
-                        made[axis] = made[axis] + 1
-                    if state[a + AXIS_ENDLESS] == 0:
-                        togo -= 1
-                        state[a + AXIS_TO_GO] = togo
-                    if state[a + AXIS_GAIN]:
-                        due += int(interval(state, a, togo))
-                    else:
-                        due += state[a + AXIS_EACH]
-                        carry = state[a + AXIS_CARRY] + state[a + AXIS_REST]
-                        if carry >= state[a + AXIS_OVER]:
-                            carry -= state[a + AXIS_OVER]
-                            due += 1
-                        state[a + AXIS_CARRY] = carry
-                state[a + AXIS_DUE] = due
-                if togo == 0:
-                    if due > last:
-                        last = due
-                elif due < soonest:
-                    soonest = due
+            elif due < soonest:
+                soonest = due
             axis += 1
             a += AXIS_FIELDS
-        gap = soonest
-        if soonest == FAR:
-            gap = last
+        gap = last if soonest == FAR else soonest
         if gap > HOLD_TICKS:
             gap = HOLD_TICKS
-        elif gap < least:
+        elif gap < state[INDEPENDENT_LEAST]:
             if gap == 0:
                 break
-            gap = least
+            gap = state[INDEPENDENT_LEAST]
         words[at + count] = (gap << bits) | state[INDEPENDENT_LEVELS] | mask
         count += 1
         ticks += gap
-        axis = 0
-        a = INDEPENDENT_AXIS + AXIS_DUE
-        while axis < axes:
-            if state[a] > gap:
-                state[a] = state[a] - gap
-            else:
-                state[a] = 0
-            axis += 1
-            a += AXIS_FIELDS
+        elapse(state, gap)
     state[INDEPENDENT_TICKS] = ticks
     return count

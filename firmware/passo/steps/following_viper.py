@@ -38,33 +38,32 @@ except NameError:
 
 
 @micropython.viper
+def signed(count: int) -> int:  # ISR: no allocation
+    """A difference modulo 2²⁹, as the nearest to 0 that it may be."""
+    count &= COUNT_MASK
+    return count - COUNT_MASK - 1 if count >= COUNT_HALF else count
+
+
+@micropython.viper
 def follow(table: ptr32, encoders: int, counts: ptr32, place: ptr32, after: ptr32) -> int:  # ISR: no allocation
     beyond = 0
     number = 0
     at = 0
     while number < encoders:
-        count = (counts[number] - table[at + FOLLOW_COUNT]) & COUNT_MASK
-        if count >= COUNT_HALF:
-            count -= COUNT_MASK + 1
+        count = int(signed(counts[number] - table[at + FOLLOW_COUNT]))
         if table[at + FOLLOW_NEGATIVE]:
             count = 0 - count
         table[at + FOLLOW_COUNT] = counts[number]
         table[at + FOLLOW_TOTAL] += count
         axis = table[at + FOLLOW_AXIS]
-        steps = (place[axis] - table[at + FOLLOW_PLACE]) & COUNT_MASK
-        if steps >= COUNT_HALF:
-            steps -= COUNT_MASK + 1
+        steps = int(signed(place[axis] - table[at + FOLLOW_PLACE]))
         table[at + FOLLOW_PLACE] = place[axis]
-        meanwhile = (after[axis] - place[axis]) & COUNT_MASK
-        if meanwhile >= COUNT_HALF:
-            meanwhile -= COUNT_MASK + 1
+        meanwhile = int(signed(after[axis] - place[axis]))
         if table[at + FOLLOW_OFF]:
             steps = 0
             meanwhile = 0
         error = table[at + FOLLOW_ERROR] + count * table[at + FOLLOW_DEN] - steps * table[at + FOLLOW_NUM]
-        error = (error + table[at + FOLLOW_SHIFT]) & COUNT_MASK
-        if error >= COUNT_HALF:
-            error -= COUNT_MASK + 1
+        error = int(signed(error + table[at + FOLLOW_SHIFT]))
         table[at + FOLLOW_SHIFT] = 0
         table[at + FOLLOW_ERROR] = error
         least = error - meanwhile * table[at + FOLLOW_NUM]

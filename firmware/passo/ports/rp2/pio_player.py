@@ -307,6 +307,22 @@ def _resume(state: ptr32):
 
 
 @micropython.viper
+def _next_run(state: ptr32) -> int:  # ISR: no allocation
+    """The run that the chain reads next."""
+    return ((ptr32(state[PIO_C])[CHANNEL_READ] - state[PIO_COUNTS]) >> 2) & (PIO_RUNS - 1)
+
+
+@micropython.viper
+def _rests(state: ptr32, after: int) -> int:  # ISR: no allocation
+    """1 if the chain has read the end mark in front of `after` just before it was replaced: then C stands behind it and A rests."""
+    c = ptr32(state[PIO_C])
+    place = c[CHANNEL_READ]
+    active = ptr32(state[PIO_A])[CHANNEL_CTRL_TRIG] | ptr32(state[PIO_D])[CHANNEL_CTRL_TRIG]
+    active = (active | ptr32(state[PIO_B])[CHANNEL_CTRL_TRIG] | c[CHANNEL_CTRL_TRIG]) & state[PIO_BUSY]
+    return 1 if ((place - state[PIO_COUNTS]) >> 2) & (PIO_RUNS - 1) == after and active == 0 and c[CHANNEL_READ] == place else 0
+
+
+@micropython.viper
 def append(state: ptr32, head: int) -> bool:
     if state[PIO_HELD]:
         return False
@@ -317,18 +333,15 @@ def append(state: ptr32, head: int) -> bool:
         dry = True
     counts = ptr32(state[PIO_COUNTS])
     addresses = ptr32(state[PIO_ADDRESSES])
-    b = ptr32(state[PIO_B])
-    c = ptr32(state[PIO_C])
     mask = state[PIO_MASK]
     first = state[PIO_SLOT]
     after = (first + 1) & (PIO_RUNS - 1)
-    ended = 0  # 1 once the chain has read the end mark in `first`: it has to be set going again
-    if ((c[CHANNEL_READ] - state[PIO_COUNTS]) >> 2) & (PIO_RUNS - 1) == after:
-        ended = 1
+    # 1 once the chain has read the end mark in `first`: it has to be set going again
+    ended = 1 if int(_next_run(state)) == after else 0
     count = (head - state[PIO_ARMED]) & COUNT_MASK
     while count:
         slot = state[PIO_SLOT]
-        waiting = (slot - ((c[CHANNEL_READ] - state[PIO_COUNTS]) >> 2)) & (PIO_RUNS - 1)
+        waiting = (slot - int(_next_run(state))) & (PIO_RUNS - 1)
         if waiting >= PIO_RUNS - _SPARE and ended == 0:
             break
         run = mask + 1 - (state[PIO_ARMED] & mask)
@@ -345,13 +358,8 @@ def append(state: ptr32, head: int) -> bool:
     if state[PIO_SLOT] == first:
         return False
     if ended == 0:
-        # The chain may have read the end mark just before it was replaced: then C stands behind it and A rests.
-        place = c[CHANNEL_READ]
-        active = ptr32(state[PIO_A])[CHANNEL_CTRL_TRIG] | ptr32(state[PIO_D])[CHANNEL_CTRL_TRIG]
-        active = (active | b[CHANNEL_CTRL_TRIG] | c[CHANNEL_CTRL_TRIG]) & state[PIO_BUSY]
-        if ((place - state[PIO_COUNTS]) >> 2) & (PIO_RUNS - 1) == after and active == 0 and c[CHANNEL_READ] == place:
-            ended = 1
+        ended = int(_rests(state, after))
     if ended and state[PIO_HELD] == 0:
-        c[CHANNEL_READ] = state[PIO_COUNTS] + (first << 2)
-        b[CHANNEL_READ_TRIG] = state[PIO_ADDRESSES] + (first << 2)
+        ptr32(state[PIO_C])[CHANNEL_READ] = state[PIO_COUNTS] + (first << 2)
+        ptr32(state[PIO_B])[CHANNEL_READ_TRIG] = state[PIO_ADDRESSES] + (first << 2)
     return dry

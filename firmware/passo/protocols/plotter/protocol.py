@@ -63,6 +63,24 @@ _RESEND = b"r"
 
 
 @micropython.viper
+def judge(data: ptr8, first: int, before: int, spare: int) -> int:
+    """The six bytes from data[first] on: 0 a packet; 1 none, or more than one; 2 a packet in which a byte repeats its neighbour."""
+    doubt = 0
+    total = 0
+    place = first
+    while place < first + 6:
+        byte = int(data[place])
+        if byte == before:
+            doubt = 2
+            if byte == spare:
+                return 1
+        before = byte
+        total += byte
+        place += 1
+    return 1 if (total - 2 * int(data[first + 5])) & 255 else doubt
+
+
+@micropython.viper
 def sift(data: ptr8, count: int, before: int, quiet: int, out: ptr8, at: int, room: int, most_x: int, most_y: int) -> int:
     """The points at the start of `count` bytes, at most `room`, none beyond most_x, most_y: 4 × how many, and what comes
     behind them: 0 less than a packet; 1 bytes that are none, or more than one; 2 a packet in which a byte repeats its
@@ -74,30 +92,20 @@ def sift(data: ptr8, count: int, before: int, quiet: int, out: ptr8, at: int, ro
     found = 0
     first = 0
     while first + 6 <= count:
-        check = int(data[first + 5])
         code = int(data[first])
+        check = int(data[first + 5])
         last = first + 6 == count
         spare = 256  # a twin of this value removed, the packet is another one
         if not last:
             spare = (2 * check - int(data[first + 6])) & 255
-        total = 0
-        doubt = 0
-        place = first
-        first += 6
-        while place < first:
-            byte = int(data[place])
-            if byte == before:
-                doubt = 1
-                if byte == spare:
-                    return found + 1
-            before = byte
-            total += byte
-            place += 1
-        if (total - 2 * check) & 255:
+        what = int(judge(data, first, before, spare))
+        before = check
+        if what == 1:
             return found + 1
-        if doubt and last and quiet == 0:
+        if what and last and quiet == 0:
             return found + 2
-        place -= 5
+        place = first + 1
+        first += 6
         if room == 0 or code < LINE or code > MOVE:
             return found + 3
         if int(data[place]) << 8 | int(data[place + 1]) > most_x:
