@@ -15,13 +15,12 @@ Python; see motion/block_viper.py for what that asks of integers.
 # ruff: noqa: F821
 
 import micropython
-from micropython import const
 
 from passo.protocols.gcode.parse_records import (
-    PARSE_AFTER, PARSE_AXES, PARSE_DECIMALS, PARSE_DELTAS, PARSE_DYNAMIC, PARSE_FEED, PARSE_FULL, PARSE_HAVE, PARSE_HIGH,
-    PARSE_INCHES, PARSE_LEAST, PARSE_LINE, PARSE_LIT, PARSE_LOW, PARSE_MINUS, PARSE_MODAL, PARSE_MOTION, PARSE_NUMBER,
-    PARSE_OFFSET, PARSE_POINT, PARSE_POSITION, PARSE_POWER, PARSE_RELATIVE, PARSE_RESOLUTION, PARSE_RPM, PARSE_SPEED,
-    PARSE_TARGET, PARSE_TO, PARSE_TURNS, PARSE_VALUE,
+    HAS_F, HAS_G, HAS_N, HAS_S, HAS_X, PARSE_AFTER, PARSE_AXES, PARSE_DECIMALS, PARSE_DELTAS, PARSE_DYNAMIC, PARSE_FEED,
+    PARSE_FULL, PARSE_HAVE, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LINE, PARSE_LIT, PARSE_LOW, PARSE_MINUS,
+    PARSE_MODAL, PARSE_MOTION, PARSE_NUMBER, PARSE_OFFSET, PARSE_POINT, PARSE_POSITION, PARSE_POWER, PARSE_RELATIVE,
+    PARSE_RESOLUTION, PARSE_RPM, PARSE_SPEED, PARSE_TARGET, PARSE_TO, PARSE_TURNS, PARSE_VALUE,
 )  # fmt: skip
 from passo.records import (
     BATCH_FEED, BATCH_FIRST, BATCH_FIELDS, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_STEPS, BATCH_TAG,
@@ -32,12 +31,6 @@ try:
 except NameError:
     ptr32 = ptr8 = None  # names that only viper's compiler knows
 
-_HAS_G = const(1)  # PARSE_HAVE
-_HAS_F = const(2)
-_HAS_N = const(4)
-_HAS_S = const(8)
-_HAS_X = const(16)  # then Y and Z
-
 
 @micropython.viper
 def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: int) -> int:
@@ -45,7 +38,7 @@ def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: 
     lines = 0
     while lines < most and begin < count:
         after = int(read_line(text, begin, count, place))
-        if after == 0 or after - begin > 81 or place[PARSE_HAVE] < _HAS_X:
+        if after == 0 or after - begin > 81 or place[PARSE_HAVE] < HAS_X:
             break
         if place[PARSE_MOTION] and place[PARSE_SPEED] < place[PARSE_LEAST]:
             break
@@ -132,26 +125,26 @@ def read_word(place: ptr32, letter: int) -> int:
     if place[PARSE_MINUS]:
         return 0
     if letter == 71:
-        if value > 1 or place[PARSE_POINT] or have & _HAS_G:
+        if value > 1 or place[PARSE_POINT] or have & HAS_G:
             return 0
-        place[PARSE_HAVE] = have | _HAS_G
+        place[PARSE_HAVE] = have | HAS_G
         place[PARSE_MOTION] = value
     elif letter == 78:
-        if value > 10000000 or place[PARSE_POINT] or have & _HAS_N:
+        if value > 10000000 or place[PARSE_POINT] or have & HAS_N:
             return 0
-        place[PARSE_HAVE] = have | _HAS_N
+        place[PARSE_HAVE] = have | HAS_N
         place[PARSE_LINE] = value
     elif letter == 70:
         speed = int(feed_of(value, place[PARSE_DECIMALS], place[PARSE_INCHES]))
-        if speed < 0 or have & _HAS_F:
+        if speed < 0 or have & HAS_F:
             return 0
-        place[PARSE_HAVE] = have | _HAS_F
+        place[PARSE_HAVE] = have | HAS_F
         place[PARSE_SPEED] = speed
     elif letter == 83:
         value = int(with_decimals(value, place[PARSE_DECIMALS], 3, 50000000))
-        if value < 0 or value > 500000000 or have & _HAS_S:
+        if value < 0 or value > 500000000 or have & HAS_S:
             return 0
-        place[PARSE_HAVE] = have | _HAS_S
+        place[PARSE_HAVE] = have | HAS_S
         place[PARSE_TURNS] = value
     else:
         return 0
@@ -191,7 +184,7 @@ def axis_word(place: ptr32, axis: int) -> int:
     have = place[PARSE_HAVE]
     if axis >= place[PARSE_AXES] or have >> 4 + axis & 1:
         return 0
-    place[PARSE_HAVE] = have | _HAS_X << axis
+    place[PARSE_HAVE] = have | HAS_X << axis
     if place[PARSE_INCHES]:
         value = int(with_decimals(place[PARSE_VALUE], place[PARSE_DECIMALS], 5, 845000))
         if value < 0 or value > 8450000:
