@@ -32,8 +32,8 @@ CHORDS = 64
 LINE_BYTES = 24
 DOT_BYTES = 12  # a line of a picture
 DOTS = 32  # different ones in a row
-CHUNK = 48  # bytes read at once
-DOTS_A_CHUNK = CHUNK // DOT_BYTES
+LINES_A_READ = 4  # as a serial line gives what is there
+DOTS_A_CHUNK = LINES_A_READ
 ROW = 4 * DOTS + 3
 LASER_PIN = 22
 CYCLES_PER_MS = 1000 * CYCLES_PER_US
@@ -45,12 +45,12 @@ from micropython import const
 from time import ticks_us, ticks_diff
 
 _WINDOW = const(127)
-_CHUNK = const(48)
+_LINES = const(4)  # a read
 
 class Memory:  # its attributes have names that the firmware has anyway: a new one takes room in the table of names
     def __init__(self, app, chunks, again, lines, warm, width):
         self.rows, self.target, self.at = chunks, again, 0
-        self.left, self.taken, self.size = lines * width, 0, width
+        self.left, self.taken, self.size, self.count = lines * width, 0, width, _LINES * width
         self.most, self.limit, self.accepted, self.open = lines, warm, 0, 0
         self.planner, self.feeder = app.planner, app.feeder
         self.least = 999
@@ -60,7 +60,7 @@ class Memory:  # its attributes have names that the firmware has anyway: a new o
 
     @micropython.native
     def any(self):
-        return self.left and self.taken + _CHUNK <= _WINDOW
+        return self.left and self.taken + self.count <= _WINDOW
 
     @micropython.native
     def read(self):
@@ -74,8 +74,8 @@ class Memory:  # its attributes have names that the firmware has anyway: a new o
         self.at += 1
         if self.at == len(self.rows):
             self.at = self.target
-        self.left -= _CHUNK
-        self.taken += _CHUNK
+        self.left -= self.count
+        self.taken += self.count
         return data
 
     @micropython.native
@@ -91,11 +91,12 @@ class Memory:  # its attributes have names that the firmware has anyway: a new o
 
 def attach(app, port):
     def go(path, head, lines, warm, width, order):
-        again = len(head) // _CHUNK
-        chunks = [head[at : at + _CHUNK] for at in range(0, len(head), _CHUNK)]
+        count = _LINES * width
+        again = len(head) // count
+        chunks = [head[at : at + count] for at in range(0, len(head), count)]
         if order:
             with open(path, "rb") as file:
-                read = [file.read(_CHUNK) for _ in range(max(order) + 1)]
+                read = [file.read(count) for _ in range(max(order) + 1)]
             chunks += [read[place] for place in order]
         gc.collect()
         print("free", gc.mem_free())
@@ -244,7 +245,7 @@ def run_lines(machine, length_mm, feed_mm_s, count, limit_ms=60_000, profiled=Fa
     a `profile.Spent`."""
     start, _ = chords(length_mm)
     head = padded("$X", "G21G90G94", f"G92X{start}Y50Z-20", f"G1F{60 * feed_mm_s:.0f}")
-    return _run(machine, length_mm, head, count, LINE_BYTES, bytes(range(CHORDS * LINE_BYTES // CHUNK)), limit_ms, profiled)
+    return _run(machine, length_mm, head, count, LINE_BYTES, bytes(range(CHORDS // LINES_A_READ)), limit_ms, profiled)
 
 
 def run_raster(machine, dot_mm, feed_mm_s, count, mode="M4", limit_ms=60_000, profiled=False):
@@ -263,8 +264,9 @@ def lines_over_usb(machine, length_mm, feed_mm_s, count, think_us=0):
 def dots_over_usb(machine, dot_mm, feed_mm_s, count, think_us=0, mode="M4"):
     """The same of raster(dot_mm)."""
     text, order = raster(dot_mm)
+    each = LINES_A_READ * DOT_BYTES
     head = b"$X\nG21G91G94\n%sS0F%d\nG0\n" % (mode.encode(), 60 * feed_mm_s)
-    return _over_usb(machine, head, b"".join(text[CHUNK * at : CHUNK * (at + 1)] for at in order), count, think_us)
+    return _over_usb(machine, head, b"".join(text[each * at : each * (at + 1)] for at in order), count, think_us)
 
 
 def _over_usb(machine, head, text, count, think_us):
@@ -307,7 +309,7 @@ def _run(machine, name, head, count, width, order, limit_ms, profiled):
 def late_words(machine, lines, limit_ms=60_000):
     """Have a programme carried out to its end; how often the player ran dry inside a block."""
     lines = ["$X", *lines, "G4P0.01"]
-    head = padded(*lines, *[""] * (len(lines) % 2))
+    head = padded(*lines, *[""] * (-len(lines) % LINES_A_READ))
     machine.pico.console.send(f"go('',{head!r},{len(head) // LINE_BYTES},0,{LINE_BYTES},b'')\n".encode())
     machine.pico.console.expect(b"done", limit_ms * 1000)
     return int(machine.pico.console.expect(b"\n").split()[-1])
