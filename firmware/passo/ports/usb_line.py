@@ -15,7 +15,7 @@ _ESCAPE = b"\r\x03"  # what mpremote begins with
 _SILENCE_MS = const(1000)
 
 
-def _unknown():
+def _unknown(data, most):
     return 0
 
 
@@ -24,12 +24,12 @@ class UsbLine:
     the REPL: these two bytes first after a second's silence end the program by KeyboardInterrupt."""
 
     def __init__(self, console=None):
-        """`console`: tells how many bytes have come, as ports/rp2/console.py; None: nothing does."""
+        """`console`: takes all that has come in one go, as ports/rp2/console.py; None: nothing does."""
         self._console = console
-        self._waiting = console.waiting if console else _unknown
+        self._take_all = console.take if console else _unknown
         self._poll = poll()
         self._poll.register(sys.stdin, POLLIN)
-        # What reading takes is made once: as methods, bytes and slices it would be garbage of each read.
+        # What reading takes is made once: as methods and bytes it would be garbage of each read.
         self._ready = self._poll.ipoll
         self._take = sys.stdin.buffer.readinto
         self._byte = bytearray(1)
@@ -52,13 +52,10 @@ class UsbLine:
             break
         else:
             return b""
-        count = self._waiting()
-        if count > _PACKETS:
-            count = _PACKETS
+        count = self._take_all(self._data, _PACKETS)
         if count:
             if count != len(self._said):
                 self._said = self._view[:count]
-            self._take(self._said)
         else:
             self._read_each()
         now_ms = ticks_ms()

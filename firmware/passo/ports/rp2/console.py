@@ -1,12 +1,13 @@
-"""How many bytes the USB console has received: MicroPython gives them one by one, and never says how many there are.
+"""Takes what the USB console has received in one go: MicroPython gives single bytes, and never says how many there are.
 
     console = Console()
-    console.waiting()           # 0 until it is proven
+    console.take(data, 128)     # how many bytes it has put there; 0 until it is proven
     console.taken(value)        # of each byte read, until it is
 
 They lie in a ring buffer of the interpreter, whose record (address, size, where the next byte is read, and written) is found
 in memory by its look. It counts only after _PROOFS bytes have been read at that place, one after the other; after the first that
-was not it never counts. Bytes taken in one go cost a tenth of those asked for one by one.
+was not it never counts. The place where the next byte is read is then moved on here, as the interpreter does; what writes there moves
+the other.
 """
 # ruff: noqa: F821
 
@@ -50,16 +51,29 @@ class Console:
         self._left = _PROOFS if self._at else -1  # proofs that are missing; -1: it has failed
 
     @micropython.viper
-    def waiting(self) -> int:
-        """Bytes that have come and were not read; 0 also where that is not known."""
+    def take(self, data, most: int) -> int:
+        """Take at most so many of the bytes that have come. Returns how many; 0 also if that is not known."""
         left = int(self._left)
         if left < 0:
             return 0
-        record = ptr16(0x20000000 + int(self._at))
+        at = 0x20000000 + int(self._at)
+        record = ptr16(at)
+        here = int(record[_NEXT_READ])
         if left:
-            self._next = record[_NEXT_READ]
+            self._next = here
             return 0
-        return (record[_NEXT_WRITTEN] - record[_NEXT_READ]) & _SIZE - 1
+        count = (int(record[_NEXT_WRITTEN]) - here) & _SIZE - 1
+        if count > most:
+            count = most
+        ring = ptr8(ptr32(at)[_ADDRESS])
+        out = ptr8(data)
+        done = 0
+        while done < count:
+            out[done] = ring[here]
+            here = (here + 1) & _SIZE - 1
+            done += 1
+        record[_NEXT_READ] = here
+        return count
 
     @micropython.viper
     def taken(self, value: int):
