@@ -21,6 +21,7 @@ TICKS_PER_MS = const(12_500)
 HOLD_TICKS = const(125_000)  # 10 ms: the longest single word, so that a stop is never far away
 FEED_LEAST = const(50_000)  # 4 ms: more than two calls of a feeder are apart
 LONG_TICKS = const(375_000)  # 30 ms of motion queued: with less a stream is slowed down
+MANY_LINES = const(48)  # but not with so many lines, however short: half of all that the queue holds
 LEAD_TICKS = const(375_000)  # 30 ms: how far ahead of the player a main loop makes words
 NM_PER_M = const(1_000_000_000)
 REST_MS = const(1000)  # a machine that stands for so long rests: a sender that counts has sent all it may

@@ -42,12 +42,12 @@ from passo.records import (
     COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_BEGINS, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_FAST, FEED_HEAD,
     FEED_HOLD, FEED_INDEX, FEED_KIND, FEED_LASTS, FEED_LEAD, FEED_LEAST, FEED_LEFT, FEED_LEVELS, FEED_LIMIT, FEED_MASK,
     FEED_MOVING, FEED_NEGATIVE, FEED_NEWEST, FEED_OLDEST, FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW,
-    FEED_SETUP, FEED_STEPS, FEED_TICKS, FEED_TOOL, FEED_WAIT, FEED_WAITS, HOLD_TICKS, LINE_MOVING, LINE_NEGATIVE, LINE_RISE,
-    LONG_TICKS, MARKS, MARK_ENDS, MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS, MARK_WORD, PACE_CARRY, PACE_OVER,
-    PACE_REST, PACE_SHORT, PACE_TICK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_MOST, POWER_SIZE,
-    POWER_UNKNOWN, POWER_WORD, QUEUE_RETIRED, RAMP_PACE, RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS,
-    ROW_DYNAMIC, ROW_FIRST, ROW_POWER, ROW_RAPID, ROW_STEPS, ROW_TICKS, ROW_TOOL, ROW_TOP, SCRATCH_EAGER, SCRATCH_LASTS,
-    SCRATCH_PERCENT, SCRATCH_START, SCRATCH_TAKEN,
+    FEED_SETUP, FEED_STEPS, FEED_TICKS, FEED_TOOL, FEED_WAIT, FEED_WAITS, HOLD_TICKS, LINE_MOVING, LINE_NEGATIVE,
+    LINE_RISE, LONG_TICKS, MANY_LINES, MARKS, MARK_ENDS, MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS, MARK_WORD,
+    PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS,
+    POWER_MOST, POWER_SIZE, POWER_UNKNOWN, POWER_WORD, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_RETIRED, RAMP_PACE, RAMP_Q,
+    RAMP_START, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, ROW_DYNAMIC, ROW_FIRST, ROW_POWER, ROW_RAPID, ROW_STEPS, ROW_TICKS,
+    ROW_TOOL, ROW_TOP, SCRATCH_EAGER, SCRATCH_LASTS, SCRATCH_PERCENT, SCRATCH_START, SCRATCH_TAKEN,
 )  # fmt: skip
 from passo.steps import pace_viper
 
@@ -83,7 +83,7 @@ def make(
             return STANDS
         if state[FEED_BEGINS]:
             begin_block(state, rows)
-        what = int(measure(state, queue, scratch, cuts, line_state, cut, geometry))
+        what = int(measure(state, queue, scratch, indices, cuts, line_state, cut, geometry))
         if what != FULL:
             return what
         mark_power(state, rows, power)
@@ -139,9 +139,7 @@ def has_room(state: ptr32, marks: ptr32, words: ptr32) -> int:  # ISR: no alloca
 
 
 @micropython.viper
-def next_line(
-    state: ptr32, queue, scratch: ptr32, indices: ptr32, cuts, line_state, take_up
-) -> int:  # ISR: no allocation
+def next_line(state: ptr32, queue, scratch: ptr32, indices: ptr32, cuts, line_state, take_up) -> int:  # ISR: no allocation
     """Take up the line behind, if it is accelerated and released, and so was the one before. Returns 0 if the feeder has to."""
     ramp = ptr32(cuts)
     rows = ptr32(queue)
@@ -190,7 +188,7 @@ def set_tool(state: ptr32, on: int):  # ISR: no allocation
 
 
 @micropython.viper
-def measure(state: ptr32, queue, scratch: ptr32, cuts, line_state, cut, geometry) -> int:  # ISR: no allocation
+def measure(state: ptr32, queue, scratch: ptr32, indices: ptr32, cuts, line_state, cut, geometry) -> int:  # ISR: no allocation
     """How many steps the segment has, how long it lasts, and which axes move; no steps if the geometry makes words itself.
     Returns FULL; STANDS or LATER if there is none now."""
     path = ptr32(line_state)
@@ -204,13 +202,13 @@ def measure(state: ptr32, queue, scratch: ptr32, cuts, line_state, cut, geometry
     if kind == LINE:
         state[FEED_MOVING] = path[LINE_MOVING]
         state[FEED_NEGATIVE] = path[LINE_NEGATIVE]
-        return int(cut_segment(state, queue, scratch, cuts, line_state, cut))
+        return int(cut_segment(state, queue, scratch, indices, cuts, line_state, cut))
     if kind != ARC and int(geometry.ready()) == 0:
         return LATER
     state[FEED_MOVING] = int(geometry.moving)
     state[FEED_NEGATIVE] = int(geometry.negative)
     if kind == ARC:
-        return int(cut_segment(state, queue, scratch, cuts, geometry.state, cut))
+        return int(cut_segment(state, queue, scratch, indices, cuts, geometry.state, cut))
     state[FEED_PACE] = -1
     if kind == STEP_PROGRAM:
         set_tool(state, int(geometry.tool))
@@ -232,8 +230,8 @@ def take_wait(state: ptr32):  # ISR: no allocation
 
 
 @micropython.viper
-def percent(state: ptr32, rows: ptr32, scratch: ptr32, ramp: ptr32) -> int:  # ISR: no allocation
-    """The override; less while a stream brings lines more slowly than they are played, so that what is queued lasts."""
+def percent(state: ptr32, rows: ptr32, scratch: ptr32, indices: ptr32, ramp: ptr32) -> int:  # ISR: no allocation
+    """The override; less while a stream brings fewer than MANY_LINES, more slowly than they are played, so that they last."""
     row = state[FEED_ROW]
     asked = scratch[SCRATCH_PERCENT + rows[row + ROW_RAPID]]
     each = rows[row + ROW_TICKS]
@@ -241,19 +239,23 @@ def percent(state: ptr32, rows: ptr32, scratch: ptr32, ramp: ptr32) -> int:  # I
     if scratch[SCRATCH_EAGER] < 2 or state[FEED_KIND] != LINE or ramp[RAMP_S_CURVE] or left >= 0x4000 or each >= 0x4000:
         return asked
     lasts = left * each + ((scratch[SCRATCH_LASTS] - scratch[SCRATCH_TAKEN]) & COUNT_MASK)
-    if lasts >= LONG_TICKS:
+    count = (indices[QUEUE_ADDED] - indices[QUEUE_FETCHED]) & COUNT_MASK
+    if lasts >= LONG_TICKS or count >= MANY_LINES:
         return asked
     slow = asked * (lasts >> 8) // (LONG_TICKS >> 8)
+    count = asked * count // MANY_LINES
+    if count > slow:
+        slow = count
     return slow if slow > SLOWEST else SLOWEST
 
 
 @micropython.viper
-def cut_segment(state: ptr32, queue, scratch: ptr32, cuts, shape, cut) -> int:  # ISR: no allocation
+def cut_segment(state: ptr32, queue, scratch: ptr32, indices: ptr32, cuts, shape, cut) -> int:  # ISR: no allocation
     """The next segment of a line or arc, whose walker's state is `shape`. A word longer than HOLD_TICKS leaves a wait behind."""
     ramp = ptr32(cuts)
     rows = ptr32(queue)
     row = state[FEED_ROW]
-    cut(queue, row, cuts, shape, state[FEED_LEFT], int(percent(state, rows, scratch, ramp)), state[FEED_HOLD])
+    cut(queue, row, cuts, shape, state[FEED_LEFT], int(percent(state, rows, scratch, indices, ramp)), state[FEED_HOLD])
     steps = ramp[RAMP_STEPS]
     if steps == 0:
         return STANDS
