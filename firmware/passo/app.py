@@ -37,6 +37,8 @@ _MORE = const(8)  # such reads a cycle: the whole buffer
 _USB_BAUD = const(1_000_000)  # at least
 _PART = const(1)  # heard: bytes
 _WHOLE = const(2)  # and commands
+_LINES = const(4)  # of a batch
+_REPLY_MS = const(3)  # a PC takes so long, most of them one, to send more when lines have been answered
 
 
 class Link:
@@ -52,8 +54,15 @@ class Link:
             self.take = protocol.take
             self.batch.join(*controller.batches(self.batch))
         self._log = controller.machine.note
+        self.heard = False  # bytes have come, see was_heard()
         self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: it may fill batches while commands wait
         self.waiting = []
+
+    def was_heard(self):
+        """True if bytes have come since this was asked last."""
+        heard = self.heard
+        self.heard = False
+        return heard
 
     def note(self, number):
         """Add to the log, in this link's name."""
@@ -90,7 +99,8 @@ class App:
         kinds = machine_builder.load(names)
         self._make_controller(settings, queue, machine_builder.guarded(board, languages, settings), kinds)
         self._looked_ms = port.machine_ms()
-        self._heard = 0  # by this cycle: _PART, _WHOLE
+        self._heard = 0  # by this cycle: _PART, _WHOLE, _LINES
+        self._answered_ms = -1  # lines of a batch were answered while the machine moved, and it has not been polled since; −1: none
         self._now_ms = port.link_ms()
         self._speaking = None  # the link whose bytes are being understood
         self._overruled = 0  # the error that ends the rest of them: another link, or an alarm, has stopped the machine
@@ -105,7 +115,7 @@ class App:
                 baud = config["baud"] if config["port"] != "usb" else _USB_BAUD
                 made.serial = machine_builder.framed_line()(made, serial, baud, port.link_ms, made.note)
             if config["lost"] != "go_on":
-                made.serial = self.controller.features["host_watch"].watch(number, made.serial)
+                self.controller.features["host_watch"].watch(number, made.serial if config["frames"] else made)
             self.links.append(made)
         if board["network"]:
             machine_builder.network().join(self.links, self.controller)
@@ -154,10 +164,11 @@ class App:
 
     def poll(self):
         """Links, then machine, then answers, then words for the player. False if the machine has to wait, because
-        more bytes are coming: where interrupts play, those are taken first."""
+        more bytes are coming, or will at once: where interrupts play, those are taken first."""
         heard = self._hear()
-        if self.interrupt and heard and self._overtaken(heard):
+        if self.interrupt and (heard or self._answered_ms >= 0) and self._overtaken(heard):
             return False
+        self._answered_ms = -1
         tripped = self.port.tripped()
         if tripped and not self.controller.machine.alarm:
             self.controller.stopped_by(tripped)
@@ -173,7 +184,7 @@ class App:
 
     @micropython.native
     def _hear(self):
-        """Carry out what the links bring. Returns _PART if bytes came, _WHOLE if more than questions did, or both."""
+        """Carry out what the links bring. Returns _PART if bytes came, _WHOLE if more than questions did, _LINES if it were lines."""
         self._heard = 0
         self._now_ms = self.port.link_ms()
         for link in self.links:
@@ -192,14 +203,21 @@ class App:
         return False
 
     def _overtaken(self, heard):
-        """True while more bytes are coming and the machine may wait for them. What has been asked for moves at once."""
-        coming = heard == _PART or self._coming()
+        """True while more bytes are coming, or a PC may be about to send them, and the machine may wait for them. What has been
+        asked for moves at once."""
+        now_ms = self.port.machine_ms()
+        moves = self.feeder.open
+        coming = heard == _PART or not (heard & _LINES and moves) and self._coming()
         if heard & _WHOLE:
             if not coming:
                 self.controller.begin()
-            if not self.feeder.open:
+            if not moves:
                 self._feed()
-        return coming and (self.port.machine_ms() - self._looked_ms) & COUNT_MASK < _LOOK_MS
+            elif heard & _LINES:
+                self._answered_ms = now_ms
+        if not coming and (self._answered_ms < 0 or (now_ms - self._answered_ms) & COUNT_MASK >= _REPLY_MS):
+            return False
+        return (now_ms - self._looked_ms) & COUNT_MASK < _LOOK_MS
 
     @micropython.native
     def _feed(self):
@@ -235,6 +253,7 @@ class App:
         data = link.serial.read()
         if data:
             self._heard |= _PART
+            link.heard = True
         elif link.keeps and not link.protocol.pending():
             return ()
         if link.batch and (link.keeps or not link.waiting):
@@ -292,7 +311,7 @@ class App:
         if batch.begun:
             batch.close(batch)
             if self.controller.queue.waiting:
-                self._heard |= _WHOLE
+                self._heard |= _WHOLE | _LINES
         return data if answers is None else b""
 
     @micropython.native

@@ -20,31 +20,12 @@ _MAY_BE_SILENT = "grbl"  # the language
 _Z = const(2)
 
 
-class WatchedLine:
-    """A serial line that notes whether bytes have come."""
-
-    def __init__(self, serial):
-        self._serial = serial
-        self.heard = False  # it is the reader's to clear
-        self.write = serial.write
-        self.any = getattr(serial, "any", None)  # lines of the virtual port have none
-
-    def read(self):
-        data = self._serial.read()
-        if data:
-            self.heard = True
-        return data
-
-    def close(self):
-        self._serial.close()
-
-
 class HostWatch:
     def __init__(self, board, machine, queue):
         self._machine = machine
         self._queue = queue
         self._links = board["links"]
-        self._lines = {}  # by the numbers of their links; stored jobs come by another, and need no host
+        self._lines = {}  # what hears, by the numbers of their links; stored jobs come by another, and need no host
         self._since_ms = 0  # nothing has come from the link that commands, or nothing was under way
         self._asked_ms = 0  # when its host asked last
         self._asked = 0  # how often, each time within lost_ms of the one before
@@ -57,11 +38,8 @@ class HostWatch:
         self._power = 0  # of the tool, as it was
 
     def watch(self, number, line):
-        """Returns what is to be read instead of `line`, that of link `number`."""
-        if not hasattr(line, "heard"):
-            line = WatchedLine(line)
+        """`line.was_heard()` tells whether link `number` has heard anything: its Link, or the line of a framed one."""
         self._lines[number] = line
-        return line
 
     def poll(self, _):
         """By the links' clock: in fast virtual time the machine's runs ahead of any host."""
@@ -71,12 +49,10 @@ class HostWatch:
         line = self._lines.get(number)
         if line is None:
             return
-        under_way = self._under_way()
         if number != self._number:
             self._asked = 0
             self._number = number
-        if line.heard or not under_way:
-            line.heard = False
+        if line.was_heard() or not self._under_way():
             self._since_ms = now_ms
             return
         link = self._links[number]

@@ -72,7 +72,7 @@ class FramedLine:
         self._buffer = self._view = b""  # made by the first HELLO
         self._full = False  # the last read brought a packet or more
         self._left = b""  # of what was read and found no room in the buffer
-        self.heard = False  # something sound has come; it is the reader's to clear
+        self._heard = False  # something sound has come, see was_heard()
         self._confirmed = True  # the host has understood WELCOME
         self._begun_ms = 0
         self._clear()
@@ -95,6 +95,12 @@ class FramedLine:
         self._sender.clear(0)
 
     # --- the face of a serial line
+
+    def was_heard(self):
+        """True if something sound has come since this was asked last."""
+        heard = self._heard
+        self._heard = False
+        return heard
 
     def any(self):
         if self._left or self._at < self._end and self._buffer.find(b"\0", self._at, self._end) >= 0:
@@ -150,7 +156,7 @@ class FramedLine:
                 self._held = b""
                 return data
             return b""
-        self.heard = True
+        self._heard = True
         if not self._held and not zeros(data, len(data)):
             return data
         text = self._held + bytes(data)
@@ -170,7 +176,7 @@ class FramedLine:
         """The link has spoken frames, and has left them."""
         late = self._late
         if data:
-            self.heard = True
+            self._heard = True
             held = late.held
             text = held + bytes(data)
             at = text.find(HELLO_WIRE)
@@ -228,7 +234,7 @@ class FramedLine:
         if not sound(self._buffer, begin, end):
             self._ask_again()
             return None
-        self.heard = True
+        self._heard = True
         kind, number, ack, credit = header(self._buffer, begin)
         if kind == FRAME_HELLO:
             if self._state == _CLOSED:

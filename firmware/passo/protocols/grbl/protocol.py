@@ -114,6 +114,8 @@ class Grbl:
         lines = self._lines
         fields = lines.fields
         fields[LINES_WAITS] = 0
+        if data == b"?":
+            return False  # a question by itself: it need not wait for the machine's yes
         if (
             take_lines is None or self._under_way is not None or self._rest or self._start_lines or self._stale
             or self._version != self._settings.version or not data and fields[LINES_AT] == fields[LINES_WHOLE]
@@ -151,6 +153,8 @@ class Grbl:
 
     def feed(self, data, now_ms):
         """Commands, each to be answered by reply() before the next is asked for."""
+        if data == b"?":
+            return self._ask()
         if not data:
             fields = self._lines.fields
             if fields[LINES_ASKED]:
@@ -161,12 +165,13 @@ class Grbl:
 
     def pending(self):
         """True if feed() has something to say without new bytes. A line that found no room waits until several have some."""
-        fields = self._lines.fields
+        lines = self._lines
+        fields = lines.fields
         if fields[LINES_ASKED]:
             return True
         if fields[LINES_WAITS] and self._machine.queue.room() < _SEVERAL:
             return False
-        return self._waiting()
+        return fields[LINES_AT] < fields[LINES_WHOLE] or self._rest or self._start_lines or lines.lost
 
     def drop_begun(self):
         """Forget the line that has begun and not ended."""
