@@ -34,7 +34,7 @@ CHIPS = {
     chip.name: chip
     for chip in (
         Chip("rp2040", "rp2040", "RPI_PICO", False, 2 << 20, 1 << 20),
-        Chip("rp2040_w", "rp2040", "RPI_PICO_W", True, 2 << 20, 848 << 10),
+        Chip("rp2040_w", "rp2040", "RPI_PICO_W", True, 2 << 20, 640 << 10),
         Chip("rp2350", "rp2350", "RPI_PICO2", False, 4 << 20, 2560 << 10),
         Chip("rp2350_w", "rp2350", "RPI_PICO2_W", True, 4 << 20, 2560 << 10),
     )

@@ -85,7 +85,7 @@ def replace(port, path, has):
 
 
 def hold(path):
-    return Failure("the board did not start with {}: hold BOOTSEL while you plug it in, then: passo flash --uf2 {0}", path)
+    return Failure("the board did not start with {0}: hold BOOTSEL while you plug it in, then: passo flash --uf2 {0}", path)
 
 
 def saved(port, path, has):

@@ -33,7 +33,7 @@ def find_frozen(name):
     if not path.is_file():
         raise Unavailable("there is no UF2 of this source for the {0}: make uf2 CHIP={0}", name)
     if told_by(path) != (name, stamp(name)):
-        raise Unavailable("{} is not the UF2 of this source for the {}: make uf2 CHIP={1}", path, name)
+        raise Unavailable("{0} is not the UF2 of this source for the {1}: make uf2 CHIP={1}", path, name)
     return checked(path)
 
 

@@ -1,7 +1,7 @@
 """A MicroPython board behind a pty, as far as mpremote can tell.
 
 Runs under the unix port with a folder as its file system: answers the raw REPL's control characters on stdin and
-stdout, and runs what it is sent. `machine.reset()` leaves a file `.reset` behind.
+stdout, and runs what it is sent. `machine.reset()` leaves a file `.reset` behind, `machine.bootloader()` one of its name.
 """
 
 import os
@@ -14,6 +14,10 @@ class Machine:
     @staticmethod
     def reset():
         open(".reset", "w").close()
+
+    @staticmethod
+    def bootloader():
+        open(".bootloader", "w").close()
 
 
 class BoardOs:
@@ -69,4 +73,5 @@ def serve():
 sys.modules["machine"] = Machine
 sys.modules["os"] = BoardOs()
 os.chdir(sys.argv[1])
+sys.path[0] = ""  # modules are looked for in its files, as on a board
 serve()
