@@ -20,6 +20,7 @@ import pytest
 
 from host_tools import boards
 from host_tools.resources import FIRMWARE, ROOT
+from test_docs import PAGES, shown_commands
 
 pytestmark = pytest.mark.xdist_group("install")
 COPIED = ("LICENSE", "README.md", "boards", "firmware", "host_tools", "pyproject.toml")
@@ -144,6 +145,21 @@ def test_check_and_draw(passo):
     (passo.folder / "part.svg").write_text(SVG)
     assert "time" in good(passo("check", "part.gcode"))
     good(passo("draw", "part.svg", "--dry-run"))
+
+
+def by_themselves(page):
+    """The commands of `passo` on a page that want no machine and no file of the reader's own."""
+    for words in shown_commands(page.read_text(encoding="utf-8"), "passo"):
+        of_docs = any((ROOT / word).is_file() for word in words if word.startswith("docs/"))
+        if "--port" not in words and words[:1] != ["stream"] and (of_docs or "--help" in words):
+            yield words
+
+
+@pytest.mark.parametrize("page", [pytest.param(page, id=page.name) for page in PAGES if any(by_themselves(page))])
+def test_what_a_document_shows(passo, page):
+    shutil.copytree(ROOT / "docs", passo.folder / "docs", dirs_exist_ok=True)
+    for words in by_themselves(page):
+        good(passo(*words))
 
 
 def test_a_panel_and_its_page(passo):
