@@ -93,10 +93,11 @@ def build(name, out=None):
     frozen_tree(name, folder / "frozen")
     write_board(chip, folder, source)
     compiled(chip, folder, source)
+    data = uf2_of(chip, (folder / "made" / "firmware.bin").read_bytes())
     target = path_of(name)
     target.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.NamedTemporaryFile(dir=target.parent, delete=False) as file:
-        file.write(uf2_of(chip, (folder / "made" / "firmware.bin").read_bytes()))
+        file.write(data)
     os.chmod(file.name, 0o644)
     os.replace(file.name, target)
     return target
