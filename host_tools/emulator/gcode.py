@@ -142,17 +142,17 @@ def padded(*lines, width=LINE_BYTES):
     return text
 
 
-def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False, clock_mhz=125):
+def fast_router(lengths_mm=(0.2, 0.75), name="router_3axis", laser=False, clock_mhz=125, mm_s=250, mm_s2=20_000):
     """A booted EmulatedMachine of the board file that waits for run_lines(); with a `laser` instead of a spindle for
-    run_raster(). Its axes do 250 mm/s and 20 000 mm/s², so that the processor is the limit."""
-    return router(*fast_board(lengths_mm, name, laser, clock_mhz))
+    run_raster(). Its axes do so much, so that the processor is the limit."""
+    return router(*fast_board(lengths_mm, name, laser, clock_mhz, mm_s, mm_s2))
 
 
-def fast_board(lengths_mm, name="router_3axis", laser=False, clock_mhz=125):
+def fast_board(lengths_mm, name="router_3axis", laser=False, clock_mhz=125, mm_s=250, mm_s2=20_000):
     """(board, texts) of fast_router()."""
     board = {**boards.load(name), "clock_mhz": clock_mhz}
     for axis in board["axes"]:
-        axis.update(max_mm_min=15_000, accel_mm_s2=20_000)
+        axis.update(max_mm_min=60 * mm_s, accel_mm_s2=mm_s2)
     if laser:
         board["spindle"] = {"max_rpm": 1000, "min_rpm": 0, "pwm": True, "pin": LASER_PIN, "pwm_hz": 5000, "laser": True}
     return board, {f"{length}.txt": raster(length)[0] if laser else chords(length)[1] for length in lengths_mm}
