@@ -114,8 +114,8 @@ class Grbl:
         lines = self._lines
         fields = lines.fields
         fields[LINES_WAITS] = 0
-        if data == b"?":
-            return False  # a question by itself: it need not wait for the machine's yes
+        if data == b"?" or data == b"!":
+            return False  # by itself: it need not wait for the machine's yes
         if (
             take_lines is None or self._under_way is not None or self._rest or self._start_lines or self._stale
             or self._version != self._settings.version or not data and fields[LINES_AT] == fields[LINES_WHOLE]
