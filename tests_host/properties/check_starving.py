@@ -21,6 +21,7 @@ STEPS_MM = 80
 STAND_MS = 5
 WINDOW = 127  # bytes under way of a sender that counts characters
 READ = 64  # bytes that come at once
+LOOK_TICKS = TICKS_PER_MS // 10  # the main loop looks at a line that has brought nothing
 FEED_TICKS = 2 * TICKS_PER_MS  # between two calls of the interrupt that makes words
 LEAD_TICKS = 12 * TICKS_PER_MS
 
@@ -115,6 +116,8 @@ class Wire:
         return len(self._coming)
 
     def read(self):
+        if not self._coming:
+            self.port.work(LOOK_TICKS)
         data = self._coming[:READ]
         self._coming = self._coming[READ:]
         return data
