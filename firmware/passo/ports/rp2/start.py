@@ -147,7 +147,8 @@ class Start(start.Start):
         made = Port(board)
         if self.rooms:
             self.rooms[0].clear()
-            self._keep_for_work(_BUFFERS)
+            if self.rooms[1] or not self.lean:  # a lean board that has given it back needs what is left for the app
+                self._keep_for_work(_BUFFERS)
             gc.collect()
             self._keep_buffers(board)
         return made
