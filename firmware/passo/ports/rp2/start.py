@@ -14,7 +14,7 @@ from passo.records import ARCS, ARC_FIELDS, LINES_BYTES, QUEUE_SIZE, ROW_STEPS
 _FOR_WORK = const(4_125)  # words kept free in one piece for what the main loop takes and gives back
 _FOR_LEAN = const(2_050)  # the same of a board that has no memory to spare: its table of names grows by as much
 _LEAST_FOR_WORK = const(1_000)  # a smaller piece is not kept
-_FOR_NAMES = const(1_940)  # words for the interpreter's table of names, if it doubles at its 1261st name
+_FOR_NAMES = const(2_050)  # words for the interpreter's table of names, 1_930 if it doubles at its 1261st name, and for that name
 _BUFFERS = const(8)  # of _BUFFER bytes: the piece for work is made smaller until they fit beside it when all code is loaded
 _BUFFER = const(1_100)  # as links and tables have them
 _MODULES = const(130)
@@ -105,8 +105,12 @@ class Start(start.Start):
                 if place > 1:
                     self.rooms[place] = ()
                 else:
+                    name = "name %d" % gc.mem_free()
                     self.rooms[place].clear()
-                    getattr(self, "name %d" % gc.mem_free(), None)  # a table of names that is full doubles here and now
+                    try:
+                        getattr(self, name, None)  # a table of names that is full doubles here and now
+                    except MemoryError:
+                        pass  # the next piece may be large enough
                 self._code.redirect(place > 1)
                 return True
         return False
