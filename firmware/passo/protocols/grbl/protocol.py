@@ -32,7 +32,7 @@ from passo.protocols.gcode.parse_records import (
     LINES_ASKED, LINES_AT, LINES_FILLED, LINES_TAKEN, LINES_WAITS, LINES_WHOLE,
 )  # fmt: skip
 from passo.protocols.gcode.words import LONGEST, bare, rounded
-from passo.protocols.grbl.lines import LONG, REAL_TIME, SLOWLY, Lines, plain_text
+from passo.protocols.grbl.lines import LEFT, LONG, REAL_TIME, SLOWLY, Lines, plain_text
 from passo.protocols.grbl.real_time import real_time
 from passo.protocols.grbl.report import Status
 from passo.protocols.grbl.system import System, answer
@@ -40,9 +40,9 @@ from passo.records import BATCH_ROWS, NM_PER_M, SETTING_LASER, SETTING_MAX_RPM, 
 
 gc.collect()
 try:
-    from passo.protocols.grbl.take_viper import LEFT, take_lines
+    from passo.protocols.grbl.take_viper import take_lines
 except MemoryError:  # a board that has too little, or not in one piece: feed() deals with all lines
-    LEFT = take_lines = None
+    take_lines = None
 
 _SEVERAL = const(2)
 _ALARMS = const(200)  # errors.py has alarms that much higher

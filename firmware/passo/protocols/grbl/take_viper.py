@@ -10,13 +10,12 @@ One text for all interpreters; see motion/block_viper.py.
 # ruff: noqa: F821
 
 import micropython
-from micropython import const
 
 from passo.protocols.gcode.parse_records import (
     LINES_ASKED, LINES_AT, LINES_FILLED, LINES_TAKEN, LINES_WAITS, LINES_WHOLE, PARSE_AFTER,
 )  # fmt: skip
 from passo.protocols.gcode.parse_viper import parse
-from passo.protocols.grbl.lines import keep
+from passo.protocols.grbl.lines import LEFT, keep
 from passo.records import BATCH_ROWS, TRACE_ROOM, TRACE_TAKEN
 
 try:
@@ -26,9 +25,6 @@ except NameError:
 
     def ptr32(array):
         return array
-
-
-LEFT = const(-4)  # the machine has not taken all rows: `accept` of the batch knows why
 
 
 @micropython.viper
