@@ -40,6 +40,8 @@ def text_of(path):
 
 def chosen():
     """Sets where modules are looked for. Says so if there is another package on the file system."""
+    if STAMP is None:
+        return False  # not built: this is the source
     there = text_of("passo/stamp.txt")
     if there and there == text_of(SOURCE):
         return False

@@ -37,7 +37,6 @@ from host_tools.resources import FIRMWARE
 
 CHOICE = "PASSO_PC_KERNELS"  # plain or c
 TAKEN = {
-    "passo.control.line_batches.trace",
     "passo.drives.coils_viper.apply",
     "passo.drives.gantry_viper.double",
     "passo.motion.block_viper.plan_block",
@@ -47,7 +46,7 @@ TAKEN = {
     "passo.motion.look_ahead_viper.look_back",
     "passo.motion.look_ahead_viper.plan_lines",
     "passo.protocols.gcode.parse_viper.parse",
-    "passo.protocols.grbl.lines.copy",
+    "passo.protocols.grbl.lines.keep",
     "passo.protocols.grbl.text_viper.tell",
     "passo.protocols.plotter.protocol.sift",
     "passo.steps.pace_viper.pace",

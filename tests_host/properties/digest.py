@@ -202,10 +202,17 @@ def digest_hex(board, job, port=None):
     return port
 
 
+def copied(value):
+    """A value of a board file, down to its last list: others use the same file."""
+    if isinstance(value, dict):
+        return {key: copied(value[key]) for key in value}
+    return [copied(each) for each in value] if isinstance(value, list) else value
+
+
 def board_named(name):
     """A file of boards/; NAME+laser has a laser instead of its spindle."""
     name, _, laser = name.partition("+")
-    board = getattr(__import__("boards." + name), name).BOARD
+    board = copied(getattr(__import__("boards." + name), name).BOARD)
     board["links"] = board["links"][:1]  # a second one would only want memory
     if laser:
         board["spindle"] = {"max_rpm": 1000, "pwm": True, "pin": 22, "laser": True}
