@@ -96,6 +96,42 @@ def check_a_host_that_does_not_ask():
         assert machine.world.place[0] == 3000 + 90 * 320 and not machine.controller.machine.alarm
 
 
+def check_a_host_that_dies_at_once():
+    """One question in the job's first moments, or just before it, tells a host that asks from one that does not."""
+    for before in (True, False):
+        machine = machine_with("stop")
+        machine.put("?" if before else "M3S1000\nG1X90F60\n?")
+        run_ms(machine, 50)
+        machine.put("M3S1000\nG1X90F60\n" if before else "")
+        run_ms(machine, LOST_MS + 600)
+        assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST and machine.world.tool == 0
+
+
+def check_a_host_that_stopped_asking():
+    """It asked in the job's first second only, or long before it, and sends lines: it is not lost while one of them lasts."""
+    for asks in (True, False):
+        machine = machine_with("stop")
+        machine.put("?")
+        run_ms(machine, 2 * LOST_MS)
+        for at in range(10):
+            machine.put("G1X1F300\n" + ("?" if asks and at < 3 else ""))
+            run_ms(machine, 200)
+        machine.put("G1X20F300\n")
+        run_ms(machine, 8000)
+        assert machine.world.place[0] == 3000 + 30 * 320 and not machine.controller.machine.alarm
+
+
+def check_a_job_asks_anew():
+    """What was late in one job counts in the next."""
+    machine = machine_with("stop")
+    machine.put("G1X10F300\n")
+    run_ms(machine, 4000, (LOST_MS + 100, "?"))
+    assert machine.controller.state == "idle"
+    begin(machine, "G1X20F300\n")
+    run_ms(machine, LOST_MS + 600)
+    assert machine.controller.machine.alarm == errors.ALARM_HOST_LOST
+
+
 def check_retract():
     """It comes to its stand, Z goes up, and then the spindle goes off; not before it is homed, and no laser."""
     for homed in (True, False):

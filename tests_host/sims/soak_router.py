@@ -566,8 +566,8 @@ class Router(Cabled):
         """As senders do that count characters, until nothing is under way any more."""
         pending = list(program.lines)
         most = FRAMED_BYTES if link.port else PLAIN_BYTES
-        asked_ms = self.now_ms()
-        end_ms = asked_ms + LONGEST_MS
+        end_ms = self.now_ms() + LONGEST_MS
+        asked_ms = 0
         self.sent = []
         link.said.clear()
         try:

@@ -3,8 +3,9 @@
 Per link of the board file: `lost`, what is done then, and `lost_ms`. Under way is what the link that commands has begun: motion,
 but for homing, or a tool or spindle that is on. What says something on a framed link is a sound frame, not noise.
 
-Some senders of G-code say nothing as long as a line lasts. So one of grbl counts as lost only if it has asked for the status, until it
-fell silent, three times or more, each within lost_ms of the time before. In other languages a silent host is lost.
+Some senders of G-code say nothing as long as a line lasts. So one of grbl counts as lost only if, until it fell silent, it has
+asked for the status at least once in each lost_ms of what is under way; once it has let lost_ms pass, if it then has asked three
+times, each within lost_ms of the one before. In other languages a silent host is lost.
 
 "retract": as "stop", but before tool and outputs go off Z goes up to where it stood after homing, if it has homed at its high end.
 """
@@ -15,7 +16,7 @@ from passo import commands, errors
 from passo.config import setting_numbers as table
 from passo.records import COUNT_MASK
 
-_SURE = const(2)  # times after the first
+_SURE = const(3)  # questions in time
 _MAY_BE_SILENT = "grbl"  # the language
 _Z = const(2)
 
@@ -27,8 +28,10 @@ class HostWatch:
         self._links = board["links"]
         self._lines = {}  # what hears, by the numbers of their links; stored jobs come by another, and need no host
         self._since_ms = 0  # nothing has come from the link that commands, or nothing was under way
-        self._asked_ms = 0  # when its host asked last
-        self._asked = 0  # how often, each time within lost_ms of the one before
+        self._begun_ms = 0  # when nothing was under way last
+        self._asks = False  # its host has asked
+        self._asked_ms = 0  # when, last
+        self._doubt = 0  # how often it has yet to ask in time: it let lost_ms pass without, in what is under way
         self._number = -1  # the link that commands
         homing = board["homing"]
         names = [axis["name"] for axis in board["axes"]]
@@ -50,25 +53,38 @@ class HostWatch:
         if line is None:
             return
         if number != self._number:
-            self._asked = 0
+            self._asks = False
             self._number = number
-        if line.was_heard() or not self._under_way():
+        works = self._under_way()
+        if not works:
+            self._begun_ms = now_ms
+            self._doubt = 0
+        if line.was_heard() or not works:
             self._since_ms = now_ms
             return
         link = self._links[number]
         if (now_ms - self._since_ms) & COUNT_MASK >= link["lost_ms"]:
-            self._since_ms = now_ms
-            if self._asked >= _SURE or link["protocol"] != _MAY_BE_SILENT:
+            if link["protocol"] != _MAY_BE_SILENT or self._asks and not self._doubt and self._in_time(self._since_ms):
                 self._lost(link)
+            self._since_ms = now_ms
 
     def asked(self, link):
         """The host of `link` has asked for the status."""
         if link is None or link.number != self._number or link.number not in self._lines:
             return
         now_ms = self._machine.port.link_ms()
-        in_time = (now_ms - self._asked_ms) & COUNT_MASK < self._links[link.number]["lost_ms"]
-        self._asked = self._asked + 1 if in_time else 0
+        if not self._in_time(now_ms):
+            self._doubt = _SURE
+        elif self._doubt:
+            self._doubt -= 1
+        self._asks = True
         self._asked_ms = now_ms
+
+    def _in_time(self, now_ms):
+        """Whether less than lost_ms before `now_ms` it asked, or what is under way began."""
+        lost_ms = self._links[self._number]["lost_ms"]
+        asked = self._asks and (now_ms - self._asked_ms) & COUNT_MASK < lost_ms
+        return asked or (now_ms - self._begun_ms) & COUNT_MASK < lost_ms
 
     def _under_way(self):
         machine = self._machine
