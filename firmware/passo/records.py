@@ -13,6 +13,7 @@ from micropython import const
 COUNT_MASK = const(0x1FFFFFFF)  # counts of words, blocks, ticks and milliseconds run modulo 2²⁹: a sum of two stays below 2³⁰
 COUNT_HALF = const(0x10000000)  # a count is ahead of another if their difference, modulo 2²⁹, is below this
 FARTHEST = const(0x1FFFFFFF)  # position in steps
+FASTEST_NM_S = const(0x3FFFFFFF)  # feed of a line that is dealt with in short
 BIAS = const(0x20000000)  # makes it positive
 INT_MOST = const(0x3FFFFFFF)  # the largest integer that a board keeps off its heap
 INT_HALF = const(0x20000000)  # ((number + INT_HALF) & INT_MOST) − INT_HALF reads a negative one on every interpreter

@@ -28,18 +28,18 @@ pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("starving")]
 
 
 @lru_cache
-def laser(uf2, clock_mhz):  # noqa: F811
+def laser(uf2, clock_mhz, fastest=FASTEST):  # noqa: F811
     """A booted laser whose axes are faster than any link; its links as they are."""
     board = {**boards.load("laser_xy"), "clock_mhz": clock_mhz}
     for axis in board["axes"]:
-        axis.update(accel_mm_s2=ACCEL_MM_S2, max_mm_min=FASTEST)
+        axis.update(accel_mm_s2=ACCEL_MM_S2, max_mm_min=fastest)
     machine = EmulatedMachine(board, trace=None, uf2=uf2).boot()
     machine.run_until(lambda: b"unlock" in machine.received("pc"), 10_000)
     machine.run_ms(500)
     return machine
 
 
-def stream(machine, link, what, mm_min, count):
+def stream(machine, link, what, mm_min, count, mm=MM):
     """(ms from the first step to the last, the longest time between two steps in ms, steps) of a straight row of lines."""
     client = GrblClient(link, timeout_s=1e6, opened=EmulatedPort(machine, link))
     if link != machine.board["links"][0]["name"]:
@@ -48,7 +48,7 @@ def stream(machine, link, what, mm_min, count):
         client.command(line)
     machine.run_ms(500)
     edges = machine.pico.edges(STEP)
-    lines = [b"X%.1f" % MM + (b"S%d" % (number * 397 % 999 + 1) if WHAT[what] else b"") for number in range(count)]
+    lines = [b"X%.1f" % mm + (b"S%d" % (number * 397 % 999 + 1) if WHAT[what] else b"") for number in range(count)]
     for _ in client.stream(list(enumerate(lines))):
         pass
     machine.settle()
@@ -74,3 +74,10 @@ def test_a_starved_stream_does_not_stand(uf2, what, link, clock_mhz, show):  # n
         told.append((share, longest_ms, took_ms / wanted_ms))
     show(f"{what} over {link} at {clock_mhz} MHz, {rate:.0f} a second", ", ".join("%d %%: %.1f ms, %.3f" % row for row in told))
     assert all(longest_ms <= STAND_MS and share_of_time <= LATE for _, longest_ms, share_of_time in told), told
+
+
+def test_feeds_beyond_any_link(uf2):  # noqa: F811
+    """Lines that would be played three times as fast as they come."""
+    machine = laser(uf2, 200, 60_000)
+    slower, faster = (on_a_copy(lambda: stream(machine, "usb", "lines", mm_min, 300, 0.2)) for mm_min in (24_000, 60_000))
+    assert faster[0] <= slower[0] and faster[1] <= STAND_MS

@@ -25,7 +25,7 @@ CASES = {
 RUNS = {"check_same_as_in_full": 150, "check_several_at_once": 40, "check_machine_code": 60}
 BEFORE = (
     b"G91", b"G90", b"G20", b"G21", b"M3 S500", b"M4 S900", b"M5", b"M3", b"M4", b"S300", b"S0", b"M4 S.0004", b"G92 X3 Y1.5", b"G10 L2 P1 X5 Z-2", b"G54", b"G55",
-    b"F200", b"G43.1 Z1.25", b"G2 X2 Y0 I1 J0 F100", b"G93", b"G94", b"G80", b"G1", b"G53 G0 X1", b"G10 L2 P2 X-536.9",
+    b"F200", b"F64000", b"F45000.5", b"G43.1 Z1.25", b"G2 X2 Y0 I1 J0 F100", b"G93", b"G94", b"G80", b"G1", b"G53 G0 X1", b"G10 L2 P2 X-536.9",
     b"G10 L2 P2 X1500.25", b"G10 L2 P1 Y-2147.483647", b"G92 X2147.4 Y-1", b"T2",
 )  # fmt: skip
 
@@ -54,7 +54,7 @@ def draw_line(random):
         if random.between(0, 2):
             words += random.choice((" ", "")) + letter + number(random)
     if random.between(0, 3) == 0:
-        words += "F" + number(random).strip("-")
+        words += "F" + random.choice((number(random).strip("-"), "%d.%03d" % (random.between(0, 64_000), random.between(0, 999))))
     if random.between(0, 2) == 0:
         words += random.choice((" S", "S")) + power(random)
     line = bytearray(words.encode())
@@ -273,6 +273,18 @@ def check_the_frequent_line_is_dealt_with():
         lines = Lines()
         lines.take(line + b"\n")
         assert shop.machine.follow(shop.gcode, lines, 9) == 0 and lines.waiting() and not waits(lines), line
+
+
+def check_fast_lines_are_dealt_with():
+    """A feed of any size up to 2³⁰ nm/s, also the lines behind it that say none."""
+    for unit, texts in ((b"G21", (b"32212", b"40000.001", b"63999.999", b"64000")), (b"G20", (b"160.00001", b"1999.9", b"2500"))):
+        for text in texts:
+            shop = Shop(Straight())
+            shop.do(unit)
+            for line in (b"G1X1F" + text, b"X2"):
+                lines = Lines()
+                lines.take(line + b"\n")
+                assert shop.machine.follow(shop.gcode, lines, 9) == 1 and not lines.waiting(), (unit, line, text)
 
 
 def check_a_laser_raster_is_dealt_with():

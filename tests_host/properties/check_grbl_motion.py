@@ -1,5 +1,6 @@
 """Motion asked for over the grbl link: holds, arcs, jogs, pauses, check mode, resets."""
 
+from boards.router_3axis import BOARD
 from passo import errors
 from passo.records import ARCS
 from router import BANNER, UNHOMED, Machine, answers, home
@@ -317,3 +318,14 @@ def check_feeds_of_every_size():
         assert machine.status()["state"] == "Idle", feed
         if said == ["ok"]:
             assert machine.controller.position()[0] == 320 * (1 - place), feed
+
+
+def check_a_machine_faster_than_a_metre_a_second():
+    """Feeds of every size end, in lines alone and in batches."""
+    for feed in (24_000, 32_213, 40_000, 63_999, 64_000, 64_001, 200_000, 9_000_000):
+        machine = Machine(axes=[dict(axis, max_mm_min=60_000, accel_mm_s2=5_000) for axis in BOARD["axes"]])
+        for line in ("$X", "G21G91", "G1F%d" % feed):
+            assert machine.ask(line)[-1] == "ok", line
+        machine.do("X1", "X1Y1", "G1X1F%d" % feed, "X-1", "Y1", "G0X2", "G1Y1")
+        machine.settle()
+        assert list(machine.controller.position())[:2] == [4 * 320, 3 * 320]

@@ -37,7 +37,7 @@ from passo.records import (
     QUEUE_RETIRED, QUEUE_SIZE, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST, SCRATCH_ALL,
     SCRATCH_ASKED, SCRATCH_EAGER, SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_FIELDS, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT,
     SCRATCH_IS_ARC, SCRATCH_LASTS, SCRATCH_PERCENT, SCRATCH_SIZE, SCRATCH_START, SCRATCH_STRIDE, SCRATCH_TAKEN,
-    SCRATCH_THROUGH, FARTHEST, TICKS_PER_S,
+    SCRATCH_THROUGH, FASTEST_NM_S, TICKS_PER_S,
 )  # fmt: skip
 
 LOOK_AHEAD = const(64)
@@ -208,7 +208,7 @@ class Planner:
             scratch[SCRATCH_GIVEN_SHIFT] += 1
         scratch[SCRATCH_GIVEN] = ticks
         scratch[SCRATCH_FEED] = min(limits.part(speed_nm_s), MOST) if speed_nm_s else 0
-        scratch[SCRATCH_ASKED] = -1 if ticks or speed_nm_s > FARTHEST else speed_nm_s  # beyond, it is asked for each time
+        scratch[SCRATCH_ASKED] = -1 if ticks or speed_nm_s > FASTEST_NM_S else speed_nm_s  # beyond, it is asked for each time
 
     def fits(self, deltas, ticks, speed_nm_s):
         """Raise what line() would; nothing is queued."""

@@ -166,16 +166,16 @@ def with_decimals(value: int, decimals: int, wanted: int, most: int) -> int:
 
 @micropython.viper
 def feed_of(value: int, decimals: int, inches: int) -> int:
-    """A feed in nm/s, rounded; -1 if it is too large or too fine. `value` counts millimetres or inches a minute."""
+    """A feed in nm/s, rounded, below 2³⁰; -1 if it is larger, or too fine. `value` counts millimetres or inches a minute."""
     if inches:
-        value = int(with_decimals(value, decimals, 5, 1500000))
-        if value < 0 or value > 16000000:
+        value = int(with_decimals(value, decimals, 5, 25000000))
+        if value < 0 or value > 250000000:
             return -1
-        return (value * 127 + 15) // 30  # of 10⁻⁵ inches a minute
+        return value * 4 + (value * 7 + 15) // 30  # · 127 / 30, of 10⁻⁵ inches a minute
     value = int(with_decimals(value, decimals, 3, 50000000))
-    if value < 0 or value > 40000000:
+    if value < 0 or value > 64000000:
         return -1
-    return (value * 50 + 1) // 3  # of micrometres a minute
+    return value * 16 + (value * 2 + 1) // 3  # · 50 / 3, of micrometres a minute
 
 
 @micropython.viper

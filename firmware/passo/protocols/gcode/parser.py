@@ -35,7 +35,7 @@ from passo.protocols.gcode.parse_records import (
     PARSE_LIT, PARSE_LOW, PARSE_MODAL, PARSE_NUMBER, PARSE_OFFSET, PARSE_POSITION, PARSE_POWER, PARSE_RELATIVE,
     PARSE_RESOLUTION, PARSE_RPM, PARSE_TARGET,
 )  # fmt: skip
-from passo.records import BIAS, FARTHEST
+from passo.records import BIAS, FARTHEST, FASTEST_NM_S
 
 # `place`, what plain lines are understood by; three numbers each where they are the axes'.
 _ANY = const(0)
@@ -166,7 +166,7 @@ class GCode(Motions):
         self.leave_batch()
         if (
             self.weaving or self.motion not in (0, 100) or not self.per_minute
-            or self.feed > FARTHEST or self.rpm > FARTHEST
+            or self.feed > FASTEST_NM_S or self.rpm > FARTHEST
             or self.laser and (not _SAME < self.max_rpm <= _MOST_RPM or batch.slow_tool)
         ):  # fmt: skip
             return False
