@@ -197,14 +197,16 @@ class Program:
                 if is_kernel(node):
                     kernel = self.kernels[f"{module}.{node.name}"]
                     calls.update({id(each.func): kernel for each in ast.walk(node) if self.called(kernel, each, False)})
+            names = set()
             for node in ast.walk(tree):
                 if isinstance(node, (ast.Name, ast.Attribute)):
                     kernel = self.named(module, node)
                     if kernel and isinstance(node.ctx, ast.Load):
                         found[kernel.full][0 if id(node) in calls else 1] += 1
-            for name in self.imported[module]:
-                if name not in {each.id for each in ast.walk(tree) if isinstance(each, ast.Name)}:
-                    kernel = self.named(module, ast.Name(name))  # imported, to be passed on
-                    if kernel:
-                        found[kernel.full][1] += 1
+                    if isinstance(node, ast.Name):
+                        names.add(node.id)
+            for name in self.imported[module].keys() - names:
+                kernel = self.named(module, ast.Name(name))  # imported, to be passed on
+                if kernel:
+                    found[kernel.full][1] += 1
         return found

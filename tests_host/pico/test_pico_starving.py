@@ -16,11 +16,11 @@ from host_tools.emulator.streaming import EmulatedPort
 
 STEPS_MM = 80
 ACCEL_MM_S2 = 20_000
-FASTEST = 20_000  # mm/min
+FASTEST = 40_000  # mm/min
 STEP = boards.load("laser_xy")["axes"][0]["pins"][0]
 STAND_MS = 5
 LATE = 1.05  # of the time that the lines take to be played, or to come
-COUNT = 1000  # lines: they last most of a second, because a queue of 30 ms has to be made first
+COUNT = 2000  # lines: they last most of a second, because a queue of 30 ms has to be made first
 SHARES = (50, 80, 100, 120, 150)
 MM = 0.1  # of a line
 WHAT = {"lines": "", "M3": "M3S0", "M4": "M4S0"}  # what is said before
