@@ -17,12 +17,13 @@ _PATIENCE_S = 1e6  # of the PC, whose clock is not the Pico's
 
 
 class EmulatedPort:
-    """A link as a pyserial port: while a read waits, the Pico runs."""
+    """A link as a pyserial port: while a read waits, the Pico runs, `waits_us` until the PC looks again."""
 
     timeout = 0.01
 
-    def __init__(self, machine, link):
+    def __init__(self, machine, link, waits_us=_SLICE_US):
         self.machine = machine
+        self._waits_us = waits_us
         self._wire = machine.wire(link)
         config = next(config for config in machine.board["links"] if config["name"] == link)
         self._baud = config["baud"]
@@ -36,7 +37,7 @@ class EmulatedPort:
 
     def read(self, size=1):
         if not self.in_waiting:
-            self.machine.pico.run(_SLICE_US)
+            self.machine.pico.run(self._waits_us)
         size = min(size, self.in_waiting)
         data = bytes(self._received[:size])
         del self._received[:size]

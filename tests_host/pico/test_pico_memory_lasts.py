@@ -94,10 +94,10 @@ class Sender:
         said = self.ask(b"$F=" + name)
         self.machine.run_ms(300)
         self.note()
-        if self.random.between(0, 1):
+        if b"error" in said or self.random.between(0, 1):
             self.reset()
         elif b"[MSG:Job" not in said + self.machine.received():
-            self.await_(rb"\[MSG:Job [A-Z.]+ done", 120_000)
+            assert b" done]" in self.await_(rb"\[MSG:Job [A-Z.]+( done|: error)", 120_000)
 
 
 @pytest.mark.parametrize("board", LEAST)

@@ -21,6 +21,7 @@ STEP = boards.load("laser_xy")["axes"][0]["pins"][0]
 STAND_MS = 5
 LATE = 1.05  # of the time that the lines take to be played, or to come
 COUNT = 2000  # lines: they last most of a second, because a queue of 30 ms has to be made first
+PC_US = 1000  # it looks for answers as often as real ones do
 SHARES = (50, 80, 100, 120, 150)
 MM = 0.1  # of a line
 WHAT = {"lines": "", "M3": "M3S0", "M4": "M4S0"}  # what is said before
@@ -41,14 +42,14 @@ def laser(uf2, clock_mhz, fastest=FASTEST):  # noqa: F811
 
 def stream(machine, link, what, mm_min, count, mm=MM):
     """(ms from the first step to the last, the longest time between two steps in ms, steps) of a straight row of lines."""
-    client = GrblClient(link, timeout_s=1e6, opened=EmulatedPort(machine, link))
+    client = GrblClient(link, timeout_s=1e6, opened=EmulatedPort(machine, link, PC_US))
     if link != machine.board["links"][0]["name"]:
         client.command("$LINK=0")
     for line in ("$X", "G21G91G94", "G1F%d" % mm_min, "X1", "X-1", WHAT[what]):
         client.command(line)
     machine.run_ms(500)
     edges = machine.pico.edges(STEP)
-    lines = [b"X%.1f" % mm + (b"S%d" % (number * 397 % 999 + 1) if WHAT[what] else b"") for number in range(count)]
+    lines = [b"G1X%.4fY0.0000" % mm + (b"S%d" % (number * 397 % 999 + 1) if WHAT[what] else b"") for number in range(count)]
     for _ in client.stream(list(enumerate(lines))):
         pass
     machine.settle()
