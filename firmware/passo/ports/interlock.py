@@ -27,7 +27,7 @@ class Interlock:
     def __init__(self, board, port):
         compiled = board["interlock"]["masks"]
         self._port = port
-        self._table = array("i", compiled["table"])
+        self.table = array("i", compiled["table"])
         self._unasked = array("i", compiled["unasked"])
         self._limits = compiled["limits"]
         for number in range(len(board["inputs"])):
@@ -49,6 +49,7 @@ class Interlock:
         self._wrong = self._wrong_states = 0  # of the last halt: what was forbidden, and the inputs then
         self._player = self._state = self._segments = self._start = self._hold = self._halt = self._played = None  # see join()
         self.items = ()  # the port's inputs, in the board file's order
+        self.playing = None  # what tells of the words made, and stops them: all at once, for an interrupt that has no time to look
 
     def join(self, feeder, player):
         """From here on nothing is played that is forbidden. Called once, before anything is."""
@@ -59,6 +60,7 @@ class Interlock:
         self._hold = player.hold if hasattr(player, "hold") else None
         self._halt = player.halt
         self._played = player.played
+        self.playing = feeder.state, feeder.marks, player.played, player.halt, self._hold
         player.start = self.start
 
     # --- interrupts
@@ -73,16 +75,6 @@ class Interlock:
         return self._start()
 
     @micropython.native
-    def halt_before(self, number):  # ISR: no allocation
-        """Stop the player if a change of input `number` is going to: the sooner the better. change() follows, and says why."""
-        if self._player is not None:
-            exempt = self.exempt
-            forbidden = denied(self._table, (self.states ^ 1 << number) & ~exempt | self.fall & exempt)
-            if ahead(self._state, self._segments, self._played(), forbidden & ~INTERLOCK_TOOL):
-                self._halt()
-                self._hold(True)
-
-    @micropython.native
     def change(self, number, active):  # ISR: no allocation
         """Input `number` is `active`, and has been for long enough."""
         if active:
@@ -95,7 +87,7 @@ class Interlock:
     def decide(self):  # ISR: no allocation
         """What is forbidden now, and whether something has to stop."""
         exempt = self.exempt
-        forbidden = denied(self._table, self.states & ~exempt | self.fall & exempt)
+        forbidden = denied(self.table, self.states & ~exempt | self.fall & exempt)
         self.denied = forbidden
         if self.granted:
             gone = self.granted & denied(self._unasked, self.states)
@@ -132,7 +124,7 @@ class Interlock:
         if not self.states >> number & 1:  # it may bounce
             self.trips[number] += 1
         self.states |= 1 << number
-        forbidden = denied(self._table, self.states & ~self.exempt | self.fall & self.exempt)
+        forbidden = denied(self.table, self.states & ~self.exempt | self.fall & self.exempt)
         self.denied = forbidden
         lost = forbidden & (self.asked | self.granted)
         self.asked &= ~lost
@@ -164,7 +156,7 @@ class Interlock:
 
     def cause(self, wrong, states):
         """The number of the input to blame for what is `wrong`: of the product that wants the fewest changes, the first."""
-        table = self._table
+        table = self.table
         best, number = 99, 0
         for at in range(PERMIT_FIRST, len(table), PERMIT_FIELDS):
             if table[at + PERMIT_ALLOWS] & wrong:
