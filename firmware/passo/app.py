@@ -263,15 +263,20 @@ class App:
     def _carry_out(self, commands, link):
         for command in commands:
             command.link = link
-            if command.kind == STATUS:  # at once, which saves six calls
-                answer = link.protocol.reply(self.controller.status(command))
-                if answer:
-                    link.serial.write(answer)
+            if command.kind == STATUS:
+                self._tell_status(command, link)
             elif self._overruled and command.kind not in HARMLESS:
                 self.controller.refuse(command, self._overruled)
                 self._answer()
             else:
                 self._begin(command)
+
+    def _tell_status(self, command, link):
+        """At once, which saves six calls."""
+        answer = link.protocol.reply(self.controller.status(command))
+        if answer:
+            link.serial.write(answer)
+        self.controller.asked(link)
 
     def _begin(self, command):
         link = command.link

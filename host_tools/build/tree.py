@@ -81,14 +81,11 @@ COLD = (
     "passo/ports/rp2/console.py",
     "passo/ports/rp2/encoders.py",
     "passo/ports/rp2/flash_code.py",
-    "passo/ports/rp2/pio_player.py",
     "passo/ports/usb_line.py",
     "passo/protocols/gcode/parser.py",
     "passo/protocols/grbl/protocol.py",
-    "passo/protocols/grbl/text_viper.py",
     "passo/steps/feeder.py",
     "passo/steps/following_viper.py",
-    "passo/steps/position_viper.py",
 )
 # What runs from flash, too, if the board file says "memory": "lean": the road of lines and planner. Interrupts, and functions
 # longer than a block, stay in RAM.

@@ -5,8 +5,10 @@ from array import array
 
 from draws import Random
 from passo.drives import coils_viper
-from passo.motion import line, line_viper
-from passo.records import PACE_CARRY, PACE_FIELDS, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK
+from passo.motion import line, line_viper, speed_viper
+from passo.records import (
+    PACE_CARRY, PACE_FIELDS, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, ROW_GAIN, ROW_SPEED, ROW_STEPS, ROW_TOP,
+)  # fmt: skip
 from passo.steps import pace_viper, position_viper
 from plain import plain
 
@@ -16,6 +18,7 @@ CASES = {
     "check_repay": (("seed", "seed"), ("count", 1, 60)),
     "check_apply": (("seed", "seed"), ("axes", 1, 2), ("width", "choice", 4, 6)),
     "check_tally": (("seed", "seed"), ("axes", 1, 4)),
+    "check_along": (("seed", "seed"),),
     "check_tally_of_coils": (("seed", "seed"), ("axes", 1, 2), ("width", "choice", 4, 6)),
 }
 LONGEST = 2_000_000
@@ -132,3 +135,18 @@ def check_tally_of_coils(seed, axes, width):
     words[first & 63] = 15 | 15 << width  # no current: no step
     for tally in (PLAIN_COILS["tally"], coils_viper.tally):
         assert tally(words, 63, first, (first + 1) & 0x1FFFFFFF, axes, width, last, tables, 15, array("i", begun)) == 0
+
+
+def check_along(seed):
+    """The speed that a status report tells, as large integers have it."""
+    random = Random(seed)
+    rows = array("i", [0] * (2 * ROW_STEPS))
+    at = random.between(0, ROW_STEPS)
+    top = random.between(64, 16_000)
+    part = random.between(1, 1 << random.between(1, 28))
+    whole = random.between(1, (1 << random.between(1, 30)) - 1)
+    pace = random.between(1, top)
+    gain = random.between(0, 1)
+    rows[at + ROW_SPEED], rows[at + ROW_TOP], rows[at + ROW_GAIN] = part, top, gain
+    asked = part * whole >> 28
+    assert speed_viper.along(rows, at, pace, whole) == (asked // top * pace + asked % top * pace // top if gain else asked)

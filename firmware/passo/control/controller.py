@@ -48,7 +48,7 @@ class Controller:
         self._readies = hooks(features, "ready")
         self._busies = hooks(features, "busy")
         self._stops = hooks(features, "stopped")
-        self._asked = hooks(features, "asked")
+        self._asks = hooks(features, "asked")
         self._batches = {}  # (open, accept, close) by their kind
         for batches in hooks(features, "batches"):
             self._batches.update(batches())
@@ -96,6 +96,7 @@ class Controller:
         """Carry out or begin `command`. Returns 0, LATER, or the number of the error it was refused with."""
         if command.kind == commands.STATUS:
             self.machine.tell(self.status(command))
+            self.asked(command.link)
             return 0
         handler = self.machine.handlers.get(command.kind)
         result = self._refusal(command) or (handler(command) if handler else errors.UNKNOWN_COMMAND)
@@ -215,10 +216,8 @@ class Controller:
         return errors.NO_HOMING
 
     def status(self, command):
-        """The event that answers STATUS, which is never refused."""
+        """The event that answers STATUS, which is never refused. asked() is to follow."""
         machine = self.machine
-        for asked in self._asked:
-            asked(command.link)
         report = self._report
         report["state"] = machine.state
         report["slows"] = machine.dropping or machine.retracts
@@ -230,6 +229,11 @@ class Controller:
         event = command.accepted or Event(ACCEPTED, command)
         event.value = report
         return event
+
+    def asked(self, link):
+        """Tell the features that `link` has asked for the status."""
+        for asked in self._asks:
+            asked(link)
 
     def _stop(self, command):
         machine = self.machine

@@ -15,7 +15,8 @@ from passo.errors import LATER
 from passo.motion.block import WAIT
 from passo.motion.limits import Limits
 from passo.motion.line import MAX_STEPS
-from passo.records import ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP
+from passo.motion.speed_viper import along
+from passo.records import LIMIT_WHOLE, ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP
 from passo.steps.word import TICKS_PER_S
 
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
@@ -35,8 +36,6 @@ class Program(LineBatches):
         self._machine = machine
         self._planner = queue.planner
         self._limits_of = self._limits = None  # the settings' version that the planner knows, and its limits
-        self._part = None  # of the fastest speed, that the one asked for is
-        self._asked = 0  # nm/s
         self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
         LineBatches.__init__(self, len(self._axes))
@@ -235,7 +234,6 @@ class Program(LineBatches):
         if not self._queue.still():
             return
         self._limits_of = settings.version
-        self._part = None
         jerk = settings.value(table.JERK)
         curves = jerk and self._planner.whole
         axes = range(len(self._axes))
@@ -360,13 +358,14 @@ class Program(LineBatches):
 
     def _speed(self, rows, at, pace):
         """The speed along the path at this moment, in nm/s."""
-        if not pace or self._limits is None:
+        limits = self._limits
+        if not pace or limits is None:
             return 0
-        part = rows[at + ROW_SPEED]
-        if part != self._part:  # allocates a large integer: only if the speed asked for has changed
-            self._part = part
-            self._asked = self._limits.speed(part)
+        whole = limits.fields[LIMIT_WHOLE]
+        if whole:
+            return along(rows, at, pace, whole)
+        asked = limits.speed(rows[at + ROW_SPEED])  # a machine of more than a metre a second: large integers
         if not rows[at + ROW_GAIN]:
-            return self._asked
+            return asked
         top = rows[at + ROW_TOP]
-        return self._asked // top * pace + self._asked % top * pace // top
+        return asked // top * pace + asked % top * pace // top

@@ -3,6 +3,7 @@
     q = q_of(square, rows, at, limit)       # a square of speed of 2²⁸, in the units of the block whose row begins at rows[at]
     speed = root_of(q, near)                # units, with 7 fraction bits
     ticks = path_ticks(path, span, speed)   # how long a path lasts
+    nm_s = along(rows, at, pace, whole)     # the pace of a segment (RAMP_PACE) as a speed
 
 A path is whole steps · 2¹⁷. One text for all interpreters; block_viper.py says what that asks of integers. None reaches 2³⁰.
 """
@@ -11,7 +12,7 @@ A path is whole steps · 2¹⁷. One text for all interpreters; block_viper.py s
 import micropython
 
 from passo.motion.scale_viper import signed
-from passo.records import ROW_UNIT, ROW_UNIT_SHIFT
+from passo.records import ROW_GAIN, ROW_SPEED, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT
 
 try:
     ptr32
@@ -85,3 +86,18 @@ def spread(path: int, each: int, rest: int) -> int:  # ISR: no allocation
 def gained(gain: int, steps: int, part: int) -> int:  # ISR: no allocation
     """gain · (steps + part / 2¹⁷): what q changes by."""
     return steps * gain + (gain >> 17) * part + (((gain & 0x1FFFF) >> 5) * part >> 12)
+
+
+@micropython.viper
+def along(rows: ptr32, at: int, pace: int, whole: int) -> int:
+    """The speed along the path, nm/s, at `pace`, units of the block at rows[at]. Of 2²⁸ the fastest is `whole` nm/s (LIMIT_WHOLE), less
+    than 2³⁰: part · whole >> 28 in halves of 14 and 15 bits, none of whose sums reaches 2³¹."""
+    part = rows[at + ROW_SPEED]
+    high = part >> 14
+    low = part & 0x3FFF
+    asked = high * (whole & 0x7FFF) + (low * (whole >> 15) << 1) + (low * (whole & 0x7FFF) >> 14)
+    asked = (high * (whole >> 15) << 1) + (asked >> 14)
+    if rows[at + ROW_GAIN] == 0:
+        return asked
+    top = rows[at + ROW_TOP]
+    return asked // top * pace + asked % top * pace // top
