@@ -83,7 +83,8 @@ QUEUE_FLUSHED = const(1)  # may be fetched
 QUEUE_FETCHED = const(2)
 QUEUE_RETIRED = const(3)  # played to their last word
 QUEUE_FROZEN = const(4)  # their exits stay as they are
-QUEUE_FIELDS = const(5)
+QUEUE_ARC = const(5)  # the block that the next arc's plan is in use for, until it has been played; -1: none
+QUEUE_FIELDS = const(6)
 QUEUE_SIZE = const(96)  # blocks: 64 that are looked ahead at, 32 in flight
 
 # Planner.work: the planner's scratch, and what passes from one block to the next.

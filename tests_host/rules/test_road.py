@@ -40,7 +40,7 @@ ASKED = {
     "control/program.py Program.reach",
     "control/queue.py Queue.room",
     "control/state.py MachineState.occupied",
-    "motion/planner.py Planner.room",
+    "motion/row_viper.py room",
     "protocols/gcode/parser.py GCode.opens",
     "protocols/grbl/protocol.py Grbl._open",
 }

@@ -224,7 +224,7 @@ class Controller:
         report["error"] = machine.alarm or machine.log.last
         report["log"] = machine.log.entries
         machine.report(report)
-        report["position"] = self.queue.found()  # last: it does not last
+        report["position"] = self.queue.here
         machine.log.last = 0
         event = command.accepted or Event(ACCEPTED, command)
         event.value = report

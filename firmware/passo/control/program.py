@@ -17,6 +17,7 @@ from passo.motion.limits import Limits
 from passo.motion.line import MAX_STEPS
 from passo.motion.speed_viper import along
 from passo.records import LIMIT_WHOLE, ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP
+from passo.steps.position_viper import SEEN_PACE, SEEN_ROOM, SEEN_ROW
 from passo.steps.word import TICKS_PER_S
 
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
@@ -347,14 +348,17 @@ class Program(LineBatches):
 
     def report(self, report):
         """What the status report says of motion."""
-        report["number"] = report["feed"] = 0
-        report["blocks"] = self._queue.room()
-        at = self._planner.row()
+        seen = self._queue.seen
+        number = speed = 0
+        at = seen[SEEN_ROW]
         rows = self._planner.rows
         if at >= 0 and rows[at + ROW_KIND] != WAIT:
             if self._machine.active:
-                report["number"] = rows[at + ROW_TAG]
-            report["feed"] = self._speed(rows, at, self._queue.pace())
+                number = rows[at + ROW_TAG]
+            speed = self._speed(rows, at, seen[SEEN_PACE])
+        report["number"] = number
+        report["feed"] = speed
+        report["blocks"] = seen[SEEN_ROOM]
 
     def _speed(self, rows, at, pace):
         """The speed along the path at this moment, in nm/s."""

@@ -7,7 +7,9 @@ from array import array
 
 import micropython
 
+from passo.motion.row_viper import room
 from passo.records import QUEUE_ADDED, QUEUE_RETIRED
+from passo.steps.position_viper import SEEN_FIELDS, SEEN_LIT, SEEN_ROOM
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
 
@@ -20,7 +22,9 @@ class Queue:
         self._player = player
         self.analogue = feeder.ring.power
         self._port = port if board["spindle"]["pwm"] else None  # where power() goes
-        self._origin = [0] * len(self._axes)
+        self._origin = array("i", [0] * len(self._axes))
+        self.here = self._origin[:]  # see look()
+        self.seen = array("i", [0] * SEEN_FIELDS)
         self.target = array("i", [0] * len(self._axes))  # where the queue will end: one array, which kernels write too
         self._deltas = [0] * len(self._axes)  # of the line being added
         self._rested = None  # the tool bit that rest() has shown, and the words played then
@@ -38,6 +42,16 @@ class Queue:
     def found(self):
         """The same in an array that is good until something asks the feeder again."""
         return self._from_origin(self._feeder.found(self._player.played()))
+
+    def look(self):
+        """See where the machine is, and what it does, at one moment: `here`, the position, and `seen` (SEEN_…), good until the next look."""
+        played = self._player.played()
+        seen = self.seen
+        self._feeder.look(played, self._origin, self.here, seen)
+        if self._chords:
+            seen[SEEN_ROOM] = 0
+        if self._rested is not None and self._rested_at == played:
+            seen[SEEN_LIT] = self._rested
 
     def _from_origin(self, found):
         origin = self._origin
@@ -60,7 +74,7 @@ class Queue:
     @micropython.native
     def room(self):
         """How many more blocks can be queued now; none behind an arc that is not all queued yet."""
-        return 0 if self._chords else self._planner.room()
+        return 0 if self._chords else room(self._planner.indices)
 
     @micropython.native
     def empty(self):

@@ -203,7 +203,8 @@ class MachineState:
         return False
 
     def report(self, report):
-        """Have every feature add to `report`, a dict."""
+        """Have every feature add to `report`, a dict, after a look at the queue, see Queue.look()."""
+        self.queue.look()
         for add in self._reports:
             add(report)
         return report

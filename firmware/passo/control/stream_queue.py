@@ -144,7 +144,3 @@ class StreamQueue(Queue):
     def slow_tool(self):
         """True if a change of the tool takes time."""
         return self.tool_ms(True) + self.tool_ms(False) > 0
-
-    def pace(self):
-        """The mean speed of the segment under way, as Feeder.pace()."""
-        return self._feeder.pace(self._player.played())

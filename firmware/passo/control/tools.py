@@ -7,6 +7,7 @@ from passo.batch import thousandths
 from passo.commands import SPINDLE_OFF
 from passo.config import setting_numbers as table
 from passo.errors import LATER
+from passo.steps.position_viper import SEEN_LIT
 
 _BLOCKS = const(2)  # room for a change of the tool
 _LOWEST = const(10)  # of feed and spindle override, per cent
@@ -171,7 +172,7 @@ class Tools:
         """What the status report says of spindle, coolant and overrides."""
         power = 0
         machine = self._machine
-        lit = self._queue.lit()
+        lit = self._queue.seen[SEEN_LIT]
         if lit:
             power = self._queue.analogue.value * 1000 if self._lasing else machine.power
             power = min(power * machine.overrides[2] // 100, 1_000_000)

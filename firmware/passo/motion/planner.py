@@ -29,11 +29,11 @@ from passo.memory import zeros
 from passo.motion.block import ARC, LINE, WAIT, Block
 from passo.motion.limits import MOST
 from passo.motion.line import Line
-from passo.motion.row_viper import close, take
+from passo.motion.row_viper import close, room, take
 from passo.motion.speed_viper import q_of
 from passo.motion.steady import LONGEST_TICKS, Steady, dominant, refuse
 from passo.records import (
-    ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, QUEUE_FROZEN,
+    ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_ARC, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, QUEUE_FROZEN,
     QUEUE_RETIRED, QUEUE_SIZE, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST, SCRATCH_ALL,
     SCRATCH_ASKED, SCRATCH_EAGER, SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_FIELDS, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT,
     SCRATCH_IS_ARC, SCRATCH_LASTS, SCRATCH_PERCENT, SCRATCH_SIZE, SCRATCH_START, SCRATCH_STRIDE, SCRATCH_TAKEN,
@@ -115,6 +115,7 @@ class Planner:
         """Forget every block. Only while the feeder is stopped."""
         for which in range(len(self.indices)):
             self.indices[which] = 0
+        self.indices[QUEUE_ARC] = -1
         if self._arcs:
             self._arcs.clear()
         self.scratch[SCRATCH_TAKEN] = self.scratch[SCRATCH_LASTS]
@@ -123,12 +124,7 @@ class Planner:
     @micropython.native
     def room(self):
         """How many more blocks can be queued now; none while it would be one arc too many."""
-        indices = self.indices
-        added = indices[QUEUE_ADDED]
-        queued = (added - indices[QUEUE_RETIRED]) & _COUNT
-        if self._arcs and (added - self._arcs.oldest - 1) & _COUNT < queued:
-            return 0
-        return QUEUE_SIZE - queued
+        return room(self.indices)
 
     def empty(self):
         """True when every block has been played to its last word."""
@@ -274,6 +270,7 @@ class Planner:
         if queued:
             number = self.indices[QUEUE_ADDED]
             self._walkers[number % QUEUE_SIZE] = self._arcs.keep(number)
+            self.indices[QUEUE_ARC] = self._arcs.oldest
             self._add(at, ARC, tool, tag)
             if not self.room():
                 self.start()  # no more can come before it moves

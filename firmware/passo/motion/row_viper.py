@@ -2,6 +2,7 @@
 
     through = close(rows, at, scratch, indices, kind, flags, tag, power, first)     # the row at rows[at] is done, and is counted
     row = take(rows, scratch, indices, moving, lines)                               # the next one released, for the feeder
+    count = room(indices)                                                           # how many more may be added
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; see block_viper.py.
 Fields: records.py.
@@ -12,8 +13,8 @@ Fields: records.py.
 import micropython
 
 from passo.records import (
-    LONG_TICKS, QUEUE_ADDED, QUEUE_FETCHED, QUEUE_FLUSHED, QUEUE_RETIRED, ROW_DYNAMIC, ROW_FIRST, ROW_GAIN, ROW_KIND,
-    ROW_LASTS, ROW_POWER, ROW_RAPID, ROW_TAG, ROW_TICKS, ROW_TOOL, SCRATCH_EAGER, SCRATCH_FEED, SCRATCH_LASTS,
+    COUNT_MASK, LONG_TICKS, QUEUE_ADDED, QUEUE_ARC, QUEUE_FETCHED, QUEUE_FLUSHED, QUEUE_RETIRED, QUEUE_SIZE, ROW_DYNAMIC,
+    ROW_FIRST, ROW_GAIN, ROW_KIND, ROW_LASTS, ROW_POWER, ROW_RAPID, ROW_TAG, ROW_TICKS, ROW_TOOL, SCRATCH_EAGER, SCRATCH_FEED, SCRATCH_LASTS,
     SCRATCH_LIMITED, SCRATCH_SIZE, SCRATCH_SPEED, SCRATCH_STEPS, SCRATCH_STRIDE, SCRATCH_TAKEN, SCRATCH_THROUGH,
 )  # fmt: skip
 
@@ -21,6 +22,16 @@ try:
     ptr32
 except NameError:
     ptr32 = None  # a name that only viper's compiler knows
+
+
+@micropython.viper
+def room(indices: ptr32) -> int:
+    """How many more blocks can be queued now; none while it would be one arc too many."""
+    added = indices[QUEUE_ADDED]
+    queued = (added - indices[QUEUE_RETIRED]) & COUNT_MASK
+    if ((added - indices[QUEUE_ARC] - 1) & COUNT_MASK) < queued:
+        return 0
+    return QUEUE_SIZE - queued
 
 
 @micropython.viper

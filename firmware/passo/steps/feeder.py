@@ -71,6 +71,7 @@ class Feeder(Position):
             self.marks, ring.words, planner.rows, planner.scratch, planner.indices, planner.line_state, ring.power.marks,
             self.settle,
         )  # fmt: skip
+        self._seen_of = self.state, self.marks, ring.words, planner.indices
         self._reset(0)
 
     def _reset(self, played):

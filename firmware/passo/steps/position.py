@@ -2,9 +2,9 @@
 
 from passo.motion.block import STEP_PROGRAM
 from passo.records import (
-    COUNT_HALF, COUNT_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PLAYED, MARKS, MARK_ENDS, MARK_INDEX, MARK_PACE, MARK_WORD,
+    COUNT_HALF, COUNT_MASK, FEED_OLDEST, FEED_PLAYED, MARKS, MARK_ENDS, MARK_INDEX, MARK_WORD,
 )  # fmt: skip
-from passo.steps.position_viper import find, tally
+from passo.steps.position_viper import find, look, see, tally
 
 
 class Position:
@@ -20,12 +20,16 @@ class Position:
         self._walk(played)
         return self._found
 
-    def pace(self, played):
-        """The mean speed of the segment under way, as ramp.pace; 0 if none is."""
-        at = find(self.state, self.marks, played, self._found) // self._stride
-        if at == self.state[FEED_NEWEST] % MARKS:
-            return 0
-        return self.marks[(at + 1) % MARKS * self._stride + MARK_PACE]
+    def look(self, played, origin, place, seen):
+        """The position, less `origin`, to the array `place`, and SEEN_… to `seen`."""
+        state, marks, words, indices = self._seen_of
+        if self.drive is None:
+            look(state, marks, words, indices, played, origin, place, seen)
+            return
+        see(state, marks, words, indices, played, self._walk(played), seen)
+        found = self._found
+        for axis in range(len(found)):
+            place[axis] = found[axis] - origin[axis]
 
     # In small pieces: each finds its variables' place on the stack, and nothing is allocated while words are counted. Else
     # that can take longer than the time between two interrupts, and then no answer would ever be right.

@@ -2,18 +2,31 @@
 
     at = find(state, marks, played, place)
     stepping = tally(words, mask, word, until, axes, position)
+    look(state, marks, words, indices, played, origin, place, seen)    # all that a status report wants, of one moment
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python.
 
 A word of three axes takes under a microsecond: the interrupt that makes words must not come too often while a segment
 is counted. So each axis has a byte in which its steps are counted, for up to 255 words.
 """
-# Shared with interrupts: state, marks
+# Shared with interrupts: state, marks, indices
 # ruff: noqa: F821
 
 import micropython
+from micropython import const
 
-from passo.records import COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_NEWEST, FEED_OLDEST, MARKS, MARK_FIELDS, MARK_WORD
+from passo.motion.row_viper import room
+from passo.records import (
+    COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_BITS, FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PLAYED, FEED_TOOL, MARKS, MARK_FIELDS,
+    MARK_PACE, MARK_WORD, QUEUE_FETCHED, QUEUE_RETIRED, QUEUE_SIZE, ROW_STEPS,
+)  # fmt: skip
+
+# Numbers of `seen`.
+SEEN_ROOM = const(0)  # blocks that can be queued
+SEEN_ROW = const(1)  # row of the oldest block not played to its last word; -1: none
+SEEN_PACE = const(2)  # of the segment under way, as MARK_PACE; 0: none is
+SEEN_LIT = const(3)  # 1: the tool's bit is on at the pins
+SEEN_FIELDS = const(4)
 
 try:
     ptr32
@@ -65,3 +78,41 @@ def tally(words: ptr32, mask: int, word: int, until: int, axes: int, position: p
         for axis in range(axes):
             position[axis] += ((forth >> (axis << 3)) & 255) - ((back >> (axis << 3)) & 255)
     return stepping
+
+
+@micropython.viper
+def look(state: ptr32, marks: ptr32, words: ptr32, indices: ptr32, played: int, origin: ptr32, place: ptr32, seen: ptr32):
+    """What the main loop sees when `played` words have appeared: the position, less `origin`, goes to `place`, SEEN_… to `seen`. If an
+    interrupt goes on meanwhile it is the position a moment later. Of words of the step form."""
+    at = -1
+    while at < 0:
+        oldest = state[FEED_OLDEST]
+        at = int(find(state, marks, played, place))
+        word = marks[at + MARK_WORD]
+        if ((played - word) & COUNT_MASK) < COUNT_HALF:
+            tally(words, state[FEED_MASK], word, played, state[FEED_AXES], place)
+            if state[FEED_OLDEST] != oldest:
+                at = -1  # it has written over these words
+        else:
+            at = -1
+        if at < 0:
+            played = state[FEED_PLAYED]
+    for axis in range(state[FEED_AXES]):
+        place[axis] -= origin[axis]
+    see(state, marks, words, indices, played, at, seen)
+
+
+@micropython.viper
+def see(state: ptr32, marks: ptr32, words: ptr32, indices: ptr32, played: int, at: int, seen: ptr32):
+    """SEEN_… when `played` words have appeared, and the last checkpoint played stands at `at` in `marks`."""
+    axes = state[FEED_AXES]
+    number = at // (MARK_FIELDS + axes)
+    pace = 0
+    if number != state[FEED_NEWEST] & (MARKS - 1):
+        pace = marks[((number + 1) & (MARKS - 1)) * (MARK_FIELDS + axes) + MARK_PACE]
+    retired = indices[QUEUE_RETIRED]
+    seen[SEEN_ROOM] = int(room(indices))
+    seen[SEEN_ROW] = -1 if retired == indices[QUEUE_FETCHED] else retired % QUEUE_SIZE * (ROW_STEPS + axes)
+    seen[SEEN_PACE] = pace
+    levels = words[(played - 1) & state[FEED_MASK]] & ((1 << state[FEED_BITS]) - 1)
+    seen[SEEN_LIT] = 1 if levels & state[FEED_TOOL] else 0
