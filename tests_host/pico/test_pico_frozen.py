@@ -116,11 +116,13 @@ def test_words_of_other_languages(frozen, name):
 
 @pytest.mark.slow
 def test_lines_dots_and_answers(frozen, show):
-    machine = streamed(*gcode.fast_board((0.2,)), frozen)
+    board, texts = gcode.fast_board((0.2,))
+    machine = streamed(board, frozen, texts)
     run = on_a_copy(lambda: gcode.run_lines(machine, 0.2, 245, 200))
     gcode.talk_to(machine)
     steps, holds = on_a_copy(lambda: (gcode.first_steps(machine, 3), gcode.holds(machine, 3)))
-    laser = streamed(*gcode.fast_board((0.1,), laser=True), frozen)
+    board, texts = gcode.fast_board((0.1,), laser=True)
+    laser = streamed(board, frozen, texts)
     dots = on_a_copy(lambda: gcode.run_raster(laser, 0.1, 200, 200))
     show("lines, frozen", f"{run['lines_s']:.0f} lines/s, {dots['lines_s']:.0f} dots/s, first step {max(steps):.1f} ms, hold {max(holds):.1f} ms")
     assert run["late"] == dots["late"] == 0 and max(steps) <= 20 and max(holds) <= 20
