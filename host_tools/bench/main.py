@@ -4,7 +4,7 @@ Each part of the document stands between two markers and is replaced when its be
 and meaning, is written by hand. `make bench ARGS=lines` runs one part; `motion` and `arcs` take many minutes and run only if
 they are named.
 
-The parts of the emulated Pico are in `pico`, `moving` and `where`; `make bench ARGS=pico` runs all of them.
+The parts of the emulated Pico are in `pico`, `moving`, `where` and `frozen`; `make bench ARGS=pico` runs all of them.
 Each is measured twice: without a flash cache, and with one whose misses cost FLASH_MISS cycles (or PASSO_FLASH_MISS); the
 figures that differ stand side by side. Without a MicroPython UF2 these parts stay as they were, with a message. `where` needs
 the ELF file of the UF2: `make bench ARGS="where --elf FILE"`, or PASSO_ELF.
@@ -186,9 +186,9 @@ def _apart(part, miss):
 
 
 def _raw(part):
-    from host_tools.bench import moving, pico, where
+    from host_tools.bench import frozen, moving, pico, where
 
-    header, rows = (pico.PARTS | moving.PARTS | where.PARTS)[part]()
+    header, rows = (pico.PARTS | moving.PARTS | where.PARTS | frozen.PARTS)[part]()
     print(json.dumps((header, [[str(cell) for cell in row] for row in rows])))
 
 
@@ -217,8 +217,8 @@ def beside(free, charged):
 UNAVAILABLE = 3  # exit status
 FLASH_MISS = 50  # cycles, where PASSO_FLASH_MISS does not say it
 COLUMNS_BESIDE = 3
-ONLY_CHARGED = ("where",)  # it tells the waits for flash apart
-PICO_PARTS = ("pulses", "timer", "queries", "status", "stops", "links", "gcode", "where", "boot")
+ONLY_CHARGED = ("where", "frozen")  # these tell the waits for flash apart
+PICO_PARTS = ("pulses", "timer", "queries", "status", "stops", "links", "gcode", "where", "boot", "frozen")
 PARTS = {"lines": lines, "fuzz": fuzz, "motion": motion, "arcs": arcs, **{part: _on_the_pico(part) for part in PICO_PARTS}}
 LONG = ("motion", "arcs")
 

@@ -39,12 +39,12 @@ CHIPS = {
         Chip("rp2350_w", "rp2350", "RPI_PICO2_W", True, 4 << 20, 2560 << 10),
     )
 }
-# What a stream of lines calls most, by the names that frozen code has in C: it lies in memory, because each waits 5 to 10 µs a line for
-# the flash otherwise. More is not worth its share of the heap.
-MEMORY = "protocols_gcode_parser_GCode_fill", "protocols_grbl_protocol_Grbl_fill", "steps_feeder_Feeder__make"
+# What the interrupt of a stream of lines calls most, by the name that frozen code has in C: it lies in memory. hot.txt says what lies
+# side by side in flash.
+MEMORY = ("steps_feeder_Feeder__make",)
 # Modules that only an interpreter without them frozen wants.
 _OF_FILES = {Path("passo", "ports", "rp2", name) for name in ("flash_code.py", "flash_scan.py")}
-_MAKERS = ("build/constants.py", "build/frozen.py", "build/uf2.py", "build/tree.py", "build/pages.py", "kernels/*.py", "kernels/*.c")
+_MAKERS = ("build/constants.py", "build/frozen.py", "build/uf2.py", "build/tree.py", "build/pages.py", "build/hot.txt", "kernels/*.py", "kernels/*.c")
 # A board whose kernels are those of all boards.
 _NAME = b"\x0ekernels\0"  # of every module of kernels: host_tools/kernels/unit.py
 _ANY = {"axes": [{"accel_mm_s2": 1}]}

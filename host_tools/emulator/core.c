@@ -23,6 +23,7 @@ typedef struct {
     u32 *r;
     uint8_t *ram, *flash, *rom;
     uint64_t *profile[2]; /* of threads and of handlers, or null: of each slot, cycles, and those of them for flash */
+    u32 *touched; /* accesses of each line of the flash, or null */
     int64_t cycles;
     uint64_t accesses, misses;
     u32 fault;
@@ -55,6 +56,8 @@ static inline void touch(Core *core, u32 address)
     u32 *way = core->tags[line & SETS - 1];
 
     core->accesses++;
+    if (__builtin_expect(core->touched != 0, 0))
+        core->touched[line]++;
     if (__builtin_expect(address & NO_LOOK_UP || core->disabled, 0))
         miss(core, address, way, tag);
     else if (__builtin_expect(way[0] != tag, 0)) {

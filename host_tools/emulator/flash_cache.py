@@ -23,6 +23,7 @@ from host_tools.emulator import system_clock
 from host_tools.emulator.bus import Bus
 
 SETS = 1024
+LINE_BYTES, LINES = 8, 1 << 21
 _VALID = 1 << 31
 _FLUSH_CYCLES = 1024
 _CONTROL, _FLUSH, _HITS, _ACCESSES = 0x00, 0x04, 0x0C, 0x10
@@ -62,6 +63,7 @@ class Core(ctypes.Structure):
         ("flash", ctypes.c_void_p),
         ("rom", ctypes.c_void_p),
         ("profile", ctypes.c_void_p * 2),
+        ("touched", ctypes.c_void_p),
         ("cycles", ctypes.c_int64),
         ("accesses", ctypes.c_uint64),
         ("misses", ctypes.c_uint64),
@@ -113,6 +115,12 @@ class FlashCache:
             self.miss_cycles = self._miss_cycles
 
         ssi.write_uint32, ssi.reset = write_uint32, restart
+
+    def touched(self):
+        """Accesses of each line of the flash from now on, an array; only where core.c runs. Kept alive by the caller."""
+        counts = (ctypes.c_uint32 * LINES)()
+        self.state.touched = ctypes.addressof(counts)
+        return counts
 
     def flush(self):
         ctypes.memset(self.state.tags, 0, ctypes.sizeof(self.state.tags))

@@ -8,7 +8,7 @@ from test_flash import board, folder, put, run_flash, small_firmware, wait_for  
 
 from host_tools import boards
 from host_tools.build.frozen import CHIPS, MARK, stamp
-from host_tools.build.uf2 import in_memory, mended, told_by, uf2_of
+from host_tools.build.uf2 import mended, told_by, uf2_of
 from host_tools.cli import flash_uf2
 from host_tools.emulator.filesystem import location
 from host_tools.failure import Failure
@@ -128,7 +128,9 @@ def test_what_mpy_tool_writes_is_mended():
     status, made = mended(0, text)
     assert status == 0 and made.count(b"aligned (4)") == 2 and b"aligned (2)" not in made
     assert made.count(b"time_critical") == 1 and made.index(b"time_critical") > made.index(b"Feeder__make")
-    assert in_memory(b"passo/a.py, scope passo_app_App_poll\n" + section) == b"passo/a.py, scope passo_app_App_poll\n" + section
+    assert made.count(b'(".text.fun_data_x,') == 1, "a section of its own"
+    with pytest.raises(Failure, match="no such functions"):
+        mended(0, b"head\n" + function % (b"a", b"app_App_poll") + section)
 
 
 # --- the boot loader
