@@ -57,8 +57,9 @@ def files(board, module="", changes=()):
 class Air:
     """The other end of the UART: connections by number."""
 
-    def __init__(self, machine):
+    def __init__(self, machine, baud=BAUD):
         self._machine = machine
+        self._baud = baud
         self._wire = machine.pico.uart(1)
         self._come = b""
         self._opened = 0
@@ -74,7 +75,7 @@ class Air:
     def say(self, kind, number, data=b""):
         for at in range(0, max(len(data), 1), 200):
             piece = data[at : at + 200]
-            self._wire.feed(kind + bytes((number, len(piece))) + piece, BAUD)
+            self._wire.feed(kind + bytes((number, len(piece))) + piece, self._baud)
 
     def ask(self, text):
         """Begin a request; the number of its connection."""

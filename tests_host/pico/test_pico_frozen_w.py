@@ -1,0 +1,93 @@
+"""A router and a laser on an emulated Pico W with Passo's UF2: pages open, lines streamed over USB, stored jobs and journal, all at once.
+
+`make uf2 CHIP=rp2040_w` builds it; without one of this source these tests skip, and say so. Connections come over a UART in the place of the
+radio: what its driver and lwIP hold lies outside of MicroPython's heap, and this UF2 has taken it from the heap.
+"""
+
+import gzip
+import sys
+
+import pytest
+from air import RADIO, Air, Page
+from emulated import uf2  # noqa: F401
+
+from host_tools import boards
+from host_tools.build.frozen import beside
+from host_tools.build.pages import PAGES
+from host_tools.emulator.binary import Unavailable
+from host_tools.emulator.frozen import find_frozen, frozen_machine
+from host_tools.emulator.heap import Heap
+from host_tools.emulator.queries import Asking
+
+pytestmark = pytest.mark.slow
+LEAST = 45_000  # bytes free, at any time
+LINES = 3000
+SLOWER = 230_400  # bytes come: the interrupt that makes words may last longer than 32 of them at full pace
+# In front of main.py, which is frozen.
+_RADIO = b"""
+import sys
+import uart_radio
+sys.modules["passo.web.radio"] = uart_radio
+"""
+
+
+@pytest.fixture(scope="session")
+def frozen_w(uf2):  # noqa: F811
+    """The UF2. The test skips, loudly, where there is none."""
+    try:
+        return find_frozen("rp2040_w")
+    except Unavailable as reason:
+        print(f"\nNOT TESTED WITH PASSO'S UF2 FOR THE PICO W: {reason}", file=sys.__stderr__)
+        pytest.skip(f"NOT TESTED WITH PASSO'S UF2 FOR THE PICO W: {reason}")
+
+
+def on_the_air(board, uf2):
+    """(machine, air) of a board file with this radio."""
+    files = {"boot.py": _RADIO, **beside("rp2040_w", {RADIO.name: RADIO.read_text()})}
+    machine = frozen_machine(boards.load(board), uf2, files, trace=None).boot()
+    machine.pico.console.expect(b"for help]", 8_000_000)
+    machine.run_ms(300)
+    return machine, Air(machine, SLOWER)
+
+
+def streamed(board):
+    """Lines to and fro, at the speed the axes of the board file do."""
+    laser = board["spindle"]["laser"]
+    head = [b"$X\n", b"G21G91G94\n", b"M4S0F6000\n" if laser else b"M3S12000\n", b"G1F6000\n"]
+    there = [b"G1X0.4Y0.3S%d\n" % (100 + line % 800) if laser else b"G1X0.4Y0.3Z-0.02\n" for line in range(20)]
+    back = [line.replace(b"X0.4Y0.3", b"X-0.4Y-0.3").replace(b"Z-0.02", b"Z0.02") for line in there]
+    return head + (there + back) * (LINES // 40)
+
+
+@pytest.mark.parametrize("board", ["router_pico_w", "laser_pico_w"])
+def test_all_at_once(frozen_w, board, show):
+    machine, air = on_the_air(board, frozen_w)
+    begun = Heap(machine.pico, True)
+    sender = Asking(machine, machine.board["links"][0]["name"])
+    sender.stream(streamed(machine.board))
+    pages = [Page(air), Page(air)]
+    for page in pages:
+        page.until(lambda page=page: page.state.get("state") == "Run", 10_000)
+    pushed, since = [page.pushes for page in pages], machine.now_ms()
+    heaps, took, asked = [], [], []
+    for name in ("/", "/panel.js", "/") * 3:
+        body, ms = air.answer(air.get(name), 8000)
+        assert gzip.decompress(body) == (PAGES / (name[1:] or "index.html")).read_bytes()
+        took.append(ms)
+        asked.append(sender.status())
+        answer, _ = pages[0].order("log")
+        assert answer["log"] == [], "no word is late, no memory is wanting"
+        heaps.append(Heap(machine.pico, True))
+        for page in pages:
+            page.look()
+    assert pages[0].state["state"] == "Run", "all the while"
+    passed = (machine.now_ms() - since) / 1000
+    pushes = [(page.pushes - before) / passed for page, before in zip(pages, pushed)]
+    least, piece = min(heap.free for heap in heaps), min(heap.largest for heap in heaps)
+    show(
+        f"{board} on a Pico W, two pages open, lines streamed over USB",
+        f"{begun.free} of {begun.total} bytes free before ({begun.largest} in one piece), {least} at least ({piece} in one piece) over {passed:.1f} s; {sender.said.count(b'ok')} lines; files in "
+        f"{min(took):.0f} to {max(took):.0f} ms; `?` within {max(asked):.1f} ms; {pushes[0]:.1f} and {pushes[1]:.1f} states a second",
+    )
+    assert b"error" not in sender.said and least >= LEAST and min(pushes) >= 2
+    assert not machine.plant.errors
