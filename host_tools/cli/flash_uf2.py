@@ -141,7 +141,9 @@ def answer(port):
 
 
 def drive_of():
-    """The folder of the boot loader's drive, or None."""
+    """The folder of the boot loader's drive, or None. PASSO_BOOT_DRIVE names it where it is mounted elsewhere."""
+    if named := os.environ.get("PASSO_BOOT_DRIVE"):
+        return Path(named) if (Path(named) / INFO).is_file() else None
     if os.name == "nt":
         places = [Path(f"{letter}:/") for letter in "DEFGHIJKLMNOPQRSTUVWXYZ"]
     else:
