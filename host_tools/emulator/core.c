@@ -10,7 +10,7 @@
 
 typedef uint32_t u32;
 
-enum { SPENT, NOT_MINE, UNALIGNED, NOT_THUMB }; /* why core_run() ends */
+enum { SPENT, NOT_MINE, UNALIGNED, NOT_THUMB, UNDEFINED }; /* why core_run() ends */
 enum { ROM_BYTES = 0x4000, RAM_BYTES = 264 * 1024, FLASH_BYTES = 1 << 24, SETS = 1024 };
 enum { NO_ALLOCATION = 1 << 24, NO_LOOK_UP = 1 << 25 }; /* bits of a flash address */
 enum { FLASH_SLOTS = 1 << 20, RAM_SLOTS = RAM_BYTES / 2 }; /* of the profile: a slot is a halfword of code */
@@ -519,6 +519,11 @@ u32 core_run(Core *core, int64_t budget, u32 state)
                 goto not_mine;
             break;
         }
+        case 0xE8 ... 0xEF:
+        case 0xF8 ... 0xFF: /* erased flash, too */
+            core->fault = here;
+            why = UNDEFINED;
+            goto out;
         default:
             goto not_mine;
         }

@@ -54,6 +54,12 @@ class NotThumb(Fault):
     WHAT = "branch to the even address"
 
 
+class Undefined(Fault):
+    """There is no instruction of 32 bits that begins with 0b11101 or 0b11111; erased flash is full of them."""
+
+    WHAT = "undefined instruction at"
+
+
 class Core(ctypes.Structure):
     """The state that core.c works on."""
 

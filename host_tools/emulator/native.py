@@ -7,7 +7,7 @@ core.c executes most instructions, about twenty-five times as fast as rp2040py. 
 rp2040py, on the same registers and memories, at the same cycles. core.c is compiled once, into ~/.cache/passo.
 Without a compiler, or with PASSO_NATIVE=0, `loop.Loop` does the same at rp2040py's pace.
 
-An access that is not aligned raises Unaligned, and a branch to an even address NotThumb, where silicon has a HardFault.
+An access that is not aligned raises Unaligned, a branch to an even address NotThumb, and erased flash Undefined, where silicon has a HardFault.
 """
 
 import ctypes
@@ -23,12 +23,12 @@ from pathlib import Path
 
 from host_tools.emulator import system_clock
 from host_tools.emulator.binary import CACHE
-from host_tools.emulator.flash_cache import Core, NotThumb, Unaligned
+from host_tools.emulator.flash_cache import Core, NotThumb, Unaligned, Undefined
 
 _SOURCE = Path(__file__).with_name("core.c")
 _OPTIONS = ("-O2", "-std=gnu11", "-fno-strict-aliasing", "-shared", "-fPIC")
 _EARLY_NS = 1e-3  # a float may be so much off the end of a cycle
-_NOT_MINE, _UNALIGNED, _NOT_THUMB = 1, 2, 3
+_NOT_MINE, _UNALIGNED, _NOT_THUMB, _UNDEFINED = 1, 2, 3, 4
 
 
 @lru_cache(maxsize=1)
@@ -130,4 +130,4 @@ class NativeLoop:
                 elif why == _UNALIGNED:
                     raise Unaligned(core.pc, state.fault)
                 else:
-                    raise NotThumb(core.pc, state.fault)
+                    raise (NotThumb if why == _NOT_THUMB else Undefined)(core.pc, state.fault)

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from host_tools.emulator import native
 from host_tools.emulator.binary import Unavailable, load_emulator
-from host_tools.emulator.flash_cache import FlashCache, NotThumb, Unaligned
+from host_tools.emulator.flash_cache import FlashCache, NotThumb, Unaligned, Undefined
 from host_tools.emulator.loop import Loop
 from host_tools.emulator.pico import EmulatedPico
 
@@ -190,6 +190,13 @@ def test_bytes_have_no_alignment(program):
 def test_a_branch_to_an_even_address_is_a_fault(code):
     with pytest.raises(NotThumb, match="0x20000200"):
         Program(compiled, code, at=RAM_CODE, r1=RAM + 0x200).run()
+
+
+@pytest.mark.skipif(compiled not in MAKES, reason="only core.c tells")
+@pytest.mark.parametrize("code", [0xFFFF, 0xF800, 0xE800])
+def test_erased_flash_is_a_fault(code):
+    with pytest.raises(Undefined, match="undefined instruction at 0x20000102"):
+        Program(compiled, [NOP, code], at=RAM_CODE).run()
 
 
 # --- core.c against rp2040py

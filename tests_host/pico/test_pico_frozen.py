@@ -167,6 +167,15 @@ def test_a_torn_image_is_not_run(frozen):
     assert "the UF2 here is not whole" in said
 
 
+@pytest.mark.slow
+def test_cut_anywhere_it_starts_no_motion(frozen):
+    blocks = len(frozen.read_bytes()) // BLOCK_BYTES
+    for there in range(1, blocks, 97):
+        machine = torn(frozen, there)
+        said = outcome(machine, 250)
+        assert not machine.wiring.edge_count and not machine.listening() and "code in the UF2" not in said, (there, said)
+
+
 def test_a_bit_that_has_changed_is_found(frozen):
     machine = torn(frozen, len(frozen.read_bytes()) // BLOCK_BYTES, [600_000])
     said = outcome(machine)
