@@ -42,9 +42,14 @@ def firmware_files(board):
 
 def written(board):
     """The files of a board given as a dict; `BOARD = {…}` stands in board.py."""
+    return _written(f"BOARD = {board!r}\n")
+
+
+@lru_cache(maxsize=8)
+def _written(text):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "board.py"
-        path.write_text(f"BOARD = {board!r}\n", encoding="utf-8")
+        path.write_text(text, encoding="utf-8")
         return firmware_files.__wrapped__(str(path))
 
 
