@@ -13,7 +13,7 @@ from host_tools.resources import ROOT
 
 pytestmark = pytest.mark.quick
 
-MOST = 12
+MOST = 11
 
 # In the order in which they are first called. On a board ChipPort._feed, a timer interrupt, stands in the place of App._feed,
 # and a serial line's read() and write() in that of MemoryLine's.
@@ -27,7 +27,6 @@ ROAD = (
     "protocols/grbl/take_viper.py take_lines",
     "app.py App._feed",
     "steps/feeder.py Feeder.fill",
-    "steps/feeder.py Feeder._make",
     "steps/segments_viper.py make",
     "ports/virtual_player.py Player.start",
 )  # fmt: skip

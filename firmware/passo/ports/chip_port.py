@@ -74,6 +74,7 @@ class ChipPort:
         self._laser = None  # the player, where it sees to the power of the words it plays
         self._player = None
         self._feeder = None
+        self._follows = False  # registers or encoders want to be looked at in each call of the feeder
         self._timer = None
         self._watchdog = None
         self._aside = False  # the main loop makes words: the interrupt leaves the feeder alone
@@ -261,6 +262,7 @@ class ChipPort:
     def _join(self, feeder, player):
         """What follows the steps gets them: the registers, the interlock, encoders, latches."""
         self._feeder = feeder
+        self._follows = self.registers is not None or self.encoders is not None
         if self.registers is not None:
             self.registers.show_tool(self._tool)
         if self.interlock is not None:
@@ -273,12 +275,8 @@ class ChipPort:
     @micropython.native
     def _feed(self, timer):  # ISR: no allocation
         feeder = self._feeder
-        if self.registers is not None:
-            self.registers.exchange()
-            if self._watch is not None:
-                self._watch.look()
-        if self.encoders is not None:
-            self.encoders.check()
+        if self._follows:
+            self._follow()
         if ticks_diff(ticks_ms(), self._beat_ms) > _HEARTBEAT_MS:
             feeder.brake = True
         if self._aside:
@@ -301,6 +299,15 @@ class ChipPort:
                 self.trip(None)
             if self._trip is not None:
                 self.power(0)  # a halting input came in between
+
+    def _follow(self):  # ISR: no allocation
+        """What keeps pace with the steps, and has no interrupt of its own."""
+        if self.registers is not None:
+            self.registers.exchange()
+            if self._watch is not None:
+                self._watch.look()
+        if self.encoders is not None:
+            self.encoders.check()
 
     def _set_out(self, played):  # ISR: no allocation
         """From a standstill, or a call behind, the first words go out before the others are made: these are handed over in

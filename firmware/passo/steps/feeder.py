@@ -31,7 +31,7 @@ from passo.records import (
 )  # fmt: skip
 from passo.steps.pace_viper import repay
 from passo.steps.position import Position
-from passo.steps.segments_viper import ENDED, LATER, make
+from passo.steps.segments_viper import ENDED, LATER, make, retire
 
 _ROOM = MAX_RUN + 2  # words the longest segment needs, with a change of direction before it
 
@@ -68,8 +68,8 @@ class Feeder(Position):
         if drive is not None:
             ring.words[ring.mask] = drive.levels()  # the pins before the first word
         self._arrays = (  # fetched at once; the bound method too, which would allocate
-            self.marks, ring.words, planner.rows, planner.scratch, planner.indices, planner.line_state, ring.power.marks,
-            self.settle,
+            state, self.marks, ring.words, planner.rows, planner.scratch, planner.indices, planner.line_state, ring.power.marks,
+            ring.power, ring, self.settle,
         )  # fmt: skip
         self._seen_of = self.state, self.marks, ring.words, planner.indices
         self._reset(0)
@@ -100,8 +100,7 @@ class Feeder(Position):
         a block had been begun, so that the player ought not to have stood still meanwhile."""
         if not self.open:
             return False
-        state = self.state
-        power = self.ring.power
+        state, marks, words, rows, scratch, indices, path, power_marks, power, ring, settle = self._arrays
         held = self.hold or self.brake
         if held and self.standing():
             self.retire(played)
@@ -113,33 +112,22 @@ class Feeder(Position):
         self.stood = False
         state[FEED_DRY] = 0
         state[FEED_HOLD] = 1 if held else 0
-        what = self._make(played, lead_ticks)
-        while what == ENDED:
-            if held and self.standing() or not self._fetch() or held and self.standing():
+        ramp = self.ramp
+        while True:
+            what = make(
+                state, marks, words, rows, scratch, indices, ramp.state, path, power_marks, ramp.cut, ramp.take_up, settle,
+                self._geometry, played, lead_ticks,
+            )  # fmt: skip
+            ring.head = state[FEED_HEAD]
+            if what != ENDED or held and self.standing() or not self._fetch() or held and self.standing():
                 break
-            what = self._make(played, lead_ticks)
         if what == LATER:
             self.stood = True  # no word comes late
         if amid and state[FEED_DRY]:
             self.late += 1
-        marks = power.marks
-        if marks[POWER_TAIL] != marks[POWER_HEAD]:
+        if power_marks[POWER_TAIL] != power_marks[POWER_HEAD]:
             power.play(played)
         return amid
-
-    @micropython.native
-    def _make(self, played, lead_ticks):  # ISR: no allocation
-        """The segments of the block under way, and of lines behind it. See segments_viper.make() for the result."""
-        marks, words, rows, scratch, indices, path, power, settle = self._arrays
-        state = self.state
-        state[FEED_PLAYED] = played
-        state[FEED_LEAD] = lead_ticks
-        ramp = self.ramp
-        what = make(
-            state, marks, words, rows, scratch, indices, ramp.state, path, power, ramp.cut, ramp.take_up, settle, self._geometry
-        )
-        self.ring.head = state[FEED_HEAD]
-        return what
 
     def set_hold(self, on):
         """True: come to a stand on the path. False: go on."""
@@ -163,7 +151,9 @@ class Feeder(Position):
 
     def retire(self, played):  # ISR: no allocation
         """Give back the room, and the blocks, of all segments that have been played to their end."""
-        self._make(played, 0)
+        state = self.state
+        state[FEED_PLAYED] = played
+        retire(state, self.marks, self.planner.indices)
 
     @micropython.native
     def _fetch(self):  # ISR: no allocation

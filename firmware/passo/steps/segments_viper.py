@@ -2,11 +2,10 @@
 and goes on with the lines behind it.
 
     what = make(state, marks, words, planner.rows, planner.scratch, planner.indices, ramp.state, line.state, power, cut, take_up,
-                settle, geometry)
+                settle, geometry, played, lead_ticks)
 
 For each segment: room, how many steps and how long (`cut`, the ramp's), directions, which axes step (line.walk, or the
-geometry's), when (pace_viper.pace), a checkpoint; and behind an accelerated line's last one the next line, if it is accelerated and
-released.
+geometry's), when (pace_viper.pace), a checkpoint; behind an accelerated line the next one released, if it is accelerated too.
 
     words   . . a a a a b b b c c c c c d d d . . .     a … d: segments; c is being played
     marks             |a    |b        |c    |d          one at each segment's end: words, ticks and position so far
@@ -14,7 +13,6 @@ released.
 
 A segment is made if fewer than FEED_LEAD ticks, FEED_LIMIT words and MARKS segments lie behind the oldest mark; or if fewer
 than FEED_LEAST ticks lie before the last word, which may last nearly as long as FEED_LEAD: a call later there is still one ahead.
-
 One text for all interpreters; see motion/block_viper.py. Fields: records.py, FEED_… of `state`.
 
 `geometry` is None for a wait. An arc has `left`, `moving`, `negative`, `made` and walk(), as Circle has them; independent axes
@@ -69,11 +67,13 @@ SLOWEST = const(10)  # percent of the programmed speed, where lines hardly come
 @micropython.viper
 def make(
     state: ptr32, marks: ptr32, ring, queue, scratch: ptr32, indices: ptr32, cuts, line_state, power: ptr32, cut, take_up, settle,
-    geometry,
+    geometry, played: int, lead_ticks: int,
 ) -> int:  # ISR: no allocation
     """See above."""
     words = ptr32(ring)
     rows = ptr32(queue)  # `cut` wants the arrays themselves
+    state[FEED_PLAYED] = played
+    state[FEED_LEAD] = lead_ticks
     retire(state, marks, indices)
     while int(has_room(state, marks, words)):
         if state[FEED_LEFT] == 0 and state[FEED_WAIT] == 0:

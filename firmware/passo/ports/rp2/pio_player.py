@@ -98,6 +98,7 @@ class PioPlayer:
             )
             dma.config(read=table, write=channel_a + register, count=1, ctrl=ctrl)
 
+    @micropython.native
     def start(self):  # ISR: no allocation
         """Play from the ring what is published there; call it again when there is more. True if it has run dry."""
         if self._state[PIO_STUCK]:
@@ -120,6 +121,7 @@ class PioPlayer:
         """True while words are left to play or the last one's ticks still run."""
         return _busy(self._state, self._ring.head)
 
+    @micropython.native
     def played(self):  # ISR: no allocation
         """Words whose levels have appeared on the pins, modulo 2²⁹."""
         return _played(self._state)
