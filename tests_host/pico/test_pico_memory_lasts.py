@@ -13,8 +13,11 @@ import pytest
 from draws import Random
 from emulated import uf2  # noqa: F401
 from mixed_orders import job, mixed
+from test_pico_frozen import frozen  # noqa: F401
+from test_pico_frozen_w import frozen_w  # noqa: F401
 
 from host_tools import boards
+from host_tools.emulator.frozen import frozen_machine
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.machine import EmulatedMachine, written
 from host_tools.programs import stored_job
@@ -24,13 +27,14 @@ ORDERS = int(os.environ.get("PASSO_ORDERS", "300"))
 UPLOADS, RESETS = 10, 50  # in 10 000 orders; fewer in fewer, but not below 3
 EVERYTHING = {"journal": {"every_ms": 500}, "jobs": {"language": "grbl"}}
 LEAST = {"router_3axis": 1000, "laser_xy": 1000, "mill_2004": 300}  # bytes in one piece, at any time: no order wants as many
+LEAST_FROZEN = {"router_3axis": 16_000, "laser_xy": 16_000, "mill_2004": 16_000, "router_pico_w": 2000}
 OUT_OF_MEMORY = (7, 159)
 LOCKED = 9
 
 
 class Sender:
-    def __init__(self, board, uf2):
-        self.machine = EmulatedMachine(board, written(board), uf2=uf2, trace=None).boot()
+    def __init__(self, board, machine):
+        self.machine = machine.boot()
         self.random = Random(len(board["name"]))
         self.errors = {}
         self.largest = []  # (orders, bytes free, in one piece)
@@ -104,7 +108,22 @@ class Sender:
 def test_after_many_orders_memory_is_in_as_large_a_piece(board, uf2, show):
     loaded = boards.load(board)
     loaded.update(EVERYTHING)
-    sender = Sender(loaded, uf2)
+    lasts(loaded, EmulatedMachine(loaded, written(loaded), uf2=uf2, trace=None), LEAST[board], show)
+
+
+@pytest.mark.parametrize("board", LEAST_FROZEN)
+def test_the_same_with_passos_uf2(board, show, request):
+    """Frames on each link, too: there is room."""
+    loaded = boards.load(board)
+    uf2 = request.getfixturevalue("frozen_w" if loaded.get("network") else "frozen")
+    loaded.update(EVERYTHING, links=[dict(link, frames=link["port"] != "page") for link in loaded["links"]])
+    lasts(loaded, frozen_machine(loaded, uf2, trace=None), LEAST_FROZEN[board], show)
+
+
+def lasts(loaded, machine, bound, show):
+    """Sends the orders; `bound`: bytes in one piece."""
+    board = loaded["name"]
+    sender = Sender(loaded, machine)
     sender.note()
     uploads, resets = max(3, ORDERS * UPLOADS // 10_000), max(3, ORDERS * RESETS // 10_000)
     for part in range(uploads * resets):
@@ -125,6 +144,6 @@ def test_after_many_orders_memory_is_in_as_large_a_piece(board, uf2, show):
         f"free {sender.largest[0][1]} and {sender.largest[-1][1]}; errors {sender.errors}",
     )
     assert not set(OUT_OF_MEMORY) & set(sender.errors), sender.errors
-    assert least >= LEAST[board]
+    assert least >= bound
     # A reset amid a move leaves the machine where it is: over thousands of orders it may drift to an end.
     assert not [why for _, why in sender.machine.plant.errors if "hard end" not in why]
