@@ -28,13 +28,17 @@ else:
     WHOLE = STAMP == stamp_of("stamp.txt")
 
 if WHOLE:
-    from passo.config.board_error import BoardError
-    from passo.ports.start import forget
-
     if sys.platform == "esp32":
         from passo.ports.esp32.start import Start
     else:
+        if not (image and image.STAMP == STAMP):
+            from passo.ports.rp2 import flash_code
+
+            flash_code.begin()  # what is imported from here on stays in flash
+            del flash_code
         from passo.ports.rp2.start import Start
+    from passo.config.board_error import BoardError
+    from passo.ports.start import forget
 
 
 def checked(board):
@@ -53,22 +57,6 @@ def by_lines(board):
     except Exception:  # its check will say what is wrong
         pass
     return board
-
-
-def load(start, board):
-    """Import all that is needed, so that all code is there before there is anything else."""
-    while True:
-        try:
-            from passo.app import App  # noqa: F401  first: it is large
-            from passo.machine_builder import load_all, load_last
-
-            start.load(board)
-            load_all(board, start.whole)
-            load_last(board)
-            return
-        except MemoryError:  # what has been imported is not imported again
-            if not start.relieve():
-                raise
 
 
 def main():
@@ -92,13 +80,16 @@ def main():
         if board["interlock"]:
             forget("passo.config.interlock_table")
         start.keep(board)
-        load(start, board)
         from passo.app import App
         from passo.config.journal import FileSlots
+        from passo.machine_builder import load_all
+
+        start.load(board)
+        load_all(board)
 
         said = start.loaded()
         port = start.port(board)
-        app = App(board, port, None, FileSlots("settings"), start.whole, start.rooms)
+        app = App(board, port, None, FileSlots("settings"), start.rooms)
         forget("passo.machine_builder")
         if board["network"]:
             forget("passo.network_builder")

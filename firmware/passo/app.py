@@ -70,10 +70,10 @@ class Link:
 
 
 class App:
-    def __init__(self, board, port, protocols=None, slots=None, whole=True, rooms=()):
+    def __init__(self, board, port, protocols=None, slots=None, rooms=()):
         """`board` is checked. `protocols` may name another protocol for a link: {link name: protocol}; `slots`: where the
-        settings are kept, None: nowhere; `whole`: False leaves out arcs and S-curves, for want of memory; `rooms`: what was made
-        while memory was free in large pieces, see keep(). Raises BoardError."""
+        settings are kept, None: nowhere; `rooms`: what was made while memory was free in large pieces, see keep(). Raises
+        BoardError."""
         from passo import machine_builder  # main.py forgets it again
 
         keep(rooms)
@@ -86,7 +86,7 @@ class App:
         names = machine_builder.wanted(board, languages)
         self.planner = Planner(self.layout.axes)  # first: it takes the largest pieces of memory
         if "program" in names:
-            self.planner.load(whole)
+            self.planner.load()
         settings = Settings(board, Journal(slots or MemorySlots()), writing=getattr(port, "writing", None))
         machine_builder.forget("setting_table")
         self.ring = Ring(ring_size(machine_builder.fastest(board, settings), getattr(port, "lead_ticks", LEAD_TICKS)))

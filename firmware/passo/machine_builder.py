@@ -25,9 +25,8 @@ def _counted(board):
 
 
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
-_OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue")
-# One after the other, not one within the other: code of what is being imported cannot be moved to flash.
-_OF_WHOLE = ("motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")
+_OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue",
+               "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")  # fmt: skip
 
 
 def _grouped(board):
@@ -69,8 +68,8 @@ FEATURES = (
 )
 
 
-def load_all(board, whole):
-    """Import what App will ask for, so that all code is there before there is anything else. `whole`: as App's."""
+def load_all(board):
+    """Import what App will ask for, so that all code is there before there is anything else."""
     forget("motor_keys")
     if board["gantry"]:
         from passo.drives import gantry
@@ -84,8 +83,6 @@ def load_all(board, whole):
     modules = _OF_ALL
     if "program" in names:
         modules += _OF_PROGRAM
-        if whole:
-            modules += _OF_WHOLE
     if "independent" in names:
         modules += ("motion.independent",)
     if board["gantry"] and board["gantry"]["sensor"]:
@@ -98,10 +95,6 @@ def load_all(board, whole):
         __import__("passo." + module)
     make_drive(board)
     load(names)
-
-
-def load_last(board):
-    """The same of small modules: they find room when the large ones of the port have theirs."""
     if [link for link in board["links"] if link["frames"]]:
         framed_line()
     if board["network"]:

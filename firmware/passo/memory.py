@@ -23,8 +23,7 @@ _kept = []  # see keep()
 
 def keep(kept):
     """`kept`: a list of what was made while memory was free in large pieces: ("i", array) for zeros(), ("I", array) for
-    numbers(), ("b", bytearray) for buffer() and a FileRoom, ("d", DeflateIO) for stream(), and lists that only keep a piece
-    free. If there is no room for another array they are given back, the last first; [] forgets them."""
+    numbers(), ("b", bytearray) for buffer() and a FileRoom, ("d", DeflateIO) for stream(); () forgets them."""
     _kept.clear()
     _kept.append(kept)
 
@@ -80,19 +79,7 @@ def _make(kind, how, count):
         if piece and piece[0] == kind and (not count or len(piece[1]) == count):
             kept[place] = ()
             return piece[1]
-    while True:
-        try:
-            return how(count)
-        except MemoryError:
-            for place in range(len(kept) - 1, -1, -1):
-                if kept[place]:
-                    if isinstance(kept[place], list):
-                        kept[place].clear()  # at once; an array waits for the collector, and a stale word on the stack may keep it
-                    else:
-                        kept[place] = ()
-                    break
-            else:
-                raise
+    return how(count)
 
 
 # In one piece of memory: from a list or bytes an array would take two.

@@ -7,23 +7,34 @@ within one block can run from flash (firmware/passo/ports/rp2/flash_code.py). `i
 block, and native code that is not aligned, by inserting 0x80 bytes before the number that begins them, which do not change its
 value. It appends a table of all functions, which the interpreter does not read:
 
-    each function, in the file's order: offset u16, length u16, kind u8 (0: stays in RAM), children u8, functions in its tree u16
-    number of functions u16, 0x5043
+    each function, in the file's order: place u16, length u16, prelude u16, block u8, kind u8, children u8, 1 if a generator u8
+    each text among the constants: place u16, block u8, its number u8
+    a function in bytecode that calls _load(), a name that is added to the file's
+    bytes before the first function u16, names among them u16 (0: in more than a block), where these begin u8, bytes of that call
+    u8, number of functions u16, of texts u16, 0x5043
+
+`place` is in the block of that number; of block 255 in the file: the function is copied into memory, because it crosses a block, or
+is machine code. Without functions there: the interpreter loads the file.
 
 Format: MicroPython's py/persistentcode.c, .mpy version 6.
 """
 
 import struct
+from collections import namedtuple
 
 BLOCK_BYTES = 4096
 INLINE_BYTES = 512  # littlefs keeps files up to this size beside their names
 MARK = 0x5043
 _WORTH = 100  # bytes of code for which a small file is given a block
 BYTECODE, NATIVE, VIPER, ASSEMBLER = 2, 3, 4, 5
-STAYS = 0
+_ROW, _TEXT, _END, _MEMORY = "<HHHBBBB", "<HBB", "<HHBBHHH", 255
+_CALLED = b"_load"
 _RELOCATED, _RODATA, _BSS = 0x10, 0x20, 0x40  # scope flags of viper code
-_TUPLE, _CONSTANTS = 10, (0, 1, 2, 3, 4)  # objects: a tuple; those without a length
+_TUPLE, _TEXTS, _CONSTANTS = 10, (5, 6), (0, 1, 2, 3, 4)  # objects: a tuple; str and bytes; those without a length
 _HEADER_BYTES = 4
+
+
+Module = namedtuple("Module", "functions end names texts")  # see functions()
 
 
 class Function:
@@ -33,7 +44,8 @@ class Function:
         self.length = length
         self.kind = kind
         self.children = 0
-        self.tree = 1
+        self.prelude = 0
+        self.generator = 0
 
 
 class _Reader:
@@ -56,36 +68,45 @@ class _Reader:
             self.at += (length >> 1) + 1
 
     def object(self):
+        """(its kind, how many bytes of text it has)"""
         kind = self.data[self.at]
         self.at += 1
         if kind in _CONSTANTS:
-            return
+            return kind, 0
         length = self.number()
         if kind == _TUPLE:
             for _ in range(length):
                 self.object()
         else:
-            self.at += length + (kind in (5, 6))  # texts and bytes end with a zero
+            self.at += length + (kind in _TEXTS)  # they end with a zero
+        return kind, length
+
+    def generator(self, at):
+        """1 if the prelude there is a generator's: bit 6 of its second byte, if there is one (MP_BC_PRELUDE_SIG_ENCODE)."""
+        return self.data[at + 1] >> 6 & 1 if self.data[at] & 0x80 else 0
 
     def function(self, found):
         begin = self.at
         number = self.number()
         function = Function(begin, self.at, number >> 3, (number & 3) + BYTECODE)
         found.append(function)
-        first = len(found)
         self.at += function.length
-        self._native(function.kind)
+        self._native(function)
         if number & 4:
             function.children = self.number()
             for _ in range(function.children):
                 self.function(found)
-        function.tree = len(found) - first + 1
 
-    def _native(self, kind):
+    def _native(self, function):
+        kind = function.kind
         if kind == BYTECODE:
+            function.generator = self.generator(function.offset)
             return
         flags = self.number()  # NATIVE: where its prelude begins
-        if kind == ASSEMBLER:
+        if kind == NATIVE:
+            function.prelude = flags
+            function.generator = self.generator(function.offset + flags)
+        elif kind == ASSEMBLER:
             self.number(), self.number()
         elif kind == VIPER:
             if flags & _RELOCATED:
@@ -97,7 +118,8 @@ class _Reader:
 
 
 def functions(data):
-    """The functions of an .mpy, outer ones first. Raises ValueError if it is not of version 6."""
+    """The functions of an .mpy, outer ones first; its length; where its names end; its texts among its constants: (number, where it
+    begins behind the names, length). Raises ValueError if it is not of version 6."""
     if data[:2] != b"M\x06":
         raise ValueError("no .mpy of version 6")
     reader = _Reader(data)
@@ -105,11 +127,15 @@ def functions(data):
     names, objects = reader.number(), reader.number()
     for _ in range(names):
         reader.name()
-    for _ in range(objects):
-        reader.object()
+    behind_names = reader.at
+    texts = []
+    for number in range(objects):
+        kind, length = reader.object()
+        if kind in _TEXTS:
+            texts.append((number, reader.at - length - 1 - behind_names, length))
     found = []
     reader.function(found)
-    return found, reader.at
+    return Module(found, reader.at, behind_names, texts)
 
 
 def block_starts(size):
@@ -135,25 +161,67 @@ def padding(function, offset, native):
 
 
 def in_place(data, native=False):
-    """The .mpy with its functions moved and the table appended. `native`: viper and native code run in place, too. Raises
-    ValueError if the table cannot hold a function."""
-    found, end = functions(data)
-    out, copied, table = bytearray(), 0, bytearray()
-    small = max(0, INLINE_BYTES + 1 - len(data)) if sum(function.length for function in found[1:]) >= _WORTH else 0
+    """The .mpy with its functions moved, and what is known of them appended. `native`: viper and native code run in place, too. Raises
+    ValueError if that cannot hold a function."""
+    found, end, names, texts = functions(data)
+    code = sum(function.length for function in found[1:])
+    if found[0].kind != BYTECODE or any(function.kind == ASSEMBLER for function in found) or len(data) <= INLINE_BYTES and code < _WORTH:
+        return data[:end] + struct.pack(_END, 0, 0, 0, 0, 0, 0, MARK)
+    head, count, first = _head(data, names, found[0].begin)
+    out, copied, table = bytearray(head), found[0].begin, bytearray()
+    small = max(0, INLINE_BYTES + 1 - len(data))
     for function in found:
-        movable = function.kind == VIPER or function.kind == NATIVE and not function.children
-        stays = function.kind != BYTECODE and not (native and movable)
+        stays = function.kind != BYTECODE and not native
         out += data[copied : function.begin]
-        head = function.offset - function.begin
+        before = function.offset - function.begin
         if not stays:
             out += b"\x80" * small  # so that the file has a block of its own
             small = 0
-            out += b"\x80" * padding(function, len(out) + head, native)
+            out += b"\x80" * padding(function, len(out) + before, native)
         out += data[function.begin : function.offset]
         copied = function.offset
         if len(out) >= 1 << 16 or function.children > 255:
             raise ValueError("more than 64 kB, or than 255 functions in one")
-        kind = STAYS if stays else function.kind
-        table += struct.pack("<HHBBH", len(out), function.length, kind, function.children, function.tree)
+        block, place = _place(len(out), function.length) if not stays else (_MEMORY, len(out))
+        table += struct.pack(_ROW, place, function.length, function.prelude, block, function.kind, function.children, function.generator)
     out += data[copied:end]
-    return bytes(out + table + struct.pack("<HH", len(found), MARK))
+    behind = len(head) - (found[0].begin - names)
+    places = [(number, *_place(behind + at, length + 1)) for number, at, length in texts if number < 256 and length]
+    places = [struct.pack(_TEXT, place, block, number) for number, block, place in places if block != _MEMORY]
+    call = _call(count - 1)
+    count = count if len(head) <= BLOCK_BYTES else 0
+    table += b"".join(places)
+    return bytes(out + table + call + struct.pack(_END, len(head), count, first, len(call), len(found), len(places), MARK))
+
+
+def _head(data, names, begin):
+    """(what is before the functions, with one name more: _CALLED; how many there are; where they begin)"""
+    reader = _Reader(data)
+    reader.at = _HEADER_BYTES
+    count = reader.number()
+    constants = reader.at
+    reader.number()
+    first = data[:_HEADER_BYTES] + _number(count + 1) + data[constants : reader.at]
+    return first + data[reader.at : names] + _number(2 * len(_CALLED)) + _CALLED + b"\0" + data[names:begin], count + 1, len(first)
+
+
+def _number(value):
+    """As .mpy files and bytecode have it."""
+    out = bytes([value & 0x7F])
+    while value := value >> 7:
+        out = bytes([value & 0x7F | 0x80]) + out
+    return out
+
+
+def _call(name):
+    """A function in bytecode that calls what has the name of a number: `name()`."""
+    code = b"\x00\x02\x00" + b"\x11" + _number(name) + b"\x34\x00\x59\x51\x63"
+    return _number(len(code) << 3) + code
+
+
+def _place(offset, length):
+    """The block in which code at an offset of the file lies, and where in it; _MEMORY and the offset if it crosses one."""
+    starts, pointers = block_starts(offset)
+    block = max(number for number, start in enumerate(starts) if start <= offset)
+    place = offset - starts[block] + pointers[block]
+    return (block, place) if place + length <= BLOCK_BYTES else (_MEMORY, offset)

@@ -280,6 +280,16 @@ def compile_module(source, target, march, shown_as):
         raise Failure("{} does not compile for {}: {}", Path(shown_as).with_suffix(".py"), march, reason[-1])
 
 
+@lru_cache(maxsize=1024)
+def _module(text, march, shown_as):
+    """The bytes of a module that compile_module() makes; boards share most of them."""
+    with tempfile.TemporaryDirectory() as folder:
+        source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
+        source.write_text(text, encoding="utf-8")
+        compile_module(source, target, march, shown_as)
+        return target.read_bytes()
+
+
 def kernels_of(name, chip=None, firmware=FIRMWARE):
     """The kernels of a board's build as kernels.build has them: a Program, and groups() of it; `chip`: as if the board had this one.
     Raises Failure if it cannot have."""
@@ -316,19 +326,18 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     if by is not None:
         by += compiled.by
         by += [_("and {} words look like pointers: the collector may keep garbage for them", compiled.pointers)] if compiled.pointers else []
-    with tempfile.TemporaryDirectory() as folder:
-        source = Path(folder) / "module.py"
-        for path in files:
-            target = out / path.with_suffix(".mpy")
-            source.write_text(texts[path.as_posix()], encoding="utf-8")
-            # The board knows the module by its file's name already: as the name in tracebacks it takes no memory.
-            compile_module(source, target, march, path.with_suffix(".mpy"))
-            if board["chip"] == IN_PLACE:
-                try:
-                    target.write_bytes(mpy.in_place(target.read_bytes(), path.as_posix() in cold))
-                except ValueError as error:
-                    raise Failure("{} cannot run from flash: {}", path, error) from None
-            rows.append((path.as_posix(), (firmware / path).stat().st_size, target.stat().st_size))
+    for path in files:
+        target = out / path.with_suffix(".mpy")
+        # The board knows the module by its file's name already: as the name in tracebacks it takes no memory.
+        data = _module(texts[path.as_posix()], march, path.with_suffix(".mpy"))
+        if board["chip"] == IN_PLACE:
+            try:
+                data = mpy.in_place(data, path.as_posix() in cold)
+            except ValueError as error:
+                raise Failure("{} cannot run from flash: {}", path, error) from None
+        target.parent.mkdir(parents=True, exist_ok=True)
+        target.write_bytes(data)
+        rows.append((path.as_posix(), (firmware / path).stat().st_size, len(data)))
     for file_name, data in compiled.modules.items():
         (out / file_name).write_bytes(mpy.in_place(data) if board["chip"] == IN_PLACE else data)
         rows.append((file_name, 0, (out / file_name).stat().st_size))

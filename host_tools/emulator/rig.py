@@ -26,9 +26,8 @@ from passo.steps.word import COUNT_MASK, TICKS_PER_S, us_to_ticks
 START = """
 import gc
 gc.threshold(16000)
-from passo.ports.rp2.flash_code import FlashCode
-code = FlashCode()
-code.begin()
+from passo.ports.rp2 import flash_code
+flash_code.begin()
 from passo.app import App
 from passo.config.boardfile import check
 from passo.ports.rp2 import clock
@@ -46,8 +45,8 @@ def pending():
     return [link for link in app.links if link.serial.any() or link.protocol._bytes]
 board = check(BOARD)
 load(board)
-load_all(board, True)
-code.finish()
+load_all(board)
+flash_code.code.finish()
 set_up()
 gc.collect()
 """

@@ -22,8 +22,6 @@ STEPS = (
 )  # fmt: skip
 PLAN = "passo.motion.block_viper", "passo.motion.look_ahead_viper", "passo.motion.ramp", "passo.motion.circle"  # and what these import
 LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_batches"  # what these call is planner's
-# Left to viper: it looks through all memory at the start with functions in assembler, and is given back.
-LEFT = {"passo.ports.rp2.flash_scan"}
 Compiled = namedtuple("Compiled", "texts modules by pointers")
 
 
@@ -41,7 +39,7 @@ def groups(program, board, left=(), keep=False):
     uses = program.uses()
     found = {}
     for kernel in program.kernels.values():
-        if kernel.module not in LEFT and kernel.path not in left and (keep or uses[kernel.full][1]):
+        if kernel.path not in left and (keep or uses[kernel.full][1]):
             found.setdefault(group(kernel.module), []).append(kernel)
     return sorted(found.items())
 

@@ -21,7 +21,7 @@ from test_digest import CHECKS, GOLDEN, HEX_JOBS, ROOT, golden_of_gcode, golden_
 
 LIMIT_US = 30_000_000
 # A router has no memory for its code.
-IN_FLASH = "from passo.ports.rp2.flash_code import FlashCode\ncode = FlashCode()\ncode.begin()\n"
+IN_FLASH = "from passo.ports.rp2 import flash_code\nflash_code.begin()\n"
 
 
 def compiled(sources, board="router_3axis"):

@@ -123,22 +123,6 @@ def check_more_arcs_than_are_queued_at_once():
     assert tuple(machine.controller.position()) == (0, 0, 0)
 
 
-def check_what_a_board_has_no_memory_for():
-    """Arcs and S-curves where they do not fit: said, and nothing else is lost."""
-    machine = Machine(whole=False).ready()
-    controller = machine.controller
-    assert machine.ask("G1F600X1") == ["ok"] and machine.ask("G2X3I1") == ["error:%d" % errors.NO_MEMORY]
-    assert machine.ask("X2") == ["ok"]
-    machine.settle()
-    assert tuple(machine.controller.position()) == (640, 0, 0)
-    assert machine.ask("$141=5000") == ["ok", "[MSG:No S-curves on this board]"]
-    assert not machine.app.planner.ramp.s_curve
-    machine = Machine().ready()
-    machine.ask("$141=6000")
-    machine.cycles(3)
-    assert machine.app.planner.ramp.s_curve
-
-
 def check_arcs_far_too_slow_are_refused():
     """Also where the arc goes as chords, and at the speed at which only their diagonal steps would be too far apart."""
     for feed, said in ((".004", "error:34"), (".0055", "error:34"), (".02", "ok")):

@@ -34,13 +34,7 @@ SEQUENCES = {
     ("passo/ports/esp32/frames_viper.py", "table"): "frames of 128 levels, and of 128 behind them",
     ("passo/ports/esp32/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",
     ("passo/ports/rp2/timer_player.py", "table"): "pins of 128 levels, and of 128 behind them",
-    ("passo/ports/rp2/flash_scan.py", "raw"): "bytes of a row of an .mpy's table",
     # Pointers to one register, to one pointer, to an object's type, or to a table.
-    ("passo/ports/rp2/flash_scan.py", ""): "a function's pointer to its code",
-    ("passo/ports/rp2/flash_scan.py", "slot"): "a pointer to code",
-    ("passo/ports/rp2/flash_scan.py", "row"): "an object's type",
-    ("passo/ports/rp2/flash_scan.py", "raws"): "the first of a function's children",
-    ("passo/ports/rp2/flash_scan.py", "made"): "the first word of a raw code",
     ("passo/ports/rp2/laser_player.py", "compare"): "a PWM slice's CC",
     ("passo/ports/rp2/pio_player.py", "abort"): "CHAN_ABORT",
     ("passo/ports/rp2/pio_player.py", ""): "the first run of a table",
@@ -61,8 +55,6 @@ LONG_FUNCTIONS = {
 # {kernel: why it is longer}
 LONG_KERNELS = {
     "passo/ports/esp32/frames_viper.py:make": "an ESP32 has viper only: what it counts stays in registers for all frames of a piece",
-    "passo/ports/rp2/flash_scan.py:look": "assembler: one loop over all memory",
-    "passo/ports/rp2/flash_scan.py:redirect": "one pass over a module's functions, viper's, and given back after the start",
     "passo/ports/rp2/kernels.py:walk": "assembler: the loop of each step, where viper compiles kernels",
     "passo/protocols/grbl/text_viper.py:places": "digits of a number in any of three forms, where viper compiles it from flash",
 }

@@ -51,7 +51,7 @@ SHARED_PROTOCOLS = ("passo.protocols.gcode", "passo.protocols.jobs")
 INTEGER_ROOMS = ("motion", "steps")
 BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", "json", "hashlib", "select", "binascii"}
 MORE_BUILT_INS = {
-    "ports": {"math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs", "sdcard"},  # the last is a driver of micropython-lib
+    "ports": {"builtins", "math", "machine", "rp2", "esp32", "uctypes", "errno", "vfs", "sdcard"},  # the last is a driver of micropython-lib
     "config": {"deflate"},
     "memory": {"deflate"},
     "control": {"math"},

@@ -92,7 +92,7 @@ def answers(said):
 
 
 class Machine:
-    def __init__(self, world=None, slots=None, whole=True, radio=None, pages=None, **changes):
+    def __init__(self, world=None, slots=None, radio=None, pages=None, **changes):
         board = check(PLAIN)
         board.update(changes)
         if "interlock" in changes:
@@ -102,7 +102,7 @@ class Machine:
         if pages:
             self.port.pages = pages
         self.slots = slots or MemorySlots()
-        self.app = App(check(board), self.port, None, self.slots, whole)
+        self.app = App(check(board), self.port, None, self.slots)
         self.controller = self.app.controller
         self.line = self.port.lines["pc"]
 

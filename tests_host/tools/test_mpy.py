@@ -1,5 +1,6 @@
 """Compiled modules whose functions are moved so that they can run from flash: nothing else is changed."""
 
+import struct
 import subprocess
 import sys
 from pathlib import Path
@@ -35,35 +36,79 @@ def blocks_of(function, size):
 
 def test_every_byte_of_a_module_is_accounted_for(modules):
     for path, data in modules.items():
-        assert mpy.functions(data)[1] == len(data), path
+        found = mpy.functions(data)
+        assert found.end == len(data), path
+
+
+def known_of(placed):
+    """What ends a module: (head, names, first, functions as tuples, texts as tuples, the call)."""
+    *numbers, mark = struct.unpack("<HHBBHHH", placed[-12:])
+    assert mark == mpy.MARK
+    head, names, first, call, functions, texts = numbers
+    at = len(placed) - 12 - call - 10 * functions - 4 * texts
+    rows = list(struct.iter_unpack("<HHHBBBB", placed[at : at + 10 * functions]))
+    at += 10 * functions
+    return head, names, first, rows, list(struct.iter_unpack("<HBB", placed[at : at + 4 * texts])), placed[len(placed) - 12 - call : -12]
+
+
+def bytes_at(placed, block, place, length):
+    """As they lie in flash: in a block, behind its pointers; of block 255 in the file."""
+    starts, pointers = mpy.block_starts(len(placed))
+    at = place if block == 255 else starts[block] + place - pointers[block]
+    assert block == 255 or pointers[block] <= place and place + length <= mpy.BLOCK_BYTES
+    return placed[at : at + length]
 
 
 @pytest.mark.parametrize("native", [False, True])
 def test_functions_are_the_same_and_lie_in_one_block(modules, native):
-    moved = 0
+    moved = copied = 0
     for path, data in modules.items():
         placed = mpy.in_place(data, native)
-        before, after = mpy.functions(data)[0], mpy.functions(placed)[0]
-        assert [data[f.offset : f.offset + f.length] for f in before] == [
-            placed[f.offset : f.offset + f.length] for f in after
-        ], path
-        table = placed[-4 - 8 * len(after) : -4]
-        assert placed[-4:] == len(after).to_bytes(2, "little") + mpy.MARK.to_bytes(2, "little")
-        for number, (f, g) in enumerate(zip(before, after)):
-            row = table[8 * number : 8 * number + 8]
-            assert (int.from_bytes(row[:2], "little"), int.from_bytes(row[2:4], "little")) == (g.offset, g.length)
-            assert (row[5], int.from_bytes(row[6:], "little")) == (f.children, f.tree)
-            if row[4]:
-                moved += g.offset - f.offset > 0
-                assert g.kind == mpy.BYTECODE or native and g.kind in (mpy.VIPER, mpy.NATIVE) and g.offset % 4 == 0
-                assert len(blocks_of(g, len(placed))) == 1 or g.length > mpy.BLOCK_BYTES - 32
-    assert moved
+        before, after = mpy.functions(data).functions, mpy.functions(placed).functions
+        code = [data[f.offset : f.offset + f.length] for f in before]
+        assert code == [placed[f.offset : f.offset + f.length] for f in after], path
+        head, _, _, rows, *_ = known_of(placed)
+        if not head:
+            assert not rows and placed[:-12] == data and (path.startswith("passo/kernels_") or len(data) <= 512 or mpy.ASSEMBLER in [f.kind for f in before])
+            continue
+        assert placed[head : head + 2] and after[0].begin >= head and len(rows) == len(after)
+        for f, g, (place, length, prelude, block, kind, children, generator) in zip(before, after, rows):
+            assert bytes_at(placed, block, place, length) == code[before.index(f)]
+            assert (kind, children, prelude, generator) == (g.kind, f.children, f.prelude, f.generator)
+            moved += g.offset - f.offset > 0
+            copied += block == 255
+            assert block != 255 or length > mpy.BLOCK_BYTES - 32 or kind != mpy.BYTECODE and not native
+            assert kind == mpy.BYTECODE or block == 255 or place % 4 == 0
+    assert moved and (copied or native)
+
+
+def test_texts_are_where_they_are_said_to_be(modules):
+    """Each with the zero that ends it; and the names of a head, one more than the module has."""
+    count = 0
+    for path, data in modules.items():
+        placed = mpy.in_place(data)
+        head, names, first, _, texts, call = known_of(placed)
+        if not head:
+            continue
+        found = mpy.functions(data)
+        known = {number: data[found.names + at : found.names + at + length + 1] for number, at, length in found.texts}
+        for place, block, number in texts:
+            text = known[number]
+            assert text.endswith(b"\0") and bytes_at(placed, block, place, len(text)) == text, path
+        count += len(texts)
+        assert placed[:head].count(b"\x0a_load\0") == 1 and call[0] >> 3 == len(call) - 1
+        reader = mpy._Reader(placed)
+        reader.at = first
+        for _ in range(names):
+            reader.name()
+        assert not names or placed[: reader.at].endswith(b"\x0a_load\0"), path
+    assert count > 100
 
 
 def test_small_modules_get_a_block_of_their_own(modules):
     for path, data in modules.items():
-        code = sum(function.length for function in mpy.functions(data)[0][1:])
-        assert len(mpy.in_place(data)) > mpy.INLINE_BYTES or code < 100, path
+        placed, found = mpy.in_place(data), mpy.functions(data).functions[1:]
+        assert len(placed) > mpy.INLINE_BYTES or sum(each.length for each in found) < 100 or not known_of(placed)[0], path
 
 
 @given(st.integers(0, 40_000), st.integers(1, 4084), st.booleans())

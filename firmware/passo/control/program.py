@@ -40,7 +40,6 @@ class Program(LineBatches):
         self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
         LineBatches.__init__(self, len(self._axes))
-        self._jerk = 0  # as it was set
 
     def handlers(self):
         return {
@@ -236,7 +235,6 @@ class Program(LineBatches):
             return
         self._limits_of = settings.version
         jerk = settings.value(table.JERK)
-        curves = jerk and self._planner.whole
         axes = range(len(self._axes))
         self._limits = Limits(
             [settings.value(table.STEPS + axis) for axis in axes],
@@ -244,13 +242,9 @@ class Program(LineBatches):
             [settings.value(table.ACCELERATION + axis) * 1000 for axis in axes],
             settings.value(table.JUNCTION) * 1000,
             max(settings.value(table.START), self._machine.steady_mm_min * 1000) * 50 // 3,
-            jerk * 1000 if curves else 0,
+            jerk * 1000,
         )
         self._planner.limits(self._limits)
-        if jerk != self._jerk:
-            self._jerk = jerk
-            if jerk and not curves:
-                self._machine.notice(errors.NOTICE_JERK)
 
     # --- probing
 

@@ -19,13 +19,12 @@ class StreamQueue(Queue):
         self.streams = False  # lines have come of late
         self._fresh = False  # they came in the last cycle
         self._fresh_ms = 0  # when they did last
-        if planner.whole:
-            from passo.control import arcs
-            from passo.control.chords import Chords
-            from passo.motion.ellipse import Ellipse
+        from passo.control import arcs
+        from passo.control.chords import Chords
+        from passo.motion.ellipse import Ellipse
 
-            self.arcs = arcs
-            self._make_chords, self._make_ellipse = Chords, Ellipse
+        self.arcs = arcs
+        self._make_chords, self._make_ellipse = Chords, Ellipse
 
     def begin(self):
         """Release what is queued, if the machine stands: a moving one fetches blocks itself. More may follow without a stand

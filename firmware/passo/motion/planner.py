@@ -54,7 +54,6 @@ class Planner:
         self._stride = ROW_STEPS + axes
         self.rows = zeros(QUEUE_SIZE * self._stride)  # of Block, one after the other
         self._walkers = [None] * QUEUE_SIZE  # of ARC where its plan begins in Plans.plans; of INDEPENDENT and STEP_PROGRAM what is walked
-        self.whole = False  # arcs and S-curves are loaded
         self._plan_arc = self._set_arc_speed = self._limit_jerk = None
         self._arcs = None  # their plans; made by load()
         self._line = Line(axes)  # this and the circle are walked by one block at a time, the one fetched last
@@ -91,25 +90,21 @@ class Planner:
         self.accelerates = limits is not None
         self.scratch[SCRATCH_FEED] = self.scratch[SCRATCH_GIVEN] = self.scratch[SCRATCH_ASKED] = 0
 
-    def load(self, whole=True):
-        """Make ready for limits(), and for arcs and S-curves if `whole`, before there is a feeder. They take a good part of a
-        board's memory."""
+    def load(self):
+        """Make ready for limits(), arcs and S-curves, before there is a feeder."""
+        from passo.motion.arc import Plans, plan
+        from passo.motion.arc_speed import set_speed
         from passo.motion.block_viper import plan_block
         from passo.motion.circle import Circle
         from passo.motion.look_ahead_viper import corner, look_back, plan_lines
         from passo.motion.ramp import Ramp
+        from passo.motion.s_curve import limit
 
         self._plan_block, self._corner, self._plan_lines, self._look_back = plan_block, corner, plan_lines, look_back
         self.ramp = Ramp()
         self._circle = Circle(self.axes)
-        self.whole = whole
-        if whole:
-            from passo.motion.arc import Plans, plan
-            from passo.motion.arc_speed import set_speed
-            from passo.motion.s_curve import limit
-
-            self._plan_arc, self._set_arc_speed, self._limit_jerk = plan, set_speed, limit
-            self._arcs = Plans()
+        self._plan_arc, self._set_arc_speed, self._limit_jerk = plan, set_speed, limit
+        self._arcs = Plans()
 
     def clear(self):
         """Forget every block. Only while the feeder is stopped."""

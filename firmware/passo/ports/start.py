@@ -42,13 +42,11 @@ def _entries(board, key):
 
 
 class Start:
-    whole = True  # False: arcs and S-curves do not fit
-    rooms = []  # large arrays and what else keeps memory free while the app is made: see motion/integers.py
+    rooms = ()  # large arrays that the app will ask for: see passo/memory.py
 
     def __init__(self, board):
         alloc_emergency_exception_buf(100)
         board = board if isinstance(board, dict) else {}
-        self.lean = board.get("memory") == "lean"  # a board that has no memory to spare
         outputs = _entries(board, "outputs") + [board.get("tool"), board.get("spindle")]
         self._outputs = outputs  # whatever stands there: it may be a board file full of errors
         self._ways_out = [
@@ -90,10 +88,6 @@ class Start:
 
     def load(self, board):
         """Import what port() will ask for."""
-
-    def relieve(self):
-        """Called when memory was too short to load something. Returns whether there is more of it now."""
-        return False
 
     def loaded(self):
         """Called when all is loaded, or the start has failed. Returns a line for people: where the code lies."""

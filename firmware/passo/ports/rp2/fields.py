@@ -58,25 +58,3 @@ TIMER_PLAYED = const(15)  # words whose levels have appeared, modulo 2²⁹
 TIMER_HELD = const(16)  # 1: start() does nothing
 TIMER_TOGGLE = const(17)  # address of the register that turns pins over
 TIMER_FIELDS = const(18)
-
-# For flash_scan.py and flash_code.py. mp_state_mem_area_t of the interpreter, in words: from its table on,
-AREA_BYTES = const(1)  # of the table
-AREA_FINALISERS = const(2)
-AREA_POOL = const(3)  # or one further, behind the weak references
-AREA_END = const(1)  # behind the pool
-# A file: its module, its functions, how many these are.
-FILE_FUNCTIONS = const(1)
-FILE_COUNT_OF = const(2)
-FILE_ROW = const(3)
-# A function of a file.
-ENTRY_FLASH = const(0)  # its address in flash; 0: it stays in RAM
-ENTRY_BYTES = const(1)  # plus 0x10000 once it has been moved
-ENTRY_KIND = const(2)  # kind | children << 8 | functions in its tree << 16
-FUNCTION_ROW = const(3)
-# Work to be done: the pointer at WORK_SLOT points to one of the functions WORK_NUMBER … WORK_LAST − 1, or to none.
-WORK_SLOT = const(0)
-WORK_FUNCTIONS = const(1)
-WORK_NUMBER = const(2)
-WORK_LAST = const(3)
-WORK_CHILDREN = const(4)
-WORK_ROW = const(5)

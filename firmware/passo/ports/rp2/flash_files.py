@@ -8,13 +8,17 @@ skip-lists").
 """
 
 from array import array
+from struct import unpack
 
 import vfs
 from machine import mem32
 from micropython import const, kbd_intr
 
 BLOCK = const(4096)
-_MARK = const(0x5043)  # ends a table of functions
+_MARK = const(0x5043)  # ends an .mpy
+_END = const(12)  # bytes of the numbers that do
+ROW_BYTES = const(10)  # of a function
+TEXT_BYTES = const(4)
 _IOCTL_ERASE = const(6)
 _CORRUPT = const(-84)  # littlefs looks for another block
 _CTRL_C = const(3)
@@ -51,20 +55,27 @@ class Blocks:
         return self._flash.ioctl(request, argument)
 
     def table(self, file):
-        """(bytes of the file, its functions, its last block) if a table of functions ends it, otherwise None."""
+        """What ends an .mpy, see host_tools/build/mpy.py: (bytes of the file, bytes before its functions, number and place of its
+        names, bytes of what is known of its functions, this and what is known of its texts, the code of a call, the file's last block); None: it ends otherwise. No bytes before
+        the functions: the interpreter loads it."""
         self.last = -1
         size = file.seek(0, 2)
-        if size < 4:
+        if size < _END:
             return None
-        file.seek(size - 4)
-        end = file.read(4)
-        count = end[0] | end[1] << 8
-        if end[2] | end[3] << 8 != _MARK or size < 4 + 8 * count:
+        file.seek(size - _END)
+        head, names, first, call, count, texts, mark = unpack("<HHBBHHH", file.read(_END))
+        last = self.last
+        count *= ROW_BYTES
+        rows = call + count + TEXT_BYTES * texts
+        if mark != _MARK or size < _END + rows:
             return None
-        return size, count, self.last
+        if last < 0:  # it lies beside its name
+            return size, 0, 0, 0, b"", b"", 0
+        file.seek(size - _END - rows)
+        return size, head, names << 16 | first if names else 0, count, file.read(rows - call), file.read(call), last
 
     def chain(self, size, head):
-        """The addresses of a file's blocks, then 0; they are kept from now on."""
+        """The addresses of a file's blocks; they are kept from now on."""
         last = 0  # number of the last one
         room = BLOCK
         while size > room:
@@ -74,7 +85,7 @@ class Blocks:
             while not number & 1:
                 room -= 4
                 number >>= 1
-        addresses = array("I", [0] * (last + 2))
+        addresses = array("I", bytearray(4 * (last + 1)))
         for number in range(last, -1, -1):
             if not 0 <= head < self.count:
                 raise Unknown("a file's list of blocks")
