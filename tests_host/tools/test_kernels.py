@@ -241,7 +241,7 @@ def test_what_interrupts_share_is_read_and_written_each_time():
 def test_a_module_needs_no_data_and_no_address(march):
     unit = unit_of(TEXT)
     made = module.module(unit.text(RUNTIME), unit.names, march)
-    functions, end = mpy.functions(made.data)
+    functions, end, *_ = mpy.functions(made.data)
     assert len(functions) == 1 and end == len(made.data) and functions[0].kind == mpy.VIPER
     assert not module.pointers(module.code_of(made.data, unit.names, march), march)
     assert module.module(unit.text(RUNTIME), unit.names, march) == made
