@@ -81,12 +81,17 @@ COLD = (
     "passo/ports/rp2/console.py",
     "passo/ports/rp2/encoders.py",
     "passo/ports/rp2/flash_code.py",
+    "passo/ports/rp2/pio_player.py",
     "passo/ports/usb_line.py",
     "passo/protocols/gcode/parser.py",
     "passo/protocols/grbl/protocol.py",
+    "passo/protocols/grbl/text_viper.py",
     "passo/steps/feeder.py",
     "passo/steps/following_viper.py",
+    "passo/steps/position_viper.py",
 )
+# Kernels of these are C in RAM all the same: each call of the feeder, or each status report, wants them.
+QUICK = ("passo/ports/rp2/pio_player.py", "passo/protocols/grbl/text_viper.py", "passo/steps/position_viper.py")
 # What runs from flash, too, if the board file says "memory": "lean": the road of lines and planner. Interrupts, and functions
 # longer than a block, stay in RAM.
 COLD_IF_LEAN = (
@@ -302,7 +307,7 @@ def kernels_of(name, chip=None, firmware=FIRMWARE):
 
 def _left(board):
     """Paths of modules whose kernels viper compiles."""
-    return COLD if board["chip"] == IN_PLACE else ()
+    return [path for path in COLD if path not in QUICK] if board["chip"] == IN_PLACE else ()
 
 
 def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
