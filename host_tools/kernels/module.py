@@ -49,7 +49,9 @@ ZIG = {
 ARCHITECTURE = {"armv6m": 4, "armv7emsp": 7, "rv32imc": 11, "x64": 2}  # the last one is MicroPython's on a PC
 HEAPS = {"armv6m": (0x20000000, 0x20042000), "armv7emsp": (0x20000000, 0x20082000), "rv32imc": (0x3FC80000, 0x3FCE0000)}
 OPTIONS = "-Os -fno-reorder-blocks", "-Os", "-O2"  # the first made a line 3 % cheaper than -Os
-ZIG_OPTIONS = "-g -Os", "-g -Os -mllvm -disable-block-placement", "-g -Os -mllvm -disable-lsr"  # without -g it leaves the names of functions out
+ZIG_OPTIONS = (  # without -g it leaves the names of functions out
+    "-g -Os", "-g -Os -mllvm -disable-block-placement", "-g -Os -mllvm -disable-lsr", "-g -Os -mllvm -disable-machine-sink",
+)  # fmt: skip
 ROUNDS = 5  # of moving functions
 KEEPS = 1000  # bytes that a word which looks like a pointer is taken to keep
 SCRIPT = """
