@@ -7,7 +7,8 @@ starts. Pins 34 to 39 are inputs without pull-ups; 0, 2, 12 and 15 decide how th
 BOARD = {
     "name": "router_esp32",
     "chip": "esp32",
-    "shift": {"clock": 16, "latch": 17, "data": 21, "enable": 19},
+    "psram": True,  # of a WROVER, for instance; it has pins 16 and 17
+    "shift": {"clock": 18, "latch": 13, "data": 21, "enable": 19},
     "drive": {"kind": "step_dir", "pulse_us": 4, "setup_us": 8},
     "axes": [
         {"name": "x", "pins": [100, 101], "steps_per_m": 320000, "travel_steps": 96000, "max_mm_min": 5000,

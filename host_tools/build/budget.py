@@ -3,6 +3,7 @@
     budget(check(BOARD))        # [("pins", "26 of 26 of a Pico"), ("PIO", "5 of 8 state machines, …"), …]
 """
 
+from host_tools.failure import Failure
 from host_tools.language import _
 from passo.config.boardfile import claimed_pins
 
@@ -10,11 +11,13 @@ PICO_PINS = (*range(23), 26, 27, 28)  # that a Pico brings out
 RP2_BLOCKS = {"rp2040": 2, "rp2350": 3}
 _MACHINES = 4  # of a PIO block
 _BLOCK = 32  # instructions
-_ESP32_KB = 209  # of memory for heap, machine code and drivers, with MicroPython 1.27 as it comes and no PSRAM
-# What the firmware takes of it, kB: (its language, with Wi-Fi, with the page). Measured on MicroPython's qemu port, drivers and Wi-Fi reckoned.
-_ESP32_NEEDS = {
-    ("plotter", False, False): 155, ("plotter", True, True): 276, ("torch", True, False): 250,
-    ("grbl", False, False): 317, ("grbl", True, False): 386, ("grbl", True, True): 418,
+ESP32_KB = {"esp32": 209}  # of memory for heap, machine code and drivers, with MicroPython 1.27 and no PSRAM
+PSRAM_PINS = {"esp32": (16, 17)}  # that it takes
+# What the firmware takes of it, kB, as files and frozen (docs/build.md): (its language, with Wi-Fi, with the page). Counted on MicroPython's
+# qemu port: tests_host/cores/test_esp32_memory.py; drivers and Wi-Fi reckoned.
+ESP32_NEEDS = {
+    ("plotter", False, False): (166, 62), ("plotter", True, True): (269, 120), ("torch", True, False): (247, 111),
+    ("grbl", False, False): (334, 122), ("grbl", True, False): (408, 173), ("grbl", True, True): (437, 181),
 }  # fmt: skip
 
 
@@ -34,17 +37,35 @@ def budget(board):
     return rows
 
 
-def memory(board):
-    """Whether a checked board fits into an ESP32 without PSRAM, as a sentence."""
+def needs(board):
+    """(kB as files, kB frozen) of a checked board on an ESP32, or None if nobody has counted it."""
     languages = {link["protocol"] for link in board["links"]}
     language = next((each for each in ("grbl", "torch", "plotter") if each in languages), None)
     page = any(link["port"] == "page" for link in board["links"])
-    need = _ESP32_NEEDS.get((language, bool(board["network"]), page))
-    if board["chip"] != "esp32" or need is None:
+    return ESP32_NEEDS.get((language, bool(board["network"]), page))
+
+
+def memory(board):
+    """What a checked board wants of an ESP32's memory, as a sentence."""
+    there, found = ESP32_KB.get(board["chip"]), needs(board)
+    if board["psram"]:
+        return _("in the module's PSRAM")
+    if there is None or found is None:
         return _("not counted for this chip and these links: take a module with PSRAM (docs/wiring.md, ESP32)")
-    if need > _ESP32_KB:
-        return _("{} kB wanted, {} there without PSRAM: it does not fit; take a module with PSRAM (docs/wiring.md, ESP32)", need, _ESP32_KB)
-    return _("{} kB wanted, {} there without PSRAM", need, _ESP32_KB)
+    return _("{} kB wanted, {} there without PSRAM", found[0], there)
+
+
+def check_module(board, name):
+    """Raises Failure if a checked board asks for more than its module has."""
+    there, found = ESP32_KB.get(board["chip"]), needs(board)
+    taken = sorted({pin for pin, who in claimed_pins(board)} & set(PSRAM_PINS.get(board["chip"], ()))) if board["psram"] else ()
+    if taken:
+        raise Failure("{}: pin {} of a module with PSRAM is the PSRAM's", name, taken[0])
+    if there and found and found[0] > there and not board["psram"]:
+        raise Failure(
+            "{}: {} kB of memory wanted, {} there: it does not start. Take a module with PSRAM and say \"psram\": True, or freeze the firmware into "
+            "MicroPython, where it takes {} kB (docs/build.md, An image for an ESP32)", name, found[0], there, found[1]
+        )  # fmt: skip
 
 
 def _pins(board, claimed):

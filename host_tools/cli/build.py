@@ -6,6 +6,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools import boards
+from host_tools.build.budget import check_module
 from host_tools.build.tree import MARCH, build_tree, default_out, kernels_of, write_package
 from host_tools.failure import Failure, reason
 from host_tools.kernels.build import shown
@@ -28,16 +29,22 @@ def print_sizes(title, rows):
     Console().print(table)
 
 
-def print_budget(name):
-    """What a board file uses of its chip. Raises Failure if it is wrong."""
-    from host_tools.build.budget import budget
+def checked(name):
+    """The board of a file. Raises Failure if it is wrong."""
     from passo.config.board_error import BoardError
     from passo.config.boardfile import check
 
     try:
-        rows = budget(check(boards.load(name)))
+        return check(boards.load(name))
     except BoardError as error:
         raise Failure("{}: {}", name, reason(error)) from None
+
+
+def print_budget(name):
+    """What a board file uses of its chip. Raises Failure if it is wrong."""
+    from host_tools.build.budget import budget
+
+    rows = budget(checked(name))
     width = max(len(title) for title, _ in rows)
     for title, text in rows:
         print(f"{title:<{width}}  {text}")
@@ -80,6 +87,7 @@ def build(
     if show:
         print_kernel(board, show)
         return
+    check_module(checked(board), board)
     out = out or default_out(board)
     by = []
     rows = build_tree(board, out, march, by=by)

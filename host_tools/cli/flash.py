@@ -16,7 +16,7 @@ from typing import Annotated, Optional
 import typer
 
 from host_tools import boards
-from host_tools.build.budget import memory
+from host_tools.build.budget import check_module, memory
 from host_tools.build.frozen import stamp
 from host_tools.build.tree import STAMP, build_tree, default_out
 from host_tools.cli import flash_uf2
@@ -146,6 +146,7 @@ def flash(
     if not dry_run and (found := flash_uf2.told(probe(flash_uf2.asking(port), port), port)).chip and not source:
         put_board_file(board, config, found, port)
         return
+    check_module(config, board)
     out = default_out(board)
     rows = build_tree(board, out)
     print(_("{}: {} files, {:,} bytes in {} (passo build lists them)", board, len(rows), sum(row[2] for row in rows), out))

@@ -294,7 +294,7 @@ def check_board_files_that_cannot_be_shifted():
         (("outputs", 0, "pin"), 115, ("outputs[0].pin", "115", "114")),
         (("inputs", 0, "pin"), 111, ("inputs[0].pin", "111")),
         (("shift", "latch"), 34, ("shift.latch", "only be an input")),
-        (("shift", "data"), 16, ("pin 16", "shift.clock", "shift.data")),
+        (("shift", "data"), 18, ("pin 18", "shift.clock", "shift.data")),
         (("shift", "oe"), 16, ("shift", "unknown key 'oe'")),
         (("shift",), None, ("tool.pin", "106", "48")),
         (("interlock",), {"limits": {"x+": "limit_x"}}, ("shift", "interlock")),

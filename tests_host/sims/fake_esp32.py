@@ -208,7 +208,7 @@ class I2S:
         self._opened = chip.now
         self._asyncio = False
         self.torn = 0  # writes into a block that DMA was reading
-        self._mux = 0x3FF49050 if ws.number == 17 else None
+        self._mux = {17: 0x3FF49050, 13: 0x3FF49038}.get(ws.number)
         if self._mux in chip.input_enabled:
             chip.input_enabled.discard(self._mux)  # the driver makes an output of the pin, and of nothing else
         chip.i2s = self

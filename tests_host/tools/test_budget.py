@@ -5,8 +5,9 @@ import typer
 from typer.testing import CliRunner
 
 from host_tools import boards
-from host_tools.build.budget import PICO_PINS, budget, memory
+from host_tools.build.budget import PICO_PINS, budget, check_module, memory
 from host_tools.cli.build import build, print_budget
+from host_tools.cli.flash import flash
 from host_tools.failure import Failure
 from passo.config.boardfile import check, claimed_pins
 
@@ -26,16 +27,43 @@ def test_the_mill_fills_a_pico():
 
 
 def test_an_esp32_without_psram_holds_a_plotter_and_no_more():
-    assert of("plotter_esp32")["memory"] == "155 kB wanted, 209 there without PSRAM"
-    for name in ("router_esp32", "mks_dlc32"):
-        assert of(name)["memory"].startswith("317 kB wanted, 209 there without PSRAM: it does not fit; take a module with PSRAM")
-    network = {"host": "passo"}
-    page = {"name": "page", "port": "page", "protocol": "page"}
-    for protocol, wanted in (("plotter", "276 kB"), ("grbl", "418 kB")):
-        board = check(boards.load("plotter_esp32"))
-        links = [dict(board["links"][0], protocol=protocol), page]
-        assert memory({**board, "network": network, "links": links}).startswith(wanted)
-    assert "not counted" in memory({**board, "chip": "esp32s3"}) and "memory" not in of("router_3axis")
+    assert of("plotter_esp32")["memory"] == "166 kB wanted, 209 there without PSRAM" and of("router_esp32")["memory"] == "in the module's PSRAM"
+    assert of("mks_dlc32")["memory"] == "334 kB wanted, 209 there without PSRAM"
+    assert "not counted" in memory({**check(boards.load("plotter_esp32")), "chip": "esp32s3"}) and "memory" not in of("router_3axis")
+
+
+def with_network(name, port, protocol):
+    board = check(boards.load(name))
+    links = [dict(board["links"][0], protocol=protocol), {"name": "other", "port": port, "protocol": protocol}]
+    return {**board, "psram": False, "network": {"host": "passo"}, "links": links}
+
+
+@pytest.mark.parametrize("board, wanted, frozen", [
+    (check({**boards.load("router_esp32"), "psram": False}), 334, 122), (check(boards.load("mks_dlc32")), 334, 122),
+    (with_network("plotter_esp32", "page", "plotter"), 269, 120), (with_network("plotter_esp32", "http", "torch"), 247, 111),
+    (with_network("router_esp32", "tcp", "grbl"), 408, 173), (with_network("router_esp32", "page", "grbl"), 437, 181),
+])  # fmt: skip
+def test_a_board_file_that_asks_for_more_than_its_module_has_is_refused(board, wanted, frozen):
+    with pytest.raises(Failure, match=rf"mine: {wanted} kB of memory wanted, 209 there: it does not start.*psram.*takes {frozen} kB"):
+        check_module(board, "mine")
+    check_module({**board, "psram": True, "shift": None, "axes": [{**axis, "pins": []} for axis in board["axes"]]}, "mine")
+
+
+def test_what_fits_is_not_refused():
+    for name in boards.names():
+        if name != "mks_dlc32":  # its module has no PSRAM
+            check_module(check(boards.load(name)), name)
+    with pytest.raises(Failure, match="plotter_esp32: pin 16 of a module with PSRAM is the PSRAM's"):
+        check_module(check({**boards.load("plotter_esp32"), "psram": True}), "plotter_esp32")
+
+
+@pytest.mark.parametrize("command", ["build", "flash"])
+def test_the_commands_refuse_it(command, tmp_path):
+    app = typer.Typer()
+    app.command()({"build": build, "flash": flash}[command])
+    options = ["--out", str(tmp_path)] if command == "build" else ["--dry-run"]
+    result = CliRunner().invoke(app, ["--board", "mks_dlc32", *options])
+    assert isinstance(result.exception, Failure) and "mks_dlc32: 334 kB of memory wanted" in str(result.exception)
 
 
 def test_what_is_free_is_claimed_by_nobody():
