@@ -17,6 +17,8 @@ SOURCE = "source.txt"  # names the stamp of a package on the file system that is
 
 
 def whole():
+    if CHIP == "esp32":
+        return True  # its boot loader starts no image whose sum is wrong
     import rp2
     import uctypes
 

@@ -37,6 +37,7 @@ CHIPS = {
         Chip("rp2040_w", "rp2040", "RPI_PICO_W", True, 2 << 20, 640 << 10),
         Chip("rp2350", "rp2350", "RPI_PICO2", False, 4 << 20, 2560 << 10),
         Chip("rp2350_w", "rp2350", "RPI_PICO2_W", True, 4 << 20, 2560 << 10),
+        Chip("esp32", "esp32", "ESP32_GENERIC", True, 4 << 20, 1 << 20),  # no UF2: host_tools/build/esp32_image.py
     )
 }
 # What the interrupt of a stream of lines calls most, by the name that frozen code has in C: it lies in memory. hot.txt says what lies
@@ -99,40 +100,42 @@ def pages_text():
     return f"FILES = {files!r}\n"
 
 
-def texts_of(name, firmware=FIRMWARE, more=()):
-    """({path: text} as they are compiled, {path of .mpy: bytes} of the kernels). `more`: {path: text} of modules that use the others."""
+def texts_of(name, firmware=FIRMWARE, more=(), march=None):
+    """({path: text} as they are compiled, {path of .mpy: bytes} of the kernels). `more`: {path: text} of modules that use the others.
+    `march`: of another instruction set than the chip's."""
     chip = chip_of(name)
     sources = {path.as_posix(): source_of(path, firmware).read_text(encoding="utf-8") for path in modules(chip, firmware)}
     sources[IMAGE.as_posix()] = image_text(name, firmware)
     if chip.network:
         sources["passo_pages.py"] = pages_text()
     sources.update(more)
-    compiled = kernels.compiled(numbered_only(sources), whole(sources), _ANY, MARCH[chip.mcu], COLD)
+    compiled = kernels.compiled(numbered_only(sources), whole(sources), _ANY, march or MARCH[chip.mcu], COLD if chip.mcu.startswith("rp2") else ())
     return inline.inlined(compiled.texts, bounds=inline.ROOMY), compiled.modules
 
 
-def frozen_tree(name, out, firmware=FIRMWARE):
+def frozen_tree(name, out, firmware=FIRMWARE, march=None):
     """Compile all that is frozen."""
     check_compiler()
-    texts, modules = texts_of(name, firmware)
+    march = march or MARCH[chip_of(name).mcu]
+    texts, modules = texts_of(name, firmware, march=march)
     for path, text in texts.items():
         source = out / "source" / path
         source.parent.mkdir(parents=True, exist_ok=True)
         source.write_text(text, encoding="utf-8")
-        compile_module(source, (out / path).with_suffix(".mpy"), MARCH[chip_of(name).mcu], path)
+        compile_module(source, (out / path).with_suffix(".mpy"), march, path)
     for file_name, data in modules.items():
         (out / file_name).write_bytes(named(data, file_name))
 
 
-def beside(name, more):
+def beside(name, more, march=None):
     """{path of .mpy: bytes} of {path: text}: modules that run beside those of an image, as tests want them."""
-    texts, _ = texts_of(name, more=more)
+    texts, _ = texts_of(name, more=more, march=march)
     files = {}
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
         for path in more:
             source.write_text(texts[path], encoding="utf-8")
-            compile_module(source, target, MARCH[chip_of(name).mcu], path)
+            compile_module(source, target, march or MARCH[chip_of(name).mcu], path)
             files[Path(path).with_suffix(".mpy").as_posix()] = target.read_bytes()
     return files
 

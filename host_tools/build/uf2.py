@@ -87,6 +87,8 @@ def told_by(path):
 def build(name, out=None):
     """Builds the UF2 of a chip; returns its path."""
     chip = chip_of(name)
+    if not chip.mcu.startswith("rp2"):
+        raise Failure("an ESP32 takes no UF2: host_tools/build/esp32_image.py prepares its image")
     folder = (out or Path("build") / f"uf2-{name}").resolve()
     source = source_folder()
     shutil.rmtree(folder / "frozen", ignore_errors=True)

@@ -110,9 +110,10 @@ def modules(firmware):
 
 
 class Core:
-    def __init__(self, kind, image):
+    def __init__(self, kind, image, elf=None):
         self.kind = kind
         self.image = image
+        self.elf = elf or firmware_of(kind)
 
     def run(self, code, timeout_s=600, options=()):
         """Run `code` on a fresh interpreter; returns what it printed. Raises AssertionError with its traceback. With
@@ -122,7 +123,7 @@ class Core:
         sent = b"\x01" + (start + code).encode() + b"\x04"
         loader = f"loader,file={self.image},addr={self.kind.rom},force-raw=on"
         command = [self.kind.program, *self.kind.machine, "-display", "none", "-monitor", "none", "-semihosting", "-serial", "stdio"]
-        command += ["-device", loader, "-kernel", str(firmware_of(self.kind)), *options]
+        command += ["-device", loader, "-kernel", str(self.elf), *options]
         process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
         late = threading.Timer(timeout_s, process.kill)
         late.start()
