@@ -9,7 +9,7 @@ value. It appends a table of all functions, which the interpreter does not read:
 
     each function, in the file's order: place u16, length u16, prelude u16, block u8, kind u8, children u8, 1 if a generator u8
     each text among the constants: place u16, block u8, its number u8
-    a function in bytecode that calls _load(), a name that is added to the file's
+    a function in bytecode that calls _load()(), a name that is added to the file's
     bytes before the first function u16, names among them u16 (0: in more than a block), where these begin u8, bytes of that call
     u8, number of functions u16, of texts u16, 0x5043
 
@@ -214,8 +214,9 @@ def _number(value):
 
 
 def _call(name):
-    """A function in bytecode that calls what has the name of a number: `name()`."""
-    code = b"\x00\x02\x00" + b"\x11" + _number(name) + b"\x34\x00\x59\x51\x63"
+    """A function in bytecode that calls what the name of a number gives: `name()()`. So no frame of Python stays on the stack while
+    modules import each other."""
+    code = b"\x00\x02\x00" + b"\x11" + _number(name) + b"\x34\x00\x34\x00\x59\x51\x63"
     return _number(len(code) << 3) + code
 
 

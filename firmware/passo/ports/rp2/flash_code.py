@@ -183,7 +183,7 @@ class FlashCode:
         return head, call
 
     def _load(self):
-        """What the interpreter has in the place of a module's functions: make them, and run the outermost one."""
+        """What the interpreter has in the place of a module's functions: make them. Returns the outermost one, to be called."""
         name = self._path[:-4].replace("/", ".")
         module = sys.modules[name[:-9] if name.endswith(".__init__") else name]
         function = _made()
@@ -192,7 +192,7 @@ class FlashCode:
         self._point(function, module)
         self._point_texts(mem32[id(module) + _CONSTANTS])
         self._file = self._rows = None
-        function()
+        return function
 
     def _point(self, function, module):
         """Give a function the file's first code, and all that is in it."""
