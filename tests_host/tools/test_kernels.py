@@ -5,6 +5,7 @@ import ctypes
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 from array import array
@@ -296,6 +297,38 @@ def test_no_word_of_a_router_looks_like_a_pointer(by, monkeypatch):
     for _, kernels in groups:
         unit = Unit(program, kernels)
         assert module.module(unit.text(RUNTIME), unit.names, "armv6m").pointers == 0
+
+
+def masks(code):
+    """Places in Thumb code of what changes or reads the interrupts' mask, or waits for one: CPS, MRS, MSR, WFE, WFI. A
+    literal that looks like one would be found, too."""
+    halves = struct.unpack(f"<{len(code) // 2}H", code[: len(code) & ~1])
+    found, at = [], 0
+    while at < len(halves):
+        half = halves[at]
+        long = half >> 11 in (0b11101, 0b11110, 0b11111)
+        system = half & 0xFFE0 in (0xF380, 0xF3E0) and at + 1 < len(halves) and halves[at + 1] & 0xD000 == 0x8000
+        if half & 0xFFE8 == 0xB660 or half in (0xBF20, 0xBF30) or system:
+            found.append(2 * at)
+        at += 2 if long else 1
+    return found
+
+
+@pytest.mark.parametrize("march", [march for march in MARCHES if march.startswith("armv")])
+def test_no_kernel_of_a_router_masks_interrupts(march):
+    program, groups = tree.kernels_of("router_3axis")
+    for name, kernels in groups:
+        unit = Unit(program, kernels)
+        made = module.module(unit.text(RUNTIME), unit.names, march)
+        assert masks(module.code_of(made.data, unit.names, march)) == [], name
+
+
+@pytest.mark.parametrize("instruction", ["cpsid i", "cpsie i", "mrs r0, PRIMASK", "msr PRIMASK, r0", "wfi"])
+def test_that_one_who_masks_them_is_seen(instruction):
+    text = RUNTIME + f'static void define_all(context_t at, object_t o) {{ __asm volatile("{instruction}" ::: "r0"); }}'
+    for march in MARCHES:
+        if march.startswith("armv"):
+            assert masks(module.linked(text, module.compiler(march)[1] + ["-O1"]))
 
 
 def test_the_build_says_how_many_words_look_like_pointers(monkeypatch, tmp_path):

@@ -7,7 +7,7 @@
 from micropython import const
 
 # How far ahead of the player words are made. An arc's segment of 6 ms counts whole until it has been played.
-LEAD_TICKS = const(12 * 12_500)
+LEAD_TICKS = const(21 * 12_500 // 2)  # 10.5 ms
 
 # The state of the RP2040's waveform player, an array('I'). First what does not change: addresses of registers and tables.
 PIO_BLOCK = const(0)

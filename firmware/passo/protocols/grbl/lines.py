@@ -137,7 +137,9 @@ class Lines:
 
     def room(self):
         """Of the bytes that a sender may have under way, those that are not kept."""
-        return max(0, RX_BYTES - self.fields[LINES_END] + self.fields[LINES_AT])
+        fields = self.fields
+        room = RX_BYTES - fields[LINES_END] + fields[LINES_AT]
+        return room if room > 0 else 0
 
     def take(self, data):
         """Keep what has come. False, and nothing is kept, where real-time bytes are among it."""
