@@ -15,7 +15,6 @@ Pitch and travels are not in the document: ball screws of 5 mm a turn.
 BOARD = {
     "name": "mill_2004",
     "chip": "rp2040",
-    "memory": "lean",
     "drive": {"kind": "step_dir", "pulse_us": 10, "setup_us": 10},
     "axes": [
         {"name": "x", "pins": [15, 19], "steps_per_m": 80000, "travel_steps": 48000, "max_mm_min": 3000, "accel_mm_s2": 150},

@@ -32,7 +32,6 @@ BOARD = {
     "idle_release_ms": 5000,
     # A Pico W has no room for more beside the page; a longer drawing is drawn while it arrives.
     "store_points": 1200,
-    "memory": "lean",
     # Drawings that a phone has uploaded lie in flash, and are drawn from there.
     "jobs": {"language": "plotter"},
     "network": {"host": "passo"},

@@ -67,8 +67,6 @@ MEANINGS = {
     "name": "Name of the machine.",
     "chip": "The board's chip. Decides which pins exist and what `passo build` compiles for.",
     "clock_mhz": "Processor clock. RP2040: 125, 150 or 200; RP2350: 150; 0: the first of these. Leave it out on an ESP32.",
-    "memory": "RP2040: with `lean` some 20 kB more are free, because more of the code runs from flash, and a quarter fewer lines of "
-    "G-code a second. What has a gantry and encoders beside an interlock wants it.",
     "psram": "ESP32: the module has PSRAM (WROVER; S3 modules whose name ends in R2 or R8), on a plain ESP32 at pins 16 and 17. Without it "
     "`passo build` refuses what does not fit. See [wiring](wiring.md#esp32).",
     "player": "RP2040 and RP2350: `pio` steps without the processor and needs neighbouring pins; `timer` takes any pins and "

@@ -92,26 +92,15 @@ COLD = (
 )
 # Kernels of these are C in RAM all the same: each call of the feeder, or each status report, wants them.
 QUICK = ("passo/ports/rp2/pio_player.py", "passo/protocols/grbl/text_viper.py", "passo/steps/position_viper.py")
-# What runs from flash, too, if the board file says "memory": "lean": the road of lines and planner. Interrupts, and functions
-# longer than a block, stay in RAM.
-COLD_IF_LEAN = (
-    "passo/control/line_batches.py",
-    "passo/motion/line_viper.py",
-    "passo/motion/look_ahead_viper.py",
-    "passo/motion/ramp_viper.py",
-    "passo/motion/row_viper.py",
-    "passo/ports/shift_registers.py",
-    "passo/protocols/grbl/lines.py",
-)
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
 FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key of this name
 WEB = Path("passo", "web")
 NETWORK = Path("passo", "network_builder.py")  # only boards with a network have it, and what it imports
 PAGE_LINE = WEB / "page_line.py"
-# Machines beside which a page has no room: the heap of a Pico W lacks some 20 kB.
-NO_ROOM = (("rp2040", "grbl"),)
 BOARD_JOBS = WEB / "board_jobs.py"
+# The file systems of stock MicroPython 1.27; of a block 4 bytes and more are littlefs's. Settings, and a journal's blocks, want some.
+_STOCK_KB, _STOCK_W_KB, _BLOCK_KB, _DATA_BYTES, _SETTINGS_KB = 1408, 848, 4, 4088, 40
 BUILDER = Path("passo", "machine_builder.py")
 PAGES = WEB / "page"
 OF_CARD = Path("passo", "config", "card_store.py"), Path("passo", "ports", "memory_card.py")  # only boards with a card have them
@@ -203,11 +192,6 @@ def selected(board, firmware=FIRMWARE):
         chosen.add(NETWORK)
         for link in board["links"]:
             if link["port"] == "page":
-                if (board.get("chip"), link["protocol"]) in NO_ROOM:
-                    raise Failure(
-                        "a page does not fit beside {} on an {}: leave that link out, and open the page on a PC by passo panel; or take "
-                        "an ESP32 (docs/network.md)", link["protocol"], board["chip"]
-                    )  # fmt: skip
                 chosen |= {PAGE_LINE, WEB / f"{link['protocol']}_machine.py"} | ({BOARD_JOBS} if board.get("jobs") else set())
     spared = spared_features(board)
     queue = list(chosen)
@@ -323,7 +307,6 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     for stale in (out / "passo").rglob("*.mpy"):
         stale.unlink()
     rows = []
-    cold = COLD + COLD_IF_LEAN if board.get("memory") == "lean" else COLD
     sources = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files}
     march = march or MARCH[board["chip"]]
     compiled = kernels.compiled(numbered_only(sources), folded(sources), board, march, _left(board))
@@ -337,7 +320,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
         data = _module(texts[path.as_posix()], march, path.with_suffix(".mpy"))
         if board["chip"] == IN_PLACE:
             try:
-                data = mpy.in_place(data, path.as_posix() in cold)
+                data = mpy.in_place(data, path.as_posix() in COLD)
             except ValueError as error:
                 raise Failure("{} cannot run from flash: {}", path, error) from None
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -352,10 +335,25 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     for source, file_name in [(main, "main.py"), (board_file, "board.py")]:
         shutil.copyfile(source, out / file_name)
         rows.append((file_name, source.stat().st_size, source.stat().st_size))
+    _check_flash(board, out)
     listed = [name + "\n" for name in (*(path.with_suffix(".mpy").as_posix() for path in files), *compiled.modules)]
     (out / "passo" / FILE_LIST).write_text("".join(listed), encoding="utf-8")
     write_stamp(out)
     return rows
+
+
+def _check_flash(board, out):
+    """Raise Failure if stock MicroPython's file system on a Pico, or a Pico W, does not hold the files."""
+    if board["chip"] != IN_PLACE:
+        return
+    paths = [out, *out.rglob("*")]
+    blocks = [2 if path.is_dir() else -(-path.stat().st_size // _DATA_BYTES) for path in paths if path.is_dir() or path.stat().st_size > mpy.INLINE_BYTES]
+    taken, there = sum(blocks) * _BLOCK_KB + _SETTINGS_KB, _STOCK_W_KB if board.get("network") else _STOCK_KB
+    if taken > there:
+        raise Failure(
+            "{} wants Passo's UF2 (docs/build.md, make uf2): on stock MicroPython its files take {} kB of flash, and there are {}; or leave out "
+            "the page, and open it on a PC by passo panel", board["name"], taken, there
+        )  # fmt: skip
 
 
 def write_stamp(out):

@@ -23,7 +23,7 @@ STEP_TICKS = TICKS_PER_S // 50_000
 
 def fast_router():
     """The router without switches, its axes 50 kHz fast, and stored jobs."""
-    made = {**boards.load("router_3axis"), "homing": None, "jobs": {"language": "grbl"}, "memory": "lean"}
+    made = {**boards.load("router_3axis"), "homing": None, "jobs": {"language": "grbl"}}
     made["inputs"] = [item for item in made["inputs"] if not item["name"].startswith("limit")]
     made["links"] = [{"name": "serial", "port": "uart0", "tx": 0, "rx": 1, "baud": 115200, "protocol": "grbl"}]
     made["axes"] = [

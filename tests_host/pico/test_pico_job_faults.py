@@ -128,7 +128,7 @@ def test_no_upload_that_fails_loses_a_job(machine_of, show):
 def test_a_pc_that_closes_its_port_is_a_host_that_is_lost(machine_of, show):
     """DTR goes: nothing that the board says blocks it, the link's watchdog holds the machine, and the upload under way leaves what
     was there. DTR comes back: the machine answers, and goes on."""
-    board = {**fast_router(), "links": boards.load("router_3axis")["links"], "memory": "lean"}
+    board = {**fast_router(), "links": boards.load("router_3axis")["links"]}
     board["links"][0] = {**board["links"][0], "lost": "pause", "lost_ms": LOST_MS}
     machine = machine_of(board, written(board))
     assert store(machine, b"A", OLD) == b"ok\r\n"

@@ -35,7 +35,6 @@ def test_the_page_while_three_axes_step(show):
     """Files, states five times a second to two pages, answers to orders, and STOP without a key: no step is late."""
     board = network_board()
     board["links"][1] = {"name": "page", "port": "page", "protocol": "torch"}
-    board["memory"] = "lean"
     machine = EmulatedMachine(board, files(board, "protocols/torch/protocol.py", Z_TOO), uf2=pico_w(), start=(1000, 40_000, 1000)).boot()
     air = Air(machine)
     until_up(machine)
@@ -121,7 +120,7 @@ def points_ms(machine):
 @pytest.mark.slow
 def test_pages_that_look_on_cost_a_stream_little(show):
     """Points a second of a plotter that is sent to at full speed, without pages and with two that are pushed the state."""
-    board = {**boards.load("plotter_pico_w"), "network": {"host": "passo"}, "memory": "lean", "store_points": 2 * POINTS}
+    board = {**boards.load("plotter_pico_w"), "network": {"host": "passo"}, "store_points": 2 * POINTS}
     cable = {**board["links"][0], "baud": 115_200}
     board["links"] = [cable, {"name": "page", "port": "page", "protocol": "plotter"}]
     machine = EmulatedMachine(board, files(board), uf2=pico_w(), trace=None).boot()

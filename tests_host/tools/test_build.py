@@ -298,14 +298,16 @@ def test_the_page_of_a_board_is_small(tmp_path):
     assert {"errors.json", "rules.json"} < set(names) and (tmp_path / "pages.bin").stat().st_size < 60_000
 
 
-def test_a_page_that_has_no_room_is_refused_before_it_is_flashed():
-    """By what does not fit, and what to do instead."""
+def test_what_wants_the_uf2_is_refused_before_it_is_flashed(tmp_path):
+    """With what it takes, what there is, and what to do instead."""
     for name, fits in (("router_3axis", False), ("router_esp32", True), ("torch_pico_w", True)):
         board = {**boards.load(name), "network": {"host": "passo"}}
         page = {"name": "page", "port": "page", "protocol": board["links"][0]["protocol"]}
         board["links"] = [board["links"][0], page]
+        path = tmp_path / f"{name}.py"
+        path.write_text(f"BOARD = {board!r}\n")
         if fits:
-            assert tree.selected(board)
+            assert tree.build_tree(str(path), tmp_path / name)
         else:
-            with pytest.raises(Failure, match="a page does not fit beside grbl on an rp2040: .* passo panel"):
-                tree.selected(board)
+            with pytest.raises(Failure, match=f"{name} wants Passo's UF2 .* take (8[5-9].|9..) kB of flash, and there are 848; .* passo panel"):
+                tree.build_tree(str(path), tmp_path / name)

@@ -126,7 +126,7 @@ _BOARD = {
     "name": (str, MUST, 1, 32),
     "chip": ("rp2040", "rp2350", "esp32", "esp32s2", "esp32s3", "esp32c3", "esp32c6"),
     "clock_mhz": (int, 0, 0, 400),  # rp2 chips: one of CLOCKS_MHZ; 0: its first
-    "memory": ("fast", "lean"), "psram": (bool, False, 0, 1),  # RP2040: "lean" runs more of the code from flash; ESP32: the module has it
+    "psram": (bool, False, 0, 1),  # ESP32: the module has it
     "shift": {},  # shift_keys.py
     "player": ("pio", "timer"),  # rp2 chips: PIO wants consecutive pins; an interrupt for every word serves any pins
     "drive": _DRIVE,

@@ -15,7 +15,7 @@ from passo.ports import start
 from passo.ports.rp2.fields import LEAD_TICKS
 from passo.records import ARCS, ARC_FIELDS, LINES_BYTES, QUEUE_SIZE, ROW_STEPS
 
-_COLLECT = const(72_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
+_COLLECT = const(56_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
 _OF_LOADING = (".flash_code", ".flash_names", "_flash_names")
 _COLLECT_FROZEN = const(80_000)  # the same of frozen code: a router has 95 kB in one piece then instead of 44, and starts 15 ms later
 
