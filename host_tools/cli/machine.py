@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from host_tools.build.tree import STAMP, build_tree, default_out
+from host_tools.cli import flash_uf2
 from host_tools.cli.flash import COPY_TIMEOUT_S, PROBE_TIMEOUT_S, check_port, commands, copy, probe, reason_of
 from host_tools.failure import Failure
 from host_tools.language import _
@@ -103,18 +104,30 @@ def store(board, port, call, out=None):
         raise Failure("there is no machine on this board yet: passo flash first")
     if there != chip:
         raise Failure("this board is an {}, and {} is for an {}", there, name, chip)
-    out = out or default_out(board)
-    build_tree(board, out)
-    (out / "passo" / STAMP).unlink()  # of one build: here each machine has the digests of its modules
-    files = sorted(path for path in (out / "passo").rglob("*.*") if path.name != "files.txt")
-    lines = [f"{path.relative_to(out).as_posix()} {hashlib.sha256(path.read_bytes()).hexdigest()[:16]}\n" for path in files]
+    lines, package = _firmware(board, port, out or default_out(board))
     with tempfile.TemporaryDirectory() as folder:
         stored = Path(folder) / "machines" / name
         stored.mkdir(parents=True)
         (stored / "modules.txt").write_text("".join(lines), encoding="ascii")
-        (stored / "board.py").write_bytes((out / "board.py").read_bytes())
-        copy([*_mpremote(port), "cp", "-r", str(out / "passo"), str(stored.parent), ":"], port)
+        (stored / "board.py").write_bytes(boards.path(board).read_bytes())
+        copy([*_mpremote(port), "cp", "-r", *package, str(stored.parent), ":"], port)
     return _run(port, call, "+", "reset")
+
+
+def _firmware(board, port, out):
+    """(lines of modules.txt, what is to be copied) of a machine: nothing where the board has Passo's UF2."""
+    from host_tools import boards
+    from passo.config.boardfile import check
+
+    has = flash_uf2.told(probe(flash_uf2.asking(port), port), port)
+    if has.chip:
+        flash_uf2.check_fits(has, check(boards.load(board)), board)
+        return [], []
+    build_tree(board, out)
+    (out / "passo" / STAMP).unlink()  # of one build: here each machine has the digests of its modules
+    files = sorted(path for path in (out / "passo").rglob("*.*") if path.name != "files.txt")
+    lines = [f"{path.relative_to(out).as_posix()} {hashlib.sha256(path.read_bytes()).hexdigest()[:16]}\n" for path in files]
+    return lines, [str(out / "passo")]
 
 
 def become(board, port):

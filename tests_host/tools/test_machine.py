@@ -5,10 +5,13 @@ from functools import partial
 import pytest
 from typer.testing import CliRunner
 
+from host_tools import boards
+from host_tools.build.frozen import stamp
 from host_tools.cli import flash, machine
 from host_tools.cli.main import app
 from host_tools.failure import Failure
 from test_flash import board, folder, put, wait_for  # noqa: F401  fixtures
+from test_flash_uf2 import IMAGE
 
 
 @pytest.fixture
@@ -53,6 +56,23 @@ def test_two_machines_on_a_board(folder, board, small):  # noqa: F811
     passo("choose", "lpt_router", *where)
     passo("choose", "lpt_router", *where)
     assert (files / "settings.1").read_text() == "of the router"
+
+
+def test_with_passos_uf2_only_board_files_are_stored(folder, board, monkeypatch):  # noqa: F811
+    """Of machines that its chip's UF2 serves; nothing is built."""
+    monkeypatch.setattr(machine, "_at_rest", lambda port: None)
+    monkeypatch.setattr(machine, "build_tree", None)
+    port, files = board
+    where = ("--port", port)
+    put(files, "passo_image.py", IMAGE % stamp("rp2040"))
+    put(files, "board.py", 'BOARD = {"chip": "rp2040", "name": "x"}')
+    put(files, "settings.0", "of x")
+    assert passo("add", "lpt_router", *where).startswith("lpt_router is stored")
+    assert not (files / "passo").exists() and (files / "machines/lpt_router/board.py").read_bytes() == boards.path("lpt_router").read_bytes()
+    assert [line.split() for line in passo("list", *where).splitlines()] == [["lpt_router", "ready"]]
+    assert "starts with it" in passo("choose", "lpt_router", *where)
+    assert '"name": "lpt_router"' in (files / "board.py").read_text() and (files / "machines/before/settings.0").read_text() == "of x"
+    assert "the board has Passo's UF2 for the rp2040, and router_pico_w wants that for the rp2040_w" in passo("add", "router_pico_w", *where)
 
 
 def test_what_is_not_chosen(folder, board, small):  # noqa: F811
