@@ -16,7 +16,14 @@ from host_tools.failure import Failure
 from host_tools.language import _
 
 BOARD = "PASSO_ESP32"
-MANIFEST = "freeze_mpy({tree!r})  # first: they are looked for one after the other\n"
+MANIFEST = """import sys
+sys.path.insert(0, {project!r})
+from host_tools.build.uf2 import mended  # machine code that begins at words
+tools = sys.modules["__main__"]
+run = tools.system
+tools.system = lambda command: mended(*run(command), ())
+freeze_mpy({tree!r})  # first: they are looked for one after the other
+"""
 _OTHERS = 'include("$(PORT_DIR)/boards/manifest.py")\nrequire("sdcard")\n'
 _TEXTS = {
     "mpconfigboard.h": '#define MICROPY_HW_BOARD_NAME "Passo on a generic ESP32 module"\n#define MICROPY_HW_MCU_NAME "ESP32"\n',
@@ -36,10 +43,16 @@ vfs,      data, fat,     0x290000, 0x170000
 """,
 }
 _TYPED = """cd $MICROPYTHON/ports/esp32                     # {release}, ESP-IDF 5.5.1
+export PYTHON=python  # with what Passo wants: pip install -e .
 make submodules BOARD_DIR={folder}/{board} BOARD={board}
 make BOARD_DIR={folder}/{board} BOARD={board}
 python -m esptool --chip esp32 write_flash -z 0x1000 build-{board}/firmware.bin
 passo flash --board plotter_esp32 --port /dev/ttyUSB0"""
+
+
+def manifest(tree):
+    """The manifest that freezes a folder."""
+    return MANIFEST.format(project=str(Path(__file__).parents[2]), tree=str(tree))
 
 
 def prepare(folder):
@@ -51,7 +64,7 @@ def prepare(folder):
     frozen_tree("esp32", tree)
     for name, text in _TEXTS.items():
         (board / name).write_text(text.replace("{folder}", str(board)))
-    (board / "manifest.py").write_text(MANIFEST.format(tree=str(tree)) + _OTHERS)
+    (board / "manifest.py").write_text(manifest(tree) + _OTHERS)
     return _TYPED.format(folder=folder, board=BOARD, release=RELEASE)
 
 

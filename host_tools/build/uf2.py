@@ -177,19 +177,19 @@ def run(command, folder=None, **more):
         raise Failure("{} ended with {}:\n{}", " ".join(command[:4]), done.returncode, "\n".join(done.stdout.splitlines()[-20:]))
 
 
-def mended(status, text):
-    """What mpy-tool has written, with machine code that begins at words, and with hot code in memory."""
+def mended(status, text, memory=MEMORY):
+    """What mpy-tool has written, with machine code that begins at words, and with hot code in memory: functions named `memory`."""
     head, *functions = text.replace(b"aligned (2)", b"aligned (4)").split(_FUNCTION)
-    if functions and any(text.count(f" passo_{name}\n".encode()) != 1 for name in MEMORY):
-        raise Failure("no such functions: {}", ", ".join(MEMORY))
-    return status, head + b"".join(_FUNCTION + in_section(function) for function in functions)
+    if functions and any(text.count(f" passo_{name}\n".encode()) != 1 for name in memory):
+        raise Failure("no such functions: {}", ", ".join(memory))
+    return status, head + b"".join(_FUNCTION + in_section(function, memory) for function in functions)
 
 
-def in_section(function):
+def in_section(function, memory):
     """Machine code in a section of its own name, or of what is copied into memory."""
     scope = function.split(b"\n", 1)[0].rpartition(b" passo_")[2].decode()
     name = re.search(rb"static const byte (\w+)", function)[1]
-    section = b".time_critical.passo," if scope in MEMORY else b".text." + name + b","
+    section = b".time_critical.passo," if scope in memory else b".text." + name + b","
     return function.replace(b'section(".text,', b'section("' + section)
 
 

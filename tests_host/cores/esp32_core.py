@@ -24,7 +24,7 @@ from qemu import CORES, Core, packed
 from host_tools import boards
 from host_tools.build.frozen import beside, frozen_tree
 from host_tools.build.tree import build_tree, compile_module
-from host_tools.build.esp32_image import MANIFEST
+from host_tools.build.esp32_image import manifest as manifest_of
 from host_tools.emulator.binary import CACHE, Unavailable
 from host_tools.resources import FIRMWARE
 from passo.config.boardfile import check
@@ -82,6 +82,7 @@ def told(error=None):
     if most[0] == 0:
         most[0] = gc.mem_alloc()
     gc.collect()
+    most[0] = max(most[0], gc.mem_alloc())
     print(json.dumps([gc.mem_alloc() - base, most[0] - base, chip.code(), chip.left(), error]))
     raise SystemExit
 pieces = {pieces}
@@ -113,7 +114,7 @@ def build(frozen):
         if made.is_file():
             return made
         manifest = Path(folder) / "manifest.py"
-        manifest.write_text(MANIFEST.format(tree=str(tree)) if frozen else "# nothing\n")
+        manifest.write_text(manifest_of(tree) if frozen else "# nothing\n")
         script = Path(folder) / "large.ld"
         script.write_text((source / "ports" / "qemu" / "mcu" / "rv32" / "virt.ld").read_text().replace("LENGTH = 2M", "LENGTH = 24M"))
         options = {
