@@ -75,16 +75,18 @@ def replace(port, path, has):
         subprocess.run([*mpremote(port), "exec", "--no-follow", "import machine; machine.bootloader()"], capture_output=True, timeout=START_S)
     drive = awaited(drive_of, DRIVE_S)
     if drive is None:
-        raise hold(path)
+        raise hold(path, kept)
     print(_("copying {} to {}", path.name, drive))
     write(path, drive)
     if awaited(lambda: drive_of() is None, DRIVE_S) is None or awaited(lambda: answer(port), START_S) is None:
-        raise hold(path)
+        raise hold(path, kept)
     if kept:
         put_back(port, kept)
 
 
-def hold(path):
+def hold(path, kept=None):
+    if kept:
+        print(_("the board's files are in {0}; once it answers: mpremote cp -r {0}/* :", kept))
     return Failure("the board did not start with {0}: hold BOOTSEL while you plug it in, then: passo flash --uf2 {0}", path)
 
 

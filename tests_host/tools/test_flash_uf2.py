@@ -1,7 +1,9 @@
 """`passo flash` and UF2s: what the board has decides what goes over, and another UF2 keeps the board's files."""
 
+import re
 import struct
 from functools import partial
+from pathlib import Path
 
 import pytest
 from test_flash import board, folder, put, run_flash, small_firmware, wait_for  # noqa: F401
@@ -172,7 +174,10 @@ def test_another_uf2_keeps_the_files(folder, with_uf2, drive, new_uf2):
 def test_without_a_drive_it_says_what_to_do(folder, with_uf2, new_uf2, monkeypatch):
     monkeypatch.setattr(flash_uf2, "drive_of", lambda: None)
     monkeypatch.setattr(flash_uf2, "DRIVE_S", 0.5)
+    put(with_uf2[1], "settings.0", "speeds")
     result = run_flash("--port", with_uf2[0], "--uf2", str(new_uf2))
+    kept = re.search(r"the board's files are in (\S+);", result.output)
+    assert kept and (Path(kept[1]) / "settings.0").read_text() == "speeds"
     assert isinstance(result.exception, Failure) and "hold BOOTSEL while you plug it in, then: passo flash --uf2" in str(result.exception)
 
 
