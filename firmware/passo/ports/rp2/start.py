@@ -44,13 +44,14 @@ class Start(start.Start):
         sizes = (("i", QUEUE_SIZE * (ROW_STEPS + len(board["axes"]))),) + arrays(board, LEAD_TICKS)
         if "grbl" in languages:  # no other language has arcs
             sizes += (("i", ARC_FIELDS * ARCS),)
-        self.rooms = rooms = [(kind, array(kind, bytearray(4 * count))) for kind, count in sizes]
+        rooms = [(kind, array(kind, bytearray(4 * count))) for kind, count in sizes]
+        self.rooms = list(rooms)
         if board["jobs"]:
             from passo.memory import FILE_BYTES, spent
 
-            rooms += [("d", spent(0)), ("b", bytearray(FILE_BYTES))]
+            self.rooms += [("d", spent(0)), ("b", bytearray(FILE_BYTES))]
             languages.append(board["jobs"]["language"])
-        rooms += [("b", bytearray(LINES_BYTES)) for language in languages if language == "grbl"]
+        self.rooms += [("b", bytearray(LINES_BYTES)) for language in languages if language == "grbl"]
 
     def run(self, app, port):
         self.rooms = None
