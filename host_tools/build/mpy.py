@@ -214,8 +214,7 @@ def _number(value):
 
 
 def _call(name):
-    """A function in bytecode that calls what the name of a number gives: `name()()`. So no frame of Python stays on the stack while
-    modules import each other."""
+    """A function in bytecode that calls what has the name of a number, and then what that returns: `name()()`."""
     code = b"\x00\x02\x00" + b"\x11" + _number(name) + b"\x34\x00\x34\x00\x59\x51\x63"
     return _number(len(code) << 3) + code
 

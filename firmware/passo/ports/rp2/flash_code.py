@@ -8,7 +8,7 @@
 
 An interpreter loads an .mpy into memory: 75 kB of bytecode for a router. It lies in the file as it is loaded, and littlefs never
 moves the blocks of a file that nobody writes. So the interpreter is given the head of each file, which has its names and constants,
-and instead of its functions one that calls `_load()`: that makes the module's functions here, as the interpreter would, but that
+and instead of its functions one that calls `_load()()`: that makes the module's functions here, as the interpreter would, but that
 bytecode stays where it is. Machine code is copied into memory, half as fast as it is from flash, unless the build leaves it there.
 
 Where the blocks lie, littlefs itself tells: files are opened through a block device that notes which block is read.
@@ -142,10 +142,15 @@ class FlashCode:
     def open(self, path):
         """An .mpy for the import: what is before its functions, and the call of _load()."""
         file = self._real.open(path, "rb")
-        head, call = self._look_at(path, file)
+        table = self._blocks.table(file)
+        if table is None:  # the interpreter would read on for ever
+            raise ValueError(path + " is not whole: flash it anew")
+        size, head, names, functions, rows, call, last = table
         file.seek(0)
         if not head:
             return file
+        self._addresses = self._blocks.chain(size, last)
+        self._path, self._file, self._rows, self._names, self._functions, self._at = path, file, rows, names, functions, 0
         size = head + len(call)
         text = self._text[:size]
         file.readinto(text)
@@ -170,20 +175,9 @@ class FlashCode:
         self._text = memoryview(bytearray(_BUFFER_BYTES))
         self._real = vfs.VfsLfs2(self._blocks, progsize=_PAGE)
 
-    def _look_at(self, path, file):
-        """Note where the functions of an .mpy lie. Returns how many bytes are before them, 0 if the interpreter has to load them, and
-        the code of a call of _load()."""
-        table = self._blocks.table(file)
-        if table is None:  # the interpreter would read on for ever
-            raise ValueError(path + " is not whole: flash it anew")
-        size, head, names, self._functions, rows, call, last = table
-        if head:
-            self._addresses = self._blocks.chain(size, last)
-            self._path, self._file, self._rows, self._names, self._at = path, file, rows, names, 0
-        return head, call
-
     def _load(self):
-        """What the interpreter has in the place of a module's functions: make them. Returns the outermost one, to be called."""
+        """What the interpreter has in the place of a module's functions calls this: make them. Returns the outermost one, which it calls
+        then: from here it would cost the stack a call more for each module within another's import."""
         name = self._path[:-4].replace("/", ".")
         module = sys.modules[name[:-9] if name.endswith(".__init__") else name]
         function = _made()
@@ -244,35 +238,35 @@ class FlashCode:
     def _try(self, path):
         """Raises Unknown unless _made() is as it is expected, and a function made of its file runs."""
         module = sys.modules[__name__]
-        with self._real.open(path, "rb") as file:
-            if not self._look_at(path, file)[0]:
-                raise Unknown("flash_code.mpy has no table")
-            made = _made()
-            self._at = outer = self._find(_word(id(_made) + _CODE))
-            raw = _word(_word(id(_made) + _CHILDREN))
-            if (
-                not outer
-                or _word(id(_made)) != id(type(_made))
-                or _word(id(_made) + _MODULE) != id(module)
-                or _word(raw) != _BYTECODE << _KIND_SHIFT
-                or _word(raw + 4) != _word(id(made) + _CODE)
-                or _word(id(made) + _MODULE) != id(module)
-                or self._find(_word(raw + 4)) != outer + ROW_BYTES
-            ):
-                raise Unknown(_LAYOUT)
-            numbers = _word(id(module) + _NUMBERS)
-            if not _is_ram(numbers) or mem16[numbers] != id(module.__file__) >> 3:
-                raise Unknown("unknown layout of names")
-            text = _LAYOUT.encode()
-            if (
-                _word(id(_LAYOUT) + _LENGTH) != len(text)
-                or bytes(bytearray_at(_word(id(_LAYOUT) + _DATA), len(text))) != text
-                or not self._point_texts(_word(id(module) + _CONSTANTS))
-            ):
-                raise Unknown("unknown layout of texts")
-            self._point(made, module)
-            if made()() != 7:
-                raise Unknown("code does not run from flash")
+        self.open(path)
+        if self._file is None:
+            raise Unknown("flash_code.mpy has no table")
+        made = _made()
+        self._at = outer = self._find(_word(id(_made) + _CODE))
+        raw = _word(_word(id(_made) + _CHILDREN))
+        if (
+            not outer
+            or _word(id(_made)) != id(type(_made))
+            or _word(id(_made) + _MODULE) != id(module)
+            or _word(raw) != _BYTECODE << _KIND_SHIFT
+            or _word(raw + 4) != _word(id(made) + _CODE)
+            or _word(id(made) + _MODULE) != id(module)
+            or self._find(_word(raw + 4)) != outer + ROW_BYTES
+        ):
+            raise Unknown(_LAYOUT)
+        numbers = _word(id(module) + _NUMBERS)
+        if not _is_ram(numbers) or mem16[numbers] != id(module.__file__) >> 3:
+            raise Unknown("unknown layout of names")
+        text = _LAYOUT.encode()
+        if (
+            _word(id(_LAYOUT) + _LENGTH) != len(text)
+            or bytes(bytearray_at(_word(id(_LAYOUT) + _DATA), len(text))) != text
+            or not self._point_texts(_word(id(module) + _CONSTANTS))
+        ):
+            raise Unknown("unknown layout of texts")
+        self._point(made, module)
+        if made()() != 7:
+            raise Unknown("code does not run from flash")
         self._file = self._rows = None
 
     def _find(self, address):
