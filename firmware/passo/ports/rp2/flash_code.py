@@ -57,6 +57,7 @@ _NUMBERS = const(8)  # in a module: of its names
 _CONSTANTS = const(12)
 _LENGTH = const(8)  # in a text
 _DATA = const(12)
+_ZEROS = bytes(64)
 _MODULE = const(4)  # in a function
 _CHILDREN = const(8)
 _CODE = const(12)
@@ -126,11 +127,19 @@ class FlashCode:
         setattr(builtins, "_load", self._load)
         mount(Files(self._real, self))
 
+    def borrow(self, piece):
+        """Have the interpreter read from an array of zeros, until finish(): a buffer of this size might outlive its use, because the
+        collector takes old words of the stack for pointers."""
+        if self._real is not None:
+            self._text = memoryview(bytearray_at(addressof(piece), _BUFFER_BYTES))
+
     def finish(self):
         """The file system is littlefs again, on a flash whose blocks with code are kept."""
         if self._real is None:
             return
         mount(self._real)
+        for at in range(0, _BUFFER_BYTES, len(_ZEROS)):
+            self._text[at : at + len(_ZEROS)] = _ZEROS
         self._real = self._file = self._known = self._text = None
         delattr(builtins, "_load")
 

@@ -45,6 +45,8 @@ class Start(start.Start):
         if "grbl" in languages:  # no other language has arcs
             sizes += (("i", ARC_FIELDS * ARCS),)
         rooms = [(kind, array(kind, bytearray(4 * count))) for kind, count in sizes]
+        if self._code:
+            self._code.borrow(rooms[0][1])
         self.rooms = list(rooms)
         if board["jobs"]:
             from passo.memory import FILE_BYTES, spent
