@@ -42,9 +42,9 @@ CHIPS = {
 }
 # What the interrupt of a stream of lines calls most, by the name that frozen code has in C: it lies in memory. hot.txt says what lies
 # side by side in flash.
-MEMORY = ("steps_feeder_Feeder__make",)
+MEMORY = ("steps_feeder_Feeder_fill",)
 # Modules that only an interpreter without them frozen wants.
-_OF_FILES = {Path("passo", "ports", "rp2", name) for name in ("flash_code.py", "flash_scan.py")}
+_OF_FILES = {Path("passo", "ports", "rp2", name) for name in ("flash_code.py", "flash_names.py")}
 _MAKERS = ("build/constants.py", "build/frozen.py", "build/uf2.py", "build/tree.py", "build/pages.py", "build/hot.txt", "kernels/*.py", "kernels/*.c")
 # A board whose kernels are those of all boards.
 _NAME = b"\x0ekernels\0"  # of every module of kernels: host_tools/kernels/unit.py
