@@ -27,7 +27,7 @@ ORDERS = int(os.environ.get("PASSO_ORDERS", "300"))
 UPLOADS, RESETS = 10, 50  # in 10 000 orders; fewer in fewer, but not below 3
 EVERYTHING = {"journal": {"every_ms": 500}, "jobs": {"language": "grbl"}}
 LEAST = {"router_3axis": 1000, "laser_xy": 1000, "mill_2004": 300}  # bytes in one piece, at any time: no order wants as many
-LEAST_FROZEN = {"router_3axis": 16_000, "laser_xy": 16_000, "mill_2004": 16_000, "router_pico_w": 2000}
+LEAST_FROZEN = {"router_3axis": 16_000, "laser_xy": 16_000, "mill_2004": 6_000, "router_pico_w": 2000}
 OUT_OF_MEMORY = (7, 159)
 LOCKED = 9
 
