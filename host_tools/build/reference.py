@@ -179,7 +179,7 @@ def _pins(board):
     for item in board["outputs"]:
         yield item["pin"], f"out {item['name']}", _active(item)
     for link in board["links"]:
-        if link["port"] != "usb":
+        if link["port"].startswith("uart"):
             uart = link["port"].upper()
             yield link["tx"], f"{uart} TX", f", to the RX of the other side: {link['protocol']}, {link['baud']} baud"
             yield link["rx"], f"{uart} RX", ", from the TX of the other side"

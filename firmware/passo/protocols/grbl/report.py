@@ -20,7 +20,7 @@ BANNER = "\r\nGrbl 1.1h ['$' for help]\r\n"
 HELP = "[HLP:$$ $# $G $I $N $x=val $Nx=line $J=line $SLP $C $X $H ~ ! ? ctrl-x]"
 NOTICES = (
     "", "Reset to continue", "'$H'|'$X' to unlock", "Caution: Unlocked", "Enabled", "Disabled", "Check Door",
-    "Check Limits", "Sleeping", "Command handed over", "No S-curves on this board", "Pause: ~ to continue",
+    "Check Limits", "Sleeping", "Command handed over", "Pause: ~ to continue",
     "Tool change: T%d, ~ to continue", "Restoring spindle", "Steps missing: %s",
     "Gantry: %s",
 )  # fmt: skip
