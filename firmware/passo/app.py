@@ -272,7 +272,7 @@ class App:
                 self._begin(command)
 
     def _tell_status(self, command, link):
-        """At once, which saves six calls."""
+        """Answer a question for the status directly: as an event the answer would take six calls more."""
         answer = link.protocol.reply(self.controller.status(command))
         if answer:
             link.serial.write(answer)

@@ -67,8 +67,8 @@ MEANINGS = {
     "name": "Name of the machine.",
     "chip": "The board's chip. Decides which pins exist and what `passo build` compiles for.",
     "clock_mhz": "Processor clock. RP2040: 125, 150 or 200; RP2350: 150; 0: the first of these. Leave it out on an ESP32.",
-    "psram": "ESP32: the module has PSRAM (WROVER; S3 modules whose name ends in R2 or R8), on a plain ESP32 at pins 16 and 17. Without it "
-    "`passo build` refuses what does not fit. See [wiring](wiring.md#esp32).",
+    "psram": "ESP32: True says that the module has PSRAM, as WROVER has, and S3 modules whose name ends in R2 or R8; on a plain ESP32 it takes "
+    "pins 16 and 17. With False `passo build` refuses a board file that asks for more memory than the chip has. See [wiring](wiring.md#esp32).",
     "player": "RP2040 and RP2350: `pio` steps without the processor and needs neighbouring pins; `timer` takes any pins and "
     "an interrupt for each step.",
     "changeover_by": "If outputs have roles: what takes the motors from the other controller, a command or the first motion.",

@@ -216,7 +216,7 @@ class Controller:
         return errors.NO_HOMING
 
     def status(self, command):
-        """The event that answers STATUS, which is never refused. asked() is to follow."""
+        """The event that answers STATUS, which is never refused. The caller calls asked() when it has answered."""
         machine = self.machine
         report = self._report
         report["state"] = machine.state

@@ -3,9 +3,9 @@
 Per link of the board file: `lost`, what is done then, and `lost_ms`. Under way is what the link that commands has begun: motion,
 but for homing, or a tool or spindle that is on. What says something on a framed link is a sound frame, not noise.
 
-Some senders of G-code say nothing as long as a line lasts. So one of grbl counts as lost only if, until it fell silent, it has
-asked for the status at least once in each lost_ms of what is under way; once it has let lost_ms pass, if it then has asked three
-times, each within lost_ms of the one before. In other languages a silent host is lost.
+Some senders of G-code say nothing while a line lasts. So one of grbl counts as lost only if it asks for the status by habit: at least
+once in every lost_ms, from the beginning of the work until it falls silent. If it has left out one such time, it must first ask three
+times in a row, each within lost_ms of the question before. In other languages any silent host is lost.
 
 "retract": as "stop", but before tool and outputs go off Z goes up to where it stood after homing, if it has homed at its high end.
 """
@@ -28,10 +28,10 @@ class HostWatch:
         self._links = board["links"]
         self._lines = {}  # what hears, by the numbers of their links; stored jobs come by another, and need no host
         self._since_ms = 0  # nothing has come from the link that commands, or nothing was under way
-        self._begun_ms = 0  # when nothing was under way last
-        self._asks = False  # its host has asked
-        self._asked_ms = 0  # when, last
-        self._doubt = 0  # how often it has yet to ask in time: it let lost_ms pass without, in what is under way
+        self._begun_ms = 0  # when the work under way began: nothing was under way then
+        self._asks = False  # the host of the link that commands has asked
+        self._asked_ms = 0  # when it did so last
+        self._doubt = 0  # how many questions in time it owes, because it has let lost_ms pass without one
         self._number = -1  # the link that commands
         homing = board["homing"]
         names = [axis["name"] for axis in board["axes"]]

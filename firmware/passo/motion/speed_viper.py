@@ -90,8 +90,9 @@ def gained(gain: int, steps: int, part: int) -> int:  # ISR: no allocation
 
 @micropython.viper
 def along(rows: ptr32, at: int, pace: int, whole: int) -> int:
-    """The speed along the path, nm/s, at `pace`, units of the block at rows[at]. Of 2²⁸ the fastest is `whole` nm/s (LIMIT_WHOLE), less
-    than 2³⁰: part · whole >> 28 in halves of 14 and 15 bits, none of whose sums reaches 2³¹."""
+    """The speed along the path, nm/s, at `pace`, which counts in units of the block at rows[at]. ROW_SPEED is a fraction, of 2²⁸, of
+    `whole`, the machine's fastest speed in nm/s (LIMIT_WHOLE, below 2³⁰). The product is formed from halves of 14 and 15 bits: no sum
+    reaches 2³¹."""
     part = rows[at + ROW_SPEED]
     high = part >> 14
     low = part & 0x3FFF

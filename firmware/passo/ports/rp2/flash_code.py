@@ -128,8 +128,8 @@ class FlashCode:
         mount(Files(self._real, self))
 
     def borrow(self, piece):
-        """Have the interpreter read from an array of zeros, until finish(): a buffer of this size might outlive its use, because the
-        collector takes old words of the stack for pointers."""
+        """Use `piece`, an array of zeros, as the buffer of heads until finish(), which fills it with zeros again. It stays anyway; a buffer
+        of its own may never be freed, because the collector takes old words on the stack for pointers to it."""
         if self._real is not None:
             self._text = memoryview(bytearray_at(addressof(piece), _BUFFER_BYTES))
 
@@ -185,8 +185,8 @@ class FlashCode:
         self._real = vfs.VfsLfs2(self._blocks, progsize=_PAGE)
 
     def _load(self):
-        """What the interpreter has in the place of a module's functions calls this: make them. Returns the outermost one, which it calls
-        then: from here it would cost the stack a call more for each module within another's import."""
+        """Make the functions of the module that is being imported. Returns the outermost one. What stands in a file's head instead of its
+        functions calls both: if _load() called the function, each import within another would take more of the stack."""
         name = self._path[:-4].replace("/", ".")
         module = sys.modules[name[:-9] if name.endswith(".__init__") else name]
         function = _made()

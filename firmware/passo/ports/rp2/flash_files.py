@@ -55,9 +55,9 @@ class Blocks:
         return self._flash.ioctl(request, argument)
 
     def table(self, file):
-        """What ends an .mpy, see host_tools/build/mpy.py: (bytes of the file, bytes before its functions, number and place of its
-        names, bytes of what is known of its functions, this and what is known of its texts, the code of a call, the file's last block); None: it ends otherwise. No bytes before
-        the functions: the interpreter loads it."""
+        """Read the table that ends an .mpy (host_tools/build/mpy.py). Returns (bytes of the file, bytes before its functions, number and
+        place of its names, bytes of the functions' rows, the rows of functions and texts, the code of a call, the file's last block), or
+        None if there is no such table. With 0 bytes before the functions the interpreter has to load the file."""
         self.last = -1
         size = file.seek(0, 2)
         if size < _END:
