@@ -124,12 +124,12 @@ def test_what_mpy_tool_writes_is_mended():
     section = b'__attribute__((section(".text,\\"ax\\",%progbits @ "))) __attribute__ ((aligned (2)))'
     function = b"// frozen native code for file passo/%b.py, scope passo_%b\nstatic const byte fun_data_x[4] "
     text = b"head\n"
-    for name in ((b"a", b"app_App_poll"), (b"b", b"steps_feeder_Feeder__make")):
+    for name in ((b"a", b"app_App_poll"), (b"b", b"steps_feeder_Feeder_fill")):
         text += function % name + section + b" = {\n"
     assert mended(1, b"wrong") == (1, b"wrong")
     status, made = mended(0, text)
     assert status == 0 and made.count(b"aligned (4)") == 2 and b"aligned (2)" not in made
-    assert made.count(b"time_critical") == 1 and made.index(b"time_critical") > made.index(b"Feeder__make")
+    assert made.count(b"time_critical") == 1 and made.index(b"time_critical") > made.index(b"Feeder_fill")
     assert made.count(b'(".text.fun_data_x,') == 1, "a section of its own"
     with pytest.raises(Failure, match="no such functions"):
         mended(0, b"head\n" + function % (b"a", b"app_App_poll") + section)
