@@ -17,8 +17,8 @@ from contextlib import contextmanager
 
 TIERS = ("check", "test", "all")
 FEW = 3
-SOME = 40  # CPython has tried all of them
-MEASURED_S = 1.0
+SOME = 20  # CPython has tried all of them
+MEASURED_S = 0.2
 _OF_PROGRAMS = "COVERAGE_PROCESS_CONFIG"  # has the programs that a test starts measured too
 current = "all"
 

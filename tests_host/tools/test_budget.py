@@ -87,11 +87,3 @@ def test_it_is_printed_and_a_wrong_board_file_fails(tmp_path, capsys):
     file.write_text("BOARD = {'name': 'wrong'}\n")
     with pytest.raises(Failure, match="missing"):
         print_budget(str(file))
-
-
-@pytest.mark.unmeasured
-def test_build_says_it(tmp_path):
-    app = typer.Typer()
-    app.command()(build)
-    said = CliRunner().invoke(app, ["--board", "plotter_2014", "--out", str(tmp_path)])
-    assert said.exit_code == 0 and "free: " in said.output.splitlines()[-3]

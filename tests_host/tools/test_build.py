@@ -311,3 +311,11 @@ def test_what_wants_the_uf2_is_refused_before_it_is_flashed(tmp_path):
         else:
             with pytest.raises(Failure, match=f"{name} wants Passo's UF2 .* take (8[5-9].|9..) kB of flash, and there are 848; .* passo panel"):
                 tree.build_tree(str(path), tmp_path / name)
+
+
+@pytest.mark.unmeasured
+def test_build_says_which_pins_are_free(tmp_path):
+    app = typer.Typer()
+    app.command()(build)
+    said = CliRunner().invoke(app, ["--board", "plotter_2014", "--out", str(tmp_path)])
+    assert said.exit_code == 0 and "free: " in said.output.splitlines()[-3]

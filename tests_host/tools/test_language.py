@@ -320,23 +320,3 @@ def test_nothing_changes_in_english():
 
     assert language.error_text(errors.BUSY) == error_texts.text(errors.BUSY)
     assert setting_names.describe("$20=1", 3)[0] == setting_names.NAMES[20][0]
-
-
-def passo(*words, **environment):
-    command = [sys.executable, "-m", "host_tools.cli.main", *words]
-    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True, env={**os.environ, "PYTHONIOENCODING": "utf-8", **environment})
-
-
-def test_the_command_in_portuguese():
-    asked, by_environment = passo("--lang", "pt"), passo(LANGUAGE="pt_BR")
-    assert "Comece por aqui" in asked.stdout and asked.stdout == by_environment.stdout
-    assert "Try this first" in passo("--lang", "en", LANGUAGE="pt").stdout
-    for words in (("--lang", "pt", "draw", "--help"), ("draw", "--help")):
-        assert "Desenhar um arquivo SVG na plotadora" in passo(*words, LANGUAGE="pt").stdout
-    assert "Draw an SVG file" in passo("--lang", "en", "draw", "--help", LANGUAGE="pt").stdout
-    assert all(each in asked.stdout for each in ("Uso:", "Opções", "Comandos", "Mostrar esta mensagem"))
-    assert "não foi possível ler nada.nc: arquivo ou pasta não encontrado" in passo("--lang", "pt", "check", "nada.nc").stderr
-    wrong = passo("--lang", "pt", "drw").stderr
-    assert all(each in wrong for each in ("Uso:", "Experimente", "Erro", "Seria 'draw'?"))
-    refused = passo("--lang", "xx", "ports")
-    assert refused.returncode == 1 and re.search("--lang is en or pt, not 'xx'", refused.stderr)
