@@ -29,6 +29,7 @@ import deflate
 from micropython import const
 
 from passo import errors
+from passo.config.job_keys import name_fits
 from passo.memory import WINDOW_BITS, FileRoom, stream
 
 _MAGIC = b"job "
@@ -53,20 +54,28 @@ def first_line(language, size, crc, stored):
     return text + _check(text)
 
 
+def parse_first_line(line):
+    """(language, bytes, CRC-32, bytes stored), or None: it is not such a line, or a byte of it is wrong."""
+    fields = line[len(_MAGIC) :].split()
+    if line[: len(_MAGIC)] != _MAGIC or len(fields) != 5 or line[-10:] != _check(line[:-10]):
+        return None
+    try:
+        head = fields[0].decode(), int(fields[1]), int(fields[2], 16), int(fields[3])
+    except ValueError:
+        return None
+    return head if min(head[1:]) >= 0 else None
+
+
 class JobFile:
     """A job, read from its start. Raises OSError if there is none of that path, Damaged if its first line is wrong."""
 
     def __init__(self, path):
         self._file = open(path, "rb")
-        line = self._file.readline()[:HEAD_BYTES]
-        fields = line[len(_MAGIC) :].split()
-        if line[: len(_MAGIC)] != _MAGIC or len(fields) != 5 or line[-10:] != _check(line[:-10]):
+        head = parse_first_line(self._file.readline(HEAD_BYTES))
+        if head is None:
             self.close()
             raise Damaged(errors.JOB_DAMAGED)
-        self.language = fields[0].decode()
-        self.size = int(fields[1])
-        self.crc = int(fields[2], 16)
-        self.stored = int(fields[3])
+        self.language, self.size, self.crc, self.stored = head
         self.done = 0  # bytes read
         self._sum = 0  # their CRC-32
         self._stream = deflate.DeflateIO(self._file, deflate.RAW, WINDOW_BITS)
@@ -173,7 +182,11 @@ class JobStore:
         return self._folder + name + _END
 
     def names(self):
-        return sorted([name[: -len(_END)] for name in os.listdir(self._folder[:-1]) if name.endswith(_END)])
+        return self._names((_END,))
+
+    def _names(self, ends):
+        """Those of files that can be asked for; a card may have others."""
+        return sorted({name[:-4] for name in os.listdir(self._folder[:-1]) if name[-4:] in ends and name_fits(name[:-4])})
 
     def open(self, name):
         return self._opened(self._path(name))
@@ -196,7 +209,7 @@ class JobStore:
                 job = JobFile(self._path(name))
                 job.close()
                 found.append((name, job.language, job.size, job.stored, job.crc))
-            except Damaged:
+            except (OSError, Damaged):
                 found.append((name, "", 0, 0, 0))
         job = None
         self._room.keep()

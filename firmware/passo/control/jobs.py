@@ -5,7 +5,7 @@ understands it as it understands a PC, and the steps are the same. While it runs
 may hold, go on, override and stop. Nothing of a job is done behind the first line that is refused.
 
 Each time before it runs, a job is read to its end and its CRC compared: nothing of a damaged file moves the machine. It is
-read again while it runs; if it is not the same then, the machine comes to a stand, with an alarm.
+read again while it runs, behind a line that is refused too; if it is not the same then, the machine comes to a stand, with an alarm.
 
 Reading goes on in the main loop while steps are made in an interrupt: it takes time from the lines, none from the steps.
 """
@@ -16,84 +16,9 @@ from passo import commands, errors
 from passo.commands import DROPPED, Event
 from passo.config.job_keys import LINK, name_fits
 from passo.config.job_store import Damaged, JobStore
-from passo.memory import buffer
+from passo.control.job_line import JobLine
 
-_PIECE = const(512)  # bytes that are read at once while a job is proven
 _CHECKED = const(16)  # such pieces a cycle: some 12 ms on a Pico
-
-
-class JobLine:
-    """The serial line of the job under way: reads its file, and counts what is answered."""
-
-    def __init__(self):
-        self._most = 0  # units that may be unanswered: lines, packets, codes
-        self._first = self._last = b""  # what is still to be given before the file, and behind it
-        self.view = self.piece = None  # on the bytes read last; and what a job is proven with
-        self._stored = None  # the language's module: how its answers are counted
-        self._protocol = None
-        self._file = self._store = None
-        self._look = None  # called when something has been answered
-        self._damaged = None  # called if the file is damaged, with the number of the error
-        self.given = self.answered = 0  # units
-
-    def join(self, protocol, stored, look, damaged):
-        self._protocol = protocol
-        self._stored = stored
-        self._most, piece = stored.LIMITS
-        self.piece = memoryview(buffer(max(piece, _PIECE)))
-        self.view = self.piece[:piece]
-        self._look = look
-        self._damaged = damaged
-
-    def begin(self, file, store):
-        self._file = file
-        self._store = store
-        self.given = self.answered = 0
-        self._first, self._last = self._stored.FRAME
-        self._stored.begin(self._protocol)
-
-    def end(self):
-        """Nothing more of the file comes."""
-        if self._file is not None:
-            self._store.close(self._file)
-            self._file = None
-
-    def any(self):
-        file = self._file
-        return file is not None and (file.done < file.size or self._last) and self.given - self.answered < self._most
-
-    def read(self):
-        """Bytes of the job, good until the next read; b"" if there are none, or too many are not answered."""
-        if not self.any():
-            return b""
-        data = self._first
-        if data:
-            self._first = b""
-        elif self._file.done == self._file.size:
-            data = self._last
-            self._last = b""
-        else:
-            try:
-                count = self._file.readinto(self.view)
-            except Damaged as damaged:
-                self._damaged(damaged.args[0])
-                return b""
-            if self._file.done == self._file.size and not self._file.whole():
-                self._damaged(errors.JOB_DAMAGED)
-                return b""
-            data = self.view[:count]
-        self.given += self._stored.units(data)
-        return data
-
-    def write(self, data):
-        if self._file is not None:
-            self.answered = self._stored.answers(bytes(data), self.answered, self.given)
-            self._look()
-
-    def done(self):
-        """True if all of the file has been given and answered."""
-        file = self._file
-        return file.done == file.size and not self._last and self.given == self.answered
 
 
 class Jobs:
@@ -122,6 +47,7 @@ class Jobs:
         self._noted = None  # the newest entry of the log
         self._reading = None  # the upload that is read back
         self._proving = False  # the job is read to its end before it runs
+        self._rest = None  # its file, read to its end behind a line that was refused
         machine.links.append(LINK)
 
     def join(self, number, protocol, stored):
@@ -267,15 +193,18 @@ class Jobs:
 
     def _begin(self):
         machine = self._machine
-        self._store.close(self._file)
+        proven = self._file
+        self._proving = False
+        self._store.close(proven)
         self._file = self._store.open(self._name)
         self._store.begin_reading(self._file)
+        self.line.begin(self._file, self._store)
+        if self._file.crc != proven.crc:
+            raise Damaged(errors.JOB_DAMAGED)
         journal = machine.handlers.get(commands.JOURNAL)
         if journal and not machine.checking:
             journal(commands.Command(commands.JOURNAL, self._file.crc or 1))
         self._noted = self._newest()
-        self._proving = False
-        self.line.begin(self._file, self._store)
 
     def _fail(self, error):
         """The job does not begin."""
@@ -311,14 +240,35 @@ class Jobs:
             return
         machine = self._machine
         self._failed = error
-        self.line.end()
-        if error == errors.JOB_DAMAGED:
-            machine.note(error, self._name)
+        file = self.line.leave()
         machine.tell(Event(DROPPED, None, error))
         if commands.HOLD in machine.handlers and commands.STEP_PROGRAM not in machine.handlers:
             machine.drop_at_stand()
         else:
             machine.carry_out(commands.STOP)
+        self._rest = file
+        if error == errors.JOB_DAMAGED:
+            self._changed()
+
+    def _read_rest(self):
+        """A file that has changed since it was proven is why a line was refused."""
+        try:
+            for _ in range(_CHECKED):
+                if not self._rest.readinto(self.line.piece):
+                    self._close_rest()
+                    return
+        except Damaged:
+            self._changed()
+
+    def _changed(self):
+        self._failed = errors.JOB_DAMAGED
+        self._machine.note(self._failed, self._name)
+        self._close_rest()
+
+    def _close_rest(self):
+        if self._rest is not None:
+            self._store.close(self._rest)
+            self._rest = None
 
     def poll_command(self, now_ms):
         if self._reading is None or not self._machine.busy_with(commands.JOB):
@@ -356,7 +306,9 @@ class Jobs:
         machine = self._machine
         if self._file is None or self._proving or not still or machine.dropping or machine.command is not None or machine.drawing:
             return
-        if self._failed:
+        if self._rest is not None:
+            self._read_rest()
+        elif self._failed:
             machine.switch_off()
             self._end(self._failed)
             if self._failed == errors.JOB_DAMAGED:
@@ -366,6 +318,7 @@ class Jobs:
 
     def clear(self):
         """All work has been dropped: by a stop, a reset, an alarm."""
+        self._close_rest()
         if self._reading is not None:
             self._store.close(self._reading)
             self._reading = None
