@@ -41,10 +41,19 @@ if WHOLE:
     from passo.ports.start import forget
 
 
+# What only the start needs is imported by functions of their own: a name in main() would keep it.
+
+
 def checked(board):
     from passo.config.boardfile import check
 
     return check(board)
+
+
+def import_all(board):
+    from passo.machine_builder import load_all
+
+    load_all(board)
 
 
 def by_lines(board):
@@ -82,10 +91,9 @@ def main():
         start.keep(board)
         from passo.app import App
         from passo.config.journal import FileSlots
-        from passo.machine_builder import load_all
 
         start.load(board)
-        load_all(board)
+        import_all(board)
 
         said = start.loaded()
         port = start.port(board)

@@ -10,6 +10,7 @@ compilers' versions: known without compiling anything.
 
 import hashlib
 import importlib.metadata
+import string
 import tempfile
 from collections import namedtuple
 from functools import lru_cache
@@ -113,11 +114,19 @@ def texts_of(name, firmware=FIRMWARE, more=(), march=None):
     return inline.inlined(compiled.texts, bounds=inline.ROOMY), compiled.modules
 
 
+def names_text(paths):
+    """A module that nobody imports: the interpreter has what it names in flash, and a name that it does not have there takes memory."""
+    names = (Path(path).with_suffix("").as_posix().replace("/", ".").replace(".__init__", "") for path in sorted(paths))
+    letters = ", ".join(map(repr, string.ascii_letters + string.digits))
+    return "".join(f"import {name} as module\n" for name in names) + f"print({letters})\n"
+
+
 def frozen_tree(name, out, firmware=FIRMWARE, march=None):
     """Compile all that is frozen."""
     check_compiler()
     march = march or MARCH[chip_of(name).mcu]
     texts, modules = texts_of(name, firmware, march=march)
+    texts["passo_names.py"] = names_text([*texts, *modules])
     for path, text in texts.items():
         source = out / "source" / path
         source.parent.mkdir(parents=True, exist_ok=True)

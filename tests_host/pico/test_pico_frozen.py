@@ -70,6 +70,7 @@ def test_room_and_time_with_everything(frozen, board, free, largest, limit_ms, s
     show(f"{board} with everything, frozen", f"{heap.free} bytes free, {heap.largest} in one piece, first answer after {took_ms:.0f} ms")
     assert f"code in the UF2, build {stamp('rp2040')}" in started.said or started.machine.board["links"][0]["port"] == "usb"
     assert heap.free >= free and heap.largest >= largest and took_ms <= limit_ms
+    assert b"passo.control." not in bytes(started.machine.pico.chip.sram)  # names of modules are in flash
 
 
 @pytest.mark.slow

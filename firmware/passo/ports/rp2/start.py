@@ -16,7 +16,7 @@ from passo.ports.rp2.fields import LEAD_TICKS
 from passo.records import ARCS, ARC_FIELDS, LINES_BYTES, QUEUE_SIZE, ROW_STEPS
 
 _COLLECT = const(56_000)  # bytes taken while code is loaded until garbage is collected: what stays lies close together
-_OF_LOADING = (".flash_code", ".flash_names", "_flash_names")
+_OF_LOADING = (".flash_code", ".flash_names", "_flash_names", ".image", "_image")  # what follows "rp2" in the names of modules
 _COLLECT_FROZEN = const(80_000)  # the same of frozen code: a router has 95 kB in one piece then instead of 44, and starts 15 ms later
 
 
@@ -70,8 +70,8 @@ class Start(start.Start):
         if code:
             code.finish()
             self._said = code.text()
-            for name in [name for name in sys.modules if name.rpartition("rp2")[2] in _OF_LOADING]:
-                start.forget(name)
+        for name in [name for name in sys.modules if name.rpartition("rp2")[2] in _OF_LOADING]:
+            start.forget(name)
         return self._said
 
     def button(self):
