@@ -1,7 +1,7 @@
 """The languages that a panel speaks: the machine behind the page, its teach-in, and how its jobs are read.
 
     spoken = create("pulses", board, port.write, tell)
-    Api(spoken.machine, Store(folder, spoken.read), spoken.teach)
+    PanelApi(spoken.machine, Store(folder, spoken.read), spoken.teach)
 """
 
 from host_tools.clients import setting_names
@@ -10,7 +10,7 @@ from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import gcode_lines
 from passo.config.boardfile import check
 from passo.web.grbl_machine import AXES, GrblMachine
-from passo.web.teach import Teach
+from host_tools.page.teach import Teach
 
 # The board file that is meant if none is named; its first link's language is the key.
 BOARDS = {"grbl": "router_3axis", "pulses": "lpt_router", "torch": "torch_manipulator", "plotter": "plotter_2014", "keys": "two_motor_kit"}

@@ -7,12 +7,12 @@ import socket
 
 from host_tools.failure import Failure
 from host_tools.panel import languages
+from host_tools.page.orders import PanelApi
 from host_tools.panel.server import PUSH_MS, Server, clock_ms
 from host_tools.panel.store import Store
 from host_tools.resources import FIRMWARE
 from passo import errors
 from passo.web import session
-from passo.web.api import Api
 
 _HALF_WAY = ("Hold", "Door")  # stands, but with motion that is to be gone on with
 FOLDER = FIRMWARE / "passo" / "web" / "page"
@@ -65,7 +65,7 @@ class Panel:
         folder = self._jobs if language == "grbl" else self._jobs / language
         store = Store(folder, spoken.read, spoken.made) if spoken.read else None
         spoken.join(store)
-        self.api = Api(self.machine, store, spoken.teach, self._choose if self._change else None)
+        self.api = PanelApi(self.machine, store, spoken.teach, self._choose if self._change else None)
         self._about = {"machines": self._machines, **spoken.about}
 
     def _tell(self, event):

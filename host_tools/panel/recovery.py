@@ -14,7 +14,7 @@ from host_tools.programs import replay
 from host_tools.programs.interrupted import ended, interrupted, number_of, staged
 from host_tools.programs.replayed_machine import Machine
 from passo import errors
-from passo.web.stored import StoredJobs
+from host_tools.page.stored import StoredJobs
 from passo.web.wire import PAGE
 
 _REST = ("Idle", "Alarm")

@@ -9,7 +9,7 @@ farthest is taken. An arc's third axis goes along with its angle, as in a helix.
 
 import math
 
-from passo.web.teach import line_to
+from host_tools.page.teach import line_to
 
 _OFF = 1.0  # steps that a place may lie off its line or arc
 _LEAST_ARC = 4  # places

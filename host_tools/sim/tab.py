@@ -10,14 +10,14 @@ the tab is too slow for that, the machine lags and says so, and skips nothing. W
 
 import json
 
+from host_tools.page.orders import PanelApi
+from host_tools.sim.plant import Plant
+from host_tools.sim.tab_jobs import Jobs
 from passo.app import App
 from passo.config.boardfile import check
 from passo.ports.virtual import COARSE_TICKS, FINE_TICKS, MemoryLine, VirtualPort
 from passo.records import COUNT_MASK, TICKS_PER_MS
-from passo.web.api import Api
 from passo.web.pace import Pace
-from host_tools.sim.plant import Plant
-from host_tools.sim.tab_jobs import Jobs
 
 PUSH_MS = 50  # between two reports of the state
 _SHOW_MS = 30  # between two pictures of the machine
@@ -78,7 +78,7 @@ class Tab:
         self._teach = None
         self.machine = self._language(board["links"][0]["protocol"])
         self.jobs = Jobs(jobs, self.machine.language)
-        self.api = Api(self.machine, self.jobs, self._teach)
+        self.api = PanelApi(self.machine, self.jobs, self._teach)
         self._pace = Pace()
         self._beats = self._pushed_ms = self._shown_ms = 0
         self._hello()
@@ -89,7 +89,7 @@ class Tab:
 
             return PlotterMachine(self._put, self._tell, self._board)
         from passo.web.grbl_machine import GrblMachine
-        from passo.web.teach import Teach
+        from host_tools.page.teach import Teach
 
         machine = GrblMachine(self._put, self._tell)
         self._teach = Teach()

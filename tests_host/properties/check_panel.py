@@ -13,7 +13,7 @@ from passo.web.lease import FRESH_MS, LEASE_MS, Lease
 from passo.web.pace import Pace
 from passo.web.pages import too_deep
 from passo.web.session import Session, hex_of, hmac, make_key, read_key, shown
-from passo.web.teach import lines_of
+from host_tools.page.teach import lines_of
 from passo.web.wire import PAGE, Wire, dwell_ms
 
 SPEED = 3000

@@ -6,23 +6,14 @@
     desk.place()                        # steps
 """
 
-import sys
-
+import pc_modules  # noqa: F401: before host_tools
 from panel_desk import Shelf
+from host_tools.page.orders import PanelApi
+from host_tools.sim.plant import Plant
 from passo.app import App
 from passo.config.boardfile import check
 from passo.ports.virtual import MemoryLine, VirtualPort
-from passo.web.api import Api
 from stepped_desk import SteppedDesk
-
-if sys.implementation.name == "micropython":  # the package's own start is for a PC: here it is only a folder
-
-    class _Folder:
-        __path__ = __file__.rsplit("/", 3)[0] + "/host_tools"
-
-    sys.modules["host_tools"] = _Folder
-    sys.path.insert(0, _Folder.__path__ + "/site")  # with a random of what the plant takes
-from host_tools.sim.plant import Plant  # noqa: E402
 
 
 class Path:
@@ -47,7 +38,7 @@ class LanguageDesk(SteppedDesk):
         SteppedDesk.__init__(self, App(check(data), port), port, line)
         self.machine = machine_of(self.put, self.told.append, check(data))
         self.store = store or Shelf()
-        self.api = Api(self.machine, self.store)
+        self.api = PanelApi(self.machine, self.store)
         self.settle()
 
     def place(self):

@@ -8,11 +8,12 @@
 
 from binascii import crc32
 
+import pc_modules  # noqa: F401: before host_tools
 from check_jobs import stored_form
-from passo.web.api import Api
+from host_tools.page.orders import PanelApi
+from host_tools.page.stored import StoredJobs
+from host_tools.page.teach import Teach
 from passo.web.grbl_machine import GrblMachine
-from passo.web.stored import StoredJobs
-from passo.web.teach import Teach
 from router import Machine
 from stepped_desk import SteppedDesk
 
@@ -50,7 +51,7 @@ class Desk(SteppedDesk):
         self.machine.watcher = self.teach.see
         self.store = Shelf()
         self.machine.job = StoredJobs(self.machine, self.told.append, self.store.packed)
-        self.api = Api(self.machine, self.store, self.teach)
+        self.api = PanelApi(self.machine, self.store, self.teach)
         self.run_ms(300)
         assert self.order("unlock") == 0
         self.run_ms(300)

@@ -1,11 +1,11 @@
 """What a page may ask: an order as a dict in, an answer as a dict out. The only place that looks at what came from a network.
 
-    api = Api(machine, store)
+    api = Api(machine)
     api.order({"do": "step", "by": {"x": 1.0}, "speed": 500}, proven)     # {"t": "answer", "do": "step", "error": 0}
 
 What only one language has, its machine adds (`orders`), and looks at it with the functions of this module. STOP needs no proof. All
-else that does something wants a session that has proven its key; what is only looked at does not. Tool on, run and resume from another
-computer want somebody at the machine, where the board file names an input for that.
+else that does something wants a session that has proven its key; what is only looked at does not. A PC adds jobs that are streamed,
+teach-in and the choice of a machine (host_tools/page/orders.py).
 """
 
 from micropython import const
@@ -16,9 +16,8 @@ _MOST_MM = 100_000.0
 _MOST_SPEED = 1_000_000.0
 _LEAST_WAY = 1e-6  # of a direction: less is no direction, and its square may be 0
 _LINE = const(120)
-_PASSES = const(100)
 _MOST_NUMBER = const(0x1FFFFFFF)
-_OF_STORE = ("job_text", "job_part", "job_remove", "run", "teach")
+_OF_PC = ("jobs", "single", "teach")
 
 
 class Wrong(Exception):
@@ -54,27 +53,18 @@ def places(order, name, axes):
 
 
 class Api:
-    def __init__(self, machine, store, teach=None, choose=None):
-        """`store`: the jobs: names(), lines(name), text(name, at), add(name, at, piece, last), put(name, text), remove(name); what
-        fails is a number of errors; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
-        no choice."""
+    def __init__(self, machine):
         self.machine = machine
-        self.store = store
-        self.teach = teach
-        self._choose = choose
         self._orders = {
             "hold": self._hold, "resume": self._resume, "home": self._home, "unlock": self._unlock, "zero": self._zero,
             "goto": self._goto, "step": self._step, "jog": self._jog, "keep": self._keep, "release": self._release,
             "override": self._override, "output": self._output, "set": self._set, "line": self._line, "give": self._give,
-            "jobs": self._jobs, "job_text": self._job_text, "job_part": self._job_part, "job_remove": self._job_remove,
-            "run": self._run, "abort": self._abort, "log": self._log, "settings": self._settings,
-            "teach": self._teach, "machine": self._machine, "play": self._play,
+            "jobs": self._jobs, "abort": self._abort, "log": self._log, "settings": self._settings, "play": self._play,
         }  # fmt: skip
 
     def can(self):
         """What a page may ask for: of what the machine's language has words for, what this server serves."""
-        lacking = (() if self.store else ("jobs", "single")) + (() if self.teach else ("teach",))
-        return [what for what in self.machine.can if what not in lacking]
+        return [what for what in self.machine.can if what not in _OF_PC]
 
     def order(self, order, proven, remote=False):
         """The answer to an order. `proven`: its session has the key; `remote`: it comes from another computer, and the board does
@@ -90,8 +80,6 @@ class Api:
         error = self._absent(order) if remote else 0
         if error:
             return self._answer(name, error)
-        if self.store is None and name in _OF_STORE:
-            return self._answer(name, errors.UNKNOWN_COMMAND)
         try:
             found = do(order)
         except Wrong:
@@ -99,9 +87,8 @@ class Api:
         return found if isinstance(found, dict) else self._answer(name, found)
 
     def _absent(self, order):
-        from passo.web.presence import starts
-
-        return self.machine.absent() if starts(order) else 0
+        """0, or why who orders from another computer may not: a board knows that by its links."""
+        return 0
 
     def _answer(self, name, error):
         return {"t": "answer", "do": name, "error": error}
@@ -174,11 +161,6 @@ class Api:
     def _give(self, order):
         return self.machine.give("guest" if order.get("to") == "guest" else "page")
 
-    def _machine(self, order):
-        if self._choose is None:
-            return errors.UNKNOWN_COMMAND
-        return self.machine.still() or self._choose(text(order, "name", 64))
-
     # --- settings and log
 
     def _settings(self, order):
@@ -195,36 +177,7 @@ class Api:
     # --- jobs
 
     def _jobs(self, order):
-        return {"t": "jobs", "jobs": self.store.names() if self.store else []}
-
-    def _job_text(self, order):
-        name = text(order, "name", 64)
-        at = int(number(order, "at", 0, _MOST_NUMBER, 0))
-        found = self.store.text(name, at)
-        return found if isinstance(found, int) else {"t": "job_text", "name": name, "at": at, "text": found[0], "size": found[1]}
-
-    def _job_part(self, order):
-        """A piece of a job: the first has `at` 0, the last `last`."""
-        name = text(order, "name", 64)
-        at = int(number(order, "at", 0, _MOST_NUMBER))
-        piece = order.get("text")
-        if not isinstance(piece, str):
-            raise Wrong("text")
-        return self.store.add(name, at, piece, bool(order.get("last")))
-
-    def _job_remove(self, order):
-        return self.machine.still() or self.store.remove(text(order, "name", 64))
-
-    def _run(self, order):
-        passes = int(number(order, "passes", 1, _PASSES, 1))
-        error = self._moving() or self.machine.still()
-        if error:
-            return error
-        name = text(order, "name", 64)
-        lines = self.store.lines(name)
-        return lines if isinstance(lines, int) else self.machine.job.run(
-            name, lines, passes, bool(order.get("check")), bool(order.get("single"))
-        )
+        return {"t": "jobs", "jobs": []}
 
     def _play(self, order):
         """Go on with a job in another way: a step at a time, backward."""
@@ -232,21 +185,3 @@ class Api:
 
     def _abort(self, order):
         return self.machine.job.abort()
-
-    # --- teach-in
-
-    def _teach(self, order):
-        """Manual moves from now on are written down; `save`: under a name."""
-        what = text(order, "what", 8)
-        if self.teach is None or what not in ("begin", "save", "drop"):
-            return errors.UNKNOWN_COMMAND
-        if what == "begin":
-            return self.machine.still() or self.teach.begin()
-        if what == "drop":
-            return self.teach.drop()
-        name = text(order, "name", 64)
-        error = self.machine.still() or self.store.name_error(name)
-        if error:
-            return error
-        taught = self.teach.text()
-        return taught if isinstance(taught, int) else self.store.put(name, taught)

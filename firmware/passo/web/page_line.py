@@ -168,7 +168,7 @@ class BoardApi(Api):
 
     def __init__(self, machine, give, keeps):
         """`keeps`: the board stores jobs."""
-        Api.__init__(self, machine, None)
+        Api.__init__(self, machine)
         self._hand_over = give
         self._keeps = keeps
 

@@ -1,0 +1,91 @@
+"""What a page may ask of a PC's server beside what every machine may be asked (passo/web/api.py): jobs that are streamed, teach-in, and
+another machine. Tool on, run and resume from another computer want somebody at the machine, where the board file names an input for that.
+
+    api = PanelApi(machine, store, teach, choose)
+"""
+
+from host_tools.page.presence import starts
+from passo import errors
+from passo.web.api import Api, Wrong, number, text
+
+_MOST_NUMBER = 0x1FFFFFFF
+_PASSES = 100
+
+
+class PanelApi(Api):
+    def __init__(self, machine, store, teach=None, choose=None):
+        """`store`: the jobs: names(), lines(name), text(name, at), add(name, at, piece, last), put(name, text), remove(name); what
+        fails is a number of errors; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
+        no choice."""
+        Api.__init__(self, machine)
+        self.store = store
+        self.teach = teach
+        self._choose = choose
+        if choose:
+            self._orders["machine"] = self._machine
+        if store:
+            self._orders.update({
+                "job_text": self._job_text, "job_part": self._job_part, "job_remove": self._job_remove, "run": self._run, "teach": self._teach,
+            })  # fmt: skip
+
+    def can(self):
+        lacking = (() if self.store else ("jobs", "single")) + (() if self.teach else ("teach",))
+        return [what for what in self.machine.can if what not in lacking]
+
+    def _absent(self, order):
+        return self.machine.absent() if starts(order) else 0
+
+    def _machine(self, order):
+        return self.machine.still() or self._choose(text(order, "name", 64))
+
+    # --- jobs
+
+    def _jobs(self, order):
+        return {"t": "jobs", "jobs": self.store.names() if self.store else []}
+
+    def _job_text(self, order):
+        name = text(order, "name", 64)
+        at = int(number(order, "at", 0, _MOST_NUMBER, 0))
+        found = self.store.text(name, at)
+        return found if isinstance(found, int) else {"t": "job_text", "name": name, "at": at, "text": found[0], "size": found[1]}
+
+    def _job_part(self, order):
+        """A piece of a job: the first has `at` 0, the last `last`."""
+        name = text(order, "name", 64)
+        at = int(number(order, "at", 0, _MOST_NUMBER))
+        piece = order.get("text")
+        if not isinstance(piece, str):
+            raise Wrong("text")
+        return self.store.add(name, at, piece, bool(order.get("last")))
+
+    def _job_remove(self, order):
+        return self.machine.still() or self.store.remove(text(order, "name", 64))
+
+    def _run(self, order):
+        passes = int(number(order, "passes", 1, _PASSES, 1))
+        error = self._moving() or self.machine.still()
+        if error:
+            return error
+        name = text(order, "name", 64)
+        lines = self.store.lines(name)
+        return lines if isinstance(lines, int) else self.machine.job.run(
+            name, lines, passes, bool(order.get("check")), bool(order.get("single"))
+        )
+
+    # --- teach-in
+
+    def _teach(self, order):
+        """Manual moves from now on are written down; `save`: under a name."""
+        what = text(order, "what", 8)
+        if self.teach is None or what not in ("begin", "save", "drop"):
+            return errors.UNKNOWN_COMMAND
+        if what == "begin":
+            return self.machine.still() or self.teach.begin()
+        if what == "drop":
+            return self.teach.drop()
+        name = text(order, "name", 64)
+        error = self.machine.still() or self.store.name_error(name)
+        if error:
+            return error
+        taught = self.teach.text()
+        return taught if isinstance(taught, int) else self.store.put(name, taught)
