@@ -222,7 +222,7 @@ class Controller:
         report["state"] = machine.state
         report["slows"] = machine.dropping or machine.retracts
         report["error"] = machine.alarm or machine.log.last
-        report["log"] = machine.log.entries
+        report["log"] = machine.log
         machine.report(report)
         report["position"] = self.queue.here
         machine.log.last = 0

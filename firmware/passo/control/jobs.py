@@ -44,7 +44,7 @@ class Jobs:
         self._file = None
         self._failed = 0  # the error that has ended it; it is still coming to its stand
         self._ended = "", 0, 0  # the last one: its name, error, line
-        self._noted = None  # the newest entry of the log
+        self._noted = 0  # how many entries the log had
         self._reading = None  # the upload that is read back
         self._proving = False  # the job is read to its end before it runs
         self._rest = None  # its file, read to its end behind a line that was refused
@@ -204,17 +204,13 @@ class Jobs:
         journal = machine.handlers.get(commands.JOURNAL)
         if journal and not machine.checking:
             journal(commands.Command(commands.JOURNAL, self._file.crc or 1))
-        self._noted = self._newest()
+        self._noted = machine.log.added
 
     def _fail(self, error):
         """The job does not begin."""
         self._machine.note(error, self._name)
         self.line.answered = 0
         self._end(error)
-
-    def _newest(self):
-        entries = self._machine.log.entries
-        return entries[-1] if entries else None
 
     def poll(self, now_ms):
         if self._start:
@@ -228,9 +224,10 @@ class Jobs:
 
     def _look(self):
         """Notice at once if a line of the job was refused."""
-        newest = self._newest()
-        if newest is not self._noted:
-            self._noted = newest
+        log = self._machine.log
+        if log.added != self._noted:
+            self._noted = log.added
+            newest = log.newest()
             if not self._failed and newest[2] == LINK:
                 self._refused(newest[1])
 

@@ -1,20 +1,40 @@
 """The event log: the last refusals and alarms by number, for every status report and for whoever asks afterwards."""
 
+from array import array
+
 from micropython import const
 
 _SIZE = const(32)
 
 
 class Log:
+    """Takes its memory at the start: entries made one by one would lie where large pieces are wanted later, and stay there."""
+
     def __init__(self):
-        self.entries = []  # (machine milliseconds, number, who), oldest first, at most 32
+        self._numbers = array("i", bytearray(4 * 2 * _SIZE))  # of each entry: machine milliseconds, number
+        self._who = [""] * _SIZE
+        self.added = 0  # entries since the start
         self.last = 0  # the latest number nobody has read; 0: none
         self.pins = None  # a function: what the interlock's inputs have done; None: there is none
         self.counts = {}  # of each number: how many times since the start
 
     def add(self, now_ms, number, who=""):
-        if len(self.entries) >= _SIZE:
-            self.entries.pop(0)
-        self.entries.append((now_ms, number, who))
+        index = self.added % _SIZE
+        self._numbers[2 * index] = now_ms
+        self._numbers[2 * index + 1] = number
+        self._who[index] = who
+        self.added += 1
         self.counts[number] = self.counts.get(number, 0) + 1
         self.last = number
+
+    @property
+    def entries(self):
+        """[(machine milliseconds, number, who)], the oldest first, 32 at most."""
+        return [self._entry(count % _SIZE) for count in range(max(self.added - _SIZE, 0), self.added)]
+
+    def newest(self):
+        """The last entry; only where `added` says that there is one."""
+        return self._entry((self.added - 1) % _SIZE)
+
+    def _entry(self, index):
+        return self._numbers[2 * index], self._numbers[2 * index + 1], self._who[index]

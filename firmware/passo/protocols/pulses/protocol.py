@@ -350,7 +350,7 @@ class Pulses:
         if event.kind != ACCEPTED:
             return b"error:%d\n" % event.error
         if command.kind == STATUS and command.value:
-            lines = ["log:%d,%d,%s\n" % (ms, number, who or "") for ms, number, who in event.value["log"]]
+            lines = ["log:%d,%d,%s\n" % (ms, number, who or "") for ms, number, who in event.value["log"].entries]
             return ("".join(lines) + "ok\n").encode()
         if command.kind == STATUS:
             return status(event.value, self._config).encode()

@@ -285,7 +285,7 @@ class Torch:
             return self._ended(command, event.value)
         if event.kind == ACCEPTED and command.kind == STATUS and command.value == LOG_OF:
             self._error = event.value["error"] or self._error
-            return log_bytes(event.value["log"], command.power)
+            return log_bytes(event.value["log"].entries, command.power)
         if event.kind == ACCEPTED and command.kind == STATUS:
             return self._told(command.value == _PASSO, event.value)
         return b""
