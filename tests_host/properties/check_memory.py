@@ -39,7 +39,7 @@ def check_what_a_stored_job_is_read_through_is_handed_over():
             room.keep()
         assert rooms[0]._kept is first and rooms[1]._kept is second and rooms[2]._kept is not None
         for room in rooms:
-            room.give()
+            room.open(__file__, "rb").close()
             assert room._kept is None
             room.keep()
             assert len(room._kept) == memory.FILE_BYTES

@@ -67,10 +67,10 @@ def parse_first_line(line):
 
 
 class JobFile:
-    """A job, read from its start. Raises OSError if there is none of that path, Damaged if its first line is wrong."""
+    """A job, read from the start of a file. Raises Damaged if its first line is wrong."""
 
-    def __init__(self, path):
-        self._file = open(path, "rb")
+    def __init__(self, file):
+        self._file = file
         head = parse_first_line(self._file.readline(HEAD_BYTES))
         if head is None:
             self.close()
@@ -81,14 +81,12 @@ class JobFile:
         self._stream = deflate.DeflateIO(self._file, deflate.RAW, WINDOW_BITS)
         self._first = b""  # what has been read to make the window
 
-    def begin(self):
-        """Make the window. Raises MemoryError, Damaged."""
-        try:
-            first = bytearray(1)
-            if self._stream.readinto(first):
-                self._first = first
-        except (OSError, EOFError):
-            raise Damaged(errors.JOB_DAMAGED)
+    def reader(self):
+        """What makes the window when it is called first, with one byte, for began()."""
+        return self._stream.readinto
+
+    def began(self, first):
+        self._first = first
 
     def readinto(self, view):
         """How many bytes of the job have been put into `view`, a memoryview of two or more; 0 at the end. Raises Damaged."""
@@ -152,13 +150,21 @@ class JobStore:
     def begin_reading(self, job):
         """Make the job's window, in the memory that has been kept. At a stand: it takes 30 ms. Raises MemoryError, Damaged; then
         the job is closed."""
+        first = bytearray(1)
+        read = job.reader()
         self._stream = None
-        gc.collect()
         try:
-            job.begin()
-        except (MemoryError, Damaged):
+            gc.collect()
+            count = read(first)  # nothing is made between these two: it would lie where the window is to be
+        except MemoryError:
             self.close(job)
+            self._stream = stream()  # the job's has no window
             raise
+        except (OSError, EOFError):
+            self.close(job)
+            raise Damaged(errors.JOB_DAMAGED)
+        if count:
+            job.began(first)
 
     def close(self, job):
         """Close a job, and keep room for the next."""
@@ -192,9 +198,8 @@ class JobStore:
         return self._opened(self._path(name))
 
     def _opened(self, path):
-        self._room.give()
         try:
-            return JobFile(path)
+            return JobFile(self._room.open(path, "rb"))
         except (OSError, MemoryError, Damaged):
             self._room.keep()
             raise
@@ -203,10 +208,9 @@ class JobStore:
         """[(name, language, bytes, bytes stored, CRC-32)]; of one that is damaged the language is ""."""
         found = []
         names = self.names()
-        self._room.give()
         for name in names:
             try:
-                job = JobFile(self._path(name))
+                job = JobFile(self._room.open(self._path(name), "rb"))
                 job.close()
                 found.append((name, job.language, job.size, job.stored, job.crc))
             except (OSError, Damaged):
@@ -236,8 +240,7 @@ class JobStore:
         """Begin an upload of `stored` bytes; another one under way is forgotten."""
         self.abort()
         self._upload = self._place(name)
-        self._room.give()
-        self._file = open(self._upload, "wb")
+        self._file = self._room.open(self._upload, "wb")
         self._name = name
         self._left = stored
         self._file.write(first_line(language, size, crc, stored))

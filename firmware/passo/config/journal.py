@@ -93,9 +93,8 @@ class FileSlots:
 
     def write(self, slot, data):
         name = self._name(slot)
-        self._room.give()
         try:
-            with open(name, "wb") as file:
+            with self._room.open(name, "wb") as file:
                 file.write(data)
         finally:
             file = None
