@@ -4,8 +4,10 @@ from draws import Random
 from passo import errors
 from passo.protocols.frames import codec
 from passo.protocols.frames.codec import ACK, AGAIN, CHECK, CLOSED, CUT, DATA, HEAD, FRAME_HELLO, LEAVE, REPORT, TAKEN, URGENT, WELCOME
+from passo.protocols.frames.late import Late
 from passo.protocols.frames.line import FramedLine
 from passo.protocols.grbl.lines import Lines
+from passo.protocols.grbl.protocol import Grbl
 
 CASES = {
     "check_frames_hold_any_bytes": (("seed", "seed"),),
@@ -14,6 +16,7 @@ CASES = {
     "check_bytes_come_once": (("seed", "seed"),),
     "check_a_late_frame_is_dropped": (("seed", "seed"),),
     "check_noise_amid_lines": (("seed", "seed"),),
+    "check_noise_makes_no_line": (("seed", "seed"),),
     "check_bytes_of_packets": (("seed", "seed"),),
     "check_any_bytes_are_survived": (("seed", "seed"),),
 }
@@ -280,6 +283,7 @@ def check_a_late_frame_is_dropped(seed):
         wire.now_ms += 100
         assert wire.hear(b"") == b"" and set(wire.noted) == {errors.FRAME_LATE}
         wire.noted.clear()
+        wire.now_ms += 900
         assert wire.hear(b"G1Z2\n") == b"G1Z2\n"
     assert wire.opened().hear(b"") == b""
 
@@ -295,6 +299,54 @@ def check_noise_amid_lines(seed):
     wire = left(random)
     heard = wire.hear(noisy, 64)
     assert heard == lines[:at] + b"\0" + lines[at + codec.LONGEST :] and wire.noted == [errors.FRAME_LATE]
+
+
+class Language:
+    """What grbl is to a line: lines that it takes, and whether it is amid one."""
+
+    amid = Grbl.amid
+
+    def __init__(self):
+        self._lines = Lines()
+
+    def drop_begun(self):
+        self._lines.drop_begun()
+
+    def take(self, data):
+        """The lines that end in `data`."""
+        lines = self._lines
+        assert lines.take(data)
+        while lines.waiting():
+            yield lines.next()
+
+
+def check_noise_makes_no_line(seed):
+    """Bytes 00 anywhere between plain lines, with pauses or without: each line that is understood is one that was sent, as it was sent. Never
+    is the beginning of one gone on with by the end of another, on a link that has left frames and on one that never spoke them."""
+    random = Random(seed)
+    for framed in (True, False):
+        wire = left(random) if framed else Wire()
+        wire.protocol = language = Language()
+        if framed:
+            wire.line._late = Late(False, language.amid)
+        sent = [b"G1X%d%dY%d" % (n, n, n) for n in range(random.between(3, 40))]
+        text = b"\n".join(sent) + b"\n"
+        for _ in range(random.between(1, 4)):
+            at = random.between(0, len(text))
+            text = text[:at] + b"\0" + text[at:]
+        heard = []
+        while text:
+            count = random.between(1, 60)
+            heard += language.take(wire.hear(text[:count]))
+            text = text[count:]
+            if random.between(0, 3) == 0:
+                wire.now_ms += 150
+                heard += language.take(wire.hear(b""))
+        wire.now_ms += 150
+        heard += language.take(wire.hear(b""))
+        assert not [line for line in heard if b"\0" not in line and line not in sent], heard
+        if not framed:
+            assert len(heard) == len(sent), "each is answered"
 
 
 def check_bytes_of_packets(seed):

@@ -8,8 +8,9 @@ from router import Machine, answers
 CASES = {
     "check_noise_is_answered_line_by_line": (("seed", "seed"),),
     "check_mutated_programmes": (("seed", "seed"),),
+    "check_a_break_spoils_its_own_line": (("seed", "seed"),),
 }
-RUNS = {"check_noise_is_answered_line_by_line": 40, "check_mutated_programmes": 25}
+RUNS = {"check_noise_is_answered_line_by_line": 40, "check_mutated_programmes": 25, "check_a_break_spoils_its_own_line": 30}
 
 
 def mutated(random):
@@ -51,6 +52,26 @@ def check_noise_is_answered_line_by_line(seed):
     machine.put(random.bytes(400))
     machine.cycles(10)
     recover(machine)
+
+
+def check_a_break_spoils_its_own_line(seed):
+    """A byte 00 in any line, put in or in another byte's place: that line is an error and does nothing, and each other line is done."""
+    random = Random(seed)
+    machine = Machine().ready()
+    kinds = (b"G1X%dY%dF3000", b"X%dY%d", b"G91", b"G10L2P1X%d", b"$10=%d", b"$J=G91X%dF3000", b"$N0=G21", b"S%d(laser %d)", b"G21;" + b"a" * 300, b"")
+    kind = random.choice(kinds)
+    line = kind % ((random.between(1, 9),) * kind.count(b"%d"))
+    at = random.between(0, len(line))
+    bad = line[:at] + b"\0" + line[at + random.between(0, 1) :]
+    before = machine.controller.queue.target[:]
+    machine.put(b"G90\n" + bad + b"\nG54\n")
+    said = []
+    for _ in range(400):
+        said += machine.cycles()
+        if len(answers(said)) == 3:
+            break
+    assert answers(said) == ["ok", "error:1", "ok"], (bad, said)
+    assert machine.controller.queue.target == before and machine.status()["state"] == "Idle"
 
 
 def check_mutated_programmes(seed):

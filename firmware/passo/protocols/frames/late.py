@@ -1,14 +1,15 @@
 """Frames that come on a plain link: the link has left frames, and a frame of before comes late.
 
-    late = Late(binary)
+    late = Late(binary, amid)
     text = late.without_frames(data, now_ms)    # what is for the language
     text = late.quiet(now_ms)                   # the same if nothing has come
     late.found                                  # frames dropped; the caller's to clear
 
 00 begins a frame. It is dropped up to the next 00, and so is one that is cut off: after LONGEST bytes, when the rest of the line under
 way is spoilt by a 00, or after 100 ms without a byte. Else the first line of a late frame would be refused, and its second one
-carried out. In a language in which 00 is a byte like others (`binary`) only sound frames are dropped, and what begins with 00
-is kept back for 4 ms at most.
+carried out. A message that had begun before the 00 is spoilt by a 00, for what comes behind the frame is not its end; so is what comes
+within a second behind one that is cut off by silence, for it may be its rest. In a language in which 00 is a byte like others
+(`binary`) only sound frames are dropped, and what begins with 00 is kept back for 4 ms at most.
 """
 
 from micropython import const
@@ -17,20 +18,28 @@ from passo.protocols.frames.codec import LONGEST, sound
 from passo.records import COUNT_MASK
 
 _CUT_MS = const(100)  # without a byte: what has begun is cut off
+_REST_MS = const(1000)  # the same: no rest of it comes any more
 _BINARY_MS = const(4)  # less than idle_gap_ms, so that no RESEND overtakes it
 
 
 class Late:
-    def __init__(self, binary):
+    def __init__(self, binary, amid):
+        """`amid(text)`: True if the language, once it has read `text`, is amid a message; None: it has none of several bytes."""
         self._binary = binary
+        self._asked = amid
         self.held = b""  # what may be a frame, from its 00 on
         self._held_ms = 0
+        self._cut = False  # what was dropped last has not ended as a line does
         self.found = 0
 
     def without_frames(self, data, now_ms):
         text = self.held + bytes(data)
         self.held = out = b""
         at = text.find(b"\0")
+        if self._cut and at:
+            self._cut = False
+            if (now_ms - self._held_ms) & COUNT_MASK < _REST_MS:
+                out = b"\0"
         while at >= 0:
             out += text[:at]
             text = text[at:]
@@ -48,12 +57,15 @@ class Late:
                 else:  # bytes of the language
                     end = begin
                     out += text[:begin]
-            elif 0 <= end <= begin + LONGEST:
-                self.found += 1
             else:
                 self.found += 1
-                end = begin + LONGEST
-                out += b"\0"
+                cut = not 0 <= end <= begin + LONGEST
+                if cut or self._amid(out):
+                    out += b"\0"
+                if cut:
+                    end = begin + LONGEST
+                else:
+                    self._ends(text[begin:end])
             text = text[end:]
             at = text.find(b"\0")
         return out + text
@@ -65,6 +77,18 @@ class Late:
         self.held = b""
         if self._binary:
             return text
-        if text.strip(b"\0"):
+        text = text.strip(b"\0")
+        if text:
             self.found += 1
+        if self._amid(b""):
+            return b"\0"
+        if text:
+            self._ends(text)
         return b""
+
+    def _ends(self, text):
+        """`text` is dropped: note whether the rest of a line may come behind it."""
+        self._cut = self._asked is not None and text[-1] not in b"\r\n" and not sound(bytearray(text), 0, len(text))
+
+    def _amid(self, text):
+        return self._asked is not None and self._asked(text)

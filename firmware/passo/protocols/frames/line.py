@@ -197,7 +197,8 @@ class FramedLine:
             self._view = memoryview(self._buffer)
         self._clear()
         self._state = _OPEN
-        self._late = Late(getattr(self._link.protocol, "binary", False))
+        protocol = self._link.protocol
+        self._late = Late(getattr(protocol, "binary", False), getattr(protocol, "amid", None))
         self._left = rest
         self._confirmed = False
         self._begun_ms = self._clock()

@@ -5,8 +5,9 @@
     words.codes[0]                                  # 100: G1, in hundredths; M codes from M_CODES on
     words.fixed(X, 6)                               # -1250000: the value in millionths
 
-Blanks are dropped wherever they stand, `(…)` and `;…` are comments, `/` is ignored, small letters are capitals. A
-number has at most nine digits that count, and twelve decimals; further decimals are dropped.
+Blanks are dropped wherever they stand, `(…)` and `;…` are comments, `/` is ignored, small letters are capitals. A byte 00 is an
+error, in a comment too: it stands where a break or noise has taken another byte's place. A number has at most nine digits that count,
+and twelve decimals; further decimals are dropped.
 """
 
 from array import array
@@ -72,6 +73,8 @@ class Words:
         point = False
         for byte in line:
             if byte <= 32 or byte == 47:
+                if not byte:
+                    return errors.LETTER
                 continue
             if comment:
                 if byte == 41 and comment == 40:  # ")" ends what "(" began; nothing ends ";"
@@ -159,12 +162,14 @@ class Words:
 
 
 def bare(line, unfinished=False):
-    """The characters of a line that count: without blanks and comments. Where it is `unfinished`, the beginning of a
-    comment that has not ended stays as its last character."""
+    """The characters of a line that count: without blanks and comments, but with each 00. Where it is `unfinished`, the
+    beginning of a comment that has not ended stays as its last character."""
     kept = bytearray()
     comment = 0
     for byte in line:
         if byte <= 32 or byte > 126 or byte == 47:
+            if not byte:
+                kept.append(0)
             continue
         if comment:
             if byte == 41 and comment == 40:

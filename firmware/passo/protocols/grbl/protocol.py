@@ -177,6 +177,11 @@ class Grbl:
         """Forget the line that has begun and not ended."""
         self._lines.drop_begun()
 
+    def amid(self, text):
+        """True if, behind `text`, a line has begun and not ended."""
+        tail = text.replace(b"\r", b"\n").split(b"\n")
+        return bool(tail[-1].strip(b"?!~\x18")) or len(tail) == 1 and self._lines.begun()
+
     def space(self):
         """Bytes that feed() and take() can keep."""
         return self._lines.free()
@@ -256,6 +261,8 @@ class Grbl:
         if isinstance(line, str):
             self._start_line = line
             line = line.encode()
+        if b"\0" in line:
+            return [Command(commands.BAD, error=errors.LETTER)]
         if b"$" in line and bare(line)[:1] == b"$":
             result = self._system.execute(line.decode() if line[:3] == b"$F:" else plain_text(line))
         elif not line.strip() or line.strip() == b"%":

@@ -376,6 +376,10 @@ class Pulses:
         self._credit -= acks * CREDIT
         return ACK * acks
 
+    def amid(self, text):
+        """True if, behind `text`, a file or control command may have begun and not ended."""
+        return bool(text.strip()) or self._mode != _TYPED or self._open or self._frame is not None or bool(self._items)
+
     def drop_begun(self):
         """A control command that has come in part is not gone on with; nothing more comes of a file that was dropped."""
         self._frame = None
