@@ -21,6 +21,22 @@ def stamp_of(path):
         return ""
 
 
+# What only the start needs is imported by functions of their own: the frames of main() and of this module keep what they had.
+
+
+def made_safe():
+    """The raw board file, whose outputs are inactive from here on; None if it cannot be read."""
+    from passo.ports.safe import outputs, safe
+
+    try:
+        from board import BOARD
+    except Exception as error:
+        print("board.py cannot be read: %s: %s" % (type(error).__name__, error))
+        return None
+    safe(outputs(BOARD))
+    return BOARD
+
+
 if image and image.chosen():
     STAMP, WHOLE = image.STAMP, image.whole()
 else:
@@ -28,6 +44,7 @@ else:
     WHOLE = STAMP == stamp_of("stamp.txt")
 
 if WHOLE:
+    BOARD = made_safe()  # first: the rest takes a second or two to load
     if sys.platform == "esp32":
         from passo.ports.esp32.start import Start
     else:
@@ -39,9 +56,6 @@ if WHOLE:
         from passo.ports.rp2.start import Start
     from passo.config.board_error import BoardError
     from passo.ports.start import forget
-
-
-# What only the start needs is imported by functions of their own: a name in main() would keep it.
 
 
 def checked(board):
@@ -69,12 +83,8 @@ def by_lines(board):
 
 
 def main():
-    try:
-        from board import BOARD
-    except Exception as error:
-        print("board.py cannot be read: %s: %s" % (type(error).__name__, error))
-        BOARD = None
-    start = Start(by_lines(BOARD))  # safe outputs first: the rest takes a second or two to load
+    global BOARD
+    start = Start(by_lines(BOARD))
     start.history()
     if BOARD is None or not start.wanted():
         return

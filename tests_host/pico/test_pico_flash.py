@@ -72,6 +72,25 @@ def test_room_and_time(uf2, board, free, show):
     )
 
 
+SAFE_US = 200_000
+
+
+def safe_us(machine, board):
+    """Microseconds from power on until every output that a board file names is driven; it must be inactive then."""
+    entries = [*board["outputs"], board["tool"], board["spindle"]]
+    levels = {entry["pin"]: 1 - entry.get("active", 1) for entry in entries if entry and "pin" in entry}
+    pico, mask = machine.pico, sum(1 << pin for pin in levels)
+    pico.run_until(lambda: pico.chip.sio.gpio_output_enable & mask == mask, 4 * SAFE_US, 500)
+    assert pico.chip.sio.gpio_value & mask == sum(level << pin for pin, level in levels.items())
+    return pico.now_us
+
+
+def test_outputs_are_safe_before_the_firmware_is_loaded(uf2, show):
+    took_us = safe_us(EmulatedMachine("router_3axis", firmware_files("router_3axis"), trace=None, uf2=uf2), boards.load("router_3axis"))
+    show("safe outputs", f"{took_us / 1000:.0f} ms after power")
+    assert took_us <= SAFE_US
+
+
 @pytest.mark.parametrize("version", VERSIONS, ids=lambda path: path.stem)
 def test_other_interpreters(version):
     started = Started("plotter_2014", uf2=version)

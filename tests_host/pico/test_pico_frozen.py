@@ -8,6 +8,7 @@ import sys
 import pytest
 from emulated import uf2  # noqa: F401
 from gcode_jobs import all_jobs
+from test_pico_flash import safe_us
 from test_digest import CHECKS, HEX_JOBS, golden_of_gcode, golden_of_hex, hex_job
 
 from host_tools import boards
@@ -71,6 +72,12 @@ def test_room_and_time_with_everything(frozen, board, free, largest, limit_ms, s
     assert f"code in the UF2, build {stamp('rp2040')}" in started.said or started.machine.board["links"][0]["port"] == "usb"
     assert heap.free >= free and heap.largest >= largest and took_ms <= limit_ms
     assert b"passo.control." not in bytes(started.machine.pico.chip.sram)  # names of modules are in flash
+
+
+def test_outputs_are_safe_at_once(frozen, show):
+    took_us = safe_us(frozen_machine("router_3axis", frozen, trace=None), boards.load("router_3axis"))
+    show("safe outputs, frozen", f"{took_us / 1000:.0f} ms after power")
+    assert took_us <= 100_000
 
 
 @pytest.mark.slow

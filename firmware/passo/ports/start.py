@@ -18,6 +18,8 @@ import machine
 from machine import Pin
 from micropython import alloc_emergency_exception_buf, const
 
+from passo.ports.safe import entries, outputs, safe
+
 FROZEN = str(sys.modules["passo"].__path__).startswith(".frozen")  # into the UF2: nothing is loaded into memory but the kernels
 if not FROZEN and __file__.endswith(".py") and (1, 26) <= sys.implementation.version[:2] < (1, 28):
     # Their own compiler for viper overwrites the index in `words[i] = …` (MicroPython #18800).
@@ -36,32 +38,15 @@ def forget(name):
         delattr(sys.modules[package], module)
 
 
-def _entries(board, key):
-    entries = board.get(key)
-    return list(entries) if isinstance(entries, (list, tuple)) else []
-
-
 class Start:
     rooms = ()  # large arrays that the app will ask for: see passo/memory.py
 
     def __init__(self, board):
         alloc_emergency_exception_buf(100)
-        board = board if isinstance(board, dict) else {}
-        outputs = _entries(board, "outputs") + [board.get("tool"), board.get("spindle")]
-        self._outputs = outputs  # whatever stands there: it may be a board file full of errors
-        self._ways_out = [
-            entry for entry in _entries(board, "inputs") if isinstance(entry, dict) and entry.get("name") == "repl"
-        ]
+        self._outputs = outputs(board)
+        self._ways_out = [entry for entry in entries(board, "inputs") if isinstance(entry, dict) and entry.get("name") == "repl"]
         self._since_ms = ticks_ms()
-        self.safe()
-
-    def safe(self):
-        """All outputs inactive and the tool off: drivers disabled."""
-        for entry in self._outputs:
-            try:
-                Pin(entry["pin"], Pin.OUT, value=1 - entry.get("active", 1))
-            except (TypeError, KeyError, ValueError, AttributeError):
-                continue  # the board file's check will say what is wrong
+        safe(self._outputs)
 
     def wanted(self):
         """False if the REPL is asked for instead of the app."""
@@ -126,7 +111,7 @@ class Start:
         finally:
             if port is not None:
                 port.close()
-            self.safe()
+            safe(self._outputs)
         if error is not None:
             self._report(error)
 
