@@ -41,7 +41,6 @@ RUN = const(29)  # axes run on their own from now on: see Run
 REST = const(30)  # the axes of the mask `value` come to a stand, the others run on; see Run.unpowered
 ZERO = const(31)  # machine zero is here; only at a stand, and where homing has not found it
 CONNECT = const(32)  # `value` 1: the motors are this board's; 0: they are the other controller's
-OUTPUT = const(35)  # output p0 … p9: `value` its number, `tool`: on; `power` 1: at once, 0: as the next motion begins
 MORE = const(36)  # no command: `value` makes the line's next one each time it is asked, next(value), then None
 STILL = const(33)  # nothing but an answer: accepted at a stand, else refused as BUSY
 ADMIT = const(39)  # `value` minutes: who sends no key may move the machine over the network, where the board file allows that
@@ -50,6 +49,7 @@ SEAM = const(38)  # a line or an arc woven by `value`, from rest: `target` in st
 ZERO_COUNTS = const(34)  # the counts of the encoders that are shown begin at 0
 JOB = const(50)  # a stored job: `value` is one of JOB_RUN …, `target` its name or what else it needs
 JOURNAL = const(51)  # of the job: `target` None: tell it; else the number of the job that begins
+CODE = const(1000)  # + 62: M62, as the line of G-code says it: `value` is its number, see protocols/gcode/codes.py
 STEP_PROGRAM_ADD = const(40)  # a step program comes: `value` is one of STEPS_OPEN … STEPS_ABORT
 STEP_PROGRAM = const(41)  # `value`: what to do with it, one of STEPS_GO … STEPS_HAND_DRIVES
 

@@ -17,7 +17,7 @@ from host_tools.clients.grbl import N_WORD, explain, tagged
 from host_tools.failure import Failure
 from host_tools.programs.replayed_machine import NM, Board, Memory, exact
 from passo import commands
-from passo.protocols.gcode.codes import CYCLES, G73, G82, G83, MOTION
+from passo.protocols.gcode.codes import CODES, CYCLE, G73, G82, G83, MOTION
 from passo.protocols.gcode.offsets import SYSTEMS, TOOL_AXIS, Offsets
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.reader import NONE
@@ -376,7 +376,7 @@ class Replay:
             if self._gcode._found[MOTION] != NONE:
                 break
             if [command for command in self._gcode.commands if command.target is not None]:
-                rest[index] = number, b"G%d" % (mode // 100) + (self._heights(mode, line, height) if mode in CYCLES else b"") + line
+                rest[index] = number, b"G%d" % (mode // 100) + (self._heights(mode, line, height) if CODES[mode] & CYCLE else b"") + line
                 break
         return rest
 

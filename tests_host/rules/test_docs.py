@@ -12,7 +12,7 @@ from host_tools.build import reference
 from host_tools.cli.main import app
 from host_tools.resources import ROOT
 from passo.config import boardfile
-from passo.protocols.gcode.codes import GROUP_OF
+from passo.protocols.gcode.codes import CODES
 from passo.protocols.gcode.words import M_CODES
 from passo.protocols.plotter import host as plotter
 from passo.protocols.torch import protocol as torch
@@ -189,7 +189,7 @@ def codes_of_the_page():
 
 
 def test_the_codes_are_those_that_are_understood():
-    assert codes_of_the_page() == set(GROUP_OF)
+    assert codes_of_the_page() == set(CODES)
 
 
 def test_the_packets_are_those_of_the_plotter():

@@ -25,7 +25,7 @@ class DigitalOutputs:
         self._waiting = []  # (count of the block that it comes with, name, on)
 
     def handlers(self):
-        return {commands.OUTPUT: self._switch}
+        return {commands.CODE + code: self._switch for code in range(62, 66)}
 
     def _switch(self, command):
         machine = self._machine
@@ -38,10 +38,12 @@ class DigitalOutputs:
             return errors.LATER
         if machine.checking:
             return machine.accepted(command)
-        if command.power:
-            self._put(name, command.tool)
+        code = command.kind - commands.CODE
+        on = code in (62, 64)
+        if code >= 64:
+            self._put(name, on)
         else:
-            self._waiting.append((self._queue.added(), name, command.tool))
+            self._waiting.append((self._queue.added(), name, on))
         return machine.accepted(command)
 
     def _put(self, name, on):

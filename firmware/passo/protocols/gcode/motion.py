@@ -4,7 +4,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command, Motion
-from passo.protocols.gcode.codes import CYCLES, G73, G80, G82, G83
+from passo.protocols.gcode.codes import CODES, CYCLE, G73, G80, G82, G83
 from passo.protocols.gcode.reader import Reader, Refused
 from passo.protocols.gcode.words import H, I, L, P, Q, R, X, Z, rounded
 from passo.records import NM_PER_M
@@ -100,7 +100,7 @@ class Motions(Reader):
             raise Refused(errors.NO_AXIS_WORDS)
         if not axis_words and motion < 200:
             return None, cycle
-        if motion in CYCLES:
+        if CODES[motion] & CYCLE:
             return self._drill(motion)
         if motion in (200, 300):
             return self._arc(motion == 200), cycle

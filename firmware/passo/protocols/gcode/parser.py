@@ -24,8 +24,8 @@ from passo import commands, errors
 from passo.batch import thousandths
 from passo.commands import Command
 from passo.protocols.gcode.codes import (
-    AXIS_COMMANDS, COOLING, CYCLES, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PATH, PLANE, RETURN, STOPPING,
-    SWITCHING, SYSTEM, TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
+    CODES, COOLING, CYCLE, DISTANCE, FEED_MODE, G80, GROUPS, MOTION, NON_MODAL, PATH, PLANE, RETURN, STOPPING, SYSTEM,
+    TOOL_CHANGE, TOOL_LENGTH, TURNING, UNITS,
 )
 from passo.protocols.gcode.motion import Motions, new_moves
 from passo.protocols.gcode.reader import NONE, Refused
@@ -216,7 +216,7 @@ class GCode(Motions):
         self._system = self.system if found[SYSTEM] == NONE else found[SYSTEM] // 100 - 54
         self._initial = self.initial if found[RETURN] == NONE else found[RETURN] == 9800
         axis_words = self._left & self._axis_mask
-        moves = found[MOTION] in AXIS_COMMANDS or (not self._axis_command and (axis_words or self._sweeps(motion)))
+        moves = found[MOTION] not in (NONE, G80) or (not self._axis_command and (axis_words or self._sweeps(motion)))
         per_minute = self.per_minute if found[FEED_MODE] == NONE else found[FEED_MODE] == 9400
         feed, per_min = self._read_feed(per_minute, moves and motion not in (0, G80))
         rpm = self.words.fixed(S, 3) if self._take(S) else self.rpm
@@ -224,7 +224,7 @@ class GCode(Motions):
         spindle = self.spindle if found[TURNING] == NONE else (found[TURNING] - M_CODES) // 100
         coolant = self._read_coolant(found[COOLING])
         dwell = self._read_dwell() if non_modal == 400 else None
-        output = self._read_output(found[SWITCHING])
+        handed_on = [self._hand_on(code) for code in self._on]
         self._prepare(0 if non_modal in (2800, 3000) else motion, feed, per_min, number, spindle, rpm)
         cycle = self.cycle
         offsets = place = None
@@ -244,13 +244,13 @@ class GCode(Motions):
 
         # Everything is right: from here on it counts. The motion's commands are there already; what goes before is put
         # before them.
-        before = self._goes_before(spindle, rpm, motion, moves, tool, coolant, dwell, output)
+        before = self._goes_before(spindle, rpm, motion, moves, tool, coolant, dwell, handed_on)
         if len(self.commands) > 1 and moves:
             self.commands[0].also = self.commands[1:]
             self._moves = new_moves()  # these may be looked at until the last has begun
         if place:
             self.position, self._steps = place, self.commands[-1].target
-        if moves and motion in CYCLES:
+        if moves and CODES[motion] & CYCLE:
             self.commands[1:] = [Command(commands.MORE, value=self._drilling)]
         if before:
             self.commands = before + self.commands
@@ -265,7 +265,7 @@ class GCode(Motions):
         if found[STOPPING] != NONE:
             self._stop_programme(found[STOPPING] - M_CODES)
 
-    def _goes_before(self, spindle, rpm, motion, moves, tool, coolant, dwell, output):
+    def _goes_before(self, spindle, rpm, motion, moves, tool, coolant, dwell, handed_on):
         """Commands of the line that are carried out before its motion."""
         before = []
         turned = spindle != self.spindle or rpm != self.rpm and spindle != 5
@@ -282,8 +282,7 @@ class GCode(Motions):
             before.append(Command(commands.PAUSE, value=1 + tool))
         if coolant != self.coolant:
             before.append(Command(commands.COOLANT, value=coolant))
-        if output is not None:
-            before.append(output)
+        before += handed_on
         if dwell is not None:
             before.append(Command(commands.DWELL, value=dwell))
         return before

@@ -4,7 +4,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command
-from passo.protocols.gcode.codes import AXIS_COMMANDS, G43, GROUP_OF, GROUPS, why_unknown
+from passo.protocols.gcode.codes import AXES, CODES, G43, GROUP, GROUPS, LETTER, ON, why_unknown
 from passo.protocols.gcode.words import F, H, L, M_CODES, N, P, R, T, X, Z, Words, rounded
 
 MAX_LINE = const(10_000_000)
@@ -25,6 +25,7 @@ class Reader:
         self.words = Words()
         self._axis_mask = ((1 << axes) - 1) << X
         self._found = [NONE] * GROUPS
+        self._on = ()  # the line's codes that are handed on
         self._left = 0
         self._inches = False
 
@@ -35,19 +36,23 @@ class Reader:
         found = self._found
         for group in range(GROUPS):
             found[group] = NONE
+        self._on = ()
         axis_command = False
-        for place in range(words.count):
-            code = words.codes[place]
-            group = GROUP_OF.get(code, NONE)
-            if group == NONE:
+        for index in range(words.count):
+            code = words.codes[index]
+            entry = CODES.get(code, NONE)
+            if entry == NONE:
                 raise Refused(why_unknown(code))
-            if code in AXIS_COMMANDS:
+            if entry & AXES:
                 if axis_command:
                     raise Refused(errors.TWO_AXIS_COMMANDS)
                 axis_command = True
+            group = entry & GROUP
             if found[group] != NONE:
                 raise Refused(errors.SAME_GROUP)
             found[group] = code
+            if entry & ON:
+                self._on += (code,)
         if words.have & ~self._axis_mask & 7 << X:
             raise Refused(errors.UNSUPPORTED)
         self._axis_command = axis_command
@@ -114,18 +119,12 @@ class Reader:
             raise Refused(errors.NOT_INTEGER)
         return number
 
-    def _read_output(self, code):
-        """The command of M62 … M65, or None."""
-        if code == NONE:
-            return None
-        if not self._take(P):
+    def _hand_on(self, code):
+        """The command of a code that is handed on as it is."""
+        letter = CODES[code] >> LETTER
+        if letter and not self._take(letter):
             raise Refused(errors.VALUE_MISSING)
-        number = self._whole(P)
-        if not 0 <= number <= 9:
-            raise Refused(errors.NUMBER_RANGE)
-        command = Command(commands.OUTPUT, value=number, tool=code in (M_CODES + 6200, M_CODES + 6400))
-        command.power = 1 if code >= M_CODES + 6400 else 0
-        return command
+        return Command(commands.CODE + (code - M_CODES) // 100, value=self._whole(letter) if letter else 0)
 
     def _take_axes(self, places, value):
         """A copy of `places` with value(axis, its word) where the line has the axis's word."""
