@@ -56,6 +56,17 @@ STEP_PROGRAM = const(41)  # `value`: what to do with it, one of STEPS_GO … STE
 # These never wait for others.
 IMMEDIATE = (BAD, HELLO, STATUS, STOP, HOLD, RESUME, DOOR, JOG_CANCEL, RESET, OVERRIDE, TOGGLE, HAND_OVER, STEP_PROGRAM)
 
+# Inputs of the board file whose name means something: its letter in a status report, the command that it sends as it becomes active
+# (BAD: none), and the feature that this wants.
+INPUTS = (
+    ("probe", "P", BAD, ""),
+    ("door", "D", DOOR, "pauses"),
+    ("hold", "H", HOLD, "pauses"),
+    ("reset", "R", RESET, "resets"),
+    ("resume", "S", RESUME, "pauses"),
+    ("job", "", JOB, ""),  # `jobs` of the board file asks for its feature
+)
+
 SPINDLE_OFF = const(5)  # a SPINDLE's value
 
 FEED = const(0)

@@ -5,13 +5,19 @@ A board forgets this module when that is done: it has better uses for the memory
 
 import sys
 
+from passo.commands import INPUTS
 from passo.config.board_error import BoardError
 from passo.config.setting_numbers import HOMING, SPEED, STEPS
 from passo.steps import ring
 from passo.steps.word import TICKS_PER_S, Layout, us_to_ticks
 
 PROTOCOLS = ("plotter", "grbl", "pulses", "torch", "keys")
-_PAUSING = ("hold", "resume", "door")
+
+
+def _input(board, feature):
+    """True if there is an input that wants this feature."""
+    names = [item["name"] for item in board["inputs"]]
+    return [name for name, _, _, wanted in INPUTS if wanted == feature and name in names]
 
 
 def _lost(board, *ways):
@@ -51,7 +57,7 @@ FEATURES = (
     ("step_program", "StepProgramPlayer", None),
     ("program", "Program", lambda board: board["weaving"]),
     ("weaving", "Weaving", lambda board: board["weaving"]),
-    ("pauses", "Pauses", lambda board: [item for item in board["inputs"] if item["name"] in _PAUSING] or _lost(board, "pause")),
+    ("pauses", "Pauses", lambda board: _input(board, "pauses") or _lost(board, "pause")),
     ("pendant", "Pendant", lambda board: [item for item in board["inputs"] if item["name"][:4] == "jog_"]),
     ("tools", "Tools", None),
     ("digital", "DigitalOutputs", lambda board: [item for item in board["outputs"] if item["name"][0] == "p" and item["name"][1:].isdigit()]),

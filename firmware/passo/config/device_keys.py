@@ -5,6 +5,7 @@ of them load this.
     check(board)                    # raises BoardError
 """
 
+from passo.commands import INPUTS
 from passo.config.board_error import BoardError
 from passo.config.chip_pins import check_link
 from passo.records import REGISTER_BIT
@@ -205,7 +206,7 @@ def _check_tachometer(board):
     if not items:
         raise BoardError("tachometer.input: there is no input %r" % name)
     named = str(board["homing"]) + str(board["interlock"])
-    if items[0]["pin"] >= REGISTER_BIT or items[0]["halt"] or name in named or name in ("probe", "door", "hold", "reset", "resume"):
+    if items[0]["pin"] >= REGISTER_BIT or items[0]["halt"] or name in named or name in [row[0] for row in INPUTS]:
         raise BoardError("tachometer.input: %s needs a pin of its own, and no other use" % name)
     if board["inverter"] or board["spindle"]["laser"]:
         raise BoardError("tachometer: the inverter says the speed itself; a laser has none")

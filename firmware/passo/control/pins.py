@@ -1,6 +1,6 @@
-"""The letters of the inputs that are active, as a status report has them: XYZ limits, P probe, D door, H R S buttons."""
+"""The letters of the inputs that are active, as a status report has them: XYZ limits, then those of commands.INPUTS."""
 
-_LETTERS = (("P", "probe"), ("D", "door"), ("H", "hold"), ("R", "reset"), ("S", "resume"))
+from passo.commands import INPUTS
 
 
 class Pins:
@@ -8,7 +8,7 @@ class Pins:
         names = [item["name"] for item in board["inputs"]]
         self._inputs = machine.inputs
         self._settings = machine.settings
-        self._shown = self._inputs.limits + [item for item in _LETTERS if item[1] in names]
+        self._shown = self._inputs.limits + [(letter, name) for name, letter, _, _ in INPUTS if letter and name in names]
         self._levels = self._settings_of = None  # that the text is of
         self._text = ""
 

@@ -8,7 +8,6 @@ from passo.config import setting_numbers as table
 from passo.control.sensor import Sensor
 
 _LIMIT_FILTER_US = 50  # where the board file gives none
-_BUTTONS = (("reset", commands.RESET), ("hold", commands.HOLD), ("resume", commands.RESUME), ("job", commands.JOB))
 
 
 class Switches:
@@ -21,8 +20,7 @@ class Switches:
         self._settings_of = settings.version  # that the sensors are of
         names = [item["name"] for item in board["inputs"]]
         self._limits = [(name, self._sensor(name)) for _, name in inputs.limits if name in inputs.names]
-        self._buttons = [(name, kind, self._sensor(name)) for name, kind in _BUTTONS if name in names]
-        self._door = self._sensor("door") if inputs.door else None
+        self._buttons = [(name, kind, self._sensor(name)) for name, _, kind, _ in commands.INPUTS if kind and name in names]
         self._watches = self._watch(board, machine.port)
         self._armed = None  # True, False: the interrupts of limits are; None: some may be other
         self._turn()
@@ -62,8 +60,6 @@ class Switches:
     def _to_watch(self):
         """Names of the inputs that a cycle has to look at."""
         names = [name for name, _, _ in self._buttons]
-        if self._door is not None:
-            names.append("door")
         if self._settings.value(table.HARD_LIMITS):
             names += self._inputs.names
         return names
@@ -100,11 +96,6 @@ class Switches:
             for _, sensor in self._limits:
                 sensor.restart(now_ms)  # one that was hit before it was watched is no news
             self._turn()
-        if self._door is not None:
-            before = self._door.active
-            self._door.sample(now_ms, 0)
-            if self._door.active and not before:
-                machine.carry_out(commands.DOOR)
         for _, kind, sensor in self._buttons:
             before = sensor.active
             sensor.sample(now_ms, 0)

@@ -1,0 +1,33 @@
+"""A word is a row of one table of the firmware; what says it to people, or carries it out, is held against that table."""
+
+import re
+from pathlib import Path
+
+import pytest
+
+from host_tools.cli import status
+from passo.commands import INPUTS
+from passo.machine_builder import FEATURES
+
+pytestmark = pytest.mark.quick
+
+ROOT = Path(__file__).resolve().parents[2]
+PAGE = ROOT / "firmware" / "passo" / "web" / "page"
+
+
+def signals_of_the_page():
+    text = (PAGE / "panel.js").read_text(encoding="utf-8")
+    return set(re.findall(r"(\w): \"", re.search(r"^const SIGNALS = {(.*)}", text, re.MULTILINE).group(1)))
+
+
+def test_inputs_have_names_for_people():
+    letters = {letter for _, letter, _, _ in INPUTS if letter}
+    assert {letter: status._PINS[letter] for letter in letters} == {letter: name for name, letter, _, _ in INPUTS if letter}
+    assert signals_of_the_page() == letters | set("XYZA")
+
+
+def test_inputs_are_in_the_docs_and_have_their_feature():
+    text = (ROOT / "docs" / "board-file.md").read_text(encoding="utf-8")
+    named = re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.+?) \|", text[text.index("## Names") : text.index("## Pendant")], re.MULTILINE)))
+    assert [name for name, _, _, _ in INPUTS if name not in named] == []
+    assert {feature for _, _, _, feature in INPUTS} - {""} <= {name for name, _, _ in FEATURES}
