@@ -43,7 +43,7 @@ from passo.commands import (
 )  # fmt: skip
 from passo.protocols.pulses.codes import CODES, MARKS, SPEED_MM_MIN, WAIT_MS
 from passo.protocols.pulses.control import number, understand
-from passo.protocols.pulses.report import status
+from passo.protocols.pulses.report import log, status
 from passo.records import COUNT_MASK
 
 WINDOW = const(512)
@@ -349,11 +349,8 @@ class Pulses:
             return self._reply_to_file(event, command)
         if event.kind != ACCEPTED:
             return b"error:%d\n" % event.error
-        if command.kind == STATUS and command.value:
-            lines = ["log:%d,%d,%s\n" % (ms, number, who or "") for ms, number, who in event.value["log"].entries]
-            return ("".join(lines) + "ok\n").encode()
         if command.kind == STATUS:
-            return status(event.value, self._config).encode()
+            return (log(event.value["log"]) if command.value else status(event.value, self._config)).encode()
         return b"ok\n"
 
     def _reply_to_file(self, event, command):

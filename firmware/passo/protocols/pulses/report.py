@@ -61,3 +61,8 @@ def status_from(line):
         name, colon, value = field.partition(":")
         fields[name] = value
     return fields
+
+
+def log(log):
+    """The lines that answer {log}, the oldest first: milliseconds, number, who; then ok."""
+    return "".join(["log:%d,%d,%s\n" % (ms, number, who or "") for ms, number, who in log.entries]) + "ok\n"
