@@ -15,7 +15,8 @@ from array import array
 from micropython import const
 
 _PART = const(128)
-FILE_BYTES = const(1216)  # of an open file, in one piece, on an RP2040: 1148, and what open() makes before it
+FILE_BYTES = const(1148)  # of an open file, in one piece, on an RP2040
+_NAME_BYTES = const(48)  # what open() makes before the file: a copy of its name
 WINDOW_BITS = const(10)
 _kept = []  # see keep()
 
@@ -55,18 +56,20 @@ class FileRoom:
 
     def __init__(self):
         self._kept = None  # until keep() is called first
+        self._name = None
 
     def open(self, path, mode):
         """Open a file. What it raises leaves no room: call keep() then, too."""
-        self._kept = None
-        gc.collect()  # so that it lies as low as may be; nothing is made from here on that could lie in its place
+        self._kept = self._name = None
+        gc.collect()  # nothing is made from here on but what open() makes
         return open(path, mode)
 
     def keep(self):
         """The file has been closed, and nothing points to it any more."""
-        self._kept = None
+        self._kept = self._name = None
         gc.collect()
         try:
+            self._name = bytearray(_NAME_BYTES)  # made first, it lies lower: so will the copy of the name, not where the file is to be
             self._kept = buffer(FILE_BYTES)
         except MemoryError:
             pass  # the next file may find some

@@ -214,12 +214,18 @@ def beside(free, charged):
     return [*header[:first], "flash cache", *header[first:]], table
 
 
+def ways():
+    from host_tools.bench import ways
+
+    return ways.ways()
+
+
 UNAVAILABLE = 3  # exit status
 FLASH_MISS = 50  # cycles, where PASSO_FLASH_MISS does not say it
 COLUMNS_BESIDE = 3
 ONLY_CHARGED = ("where", "frozen")  # these tell the waits for flash apart
 PICO_PARTS = ("pulses", "timer", "queries", "status", "stops", "links", "gcode", "where", "boot", "frozen")
-PARTS = {"lines": lines, "fuzz": fuzz, "motion": motion, "arcs": arcs, **{part: _on_the_pico(part) for part in PICO_PARTS}}
+PARTS = {"ways": ways, "lines": lines, "fuzz": fuzz, "motion": motion, "arcs": arcs, **{part: _on_the_pico(part) for part in PICO_PARTS}}
 LONG = ("motion", "arcs")
 
 

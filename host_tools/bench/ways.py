@@ -1,0 +1,141 @@
+"""How many functions of the firmware in how many files a thing passes, on the virtual board: `make bench ARGS=ways`.
+
+    header, rows = ways()
+
+Each is counted once, however often it runs, and a call into a kernel is one function, whatever that calls. The main loop's own
+cycle is in each of them.
+"""
+
+import ast
+import sys
+from functools import cache
+
+from host_tools.resources import FIRMWARE
+from host_tools.sim.machine import VirtualMachine
+
+_BOARD = "router_3axis"
+_CYCLES = 500_000  # until a thing has been done
+
+
+@cache
+def _kernels(path):
+    """First lines of the functions that a chip runs as kernels."""
+    tree = ast.parse(open(path, encoding="utf-8").read())
+    made = [node for node in ast.walk(tree) if isinstance(node, ast.FunctionDef) and node.decorator_list]
+    return {node.decorator_list[0].lineno for node in made if "viper" in ast.unparse(node.decorator_list[0])}
+
+
+def _is_kernel(code):
+    return code.co_firstlineno in _kernels(code.co_filename)
+
+
+class Passed:
+    """`with Passed() as passed:` counts what is called inside it."""
+
+    def __init__(self):
+        self.functions = set()
+        self._inside = 0  # kernels that run
+
+    def __enter__(self):
+        sys.setprofile(self._look)
+        return self
+
+    def __exit__(self, *_):
+        sys.setprofile(None)
+
+    def _look(self, frame, event, _):
+        code = frame.f_code
+        if event not in ("call", "return") or not code.co_filename.startswith(str(FIRMWARE)):
+            return
+        kernel = _is_kernel(code)
+        if event == "return":
+            self._inside -= kernel
+            return
+        if not self._inside and not code.co_name.startswith("<"):
+            self.functions.add((code.co_filename, code.co_qualname))
+        self._inside += kernel
+
+    def count(self):
+        return len(self.functions), len({path for path, _ in self.functions})
+
+
+def _machine():
+    machine = VirtualMachine(_BOARD, trace=None)
+    machine.send(b"$X\n")
+    machine.run_ms(1500)
+    machine.take()
+    return machine
+
+
+def _until(machine, done):
+    with Passed() as passed:
+        for _ in range(_CYCLES):
+            machine.app.poll()
+            machine.app.rest()
+            if done():
+                return passed.count()
+    raise TimeoutError
+
+
+def _line(text):
+    """From a line's bytes until the first of its words is in the ring."""
+    machine = _machine()
+    ring = machine.port._player._ring
+    made = ring.head
+    machine.send(text)
+    return _until(machine, lambda: ring.head != made)
+
+
+def _answer(text, end):
+    machine = _machine()
+    machine.send(text)
+    return _until(machine, lambda: end in machine.received())
+
+
+def _amid_motion(text, done):
+    machine = _machine()
+    machine.send(b"G91G1X50F1000\n")
+    machine.run_ms(500)
+    machine.take()
+    machine.send(text)
+    return _until(machine, lambda: done(machine))
+
+
+def stands(machine, seen=[]):
+    """Whether the plant has stood for 100 cycles."""
+    seen.append(machine.plant.position[:])
+    return len(seen) > 100 and seen[-100] == seen[-1]
+
+
+def _idle():
+    """What most cycles pass; now and then one has more to do."""
+    machine = _machine()
+    found = []
+    for _ in range(100):
+        with Passed() as passed:
+            machine.app.poll()
+            machine.app.rest()
+        found.append(passed.count())
+    return max(set(found), key=found.count)
+
+
+def _homing():
+    machine = _machine()
+    machine.send(b"$H\n")
+    return _until(machine, lambda: b"ok" in machine.received())
+
+
+WAYS = {
+    "a cycle of the main loop, nothing to do": _idle,
+    "`G1`, from its bytes to its first words": lambda: _line(b"G91G1X5F600\n"),
+    "`G2`, the same": lambda: _line(b"G91G2X5Y5I5F600\n"),
+    "`?`, to its answer": lambda: _answer(b"?", b">"),
+    "`!` in motion, to the stand": lambda: _amid_motion(b"!", stands),
+    "Ctrl-X in motion, to the banner": lambda: _amid_motion(b"\x18", lambda machine: b"for help" in machine.received()),
+    "`$H`, to its answer": _homing,
+}
+
+
+def ways():
+    """Header and rows of the table."""
+    return ["way", "functions", "files"], [[name, *count()] for name, count in WAYS.items()]
