@@ -159,7 +159,8 @@ class FlashCode:
         if not head:
             return file
         self._addresses = self._blocks.chain(size, last)
-        self._path, self._file, self._rows, self._names, self._functions, self._at = path, file, rows, names, functions, 0
+        self._path, self._file, self._rows = path, file, rows  # three at a time: more are a tuple, garbage that the next module may keep
+        self._names, self._functions, self._at = names, functions, 0
         size = head + len(call)
         text = self._text[:size]
         file.readinto(text)
