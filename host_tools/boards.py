@@ -3,14 +3,16 @@
     board = load("plotter_2014")            # boards/plotter_2014.py
     board = load("~/mine/router.py")        # any file with BOARD = {...}
 
-Loading only reads the file. The firmware checks its values (passo.config.boardfile).
+What is wrong with a file is a Failure; its values are checked by the firmware (passo.config.boardfile).
 """
 
+import copy
 import runpy
 from pathlib import Path
 
-from host_tools.failure import Failure
+from host_tools.failure import Failure, reason
 from host_tools.resources import BOARDS
+from passo.config.boardfile import BoardError, check
 
 
 def names():
@@ -31,15 +33,21 @@ def path(name):
 
 
 def load(name):
-    """The BOARD dict of a board given by name or path. Raises Failure with what was wrong with the file."""
+    """The BOARD dict of a board given by name or path, as it stands there. Raises Failure with what was wrong with the file."""
     found = path(name)
     try:
         module = runpy.run_path(str(found))
-    except Exception as error:
+    except (Exception, SystemExit) as error:
         raise Failure("board file {} cannot be read: {}", found, error) from error
     board = module.get("BOARD")
     if not isinstance(board, dict):
         raise Failure("board file {} has no BOARD = {{...}}", found)
+    try:
+        check(copy.deepcopy(board))
+    except BoardError as error:
+        raise Failure("board {}: {}", name, reason(error)) from error
+    except (TypeError, ValueError) as error:
+        raise Failure("board file {} cannot be read: {}", found, error) from error
     return board
 
 

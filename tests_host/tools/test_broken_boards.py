@@ -2,13 +2,16 @@
 and the sections of the others put into it.
 What is refused is refused by BoardError, with a sentence."""
 
+import contextlib
 import copy
 import importlib
 import pkgutil
+from random import Random
 
 import pytest
 
 import boards
+from host_tools.cli.main import main
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 
@@ -18,6 +21,23 @@ WRONG = (
     {}, {"x": 1}, {1: 2}, {None: None}, {"x": {}}, {"x": "x"}, {"x": None}, {"masks": 1}, (), (1, 2), {1}, object, "x+",
 )  # fmt: skip
 GONE = object()
+MOST_CHARACTERS = 1500  # of a message
+
+
+def nested(levels, kind):
+    value = 1
+    for _ in range(levels):
+        value = [value] if kind is list else {"x": value}
+    return value
+
+
+def within_itself():
+    value = [1]
+    value.append(value)
+    return value
+
+
+SHAPES = (nested(30, list), nested(3000, list), nested(3000, dict), within_itself(), "x" * 100_000)
 
 
 def places(value, path=()):
@@ -79,3 +99,81 @@ def test_a_mistake_is_a_board_error(name):
             found.setdefault(f"{trace.tb_frame.f_code.co_filename}:{trace.tb_lineno} {type(error).__name__}", (path, value))
     assert not found, found
     assert refused > 500
+
+
+@pytest.mark.quick
+def test_what_no_message_could_show_is_a_board_error():
+    """Lists in lists, a list in itself, and texts without end, at every place."""
+    board = importlib.import_module("boards.router_3axis").BOARD
+    for path in places(board):
+        for shape in SHAPES:
+            with pytest.raises(BoardError) as found:
+                made = {**board, "inputs": [*board["inputs"]]} if not path else copy.deepcopy(board)
+                part = made
+                for key in path[:-1]:
+                    part = part[key]
+                if path:
+                    part[path[-1]] = shape
+                check(made if path else shape)
+            assert len(str(found.value)) < MOST_CHARACTERS
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_several_mistakes_at_once_are_a_board_error(name):
+    """Values of other places and boards, keys renamed, entries twice, in another order or gone, numbers and texts a little off."""
+    board = importlib.import_module("boards." + name).BOARD
+    random = Random(name)
+    whole = [importlib.import_module("boards." + other).BOARD for other in NAMES]
+    pool = [value_at(other, path) for other in whole for path in places(other)]
+    for _ in range(150):
+        made = copy.deepcopy(board)
+        for _ in range(random.randint(2, 6)):
+            change(made, random, pool)
+        with contextlib.suppress(BoardError):
+            check(made)
+
+
+def value_at(board, path):
+    for key in path:
+        board = board[key]
+    return board
+
+
+def change(board, random, pool):
+    """One mistake, somewhere."""
+    path = random.choice([path for path in places(board) if path])
+    part, key = value_at(board, path[:-1]), path[-1]
+    value = part[key]
+    if isinstance(part, tuple):
+        return
+    what = random.randrange(6)
+    if what == 0:
+        part[key] = copy.deepcopy(random.choice(pool))
+    elif what == 1:
+        del part[key]
+    elif what == 2 and isinstance(part, list):
+        part.insert(key, copy.deepcopy(random.choice(part)))
+    elif what == 2:
+        part[random.choice(("x", "pin", "name", "port", 1, None))] = part.pop(key)
+    elif what == 3 and isinstance(part, list):
+        random.shuffle(part)
+    elif isinstance(value, int):
+        part[key] = value + random.choice((-1, 1, -100, 100, 2**16, 2**31, -value, -2 * value))
+    elif isinstance(value, str):
+        part[key] = random.choice((value + "x", value[:-1], value.upper(), value[::-1], value + " | !", ""))
+    else:
+        part[key] = copy.deepcopy(random.choice(WRONG))
+
+
+@pytest.mark.parametrize("verb", ("flash --port /dev/null", "build", "plot FILE", "check FILE", "board", "emulate"))
+def test_every_command_says_what_is_wrong_with_a_board_file(verb, tmp_path, capsys, monkeypatch):
+    broken = tmp_path / "mine.py"
+    broken.write_text('BOARD = {"chip": "rp2040"}\n')
+    file = tmp_path / "part.gcode"
+    file.write_text("G1X1F100\n")
+    monkeypatch.setattr("sys.argv", ["passo", *verb.replace("FILE", str(file)).split(), "--board", str(broken)])
+    with pytest.raises(SystemExit) as ended:
+        main()
+    assert ended.value.code == 1
+    said = capsys.readouterr().err
+    assert "mine.py: name: missing" in said and len(said.splitlines()) == 1, said

@@ -1,2 +1,22 @@
+"""What is wrong with a board file, and what no message could show."""
+
+from micropython import const
+
+_DEPTH = const(12)  # of lists in dicts in lists …; the rules have fewer
+_LONGEST = const(1000)  # characters of a text
+
+
 class BoardError(Exception):
     """The board file is wrong: one line that says where, and what would be right."""
+
+
+def check_shape(value, depth=_DEPTH):
+    """Raise BoardError if a value is nested too deep, or within itself, or has a text that is too long."""
+    if isinstance(value, str) and len(value) > _LONGEST:
+        raise BoardError("a text of %d characters, which begins with %r, is too long" % (len(value), value[:40]))
+    if not isinstance(value, (dict, list, tuple)):
+        return
+    if not depth:
+        raise BoardError("a list or dict is nested too deep")
+    for each in value.values() if isinstance(value, dict) else value:
+        check_shape(each, depth - 1)

@@ -6,7 +6,7 @@ The table below is the whole format. A rule is (type, default, least, most); a d
 be there. `least` and `most` bound a number, or the length of a text or list.
 """
 
-from passo.config.board_error import BoardError
+from passo.config.board_error import BoardError, check_shape
 from passo.config.chip_pins import check_link, check_pin
 from passo.records import REGISTER_BIT
 from passo.steps.wiring import word_pins
@@ -162,6 +162,7 @@ PINS_OF = {"step_dir": 2, "unipolar": 4, "pbl3770a": 6}
 
 def check(board):
     """The board with its defaults. Raises BoardError at the first thing wrong."""
+    check_shape(board)
     rules = _BOARD
     more = devices = shift = lines = None
     if isinstance(board, dict) and isinstance(board.get("step_program"), dict) and "port_pins" in board["step_program"]:
@@ -276,12 +277,10 @@ def claimed_pins(board):
     claims.append((board["tool"]["pin"], "tool"))
     if board["spindle"]["pwm"]:
         claims.append((board["spindle"]["pin"], "spindle's power"))
-    for item in board["inputs"]:
-        if item["pin"] < REGISTER_BIT:
-            claims.append((item["pin"], "input %s" % item["name"]))
-    for item in board["outputs"]:
-        if item["pin"] < REGISTER_BIT:
-            claims.append((item["pin"], "output %s" % item["name"]))
+    for what in ("input", "output"):
+        for item in board[what + "s"]:
+            if item["pin"] < REGISTER_BIT:
+                claims.append((item["pin"], "%s %s" % (what, item["name"])))
     if board["gantry"]:
         for pin in board["gantry"]["pins"]:
             claims.append((pin, "axis %s2" % board["gantry"]["axis"]))

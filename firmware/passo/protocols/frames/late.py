@@ -15,9 +15,10 @@ within a second behind one that is cut off by silence, for it may be its rest. I
 from micropython import const
 
 from passo.protocols.frames.codec import LONGEST, sound
-from passo.records import COUNT_MASK, REST_MS
+from passo.records import COUNT_MASK
 
 _CUT_MS = const(100)  # without a byte: what has begun is cut off
+_NO_REST_MS = const(1000)  # the same: no rest of it comes any more
 _BINARY_MS = const(4)  # less than idle_gap_ms, so that no RESEND overtakes it
 
 
@@ -37,7 +38,7 @@ class Late:
         at = text.find(b"\0")
         if self._cut and at:
             self._cut = False
-            if (now_ms - self._held_ms) & COUNT_MASK < REST_MS:
+            if (now_ms - self._held_ms) & COUNT_MASK < _NO_REST_MS:
                 out = b"\0"
         while at >= 0:
             out += text[:at]
