@@ -53,8 +53,7 @@ def _edited(text, tree, kept):
     lines = [line.encode() for line in text.splitlines(keepends=True)]  # columns of `ast` are bytes
     edits = []
     for function in _outermost(tree):
-        if not any(isinstance(each, ast.Attribute) and each.attr == "asm_thumb" for each in function.decorator_list):
-            edits += _edits(function, kept)
+        edits += _edits(function, kept)
     for line, start, end, name in sorted(edits, reverse=True):
         lines[line - 1] = lines[line - 1][:start] + name.encode() + lines[line - 1][end:]
     return b"".join(lines).decode()

@@ -26,7 +26,7 @@ BLOCK_BYTES = 4096
 INLINE_BYTES = 512  # littlefs keeps files up to this size beside their names
 MARK = 0x5043
 _WORTH = 100  # bytes of code for which a small file is given a block
-BYTECODE, NATIVE, VIPER, ASSEMBLER = 2, 3, 4, 5
+BYTECODE, NATIVE, VIPER = 2, 3, 4
 _ROW, _TEXT, _END, _MEMORY = "<HHHBBBB", "<HBB", "<HHBBHHH", 255
 _CALLED = b"_load"
 _RELOCATED, _RODATA, _BSS = 0x10, 0x20, 0x40  # scope flags of viper code
@@ -106,8 +106,6 @@ class _Reader:
         if kind == NATIVE:
             function.prelude = flags
             function.generator = self.generator(function.offset + flags)
-        elif kind == ASSEMBLER:
-            self.number(), self.number()
         elif kind == VIPER:
             if flags & _RELOCATED:
                 raise ValueError("native code that is relocated")
@@ -165,7 +163,7 @@ def in_place(data, native=False):
     ValueError if that cannot hold a function."""
     found, end, names, texts = functions(data)
     code = sum(function.length for function in found[1:])
-    if found[0].kind != BYTECODE or any(function.kind == ASSEMBLER for function in found) or len(data) <= INLINE_BYTES and code < _WORTH:
+    if found[0].kind != BYTECODE or len(data) <= INLINE_BYTES and code < _WORTH:
         return data[:end] + struct.pack(_END, 0, 0, 0, 0, 0, 0, MARK)
     head, count, first = _head(data, names, found[0].begin)
     out, copied, table = bytearray(head), found[0].begin, bytearray()

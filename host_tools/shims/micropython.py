@@ -13,15 +13,6 @@ def viper(function):
     return function
 
 
-def asm_thumb(function):
-    """A PC cannot run it: calling it is an error, importing it is not."""
-
-    def unavailable(*_):
-        raise NotImplementedError(function.__name__ + " is machine code of the board: a PC cannot run it")
-
-    return unavailable
-
-
 def heap_lock():
     pass
 

@@ -55,7 +55,6 @@ LONG_FUNCTIONS = {
 # {kernel: why it is longer}
 LONG_KERNELS = {
     "passo/ports/esp32/frames_viper.py:make": "an ESP32 has viper only: what it counts stays in registers for all frames of a piece",
-    "passo/ports/rp2/kernels.py:walk": "assembler: the loop of each step, where viper compiles kernels",
     "passo/protocols/grbl/text_viper.py:places": "digits of a number in any of three forms, where viper compiles it from flash",
 }
 
@@ -158,7 +157,7 @@ def long_functions(tree):
         for node in ast.walk(tree)
         if isinstance(node, ast.FunctionDef)
         and node.end_lineno - node.lineno >= MOST_LINES_OF_A_FUNCTION
-        and not decorators(node) & {"viper", "asm_thumb"}
+        and "viper" not in decorators(node)
     }
 
 
@@ -172,7 +171,7 @@ def long_kernels(tree):
     return {
         node.name
         for node in ast.walk(tree)
-        if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno >= MOST_LINES_OF_A_KERNEL and decorators(node) & {"viper", "asm_thumb"}
+        if isinstance(node, ast.FunctionDef) and node.end_lineno - node.lineno >= MOST_LINES_OF_A_KERNEL and "viper" in decorators(node)
     }
 
 
@@ -340,10 +339,9 @@ def test_a_long_function_is_found(lines, found):
     assert not long_functions(ast.parse("@micropython.viper\ndef f():\n" + "    x = 1\n" * lines))
 
 
-@pytest.mark.parametrize("mark", ["viper", "asm_thumb"])
-def test_a_long_kernel_is_found(mark):
+def test_a_long_kernel_is_found():
     for lines, found in (39, set()), (40, {"f"}):
-        assert long_kernels(ast.parse(f"@micropython.{mark}\ndef f():\n" + "    x = 1\n" * lines)) == found
+        assert long_kernels(ast.parse("@micropython.viper\ndef f():\n" + "    x = 1\n" * lines)) == found
 
 
 def test_a_name_imported_twice_is_found():

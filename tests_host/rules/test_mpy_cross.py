@@ -8,22 +8,13 @@ from host_tools.build.tree import FIRMWARE, compile_module, unix_tree
 
 pytestmark = pytest.mark.quick
 
-ARM = ("armv6m", "armv7emsp")
-ARCHITECTURES = ARM + ("xtensawin", "rv32imc")
-# Thumb machine code has one room, and only these compile it.
-KERNEL, KERNEL_ROOM, KERNEL_ARCHITECTURES = "@micropython.asm_thumb", "passo/ports/rp2", ARM
+ARCHITECTURES = ("armv6m", "armv7emsp", "xtensawin", "rv32imc")
 
 FILES = sorted(path.relative_to(FIRMWARE) for path in FIRMWARE.rglob("*.py"))
 
 
-def has_kernel(path):
-    return KERNEL in (FIRMWARE / path).read_text(encoding="utf-8")
-
-
 def compiled_size(path, architecture, firmware, folder):
-    """Bytes of the compiled file, or None where it holds machine code of another processor."""
-    if has_kernel(path) and architecture not in KERNEL_ARCHITECTURES:
-        return None
+    """Bytes of the compiled file."""
     target = folder / architecture / path.with_suffix(".mpy")
     root = firmware if path.parts[0] == "passo" else FIRMWARE
     compile_module(root / path, target, architecture, path)
@@ -36,7 +27,7 @@ def test_every_file_compiles(tmp_path, show):
     with ThreadPoolExecutor(2) as pool:
         sizes = dict(zip(jobs, pool.map(lambda job: compiled_size(*job, firmware, tmp_path), jobs)))
     rows = [(path.as_posix(), [sizes[path, name] for name in ARCHITECTURES]) for path in FILES]
-    rows.append(("bytes in all", [sum(sizes[path, name] or 0 for path in FILES) for name in ARCHITECTURES]))
+    rows.append(("bytes in all", [sum(sizes[path, name] for path in FILES) for name in ARCHITECTURES]))
     show("firmware compiled, in bytes", table(rows))
 
 
@@ -44,12 +35,8 @@ def table(rows):
     width = max(len(name) for name, _ in rows)
     lines = [" " * width + "".join(name.rjust(11) for name in ARCHITECTURES)]
     for name, sizes in rows:
-        lines.append(name.ljust(width) + "".join(("-" if size is None else str(size)).rjust(11) for size in sizes))
+        lines.append(name.ljust(width) + "".join(str(size).rjust(11) for size in sizes))
     return "\n".join(lines)
-
-
-def test_machine_code_keeps_to_its_room():
-    assert [path for path in FILES if has_kernel(path) and not path.as_posix().startswith(KERNEL_ROOM)] == []
 
 
 def test_native_and_viper_code_compiles(tmp_path):

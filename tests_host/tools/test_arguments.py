@@ -24,7 +24,6 @@ def of(text, others=""):
         ("def f(n):\n    def g(m, n=n):\n        return n\n", "def f(_0):\n    def g(m, _0=_0):\n        return _0\n"),
         ("def f(n):\n    return [n for n in n], lambda m: n\n", "def f(_0):\n    return [_0 for _0 in _0], lambda m: _0\n"),
         ("def f(über, n): return über + n\n", "def f(_0, _1): return _0 + _1\n"),
-        ("@micropython.asm_thumb\ndef f(r0):\n    mov(r0, r1)\n", None),
         ("def f(n):\n    return f'{n}'\n", None),
         ("def f(n):\n    def g():\n        nonlocal n\n", None),
         ("def f(n, *more, k=1):\n    return n.more.k\n", "def f(_0, *more, k=1):\n    return _0.more.k\n"),

@@ -225,7 +225,7 @@ def test_the_declared_compiler_is_the_one_that_is_taken():
     tree.check_compiler()
 
 
-MACHINE_CODE = {"viper", "native", "asm_thumb"}
+MACHINE_CODE = {"viper", "native"}
 
 
 def machine_code(path):

@@ -69,7 +69,7 @@ def test_functions_are_the_same_and_lie_in_one_block(modules, native):
         assert code == [placed[f.offset : f.offset + f.length] for f in after], path
         head, _, _, rows, *_ = known_of(placed)
         if not head:
-            assert not rows and placed[:-12] == data and (path.startswith("passo/kernels_") or len(data) <= 512 or mpy.ASSEMBLER in [f.kind for f in before])
+            assert not rows and placed[:-12] == data and (path.startswith("passo/kernels_") or len(data) <= 512)
             continue
         assert placed[head : head + 2] and after[0].begin >= head and len(rows) == len(after)
         for f, g, (place, length, prelude, block, kind, children, generator) in zip(before, after, rows):

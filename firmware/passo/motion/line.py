@@ -71,9 +71,3 @@ class Line:
         """Write the masks of the next `count` (≤ left, ≤ MAX_RUN) dominant steps to out[at:]; add them to `made`."""
         walk(out, at, count, self.state)
         self.left -= count
-
-
-def use(own):
-    """Let walk() be a port's own machine code, which must give the same bits."""
-    global walk
-    walk = own

@@ -13,7 +13,6 @@ code, elsewhere it is ordinary Python.
 
 import micropython
 
-from passo.motion import line
 from passo.records import PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK
 
 try:
@@ -56,10 +55,3 @@ def repay(words: ptr32, at: int, count: int, bits: int, debt: int, least: int) -
             debt -= spare
         at += 1
     return debt
-
-
-def use(walk, own):
-    """Let a port put machine code of its own, which must give the same bits, in the place of line.walk() and pace()."""
-    global pace
-    line.use(walk)
-    pace = own

@@ -4,7 +4,7 @@ and goes on with the lines behind it.
     what = make(state, marks, words, planner.rows, planner.scratch, planner.indices, ramp.state, line.state, power, cut, take_up,
                 settle, geometry, played, lead_ticks)
 
-For each segment: room, how many steps and how long (`cut`, the ramp's), directions, which axes step (line.walk, or the
+For each segment: room, how many steps and how long (`cut`, the ramp's), directions, which axes step (line_viper.walk, or the
 geometry's), when (pace_viper.pace), a checkpoint; behind an accelerated line the next one released, if it is accelerated too.
 
     words   . . a a a a b b b c c c c c d d d . . .     a … d: segments; c is being played
@@ -32,7 +32,7 @@ a drive turns steps into levels. Returns why it ended:
 import micropython
 from micropython import const
 
-from passo.motion import line
+from passo.motion import line_viper
 from passo.motion.block import ARC, INDEPENDENT, LINE, STEP_PROGRAM, WAIT
 from passo.motion.line import MAX_RUN
 from passo.motion.row_viper import take
@@ -148,7 +148,7 @@ def next_line(state: ptr32, queue, scratch: ptr32, indices: ptr32, cuts, line_st
     row = int(take(rows, scratch, indices, 1 if ramp[RAMP_Q] else 0, 1))
     if row >> 30 & 1:
         return 0
-    left = int(line.begin(rows, row + ROW_STEPS, ptr32(line_state)))
+    left = int(line_viper.begin(rows, row + ROW_STEPS, ptr32(line_state)))
     take_up(rows, row, ramp, 0, left, 0)
     state[FEED_ROW] = row
     state[FEED_LEFT] = left
@@ -324,8 +324,6 @@ def write_steps(state: ptr32, ring, line_state, settle, geometry):  # ISR: no al
     """Words of masks that share the time evenly, in two parts if they run over the ring's end."""
     words = ptr32(ring)
     path = ptr32(line_state)
-    walk = line.walk  # a port may have put its own machine code there
-    write = pace_viper.pace
     steps = state[FEED_STEPS]
     state[FEED_INDEX] = state[FEED_INDEX] + steps
     each = state[FEED_LASTS] // steps
@@ -341,10 +339,10 @@ def write_steps(state: ptr32, ring, line_state, settle, geometry):  # ISR: no al
         if at + run > state[FEED_MASK]:
             part = state[FEED_MASK] + 1 - at
         if state[FEED_KIND] == LINE:
-            walk(words, at, part, path)
+            line_viper.walk(words, at, part, path)
         else:
             geometry.walk(ring, at, part)
-        write(words, at, part, state)
+        pace_viper.pace(words, at, part, state)
         if state[FEED_DEBT] or state[FEED_DRIVE]:
             settle(at, part)
         at = 0

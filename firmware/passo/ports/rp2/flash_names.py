@@ -40,6 +40,17 @@ def slot_of(text: ptr8, length: int, known: ptr32) -> int:
 
 
 @micropython.viper
+def head(text: ptr8, at: int) -> int:
+    """What begins a name, and in the bits from 16 on where its text is: twice its length, or an odd number of the interpreter's own."""
+    length = text[at]
+    at += 1
+    if length & 0x80:
+        length = (length & 0x7F) << 7 | text[at]
+        at += 1
+    return at << 16 | length
+
+
+@micropython.viper
 def shorten(text: ptr8, sizes: int, first: int, known: ptr32) -> int:
     """Write the numbers of names in their place; returns how long the text is now. A number is 2 n + 1, in two bytes."""
     numbers = ptr16(int(known) + _NUMBERS)
@@ -50,11 +61,9 @@ def shorten(text: ptr8, sizes: int, first: int, known: ptr32) -> int:
     while count > 0:
         count -= 1
         begin = at
-        length = text[at]
-        at += 1
-        if length & 0x80:
-            length = (length & 0x7F) << 7 | text[at]
-            at += 1
+        length = int(head(text, at))
+        at = length >> 16
+        length &= 0xFFFF
         if length & 1 == 0:
             length >>= 1
             slot = int(slot_of(ptr8(int(text) + at), length, known))
@@ -85,11 +94,9 @@ def learn(text: ptr8, names: int, numbers: ptr16, known: ptr32):
     count = names >> 16
     i = 0
     while i < count and known[_COUNT] < _FULL:
-        length = text[at]
-        at += 1
-        if length & 0x80:
-            length = (length & 0x7F) << 7 | text[at]
-            at += 1
+        length = int(head(text, at))
+        at = length >> 16
+        length &= 0xFFFF
         if length & 1 == 0:
             length >>= 1
             slot = int(slot_of(ptr8(int(text) + at), length, known))

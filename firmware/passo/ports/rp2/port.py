@@ -16,10 +16,8 @@ from micropython import const
 
 from passo.ports.chip_port import ChipPort
 from passo.ports.rp2 import chip
-from passo.ports.rp2 import kernels
 from passo.ports.rp2.fields import LEAD_TICKS
 from passo.ports.rp2.registers import BLOCK_CTRL
-from passo.steps import pace_viper
 from passo.steps.wiring import inverted_pins, muted_pins, word_pins, word_times
 
 _FEED_MS = const(3)  # every 2 ms, its calls alone would cost a stream of lines a fifth of its speed
@@ -183,7 +181,6 @@ class Port(ChipPort):
 
     def feed_from_interrupt(self, feeder, player):
         self._join(feeder, player)
-        pace_viper.use(kernels.walk, kernels.pace)
         chip.yield_timers()
         self._timer = Timer(mode=Timer.PERIODIC, period=_FEED_MS, callback=self._feed, hard=True)
         return True
