@@ -114,7 +114,7 @@ def main():
         said = ", ".join([part for part in (said, STAMP and "build " + STAMP) if part])
         if said:
             print(said)
-            app.tell(said)
+            app.controller.tell(said)
         start.run(app, port)
     except BoardError as wrong:
         print("board.py is wrong:", wrong)

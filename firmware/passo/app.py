@@ -54,6 +54,7 @@ class Link:
             self.take = protocol.take
             self.batch.join(*controller.batches(self.batch))
         self._log = controller.machine.note
+        self.heed = getattr(protocol, "heed", None)  # what keeps lines, and has real-time bytes carried out before these
         self.heard = False  # bytes have come, see was_heard()
         self.keeps = getattr(protocol, "keeps", False)  # it keeps bytes itself: it may fill batches while commands wait
         self.waiting = []
@@ -169,18 +170,18 @@ class App:
         if self.interrupt and (heard or self._answered_ms >= 0) and self._overtaken(heard):
             return False
         self._answered_ms = -1
+        heeded = self.interrupt and self._heed()
         tripped = self.port.tripped()
         if tripped and not self.controller.machine.alarm:
             self.controller.stopped_by(tripped)
         self.controller.poll()
         self._answer()
-        if self.interrupt and self._coming():
+        if self.interrupt and (heeded or self._coming()):
             self._hear()  # so that `?` waits half as long
         self._feed()
         return True
 
-    # What goes on each cycle is in small pieces: a function of more than eleven words of variables and stack takes them off
-    # the heap, and that takes longer than a call.
+    # In small pieces: a function of more than eleven words of variables and stack takes them off the heap, longer than a call.
 
     @micropython.native
     def _hear(self):
@@ -195,6 +196,18 @@ class App:
                 self._carry_out(commands, link)
         self._speaking = None
         return self._heard
+
+    def _heed(self):
+        """Carry out the real-time bytes that have come, so that `?` does not wait behind the controller. Lines are kept: True if bytes came."""
+        heeded = False
+        for link in self.links:
+            if link.heed and link.serial.any():
+                heeded = link.heard = True
+                self._speaking = link
+                self._overruled = 0
+                self._carry_out(link.heed(link.serial.read()), link)
+        self._speaking = None
+        return heeded
 
     def _coming(self):
         for link in self.links:
@@ -338,9 +351,8 @@ class App:
                 self._push(event)
                 continue
             link = event.command.link
-            answer = link.protocol.reply(event) if link else b""
-            if answer:
-                link.serial.write(answer)
+            if link:
+                self._say(link, link.protocol.reply(event))
 
     def _push(self, event):
         """What the machine says unasked, to every link."""
@@ -366,9 +378,7 @@ class App:
         if self._speaking is not cause:
             self._overruled = number
         for link in self.links:
-            waiting = link.waiting
-            link.waiting = []
-            reads = _READS
+            waiting, link.waiting, reads = link.waiting, [], _READS
             if link is cause or link is self._speaking or event.kind == RESTARTED and event.value is None:
                 reads = 0
             while reads:
@@ -384,10 +394,6 @@ class App:
                 self.controller.refuse(waiting.pop(0), number, *waiting)
             if link is not cause:
                 self._say(link, link.protocol.drop(event))
-
-    def tell(self, text):
-        """Keep a line about this board, for who asks what it is."""
-        self.controller.tell(text)
 
     def stop(self):
         """Halt, tool off, motors without current."""

@@ -375,24 +375,12 @@ AXIS_NEW_AIM = const(21)
 AXIS_NEW_BASE = const(22)  # what was asked for up to here is dropped; −1: nothing is
 AXIS_FIELDS = const(23)
 
-# What a status report tells (grbl/text_viper.py): room for nine numbers, the unit of positions, then three integers an axis.
-REPORT_NUMBER = const(0)  # nine numbers: of up to four axes, or the overrides; and these
-REPORT_BLOCKS = const(12)
-REPORT_ROOM = const(15)
-REPORT_LINE = const(18)
-REPORT_SPEED = const(21)
-REPORT_RPM = const(24)
-REPORT_UNIT = const(27)  # tenths of a millimetre
-REPORT_DECIMAL = const(28)  # nanometres of the last decimal
-REPORT_FIRST = const(29)  # worth of the first decimal: 100 or 1000
-REPORT_AXIS = const(30)
-REPORT_LONGEST = const(336)  # bytes of a report without its end: what goes beyond is left out, field by field
-NUMBER_WHOLE = const(0)
-NUMBER_DECIMALS = const(1)
-NUMBER_FIRST = const(2)  # worth of the first decimal, 0: none; plus NUMBER_NEGATIVE
-NUMBER_FIELDS = const(3)
-NUMBER_NEGATIVE = const(0x10000)
-REPORT_STEPS_PER_M = const(0)  # of an axis
-REPORT_OFFSET_MM = const(1)  # 100 000 000 + its offset in whole millimetres, and nanometres above them
-REPORT_OFFSET_NM = const(2)
-REPORT_FIELDS = const(3)
+# What a look at the machine finds (steps/position_viper.py, motion/speed_viper.py): all of one moment.
+SEEN_ROOM = const(0)  # blocks that can be queued
+SEEN_ROW = const(1)  # row of the oldest block not played to its last word; -1: none
+SEEN_PACE = const(2)  # of the segment under way, as MARK_PACE; 0: none is
+SEEN_LIT = const(3)  # 1: the tool's bit is on at the pins
+SEEN_LINE = const(4)  # tag of that block, if it moves; 0: none
+SEEN_MM_S = const(5)  # speed along the path: whole mm/s, and nm/s above them
+SEEN_NM_S = const(6)
+SEEN_FIELDS = const(7)

@@ -5,13 +5,16 @@ from array import array
 from draws import Random
 from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.words import rounded
-from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
+from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell, tell_report, tell_speed
+from passo.protocols.grbl.report_records import (
+    REPORT_AXIS, REPORT_FIELDS, REPORT_LINE, REPORT_LONGEST, REPORT_ROOM, REPORT_SPEED, REPORT_UNIT,
+)  # fmt: skip
 from passo.records import (
-    REPORT_AXIS, REPORT_FIELDS, REPORT_LONGEST, REPORT_UNIT, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT,
+    SEEN_FIELDS, SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_ROOM, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT,
 )  # fmt: skip
 
-CASES = {"check_places": (("seed", "seed"),), "check_numbers": (("seed", "seed"),)}
-RUNS = {"check_places": 300, "check_numbers": 100}
+CASES = {name: (("seed", "seed"),) for name in ("check_places", "check_numbers", "check_speed")}
+RUNS = {"check_places": 300, "check_numbers": 100, "check_speed": 300}
 NM_PER_M = 1_000_000_000
 MOST = (1 << 28) - 1  # steps
 
@@ -61,8 +64,40 @@ def check_numbers(seed):
     assert told(b"|Ov:", figures, count) == "|Ov:" + ",".join([str(number) for number in numbers[:count]])
 
 
+def check_speed(seed):
+    """Where it is rounded too: whole mm/min, or tenths of an inch a minute."""
+    random = Random(seed)
+    inches = random.between(0, 1)
+    unit = 127_000 if inches else 50_000  # of three times nm/s
+    near = random.between(0, random.choice((20, 20_000, 500_000))) * unit + unit // 2
+    nm_s = min(27_000_999_999, random.choice((0, 27_000_999_999, (near + random.between(-3, 3)) // 3, random.between(0, 27_000_999_999))))
+    fields = array("i", [0] * REPORT_AXIS)
+    fields[REPORT_UNIT:REPORT_AXIS] = INCHES if inches else MILLIMETRES
+    fields[REPORT_SPEED + 2] = inches  # decimals
+    tell_speed(fields, nm_s // 1_000_000, nm_s % 1_000_000)
+    out = bytearray(REPORT_LONGEST)
+    form = bytes((REPORT_SPEED // 3 + 1, 0))
+    assert bytes(out[: tell(out, 0, form, fields)]).decode() == grbl_report.rate(nm_s, inches), nm_s
+
+
+def check_report():
+    """Each number where its form wants it."""
+    fields = array("i", [0] * (REPORT_AXIS + 2 * REPORT_FIELDS))
+    fields[REPORT_UNIT:REPORT_AXIS] = MILLIMETRES
+    fields[REPORT_ROOM] = 77
+    for axis in range(2):
+        place = REPORT_AXIS + REPORT_FIELDS * axis
+        fields[place : place + 3] = array("i", (1000, FARTHEST_MM, 0))
+    seen = array("i", [0] * SEEN_FIELDS)
+    seen[SEEN_ROOM], seen[SEEN_LINE], seen[SEEN_MM_S], seen[SEEN_NM_S] = 31, 12, 16, 666_667
+    form = b"<\1;\2|" + bytes([number // 3 + 1 for number in (12, REPORT_ROOM, REPORT_LINE, REPORT_SPEED)]) + b">\0"
+    out = bytearray(REPORT_LONGEST)
+    end = tell_report(out, form, fields, seen, array("i", (-7, 9)), 2)
+    assert bytes(out[:end]) == b"<-7.000;9.000|3177121000>", bytes(out[:end])
+
+
 def check_speeds():
-    """In parts as with large integers: mm/min, and tenths of an inch a minute."""
+    """As with large integers: mm/min, and tenths of an inch a minute."""
     for nm_s in (0, 1, 8333, 8334, 541_266_000, 715_827_882, 1 << 30, 16_666_666_650, 25_400_000, 423_333, 42_333, 21_167):
         assert grbl_report.rate(nm_s, 0) == str(rounded(nm_s * 60, 1_000_000))
         assert grbl_report.rate(nm_s, 1) == grbl_report.decimal(rounded(nm_s * 60, 2_540_000), 1)
@@ -99,8 +134,11 @@ def say(status, report):
 
 def longest_report():
     counts = ",".join(["-999999999"] * 4)
+    seen = array("i", [0] * SEEN_FIELDS)
+    seen[SEEN_ROOM] = seen[SEEN_LINE] = 999_999_999
+    seen[SEEN_MM_S] = 27_000
     return {
-        "position": array("i", [-MOST] * 4), "blocks": 999_999_999, "number": 999_999_999, "feed": 0x3FFFFFFF,
+        "position": array("i", [-MOST] * 4), "seen": seen,
         "power": 1_000_000, "state": "door", "substate": 3, "pins": "XYZAPDHRSNxyzan", "overrides": (200, 100, 200), "spindle": 4,
         "coolant": 3, "job": (100, "n" * 32), "counts": counts, "rpm": 999_999_999, "glitches": 999_999_999,
     }  # fmt: skip

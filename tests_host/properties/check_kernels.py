@@ -6,8 +6,10 @@ from array import array
 from draws import Random
 from passo.drives import coils_viper
 from passo.motion import line, line_viper, speed_viper
+from passo.motion.block import WAIT
 from passo.records import (
-    PACE_CARRY, PACE_FIELDS, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, ROW_GAIN, ROW_SPEED, ROW_STEPS, ROW_TOP,
+    PACE_CARRY, PACE_FIELDS, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK, ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_STEPS, ROW_TAG, ROW_TOP,
+    SEEN_FIELDS, SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_PACE, SEEN_ROW,
 )  # fmt: skip
 from passo.steps import pace_viper, position_viper
 from plain import plain
@@ -149,4 +151,14 @@ def check_along(seed):
     gain = random.between(0, 1)
     rows[at + ROW_SPEED], rows[at + ROW_TOP], rows[at + ROW_GAIN] = part, top, gain
     asked = part * whole >> 28
-    assert speed_viper.along(rows, at, pace, whole) == (asked // top * pace + asked % top * pace // top if gain else asked)
+    speed = asked // top * pace + asked % top * pace // top if gain else asked
+    assert speed_viper.along(rows, at, pace, whole) == speed
+    seen = array("i", [7] * SEEN_FIELDS)
+    seen[SEEN_ROW], seen[SEEN_PACE] = at, pace
+    rows[at + ROW_TAG] = 5
+    for which, line, told in ((whole, 5, speed), (0, 5, 0)):
+        speed_viper.progress(rows, seen, which)
+        assert (seen[SEEN_LINE], 1_000_000 * seen[SEEN_MM_S] + seen[SEEN_NM_S]) == (line, told)
+    rows[at + ROW_KIND] = WAIT
+    speed_viper.progress(rows, seen, whole)
+    assert not seen[SEEN_LINE] and not seen[SEEN_MM_S] and not seen[SEEN_NM_S]

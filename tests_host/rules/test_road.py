@@ -77,7 +77,6 @@ CYCLE = {
     "ports/virtual.py VirtualPort.tripped",
     "ports/virtual_player.py Player.played",
     "protocols/grbl/lines.py Lines.waiting",
-    "protocols/grbl/protocol.py Grbl._waiting",
     "protocols/grbl/protocol.py Grbl.feed",
     "protocols/grbl/protocol.py Grbl.pending",
     "app.py App._answer",

@@ -53,7 +53,7 @@ class Controller:
         for batches in hooks(features, "batches"):
             self._batches.update(batches())
         self._taken = []  # this and the machine's events change places: none has to be made
-        self._report = {}  # one for all: it is used up before the next
+        self._report = {"position": queue.here, "seen": queue.seen, "log": machine.log}  # one for all: used up before the next
         self._late = 0
         self._still = True  # as poll() has found it
         self._stood_ms = -1  # since when; −1: it does not
@@ -219,13 +219,12 @@ class Controller:
         """The event that answers STATUS, which is never refused. The caller calls asked() when it has answered."""
         machine = self.machine
         report = self._report
+        log = machine.log
         report["state"] = machine.state
         report["slows"] = machine.dropping or machine.retracts
-        report["error"] = machine.alarm or machine.log.last
-        report["log"] = machine.log
+        report["error"] = machine.alarm or log.last
+        log.last = 0
         machine.report(report)
-        report["position"] = self.queue.here
-        machine.log.last = 0
         event = command.accepted or Event(ACCEPTED, command)
         event.value = report
         return event

@@ -145,6 +145,8 @@ class LineBatches:
             machine = self._machine
             flags = travel[TRACE_FLAGS]
             queue.tool = flags & 1 > 0
-            self._planner.set_power(travel[TRACE_POWER], flags & 4 > 0)
+            planner = self._planner
+            if planner.power != travel[TRACE_POWER] or planner.dynamic != (flags & 4 > 0):
+                planner.set_power(travel[TRACE_POWER], flags & 4 > 0)
             queue.waiting = True
             machine.active = machine.fresh = True

@@ -15,9 +15,10 @@ from passo.errors import LATER
 from passo.motion.block import WAIT
 from passo.motion.limits import Limits
 from passo.motion.line import MAX_STEPS
-from passo.motion.speed_viper import along
-from passo.records import LIMIT_WHOLE, ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP
-from passo.steps.position_viper import SEEN_PACE, SEEN_ROOM, SEEN_ROW
+from passo.motion.speed_viper import progress
+from passo.records import (
+    LIMIT_WHOLE, ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TOP, SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_PACE, SEEN_ROW,
+)  # fmt: skip
 from passo.steps.word import TICKS_PER_S
 
 _BLOCKS_A_MOTION = const(2)  # a change of the tool, and the motion
@@ -37,6 +38,7 @@ class Program(LineBatches):
         self._machine = machine
         self._planner = queue.planner
         self._limits_of = self._limits = None  # the settings' version that the planner knows, and its limits
+        self._whole = 0  # their LIMIT_WHOLE
         self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
         LineBatches.__init__(self, len(self._axes))
@@ -245,6 +247,7 @@ class Program(LineBatches):
             jerk * 1000,
         )
         self._planner.limits(self._limits)
+        self._whole = self._limits.fields[LIMIT_WHOLE]
 
     # --- probing
 
@@ -343,27 +346,20 @@ class Program(LineBatches):
     def report(self, report):
         """What the status report says of motion."""
         seen = self._queue.seen
-        number = speed = 0
-        at = seen[SEEN_ROW]
-        rows = self._planner.rows
-        if at >= 0 and rows[at + ROW_KIND] != WAIT:
-            if self._machine.active:
-                number = rows[at + ROW_TAG]
-            speed = self._speed(rows, at, seen[SEEN_PACE])
-        report["number"] = number
-        report["feed"] = speed
-        report["blocks"] = seen[SEEN_ROOM]
+        progress(self._planner.rows, seen, self._whole)
+        if not self._machine.active:
+            seen[SEEN_LINE] = 0
+        if seen[SEEN_PACE] and not self._whole and self._limits:
+            self._tell_fast(seen)
 
-    def _speed(self, rows, at, pace):
-        """The speed along the path at this moment, in nm/s."""
-        limits = self._limits
-        if not pace or limits is None:
-            return 0
-        whole = limits.fields[LIMIT_WHOLE]
-        if whole:
-            return along(rows, at, pace, whole)
-        asked = limits.speed(rows[at + ROW_SPEED])  # a machine of more than a metre a second: large integers
-        if not rows[at + ROW_GAIN]:
-            return asked
-        top = rows[at + ROW_TOP]
-        return asked // top * pace + asked % top * pace // top
+    def _tell_fast(self, seen):
+        """The speed of a machine of more than a metre a second: large integers."""
+        rows = self._planner.rows
+        at = seen[SEEN_ROW]
+        if at < 0 or rows[at + ROW_KIND] == WAIT:
+            return
+        speed = self._limits.speed(rows[at + ROW_SPEED])
+        if rows[at + ROW_GAIN]:
+            speed = speed * seen[SEEN_PACE] // rows[at + ROW_TOP]
+        seen[SEEN_MM_S] = speed // 1_000_000
+        seen[SEEN_NM_S] = speed % 1_000_000

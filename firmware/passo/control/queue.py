@@ -8,8 +8,7 @@ from array import array
 import micropython
 
 from passo.motion.row_viper import room
-from passo.records import QUEUE_ADDED, QUEUE_RETIRED
-from passo.steps.position_viper import SEEN_FIELDS, SEEN_LIT, SEEN_ROOM
+from passo.records import QUEUE_ADDED, QUEUE_RETIRED, SEEN_FIELDS, SEEN_LIT, SEEN_ROOM
 from passo.steps.word import TICKS_PER_MS, TICKS_PER_S
 
 

@@ -7,7 +7,7 @@ from passo.batch import thousandths
 from passo.commands import SPINDLE_OFF
 from passo.config import setting_numbers as table
 from passo.errors import LATER
-from passo.steps.position_viper import SEEN_LIT
+from passo.records import SEEN_LIT
 
 _BLOCKS = const(2)  # room for a change of the tool
 _LOWEST = const(10)  # of feed and spindle override, per cent

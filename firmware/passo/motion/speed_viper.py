@@ -4,6 +4,7 @@
     speed = root_of(q, near)                # units, with 7 fraction bits
     ticks = path_ticks(path, span, speed)   # how long a path lasts
     nm_s = along(rows, at, pace, whole)     # the pace of a segment (RAMP_PACE) as a speed
+    progress(rows, seen, whole)             # line and speed of what is under way, for a status report
 
 A path is whole steps · 2¹⁷. One text for all interpreters; block_viper.py says what that asks of integers. None reaches 2³⁰.
 """
@@ -11,8 +12,11 @@ A path is whole steps · 2¹⁷. One text for all interpreters; block_viper.py s
 
 import micropython
 
+from passo.motion.block import WAIT
 from passo.motion.scale_viper import signed
-from passo.records import ROW_GAIN, ROW_SPEED, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT
+from passo.records import (
+    ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_PACE, SEEN_ROW,
+)  # fmt: skip
 
 try:
     ptr32
@@ -102,3 +106,19 @@ def along(rows: ptr32, at: int, pace: int, whole: int) -> int:
         return asked
     top = rows[at + ROW_TOP]
     return asked // top * pace + asked % top * pace // top
+
+
+@micropython.viper
+def progress(rows: ptr32, seen: ptr32, whole: int):
+    """SEEN_LINE and the speed of the block at SEEN_ROW, by SEEN_PACE; no speed if `whole` is 0: the machine has no limits, or its
+    fastest speed does not fit in LIMIT_WHOLE."""
+    seen[SEEN_LINE] = 0
+    speed = 0
+    at = int(signed(seen[SEEN_ROW]))
+    if at >= 0 and rows[at + ROW_KIND] != WAIT:
+        seen[SEEN_LINE] = rows[at + ROW_TAG]
+        pace = seen[SEEN_PACE]
+        if pace and whole:
+            speed = int(along(rows, at, pace, whole))
+    seen[SEEN_MM_S] = speed // 1_000_000
+    seen[SEEN_NM_S] = speed % 1_000_000

@@ -13,20 +13,12 @@ is counted. So each axis has a byte in which its steps are counted, for up to 25
 # ruff: noqa: F821
 
 import micropython
-from micropython import const
 
 from passo.motion.row_viper import room
 from passo.records import (
     COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_BITS, FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PLAYED, FEED_TOOL, MARKS, MARK_FIELDS,
-    MARK_PACE, MARK_WORD, QUEUE_FETCHED, QUEUE_RETIRED, QUEUE_SIZE, ROW_STEPS,
+    MARK_PACE, MARK_WORD, QUEUE_FETCHED, QUEUE_RETIRED, QUEUE_SIZE, ROW_STEPS, SEEN_LIT, SEEN_PACE, SEEN_ROOM, SEEN_ROW,
 )  # fmt: skip
-
-# Numbers of `seen`.
-SEEN_ROOM = const(0)  # blocks that can be queued
-SEEN_ROW = const(1)  # row of the oldest block not played to its last word; -1: none
-SEEN_PACE = const(2)  # of the segment under way, as MARK_PACE; 0: none is
-SEEN_LIT = const(3)  # 1: the tool's bit is on at the pins
-SEEN_FIELDS = const(4)
 
 try:
     ptr32

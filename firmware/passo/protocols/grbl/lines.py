@@ -145,11 +145,13 @@ class Lines:
         """Keep what has come. False, and nothing is kept, where real-time bytes are among it."""
         if not data:
             return True
-        self.make()
+        if not self.text:
+            self.make()
         kept = keep(data, len(data), self.text, self.fields)
         if kept == REAL_TIME:
             return False
-        self.kept(kept, data)
+        if kept:
+            self.kept(kept, data)
         return True
 
     def kept(self, kept, data):

@@ -45,6 +45,8 @@ except MemoryError:  # a board that has too little, or not in one piece: feed() 
     take_lines = None
 
 _SEVERAL = const(2)
+_ASKS = const(0x3F)  # ?
+_FIRST, _LAST = const(0), const(-1)
 _ALARMS = const(200)  # errors.py has alarms that much higher
 
 _OKS = tuple([b"ok\r\n" * count for count in range(BATCH_ROWS + 1)])
@@ -100,8 +102,11 @@ class Grbl:
     def take(self, data, now_ms):
         """Keep `data`, and have the machine take the lines kept that are nothing but a G0 or G1, while nothing is unusual. Returns
         the answers to them. None: `data` is not kept, and all is for feed()."""
-        if not self.batch.begun and not self._open(data):
-            return None
+        if not self.batch.begun:
+            if data and (data[_FIRST] == _ASKS or data[_LAST] == _ASKS) and self._lines.take(data):
+                return b""  # the answer comes first: to open the batch takes 0.7 ms
+            if not self._open(data):
+                return None
         text, lines, place, rows, most, travel, queue_lines, target, blocks, scratch, indices, limits = self._arrays
         taken = take_lines(
             data, len(data), text, lines, place, rows, most, travel, queue_lines, target, blocks, scratch, indices, limits
@@ -114,7 +119,7 @@ class Grbl:
         lines = self._lines
         fields = lines.fields
         fields[LINES_WAITS] = 0
-        if data == b"?" or data == b"!":
+        if data == b"!":
             return False  # by itself: it need not wait for the machine's yes
         if (
             take_lines is None or self._under_way is not None or self._rest or self._start_lines or self._stale
@@ -151,15 +156,21 @@ class Grbl:
 
     # --- bytes to commands
 
+    def heed(self, data):
+        """Keep `data`; commands of the real-time bytes among it, as feed(). Lines wait for take() and feed()."""
+        if not self._lines.take(data):
+            return self._commands(data)
+        return self._ask() if self._lines.fields[LINES_ASKED] else ()
+
     def feed(self, data, now_ms):
         """Commands, each to be answered by reply() before the next is asked for."""
-        if data == b"?":
-            return self._ask()
         if not data:
             fields = self._lines.fields
             if fields[LINES_ASKED]:
                 return self._ask()
-            if self._under_way is not None or fields[LINES_WAITS] or not self._waiting():
+            if self._under_way is not None or fields[LINES_WAITS]:
+                return ()
+            if fields[LINES_AT] == fields[LINES_WHOLE] and not (self._rest or self._start_lines or self._lines.lost):
                 return ()
         return self._commands(data)
 
@@ -186,9 +197,6 @@ class Grbl:
         """Bytes that feed() and take() can keep."""
         return self._lines.free()
 
-    def _waiting(self):
-        return self._rest or self._start_lines or self._lines.waiting()
-
     def _ask(self):
         """The command of `?`: one, used again and again."""
         self._lines.fields[LINES_ASKED] = 0
@@ -209,9 +217,10 @@ class Grbl:
         while self._under_way is None and most:
             most -= 1
             if not self._rest:
-                if not self._waiting():
+                if not (self._start_lines or self._lines.waiting()):
                     return
-                self._rest = self._understand(self._next_line())
+                # A start-up line as text, or the oldest line, None for one that was too long; it leaves the queue.
+                self._rest = self._understand(self._start_lines.pop(0) if self._start_lines else self._lines.next())
             self._under_way = self._rest.pop(0)
             yield self._under_way
 
@@ -237,10 +246,6 @@ class Grbl:
             else:
                 yield command
         self._lines.take(plain)
-
-    def _next_line(self):
-        """A start-up line as text, or the oldest line, None for one that was too long; it leaves the queue."""
-        return self._start_lines.pop(0) if self._start_lines else self._lines.next()
 
     # --- lines to commands
 
@@ -379,19 +384,15 @@ class Grbl:
         self.gcode.offsets.reset()
         self._configure()
         self._status.reset()
-        text = "error:%d\r\n" % errors.MEMORY if self._settings.damaged else ""
-        text += grbl_report.BANNER
+        text = ("error:%d\r\n" % errors.MEMORY if self._settings.damaged else "") + grbl_report.BANNER
         if alarm:
             text += grbl_report.message(grbl_report.NOTICES[errors.NOTICE_LOCKED])
         return text
 
-    def _nm(self, axis, steps):
-        return rounded(steps * NM_PER_M, self._machine.steps_per_m[axis])
-
     def _probed(self, value, measures):
         position, touched = value
         system = self._system
-        system.probed = [self._nm(axis, position[axis]) for axis in range(self.gcode.axes)]
+        system.probed = [rounded(steps * NM_PER_M, per_m) for steps, per_m in zip(position, self._machine.steps_per_m)]
         system.touched = touched
         if measures and touched:
             self.gcode.offsets.measured(system.probed[2])

@@ -6,13 +6,12 @@ from micropython import const
 
 from passo.protocols.gcode.reader import MAX_TOOL
 from passo.protocols.gcode.words import rounded
-from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, places, tell
-from passo.records import (
-    NUMBER_DECIMALS, NUMBER_FIELDS, NUMBER_FIRST, NUMBER_WHOLE, REPORT_AXIS, REPORT_BLOCKS, REPORT_FIELDS, REPORT_LINE,
-    REPORT_LONGEST, REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_ROOM, REPORT_RPM, REPORT_SPEED,
-    REPORT_STEPS_PER_M,
-    REPORT_UNIT, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT,
+from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, tell, tell_report
+from passo.protocols.grbl.report_records import (
+    NUMBER_FIELDS, NUMBER_FIRST, NUMBER_WHOLE, REPORT_AXIS, REPORT_BLOCKS, REPORT_FIELDS, REPORT_LINE, REPORT_LONGEST,
+    REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_ROOM, REPORT_RPM, REPORT_SPEED, REPORT_STEPS_PER_M, REPORT_UNIT,
 )  # fmt: skip
+from passo.records import SEEN_LINE, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT
 
 VERSION = "1.1h"
 DATE = "20190830"  # of the grbl whose interface this is
@@ -88,14 +87,7 @@ def place(lengths, inches):
 
 def rate(nm_s, inches):
     """A speed as text: whole mm/min, or in/min with one decimal."""
-    speed = _minute(nm_s, inches)
-    return decimal(speed, 1) if inches else str(speed)
-
-
-def _minute(nm_s, inches):
-    """A speed in mm/min, or tenths of inches a minute, rounded; in parts, so that it takes no large integers."""
-    unit = 127_000 if inches else 50_000
-    return 3 * (nm_s // unit) + (3 * (nm_s % unit) + unit // 2) // unit
+    return decimal(rounded(3 * nm_s, 127_000), 1) if inches else str(rounded(3 * nm_s, 50_000))
 
 
 def modes(gcode, inches):
@@ -182,11 +174,10 @@ class Status:
             self._take_over()
         out = self._out
         fields = self._fields
-        places(fields, report["position"], gcode.axes)
-        fields[REPORT_BLOCKS + NUMBER_WHOLE] = report["blocks"]
+        seen = report["seen"]
         fields[REPORT_ROOM + NUMBER_WHOLE] = room
-        self._tell_speed(report, fields)
-        at = tell(out, 0, self._form, fields)
+        self._choose(report, fields, seen[SEEN_LINE] > 0)
+        at = tell_report(out, self._form, fields, seen, report["position"], gcode.axes)
         pins = report["pins"]
         if pins:
             if pins != self._pins:
@@ -206,14 +197,8 @@ class Status:
             self._said = self._view[:at]
         return self._said
 
-    def _tell_speed(self, report, fields):
-        """Number of the line, speed and power, and the form that the state asks for."""
-        number = fields[REPORT_LINE + NUMBER_WHOLE] = report["number"]
-        speed = _minute(report["feed"], self._inches)
-        if self._inches:
-            fields[REPORT_SPEED + NUMBER_DECIMALS] = speed % 10
-            speed //= 10
-        fields[REPORT_SPEED + NUMBER_WHOLE] = speed
+    def _choose(self, report, fields, numbered):
+        """The power, and the form that the state asks for; `numbered`: the line has a number."""
         power = report["power"]
         if power != self._power:
             self._power = power
@@ -223,10 +208,10 @@ class Status:
         if state == "alarm" and report["slows"]:  # on its way to the alarm's stand
             state = "hold"
             substate = 1
-        if state != self._state or substate != self._substate or self._numbered != (number > 0):
+        if state != self._state or substate != self._substate or numbered != self._numbered:
             self._state = state
             self._substate = substate
-            self._numbered = number > 0
+            self._numbered = numbered
             self._form = self._make_form()
 
     def _make_form(self):

@@ -1,12 +1,14 @@
 """Numbers as text in a buffer that is used again and again: what a status report is made of, without garbage.
 
+    at = tell_report(out, form, fields, seen, steps, axes)   # all that is told each time, from what was seen of one moment (SEEN_…)
+
     fields = array("i", [0] * (REPORT_AXIS + REPORT_FIELDS * axes))
     fields[REPORT_UNIT:REPORT_AXIS] = MILLIMETRES
     fields[REPORT_AXIS + REPORT_STEPS_PER_M] = …     # of the first axis, and its offset
     places(fields, steps, axes)                     # the numbers to be told: an array of steps as lengths, less the offsets
     at = tell(out, 0, b"MPos:\\1,\\2\\0", fields)      # MPos:0.000,-1.250
 
-The fields are REPORT_… and NUMBER_… of records.py. Positions are told to 100 km, offsets too.
+The fields are REPORT_… and NUMBER_… of report_records.py. Positions are told to 100 km, offsets too.
 One text for all interpreters, as motion/block_viper.py, whose rules for integers are kept: a board compiles it to machine
 code.
 """
@@ -17,11 +19,12 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.records import (
-    NUMBER_DECIMALS, NUMBER_FIELDS, NUMBER_FIRST, NUMBER_NEGATIVE, NUMBER_WHOLE, REPORT_AXIS, REPORT_DECIMAL,
-    REPORT_FIELDS, REPORT_FIRST, REPORT_LONGEST, REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_STEPS_PER_M,
-    REPORT_UNIT,
+from passo.protocols.grbl.report_records import (
+    NUMBER_DECIMALS, NUMBER_FIELDS, NUMBER_FIRST, NUMBER_NEGATIVE, NUMBER_WHOLE, REPORT_AXIS, REPORT_BLOCKS, REPORT_DECIMAL,
+    REPORT_FIELDS, REPORT_FIRST, REPORT_LINE, REPORT_LONGEST, REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_SPEED,
+    REPORT_STEPS_PER_M, REPORT_UNIT,
 )  # fmt: skip
+from passo.records import SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_ROOM
 
 try:
     ptr32, ptr8
@@ -31,8 +34,30 @@ except NameError:
 FARTHEST_MM = const(100_000_000)
 _LONGEST_NUMBER = const(16)  # bytes: sign, ten digits, point, four decimals
 # REPORT_UNIT, REPORT_DECIMAL, REPORT_FIRST.
-MILLIMETRES = array("i", (10, 1000, 100))
+_TENTHS_MM = const(10)
+MILLIMETRES = array("i", (_TENTHS_MM, 1000, 100))
 INCHES = array("i", (254, 2540, 1000))
+
+
+@micropython.viper
+def tell_report(out: ptr8, form: ptr8, fields: ptr32, seen: ptr32, steps: ptr32, axes: int) -> int:
+    """Write `form` as tell() does, its numbers from `seen`, and from where the axes are; returns where it ends."""
+    places(fields, steps, axes)
+    fields[REPORT_BLOCKS + NUMBER_WHOLE] = seen[SEEN_ROOM]
+    fields[REPORT_LINE + NUMBER_WHOLE] = seen[SEEN_LINE]
+    tell_speed(fields, seen[SEEN_MM_S], seen[SEEN_NM_S])
+    return int(tell(out, 0, form, fields))
+
+
+@micropython.viper
+def tell_speed(fields: ptr32, mm_s: int, nm_s: int):
+    """A speed, `nm_s` below a mm/s, as a number: whole mm/min, or tenths of an inch a minute, rounded. `mm_s` is 27 000 at most."""
+    if fields[REPORT_UNIT] == _TENTHS_MM:
+        fields[REPORT_SPEED + NUMBER_WHOLE] = 60 * mm_s + (3 * nm_s + 25_000) // 50_000
+        return
+    tenths = 23 * mm_s + (79_000 * mm_s + 3 * nm_s + 63_500) // 127_000
+    fields[REPORT_SPEED + NUMBER_WHOLE] = tenths // 10
+    fields[REPORT_SPEED + NUMBER_DECIMALS] = tenths % 10
 
 
 @micropython.viper
@@ -91,12 +116,12 @@ def places(fields: ptr32, steps: ptr32, axes: int):
         mm = left // per_m
         if mm > 100_000:
             mm = 100_000
-        nm = 0
-        digits = 9
-        while digits:
-            left = left % per_m * 10
-            nm = 10 * nm + left // per_m
-            digits -= 1
+        unit = 1000 if per_m < 2_000_000 else 10  # of decimals at a time: no product reaches 2³¹
+        nm = 1
+        while nm < 1_000_000_000:
+            left = left % per_m * unit
+            nm = nm * unit + left // per_m
+        nm -= 1_000_000_000
         if left % per_m + (per_m >> 1) >= per_m:
             nm += 1
         mm = (1000 * mm + nm // 1_000_000) * sign + FARTHEST_MM - fields[at + REPORT_OFFSET_MM]
