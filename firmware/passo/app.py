@@ -110,7 +110,7 @@ class App:
         most = _SEVERAL if self.interrupt else _ALL
         for config, language, serial in zip(board["links"], languages, serials):
             number = len(self.links)
-            protocol = language.create(config, number, board, self.controller, shared, most)
+            protocol = machine_builder.speaker(language, config, number, board, self.controller, shared, most)
             made = Link(number, config, serial, protocol, self.controller)
             if config["frames"]:
                 baud = config["baud"] if config["port"] != "usb" else _USB_BAUD

@@ -80,6 +80,11 @@ AS_JOG = const(1)  # or extends a jog of the same axes in the same directions
 LIVE = const(2)  # or changes what the axes named do, while others run on
 FOREVER = const(0x1FFFFFFF)  # steps of a Run without an end
 
+# The kit of two motors that is told keys.
+KIT_MOTORS = const(2)
+KIT_STEP_MS = const(4)  # between steps at speed 1
+KIT_SLOWEST = const(127)  # speed
+
 # JOB
 JOB_RUN = const(0)  # without a name the button's
 JOB_LIST = const(1)

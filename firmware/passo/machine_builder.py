@@ -143,6 +143,11 @@ def network():
         raise BoardError("network: it is not on this board (%s): flash it anew" % missing)
 
 
+def speaker(language, link, *more):
+    """The protocol of a link; `language`: its package. A link for pages speaks theirs."""
+    return network().page(language, link, *more) if link["port"] == "page" else language.create(link, *more)
+
+
 def serials(board, port):
     """The serial line of each link of the board file."""
     if board["network"]:

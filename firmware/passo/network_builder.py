@@ -6,9 +6,10 @@
 """
 
 from passo.config.board_error import BoardError
+from passo.config.job_keys import name_fits
 
 _OF_NETWORK = ("websocket", "connection", "session", "guard", "http", "files", "signed", "lines")
-_OF_PAGE = ("lease", "jog", "pace", "pages", "api", "any_machine")
+_OF_PAGE = ("protocols.page.lease", "protocols.page.jog", "web.pace", "web.pages", "protocols.page.orders", "protocols.page.any_machine")
 
 
 def load(board):
@@ -24,22 +25,34 @@ def load(board):
     for link in board["links"]:
         if link["port"] == "page":
             for module in _OF_PAGE:
-                __import__("passo.web." + module)
-            page_line(board, link["protocol"])
+                __import__("passo." + module)
+            _shown(link["protocol"])
+            if board["jobs"]:
+                __import__("passo.protocols.page.stored")
 
 
-def page_line(board, language):
-    """make(server, key, clock_ms): a line that pages speak on, by what speaks a language for them, such as GrblMachine of
-    passo/web/grbl_machine.py. Raises BoardError."""
-    kind = language[0].upper() + language[1:] + "Machine"
+def _shown(language):
+    """The class of the machine behind pages, of a board of that language, such as GrblPage of passo/protocols/page/grbl.py. Raises
+    BoardError."""
+    kind = language[0].upper() + language[1:] + "Page"
     try:
-        line = __import__("passo.web.page_line", None, None, ("PageLine",)).PageLine
-        found = getattr(__import__("passo.web." + language + "_machine", None, None, (kind,)), kind)
+        return getattr(__import__("passo.protocols.page." + language, None, None, (kind,)), kind)
     except ImportError:
         raise BoardError("network: there is no page for %s on this board" % language)
-    jobs = __import__("passo.web.board_jobs", None, None, ("BoardJobs",)).BoardJobs if board["jobs"] else None
-    machine = found if language == "grbl" else lambda write, tell: found(write, tell, board)
-    return lambda server, key, clock_ms: line(server, machine, key, clock_ms, jobs)
+
+
+def _page_line():
+    return __import__("passo.web.page_line", None, None, ("PageLine",)).PageLine
+
+
+def page(language, link, number, board, controller, shared, most):
+    """The protocol of a link for pages; `language`: the package of what the link speaks otherwise."""
+    shown = _shown(link["protocol"])
+    spoken = language.create(link, number, board, controller, shared, most) if shown.speaks else language
+    made = __import__("passo.protocols.page", None, None, ("create",)).create(shown, number, board, controller, spoken)
+    if board["jobs"]:
+        made.keep(__import__("passo.protocols.page.stored", None, None, ("StoredJobs",)).StoredJobs, link["protocol"], name_fits)
+    return made
 
 
 def serials(board, port):
@@ -47,7 +60,7 @@ def serials(board, port):
     from passo.web.lines import Radio, make
 
     radio = port.radio if hasattr(port, "radio") else Radio(board["network"])
-    networked = make(board, radio, port.link_ms, page_line)
+    networked = make(board, radio, port.link_ms, _page_line)
     return [networked[link["name"]] if link["name"] in networked else port.serial(link) for link in board["links"]]
 
 

@@ -98,7 +98,7 @@ FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key o
 WEB = Path("passo", "web")
 NETWORK = Path("passo", "network_builder.py")  # only boards with a network have it, and what it imports
 PAGE_LINE = WEB / "page_line.py"
-BOARD_JOBS = WEB / "board_jobs.py"
+PAGE = Path("passo", "protocols", "page")
 # The file systems of stock MicroPython 1.27; of a block 4 bytes and more are littlefs's. Settings, and a journal's blocks, want some.
 _STOCK_KB, _STOCK_W_KB, _BLOCK_KB, _DATA_BYTES, _SETTINGS_KB = 1408, 848, 4, 4088, 40
 BUILDER = Path("passo", "machine_builder.py")
@@ -192,7 +192,8 @@ def selected(board, firmware=FIRMWARE):
         chosen.add(NETWORK)
         for link in board["links"]:
             if link["port"] == "page":
-                chosen |= {PAGE_LINE, WEB / f"{link['protocol']}_machine.py"} | ({BOARD_JOBS} if board.get("jobs") else set())
+                chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}
+                chosen |= {PAGE / "stored.py"} if board.get("jobs") else set()
     spared = spared_features(board)
     queue = list(chosen)
     queue.append(Path("main.py"))

@@ -63,18 +63,18 @@ def keys(
 
 def parse(text):
     """Convert words to a list of bytes to send and seconds to wait. Raises Failure at the first that is neither."""
-    from passo.protocols.keys.protocol import SLOWEST
+    from passo.commands import KIT_SLOWEST
 
     items = []
     for speed, number, key, amount, unit, other in _TOKEN.findall(text):
         if other:
-            raise Failure("{!r} is no key: A n, B n with n = 1 … {}, C … J, or a wait such as 2s or 500ms", other, SLOWEST)
+            raise Failure("{!r} is no key: A n, B n with n = 1 … {}, C … J, or a wait such as 2s or 500ms", other, KIT_SLOWEST)
         if amount:
             items.append(float(amount) / (1000 if unit == "ms" else 1))
         elif key:
             items.append(key.upper().encode())
-        elif not 1 <= int(number) <= SLOWEST:
-            raise Failure("{} {}: the speed is 1 (fastest) … {}", speed.upper(), number, SLOWEST)
+        elif not 1 <= int(number) <= KIT_SLOWEST:
+            raise Failure("{} {}: the speed is 1 (fastest) … {}", speed.upper(), number, KIT_SLOWEST)
         else:
             items.append(bytes([ord(speed.upper()), int(number)]))
     return items
@@ -125,14 +125,14 @@ class Kit:
                 self.on[motor] = False
 
     def __str__(self):
-        from passo.protocols.keys.protocol import STEP_MS
+        from passo.commands import KIT_STEP_MS
 
         motors = []
         for motor in range(2):
             state = _("off")
             if self.on[motor]:
                 way = _("anticlockwise") if self.reverse[motor] else _("clockwise")
-                state = _("{}, {:.1f} steps/s (speed {})", way, 1000 / (STEP_MS * self.speed[motor]), self.speed[motor])
+                state = _("{}, {:.1f} steps/s (speed {})", way, 1000 / (KIT_STEP_MS * self.speed[motor]), self.speed[motor])
             motors.append(_("motor {}: {}", motor + 1, state))
         return "   ".join(motors)
 

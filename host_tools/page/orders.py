@@ -1,23 +1,23 @@
-"""What a page may ask of a PC's server beside what every machine may be asked (passo/web/api.py): jobs that are streamed, teach-in, and
+"""What a page may ask of a PC's server beside what every machine may be asked (passo/protocols/page/orders.py): jobs that are streamed, teach-in, and
 another machine. Tool on, run and resume from another computer want somebody at the machine, where the board file names an input for that.
 
-    api = PanelApi(machine, store, teach, choose)
+    api = PanelOrders(machine, store, teach, choose)
 """
 
 from host_tools.page.presence import starts
 from passo import errors
-from passo.web.api import Api, Wrong, number, text
+from passo.protocols.page.orders import Orders, Wrong, number, text
 
 _MOST_NUMBER = 0x1FFFFFFF
 _PASSES = 100
 
 
-class PanelApi(Api):
+class PanelOrders(Orders):
     def __init__(self, machine, store, teach=None, choose=None):
         """`store`: the jobs: names(), lines(name), text(name, at), add(name, at, piece, last), put(name, text), remove(name); what
         fails is a number of errors; None: there are no jobs here. `choose(name)`: another board file, and a new start; None: there is
         no choice."""
-        Api.__init__(self, machine)
+        Orders.__init__(self, machine)
         self.store = store
         self.teach = teach
         self._choose = choose
@@ -32,8 +32,10 @@ class PanelApi(Api):
         lacking = (() if self.store else ("jobs", "single")) + (() if self.teach else ("teach",))
         return [what for what in self.machine.can if what not in lacking]
 
-    def _absent(self, order):
-        return self.machine.absent() if starts(order) else 0
+    def order(self, order, proven, remote=False):
+        """`remote`: it comes from another computer, and the board does not know that."""
+        error = self.machine.absent() if remote and proven and isinstance(order, dict) and starts(order) else 0
+        return self._answer(order["do"], error) if error else Orders.order(self, order, proven)
 
     def _machine(self, order):
         return self.machine.still() or self._choose(text(order, "name", 64))

@@ -10,7 +10,7 @@ _TOOLS = ("spindle_cw", "spindle_ccw", "tool_on")
 
 def starts(order):
     """Whether an order starts the tool or a program, or goes on with one."""
-    name = order["do"]
+    name = order.get("do")
     if name == "output":
         return order.get("name") in _TOOLS
     if name == "line":

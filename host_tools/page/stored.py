@@ -11,10 +11,10 @@ from binascii import b2a_base64
 
 from micropython import const
 
+from host_tools.page.job import Job
+from host_tools.page.wire import PAGE
 from passo import errors
 from passo.config.job_keys import name_fits
-from passo.web.job import Job
-from passo.web.wire import PAGE
 
 _PIECE = const(54)  # bytes of an upload in a line
 _LOST = const(60)  # reports; then the message that it has ended was lost

@@ -1,7 +1,7 @@
 """The languages that a panel speaks: the machine behind the page, its teach-in, and how its jobs are read.
 
     spoken = create("pulses", board, port.write, tell)
-    PanelApi(spoken.machine, Store(folder, spoken.read), spoken.teach)
+    PanelOrders(spoken.machine, Store(folder, spoken.read), spoken.teach)
 """
 
 from host_tools.clients import setting_names
@@ -9,7 +9,7 @@ from host_tools.panel import taught
 from host_tools.panel.recovery import RecoverableJobs
 from host_tools.panel.store import gcode_lines
 from passo.config.boardfile import check
-from passo.web.grbl_machine import AXES, GrblMachine
+from host_tools.page.grbl_machine import AXES, GrblMachine
 from host_tools.page.teach import Teach
 
 # The board file that is meant if none is named; its first link's language is the key.
@@ -59,7 +59,7 @@ def _grbl(write, tell, guest):
 
 def _pulses(board, write, tell, about):
     from passo.control.step_program_intake import lengths_of
-    from passo.web.pulses_machine import PulsesMachine
+    from host_tools.page.pulses_machine import PulsesMachine
 
     machine = PulsesMachine(write, tell, board)
     about["bits"] = board["step_program"]["port_bits"]
@@ -69,7 +69,7 @@ def _pulses(board, write, tell, about):
 
 
 def _torch(board, write, tell, about):
-    from passo.web.torch_machine import TorchMachine
+    from host_tools.page.torch_machine import TorchMachine
 
     return Spoken(TorchMachine(write, tell, board), None, None, about)
 
@@ -77,7 +77,7 @@ def _torch(board, write, tell, about):
 def _plotter(board, write, tell, about):
     from host_tools.drawings.packets import packet_lines
     from host_tools.panel import drawn
-    from passo.web.plotter_machine import PlotterMachine
+    from host_tools.page.plotter_machine import PlotterMachine
 
     speed = board["speed"]
     about["speed"] = {name: speed[name] for name in ("unit", "default", "min", "max")}
@@ -85,6 +85,6 @@ def _plotter(board, write, tell, about):
 
 
 def _keys(board, write, tell, about):
-    from passo.web.keys_machine import KeysMachine
+    from host_tools.page.keys_machine import KeysMachine
 
     return Spoken(KeysMachine(write, tell, board), None, None, about)

@@ -7,7 +7,7 @@ import socket
 
 from host_tools.failure import Failure
 from host_tools.panel import languages
-from host_tools.page.orders import PanelApi
+from host_tools.page.orders import PanelOrders
 from host_tools.panel.server import PUSH_MS, Server, clock_ms
 from host_tools.panel.store import Store
 from host_tools.resources import FIRMWARE
@@ -65,7 +65,7 @@ class Panel:
         folder = self._jobs if language == "grbl" else self._jobs / language
         store = Store(folder, spoken.read, spoken.made) if spoken.read else None
         spoken.join(store)
-        self.api = PanelApi(self.machine, store, spoken.teach, self._choose if self._change else None)
+        self.api = PanelOrders(self.machine, store, spoken.teach, self._choose if self._change else None)
         self._about = {"machines": self._machines, **spoken.about}
 
     def _tell(self, event):

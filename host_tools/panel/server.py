@@ -18,12 +18,12 @@ import time
 from ipaddress import ip_address
 
 from host_tools.build.pages import error_list
+from host_tools.page.pages import PanelPages
 from microdot import Microdot, Request, Response
 from microdot.websocket import WebSocket, WebSocketError, websocket_upgrade
 from passo import errors
 from passo.records import COUNT_MASK
 from passo.web.guard import known
-from passo.web.pages import Pages
 
 PUSH_MS = 50
 _CONNECTIONS = 24
@@ -142,9 +142,9 @@ class App(Microdot):
 
 class Server:
     def __init__(self, api, key, names, folder, about=None):
-        """`api`: an Api; `names`: host names (without port) that a request may name; `folder`: the page's files; `about`: more for
+        """`api`: an Orders; `names`: host names (without port) that a request may name; `folder`: the page's files; `about`: more for
         the first message to a page."""
-        self.pages = Pages(api, key, _PAGES)
+        self.pages = PanelPages(api, key, _PAGES)
         self.api = api
         self._names = {name.encode() for name in names}
         self._about = about or {}
@@ -212,7 +212,7 @@ class Server:
             return "too many pages", 503
         socket = await websocket_upgrade(request)
         request.sock[0].open = True
-        page = self.pages.enter(socket, self._about, clock_ms(), not ip_address(request.client_addr[0]).is_loopback)
+        page = self.pages.enter(socket, self.pages.about(self._about), clock_ms(), not ip_address(request.client_addr[0]).is_loopback)
         try:
             answer = page and page.hello
             while answer is not None:
@@ -253,7 +253,7 @@ class Server:
         """Another machine: the pages that look are told."""
         self.api = self.pages.api = api
         self._about = about
-        self.pages.tell({"t": "machine", "can": api.can(), "axes": api.machine.axes, "language": api.machine.language, **about})
+        self.pages.tell({"t": "machine", **self.pages.about(about)})
 
     async def push(self, now_ms):
         """State, as often as a page wants it, and what else there is, to every page. A page that does not read is left out, and closed in the end."""
@@ -265,7 +265,7 @@ class Server:
                 self._drop(page)
                 continue
             told, page.told = page.told, []
-            for each in [text] * page.pace.due(self.pages.state, now_ms) + [json.dumps(event) for event in told]:
+            for each in [text] * page.pace.due(self.pages.version, now_ms) + [json.dumps(event) for event in told]:
                 try:
                     writer.write(bytes(WebSocket._encode_websocket_frame(WebSocket.TEXT, each)))
                 except (OSError, RuntimeError):

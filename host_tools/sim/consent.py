@@ -16,7 +16,7 @@ import sys
 
 from host_tools.language import _
 from passo import errors
-from passo.web.guest import ALWAYS, QUESTIONS
+from host_tools.page.guest import ALWAYS, QUESTIONS
 from passo.web.session import make_key, read_key, same, shown
 
 _LONGEST = 256  # bytes of a line that is kept

@@ -10,12 +10,13 @@ the tab is too slow for that, the machine lags and says so, and skips nothing. W
 
 import json
 
-from host_tools.page.orders import PanelApi
+from host_tools.page.orders import PanelOrders
 from host_tools.sim.plant import Plant
 from host_tools.sim.tab_jobs import Jobs
 from passo.app import App
 from passo.config.boardfile import check
 from passo.ports.virtual import COARSE_TICKS, FINE_TICKS, MemoryLine, VirtualPort
+from passo.protocols.page.protocol import at_once
 from passo.records import COUNT_MASK, TICKS_PER_MS
 from passo.web.pace import Pace
 
@@ -78,17 +79,17 @@ class Tab:
         self._teach = None
         self.machine = self._language(board["links"][0]["protocol"])
         self.jobs = Jobs(jobs, self.machine.language)
-        self.api = PanelApi(self.machine, self.jobs, self._teach)
+        self.api = PanelOrders(self.machine, self.jobs, self._teach)
         self._pace = Pace()
         self._beats = self._pushed_ms = self._shown_ms = 0
         self._hello()
 
     def _language(self, protocol):
         if protocol == "plotter":
-            from passo.web.plotter_machine import PlotterMachine
+            from host_tools.page.plotter_machine import PlotterMachine
 
             return PlotterMachine(self._put, self._tell, self._board)
-        from passo.web.grbl_machine import GrblMachine
+        from host_tools.page.grbl_machine import GrblMachine
         from host_tools.page.teach import Teach
 
         machine = GrblMachine(self._put, self._tell)
@@ -166,7 +167,7 @@ class Tab:
             state["pages"] = 1
             if self._teach:
                 state["teaching"] = self._teach.places()
-            if self._pace.due(state, now):
+            if self._pace.due(at_once(state), now):
                 self._tell(state)
         if (now - self._shown_ms) & COUNT_MASK >= _SHOW_MS:
             self._shown_ms = now

@@ -18,7 +18,7 @@ from host_tools.emulator.sender import NEXT
 from host_tools.programs import stored_job
 from passo.protocols.plotter.host import COMMANDS, packet
 from passo.protocols.torch import protocol as torch
-from passo.web.board_jobs import PIECE
+from passo.protocols.page.stored import PIECE
 from test_pico_network import LATEST_US, LEAST_FREE, RATE, Z_TOO, network_board
 from test_pico_torch import until_up, worst_us
 

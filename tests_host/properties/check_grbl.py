@@ -153,7 +153,7 @@ def check_a_start_line_that_is_refused_is_not_kept():
 def check_texts_too_long():
     """No line of 80 characters holds one; what else asks for it is refused."""
     machine = Machine(links=BOARD["links"][:1]).ready()
-    system = machine.app.links[0].protocol._system
+    system = machine.app.links[0].protocol.system
     assert system.execute("$I=" + "A" * 81) == errors.START_LINE_TOO_LONG
     assert system.execute("$N0=" + "G4P0(" + "A" * 80 + ")") == errors.START_LINE_TOO_LONG
     assert machine.ask("$N0")[-1] == "error:3" and machine.ask("$N")[0] == "$N0="

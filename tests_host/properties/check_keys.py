@@ -2,7 +2,7 @@
 
 from boards.two_motor_kit import BOARD
 from check_control import copy
-from passo import errors
+from passo import commands, errors
 from passo.app import App
 from passo.commands import BAD, FOREVER, REST, RUN
 from passo.config.boardfile import BoardError, check
@@ -263,7 +263,7 @@ def check_every_byte():
             command = list(language.feed(bytes((byte,)), 0))[0]
             assert command.kind == BAD and command.error == errors.UNKNOWN_COMMAND
     assert language.ignored == 6 + 246
-    assert keys.STEP_MS == 4 and keys.SLOWEST == 127
+    assert commands.KIT_STEP_MS == 4 and commands.KIT_SLOWEST == 127
 
 
 def check_a_speed_that_does_not_come():

@@ -8,13 +8,13 @@ from draws import Random
 from panel_desk import Desk
 from passo import errors
 from passo.records import TICKS_PER_MS
-from passo.web.jog import Limits
-from passo.web.lease import FRESH_MS, LEASE_MS, Lease
+from passo.protocols.page.jog import Limits
+from passo.protocols.page.lease import FRESH_MS, LEASE_MS, Lease
 from passo.web.pace import Pace
-from passo.web.pages import too_deep
+from passo.protocols.page.orders import too_deep
 from passo.web.session import Session, hex_of, hmac, make_key, read_key, shown
 from host_tools.page.teach import lines_of
-from passo.web.wire import PAGE, Wire, dwell_ms
+from host_tools.page.wire import PAGE, Wire, dwell_ms
 
 SPEED = 3000
 MM = 320  # steps

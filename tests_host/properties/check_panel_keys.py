@@ -4,7 +4,7 @@ from boards.two_motor_kit import BOARD
 from language_desk import LanguageDesk
 from passo import errors
 from passo.records import TICKS_PER_MS
-from passo.web.keys_machine import KeysMachine
+from host_tools.page.keys_machine import KeysMachine
 
 
 def kit():

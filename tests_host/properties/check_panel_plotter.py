@@ -6,7 +6,7 @@ from language_desk import LanguageDesk
 from panel_desk import Shelf
 from passo import errors
 from passo.records import TICKS_PER_MS
-from passo.web.plotter_machine import PlotterMachine
+from host_tools.page.plotter_machine import PlotterMachine
 
 SQUARE = "SPEED 1000\nMOVE 644 314\nLINE 644 454\nLINE 884 454\nLINE 884 314\nLINE 644 314\nEND\n"
 CORNERS = [(644, 314), (644, 454), (884, 454), (884, 314), (644, 314)]

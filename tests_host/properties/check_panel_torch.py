@@ -4,7 +4,7 @@ from boards.torch_manipulator import BOARD
 from language_desk import LanguageDesk
 from passo import errors
 from passo.records import TICKS_PER_MS
-from passo.web.torch_machine import TorchMachine
+from host_tools.page.torch_machine import TorchMachine
 
 
 def connected(**changes):

@@ -164,6 +164,10 @@ class Browser:
     def send(self, data):
         self.wire.send(data)
 
+    def close(self):
+        self.wire.close()
+        self._board.browsers.remove(self)
+
     def say(self, text):
         self.send(masked(1, text.encode()))
 

@@ -8,7 +8,7 @@
 
 import pc_modules  # noqa: F401: before host_tools
 from panel_desk import Shelf
-from host_tools.page.orders import PanelApi
+from host_tools.page.orders import PanelOrders
 from host_tools.sim.plant import Plant
 from passo.app import App
 from passo.config.boardfile import check
@@ -38,7 +38,7 @@ class LanguageDesk(SteppedDesk):
         SteppedDesk.__init__(self, App(check(data), port), port, line)
         self.machine = machine_of(self.put, self.told.append, check(data))
         self.store = store or Shelf()
-        self.api = PanelApi(self.machine, self.store)
+        self.api = PanelOrders(self.machine, self.store)
         self.settle()
 
     def place(self):

@@ -10,10 +10,10 @@ from binascii import crc32
 
 import pc_modules  # noqa: F401: before host_tools
 from check_jobs import stored_form
-from host_tools.page.orders import PanelApi
+from host_tools.page.orders import PanelOrders
 from host_tools.page.stored import StoredJobs
 from host_tools.page.teach import Teach
-from passo.web.grbl_machine import GrblMachine
+from host_tools.page.grbl_machine import GrblMachine
 from router import Machine
 from stepped_desk import SteppedDesk
 
@@ -51,7 +51,7 @@ class Desk(SteppedDesk):
         self.machine.watcher = self.teach.see
         self.store = Shelf()
         self.machine.job = StoredJobs(self.machine, self.told.append, self.store.packed)
-        self.api = PanelApi(self.machine, self.store, self.teach)
+        self.api = PanelOrders(self.machine, self.store, self.teach)
         self.run_ms(300)
         assert self.order("unlock") == 0
         self.run_ms(300)

@@ -7,8 +7,8 @@
 
 from lpt import Lpt
 from panel_desk import Shelf
-from host_tools.page.orders import PanelApi
-from passo.web.pulses_machine import PulsesMachine
+from host_tools.page.orders import PanelOrders
+from host_tools.page.pulses_machine import PulsesMachine
 from stepped_desk import SteppedDesk
 
 
@@ -27,7 +27,7 @@ class PulsesDesk(SteppedDesk):
         SteppedDesk.__init__(self, board.app, board.port, board.line)
         self.machine = PulsesMachine(self.put, self.told.append, board.board)
         self.store = Bytes()
-        self.api = PanelApi(self.machine, self.store, self.machine.teach)
+        self.api = PanelOrders(self.machine, self.store, self.machine.teach)
         self.settle()
         assert self.machine.state["state"] == "Idle", self.machine.state
 

@@ -13,7 +13,7 @@ from hypothesis import given, strategies
 
 from host_tools.sim.consent import Consent, GuestLine
 from panel_process import PanelProcess
-from passo.web.guest import ALWAYS, QUESTIONS
+from host_tools.page.guest import ALWAYS, QUESTIONS
 from passo.web.session import shown
 
 LIMIT_S = 60

@@ -26,7 +26,8 @@ class Served:
 
     def __init__(self, folder, name="router_3axis", **more):
         config = {**boards.load(name), "network": {"host": "passo"}, **more}
-        config["links"] = [config["links"][0], {"name": "page", "port": "page", "protocol": config["links"][0]["protocol"]}]
+        cable = {key: value for key, value in config["links"][0].items() if key != "lost"}  # while it attacks, the host is silent for seconds
+        config["links"] = [cable, {"name": "page", "port": "page", "protocol": cable["protocol"]}]
         path = folder / "served.py"
         path.write_text(f'"""A router with a page."""\n\nBOARD = {config!r}\n')
         self.trace_file = folder / "trace.csv"

@@ -1,9 +1,7 @@
-"""The page, and what it may ask for: orders as dicts in, state and answers as dicts out.
+"""A board's network: requests by HTTP, WebSockets, who may order, and the files of the page.
 
-    page ─► server ─► Session (who?) ─► Api (may it, now?) ─► machine (a language: bytes) ─► the board
-                                          └─► Jog (a lease)
+    page ─► server ─► Session (who?) ─► the language of pages (protocols/page: may it, now?) ─► commands, as on any link
 
-The page is a link like any other. It speaks a language of the board, so the same code serves a board on a cable and the virtual
-board. Nothing here moves a motor by itself, and nothing here knows a step. On a PC the server is host_tools/panel/server.py; a board's
-own, for its requests by HTTP, is http.py.
+Nothing here moves a motor by itself, and nothing here knows a step. `passo panel` has a server of its own, host_tools/panel/server.py, with
+the same rules of who may.
 """

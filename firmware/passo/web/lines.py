@@ -22,8 +22,8 @@ _FOLDER = "/page/" if _FROZEN else __file__[: __file__.rfind("/")] + "/page/" if
 
 
 def make(board, radio, clock_ms, page_line):
-    """The lines of the links over the network. `board`: of the board file; `clock_ms()`: the links' clock; `page_line(board, language)`
-    gives what makes a line for pages."""
+    """The lines of the links over the network. `board`: of the board file; `clock_ms()`: the links' clock; `page_line()`: the class of lines
+    for pages."""
     lines = {}
     links = [link for link in board["links"] if link["port"] in NETWORK_PORTS]
     listener = radio.listen("http") if radio and [link for link in links if link["port"] != "tcp"] else None
@@ -41,7 +41,7 @@ def make(board, radio, clock_ms, page_line):
         elif server and link["port"] == "http":
             lines[name] = HttpLine(server, guard, board["network"]["legacy_http"], clock_ms)
         elif server:
-            lines[name] = page_line(board, link["protocol"])(server, radio.key, clock_ms)
+            lines[name] = page_line()(server, radio.key, clock_ms)
     return lines
 
 

@@ -2,7 +2,7 @@
 
     pace = Pace()
     answer = pace.look({"do": "look", "every": 500})        # milliseconds; 0: only when more changes than places
-    pace.due(state, now_ms)
+    pace.due(version, now_ms)
 
 A jog wants reports that are fresh (lease.py): a page that has them rarely asks for more of them before it moves the machine.
 """
@@ -10,7 +10,7 @@ A jog wants reports that are fresh (lease.py): a page that has them rarely asks 
 from micropython import const
 
 from passo import errors
-from passo.web.lease import since
+from passo.protocols.page.lease import since
 
 _MOST_MS = const(10_000)
 _EARLY_MS = const(5)  # a report that is so near to its time goes now, not a push later
@@ -31,12 +31,10 @@ class Pace:
             self._told = None  # the next report comes at once
         return {"t": "answer", "do": "look", "error": 0 if good else errors.ORDER_FIELD}
 
-    def due(self, state, now_ms):
-        """Whether the page is told now. What is no matter of places is told at once."""
-        job = state["job"]
-        changed = (state["state"], state["link"], state["alarm"], state.get("owner"), job and (job["name"], job["how"], job["pass"]))
-        if changed == self._told and (not self._every_ms or since(now_ms, self._told_ms) + _EARLY_MS < self._every_ms):
+    def due(self, version, now_ms):
+        """Whether the page is told now. `version`: another one if more than places have changed: that is told at once."""
+        if version == self._told and (not self._every_ms or since(now_ms, self._told_ms) + _EARLY_MS < self._every_ms):
             return False
-        self._told = changed
+        self._told = version
         self._told_ms = now_ms
         return True

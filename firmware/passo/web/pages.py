@@ -1,15 +1,13 @@
 """The pages that look at a machine: which of them may order, and what they are told. The rules of every server: of the PC's
-(host_tools/panel/server.py) and of a board's own (page_line.py).
+(host_tools/page/pages.py) and of a board's own (page_line.py).
 
-    pages = Pages(api, key, most)
-    page = pages.enter(socket, about, now_ms)   # None: there are too many. page.hello is the first message to it
-    answer = pages.hear(page, text, now_ms)     # a dict; None: it is to be closed
-    pages.next_state(now_ms)                    # the message for all of them that are due
-    page.pace.due(pages.state, now_ms)
-    pages.leave(page)                           # its jog ends
+    pages = Pages(key, most)
+    page = pages.enter(socket, hello, now_ms)       # None: there are too many. page.hello is the first message to it
+    text, proven = pages.open(page, message, now_ms)    # of an order; text None: `proven` is the answer, None: the page is to be closed
+    pages.tell(event)                               # with the next state
+    page.pace.due(version, now_ms)
+    pages.leave(page)                               # its jog is to end
 """
-
-import json
 
 from micropython import const
 
@@ -22,30 +20,6 @@ from passo.web.session import Session
 _MESSAGES_S = const(100)  # orders a second, of one page
 _SECOND_MS = const(1000)
 _TOLD = const(100)  # events that wait for the next push
-_DEEPEST = const(8)  # brackets in each other: an order has two
-
-
-def too_deep(text):
-    """True if brackets of JSON stand in each other more than _DEEPEST times: a parser that calls itself would run out of stack."""
-    if text.count("{") + text.count("[") <= _DEEPEST:
-        return False
-    depth = 0
-    quoted = escaped = False
-    for letter in text:
-        if escaped:
-            escaped = False
-        elif quoted:
-            escaped = letter == "\\"
-            quoted = letter != '"'
-        elif letter == '"':
-            quoted = True
-        elif letter in "{[":
-            depth += 1
-            if depth > _DEEPEST:
-                return True
-        elif letter in "}]":
-            depth -= 1
-    return False
 
 
 class Page:
@@ -56,6 +30,7 @@ class Page:
         self.remote = remote
         self.socket = socket
         self.session = session
+        self.number = 0
         self.hello = None
         self.told = []
         self.wrong = 0
@@ -66,27 +41,23 @@ class Page:
 
 
 class Pages:
-    def __init__(self, api, key, most):
-        """`api`: an Api; `key`: text; `most`: pages at once."""
-        self.api = api
+    def __init__(self, key, most):
+        """`key`: text; `most`: pages at once."""
         self._key = key
         self._most = most
         self.pages = []
-        self.beat = 0
-        self.state = {}  # as it is pushed
 
     def full(self):
         return len(self.pages) >= self._most
 
-    def enter(self, socket, about, now_ms, remote=False):
-        """A new page; `about`: what more its first message says, a dict; `remote`: it is on another computer, and the board does not
-        know that. None: there are too many."""
+    def enter(self, socket, hello, now_ms, remote=False):
+        """A new page; `hello`: what its first message says beside the nonce, a dict; `remote`: it is on another computer, and the board
+        does not know that. None: there are too many."""
         if self.full():
             return None
         page = Page(socket, Session(self._key, nonce()), remote)
-        machine = self.api.machine
-        page.hello = {"t": "hello", "nonce": page.session.nonce, "can": self.api.can(), "axes": machine.axes, "language": machine.language}
-        page.hello.update(about)
+        page.hello = {"t": "hello", "nonce": page.session.nonce}
+        page.hello.update(hello)
         page.second_ms = now_ms
         self.pages.append(page)
         return page
@@ -95,31 +66,27 @@ class Pages:
         """A page has gone."""
         if page in self.pages:
             self.pages.remove(page)
-            if page.lease:
-                self.api.machine.end_jog()
 
-    def hear(self, page, text, now_ms):
-        """The answer to a message, a dict; None: the page is to be closed. A message is an order in JSON, with its proof before
-        it (session.py), or without: then it moves nothing."""
+    def open(self, page, text, now_ms):
+        """(order's text, whether it is proven) of a message: an order in JSON, with its proof before it (session.py), or without: then it
+        moves nothing. (None, answer), where there is no order."""
         if not self._within_rate(page, now_ms):
+            return None, None
+        if text[:1] == "{":
+            return text, False
+        text = page.session.open(text)
+        if text is None:
+            page.wrong += 1
+            return None, {"t": "answer", "do": "", "error": errors.NO_SESSION} if page.wrong < WRONG else None
+        return text, True
+
+    def look(self, page, order):
+        """The answer to an order that says how often the page is told the state; None: it is another one."""
+        if not isinstance(order, dict) or order.get("do") != "look":
             return None
-        proven = text[:1] != "{"
-        if proven:
-            text = page.session.open(text)
-            if text is None:
-                page.wrong += 1
-                return {"t": "answer", "do": "", "error": errors.NO_SESSION} if page.wrong < WRONG else None
-        try:
-            order = None if too_deep(text) else json.loads(text)
-        except ValueError:
-            return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
-        looks = isinstance(order, dict) and order.get("do") == "look"
-        answer = page.pace.look(order) if looks else self.api.order(order, proven, page.remote)
-        if isinstance(order, dict):
-            if order.get("do") == "jog" and not answer["error"]:
-                page.lease = order["lease"]
-            if isinstance(order.get("id"), int):
-                answer["id"] = order["id"]
+        answer = page.pace.look(order)
+        if isinstance(order.get("id"), int):
+            answer["id"] = order["id"]
         return answer
 
     def _within_rate(self, page, now_ms):
@@ -134,15 +101,3 @@ class Pages:
         for page in self.pages:
             if len(page.told) < _TOLD:
                 page.told.append(event)
-
-    def next_state(self, now_ms):
-        """The state as it is pushed to all pages, JSON. A jog's lease counts from it: it is sent at once."""
-        self.beat = self.beat % COUNT_MASK + 1
-        machine = self.api.machine
-        machine.beat(self.beat)
-        state = dict(machine.shown())
-        state["t"] = "state"
-        state["beat"] = self.beat
-        state["pages"] = len(self.pages)
-        self.state = state
-        return json.dumps(state)

@@ -312,6 +312,25 @@ class GCode(Motions):
         self.position = place
         self._steps = self.commands[-1].target
 
+    def jog_to(self, place, feed, counted):
+        """A jog that was no line, in `commands`: to {axis: nanometres} at `feed`. `counted`: from where the places count, as G53 machine
+        coordinates, as G54 those of work, as G91 from here. 0, or the error that refuses it."""
+        self.leave_batch()
+        self._settle()
+        self.commands = []
+        self._prepare(0, feed, 0, self.number, self.spindle, self.rpm)
+        target = self.position[:]
+        for axis in place:
+            before = target[axis] if counted == 91 else 0 if counted == 53 else self.offsets.of(self.system, axis)
+            target[axis] = before + place[axis]
+        try:
+            self._move(commands.JOG_TO, target, feed)
+        except Refused as refusal:
+            return refusal.args[0]
+        self.position = target
+        self._steps = self.commands[-1].target
+        return 0
+
     # --- the rest of a line
 
     def _spindle_command(self, spindle, rpm, motion):

@@ -62,7 +62,7 @@ class Grbl:
         self._settings = settings = machine.settings
         self._machine = machine
         self._number, self._most = batch.link, most
-        self._system = System(self.gcode, settings, machine, batch.link)
+        self.system = System(self.gcode, settings, machine, batch.link)
         self._status = Status(self.gcode, settings, machine)
         self._lines = Lines()
         self._taker = self._arrays = None  # the batch's, and what take_lines() takes
@@ -269,7 +269,7 @@ class Grbl:
         if b"\0" in line:
             return [Command(commands.BAD, error=errors.LETTER)]
         if b"$" in line and bare(line)[:1] == b"$":
-            result = self._system.execute(line.decode() if line[:3] == b"$F:" else plain_text(line))
+            result = self.system.execute(line.decode() if line[:3] == b"$F:" else plain_text(line))
         elif not line.strip() or line.strip() == b"%":
             result = answer("")
         elif self._machine.commander != self._number:
@@ -306,7 +306,7 @@ class Grbl:
                 from passo.protocols.grbl.homing import told  # loaded at the start, by check()
 
                 text += told(event.value)
-            self._start_lines = self._system.start_lines()
+            self._start_lines = self.system.start_lines()
         if command.kind == commands.JOB and event.value:
             from passo.protocols.jobs.files import told
 
@@ -356,7 +356,7 @@ class Grbl:
             return b""
         text = self._begin_anew(event.error)
         if not event.error:
-            self._start_lines = self._system.start_lines()
+            self._start_lines = self.system.start_lines()
         return text.encode()
 
     def drop(self, event):
@@ -391,7 +391,7 @@ class Grbl:
 
     def _probed(self, value, measures):
         position, touched = value
-        system = self._system
+        system = self.system
         system.probed = [rounded(steps * NM_PER_M, per_m) for steps, per_m in zip(position, self._machine.steps_per_m)]
         system.touched = touched
         if measures and touched:

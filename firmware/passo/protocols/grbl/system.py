@@ -155,9 +155,9 @@ class System:
 
     def _all(self):
         """The settings."""
-        return told(["$%d=%s\r\n" % (number, self._show(number)) for number in self._settings.numbers])
+        return told(["$%d=%s\r\n" % (number, self.show(number)) for number in self._settings.numbers])
 
-    def _show(self, number):
+    def show(self, number):
         return grbl_report.decimal(self._settings.value(number), self._settings.places(number))
 
     def _info(self):

@@ -15,12 +15,9 @@ A speed whose second byte does not come within 2 s is dropped, so that no later 
 from micropython import const
 
 from passo import errors
-from passo.commands import BAD, FOREVER, LIVE, REST, Command, Run
+from passo.commands import BAD, FOREVER, KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS, LIVE, REST, Command, Run
 from passo.records import COUNT_MASK
 
-STEP_MS = const(4)  # between steps at speed 1
-SLOWEST = const(127)
-MOTORS = const(2)
 _PATIENCE_MS = const(2000)
 
 # Byte of each task, and the mask of the motors that it is for.
@@ -35,8 +32,8 @@ class Keys:
         """`is_turning(axis)`: whether an axis runs; `axes`: how many the machine has, two at least."""
         self._is_turning = is_turning
         self._axes = axes
-        self._speed = [1] * MOTORS
-        self._negative = [False] * MOTORS
+        self._speed = [1] * KIT_MOTORS
+        self._negative = [False] * KIT_MOTORS
         self._waiting = None  # the motor whose speed comes next
         self._since_ms = 0
         self.ignored = 0
@@ -74,7 +71,7 @@ class Keys:
         return self._ignore(errors.UNKNOWN_COMMAND)
 
     def _set_speed(self, motor, speed):
-        if not 1 <= speed <= SLOWEST:
+        if not 1 <= speed <= KIT_SLOWEST:
             return self._ignore(errors.NUMBER_RANGE)
         self._speed[motor] = speed
         return self._run(self._turning(), 1 << motor) if self._is_turning(motor) else None
@@ -82,7 +79,7 @@ class Keys:
     def _turning(self):
         """Mask of the motors that are on."""
         mask = 0
-        for motor in range(MOTORS):
+        for motor in range(KIT_MOTORS):
             if self._is_turning(motor):
                 mask |= 1 << motor
         return mask
@@ -94,10 +91,10 @@ class Keys:
         """Let the motors of the mask `named` turn as they are set; `on`: all that turn then."""
         steps = [None] * self._axes
         rates = [None] * self._axes
-        for motor in range(MOTORS):
+        for motor in range(KIT_MOTORS):
             if named >> motor & 1:
                 steps[motor] = -FOREVER if self._negative[motor] else FOREVER
-                rates[motor] = (1, STEP_MS * self._speed[motor])
+                rates[motor] = (1, KIT_STEP_MS * self._speed[motor])
         command = Run(steps, rates, LIVE)
         command.unpowered = self._others(on)
         return command

@@ -1,6 +1,7 @@
 """Pulse files on a link; its links share one step program."""
 
 from passo.protocols.pulses.protocol import Pulses
+from passo.protocols.pulses.report import port_byte  # noqa: F401: for its page
 
 NEEDS = ("step_program", "pauses")
 

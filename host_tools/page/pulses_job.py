@@ -8,11 +8,11 @@
 
 from micropython import const
 
+from host_tools.page.pulses_wire import END
+from host_tools.page.wire import LOST
 from passo import errors
 from passo.commands import STEPS_ABORT
 from passo.protocols.pulses.protocol import Pulses, frame
-from passo.web.pulses_wire import END
-from passo.web.wire import LOST
 
 _PIECE = const(256)  # bytes of a file in one call
 _CHECK_PIECE = const(4096)

@@ -1,38 +1,58 @@
-"""What the machines of all languages have in common: one state, a log, the lease of a jog. A language adds its own words.
+"""What the machines of all pages have in common: one state, a log, the lease of a jog. A language adds its own words.
 
-    class PulsesMachine(AnyMachine):
-        language = "pulses"
-        can = ("jog", "step", "hold", …)       # the page hides what is not named
+    class PlotterPage(BoardMachine):           # a board that serves its own page: orders become commands, see board_machine.py
+        language = "plotter"
+        can = ("jog", "step", "home", …)       # the page hides what is not named
 
-What a language has no word for is refused with error 102, and the page hides it.
+A PC's are told by cable, and tell the board in its language (host_tools/page). What a machine has no word for is refused with error
+102, and the page hides it.
 """
 
 from micropython import const
 
 from passo import errors
-from passo.web.jog import Jog, Limits
-from passo.web.lease import Lease, since
+from passo.protocols.page.jog import Jog, Limits
+from passo.protocols.page.lease import Lease, since
 
-_JOG_ASK_MS = const(40)  # between two reports, while a jog goes on
 _MOST_LOG = const(100)
 _HUGE = 1e9  # mm/s²: no ramps
+
+
+class NoJob:
+    """No file is streamed."""
+
+    name = ""
+
+    def running(self):
+        return False
+
+    def poll(self):
+        pass
+
+    def refresh(self):
+        pass
+
+    def fail(self, error):
+        pass
+
+    def abort(self):
+        return 0
+
+    def run(self, name, lines, passes, checked, single=False):
+        return errors.UNKNOWN_COMMAND
 
 
 class AnyMachine:
     language = ""
     can = ()
     stood = ("Idle", "Check", "Alarm", "Sleep", "Hold", "Door")
+    speaks = False  # a board's link for pages also understands lines of its language
     jogs_from = ("Idle", "Jog")  # states in which a continuous jog may begin
-    ask_ms = 40  # between two reports otherwise: 25 a second
-    silent_ms = 1500  # without a report: the link is down
-    again_ms = 3000  # it is asked for again
 
     def __init__(self, tell, job, board=None):
         """`tell(event)`: a dict for every page; `job`: what runs jobs; `board`: the checked board file, for a language that does not
         tell its axes and their steps/mm."""
         axes = board["axes"] if board else ()
-        network = board["network"] if board else None
-        self._presence = bool(network and network["presence"])
         self.axes = "".join([axis["name"] for axis in axes]) or "xyz"
         self.scale = [axis["steps_per_m"] / 1000 for axis in axes]
         self._tell = tell
@@ -42,50 +62,10 @@ class AnyMachine:
         self.settings = {}
         self.orders = {}  # name: function of an order, for what only this language has
         self.place = None  # mm, machine coordinates
-        self._now_ms = self._asked_ms = self._heard_ms = 0
-        self._asking = False
+        self._now_ms = self._measured_ms = 0
+        self._measured = None  # steps, by the report before
         self._log = []
-        self.watcher = None  # watcher(state): told of each report
         self.state = {"link": False, "state": "", "sub": "0", "owner": "page", "alarm": 0, "job": None}
-
-    def poll(self, now_ms):
-        """Ask, end what has lapsed, go on with the job."""
-        self._now_ms = now_ms
-        if self.jog.active and not self.lease.alive(now_ms):
-            self.end_jog()
-        if since(now_ms, self._asked_ms) >= (self.again_ms if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
-            self._asked_ms = now_ms
-            self._asking = True
-            self._ask()
-        if self.state["link"] and since(now_ms, self._heard_ms) > self.silent_ms:
-            self._lose()
-        if self.state["link"]:
-            self._go_on()
-        self.job.poll()
-
-    def _ask(self):
-        """Ask the board for a report."""
-
-    def _go_on(self):
-        """What is to be said as soon as it can be."""
-
-    def _reported(self):
-        """A report has come, and the state is as it says."""
-        self._asking = False
-        self._heard_ms = self._now_ms
-        self.state["link"] = True
-
-    def attached(self, is_open):
-        """The port has been opened, or closed."""
-
-    def lost(self):
-        """There is no board any more: it is about to be another one."""
-        self._lose()
-
-    def _lose(self):
-        self.state["link"] = False
-        self.end_jog()
-        self.job.fail(errors.NO_ANSWER)
 
     # --- what is told
 
@@ -99,20 +79,31 @@ class AnyMachine:
         self.state["lease"] = self.lease.number
         return self.state
 
+    def _show_place(self, steps):
+        """A report of a machine that tells no speed: its place in mm, and the speed since the one before."""
+        axes = range(len(self.scale))
+        self.place = self.state["m"] = self.state["w"] = [round(steps[axis] / self.scale[axis], 4) for axis in axes]
+        passed = since(self._now_ms, self._measured_ms)
+        if self._measured and passed:
+            far = sum([((steps[axis] - self._measured[axis]) / self.scale[axis]) ** 2 for axis in axes]) ** 0.5
+            self.state["feed"] = round(far * 60_000 / passed)
+        self._measured = [steps[axis] for axis in axes]
+        self._measured_ms = self._now_ms
+
     def stands(self):
-        """True if nothing moves, as far as the last report says."""
+        """True if nothing moves, as far as is known."""
         return self.state["state"] in self.stood
 
     def note(self, number):
         """A line of the page's log: alarms and refusals."""
-        self._log.append((self._now_ms, number))
+        self._log.append(number)
         if len(self._log) > _MOST_LOG:
             self._log.pop(0)
         self._tell({"t": "log", "log": [number]})
 
     def log(self):
         """Numbers of errors and alarms, the oldest first."""
-        return [number for _, number in self._log]
+        return list(self._log)
 
     # --- orders
 
@@ -123,11 +114,6 @@ class AnyMachine:
         if self.state["owner"] != "page":
             return errors.COMMANDED_ELSEWHERE
         return 0
-
-    def absent(self):
-        """0, or why who orders over a network may not start the tool or go on: the board wants somebody at the machine.
-        Most languages have no word for who is there: then never."""
-        return errors.PRESENCE if self._presence else 0
 
     def still(self):
         """0, or why something may not begin."""

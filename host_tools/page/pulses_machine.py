@@ -11,14 +11,15 @@ left behind it is taken off by a jog of no steps. What was moved by hand at a pa
 
 from micropython import const
 
+from host_tools.page.cable_machine import CableMachine
+from host_tools.page.pulses_job import PulsesJob
+from host_tools.page.pulses_teach import PulsesTeach
+from host_tools.page.pulses_wire import PulsesWire
 from passo import errors
+from passo.protocols.page.jog import Limits
+from passo.protocols.page.orders import number
+from passo.protocols.page.pulses import can_of
 from passo.protocols.pulses.report import status_from
-from passo.web.api import number
-from passo.web.jog import Limits
-from passo.web.any_machine import AnyMachine
-from passo.web.pulses_job import PulsesJob
-from passo.web.pulses_teach import PulsesTeach
-from passo.web.pulses_wire import PulsesWire
 
 _MOST_STEPS = const(999_999)  # of one axis in one jog
 _MOST_WORDS = const(9)  # in one command
@@ -30,13 +31,13 @@ _PLAYS = {
 _OUTPUTS = ("tool", "drives", "motors")
 
 
-class PulsesMachine(AnyMachine):
+class PulsesMachine(CableMachine):
     language = "pulses"
     again_ms = 1000
     jogs_from = ("Idle", "Jog", "Hold")
 
     def __init__(self, write, tell, board):
-        AnyMachine.__init__(self, tell, PulsesJob(self, board), board)
+        CableMachine.__init__(self, tell, PulsesJob(self, board), board)
         self.wire = PulsesWire(write, self._heard)
         self.axes = self.axes[:3]
         self.teach = PulsesTeach(self.axes)
@@ -46,12 +47,7 @@ class PulsesMachine(AnyMachine):
         self._cut = False  # a jog was cut: its hold is to be taken off
         self._said = None  # steps up to which the jog is said
         self.orders = {"pace": self._pace}
-        words = ["place", "jog", "step", "goto", "unlock", "hold", "resume", "jobs", "log", "program", "teach", "pace", "port", "tool", "drives", "single"]
-        if board["homing"]:
-            words.append("home")
-        if [output for output in board["outputs"] if output.get("role") == "ours"]:
-            words.append("motors")
-        self.can = tuple(words)
+        self.can = can_of(board, ("jobs", "teach", "single"))
 
     # --- bytes
 
@@ -64,7 +60,7 @@ class PulsesMachine(AnyMachine):
 
     def _lose(self):
         self.wire.drop()
-        AnyMachine._lose(self)
+        CableMachine._lose(self)
 
     def _go_on(self):
         if self._cut and self.state["state"] == "Hold" and not self.jog.waiting:
@@ -179,7 +175,7 @@ class PulsesMachine(AnyMachine):
 
     def _start_jog(self, direction, speed):
         self._said = list(self._steps)
-        AnyMachine._start_jog(self, direction, self.state["feed"])
+        CableMachine._start_jog(self, direction, self.state["feed"])
 
     def _limits(self):
         axes = [self.state["feed"]] * len(self.place)
@@ -195,7 +191,7 @@ class PulsesMachine(AnyMachine):
     def jog_answered(self, error):
         if not error:
             self._said = [self._said[axis] + self._ahead[axis] for axis in range(len(self._said))]
-        AnyMachine.jog_answered(self, error)
+        CableMachine.jog_answered(self, error)
 
     def _brake(self):
         self._cut = True

@@ -1,12 +1,14 @@
 """What a page may ask: an order as a dict in, an answer as a dict out. The only place that looks at what came from a network.
 
-    api = Api(machine)
-    api.order({"do": "step", "by": {"x": 1.0}, "speed": 500}, proven)     # {"t": "answer", "do": "step", "error": 0}
+    orders = Orders(machine)
+    orders.order({"do": "step", "by": {"x": 1.0}, "speed": 500}, proven)     # {"t": "answer", "do": "step", "error": 0}
 
 What only one language has, its machine adds (`orders`), and looks at it with the functions of this module. STOP needs no proof. All
 else that does something wants a session that has proven its key; what is only looked at does not. A PC adds jobs that are streamed,
 teach-in and the choice of a machine (host_tools/page/orders.py).
 """
+
+import json
 
 from micropython import const
 
@@ -17,11 +19,44 @@ _MOST_SPEED = 1_000_000.0
 _LEAST_WAY = 1e-6  # of a direction: less is no direction, and its square may be 0
 _LINE = const(120)
 _MOST_NUMBER = const(0x1FFFFFFF)
-_OF_PC = ("jobs", "single", "teach")
+
+
+OF_PC = ("job_text", "job_part", "job_remove", "run", "teach", "machine")
+_DEEPEST = const(8)  # brackets in each other: an order has two
 
 
 class Wrong(Exception):
     """A field is missing, or out of its bounds."""
+
+
+def too_deep(text):
+    """True if brackets of JSON stand in each other more than _DEEPEST times: a parser that calls itself would run out of stack."""
+    if text.count("{") + text.count("[") <= _DEEPEST:
+        return False
+    depth = 0
+    quoted = escaped = False
+    for letter in text:
+        if escaped:
+            escaped = False
+        elif quoted:
+            escaped = letter == "\\"
+            quoted = letter != '"'
+        elif letter == '"':
+            quoted = True
+        elif letter in "{[":
+            depth += 1
+            if depth > _DEEPEST:
+                return True
+        elif letter in "}]":
+            depth -= 1
+    return False
+
+
+def order_of(text):
+    """The order in a message. Raises ValueError."""
+    if too_deep(text):
+        raise ValueError(text)
+    return json.loads(text)
 
 
 def number(order, name, least, most, otherwise=None):
@@ -52,7 +87,7 @@ def places(order, name, axes):
     return value
 
 
-class Api:
+class Orders:
     def __init__(self, machine):
         self.machine = machine
         self._orders = {
@@ -61,14 +96,15 @@ class Api:
             "override": self._override, "output": self._output, "set": self._set, "line": self._line, "give": self._give,
             "jobs": self._jobs, "abort": self._abort, "log": self._log, "settings": self._settings, "play": self._play,
         }  # fmt: skip
+        for name in OF_PC:
+            self._orders[name] = self._wordless
 
     def can(self):
-        """What a page may ask for: of what the machine's language has words for, what this server serves."""
-        return [what for what in self.machine.can if what not in _OF_PC]
+        """What a page may ask for."""
+        return list(self.machine.can)
 
-    def order(self, order, proven, remote=False):
-        """The answer to an order. `proven`: its session has the key; `remote`: it comes from another computer, and the board does
-        not know that."""
+    def order(self, order, proven):
+        """The answer to an order. `proven`: its session has the key."""
         name = order.get("do") if isinstance(order, dict) else None
         if name == "stop":
             return self._answer("stop", self.machine.stop())
@@ -77,18 +113,11 @@ class Api:
             return self._answer("", errors.UNKNOWN_COMMAND)
         if not proven:
             return self._answer(name, errors.NO_SESSION)
-        error = self._absent(order) if remote else 0
-        if error:
-            return self._answer(name, error)
         try:
             found = do(order)
         except Wrong:
             return self._answer(name, errors.ORDER_FIELD)
         return found if isinstance(found, dict) else self._answer(name, found)
-
-    def _absent(self, order):
-        """0, or why who orders from another computer may not: a board knows that by its links."""
-        return 0
 
     def _answer(self, name, error):
         return {"t": "answer", "do": name, "error": error}
@@ -96,6 +125,10 @@ class Api:
     def _moving(self):
         """0, or why the page may not move it."""
         return self.machine.refusal()
+
+    def _wordless(self, order):
+        """Only a PC does that."""
+        return errors.UNKNOWN_COMMAND
 
     # --- motion
 

@@ -12,9 +12,9 @@ What has been sent already is drawn before a job that runs comes to its stand.
 from micropython import const
 
 from passo import errors
+from passo.protocols.page.plotter import MOST_PLACE
 
 _WORDS = {"END": 0, "SPEED": 1, "LINE": 2, "MOVE": 2}
-MOST_PLACE = const(65535)
 
 
 def read_line(line):

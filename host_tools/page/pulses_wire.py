@@ -11,8 +11,8 @@ answer to it or not; the next status tells.
 
 from micropython import const
 
+from host_tools.page.wire import LOST, whole_lines
 from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
-from passo.web.wire import LOST, whole_lines
 
 END = ("end",)
 _ASK = ("?",)

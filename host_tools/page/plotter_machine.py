@@ -10,11 +10,12 @@ got lost and is sent again; a point twice is a line of no length. A held jog end
 
 from micropython import const
 
+from host_tools.page.cable_machine import CableMachine
+from host_tools.page.plotter_job import PlotterJob
 from passo import errors
+from passo.protocols.page.orders import number
+from passo.protocols.page.plotter import MOST_PLACE, PlotterPage, jogs_of, signs
 from passo.protocols.plotter.host import ANSWERS, COMMANDS, STATUS_LENGTH, packet, status_from
-from passo.web.any_machine import AnyMachine
-from passo.web.api import number
-from passo.web.plotter_job import MOST_PLACE, PlotterJob
 
 _LOST = const(3)  # STATUS answered behind a packet that was not
 _ATTEMPTS = const(8)
@@ -23,11 +24,9 @@ _ANSWER_TO = {"LINE": "NEXT", "MOVE": "NEXT", "END": "DONE", "SPEED": "SPEED_OK"
               "UP": "NEXT", "DOWN": "NEXT", "LEFT": "NEXT", "RIGHT": "NEXT"}  # fmt: skip
 _TAKES_TIME = ("END", "ORIGIN", "STOP")  # answered when they are done
 _ONCE = ("UP", "DOWN", "LEFT", "RIGHT")
-# Logged, but nothing of what was sent was refused: damaged bytes may look like another command.
-_NO_REFUSAL = (errors.CHECKSUM, errors.BYTES_DROPPED, errors.WORDS_LATE, errors.UNKNOWN_COMMAND)
 
 
-class PlotterMachine(AnyMachine):
+class PlotterMachine(CableMachine):
     language = "plotter"
     ask_ms = 60
     silent_ms = 5000  # a torn packet keeps the board silent for two seconds
@@ -35,12 +34,9 @@ class PlotterMachine(AnyMachine):
     can = ("place", "jog", "step", "goto", "home", "jobs", "single", "log", "points")
 
     def __init__(self, write, tell, board):
-        AnyMachine.__init__(self, tell, PlotterJob(self), board)
+        CableMachine.__init__(self, tell, PlotterJob(self), board)
         self._write = write
-        up = board["jog"]["up"]
-        sign = 1 if up[1] == "+" else -1
-        up_x, up_y = (0, sign) if up[0] == "y" else (sign, 0)
-        self._jogs = {(up_x, up_y): "UP", (-up_x, -up_y): "DOWN", (up_y, -up_x): "RIGHT", (-up_y, up_x): "LEFT"}
+        self._jogs = jogs_of(board)
         self._travel = [min(axis["travel_steps"], MOST_PLACE) for axis in board["axes"]]
         self._buffer = b""
         self._queue = []  # (name, x, y, answered): the first one is under way
@@ -109,31 +105,27 @@ class PlotterMachine(AnyMachine):
     def _lose(self):
         self._buffer = b""
         self._drop(errors.NO_ANSWER)
-        AnyMachine._lose(self)
+        CableMachine._lose(self)
 
     def _ask(self):
         self._write(packet(COMMANDS["STATUS"]))
 
     def _report(self, status):
         state = self.state
-        before, passed = self._steps, (self._now_ms - self._heard_ms) % 0x20000000
         self._reported()
         name = status["state"]
         state["state"] = name[:1].upper() + name[1:]
         self._steps = [status["x"], status["y"]]
-        self.place = state["m"] = state["w"] = [round(self._steps[axis] / self.scale[axis], 4) for axis in range(2)]
-        if before and passed > 0:
-            far = sum([((self._steps[axis] - before[axis]) / self.scale[axis]) ** 2 for axis in range(2)]) ** 0.5
-            state["feed"] = round(far * 60_000 / passed)
+        self._show_place(self._steps)
         state["drawn"], state["free"] = status["drawn"], status["free"]
         self.job.report(status["drawn"])
         error = status["error"]
         state["pen"] = self._pen(name)
         alarm = name == "alarm"
         state["alarm"] = (error or state["alarm"] or errors.NUMBER) if alarm else 0
-        if error and error not in _NO_REFUSAL and error != errors.STOPPED:
+        if error and error not in PlotterPage.untold:
             self.note(error)
-        self._settle(name, error if error not in _NO_REFUSAL else 0, alarm, status["free"])
+        self._settle(name, error if error == errors.STOPPED or error not in PlotterPage.untold else 0, alarm, status["free"])
         if self.watcher:
             self.watcher(state)
 
@@ -178,7 +170,7 @@ class PlotterMachine(AnyMachine):
         return self.job.play(what)
 
     def still(self):
-        return errors.BUSY if self._queue else AnyMachine.still(self)
+        return errors.BUSY if self._queue else CableMachine.still(self)
 
     def _order(self, name, x=0, y=0):
         self.send(name, x, y, self.finished)
@@ -227,11 +219,10 @@ class PlotterMachine(AnyMachine):
     # --- the jog
 
     def _may_jog(self, direction):
-        ways = tuple([1 if part > 0 else -1 if part < 0 else 0 for part in direction])
-        return ways in self._jogs and self._steps is not None and not self._queue
+        return signs(direction) in self._jogs and self._steps is not None and not self._queue
 
     def _start_jog(self, direction, speed):
-        self._way = self._jogs[tuple([1 if part > 0 else -1 if part < 0 else 0 for part in direction])]
+        self._way = self._jogs[signs(direction)]
         self.jog.active = True
 
     def _go_on(self):

@@ -11,13 +11,13 @@ It asks for reports, streams jobs, feeds a jog while its lease lasts, and lets a
 
 from micropython import const
 
+from host_tools.page.cable_machine import CableMachine
+from host_tools.page.guest import Guest
+from host_tools.page.job import Job
+from host_tools.page.wire import GUEST, PAGE, Wire, dwell_ms, fields_of
 from passo import errors
-from passo.web.guest import Guest
-from passo.web.jog import Limits
-from passo.web.job import Job
-from passo.web.any_machine import AnyMachine
-from passo.web.lease import since
-from passo.web.wire import GUEST, PAGE, Wire, dwell_ms, fields_of
+from passo.protocols.page.jog import Limits
+from passo.protocols.page.lease import since
 
 AXES = "xyza"
 _RESET = b"\x18"
@@ -34,7 +34,7 @@ _REAL_TIME = {
 _OUTPUTS = {"spindle_cw": b"M3", "spindle_ccw": b"M4", "spindle_off": b"M5", "mist": b"M7", "flood": b"M8", "coolant_off": b"M9"}
 
 
-class GrblMachine(AnyMachine):
+class GrblMachine(CableMachine):
     language = "grbl"
     can = (
         "place", "jog", "step", "goto", "zero", "home", "unlock", "hold", "resume", "overrides", "outputs", "jobs", "settings", "log",
@@ -43,7 +43,7 @@ class GrblMachine(AnyMachine):
 
     def __init__(self, write, tell, guest=None):
         """`write(bytes)`: to the board; `guest(bytes)`: to the guest, if there may be one."""
-        AnyMachine.__init__(self, tell, Job(self))
+        CableMachine.__init__(self, tell, Job(self))
         self.wire = Wire(write, self._heard)
         self.guest = Guest(self, guest)
         self._offset = None
@@ -74,7 +74,7 @@ class GrblMachine(AnyMachine):
 
     def _lose(self):
         self._known = False
-        AnyMachine._lose(self)
+        CableMachine._lose(self)
 
     def _all_known(self, error):
         if error:
@@ -253,7 +253,7 @@ class GrblMachine(AnyMachine):
     # --- the jog
 
     def _may_jog(self, direction):
-        return self._known and AnyMachine._may_jog(self, direction)
+        return self._known and CableMachine._may_jog(self, direction)
 
     def _brake(self):
         self.wire.write(_JOG_CANCEL)

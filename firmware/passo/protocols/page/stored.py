@@ -1,6 +1,6 @@
-"""Stored jobs on the page that a board serves itself: uploaded in pieces, listed, run, deleted. Only boards with `jobs` load it.
+"""Stored jobs on the page that a board serves: uploaded in pieces, listed, run, deleted. Only boards with `jobs` load it.
 
-    jobs = BoardJobs(controller, seat, machine, tell, language)
+    jobs = StoredJobs(machine, tell, language, name_fits)
     machine.orders["stored"]({"do": "stored", "what": "begin", "name": "PART.NC", "size": 900, "crc": "cbf43926", "stored": 300})
     machine.orders["stored"]({"do": "stored", "what": "piece", "name": "PART.NC", "at": 0, "data": "…"})    # base64, PIECE bytes
     machine.orders["stored"]({"do": "stored", "what": "end", "name": "PART.NC"})    # read back whole; the job "kept" or "failed" follows
@@ -16,8 +16,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command
-from passo.config.job_keys import name_fits
-from passo.web.api import Wrong, number, text
+from passo.protocols.page.orders import Wrong, number, text
 
 PIECE = const(300)  # bytes of an upload in a message: with its proof some 600, of which a Pico W has several pieces at any time
 _BASE64 = const(400)  # letters of it
@@ -25,19 +24,17 @@ _MOST_BYTES = const(0x0FFFFFFF)
 _PER_CENT = const(100)
 
 
-class BoardJobs:
-    def __init__(self, controller, seat, machine, tell, language):
-        """`seat`: who asks; its `heard` is told what is answered. `tell(event)`: a dict for every page."""
-        self._controller = controller
-        self._seat = seat
+class StoredJobs:
+    def __init__(self, machine, tell, language, name_fits):
+        """`machine`: a BoardMachine; `tell(event)`: a dict for every page; `name_fits(name)`: a job may be called so."""
         self._machine = machine
         self._tell = tell
         self._language = language
+        self._fits = name_fits
         self._name = ""  # of the upload under way
         self._sent = self._size = 0
         self._closing = self._ran = False
-        seat.heard = self._heard
-        machine.orders["stored"] = self._order
+        machine.keep_jobs(self._order, self._heard)
 
     def _order(self, order):
         machine = self._machine
@@ -48,7 +45,7 @@ class BoardJobs:
         if what == "list":
             return self._ask(commands.JOB_LIST)
         name = text(order, "name", 64)
-        if not name_fits(name):
+        if not self._fits(name):
             return errors.STORED_NAME
         if what == "run" or what == "delete":
             return self._ask(commands.JOB_RUN if what == "run" else commands.JOB_DELETE, name)
@@ -60,11 +57,11 @@ class BoardJobs:
             return self._piece(order)
         return self._close() if what == "end" else errors.UNKNOWN_COMMAND
 
-    def _ask(self, what, target=None):
-        command = Command(commands.JOB, target, what)
-        command.link = self._seat
-        error = self._controller.accept(command)
-        return errors.BUSY if error == errors.LATER else error
+    def _ask(self, what, target=None, answered=None):
+        return self._machine.do(Command(commands.JOB, target, what), answered or self._refused)
+
+    def _refused(self, error):
+        """The answer to the order says so."""
 
     # --- uploads
 
@@ -76,10 +73,12 @@ class BoardJobs:
         except ValueError:
             raise Wrong("crc")
         self._name = ""
-        error = self._ask(commands.JOB_OPEN, (name, self._language, size, crc, stored))
-        if not error:
-            self._name, self._sent, self._size = name, 0, stored
-        return error
+
+        def opened(error):
+            if not error:
+                self._name, self._sent, self._size = name, 0, stored
+
+        return self._ask(commands.JOB_OPEN, (name, self._language, size, crc, stored), opened)
 
     def _piece(self, order):
         if number(order, "at", 0, _MOST_BYTES) != self._sent:
@@ -88,23 +87,22 @@ class BoardJobs:
             data = a2b_base64(text(order, "data", _BASE64))
         except ValueError:
             raise Wrong("data")
-        error = self._ask(commands.JOB_DATA, data)
-        if not error:
-            self._sent += len(data)
-            self._show("store", self._name, self._sent * _PER_CENT // self._size)
-        return error
+
+        def taken(error):
+            if not error:
+                self._sent += len(data)
+                self._show("store", self._name, self._sent * _PER_CENT // self._size)
+
+        return self._ask(commands.JOB_DATA, data, taken)
 
     def _close(self):
-        error = self._ask(commands.JOB_CLOSE)
-        self._closing = not error
-        return error
+        self._closing = True
+        return self._ask(commands.JOB_CLOSE)
 
     # --- what the machine says
 
     def _heard(self, event):
         what = event.command.value
-        if event.command.kind != commands.JOB:
-            return
         if what == commands.JOB_CLOSE and self._closing:
             self._closing = False
             self._show("failed" if event.error else "kept", self._name, _PER_CENT, event.error)
@@ -121,11 +119,11 @@ class BoardJobs:
 
     def poll(self):
         """Follow a job that runs, and an upload whose end is read back: a stop ends that without a word."""
-        machine = self._controller.machine
+        machine = self._machine
         if self._closing and not machine.busy_with(commands.JOB):
             self._closing = False
             self._show("failed", self._name, _PER_CENT, errors.JOB_STOPPED)
-        runs = machine.lender >= 0
+        runs = machine.runs_stored()
         if runs or self._ran:
             self._ran = runs
             self._ask(commands.JOB_STATE)

@@ -7,8 +7,8 @@
 At the first refused line it holds the machine on its path, drops what is queued and tells which line it was.
 """
 
+from host_tools.page.wire import LOST, PAGE
 from passo import errors
-from passo.web.wire import LOST, PAGE
 
 _HELD = ("Hold", "Idle", "Alarm", "Check", "Door")
 

@@ -1,0 +1,222 @@
+"""The page of a machine that is told G-code on its other links: keys and places become commands, and so does the report; what belongs to
+the modal state of G-code (work zeros, spindle and coolant, settings, a line as typed) is said as a line of the page's own link.
+
+    machine = GrblPage(record, number, board, tell, spoken)     # `spoken`: what understands lines, and has their state
+"""
+
+from micropython import const
+
+from passo import commands, errors
+from passo.commands import NOTICE, RESTARTED, Command
+from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.jog import Limits
+from passo.records import SETTING_MAX_RPM
+
+AXES = "xyza"
+_AXIS_SPEED = const(110)  # settings $110 …, thousandths
+_AXIS_ACCELERATION = const(120)
+_NM = const(1000)  # that a place of the page is told to: as three decimals of a millimetre
+# Of each override: how it is called, its value, and whether it is a change.
+_OVERRIDES = {"feed": commands.FEED, "rapid": commands.RAPID, "spindle": commands.POWER}
+_PERCENT = ("100", "+10", "-10", "+1", "-1")
+_RAPID = ("100", "50", "25")
+OUTPUTS = {"spindle_cw": "M3", "spindle_ccw": "M4", "spindle_off": "M5", "mist": "M7", "flood": "M8", "coolant_off": "M9"}
+_MACHINE, _WORK, _HERE = const(53), const(54), const(91)  # what a place counts from
+
+
+class GrblPage(BoardMachine):
+    language = "grbl"
+    speaks = True
+    can = (
+        "place", "jog", "step", "goto", "zero", "home", "unlock", "hold", "resume", "overrides", "outputs", "settings", "log",
+        "line", "signals", "diagonal", "jog_speed",
+    )  # fmt: skip
+
+    def __init__(self, record, number, board, tell, spoken):
+        BoardMachine.__init__(self, record, number, board, tell)
+        self._spoken = spoken
+        self._gcode = spoken.gcode
+        self._settings = record.settings
+        self._version = -1  # of the settings that pages have been told
+        self._line = b""  # to be said
+        self._typing = False  # one is under way
+        self._dwell = self._dwelt_ms = 0
+        self.state["why"] = ""
+
+    # --- commands
+
+    def commands(self):
+        for command in BoardMachine.commands(self):
+            yield command
+        if self._line or self._spoken.pending():
+            line, self._line = self._line, b""
+            for command in self._spoken.feed(line, self._now_ms):
+                if command.kind == commands.DWELL:
+                    self._dwell, self._dwelt_ms = command.value // 1000, self._now_ms
+                yield command
+
+    def pending(self):
+        return BoardMachine.pending(self) or self._line or self._spoken.pending()
+
+    def answered(self, event):
+        said = self._spoken.reply(event)
+        if not said:
+            if event.kind == commands.REFUSED:
+                self._gcode.forget_place()
+            return BoardMachine.answered(self, event)
+        error = 0
+        for line in said.decode().split("\r\n"):
+            if line == "ok" or line[:6] == "error:":
+                self._typing = False
+                error = int(line[6:] or 0)
+                self.finished(error)
+            elif line[:1] == "[":
+                self._tell({"t": "said", "text": line})
+        return error
+
+    def pushed(self, event):
+        said = self._spoken.push(event)
+        if event.kind == NOTICE and event.error == errors.NOTICE_PAUSE:
+            self.state["why"] = "pause"
+        elif event.kind == NOTICE and event.error == errors.NOTICE_TOOL:
+            self.state["why"] = "T%d" % event.value
+        if event.kind == RESTARTED:
+            self._line = b""
+            self._typing = False
+        elif said[:1] == b"[" and (self._typing or self.unanswered):
+            self._tell({"t": "said", "text": said.decode().strip()})
+        BoardMachine.pushed(self, event)
+
+    def drop(self, event):
+        self._spoken.drop(event)
+        self._line = b""
+        self._typing = False
+        BoardMachine.drop(self, event)
+
+    # --- what the machine says
+
+    def _show(self, report):
+        state = self.state
+        name = report["state"]
+        sub = report["substate"] if name in ("hold", "door") else ""
+        if name == "alarm" and report["slows"]:  # on its way to the alarm's stand it is held
+            name, sub = "hold", 1
+        state["state"] = self._name(name)
+        state["sub"] = str(sub)
+        if state["alarm"] == errors.ALARM_LOCKED:
+            state["alarm"] = 0  # nothing is wrong
+        if name != "hold":
+            state["why"] = ""
+        offsets, system = self._gcode.offsets, self._gcode.system
+        steps = report["position"]
+        place = self.place = state["m"] = [round(steps[axis] / self.scale[axis], 4) for axis in range(len(self.scale))]
+        state["w"] = [round(place[axis] - offsets.of(system, axis) / 1_000_000, 4) for axis in range(len(place))]
+        state["feed"] = round(report["feed"] * 3 / 50_000)
+        state["rpm"] = (report["power"] * self._settings.value(SETTING_MAX_RPM) + 500_000_000) // 1_000_000_000
+        state["pins"] = report["pins"]
+        state["line"] = report["number"]
+        state["ov"] = list(report["overrides"])
+        state["on"] = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
+        state["wait"] = self._wait_ms() / 1000
+        if self._version != self._settings.version:
+            self._take_settings()
+        if self.jog.active:
+            self.jog.report(place)
+
+    def _wait_ms(self):
+        """How long a G4 still lasts."""
+        if not self._record.busy_with(commands.DWELL):
+            return 0
+        return max(0, self._dwell - (self._now_ms - self._dwelt_ms) % 0x20000000)
+
+    def _take_settings(self):
+        self._version = self._settings.version
+        self.scale = [resolution / 1000 for resolution in self._record.steps_per_m]
+        show = self._spoken.system.show
+        self.settings = {number: show(number) for number in self._settings.numbers}
+        self._tell({"t": "settings", "axes": self.axes, "settings": self.settings})
+
+    # --- orders
+
+    def stop(self):
+        self.said = []
+        self._line = b""
+        self.drop_jog()
+        return self.do(Command(commands.RESET))
+
+    def home(self):
+        return self._begin_anew(lambda: self._say("$H"))
+
+    def unlock(self):
+        return self._begin_anew(lambda: self.do(Command(commands.UNLOCK)))
+
+    def _begin_anew(self, say):
+        """Of an alarm that only a reset ends, reset the board first, and say it behind that."""
+        if self._record.alarm not in errors.NEED_RESET:
+            return say()
+        return self.do(Command(commands.RESET), lambda error: say())
+
+    def _say(self, line):
+        """A line of the page's link."""
+        if self._typing:
+            return errors.TOO_MANY_WAITING
+        self._typing = True
+        self._line = line.encode() + b"\n"
+        return 0
+
+    def zero(self, axes):
+        """Work zero of the axes named is here."""
+        return self.still() or self._say("G10L20P0" + "".join([axis.upper() + "0" for axis in axes]))
+
+    def output(self, name, rpm):
+        word = OUTPUTS.get(name)
+        if word is None:
+            return errors.NUMBER
+        return self.still() or self._say(word + ("S%d" % rpm if name[:9] == "spindle_c" else ""))
+
+    def set(self, number, text):
+        """Change a setting."""
+        return self.still() or self._say("$%d=%s" % (number, text))
+
+    def line(self, text):
+        """A line as typed."""
+        return self.still() or self._say(text)
+
+    def override(self, what, to):
+        value = _OVERRIDES.get(what)
+        if value is None or to not in (_RAPID if what == "rapid" else _PERCENT):
+            return errors.NUMBER
+        command = Command(commands.OVERRIDE, value=value)
+        if to[0] in "+-":
+            command.feed = int(to)
+        else:
+            command.power = int(to)
+        return self.do(command)
+
+    def go(self, place, speed):
+        """{axis: mm} of work coordinates, straight, as a jog that hold and STOP end."""
+        return self.still() or self._jog_to(place, speed, _WORK)
+
+    def step(self, way, speed):
+        """{axis: mm} from here."""
+        return self.still() or self._jog_to(way, speed, _HERE)
+
+    def _jog_to(self, place, speed, counted, answered=None):
+        """A jog to {axis: mm}; `counted`: from where."""
+        nm = {AXES.find(axis): round(place[axis] * 1000) * _NM for axis in place}
+        error = self._gcode.jog_to(nm, (round(speed * 10) * 100_000 + 30) // 60, counted)
+        return error or self.do(self._gcode.commands[0], answered)
+
+    # --- the jog
+
+    def _brake(self):
+        self.do(Command(commands.JOG_CANCEL))
+
+    def _limits(self):
+        axes = range(len(self.place))
+        value = self._settings.value
+        return Limits(*[[value(first + axis) / 1000 for axis in axes] for first in (_AXIS_SPEED, _AXIS_ACCELERATION)])
+
+    def _say_jog(self, place, speed):
+        places = {AXES[axis]: place[axis] for axis in range(len(place))}
+        return not self._jog_to(places, speed, _MACHINE, self.jog_answered)

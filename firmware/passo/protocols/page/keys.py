@@ -1,0 +1,138 @@
+"""The page of a kit of two motors, whose language is keys that nobody answers.
+
+    machine = KeysPage(record, number, board, tell, spoken)     # `spoken`: what understands keys
+
+The state shown is what follows from the keys that this page has sent, from the start of the board on: both off, clockwise, speed 1. A motor
+that turns while a button is held is switched off when it is let go; one that has been switched on turns until it is switched off, as the
+language has it.
+"""
+
+from passo import errors
+from passo.commands import KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS
+from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.orders import Wrong, number, text
+
+# What each task is called, by motor; 0: both.
+_ON = (b"I", b"C", b"D")
+_OFF = (b"J", b"E", b"F")
+_REVERSE = (b"", b"G", b"H")
+_SPEED = (b"", b"A", b"B")
+
+
+class Kit:
+    """What keys make of the motors."""
+
+    def __init__(self, write):
+        """`write(bytes)`: keys."""
+        self._write = write
+        self._motors = [{"on": False, "back": False, "speed": 1} for _ in range(KIT_MOTORS)]
+        self._held = 0  # the motor that turns while a button is held
+
+    def turns(self):
+        return bool([motor for motor in self._motors if motor["on"]])
+
+    def shown(self):
+        return [
+            {"on": motor["on"], "back": motor["back"], "speed": motor["speed"], "rate": round(1000 / (KIT_STEP_MS * motor["speed"]), 1)}
+            for motor in self._motors
+        ]
+
+    def _say(self, key, which, name, value):
+        """A task of motor `which`, 0: both; what it makes of them."""
+        self._write(key)
+        for motor in range(KIT_MOTORS):
+            if which in (0, motor + 1):
+                self._motors[motor][name] = value
+        return 0
+
+    def switch_off(self):
+        return self._say(_OFF[0], 0, "on", False)
+
+    def order(self, order, machine):
+        """`motor` 1 or 2, 0: both; `what`: on, off, reverse, speed; `speed`: 1, the fastest, to 127."""
+        which = int(number(order, "motor", 0, KIT_MOTORS))
+        what = text(order, "what", 8)
+        error = machine.refusal()
+        if error or what == "off":
+            return error or self._say(_OFF[which], which, "on", False)
+        if machine.jog.active:
+            return errors.BUSY
+        if what == "on":
+            return self._say(_ON[which], which, "on", True)
+        if not which or what not in ("reverse", "speed"):
+            raise Wrong("what")
+        if what == "reverse":
+            return self._say(_REVERSE[which], which, "back", not self._motors[which - 1]["back"])
+        value = int(number(order, "speed", 1, KIT_SLOWEST))
+        return self._say(_SPEED[which] + bytes((value,)), which, "speed", value)
+
+    # --- while a button is held
+
+    def may_hold(self, direction):
+        turned = [axis for axis in range(len(direction)) if direction[axis]]
+        return len(turned) == 1 and turned[0] < KIT_MOTORS and not self._motors[turned[0]]["on"]
+
+    def hold(self, direction):
+        axis = 0 if direction[0] else 1
+        self._held = axis + 1
+        if self._motors[axis]["back"] != (direction[axis] < 0):
+            self._say(_REVERSE[self._held], self._held, "back", direction[axis] < 0)
+        self._say(_ON[self._held], self._held, "on", True)
+
+    def let_go(self):
+        self._say(_OFF[self._held], self._held, "on", False)
+
+
+class KeysPage(BoardMachine):
+    language = "keys"
+    speaks = True
+    jogs_from = ("Idle", "Run", "Jog")
+    can = ("jog", "turning")
+
+    def __init__(self, record, number, board, tell, spoken):
+        BoardMachine.__init__(self, record, number, board, tell)
+        self._spoken = spoken
+        self._keys = b""
+        self._kit = Kit(self._write)
+        self.orders = {"motor": self._motor}
+
+    def _write(self, key):
+        self._keys += key
+
+    def commands(self):
+        keys, self._keys = self._keys, b""
+        for command in self._spoken.feed(keys, self._now_ms):
+            yield command
+        for command in BoardMachine.commands(self):
+            yield command
+
+    def pending(self):
+        return self._keys or BoardMachine.pending(self)
+
+    def _name(self, state):
+        return "Jog" if self.jog.active else "Run" if self._kit.turns() else "Idle"
+
+    def _show(self, report):
+        self.state["motors"] = self._kit.shown()
+
+    # --- orders
+
+    hold = resume = home = unlock = BoardMachine._wordless
+
+    def stop(self):
+        """Both off."""
+        self.drop_jog()
+        return self._kit.switch_off()
+
+    def _motor(self, order):
+        return self._kit.order(order, self)
+
+    def _may_jog(self, direction):
+        return not self.jog.active and self._kit.may_hold(direction)
+
+    def _start_jog(self, direction, speed):
+        self.jog.active = True
+        self._kit.hold(direction)
+
+    def _brake(self):
+        self._kit.let_go()

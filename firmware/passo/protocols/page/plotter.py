@@ -1,0 +1,103 @@
+"""The page of a machine that draws objects of points: keys jog it, a place is an object of one point, pen up; a held jog ends with STOP.
+
+    machine = PlotterPage(record, number, board, tell, language)
+"""
+
+from micropython import const
+
+from passo import commands, errors
+from passo.commands import Command
+from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.orders import number
+
+MOST_PLACE = const(65535)  # steps, as the language of packets has it
+
+
+def jogs_of(board):
+    """{direction: name} of the four keys, by the way that UP goes."""
+    up = board["jog"]["up"]
+    sign = 1 if up[1] == "+" else -1
+    x, y = (0, sign) if up[0] == "y" else (sign, 0)
+    return {(x, y): "UP", (-x, -y): "DOWN", (y, -x): "RIGHT", (-y, x): "LEFT"}
+
+
+def signs(direction):
+    return tuple([1 if part > 0 else -1 if part < 0 else 0 for part in direction])
+
+
+class PlotterPage(BoardMachine):
+    language = "plotter"
+    # Damaged bytes of a cable may look like another command: nothing of what was sent was refused.
+    untold = (errors.STOPPED, errors.CHECKSUM, errors.BYTES_DROPPED, errors.WORDS_LATE, errors.UNKNOWN_COMMAND)
+    can = ("place", "jog", "step", "goto", "home", "log", "points")
+
+    def __init__(self, record, number, board, tell, language):
+        BoardMachine.__init__(self, record, number, board, tell)
+        self._jogs = jogs_of(board)
+        self._travel = [min(axis["travel_steps"], MOST_PLACE) for axis in board["axes"]]
+        self._steps = None
+        self._way = None
+        self.orders = {"pace": self._pace}
+
+    def _show(self, report):
+        self._steps = list(report["position"][:2])
+        self._show_place(self._steps)
+        state = self.state
+        state["drawn"], state["free"] = report["drawn"], report["free"]
+        if report["state"] != "hold":
+            state["pen"] = "up" if report["state"] != "run" or self.unanswered else ""  # another link draws
+        self._tell_error(report)
+
+    # --- orders
+
+    hold = resume = unlock = BoardMachine._wordless
+
+    def _pace(self, order):
+        """The drawing speed, in the unit of the board file."""
+        return self.refusal() or self.still() or self.do(Command(commands.SPEED, value=int(number(order, "speed", 1, MOST_PLACE))))
+
+    def _move(self, wanted):
+        """Go to a place in steps, pen up: an object of one point."""
+        error = self.still()
+        if error:
+            return error
+        if [axis for axis in range(2) if not 0 <= wanted[axis] <= self._travel[axis]]:
+            return errors.JOG_TRAVEL
+        self.do(Command(commands.POINT, tuple(wanted)))
+        return self.do(Command(commands.DRAW))
+
+    def step(self, way, speed):
+        """{axis: mm} from here."""
+        if self._steps is None:
+            return errors.BUSY
+        return self._move([self._steps[axis] + round(way.get("xy"[axis], 0) * self.scale[axis]) for axis in range(2)])
+
+    def go(self, place, speed):
+        """{axis: mm}."""
+        if self._steps is None:
+            return errors.BUSY
+        return self._move([round(place["xy"[axis]] * self.scale[axis]) if "xy"[axis] in place else self._steps[axis] for axis in range(2)])
+
+    # --- the jog
+
+    def _may_jog(self, direction):
+        return signs(direction) in self._jogs and self._steps is not None and not self.unanswered
+
+    def _start_jog(self, direction, speed):
+        self._way = signs(direction)
+        self.jog.active = True
+        self._jogged(0)
+
+    def _jogged(self, error):
+        """One after the other, as long as it is held."""
+        if not self.jog.active:
+            return
+        if error:
+            self.drop_jog()
+            self.finished(error)
+        else:
+            self.do(Command(commands.JOG, self._way), self._jogged)
+
+    def _brake(self):
+        self.said = []
+        self.do(Command(commands.STOP))

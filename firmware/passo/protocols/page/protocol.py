@@ -1,0 +1,185 @@
+"""The language of a page that the board serves: messages of its server in, commands out; events in, messages to pages out.
+
+    page = Page(machine_of)
+    for command in page.feed(server's message, now_ms): … event … line.write(page.reply(event))
+
+A message of the server (web/page_line.py) is two bytes and text: the number of the page and FREE, PROVEN or GONE, and an order in JSON; or
+ALL and how many pages there are: the state is wanted. A message to it is two bytes and JSON: the number of a page, 0, and the answer; TOLD,
+0, and what all pages are told next; ALL, and a byte that is another one once more than places have changed, and the state. Several are
+separated by a line feed, which no number is.
+
+An order is looked at (orders.py), its commands are carried out one by one, and it is answered: what the machine refused at once is the
+answer, what it refuses later is in the log of the page.
+"""
+
+import json
+
+from micropython import const
+
+from passo import errors
+from passo.commands import ACCEPTED, HELLO, STATUS, Command, Event
+from passo.protocols.page.lease import since
+from passo.protocols.page.orders import Orders, order_of
+from passo.records import COUNT_MASK
+
+ALL = const(1)
+TOLD = const(2)
+FIRST = const(32)  # number of the first page; MOST more follow, and the one of a request without a page
+MOST = const(200)
+FREE = const(32)  # an order without a proof
+PROVEN = const(33)
+GONE = const(34)  # the page has gone
+_FROM_HERE = ("jog", "step", "goto")  # orders that count from where the machine is at this moment
+_JOG_ASK_MS = const(40)  # between two reports, while a jog goes on
+
+
+class Page:
+    def __init__(self, machine_of):
+        """`machine_of(tell)`: a BoardMachine."""
+        self._told = []  # messages for all pages
+        self._answer = b""
+        self._ordered = None  # the command of an order that is being carried out
+        self._refused = 0  # the error of the order's commands
+        self._pages = 0
+        self._beat = 0
+        self._version = 0
+        self._shown = None
+        self._wanted = False  # the state, by the pages
+        self._asked_ms = 0
+        self._lease_of = 0  # number of the page that holds the jog
+        self._status = Command(STATUS)
+        self._status.accepted = Event(ACCEPTED, self._status)
+        self._hello = Command(HELLO)
+        self._hello.accepted = Event(ACCEPTED, self._hello)
+        self._jobs = None
+        self._machine = machine_of(self.tell)
+        self._orders = Orders(self._machine)
+
+    def keep(self, jobs_of, language, name_fits):
+        """The board stores jobs, of that language."""
+        self._jobs = jobs_of(self._machine, self.tell, language, name_fits)
+
+    def hello(self):
+        """What a page is told first, a dict."""
+        machine = self._machine
+        return {"can": self._orders.can(), "axes": machine.axes, "language": machine.language}
+
+    def tell(self, event):
+        """Something for every page, a dict."""
+        self._told.append(json.dumps(event).encode())
+
+    # --- messages to commands
+
+    def feed(self, data, now_ms):
+        """Commands, each to be carried out before the next is asked for."""
+        machine = self._machine
+        if not data and not (machine.jog.active or self._told or machine.pending()):
+            return ()
+        machine.now(now_ms)
+        if not data:
+            return self._go_on(now_ms)
+        number, what = data[0], data[1]
+        if number == ALL:
+            self._pages = what
+            self._wanted = True
+            return self._look()
+        if what != GONE:
+            return self._carry_out(number, bytes(data[2:]), what == PROVEN)
+        if number == self._lease_of:
+            machine.end_jog()
+        return self._go_on(now_ms)
+
+    def _look(self):
+        """What pages are shown; how far a stored job is, before that."""
+        if self._jobs:
+            self._jobs.poll()
+            for command in self._machine.commands():
+                yield command
+        yield self._status
+
+    def _carry_out(self, number, text, proven):
+        self._refused = 0
+        try:
+            order = order_of(text.decode())
+        except ValueError:
+            order, answer = None, {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
+        else:
+            if proven and isinstance(order, dict) and order.get("do") in _FROM_HERE:
+                yield self._status
+            answer = self._orders.order(order, proven)
+            for command in self._machine.commands():
+                self._ordered = command
+                yield command
+            self._ordered = None
+        if self._refused and not answer.get("error", 1):
+            answer["error"] = self._refused
+        if isinstance(order, dict):
+            if order.get("do") == "jog" and not answer["error"]:
+                self._lease_of = number
+            if isinstance(order.get("id"), int):
+                answer["id"] = order["id"]
+        self._answer = bytes((number, FREE)) + json.dumps(answer).encode()
+        yield self._hello
+
+    def _go_on(self, now_ms):
+        """What was said since, and what a jog wants."""
+        machine = self._machine
+        if machine.jog.active and since(now_ms, self._asked_ms) >= _JOG_ASK_MS:
+            self._asked_ms = now_ms
+            yield self._status
+        for command in machine.commands():
+            yield command
+        if self._told:
+            yield self._hello
+
+    # --- events to messages
+
+    def reply(self, event):
+        command = event.command
+        if command is self._status:
+            return self._state(event.value)
+        if command is self._hello:
+            answer, self._answer = self._answer, b""
+            return self._with_told(answer)
+        error = self._machine.answered(event)
+        if command is self._ordered:
+            self._refused = self._refused or error
+        return b""
+
+    def push(self, event):
+        self._machine.pushed(event)
+        return self._with_told(b"")
+
+    def drop(self, event):
+        """What was held back is not done any more."""
+        self._machine.drop(event)
+        return b""
+
+    def _with_told(self, message):
+        """A message, and what all pages are told."""
+        told, self._told = self._told, []
+        return b"\n".join([bytes((TOLD, FREE)) + each for each in told] + [message] * bool(message))
+
+    def _state(self, report):
+        machine = self._machine
+        machine.report(report)
+        if not self._wanted:
+            return b""
+        self._wanted = False
+        self._beat = self._beat % COUNT_MASK + 1
+        machine.beat(self._beat)
+        state = machine.shown()
+        state["t"] = "state"
+        state["beat"] = self._beat
+        state["pages"] = self._pages
+        shown = at_once(state)
+        if shown != self._shown:
+            self._shown = shown
+            self._version = (self._version + 1) % MOST
+        return self._with_told(bytes((ALL, FIRST + self._version)) + json.dumps(state).encode())
+
+
+def at_once(state):
+    """What of a state pages are told at once, however rarely they want reports: what is no matter of places."""
+    job = state["job"]
+    return state["state"], state["link"], state["alarm"], state.get("owner"), job and (job["name"], job["how"], job["pass"])

@@ -1,0 +1,163 @@
+"""The page of a machine that plays files of pulse codes: they are played, turned round and stepped; moves by hand go one axis after the other.
+
+    machine = PulsesPage(record, number, board, tell, language)     # which knows the image of the parallel port
+
+Moves by hand are steps of one axis after the other, at the speed in force. A jog ends at the next step by a hold; the hold that is left
+behind it is taken off by a jog of no steps. What was moved by hand at a pause of the file, "return" undoes.
+"""
+
+from micropython import const
+
+from passo import commands, errors
+from passo.commands import Command
+from passo.protocols.page.any_machine import AnyMachine
+from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.orders import number
+
+_MOST_STEPS = const(999_999)  # of one axis in one jog
+_FASTEST = const(900_000)  # mm/min
+_PLAYS = {"run": commands.STEPS_GO, "step": commands.STEPS_STEP, "return": commands.STEPS_RETURN, "continue": commands.STEPS_CONTINUE}
+_HANDS = {"tool": commands.STEPS_HAND_TOOL, "drives": commands.STEPS_HAND_DRIVES}
+
+
+def can_of(board, more=()):
+    words = ["place", "jog", "step", "goto", "unlock", "hold", "resume", "log", "program", "pace", "port", "tool", "drives"]
+    words += more
+    if board["homing"]:
+        words.append("home")
+    if [output for output in board["outputs"] if output.get("role") == "ours"]:
+        words.append("motors")
+    return tuple(words)
+
+
+class PulsesPage(BoardMachine):
+    language = "pulses"
+    jogs_from = ("Idle", "Jog", "Hold")
+
+    def __init__(self, record, number, board, tell, language):
+        self.can = can_of(board)
+        BoardMachine.__init__(self, record, number, board, tell)
+        self._image = language.port_byte
+        self._config = board["step_program"]
+        self.axes = self.axes[:3]
+        self._steps = None
+        self._begun = None  # steps up to which the jog is said
+        self._ahead = None  # of the piece that is not answered
+        self._cut = False  # a jog was cut: its hold is to be taken off
+        self._playing = False  # what moves is the file
+        self.orders = {"pace": self._pace}
+
+    # --- what the machine says
+
+    def _show(self, report):
+        state = self.state
+        program = report["step_program"]
+        name = report["state"]
+        if name != "run" and name != "hold":
+            self._playing = False
+        state["state"] = "Jog" if name == "run" and not self._playing and not self.runs_stored() else self._name(name)
+        self._steps = list(report["position"])
+        self.place = state["m"] = state["w"] = [round(self._steps[axis] / self.scale[axis], 4) for axis in range(len(self._steps))]
+        state["feed"] = program["speed"] / 10
+        state["wait"] = program["wait_ms"] / 1000
+        state["tool"], state["drives"] = bool(program["tool"]), bool(program["drives"])
+        state["ours"] = report.get("ours", True)
+        state["port"] = self._image(program["moving"] | program["negative"] << 4, program["tool"], program["drives"], self._config)
+        state["manual"] = program["manual"]
+        state["asked"] = bool(program["asked"])
+        if self._cut and name == "hold" and not self.jog.waiting:
+            self._cut = False
+            self._by_hand([0] * len(self.axes), None)
+        if self.jog.active:
+            self.jog.report(self.place)
+
+    # --- moves by hand
+
+    def _by_hand(self, steps, answered):
+        """Move so many steps of each axis, one axis after the other."""
+        if max([abs(part) for part in steps]) > _MOST_STEPS:
+            return errors.TRAVEL
+        if [part for part in steps if part]:
+            self._cut = False
+        return self.do(Command(commands.STEP_PROGRAM, steps, commands.STEPS_JOG), answered)
+
+    def _move(self, steps):
+        if self.state["state"] not in ("Idle", "Hold") or self.jog.active:
+            return errors.BUSY
+        return self._by_hand(steps, None) if [part for part in steps if part] else 0
+
+    def step(self, way, speed):
+        """{axis: mm} from here."""
+        return self._move([round(way.get(self.axes[axis], 0) * self.scale[axis]) for axis in range(len(self.axes))])
+
+    def go(self, place, speed):
+        """{axis: mm}, one axis after the other."""
+        axes = range(len(self.axes))
+        wanted = [round(place.get(self.axes[axis], self.place[axis]) * self.scale[axis]) for axis in axes]
+        return self._move([wanted[axis] - self._steps[axis] for axis in axes])
+
+    def _may_jog(self, direction):
+        one = len([part for part in direction if part]) == 1
+        return one and len(direction) == len(self.axes) and self._steps is not None
+
+    def _start_jog(self, direction, speed):
+        self._begun = list(self._steps)
+        AnyMachine._start_jog(self, direction, self.state["feed"])
+
+    def _limits(self):
+        limits = AnyMachine._limits(self)
+        limits.speeds = [self.state["feed"]] * len(self.place)
+        return limits
+
+    def _say_jog(self, place, speed):
+        steps = [round(place[axis] * self.scale[axis]) - self._begun[axis] for axis in range(len(place))]
+        self._ahead = steps
+        return not self._by_hand(steps, self.jog_answered)
+
+    def jog_answered(self, error):
+        if not error:
+            self._begun = [self._begun[axis] + self._ahead[axis] for axis in range(len(self._begun))]
+        AnyMachine.jog_answered(self, error)
+
+    def _brake(self):
+        self._cut = True
+        self.do(Command(commands.HOLD))
+
+    # --- orders
+
+    def still(self):
+        return errors.BUSY if self.jog.active or not self.stands() else 0
+
+    def stop(self):
+        """Stop at once: the file is at its start then, the tool off."""
+        self._cut = False
+        return BoardMachine.stop(self)
+
+    def resume(self):
+        return self.play("run")
+
+    def play(self, what):
+        """Go on with the file: run, back, step, step_back; after moves by hand return or continue, each also _back."""
+        verb, _, back = ("run_back" if what == "back" else what).partition("_")
+        if verb not in _PLAYS or back not in ("", "back"):
+            return errors.UNKNOWN_COMMAND
+
+        def played(error):
+            self._playing = self._playing or not error
+            self.finished(error)
+
+        return self.do(Command(commands.STEP_PROGRAM, None, _PLAYS[verb], back == "back"), played)
+
+    def _pace(self, order):
+        """mm/min from now on, up to the file's next speed."""
+        command = Command(commands.STEP_PROGRAM, None, commands.STEPS_PACE)
+        command.feed = int(number(order, "speed", 1, _FASTEST))
+        return self.refusal() or self.do(command)
+
+    def output(self, name, rpm):
+        what, _, on = name.partition("_")
+        if on not in ("on", "off") or what != "motors" and what not in _HANDS:
+            return errors.NUMBER
+        if what == "motors":
+            return self.still() or self.do(Command(commands.CONNECT, value=1 if on == "on" else 0))
+        return self.still() or self.do(Command(commands.STEP_PROGRAM, None, _HANDS[what], on == "on"))

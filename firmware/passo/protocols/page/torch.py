@@ -1,0 +1,218 @@
+"""The page of a torch, whose axes run on their own: straight places, moves with a speed of each axis, seams, preferences of jogs.
+
+    machine = TorchPage(record, number, board, tell, language)
+
+A move held by a button is a jog that is repeated; when it ends, STOP ends the jog at once, but where axes have ramps: there the board
+brakes at the end of what it was asked for, 100 ms or one jog.
+"""
+
+from micropython import const
+
+from passo import commands, errors
+from passo.commands import AS_JOG, AT_REST, Command, Motion, Run
+from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.lease import since
+from passo.protocols.page.orders import Wrong, number, places, text
+
+REPEAT_MS = const(40)  # between two jogs of one that is held
+_MOST_JOG_MM = 100.0
+_MOST_UM_S = const(1_000_000)
+_SHAPES = ("zigzag", "triangle", "trapezoid", "sine")  # from 1 on
+
+
+def can_of(board):
+    words = ["place", "jog", "step", "goto", "jog_speed", "unlock", "log", "origin"]
+    if board["weaving"]:
+        words.append("weave")
+    if [output for output in board["outputs"] if output["role"] == "ours"]:
+        words.append("motors")
+    return tuple(words)
+
+
+def straight(steps, scale, speed):
+    """Steps/s of both axes that lead so many steps straight, at `speed` mm/min; None: there is no way to go."""
+    way = [steps[axis] / scale[axis] for axis in range(2)]
+    length = sum([part * part for part in way]) ** 0.5
+    return [max(1, round(abs(steps[axis]) * speed / 60 / length)) for axis in range(2)] if length else None
+
+
+def _speed_of(order, name, scale):
+    """A speed of `order` in mm/min, as steps/s."""
+    return max(1, round(number(order, name, 0.1, 50_000) * scale / 60))
+
+
+def move_of(order, scale):
+    """(steps, steps/s) of a move with a speed of each axis, in mm/min."""
+    by = places(order, "by", "xy")
+    return [round(by.get("xy"[axis], 0) * scale[axis]) for axis in range(2)], [_speed_of(order, "xy"[axis] + "v", scale[axis]) for axis in range(2)]
+
+
+def preferences_of(order, scale):
+    """(steps of a jog, default steps/s) of both axes: mm, and mm/min."""
+    jogs = [round(number(order, "jog" + "xy"[axis], 0.001, _MOST_JOG_MM) * scale[axis]) for axis in range(2)]
+    speeds = [_speed_of(order, "xy"[axis] + "v", scale[axis]) for axis in range(2)]
+    if [jog for jog in jogs if not jog]:
+        raise Wrong("jogx")
+    return jogs, speeds
+
+
+def preferences(jogs, speeds, scale):
+    """The same as a page is told them."""
+    return {
+        "t": "preferences", "do": "preferences", "error": 0, "scale": scale[:2],
+        "jog": [round(jogs[axis] / scale[axis], 3) for axis in range(2)],
+        "speed": [round(speeds[axis] * 60 / scale[axis], 1) for axis in range(2)],
+    }  # fmt: skip
+
+
+def seam_of(order, scale):
+    """(spec of a weave, steps to the end from here, µm/s, steps to the centre or (0, 0)) of a seam to (x, y) mm; `centre`: it is an arc
+    about that place, also from here."""
+    if text(order, "shape", 12) not in _SHAPES:
+        raise Wrong("shape")
+    to = places(order, "to", "xy")
+    centre = places(order, "centre", "xy") if "centre" in order else {}
+    spec = (
+        _SHAPES.index(order["shape"]) + 1, round(number(order, "amplitude", 0.001, 100) * 1000), round(number(order, "pitch", 0.1, 1000) * 1000),
+        int(number(order, "left", 0, 60_000, 0)), int(number(order, "right", 0, 60_000, 0)), 1 if order.get("along") else 0,
+    )  # fmt: skip
+    speed = max(1, min(_MOST_UM_S, round(number(order, "speed", 0.1, 50_000) * 1000 / 60)))
+    ends = [[round(place.get("xy"[axis], 0) * scale[axis]) for axis in range(2)] for place in (to, centre)]
+    return spec, ends[0], speed, ends[1]
+
+
+class TorchPage(BoardMachine):
+    language = "torch"
+
+    def __init__(self, record, number, board, tell, language):
+        self.can = can_of(board)
+        BoardMachine.__init__(self, record, number, board, tell)
+        self._ramps = bool(board["planning"]["independent_ramps"])
+        axes = board["axes"][:2]
+        self._jogs = [axis["jog_steps"] or board["jog"]["steps"] for axis in axes]
+        self._speeds = [axis["jog_steps_s"] or board["speed"]["default"] for axis in axes]
+        self._steps = None
+        self._way = None  # the jog that is held: axis and sign
+        self._repeated_ms = 0
+        self._dropped = 0
+        self.orders = {"move": self._move, "configure": self._configure, "origin": self._origin, "weave": self._weave, "preferences": self._told}
+        self.scale = self.scale[:2]
+
+    def _show(self, report):
+        self._steps = list(report["position"][:2])
+        self._show_place(self._steps)
+        self.state["ours"] = report["ours"]
+        self.state["dropped"] = self._dropped
+        self._tell_error(report)
+
+    def finished(self, error):
+        if error:
+            self._dropped += 1
+        BoardMachine.finished(self, error)
+
+    # --- orders
+
+    hold = resume = home = BoardMachine._wordless
+
+    def unlock(self):
+        return self._behind(Command(commands.RESET), Command(commands.UNLOCK))
+
+    def output(self, name, rpm):
+        if name not in ("motors_on", "motors_off"):
+            return errors.NUMBER
+        error = self.still()
+        if error:
+            return error
+        if name == "motors_off":
+            return self.do(Command(commands.CONNECT, value=0))
+        return self._behind(Command(commands.HAND_OVER), Command(commands.CONNECT, value=1))
+
+    def _run(self, steps, speeds, when):
+        """Run so many steps, 0: not at all."""
+        error = 0 if max([abs(part) for part in steps]) < commands.FOREVER else errors.TRAVEL
+        return error or self.do(Run([part or None for part in steps], [(speed, 1000) for speed in speeds], when))
+
+    def _straight(self, steps, speed):
+        if self.still() or self._steps is None:
+            return errors.BUSY
+        speeds = straight(steps, self.scale, speed)
+        return self._run(steps, speeds, AT_REST) if speeds else 0
+
+    def step(self, way, speed):
+        """{axis: mm} from here."""
+        return self._straight([round(way.get("xy"[axis], 0) * self.scale[axis]) for axis in range(2)], speed)
+
+    def go(self, place, speed):
+        """{axis: mm}, straight."""
+        if self._steps is None:
+            return errors.BUSY
+        wanted = [round(place.get("xy"[axis], self.place[axis]) * self.scale[axis]) for axis in range(2)]
+        return self._straight([wanted[axis] - self._steps[axis] for axis in range(2)], speed)
+
+    def _move(self, order):
+        steps, speeds = move_of(order, self.scale)
+        return self.refusal() or self.still() or self._run(steps, speeds, AT_REST)
+
+    def _configure(self, order):
+        found = preferences_of(order, self.scale)
+
+        def stands(error):
+            if error:
+                self.finished(error)
+            else:
+                self._jogs, self._speeds = found
+
+        return self.refusal() or self.still() or self.do(Command(commands.STILL), stands)
+
+    def _told(self, order):
+        """The preferences as this page knows them."""
+        return preferences(self._jogs, self._speeds, self.scale)
+
+    def _origin(self, order):
+        return self.refusal() or self.still() or self.do(Command(commands.ZERO))
+
+    def _weave(self, order):
+        spec, to, speed, centre = seam_of(order, self.scale)
+        if max([abs(part) for part in to + centre]) >= commands.FOREVER:
+            return errors.TRAVEL
+        command = Motion(commands.SEAM, to)
+        command.value = spec
+        command.clockwise = bool(order.get("clockwise"))
+        command.centre = tuple(centre)
+        command.over_half = not to[0] and not to[1]
+        command.feed = speed * 1000
+        return self.refusal() or self.still() or self.do(command)
+
+    # --- the jog
+
+    def _may_jog(self, direction):
+        return len([part for part in direction if part]) == 1 and len(direction) == 2 and self._steps is not None
+
+    def _start_jog(self, direction, speed):
+        axis = 0 if direction[0] else 1
+        self._way = axis, 1 if direction[axis] > 0 else -1
+        self.jog.active = True
+        self._repeat()
+
+    def _repeat(self):
+        axis, sign = self._way
+        self._repeated_ms = self._now_ms
+        steps = [0, 0]
+        steps[axis] = sign * self._jogs[axis]
+        error = self._run(steps, self._speeds, AS_JOG)
+        if not error:
+            self.said[-1] = self.said[-1][0], self._jogged
+
+    def _jogged(self, error):
+        if error:
+            self.finished(error)
+            self.end_jog()
+
+    def now(self, now_ms):
+        BoardMachine.now(self, now_ms)
+        if self.jog.active and since(now_ms, self._repeated_ms) >= REPEAT_MS:
+            self._repeat()
+
+    def _brake(self):
+        if not self._ramps:
+            self.do(Command(commands.STOP))

@@ -1,0 +1,68 @@
+"""The pages that a PC's server serves: orders in, answers and the state out.
+
+    pages = PanelPages(api, key, most)
+    page = pages.enter(socket, pages.about(more), now_ms)
+    answer = pages.hear(page, text, now_ms)     # a dict; None: it is to be closed
+    pages.next_state(now_ms)                    # the message for all of them that are due
+    page.pace.due(pages.version, now_ms)
+"""
+
+import json
+
+from passo import errors
+from passo.protocols.page.orders import order_of
+from passo.protocols.page.protocol import at_once
+from passo.records import COUNT_MASK
+from passo.web.pages import Pages
+
+
+class PanelPages(Pages):
+    def __init__(self, api, key, most):
+        """`api`: a PanelOrders; `key`: text; `most`: pages at once."""
+        Pages.__init__(self, key, most)
+        self.api = api
+        self.beat = 0
+        self.version = None  # another one once more than places have changed
+
+    def about(self, more):
+        """What the first message to a page says, with `more`."""
+        told = {"can": self.api.can(), "axes": self.api.machine.axes, "language": self.api.machine.language}
+        told.update(more)
+        return told
+
+    def leave(self, page):
+        there = page in self.pages
+        Pages.leave(self, page)
+        if there and page.lease:
+            self.api.machine.end_jog()
+
+    def hear(self, page, text, now_ms):
+        """The answer to a message, a dict; None: the page is to be closed."""
+        text, proven = self.open(page, text, now_ms)
+        if text is None:
+            return proven
+        try:
+            order = order_of(text)
+        except ValueError:
+            return {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
+        answer = self.look(page, order)
+        if answer is None:
+            answer = self.api.order(order, proven, page.remote)
+            if isinstance(order, dict):
+                if order.get("do") == "jog" and not answer["error"]:
+                    page.lease = order["lease"]
+                if isinstance(order.get("id"), int):
+                    answer["id"] = order["id"]
+        return answer
+
+    def next_state(self, now_ms):
+        """The state as it is pushed to all pages, JSON. A jog's lease counts from it: it is sent at once."""
+        self.beat = self.beat % COUNT_MASK + 1
+        machine = self.api.machine
+        machine.beat(self.beat)
+        state = dict(machine.shown())
+        state["t"] = "state"
+        state["beat"] = self.beat
+        state["pages"] = len(self.pages)
+        self.version = at_once(state)
+        return json.dumps(state)

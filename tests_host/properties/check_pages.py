@@ -1,0 +1,201 @@
+"""The page of each machine, served by its own board and by a PC: proof, lease, hand-over and STOP are the same."""
+
+from passo import errors
+from passo.protocols.page.lease import LEASE_MS
+from served_pages import OnBoard, OnCable
+
+BOTH = (OnBoard, OnCable)
+SPEED = 600
+# Of each language: a machine, what gets it ready, the orders that move it, and the direction of its jogs.
+MACHINES = {
+    "grbl": ("router_3axis", (("unlock", {}),), ("step", {"by": {"x": 5}, "speed": SPEED}), {"x": 1}),
+    "plotter": ("plotter_2014", (), ("step", {"by": {"x": 5}, "speed": SPEED}), {"x": 1}),
+    "torch": ("torch_manipulator", (("output", {"name": "motors_on"}),), ("step", {"by": {"x": 5}, "speed": SPEED}), {"x": 1}),
+    "pulses": ("lpt_router", (), ("step", {"by": {"x": 5}, "speed": SPEED}), {"x": 1}),
+    "keys": ("two_motor_kit", (), ("motor", {"motor": 1, "what": "on"}), {"x": 1}),
+}
+BRAKES_MS = 250  # the longest way to a stand of these
+
+
+def ready(served, language):
+    """(desk, page) of a machine that the page commands, and that may move."""
+    name, orders, _, _ = MACHINES[language]
+    desk = served(name)
+    page = desk.page()
+    page.until(lambda state: state["link"])
+    if desk.commands() != desk.mine:
+        assert page.order("give", to="page")["error"] == 0
+        desk.run_ms(300)
+    assert desk.commands() == desk.mine
+    for order, fields in orders:
+        assert page.order(order, **fields)["error"] == 0, order
+        desk.run_ms(300)
+    page.until(lambda state: state["state"] in ("Idle", "Stopped"))
+    return desk, page
+
+
+def moves(language):
+    return MACHINES[language][2]
+
+
+def what_it_can(language):
+    """What a page of the board may ask for is what one of the PC may, but for what only a PC has, and only a board."""
+    of_pc, of_board = [set(ready(served, language)[1].hello["can"]) for served in (OnCable, OnBoard)]
+    assert of_pc - of_board <= {"jobs", "teach", "single"}, of_pc - of_board
+    assert of_board - of_pc == {"command"}, of_board - of_pc
+
+
+def only_who_proves_the_key(language):
+    order, fields = moves(language)
+    for served in BOTH:
+        desk, page = ready(served, language)
+        before = desk.place()
+        assert page.order(order, False, **fields)["error"] == errors.NO_SESSION
+        stranger = desk.page("A" * 16)
+        body = {"do": order}
+        body.update(fields)
+        stranger.say(stranger.message(body))
+        assert stranger.wait(lambda told: told["t"] == "answer")["error"] == errors.NO_SESSION
+        desk.run_ms(600)
+        assert desk.place() == before, served
+        message = page.message(body)
+        page.say(message)
+        page.say(message)
+        desk.run_ms(300)
+        told = [each["error"] for each in page.told if each["t"] == "answer"]
+        assert told == [0, errors.NO_SESSION], "once, and not again: %r" % told
+        assert desk.place() != before
+
+
+def refused(desk, page, order, fields):
+    """The error that an order was refused with: in its answer, or in the log behind it."""
+    page.told.clear()
+    error = page.order(order, **fields)["error"]
+    desk.run_ms(400)
+    logs = [number for told in page.told if told["t"] == "log" for number in told["log"]]
+    return error or (logs + [0])[0]
+
+
+def who_commands(language):
+    """Another link takes the command: the page moves nothing, and takes it back at rest, not while something moves."""
+    order, fields = moves(language)
+    for served in BOTH:
+        desk, page = ready(served, language)
+        desk.take()
+        assert desk.commands() == "other"
+        before = desk.place()
+        if language == "keys" and served is OnCable:
+            page.order(order, **fields)  # nobody tells
+            desk.run_ms(500)
+            page.order("motor", motor=1, what="off")
+        else:
+            assert refused(desk, page, order, fields) == errors.COMMANDED_ELSEWHERE, served
+        assert desk.place() == before, served
+        if language == "keys" and served is OnCable:
+            continue  # it has no word for that
+        if language != "grbl" or served is OnBoard:
+            assert page.order("give", to="page")["error"] == 0
+            desk.run_ms(300)
+            assert desk.commands() == desk.mine
+            page.until(lambda state: state["owner"] == "page" and state["state"] in ("Idle", "Alarm", "Stopped"))
+            for each, more in MACHINES[language][1]:
+                page.order(each, **more)
+                desk.run_ms(300)
+            assert page.order(order, **fields)["error"] == 0
+            desk.run_ms(500)
+            assert desk.place() != before
+
+
+def stop_needs_no_key(language):
+    order, fields = moves(language)
+    for served in BOTH:
+        desk, page = ready(served, language)
+        stranger = desk.page("A" * 16)
+        before = desk.place()
+        assert page.order(order, **fields)["error"] == 0
+        for _ in range(2000):
+            desk.run_ms(1)
+            if desk.place() != before:
+                break
+        assert desk.place() != before
+        desk.run_ms(30)
+        stranger.say('{"do":"stop"}')
+        assert stranger.wait(lambda told: told.get("do") == "stop")["error"] == 0
+        desk.run_ms(60)
+        stood = desk.place()
+        assert stood != before
+        desk.run_ms(400)
+        assert desk.place() == stood, served
+
+
+def hold(desk, page, lease, milliseconds, way):
+    """Hold a jog for so long, renewed each 60 ms."""
+    page.until(lambda state: "beat" in state)
+    desk.run_ms(250)
+    answer = page.order("jog", lease=lease, beat=page.state["beat"], way=way, speed=SPEED)
+    assert answer["error"] == 0, answer
+    for _ in range(milliseconds // 60):
+        desk.run_ms(60)
+        assert page.order("keep", lease=lease, beat=page.state["beat"])["error"] == 0
+
+
+def a_jog_ends_with_its_lease(language):
+    way = MACHINES[language][3]
+    for served in BOTH:
+        desk, page = ready(served, language)
+        before = desk.place()
+        hold(desk, page, 7, 420, way)
+        assert desk.place() != before
+        desk.run_ms(LEASE_MS + BRAKES_MS)
+        stood = desk.place()
+        assert page.order("keep", lease=7, beat=page.state["beat"])["error"] == errors.LEASE
+        desk.run_ms(500)
+        assert desk.place() == stood, (served, stood, desk.place())
+        assert page.order("jog", lease=7, beat=page.state["beat"], way=way, speed=SPEED)["error"] == errors.LEASE, "its number is used up"
+        hold(desk, page, 8, 120, way)
+        assert page.order("release", lease=8)["error"] == 0
+        desk.run_ms(BRAKES_MS)
+        stood = desk.place()
+        desk.run_ms(500)
+        assert desk.place() == stood, "let go"
+
+
+def a_jog_ends_with_its_page(language):
+    for served in BOTH:
+        desk, page = ready(served, language)
+        hold(desk, page, 1, 300, MACHINES[language][3])
+        page.close()
+        desk.run_ms(60 + BRAKES_MS)
+        stood = desk.place()
+        desk.run_ms(500)
+        assert desk.place() == stood, served
+
+
+def check_what_it_can():
+    for language in MACHINES:
+        what_it_can(language)
+
+
+def check_only_who_proves_the_key():
+    for language in MACHINES:
+        only_who_proves_the_key(language)
+
+
+def check_who_commands():
+    for language in MACHINES:
+        who_commands(language)
+
+
+def check_stop_needs_no_key():
+    for language in MACHINES:
+        stop_needs_no_key(language)
+
+
+def check_a_jog_ends_with_its_lease():
+    for language in MACHINES:
+        a_jog_ends_with_its_lease(language)
+
+
+def check_a_jog_ends_with_its_page():
+    for language in MACHINES:
+        a_jog_ends_with_its_page(language)
