@@ -67,7 +67,7 @@ def test_lost_answers_cost_nothing_but_time():
 
 def test_a_refusal_is_told_by_number_and_text():
     with FakePlotter() as fake, PlotterClient(fake.path, timeout_s=0.1) as client:
-        with pytest.raises(Refused, match="LINE was refused: error 104, the point lies outside the machine's travel"):
+        with pytest.raises(Refused, match="LINE was refused: error 104, the point lies outside the machine's travel: move or scale the drawing"):
             client.point(True, 4001, 0)
 
 

@@ -55,7 +55,7 @@ def test_a_session(tmp_path):
         assert passo("jog", "z", "-0.5", "x", "1", *where)[1].count("place 440,177,-40") == 1
         assert "place 560,236,-40" in passo("play", good, "--stream", *where)[1]
         failure, _ = passo("play", bad, *where)
-        assert failure.endswith("line 2 column 2: error 121: a number is missing, or unfinished")
+        assert failure.endswith("line 2 column 2: error 121: a number is missing, or unfinished: complete it")
         failure, text = passo("play", ask, *where)
         assert "WAITS FOR A SPEED" in text and failure == "paused at command 4 of 6: passo pulses speed N goes on"
         assert passo("speed", "500", *where)[0] == 0
@@ -281,7 +281,7 @@ def test_what_cannot_be_fails(words):
 def test_errors_have_line_and_column(tmp_path):
     file = tmp_path / "bad.txt"
     file.write_text("AB\nC!\n")
-    assert passo("check", file)[0] == f"{file}:2:2: error 120: neither a pulse code nor a command of the language"
+    assert passo("check", file)[0] == f"{file}:2:2: error 120: neither a pulse code nor a command of the language: check the line"
 
 
 @pytest.mark.parametrize("verb", ["play", "jog", "convert", "check", "image", "example"])
