@@ -24,7 +24,7 @@ TEXTS = {
     errors.START_LINE_TOO_LONG: "the start-up line or text is too long to be kept: shorten it",
     errors.JOG_TRAVEL: "the target is outside the machine's travel: go less far",
     errors.JOG_WORDS: "a jog takes axes and F, and G20 G21 G53 G90 G91 only",
-    errors.LASER_WITHOUT_PWM: "laser mode needs an output with PWM: spindle.pwm of the board file",
+    errors.LASER_WITHOUT_PWM: "laser mode needs an output with PWM: the spindle's key pwm in the board file",
     errors.UNSUPPORTED: "this word or command is not supported: take another; docs/gcode.md lists them",
     errors.SAME_GROUP: "two commands of the same modal group: write them in two lines",
     errors.NO_FEED: "no feed rate: give F",
