@@ -10,7 +10,7 @@ from passo import commands, errors
 from passo.commands import NOTICE, RESTARTED, Command
 from passo.protocols.page.board_machine import BoardMachine
 from passo.protocols.page.jog import Limits
-from passo.records import SETTING_MAX_RPM
+from passo.records import SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SETTING_MAX_RPM
 
 AXES = "xyza"
 _AXIS_SPEED = const(110)  # settings $110 …, thousandths
@@ -111,10 +111,11 @@ class GrblPage(BoardMachine):
         steps = report["position"]
         place = self.place = state["m"] = [round(steps[axis] / self.scale[axis], 4) for axis in range(len(self.scale))]
         state["w"] = [round(place[axis] - offsets.of(system, axis) / 1_000_000, 4) for axis in range(len(place))]
-        state["feed"] = round(report["feed"] * 3 / 50_000)
+        seen = report["seen"]
+        state["feed"] = 60 * seen[SEEN_MM_S] + round(seen[SEEN_NM_S] * 3 / 50_000)
         state["rpm"] = (report["power"] * self._settings.value(SETTING_MAX_RPM) + 500_000_000) // 1_000_000_000
         state["pins"] = report["pins"]
-        state["line"] = report["number"]
+        state["line"] = seen[SEEN_LINE]
         state["ov"] = list(report["overrides"])
         state["on"] = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
         state["wait"] = self._wait_ms() / 1000
