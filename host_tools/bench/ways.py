@@ -7,11 +7,17 @@ cycle is in each of them.
 """
 
 import ast
+import json
+import re
+import socket
 import sys
 from functools import cache
 
+from host_tools import boards
 from host_tools.resources import FIRMWARE
 from host_tools.sim.machine import VirtualMachine
+from host_tools.sim.radio import LoopbackRadio
+from passo.web.session import Session
 
 _BOARD = "router_3axis"
 _CYCLES = 500_000  # until a thing has been done
@@ -125,6 +131,59 @@ def _homing():
     return _until(machine, lambda: b"ok" in machine.received())
 
 
+_KEY = "ABCDEFGHJKLMNPQR"
+_TEXT = 0x81  # the first byte of a WebSocket's frame that is a text, whole
+_MASKED = 0xFE  # two bytes of length follow, then a mask
+
+
+class _Browser:
+    """The page of a router that serves it, and has given it the command."""
+
+    def __init__(self):
+        board = {**boards.load(_BOARD), "network": {"host": "passo"}, "links": [
+            {"name": "pc", "port": "usb", "protocol": "grbl"}, {"name": "page", "port": "page", "protocol": "grbl"}]}  # fmt: skip
+        radio = LoopbackRadio({"http": 0}, _KEY, board)
+        self.machine = VirtualMachine(board, trace=None, radio=radio)
+        self.socket = socket.create_connection(("127.0.0.1", radio.port("http")))
+        self.socket.setsockopt(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)
+        self.socket.sendall(
+            b"GET /ws HTTP/1.1\r\nHost: 127.0.0.1\r\nOrigin: http://127.0.0.1\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n"
+            b"Sec-WebSocket-Version: 13\r\nSec-WebSocket-Key: dGhlIHNhbXBsZSBub25jZQ==\r\n\r\n"
+        )
+        self.socket.setblocking(False)
+        self.heard = b""
+        self._count = 0
+        self.machine.run_until(lambda: self.has(b'"hello"'))
+        self._session = Session(_KEY, re.search(rb'"nonce": "(\w+)"', self.heard)[1].decode())
+        self.machine.send(b"$X\n")
+        self.machine.run_ms(300)
+        self.order(do="give", to="page")
+        self.machine.run_ms(1500)
+
+    def has(self, text):
+        try:
+            self.heard += self.socket.recv(65_536)
+        except BlockingIOError:
+            pass
+        return text in self.heard
+
+    def order(self, **order):
+        self._count += 1
+        body = json.dumps(order)
+        text = f"{self._count}.{self._session.proof(str(self._count), body)}.{body}".encode()
+        self.heard = b""
+        self.socket.sendall(bytes((_TEXT, _MASKED)) + len(text).to_bytes(2, "big") + bytes(4) + text)
+
+
+def _pressed():
+    browser = _Browser()
+    machine = browser.machine
+    ring = machine.port._player._ring
+    made = ring.head
+    browser.order(do="step", by={"x": 1}, speed=500)
+    return _until(machine, lambda: browser.has(b'"step"') and ring.head != made)
+
+
 WAYS = {
     "a cycle of the main loop, nothing to do": _idle,
     "`G1`, from its bytes to its first words": lambda: _line(b"G91G1X5F600\n"),
@@ -133,6 +192,7 @@ WAYS = {
     "`!` in motion, to the stand": lambda: _amid_motion(b"!", stands),
     "Ctrl-X in motion, to the banner": lambda: _amid_motion(b"\x18", lambda machine: b"for help" in machine.received()),
     "`$H`, to its answer": _homing,
+    "a key on the board's own page, to its answer and its first words": _pressed,
 }
 
 

@@ -15,6 +15,7 @@ from passo.protocols.page.any_machine import AnyMachine, NoJob
 
 class BoardMachine(AnyMachine):
     untold = (errors.STOPPED,)  # what the machine logs and is no matter of pages
+    from_here = ("jog", "step", "goto")  # orders that count from the newest report: one is made before them
 
     def __init__(self, record, number, board, tell):
         AnyMachine.__init__(self, tell, NoJob(), board)
@@ -59,7 +60,10 @@ class BoardMachine(AnyMachine):
         for said in self.unanswered:
             if said[0] is command:
                 self.unanswered.remove(said)
-                (said[1] or self.finished)(error)
+                if said[1]:
+                    said[1](error)
+                elif error:
+                    self.finished(error)
                 return error
         if error and not heard:
             self.finished(error)

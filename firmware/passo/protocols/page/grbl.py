@@ -27,6 +27,7 @@ _MACHINE, _WORK, _HERE = const(53), const(54), const(91)  # what a place counts 
 class GrblPage(BoardMachine):
     language = "grbl"
     speaks = True
+    from_here = ("jog",)  # the others count from where the queue ends
     can = (
         "place", "jog", "step", "goto", "zero", "home", "unlock", "hold", "resume", "overrides", "outputs", "settings", "log",
         "line", "signals", "diagonal", "jog_speed",

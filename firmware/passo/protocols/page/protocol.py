@@ -29,7 +29,6 @@ MOST = const(200)
 FREE = const(32)  # an order without a proof
 PROVEN = const(33)
 GONE = const(34)  # the page has gone
-_FROM_HERE = ("jog", "step", "goto")  # orders that count from where the machine is at this moment
 _JOG_ASK_MS = const(40)  # between two reports, while a jog goes on
 
 
@@ -104,7 +103,7 @@ class Page:
         except ValueError:
             order, answer = None, {"t": "answer", "do": "", "error": errors.ORDER_FIELD}
         else:
-            if proven and isinstance(order, dict) and order.get("do") in _FROM_HERE:
+            if proven and isinstance(order, dict) and order.get("do") in self._machine.from_here:
                 yield self._status
             answer = self._orders.order(order, proven)
             for command in self._machine.commands():
