@@ -18,7 +18,7 @@ from passo.records import COUNT_MASK
 from passo.web.pages import Pages
 from passo.web.websocket import TEXT, frame
 
-_PUSH_MS = const(185)  # between two states; passes of the main loop come on top: five a second, or more
+_PUSH_MS = const(190)  # between two states, whatever a pass of the main loop takes: five a second
 _PAGES = const(4)  # at once: each takes 2 to 4 kB
 _STOP = b'{"do":"stop"}'
 _STOPPED = b'{"t": "answer", "do": "stop", "error": 0}'
@@ -58,10 +58,11 @@ class PageLine:
                 return message
             if self._page_of(connection):
                 self._server.send(connection, message)
-        if self.pages.pages and (now_ms - self._pushed_ms) & COUNT_MASK >= _PUSH_MS:
-            self._pushed_ms = now_ms
-            return bytes((ALL, len(self.pages.pages)))
-        return b""
+        late_ms = (now_ms - self._pushed_ms) & COUNT_MASK
+        if late_ms < _PUSH_MS or not self.pages.pages:
+            return b""
+        self._pushed_ms = now_ms if late_ms >= 2 * _PUSH_MS else (self._pushed_ms + _PUSH_MS) & COUNT_MASK
+        return bytes((ALL, len(self.pages.pages)))
 
     def write(self, data):
         for message in bytes(data).split(b"\n"):
