@@ -6,7 +6,6 @@
 """
 
 from passo.config.board_error import BoardError
-from passo.config.job_keys import name_fits
 
 _OF_NETWORK = ("websocket", "connection", "session", "guard", "http", "files", "signed", "lines")
 _OF_PAGE = ("protocols.page.lease", "protocols.page.jog", "web.pace", "web.pages", "protocols.page.orders", "protocols.page.any_machine")
@@ -51,6 +50,8 @@ def page(language, link, number, board, controller, shared, most):
     spoken = language.create(link, number, board, controller, shared, most) if shown.speaks else language
     made = __import__("passo.protocols.page", None, None, ("create",)).create(shown, number, board, controller, spoken)
     if board["jobs"]:
+        from passo.config.job_keys import name_fits
+
         made.keep(__import__("passo.protocols.page.stored", None, None, ("StoredJobs",)).StoredJobs, link["protocol"], name_fits)
     return made
 

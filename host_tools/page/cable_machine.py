@@ -7,13 +7,39 @@ from passo.protocols.page.lease import since
 _JOG_ASK_MS = 40  # between two reports, while a jog goes on
 
 
+class NoJob:
+    """No file is streamed."""
+
+    name = ""
+
+    def running(self):
+        return False
+
+    def poll(self):
+        pass
+
+    def refresh(self):
+        pass
+
+    def fail(self, error):
+        pass
+
+    def abort(self):
+        return 0
+
+    def run(self, name, lines, passes, checked, single=False):
+        return errors.UNKNOWN_COMMAND
+
+
 class CableMachine(AnyMachine):
     ask_ms = 40  # between two reports otherwise: 25 a second
     silent_ms = 1500  # without a report: the link is down
     again_ms = 3000  # it is asked for again
 
     def __init__(self, tell, job, board=None):
-        AnyMachine.__init__(self, tell, job, board)
+        """`job`: what runs jobs; the rest: see AnyMachine."""
+        AnyMachine.__init__(self, tell, board)
+        self.job = job
         network = board["network"] if board else None
         self._presence = bool(network and network["presence"])
         self._asked_ms = self._heard_ms = 0
@@ -34,6 +60,19 @@ class CableMachine(AnyMachine):
         if self.state["link"]:
             self._go_on()
         self.job.poll()
+
+    def shown(self):
+        self.job.refresh()
+        return AnyMachine.shown(self)
+
+    def still(self):
+        return errors.BUSY if self.job.running() else AnyMachine.still(self)
+
+    def abort(self):
+        return self.job.abort()
+
+    def _may_jog(self, direction):
+        return AnyMachine._may_jog(self, direction) and not self.job.running()
 
     def _ask(self):
         """Ask the board for a report."""

@@ -8,8 +8,7 @@ off, clockwise, speed 1. A motor that turns while a button is held is switched o
 turns until it is switched off, as the language has it.
 """
 
-from host_tools.page.cable_machine import CableMachine
-from passo.protocols.page.any_machine import NoJob
+from host_tools.page.cable_machine import CableMachine, NoJob
 from passo.protocols.page.keys import Kit
 
 

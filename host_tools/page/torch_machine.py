@@ -10,9 +10,8 @@ brakes at the end of what it was asked for, 100 ms or one jog.
 
 import struct
 
-from host_tools.page.cable_machine import CableMachine
+from host_tools.page.cable_machine import CableMachine, NoJob
 from passo import errors
-from passo.protocols.page.any_machine import NoJob
 from passo.protocols.page.lease import since
 from passo.protocols.page.torch import REPEAT_MS, can_of, move_of, preferences, preferences_of, seam_of, straight
 from passo.protocols.torch import protocol as torch

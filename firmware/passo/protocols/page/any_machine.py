@@ -18,30 +18,6 @@ _MOST_LOG = const(100)
 _HUGE = 1e9  # mm/s²: no ramps
 
 
-class NoJob:
-    """No file is streamed."""
-
-    name = ""
-
-    def running(self):
-        return False
-
-    def poll(self):
-        pass
-
-    def refresh(self):
-        pass
-
-    def fail(self, error):
-        pass
-
-    def abort(self):
-        return 0
-
-    def run(self, name, lines, passes, checked, single=False):
-        return errors.UNKNOWN_COMMAND
-
-
 class AnyMachine:
     language = ""
     can = ()
@@ -49,14 +25,13 @@ class AnyMachine:
     speaks = False  # a board's link for pages also understands lines of its language
     jogs_from = ("Idle", "Jog")  # states in which a continuous jog may begin
 
-    def __init__(self, tell, job, board=None):
-        """`tell(event)`: a dict for every page; `job`: what runs jobs; `board`: the checked board file, for a language that does not
-        tell its axes and their steps/mm."""
+    def __init__(self, tell, board=None):
+        """`tell(event)`: a dict for every page; `board`: the checked board file, for a language that does not tell its axes and their
+        steps/mm."""
         axes = board["axes"] if board else ()
         self.axes = "".join([axis["name"] for axis in axes]) or "xyz"
         self.scale = [axis["steps_per_m"] / 1000 for axis in axes]
         self._tell = tell
-        self.job = job
         self.lease = Lease()
         self.jog = Jog(self._say_jog)
         self.settings = {}
@@ -75,7 +50,6 @@ class AnyMachine:
 
     def shown(self):
         """The state that pages get."""
-        self.job.refresh()
         self.state["lease"] = self.lease.number
         return self.state
 
@@ -117,8 +91,10 @@ class AnyMachine:
 
     def still(self):
         """0, or why something may not begin."""
-        if self.job.running() or self.jog.active or not self.stands():
-            return errors.BUSY
+        return errors.BUSY if self.jog.active or not self.stands() else 0
+
+    def abort(self):
+        """Come to a stand, and give up the job that is streamed: there is none."""
         return 0
 
     def _wordless(self, *_):
@@ -141,7 +117,7 @@ class AnyMachine:
         return 0
 
     def _may_jog(self, direction):
-        return self.place is not None and len(direction) == len(self.place) and not self.job.running()
+        return self.place is not None and len(direction) == len(self.place)
 
     def _start_jog(self, direction, speed):
         self.jog.begin(direction, speed, self._limits(), self.place)

@@ -10,7 +10,7 @@
 
 from passo import commands, errors
 from passo.commands import Command
-from passo.protocols.page.any_machine import AnyMachine, NoJob
+from passo.protocols.page.any_machine import AnyMachine
 
 
 class BoardMachine(AnyMachine):
@@ -18,7 +18,7 @@ class BoardMachine(AnyMachine):
     from_here = ("jog", "step", "goto")  # orders that count from the newest report: one is made before them
 
     def __init__(self, record, number, board, tell):
-        AnyMachine.__init__(self, tell, NoJob(), board)
+        AnyMachine.__init__(self, tell, board)
         self._record = record
         self._number = number
         self.said = []  # (command, answered) to be carried out; answered(error): what came of it

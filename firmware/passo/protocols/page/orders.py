@@ -217,4 +217,4 @@ class Orders:
         return self._moving() or self.machine.play(text(order, "what", 16))
 
     def _abort(self, order):
-        return self.machine.job.abort()
+        return self.machine.abort()

@@ -125,8 +125,7 @@ class PulsesPage(BoardMachine):
 
     # --- orders
 
-    def still(self):
-        return errors.BUSY if self.jog.active or not self.stands() else 0
+    still = AnyMachine.still  # a hold may be said amid what is not answered
 
     def stop(self):
         """Stop at once: the file is at its start then, the tool off."""
