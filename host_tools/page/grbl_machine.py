@@ -50,6 +50,8 @@ class GrblMachine(CableMachine):
         self._waits = b""  # the line that is answered next
         self._wait_ms = self._counted_ms = 0
         self._known = False  # the settings have been asked for
+        self.options = None  # letters of [OPT:…]: J, a journal; F, stored jobs; None: not known yet
+        self._letters = ""
         self._behind = b""  # what is said once the board has been reset
 
     # --- bytes
@@ -62,8 +64,14 @@ class GrblMachine(CableMachine):
         self.wire.write(b"?")
 
     def _go_on(self):
-        if not self._known and self.stands():
+        if not self._known and self.stands() and self.wire.room(len(b"$I\n$$")):
+            if self.options is None:
+                self.wire.say(PAGE, b"$I", self._options_known)
             self._known = self.wire.say(PAGE, b"$$", self._all_known)
+
+    def _options_known(self, error):
+        if not error:
+            self.options = self._letters
 
     def lost(self):
         """There is no board any more: it is about to be another one."""
@@ -74,6 +82,7 @@ class GrblMachine(CableMachine):
 
     def _lose(self):
         self._known = False
+        self.options = None
         CableMachine._lose(self)
 
     def _all_known(self, error):
@@ -110,6 +119,9 @@ class GrblMachine(CableMachine):
             self.state["why"] = "pause"
         elif line[:18] == "[MSG:Tool change: ":
             self.state["why"] = line[18:].split(",")[0]
+        elif line[:5] in ("[VER:", "[OPT:") and owner == PAGE and self.options is None:
+            if line[1] == "O":
+                self._letters = line[5:].split(",")[0]
         elif line[:1] == "[" and not self.job.heard(line) and owner == PAGE:
             self._tell({"t": "said", "text": line})
         if owner != PAGE or line[:1] != "[" or line[:5] == "[MSG:":

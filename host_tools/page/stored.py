@@ -42,8 +42,13 @@ class StoredJobs(Job):
         error = machine.refusal() or machine.still()
         if error:
             return error
+        if what == "list" and machine.options is None:
+            return errors.BUSY  # it has not said yet whether it keeps jobs
         if what == "list":
             self._found = []
+            if "F" not in machine.options:
+                self._listed(errors.STATEMENT)
+                return 0
             return 0 if machine.wire.say(PAGE, b"$F", self._listed) else errors.BUSY
         if not isinstance(name, str) or not name_fits(name):
             return errors.STORED_NAME

@@ -45,9 +45,11 @@ class RecoverableJobs(StoredJobs):
         machine = self._machine
         if state == "Home":
             self._asked = False
-        if not self._asked and state in _REST and machine.settings and not self.running() and not machine.refusal():
-            self._collects = []
-            self._asked = machine.wire.say(PAGE, b"$JR", self._journal)
+        if not self._asked and state in _REST and machine.settings and machine.options is not None and not self.running() and not machine.refusal():
+            self._asked = "J" not in machine.options
+            if not self._asked:
+                self._collects = []
+                self._asked = machine.wire.say(PAGE, b"$JR", self._journal)
         StoredJobs.report(self, state)
 
     def fail(self, error):

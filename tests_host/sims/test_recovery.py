@@ -15,15 +15,34 @@ STEPS, STEPS_Z = 320, 400
 START = (600, 500, -400)
 
 
-def desk(tmp_path, pages, place=START, alarm=False):
+def desk(tmp_path, pages, place=START, journal=True):
     board = dict(BOARD)
     board["journal"] = {"every_ms": 200}
-    made = Desk(world=World(place), pages=pages, journal=check(board)["journal"])
+    made = Desk(world=World(place), pages=pages, journal=check(board)["journal"] if journal else None)
     store = Store(tmp_path / "jobs", gcode_lines)
     made.machine.job = RecoverableJobs(made.machine, made.told.append, store)
     made.store = made.api.store = store
     made.run_ms(300)
     return made
+
+
+def test_a_board_is_asked_for_nothing_that_it_has_not(tmp_path):
+    """Neither $F nor $JR, which it would log as refused; when the page is loaded, loaded again, and the board has begun anew."""
+    made = desk(tmp_path, Pages(), journal=False)
+    said = []
+    write = made.machine.wire.write
+    made.machine.wire.write = lambda data: (said.append(data), write(data))[1]
+    for _ in range(2):
+        assert made.order("stored", what="list") == 0
+        made.run_ms(500)
+        assert [event for event in made.told if event["t"] == "stored"][-1]["jobs"] is None
+        assert made.order("stop") == 0
+        made.run_ms(500)
+        assert made.order("unlock") == 0
+        made.machine.lost()
+        made.run_ms(500)
+    assert b"$I\n" in said and b"$F\n" not in said and b"$JR\n" not in said
+    assert not [number for _, number, who in made.board.controller.machine.log.entries if number < 100], made.board.controller.machine.log.entries
 
 
 def bottom(path):

@@ -164,8 +164,9 @@ class System:
         text = self._settings.get(INFO) or ""
         version = "[VER:%s.%s:%s]\r\n" % (grbl_report.VERSION, grbl_report.DATE, text)
         about = self._machine.about
-        journal = "J" if commands.JOURNAL in self._machine.handlers else ""
-        return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (journal, self._blocks, RX_BYTES) + (grbl_report.message(about) if about else "")
+        handlers = self._machine.handlers
+        more = ("J" if commands.JOURNAL in handlers else "") + ("F" if commands.JOB in handlers else "")
+        return version + "[OPT:VNMZ%s,%d,%d]\r\n" % (more, self._blocks, RX_BYTES) + (grbl_report.message(about) if about else "")
 
     def _keep(self, key, text):
         before = self._settings.snapshot()
