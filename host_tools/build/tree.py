@@ -371,7 +371,7 @@ def write_package(out):
     first and the other last, so that a copy cut short is told from a whole one."""
     inner = f"passo/{STAMP}"
     files = sorted(path.relative_to(out).as_posix() for path in (out / "passo").rglob("*.*"))
-    names = [inner, "board.py", *(name for name in files if name != inner), "main.py", STAMP]
+    names = [inner, "main.py", "board.py", *(name for name in files if name != inner), STAMP]
     package = {"urls": [[name, name] for name in names], "deps": []}
     (out / PACKAGE).write_text(json.dumps(package, indent=1) + "\n", encoding="utf-8")
 

@@ -34,10 +34,11 @@ COPY_TIMEOUT_S = 600
 
 def commands(port, out, drivers=(), source=False):
     """The mpremote commands, as argument lists: ask if a board answers; then copy, remove stale modules, copy the stamp and reset. The
-    old stamp goes first: a board whose copy was cut short has none, and says so at its start. `drivers`: packages of micropython-lib,
+    stamp is spoilt first, and main.py comes next, which compares it: whatever was there before, a board whose copy was cut short says so at
+    its start. `drivers`: packages of micropython-lib,
     which mpremote fetches from the internet. `source`: the package is to run instead of the one in the UF2."""
     mpremote = flash_uf2.mpremote(port)
-    copy = ["cp", "-r", str(out / "passo"), ":", "+", "cp", str(out / "main.py"), str(out / "board.py"), ":"]
+    copy = ["cp", str(out / "main.py"), ":", "+", "cp", "-r", str(out / "passo"), ":", "+", "cp", str(out / "board.py"), ":"]
     if drivers:
         copy += ["+", "mip", "install", *drivers]
     finish = ["+", "run", str(REMOVE_STALE), "+", "cp", str(out / STAMP), ":"]

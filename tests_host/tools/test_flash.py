@@ -1,7 +1,10 @@
 """`passo flash`: what it would run, and a whole flash of a board that stands behind a pty."""
 
+import io
+import json
 import os
 import pty
+import re
 import shlex
 import subprocess
 import sys
@@ -14,6 +17,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from host_tools.build.tree import write_package
 from host_tools.cli import flash
 from host_tools.failure import Failure
 
@@ -40,8 +44,8 @@ def test_dry_run_transcript(folder):
     mpremote = shlex.join([sys.executable, "-m", "mpremote", "connect", "/dev/ttyACM0"])
     assert result.output.splitlines()[-2:] == [
         f"{mpremote} run {shlex.quote(str(flash.flash_uf2.ASK))}",
-        f"{mpremote} run {shlex.quote(str(flash.REMOVE_STAMP))} + cp -r build/plotter_2014/passo :"
-        " + cp build/plotter_2014/main.py build/plotter_2014/board.py :"
+        f"{mpremote} run {shlex.quote(str(flash.REMOVE_STAMP))} + cp build/plotter_2014/main.py :"
+        " + cp -r build/plotter_2014/passo : + cp build/plotter_2014/board.py :"
         f" + run {shlex.quote(str(flash.REMOVE_STALE))} + cp build/plotter_2014/stamp.txt : + reset",
     ]
     assert (folder / "build/plotter_2014/passo/app.mpy").is_file()
@@ -153,7 +157,69 @@ def test_a_copy_that_ends_early(folder, board, small_firmware):
     assert isinstance(result.exception, Failure)
     assert str(result.exception).startswith(f"copying to {port} ended early: ")
     assert "\n" not in str(result.exception)
-    assert not (files / "stamp.txt").exists(), "it would say that the firmware is whole"
+    assert (files / "stamp.txt").read_text() == "being copied\n", "else it would say that the firmware is whole"
+
+
+OLD_STATES = {
+    "empty": {},
+    "an older build": {"main.py": None, "passo/stamp.txt": "0123456789ab\n", "stamp.txt": "0123456789ab\n", "passo/app.mpy": "old"},
+    "the same build": {"main.py": None, "passo/stamp.txt": "", "stamp.txt": "", "passo/app.mpy": "old"},
+    "one without stamps": {"main.py": "main()\n", "passo/app.mpy": "old"},
+    "sources by hand": {"main.py": None, "passo/app.mpy": "old"},
+}
+
+
+def starts(files):
+    """Whether main.py runs what is there."""
+    main = files.get("main.py")
+    if main is None:
+        return False
+    try:
+        compile(main, "main.py", "exec")
+    except SyntaxError:
+        return False
+    if "stamp_of(" not in main:
+        return re.search(r"^ *main\(\)$", main, re.MULTILINE) is not None
+    names = {"sys": sys, "open": lambda path: io.StringIO(files[path]) if path in files else open("/no/such/file")}
+    exec(main[: main.index("\nif WHOLE:")].replace("import passo_image as image", "raise ImportError"), names)
+    return "\n    main()\n" in main and names["WHOLE"]
+
+
+def copied(commands, out):
+    """(path, text) of each file that the commands write, in order."""
+    words = commands[commands.index("run") :]
+    for step in [each.split(" ") for each in " ".join(words).split(" + ")]:
+        if step[:2] == ["cp", "-r"]:
+            yield from ((path.relative_to(out).as_posix(), path.read_bytes().decode("latin-1")) for path in Path(step[2]).rglob("*") if path.is_file())
+        elif step[0] == "cp":
+            yield from ((Path(path).name, Path(path).read_bytes().decode("latin-1")) for path in step[1:-1])
+        elif step[:2] == ["run", str(flash.REMOVE_STAMP)]:
+            yield "stamp.txt", "being copied\n"
+
+
+@pytest.mark.parametrize("how", ["flash", "mip"])
+def test_a_copy_cut_anywhere_does_not_start(folder, how):
+    """Behind any number of files, and amid each: whatever was on the board, it says that it is not whole, or has no main.py that is. mip runs
+    nothing on the board: what had no stamp, or the same, is not told from a whole one there."""
+    out = folder / "build" / "router_3axis"
+    flash.build_tree("router_3axis", out)
+    write_package(out)
+    if how == "flash":
+        writes = list(copied(flash.commands("PORT", out)[1], out))
+    else:
+        names = [name for name, _ in json.loads((out / "package.json").read_text())["urls"]]
+        writes = [(name, (out / name).read_bytes().decode("latin-1")) for name in names]
+    assert len(writes) > 100 and writes[-1][0] == "stamp.txt"
+    main, stamp = (out / "main.py").read_text(), (out / "stamp.txt").read_text()
+    for before in OLD_STATES if how == "flash" else ("empty", "an older build"):
+        files = {name: main if text is None else text or stamp for name, text in OLD_STATES[before].items()}
+        for number, (name, text) in enumerate(writes):
+            for part in ("", text[: len(text) // 2], text[:-1], text):
+                whole = number == len(writes) - 1 and part.strip() == text.strip()
+                files[name] = part
+                if number:  # else nothing but a stamp has changed
+                    assert bool(starts(files)) == whole, (before, number, name, len(part))
+        assert starts(files)
 
 
 def test_a_stamp_is_of_all_files(folder, small_firmware):
