@@ -19,6 +19,14 @@ ESP32_NEEDS = {
     ("plotter", False, False): (166, 62), ("plotter", True, True): (269, 120), ("torch", True, False): (247, 111),
     ("grbl", False, False): (334, 122), ("grbl", True, False): (408, 173), ("grbl", True, True): (437, 181),
 }  # fmt: skip
+# The heap of stock MicroPython 1.27 on a Pico, and a Pico W, in kB; what has to stay free of it; and what keys of a board file take of it,
+# machine code and arrays included: measured on the emulated Pico (tests_host/pico/test_pico_budget.py). Stored jobs keep 14, and want JOB_KB
+# in large pieces while one is stored.
+PICO_KB, PICO_W_KB, FREE_KB = 246, 205, 20
+LANGUAGES_KB = {"grbl": 183, "pulses": 154, "torch": 131, "keys": 127, "plotter": 127}
+KEYS_KB = {"weaving": 24, "encoders": 6, "inverter": 5, "interlock": 11, "gantry": 1, "journal": 4, "jobs": 14}
+LINKS_KB = {"page": 30, "http": 16, "tcp": 16}
+FRAMES_KB, JOB_KB = 4, 10
 
 
 def budget(board):
@@ -31,6 +39,8 @@ def budget(board):
         rows.append((_("shift registers"), _registers(board)))
     if board["chip"].startswith("esp32"):
         rows.append((_("memory"), memory(board)))
+    elif board["chip"] == "rp2040":
+        rows.append((_("memory"), _("some {} kB of {} on stock MicroPython", heap_kb(board), _stock_kb(board))))
     uarts = [(board["inverter"]["port"], _("inverter"))] if board["inverter"] else []
     uarts += [(link["port"], _("link {}", link["name"])) for link in board["links"] if link["port"] != "usb"]
     rows.append((_("serial lines"), ", ".join(f"{port}: {who}" for port, who in sorted(uarts)) or _("none but USB")))
@@ -45,6 +55,19 @@ def needs(board):
     return ESP32_NEEDS.get((language, bool(board["network"]), page))
 
 
+def heap_kb(board):
+    """What a checked board takes of a Pico's heap with stock MicroPython, in kB: the dearest of its languages, and each key and link."""
+    kinds = {link["port"] for link in board["links"]}
+    taken = max(LANGUAGES_KB[link["protocol"]] for link in board["links"])
+    taken += sum(cost for key, cost in KEYS_KB.items() if board[key])
+    taken += sum(cost for kind, cost in LINKS_KB.items() if kind in kinds)
+    return taken + JOB_KB * bool(board["jobs"]) + FRAMES_KB * any(link["frames"] for link in board["links"])
+
+
+def _stock_kb(board):
+    return PICO_W_KB if board["network"] else PICO_KB
+
+
 def memory(board):
     """What a checked board wants of an ESP32's memory, as a sentence."""
     there, found = ESP32_KB.get(board["chip"]), needs(board)
@@ -56,7 +79,14 @@ def memory(board):
 
 
 def check_module(board, name):
-    """Raises Failure if a checked board asks for more than its module has."""
+    """Raises Failure if a checked board asks for more than its module has, or a Pico's stock MicroPython."""
+    if board["chip"] == "rp2040":
+        if heap_kb(board) + FREE_KB > _stock_kb(board):
+            raise Failure(
+                "{} wants Passo's UF2 (docs/build.md, make uf2): on stock MicroPython it takes some {} kB of memory, there are {}, and {} have "
+                "to stay free", name, heap_kb(board), _stock_kb(board), FREE_KB
+            )  # fmt: skip
+        return
     there, found = ESP32_KB.get(board["chip"]), needs(board)
     taken = sorted({pin for pin, who in claimed_pins(board)} & set(PSRAM_PINS.get(board["chip"], ()))) if board["psram"] else ()
     if taken:

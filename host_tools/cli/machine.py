@@ -11,6 +11,7 @@ from typing import Annotated
 
 import typer
 
+from host_tools.build.budget import check_module
 from host_tools.build.tree import STAMP, build_tree, default_out
 from host_tools.cli import flash_uf2
 from host_tools.cli.flash import COPY_TIMEOUT_S, PROBE_TIMEOUT_S, check_port, commands, copy, probe, reason_of
@@ -123,6 +124,7 @@ def _firmware(board, port, out):
     if has.chip:
         flash_uf2.check_fits(has, check(boards.load(board)), board)
         return [], []
+    check_module(check(boards.load(board)), board)
     build_tree(board, out)
     (out / "passo" / STAMP).unlink()  # of one build: here each machine has the digests of its modules
     files = sorted(path for path in (out / "passo").rglob("*.*") if path.name != "files.txt")

@@ -29,12 +29,13 @@ def test_the_mill_fills_a_pico():
 def test_an_esp32_without_psram_holds_a_plotter_and_no_more():
     assert of("plotter_esp32")["memory"] == "166 kB wanted, 209 there without PSRAM" and of("router_esp32")["memory"] == "in the module's PSRAM"
     assert of("mks_dlc32")["memory"] == "334 kB wanted, 209 there without PSRAM"
-    assert "not counted" in memory({**check(boards.load("plotter_esp32")), "chip": "esp32s3"}) and "memory" not in of("router_3axis")
+    assert "not counted" in memory({**check(boards.load("plotter_esp32")), "chip": "esp32s3"})
+    assert of("router_3axis")["memory"] == "some 187 kB of 246 on stock MicroPython" and "memory" not in of("mill_pico_2")
 
 
 def with_network(name, port, protocol):
     board = check(boards.load(name))
-    links = [dict(board["links"][0], protocol=protocol), {"name": "other", "port": port, "protocol": protocol}]
+    links = [dict(board["links"][0], protocol=protocol), {"name": "other", "port": port, "protocol": protocol, "frames": False}]
     return {**board, "psram": False, "network": {"host": "passo"}, "links": links}
 
 
@@ -51,10 +52,31 @@ def test_a_board_file_that_asks_for_more_than_its_module_has_is_refused(board, w
 
 def test_what_fits_is_not_refused():
     for name in boards.names():
-        if name != "mks_dlc32":  # its module has no PSRAM
+        if name not in ("mks_dlc32", *ONLY_FROZEN):  # its module has no PSRAM
             check_module(check(boards.load(name)), name)
     with pytest.raises(Failure, match="plotter_esp32: pin 16 of a module with PSRAM is the PSRAM's"):
         check_module(check({**boards.load("plotter_esp32"), "psram": True}), "plotter_esp32")
+
+
+STORED = {"jobs": {"language": "grbl"}}
+ONLY_FROZEN = ("laser_pico_w", "router_pico_w")
+
+
+def loaded(name, **more):
+    return check({**boards.load(name), **more})
+
+
+@pytest.mark.parametrize("board, counted, there", [
+    (loaded("mill_2004", **STORED), 234, 246), (loaded("router_3axis", **STORED), None, 246), (loaded("mill_2004"), None, 246),
+    (loaded("router_pico_w"), 241, 205), (with_network("router_3axis", "tcp", "grbl"), 203, 205),
+    (with_network("plotter_pico_w", "page", "plotter"), None, 205), (loaded("plotter_page"), None, 205),
+])  # fmt: skip
+def test_what_leaves_too_little_of_a_pico_wants_the_uf2(board, counted, there):
+    if counted is None:
+        check_module(board, "mine")
+        return
+    with pytest.raises(Failure, match=rf"^mine wants Passo's UF2 .* some {counted} kB of memory, there are {there}, and 20 have to stay free$"):
+        check_module(board, "mine")
 
 
 @pytest.mark.parametrize("command", ["build", "flash"])
