@@ -12,9 +12,10 @@ The driver is in the mode that asyncio uses: write() copies a block or says that
 irq() a task of its own would copy later, and a block handed to a full queue would be lost without a word.
 Blocks are whole ones of the driver's: a part of one would be played with zeros behind it.
 
-16 blocks, 16.4 ms, are on their way: what keeps the next pump() off for 11 ms more than usual delays nothing. If it takes longer, the driver
+16 blocks, 16.4 ms, are on their way: what keeps the next pump() off for 11 ms more than usual delays nothing. Where the heap is PSRAM a
+collection takes 22 ms and more: there are 32 blocks, and 27 ms more delay nothing. If it takes longer, the driver
 sends zeros: no step, tool off. Less than two blocks before that the I2S is closed and opened: the words not played by
-then begin again after 17 ms, at their speed, and `under_runs` counts one. No step is lost, no interval is shorter.
+then begin again after 17 ms (33), at their speed, and `under_runs` counts one. No step is lost, no interval is shorter.
 
 halt() closes the I2S: the clock ends inside a frame, and words are counted by the frames latched. The registers keep their
 levels for the time that opening it again takes, less than a millisecond, or are cut off by `enable`; then zeros come.
@@ -37,10 +38,11 @@ from passo.records import COUNT_MASK
 
 RATE = const(250_000)
 BLOCK = const(256)  # frames: the driver's own
-BLOCKS = const(16)
+BLOCKS = const(16)  # in the driver's memory, 1 kB each
+PSRAM_BLOCKS = const(32)
 FIRST_FRAMES = const(0)  # frames that the chip sends before the first of its memory
 _MARGIN = const(512)  # frames: nearer to its end the driver may be reading what is being written
-_LONGEST_US = const(16_000)  # between two looks: then the driver has sent zeros, and the counter has not gone round yet
+_LONGEST_US = const(1000)  # between two looks, for each block: then the driver has sent zeros, and the counter has not gone round yet
 _COUNTS = const(32_000)  # where the pulse counter begins again
 _INPUT_ENABLE = const(1 << 9)
 
@@ -57,14 +59,15 @@ def signed(bits):
 
 class I2sPlayer:
     """`outputs`: of the word's bits, lowest first; `invert`: mask of the bits whose electrical level is the opposite;
-    `section`: `shift` of the board file."""
+    `section`: `shift` of the board file; `blocks`: how many are on their way."""
 
-    def __init__(self, ring, layout, outputs, pulse_ticks, invert, section):
+    def __init__(self, ring, layout, outputs, pulse_ticks, invert, section, blocks=BLOCKS):
         if invert & (layout.pulse_mask | layout.tool_mask):
             raise ValueError("a frame of zeros would step: with shift registers $2 has to be 0, and the tool not inverted")
         pulse_frames = -(-pulse_ticks // frames_viper.FRAME_TICKS)
         self.min_word_ticks = 2 * pulse_frames * frames_viper.FRAME_TICKS
         self.under_runs = 0
+        self._blocks = blocks
         self._ring = ring
         self._layout = layout
         self._pins = [Pin(section[key]) for key in ("clock", "latch", "data")]
@@ -108,7 +111,7 @@ class I2sPlayer:
     def _open(self):
         clock, latch, data = self._pins
         self._i2s = I2S(
-            0, sck=clock, ws=latch, sd=data, mode=I2S.TX, bits=16, format=I2S.STEREO, rate=RATE, ibuf=4 * BLOCK * BLOCKS
+            0, sck=clock, ws=latch, sd=data, mode=I2S.TX, bits=16, format=I2S.STEREO, rate=RATE, ibuf=4 * BLOCK * self._blocks
         )
         self._poll.register(self._i2s, select.POLLOUT)
         self._poll.poll(0)  # asking so switches the driver to writes that never wait
@@ -119,7 +122,7 @@ class I2sPlayer:
         self._looked_us = ticks_us()
         # All blocks are sent as zeros first. Ours begin with one that only shows directions and outputs again.
         state = self._state
-        state[frames_viper.FRAME] = self._frame + FIRST_FRAMES + BLOCK * BLOCKS & COUNT_MASK
+        state[frames_viper.FRAME] = self._frame + FIRST_FRAMES + BLOCK * self._blocks & COUNT_MASK
         state[frames_viper.HEAD] = state[frames_viper.NEXT]
         frames_viper.make(self._frames, 0, 0, BLOCK, state, self._ring.words, self._starts, self._table)
         self._pending = True
@@ -160,11 +163,11 @@ class I2sPlayer:
         if not self._running:
             return  # halt() is under way in the main loop
         state = self._state
-        late = ticks_diff(ticks_us(), self._looked_us) > _LONGEST_US
+        late = ticks_diff(ticks_us(), self._looked_us) > _LONGEST_US * self._blocks
         self._look()
         handed = state[frames_viper.FRAME] - (BLOCK if self._pending else 0)
         ahead = handed - self._frame & COUNT_MASK
-        if late or not _MARGIN <= ahead <= (BLOCKS + 1) * BLOCK:
+        if late or not _MARGIN <= ahead <= (self._blocks + 1) * BLOCK:
             self.under_runs += 1
             self._shut()
             self._open()
@@ -225,15 +228,15 @@ class I2sPlayer:
         return self._state[frames_viper.PLAYED]
 
     def rest(self, levels):
-        """Show `levels`, 17 ms later. Only while not busy."""
+        """Show `levels`, 17 ms later (PSRAM: 33). Only while not busy."""
         self._state[frames_viper.LEVELS] = self._state[frames_viper.SHOWN] = levels
 
     def close(self):
-        """Hand over nothing more: within 17 ms the registers show zeros, and stay so."""
+        """Hand over nothing more: within 17 ms (33) the registers show zeros, and stay so."""
         self._playing = self._running = False
 
     def output(self, number, level):
-        """An output of the register that is no motor's: 17 ms later."""
+        """An output of the register that is no motor's: 17 ms later (33)."""
         frame = frame_of(number)
         flip = self._state[frames_viper.FLIP]
         self._state[frames_viper.FLIP] = flip | frame if level else flip & ~frame

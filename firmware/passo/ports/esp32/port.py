@@ -28,6 +28,7 @@ _FEED_TIMER = const(1)
 _KEEP_MS = const(300)
 _PUMP_MS = const(2)
 _SHIFT_LEAD_TICKS = const(24 * 12_500)  # 16.4 ms of frames, 2 to the next pump, and a segment of an arc, which counts whole
+_PSRAM_LEAD_TICKS = const(41 * 12_500)  # 32.8 ms of frames
 
 
 class Port(ChipPort):
@@ -38,11 +39,13 @@ class Port(ChipPort):
         self._shifted = []
         if board["shift"]:
             board = self._on_pins(board)
-        lead_ticks = _SHIFT_LEAD_TICKS if board["shift"] else LEAD_TICKS
+        lead_ticks = LEAD_TICKS
+        if board["shift"]:
+            lead_ticks = _PSRAM_LEAD_TICKS if board["psram"] else _SHIFT_LEAD_TICKS
         ChipPort.__init__(self, board, lead_ticks, lead_ticks)
         self._shift_pins = []
         for entry in self._shifted:
-            pin = ShiftPin(self, entry["pin"] - REGISTER_BIT, 1 - entry["active"])
+            pin = i2s_player.ShiftPin(self, entry["pin"] - REGISTER_BIT, 1 - entry["active"])
             self._shift_pins.append(pin)
             self._outputs[entry["name"]] = pin, entry["active"]
         if board["encoders"]:
@@ -52,8 +55,8 @@ class Port(ChipPort):
 
     def _on_pins(self, board):
         """The board without the outputs of its register."""
-        global ShiftPin, I2sPlayer
-        from passo.ports.esp32.i2s_player import I2sPlayer, ShiftPin  # here: the firmware of plain pins has no PCNT to ask for
+        global i2s_player
+        from passo.ports.esp32 import i2s_player  # here: the firmware of plain pins has no PCNT to ask for
 
         board = dict(board)
         for entry in board["outputs"]:
@@ -72,7 +75,8 @@ class Port(ChipPort):
         invert = inverted_pins(board, layout)
         if board["shift"]:
             outputs = [pin - REGISTER_BIT for pin in word_pins(board)]
-            self._player = self.shift_player = I2sPlayer(ring, layout, outputs, pulse_ticks, invert, board["shift"])
+            blocks = i2s_player.PSRAM_BLOCKS if board["psram"] else i2s_player.BLOCKS
+            self._player = self.shift_player = i2s_player.I2sPlayer(ring, layout, outputs, pulse_ticks, invert, board["shift"], blocks)
             for pin in self._shift_pins:
                 pin.show()
             return self._player
