@@ -7,6 +7,7 @@ from host_tools.emulator import gcode as lines_of_gcode
 from host_tools.emulator import halting, traffic
 from host_tools.emulator.copies import on_a_copy
 from host_tools.emulator.cycles import CYCLE_NS, CYCLES_PER_US
+from host_tools.emulator.frozen import find_frozen, frozen_machine
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.machine import EmulatedMachine, firmware_files
 from host_tools.emulator.rig import Rig, router
@@ -85,13 +86,18 @@ def _timer(axes, khz):
 
 
 def boot():
-    """Each board file for a Pico on stock MicroPython: time from reset to the main loop and to the first answer, and the heap then."""
+    """Each board file for a Pico on stock MicroPython, and with Passo's UF2: time from reset to the main loop, to the first answer, and the
+    heap then."""
+    uf2 = find_frozen("rp2040")
     rows = []
     for board in boards.names():
         config = boards.load(board)
         if config["chip"] == "rp2040" and not config.get("network"):  # that wants a Pico W
-            rows.append(on_a_copy(lambda: _boot(board)))
-    return ("board", "language", "main loop, ms after reset", "first answer, ms after reset", "heap free, bytes", "in one piece", "code in"), rows
+            rows.append(on_a_copy(lambda: (*_boot(board), *_boot_frozen(board, uf2))))
+    return (
+        "board", "language", "main loop, ms after reset", "first answer, ms after reset", "heap free, bytes", "in one piece", "code in",
+        "UF2: main loop", "first answer", "heap free", "in one piece"
+    ), rows  # fmt: skip
 
 
 _RUN = b"        start.run(app, port)\n"
@@ -111,6 +117,14 @@ def _boot(board):
     where = [line for line in bytes(console.take()).decode().splitlines() if line.startswith("code in ")][0]
     where = where.removeprefix("code in ").partition(", build")[0]
     return board, language, round(ready_ms), _first_ms(machine, language), heap.free, heap.largest, where
+
+
+def _boot_frozen(board, uf2):
+    machine = frozen_machine(board, uf2).boot()
+    console = machine.pico.console
+    machine.run_until(lambda: b"code in the UF2" in console.text, slice_us=200)
+    ready_ms, heap = machine.now_ms(), Heap(machine.pico, True)
+    return round(ready_ms), _first_ms(machine, machine.board["links"][0]["protocol"]), heap.free, heap.largest
 
 
 def _first_ms(machine, language):
