@@ -175,8 +175,9 @@ def spared_features(board):
     return frozenset(name for name, _, rule in machine_builder.FEATURES if rule and not rule(checked))
 
 
-def selected(board, firmware=FIRMWARE):
-    """The modules that `board` needs. Raises Failure for a chip or a protocol that there is not."""
+def selected(board, firmware=FIRMWARE, spared=None):
+    """The modules that `board` needs, without those of the features `spared`; None: of those that it spares. Raises Failure for a chip or
+    a protocol that there is not."""
     if board.get("chip") not in MARCH:
         raise Failure("unknown chip {!r}; known are {}", board.get("chip"), ", ".join(MARCH))
     files = [path for path in module_files(firmware) if runs_on(path, board["chip"]) and (board.get("card") or path not in OF_CARD)]
@@ -197,7 +198,7 @@ def selected(board, firmware=FIRMWARE):
             if link["port"] == "page":
                 chosen |= {PAGE_LINE, PAGE / "__init__.py", PAGE / f"{link['protocol']}.py"}
                 chosen |= {PAGE / "stored.py"} if board.get("jobs") else set()
-    spared = spared_features(board)
+    spared = spared_features(board) if spared is None else spared
     queue = list(chosen)
     queue.append(Path("main.py"))
     while queue:
@@ -287,8 +288,9 @@ def kernels_of(name, chip=None, firmware=FIRMWARE):
     """The kernels of a board's build as kernels.build has them: a Program, and groups() of it; `chip`: as if the board had this one.
     Raises Failure if it cannot have."""
     board = {**boards.load(name)}
+    spared = spared_features(board)  # before it has another chip, on which it might be refused for its pins or its clock
     board["chip"] = chip or board["chip"]
-    texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in selected(board, firmware)}
+    texts = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in selected(board, firmware, spared)}
     program = Program(numbered_only(texts))
     return program, kernels.groups(program, board, _left(board))
 

@@ -288,6 +288,13 @@ def test_what_a_release_ships_is_taken_where_there_is_no_compiler(tmp_path, monk
         ship.ship(["two_motor_kit"], tmp_path, ("rp2040",))
 
 
+@pytest.mark.parametrize("chip", ship.CHIPS)
+def test_a_release_has_the_kernels_of_a_board_with_a_network(chip):
+    """On every chip, though it may refuse the board's pins or clock."""
+    board = boards.load("router_pico_w")
+    assert board["network"] and board["clock_mhz"] and tree.kernels_of("router_pico_w", chip)[1]
+
+
 @pytest.mark.parametrize("by", ["gcc", "zig"])
 def test_no_word_of_a_router_looks_like_a_pointer(by, monkeypatch):
     monkeypatch.setenv("PASSO_KERNELS", by)
