@@ -15,7 +15,7 @@ from host_tools.page.cable_machine import CableMachine
 from host_tools.page.guest import Guest
 from host_tools.page.job import Job
 from host_tools.page.wire import GUEST, PAGE, Wire, dwell_ms, fields_of
-from passo import errors
+from passo import commands, errors
 from passo.protocols.page.jog import Limits
 from passo.protocols.page.lease import since
 
@@ -148,6 +148,7 @@ class GrblMachine(CableMachine):
             state["ov"] = [int(part) for part in fields["Ov"].split(",")]
             state["on"] = fields.get("A", "")
             state["stored"] = fields.get("SD", "")
+            state["more"] = [[word, fields[word]] for _, word in commands.STATUS_WORDS if word in fields]
         if self.jog.active:
             self.jog.report(self.place)
         self.job.report("" if name == "Hold" and sub == "1" else name)  # it is still braking

@@ -140,7 +140,7 @@ def longest_report():
     return {
         "position": array("i", [-MOST] * 4), "seen": seen,
         "power": 1_000_000, "state": "door", "substate": 3, "pins": "XYZAPDHRSNxyzan", "overrides": (200, 100, 200), "spindle": 4,
-        "coolant": 3, "job": (100, "n" * 32), "counts": counts, "rpm": 999_999_999, "glitches": 999_999_999,
+        "coolant": 3, "job": "100," + "n" * 32, "counts": counts, "rpm": 999_999_999, "glitches": 999_999_999,
     }  # fmt: skip
 
 
@@ -159,7 +159,7 @@ def check_a_field_too_long_is_left_out():
     one = _Longest()
     report = longest_report()
     for length in range(0, 2 * REPORT_LONGEST, 7):
-        report["job"] = (100, "n" * length)
+        report["job"] = "100," + "n" * length
         text = say(grbl_report.Status(one, one, one), report)["Ov"]
         assert len(text) <= REPORT_LONGEST + 3
     assert "|SD:" not in text and "|En:" in text and "|Gl:999999999>" in text

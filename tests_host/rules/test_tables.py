@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from host_tools.cli import status
-from passo.commands import INPUTS
+from passo.commands import INPUTS, STATUS_WORDS
 from passo.machine_builder import FEATURES
 
 pytestmark = pytest.mark.quick
@@ -31,3 +31,9 @@ def test_inputs_are_in_the_docs_and_have_their_feature():
     named = re.findall(r"`(\w+)`", "".join(re.findall(r"^\| (`.+?) \|", text[text.index("## Names") : text.index("## Pendant")], re.MULTILINE)))
     assert [name for name, _, _, _ in INPUTS if name not in named] == []
     assert {feature for _, _, _, feature in INPUTS} - {""} <= {name for name, _, _ in FEATURES}
+
+
+def test_words_of_a_status_have_names_for_people_or_are_shown_as_they_are():
+    words = {word for _, word in STATUS_WORDS}
+    text = re.search(r"^const MORE = {(.*)}", (PAGE / "panel.js").read_text(encoding="utf-8"), re.MULTILINE).group(1)
+    assert set(re.findall(r"(\w+): \"", text)) | set(status._MORE) | set(status._ELSEWHERE) <= words, "a name without its row"

@@ -144,7 +144,7 @@ class InterlockWatch:
                 self._interlock.grant(mask)
 
     def report(self, report):
-        report["glitches"] = sum(self._interlock.glitches)
+        report["glitches"] = sum(self._interlock.glitches) or None
 
     def pins(self):
         """[(name, active, how often it stopped the machine, changes that did not last, when it last became active, ms it was so;

@@ -65,7 +65,7 @@ class Jobs:
 
     def report(self, report):
         file = self._file
-        report["job"] = None if file is None else (self._per_cent(), self._name + "?" if self._proving else self._name)
+        report["job"] = None if file is None else "%d,%s%s" % (self._per_cent(), self._name, "?" if self._proving else "")
 
     # --- commands
 

@@ -4,6 +4,7 @@ from array import array
 
 from micropython import const
 
+from passo.commands import STATUS_WORDS
 from passo.protocols.gcode.reader import MAX_TOOL
 from passo.protocols.gcode.words import rounded
 from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, tell, tell_report
@@ -250,12 +251,7 @@ class Status:
         accessories = ("", "", "", "S", "C", "")[report["spindle"]] + ("", "F", "M", "FM")[report["coolant"]]
         if accessories:
             at = tell(out, at, ("|A:%s\0" % accessories).encode(), fields)
-        if "job" in report and report["job"]:
-            at = tell(out, at, ("|SD:%d,%s\0" % report["job"]).encode(), fields)
-        if "counts" in report:
-            at = tell(out, at, ("|En:%s\0" % report["counts"]).encode(), fields)
-        if "rpm" in report:
-            at = tell(out, at, ("|RPM:%d\0" % report["rpm"]).encode(), fields)
-        if "glitches" in report and report["glitches"]:
-            at = tell(out, at, ("|Gl:%d\0" % report["glitches"]).encode(), fields)
+        for key, word in STATUS_WORDS:
+            if key in report and report[key] is not None:
+                at = tell(out, at, ("|%s:%s\0" % (word, report[key])).encode(), fields)
         return at

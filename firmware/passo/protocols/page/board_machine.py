@@ -104,7 +104,8 @@ class BoardMachine(AnyMachine):
         state = self.state
         state["state"] = self._name(report["state"])
         if "job" in report:
-            state["stored"] = "%d,%s" % report["job"] if report["job"] else ""
+            state["stored"] = report["job"] or ""
+        state["more"] = [[word, str(report[key])] for key, word in commands.STATUS_WORDS if report.get(key) is not None]
         self._show(report)
 
     def _show(self, report):

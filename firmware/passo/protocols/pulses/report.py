@@ -4,6 +4,8 @@
     status_from(line)["at"]             # "34": the host's end of it
 """
 
+from passo.commands import STATUS_WORDS
+
 
 def port_byte(step, tool, drives, config):
     """The image of the parallel port while `step` (a byte of CODES, 0: none) is made; `config`: the section `program`."""
@@ -27,6 +29,7 @@ def status(report, config):
     at, of: commands of the file played, and in all; going: - backward; speed: mm/min, as the whole microseconds of a
     period make it; wait: ms to go; place: steps; manual: units of manual moves; port: the port's image in hex, its
     directions those of the step being made; ask: 1 if the operator's speed is wanted; ours: 0 while another controller has the motors.
+    Behind these the words of commands.STATUS_WORDS.
     """
     program = report["step_program"]
     speed = program["speed"]
@@ -48,7 +51,8 @@ def status(report, config):
         ("ours", 1 if report.get("ours", True) else 0),
         ("error", report["error"]),
     )
-    return "<" + " ".join(["%s:%s" % field for field in fields]) + ">\n"
+    more = [(word, report[key]) for key, word in STATUS_WORDS if report.get(key) is not None]
+    return "<" + " ".join(["%s:%s" % field for field in list(fields) + more]) + ">\n"
 
 
 def status_from(line):

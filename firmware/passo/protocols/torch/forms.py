@@ -12,7 +12,7 @@ moves nothing: `error` is its number. ON takes the command too if nothing moves,
 from micropython import const
 
 from passo import errors
-from passo.commands import ACCEPTED, BAD, FINISHED, HAND_OVER, REFUSED, RUN, STATUS, STILL, STOP, Command
+from passo.commands import ACCEPTED, BAD, FINISHED, HAND_OVER, REFUSED, RUN, STATUS, STATUS_WORDS, STILL, STOP, Command
 from passo.protocols.torch.protocol import CODES, Torch, configure, frame, move
 from passo.records import REQUEST_JSON, REQUEST_PROVEN
 
@@ -154,7 +154,8 @@ class Forms(Torch):
 
     def _more(self, report):
         x, y = self._steps_per_m
-        return [("last", report["error"]), ("ours", 1 if report["ours"] else 0), ("spmx", x), ("spmy", y)]
+        told = [("last", report["error"]), ("ours", 1 if report["ours"] else 0), ("spmx", x), ("spmy", y)]
+        return told + [(word, report[key]) for key, word in STATUS_WORDS if report.get(key) is not None]
 
     def _code(self, path):
         name = _FRAMES[path][0] if path in _FRAMES else _NAMES.get(path)

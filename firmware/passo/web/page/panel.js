@@ -11,6 +11,7 @@ import { _, choose, languages, preferred } from "./words.js";
 const $ = (id) => document.getElementById(id);
 const PIECE = 30000;  // characters of a job in one message
 const SIGNALS = { X: "Limit X", Y: "Limit Y", Z: "Limit Z", A: "Limit A", P: "Probe", D: "Door", H: "Hold button", R: "Reset button", S: "Start button" };
+const MORE = { En: "Encoders", RPM: "Spindle, turns a minute", Gl: "Glitches of inputs" };  // words of a status that only some machines have
 const STATES = { "": "No link", Idle: "Ready", Run: "Running", Hold: "Held", Jog: "Moving", Home: "Homing", Alarm: "Alarm", Door: "Door open",
   Check: "Checking", Sleep: "Asleep" };
 const OVERRIDES = [["feed", "Feed", ["-10", "100", "+10"]], ["rapid", "Rapids", ["25", "50", "100"]], ["spindle", "Spindle", ["-10", "100", "+10"]]];
@@ -235,13 +236,14 @@ function showSignals() {
     .map(([letter, name]) => [_(name), on.includes(letter)]);
   if (/n/i.test(on)) rows.push([_("Somebody at the machine"), on.includes("N")]);
   rows.push([_("Spindle"), /[SC]/.test(outputs)], [_("Coolant"), outputs.includes("F")], [_("Mist"), outputs.includes("M")]);
+  rows.push(...(report.more || []).filter(([word]) => word !== "SD").map(([word, text]) => [MORE[word] ? _(MORE[word]) : word, text]));
   const text = JSON.stringify(rows);
   if ($("signals").dataset.shown === text) return;
   $("signals").dataset.shown = text;
   $("signals").replaceChildren(...rows.map(([name, active]) => {
     const item = document.createElement("li");
-    item.textContent = `${name}: ${active ? _("on") : _("off")}`;
-    item.className = active ? "on" : "";
+    item.textContent = `${name}: ${typeof active === "string" ? active : active ? _("on") : _("off")}`;
+    item.className = active === true ? "on" : "";
     return item;
   }));
 }
