@@ -133,6 +133,10 @@ def check_a_start_line_that_is_refused_is_not_kept():
         said = machine.ask("$N0=" + line)
         assert said[-1].startswith(answer), (line, said)
         assert machine.ask("$N")[0] == "$N0=G21", line
+    said = machine.ask("$N0=G38.2Z-1F100")
+    assert said[0] == "ALARM:5" and said[-1] == "error:9" and machine.ask("$N")[0] == "$N0=G21", said
+    assert machine.ask("$X")[-1] == "ok" and machine.ask("G0Z0")[-1] == "ok"
+    machine.settle()
     assert machine.ask("$N0=G99G81X1Z-1R0F600") == ["ok"]
     machine.settle()
     assert machine.ask("$N")[0] == "$N0=G99G81X1Z-1R0F600"

@@ -200,11 +200,11 @@ class System:
             return error
         if not self._settings.keeps(text):
             return errors.START_LINE_TOO_LONG
-        # Each is carried out once the one before has been accepted: what the machine refuses is not kept, as in grbl.
+        # Each is carried out once the one before has been accepted: what the machine refuses, or ends in an alarm, is not kept.
         return self._gcode.commands + answer("") + [Command(commands.MORE, value=self._store(key, text))]
 
     def _store(self, key, text):
-        kept = self._keep(key, text)
+        kept = errors.LOCKED if self._machine.alarm else self._keep(key, text)
         if isinstance(kept, int):
             yield Command(commands.BAD, error=kept)
         yield None
