@@ -107,6 +107,8 @@ class _Longest:
     """Gcode, its offsets, settings and machine in one, every value the longest there is."""
 
     axes = 4
+    mask = 3
+    inches = 0
     system = 0
     version = 0
     steps_per_m = (3, 3, 3, 3)
@@ -118,7 +120,7 @@ class _Longest:
         return -99_999_999_999_999
 
     def value(self, key):
-        return {SETTING_REPORT: 3, SETTING_INCHES: 0, SETTING_MAX_RPM: 1_000_000_000}[key]
+        return {SETTING_REPORT: self.mask, SETTING_INCHES: self.inches, SETTING_MAX_RPM: 1_000_000_000}[key]
 
 
 def say(status, report):
@@ -126,7 +128,7 @@ def say(status, report):
     found = {}
     for _ in range(40):
         text = bytes(status.text(report, 999_999_999)).decode()
-        assert text[0] == "<" and text[-3:] == ">\r\n" and text.count("|") >= 4
+        assert text[0] == "<" and text[-3:] == ">\r\n" and text.count("|") >= 2
         kind = "Ov" if "|Ov:" in text else "WCO" if "|WCO:" in text else ""
         found[kind] = max(found.get(kind, ""), text)
     return found
@@ -152,6 +154,23 @@ def check_every_field_at_its_longest():
         assert field in found["Ov"], (field, found["Ov"])
     assert "|WCO:-100000000.000," in found["WCO"], found["WCO"]
     assert len(found["Ov"]) + len("|T:999999999") <= REPORT_LONGEST, len(found["Ov"])
+
+
+def check_every_mask_and_state_at_its_longest():
+    """In each the fields behind the place are whole, and nothing is left out."""
+    for state in grbl_report._STATES:
+        for mask in range(4):
+            for inches in (0, 1):
+                one = _Longest()
+                one.mask, one.inches = mask, inches
+                report = longest_report()
+                report["state"] = state
+                report["slows"] = True
+                for text in say(grbl_report.Status(one, one, one), report).values():
+                    fields = dict([field.split(":") for field in text[1:-3].split("|")[1:]])
+                    assert ("MPos" in fields, "WPos" in fields, "Bf" in fields) == (bool(mask & 1), not mask & 1, bool(mask & 2)), text
+                    assert len(text) <= REPORT_LONGEST and fields["Ln"] == "999999999" and len(fields["FS"].split(",")) == 2
+                    assert "WCO" in fields or "Ov" not in fields or fields["Gl"] == "999999999", text
 
 
 def check_a_field_too_long_is_left_out():
