@@ -131,6 +131,7 @@ class _Compensated(_Writer):
             raise Failure("X and Y differ in steps/mm: a tool's radius would be none")
         self._side, self._radius = side, radius
         self._contour = None  # [(Piece, speed)] while the tool is on
+        self._travel = self._z = None  # lines with the last travel since the last contour, and the last move of Z
 
     def take(self, kind, value):
         from passo import commands
@@ -154,10 +155,17 @@ class _Compensated(_Writer):
         if any(piece.deltas[2:]) or piece.centre and piece.plane != (0, 1):
             if self._contour or self._contour is not None and any(piece.deltas[:2]):
                 raise Failure("Z moves in the middle of a contour: it cannot be compensated")
-            self._lines.append(f"G1 Z{self._mm(2)}" + self._feed(self._speed or 900_000))
+            aside = any(piece.deltas[:2])
+            self._travel, self._z = (None, None) if aside else (self._travel, len(self._lines))
+            place = f" X{self._mm(0)} Y{self._mm(1)}" if aside else ""
+            self._lines.append(f"G1{place} Z{self._mm(2)}" + self._feed(self._speed or 900_000))
             return
         if self._contour is None:
-            return  # the next contour is led to in a straight line
+            if self._travel is None or self._z is not None and self._z > self._travel:
+                self._travel = len(self._lines)
+                self._lines.append("")
+            self._lines[self._travel] = f"G0 X{self._mm(0)} Y{self._mm(1)}"  # unless the next contour sets out from here
+            return
         centre = None
         if piece.centre:
             centre = start + complex(piece.centre[0] / self._scale[0], piece.centre[1] / self._scale[1])
@@ -166,7 +174,18 @@ class _Compensated(_Writer):
 
     def text(self):
         self._write_contour()  # the tool may be on to the last
+        if self._travel is not None and (self._z is None or self._z < self._travel):
+            del self._lines[self._travel]  # it leads nowhere
         return _Writer.text(self)
+
+    def _lead(self, line):
+        """The way to the next contour: in place of the last travel, so that Z goes down where it did; where there was none, before Z's last
+        move."""
+        if self._travel is not None:
+            self._lines[self._travel] = line
+        else:
+            self._lines.insert(len(self._lines) if self._z is None else self._z, line)
+        self._travel = self._z = None
 
     def _xy(self):
         return complex(self._at[0] / self._scale[0], self._at[1] / self._scale[1])
@@ -190,7 +209,8 @@ class _Compensated(_Writer):
             near = path[too_near[0][0]][0].start
             raise Failure("the tool would cut into its own contour near {}: its radius of {:g} mm is too large", _at(near), self._radius)
         first = path[0][0].start
-        self._lines += [f"G0 X{_text(first.real)} Y{_text(first.imag)}", "M3 S1000"]
+        self._lead(f"G0 X{_text(first.real)} Y{_text(first.imag)}")
+        self._lines.append("M3 S1000")
         here = _units(first)
         for piece, number in path:
             word, centre, end = "G1", "", _units(piece.end)

@@ -399,6 +399,14 @@ def test_contours_that_cannot_be_compensated(tmp_path):
     for text in ("(" + "A" * 800 + "C" * 800, "(" + "A" * 800 + "(" + "C" * 800 + ")"):
         made = to_gcode(items(text), BOARD, (LEFT, 1.0))[0]
         assert [line for line in made.splitlines() if line[0] == "G"] == [line for line in wanted.splitlines() if line[0] == "G"], text
+    # Z goes down over the contour's start, not where the contour before has ended; the way that leads nowhere is left out.
+    square = "(" + "A" * 800 + "C" * 800 + "B" * 800 + "D" * 800 + ")"
+    for down, up in (("E", "F"), ("F", "E")):
+        text = "A" * 800 + down * 400 + square + up * 400 + "C" * 1600 + down * 400 + square + up * 400 + "D" * 80
+        ways = [line for line in to_gcode(items(text), BOARD, (LEFT, 1.0))[0].splitlines() if line[:2] == "G0" or line[:4] == "G1 Z"]
+        assert [line[:4] for line in ways] == ["G0 X", "G1 Z"] + ["G1 Z", "G0 X", "G1 Z"] + ["G1 Z"], ways
+        alone = [line for line in to_gcode(items(down * 400 + square + up * 400), BOARD, (LEFT, 1.0))[0].splitlines() if line[:1] == "G"]
+        assert alone[1][:4] == "G0 X" and alone[2][:4] == "G1 Z", alone
     file = tmp_path / "a.txt"
     file.write_text("(AA)")
     assert "makes G-code" in passo("convert", file, "--side", "left")[0] and "left or right" in passo("convert", file, "--side", "up")[0]
