@@ -38,7 +38,10 @@ class Pico:
         self.folder = folder
 
     def flash(self, *options):
-        command = [sys.executable, "-m", "host_tools.cli", "flash", "--port", self.port, *map(str, options)]
+        return self.passo("flash", *options)
+
+    def passo(self, *arguments):
+        command = [sys.executable, "-m", "host_tools.cli", *map(str, arguments), "--port", self.port]
         return subprocess.run(command, cwd=self.folder, env=self.environment, capture_output=True, text=True, timeout=LIMIT_S)
 
     def mpremote(self, *arguments):
@@ -120,3 +123,19 @@ def test_a_copy_of_the_uf2_that_is_cut_short(uf2, frozen, tmp_path, share):  # n
         done = pico.flash("--uf2", frozen, "--board", "two_motor_kit")
         assert done.returncode == 0 and "two_motor_kit runs on" in done.stdout, (done.stdout, done.stderr)
         assert pico.mpremote("exec", "import passo_image; print(passo_image.whole())").strip() == "True"
+
+
+def test_machines_of_a_board_with_the_uf2(frozen, tmp_path):  # noqa: F811
+    """`passo machine`: only board files are stored, and the one that is chosen runs."""
+    with Pico(frozen, tmp_path) as pico:
+        assert pico.flash("--board", "two_motor_kit").returncode == 0
+        done = pico.passo("machine", "add", "plotter_2014")
+        assert done.returncode == 0 and "plotter_2014 is stored" in done.stdout, (done.stdout, done.stderr)
+        assert not (tmp_path / "build").exists()
+        done = pico.passo("machine", "choose", "plotter_2014")
+        assert done.returncode == 0, (done.stdout, done.stderr)
+        assert "* plotter_2014" in pico.passo("machine", "list").stdout
+        said = pico.mpremote("exec", "import os; from board import BOARD; print(BOARD['name'], 'passo' in os.listdir())")
+        assert said.split() == ["plotter_2014", "False"]
+        done = pico.passo("machine", "add", "plotter_esp32")
+        assert done.returncode == 1 and "this board is an rp2040" in done.stderr
