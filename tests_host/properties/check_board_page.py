@@ -346,3 +346,19 @@ def answers(sender, line, proven=True, cut=1000):
         if b"ok" in found or b"error" in found:
             break
     return [each for each in found.split(b"\r\n") if each[:2] == b"ok" or each[:5] == b"error"][0]
+
+
+def check_orders_that_a_reset_overtakes():
+    """What a page has sent before a reset by the cable moves nothing, and each order is answered."""
+    board = ServedRouter()
+    page = board.commanding()
+    before = list(board.world.place)
+    page.begin("step", by={"x": 5}, speed=SPEED, id=1001)
+    page.begin("step", by={"y": 5}, speed=SPEED, id=1002)
+    board.put(b"\x18")
+    answers = [page.wait(lambda message: message.get("id") == number) for number in (1001, 1002)]
+    assert None not in answers, answers
+    board.run_ms(600)
+    assert list(board.world.place) == before
+    assert page.order("step", by={"x": 1}, speed=SPEED)["error"] == 0
+    page.until(lambda state: state["state"] == "Jog")

@@ -14,7 +14,8 @@ MACHINES = {
     "pulses": ("lpt_router", (), ("step", {"by": {"x": 5}, "speed": SPEED}), {"x": 1}),
     "keys": ("two_motor_kit", (), ("motor", {"motor": 1, "what": "on"}), {"x": 1}),
 }
-BRAKES_MS = 250  # the longest way to a stand of these
+BRAKES_MS = 50  # the longest way to a stand of these, from SPEED
+ENDS_MS = 80  # a jog that is let go, or whose page has gone: what is sent, and what is in the pins' queue
 
 
 def ready(served, language):
@@ -146,7 +147,7 @@ def a_jog_ends_with_its_lease(language):
         before = desk.place()
         hold(desk, page, 7, 420, way)
         assert desk.place() != before
-        desk.run_ms(LEASE_MS + BRAKES_MS)
+        desk.run_ms(LEASE_MS + ENDS_MS + BRAKES_MS)
         stood = desk.place()
         assert page.order("keep", lease=7, beat=page.state["beat"])["error"] == errors.LEASE
         desk.run_ms(500)
@@ -154,10 +155,10 @@ def a_jog_ends_with_its_lease(language):
         assert page.order("jog", lease=7, beat=page.state["beat"], way=way, speed=SPEED)["error"] == errors.LEASE, "its number is used up"
         hold(desk, page, 8, 120, way)
         assert page.order("release", lease=8)["error"] == 0
-        desk.run_ms(BRAKES_MS)
+        desk.run_ms(ENDS_MS + BRAKES_MS)
         stood = desk.place()
         desk.run_ms(500)
-        assert desk.place() == stood, "let go"
+        assert desk.place() == stood, (language, served)
 
 
 def a_jog_ends_with_its_page(language):
@@ -165,7 +166,7 @@ def a_jog_ends_with_its_page(language):
         desk, page = ready(served, language)
         hold(desk, page, 1, 300, MACHINES[language][3])
         page.close()
-        desk.run_ms(60 + BRAKES_MS)
+        desk.run_ms(ENDS_MS + BRAKES_MS)
         stood = desk.place()
         desk.run_ms(500)
         assert desk.place() == stood, served

@@ -36,7 +36,7 @@ class Page:
     def __init__(self, machine_of):
         """`machine_of(tell)`: a BoardMachine."""
         self._told = []  # messages for all pages
-        self._answer = b""
+        self._answers = []  # to orders, each told with the next hello
         self._ordered = None  # the command of an order that is being carried out
         self._refused = 0  # the error of the order's commands
         self._pages = 0
@@ -117,7 +117,7 @@ class Page:
                 self._lease_of = number
             if isinstance(order.get("id"), int):
                 answer["id"] = order["id"]
-        self._answer = bytes((number, FREE)) + json.dumps(answer).encode()
+        self._answers.append(bytes((number, FREE)) + json.dumps(answer).encode())
         yield self._hello
 
     def _go_on(self, now_ms):
@@ -138,8 +138,7 @@ class Page:
         if command is self._status:
             return self._state(event.value)
         if command is self._hello:
-            answer, self._answer = self._answer, b""
-            return self._with_told(answer)
+            return self._with_told(self._answers.pop(0) if self._answers else b"")
         error = self._machine.answered(event)
         if command is self._ordered:
             self._refused = self._refused or error
