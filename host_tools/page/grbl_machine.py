@@ -16,10 +16,10 @@ from host_tools.page.guest import Guest
 from host_tools.page.job import Job
 from host_tools.page.wire import GUEST, PAGE, Wire, dwell_ms, fields_of
 from passo import commands, errors
+from passo.protocols.page.grbl import AXES, OUTPUTS, GrblPage
 from passo.protocols.page.jog import Limits
 from passo.protocols.page.lease import since
 
-AXES = "xyza"
 _RESET = b"\x18"
 _HOLD = b"!"
 _RESUME = b"~"
@@ -31,15 +31,11 @@ _REAL_TIME = {
     "rapid": {"100": 0x95, "50": 0x96, "25": 0x97},
     "spindle": {"100": 0x99, "+10": 0x9A, "-10": 0x9B, "+1": 0x9C, "-1": 0x9D},
 }
-_OUTPUTS = {"spindle_cw": b"M3", "spindle_ccw": b"M4", "spindle_off": b"M5", "mist": b"M7", "flood": b"M8", "coolant_off": b"M9"}
 
 
 class GrblMachine(CableMachine):
     language = "grbl"
-    can = (
-        "place", "jog", "step", "goto", "zero", "home", "unlock", "hold", "resume", "overrides", "outputs", "jobs", "settings", "log",
-        "line", "teach", "signals", "single", "diagonal", "jog_speed",
-    )  # fmt: skip
+    can = GrblPage.can + ("jobs", "teach", "single")
 
     def __init__(self, write, tell, guest=None):
         """`write(bytes)`: to the board; `guest(bytes)`: to the guest, if there may be one."""
@@ -242,10 +238,10 @@ class GrblMachine(CableMachine):
         return 0
 
     def output(self, name, rpm):
-        word = _OUTPUTS.get(name)
+        word = OUTPUTS.get(name)
         if word is None:
             return errors.NUMBER
-        return self.still() or self.say(word + (b"S%d" % rpm if name[:9] == "spindle_c" else b""))
+        return self.still() or self.say(word.encode() + (b"S%d" % rpm if name[:9] == "spindle_c" else b""))
 
     def set(self, number, text):
         """Change a setting."""

@@ -9,13 +9,13 @@ turns until it is switched off, as the language has it.
 """
 
 from host_tools.page.cable_machine import CableMachine, NoJob
-from passo.protocols.page.keys import Kit
+from passo.protocols.page.keys import KeysPage, Kit
 
 
 class KeysMachine(CableMachine):
     language = "keys"
-    jogs_from = ("Idle", "Run", "Jog")
-    can = ("jog", "turning")
+    jogs_from = KeysPage.jogs_from
+    can = KeysPage.can
 
     def __init__(self, write, tell, board):
         CableMachine.__init__(self, tell, NoJob(), board)

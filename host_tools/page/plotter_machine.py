@@ -31,7 +31,7 @@ class PlotterMachine(CableMachine):
     ask_ms = 60
     silent_ms = 5000  # a torn packet keeps the board silent for two seconds
     again_ms = 250
-    can = ("place", "jog", "step", "goto", "home", "jobs", "single", "log", "points")
+    can = PlotterPage.can + ("jobs", "single")
 
     def __init__(self, write, tell, board):
         CableMachine.__init__(self, tell, PlotterJob(self), board)
