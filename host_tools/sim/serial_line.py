@@ -41,6 +41,7 @@ class _Line:
     consent = None  # nobody is asked: consent.py
 
     def __init__(self):
+        self.name = ""
         self._unsent = b""
         self._told = False  # that bytes are lost
 

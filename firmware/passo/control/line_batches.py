@@ -65,7 +65,10 @@ def go_along(rows: ptr32, row: int, at: ptr32, travel: ptr32):
 
 
 class LineBatches:
-    def __init__(self, axes):
+    def __init__(self, axes, machine, queue):
+        self._machine = machine
+        self._queue = queue
+        self._planner = queue.planner
         self._trace = array("i", [0] * TRACE_FIELDS)
         self._trace[TRACE_AXES] = axes
         self._reached = self  # the travel that `_trace` is of: not yet any

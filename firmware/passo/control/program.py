@@ -34,14 +34,11 @@ def minute_ticks(command):
 class Program(LineBatches):
     def __init__(self, board, machine, queue):
         self._axes = board["axes"]
-        self._queue = queue
-        self._machine = machine
-        self._planner = queue.planner
         self._limits_of = self._limits = None  # the settings' version that the planner knows, and its limits
         self._whole = 0  # their LIMIT_WHOLE
         self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
-        LineBatches.__init__(self, len(self._axes))
+        LineBatches.__init__(self, len(self._axes), machine, queue)
 
     def handlers(self):
         return {

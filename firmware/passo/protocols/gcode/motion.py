@@ -26,7 +26,12 @@ class Motions(Reader):
         Reader.__init__(self, axes, offsets)
         self.machine = machine
         self.commands = []
-        self.position = [0] * axes  # machine coordinates
+        self.laser = False
+        self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
+        self.motion = 0
+        self.cycle = (0, 0, 0, 0)  # heights, dwell and peck of the canned cycle
+        self._absolute = self._initial = True  # as this line has them
+        self._plane = 17
         self._steps = [0] * axes
         self._moves = new_moves()
 

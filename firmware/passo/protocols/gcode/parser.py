@@ -51,9 +51,7 @@ class GCode(Motions):
         """`axes`: the names of the machine's axes in their order, the first three of "xyz" at most."""
         Motions.__init__(self, len(axes), offsets, machine)
         self.ended = False  # the line was the programme's last
-        self.laser = False
         self.changer = None  # of a board with tool_change
-        self.max_rpm = 1_000_000  # thousandths of a turn a minute, as all spindle speeds
         self.place = array("i", [0] * PARSE_FIELDS)  # for plain lines
         self.place[PARSE_AXES] = len(axes)
         self._ends = memoryview(self.place)[PARSE_TARGET : PARSE_TARGET + len(axes)]
@@ -80,7 +78,7 @@ class GCode(Motions):
         self.number = 0
         self.weaving = False  # lines become seams: the machine has to see each of them
         self.initial = True  # G98
-        self.cycle = (0, 0, 0, 0)  # see Cycle.heights
+        self.cycle = (0, 0, 0, 0)
         self.forget_place()
 
     def weave(self, on):

@@ -23,6 +23,9 @@ class Reader:
         self.axes = axes
         self.offsets = offsets
         self.words = Words()
+        self.position = [0] * axes  # machine coordinates
+        self.feed = self.tool = self.coolant = 0  # as the lines so far have them
+        self._system = 0  # as this line has it
         self._axis_mask = ((1 << axes) - 1) << X
         self._found = [NONE] * GROUPS
         self._on = ()  # the line's codes that are handed on
