@@ -43,11 +43,11 @@ class Counting:
                 self.steps += 1
 
 
-def bench(pulse_ticks=25, invert=0, enable=-1, layout=None, outputs=OUTPUTS, size=4096, blocks=fake_esp32.i2s_player.BLOCKS):
+def bench(pulse_ticks=25, invert=0, enable=-1, layout=None, outputs=OUTPUTS, size=4096, psram=False):
     chip.reset()
     layout = layout or Layout("step_dir", 2, 4, ["x_step", "y_step", "x_dir", "y_dir"], 3)
     ring = Ring(size)
-    player = fake_esp32.i2s_player.I2sPlayer(ring, layout, outputs, pulse_ticks, invert, dict(SECTION, enable=enable), blocks)
+    player = fake_esp32.i2s_player.I2sPlayer(ring, layout, outputs, pulse_ticks, invert, dict(SECTION, enable=enable), psram)
     world = Counting()
     chip.wire_register(world, outputs, layout)
     return ring, player, layout, world
@@ -199,7 +199,7 @@ def check_a_collection_in_psram(words, at, stall_us):
     """What stops everything for as long as a collection takes there delays nothing: each word's levels come when they should."""
     seen = []
     for stall in (0, stall_us):
-        ring, player, layout, world = bench(blocks=fake_esp32.i2s_player.PSRAM_BLOCKS)
+        ring, player, layout, world = bench(psram=True)
         legally = legal(player, words)
         put(ring, layout, legally)
         player.start()

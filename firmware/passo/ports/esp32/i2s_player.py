@@ -38,8 +38,8 @@ from passo.records import COUNT_MASK
 
 RATE = const(250_000)
 BLOCK = const(256)  # frames: the driver's own
-BLOCKS = const(16)  # in the driver's memory, 1 kB each
-PSRAM_BLOCKS = const(32)
+_BLOCKS = const(16)  # in the driver's memory, 1 kB each
+_PSRAM_BLOCKS = const(32)  # in a heap of PSRAM
 FIRST_FRAMES = const(0)  # frames that the chip sends before the first of its memory
 _MARGIN = const(512)  # frames: nearer to its end the driver may be reading what is being written
 _LONGEST_US = const(1000)  # between two looks, for each block: then the driver has sent zeros, and the counter has not gone round yet
@@ -59,15 +59,15 @@ def signed(bits):
 
 class I2sPlayer:
     """`outputs`: of the word's bits, lowest first; `invert`: mask of the bits whose electrical level is the opposite;
-    `section`: `shift` of the board file; `blocks`: how many are on their way."""
+    `section`: `shift` of the board file; `psram`: the heap is in it, and a collection takes longer."""
 
-    def __init__(self, ring, layout, outputs, pulse_ticks, invert, section, blocks=BLOCKS):
+    def __init__(self, ring, layout, outputs, pulse_ticks, invert, section, psram=False):
         if invert & (layout.pulse_mask | layout.tool_mask):
             raise ValueError("a frame of zeros would step: with shift registers $2 has to be 0, and the tool not inverted")
         pulse_frames = -(-pulse_ticks // frames_viper.FRAME_TICKS)
         self.min_word_ticks = 2 * pulse_frames * frames_viper.FRAME_TICKS
         self.under_runs = 0
-        self._blocks = blocks
+        self._blocks = _PSRAM_BLOCKS if psram else _BLOCKS
         self._ring = ring
         self._layout = layout
         self._pins = [Pin(section[key]) for key in ("clock", "latch", "data")]

@@ -75,8 +75,7 @@ class Port(ChipPort):
         invert = inverted_pins(board, layout)
         if board["shift"]:
             outputs = [pin - REGISTER_BIT for pin in word_pins(board)]
-            blocks = i2s_player.PSRAM_BLOCKS if board["psram"] else i2s_player.BLOCKS
-            self._player = self.shift_player = i2s_player.I2sPlayer(ring, layout, outputs, pulse_ticks, invert, board["shift"], blocks)
+            self._player = self.shift_player = i2s_player.I2sPlayer(ring, layout, outputs, pulse_ticks, invert, board["shift"], board["psram"])
             for pin in self._shift_pins:
                 pin.show()
             return self._player
