@@ -34,8 +34,7 @@ MAY_IMPORT = {
     "config": VOCABULARY + ("passo.steps",),  # a board file's pins and interlock become those of the words
     "control": VOCABULARY + ("passo.config", "passo.motion", "passo.steps"),
     "ports": VOCABULARY + ("passo.steps", "passo.drives"),
-    # It speaks a language of the board, as any link does, by that language's own encoder.
-    "web": VOCABULARY + ("passo.config.job_keys", "passo.control", "passo.error_texts", "passo.protocols"),
+    "web": VOCABULARY + ("passo.protocols.page",),  # links, whose language that is
     "app": ("passo",),
     "machine_builder": ("passo",),
     "network_builder": ("passo",),
