@@ -362,3 +362,71 @@ def check_orders_that_a_reset_overtakes():
     assert list(board.world.place) == before
     assert page.order("step", by={"x": 1}, speed=SPEED)["error"] == 0
     page.until(lambda state: state["state"] == "Jog")
+
+
+def check_each_order_of_a_router():
+    """Zeros, places, overrides, settings, typed lines, hold and resume, homing: what is asked for is so in the state behind it."""
+    board = ServedRouter()
+    page = board.commanding()
+
+    def done(do, **fields):
+        error = page.order(do, **fields)["error"]
+        assert error == 0, (do, error)
+
+    start = list(page.state["m"])
+    done("zero", axes="xy")
+    page.until(lambda state: state["w"][:2] == [0, 0] and state["m"] == start)
+    done("goto", to={"x": 2.5, "y": -1}, speed=SPEED)
+    page.until(lambda state: state["state"] == "Idle" and state["w"][:2] == [2.5, -1])
+    assert board.world.place[0] == 3000 + 2.5 * MM
+    for what, to, wanted in (("feed", "+10", [110, 100, 100]), ("rapid", "50", [110, 50, 100]), ("spindle", "-1", [110, 50, 99]), ("feed", "100", [100, 50, 99])):
+        done("override", what=what, to=to)
+        page.until(lambda state: state["ov"] == wanted)
+    assert page.order("override", what="rapid", to="+10")["error"] == errors.NUMBER
+    page.told.clear()
+    done("set", number=110, value=4000)
+    told = page.wait(lambda message: message["t"] == "settings")
+    assert told["settings"]["110"] == page.order("settings")["settings"]["110"] == "4000.000", told
+    done("line", line="G91 G1 X1 F600")
+    page.until(lambda state: state["state"] == "Idle" and state["w"][0] == 3.5)
+    assert page.order("line", line="G91 X")["error"] == errors.NUMBER, "not a line"
+    done("line", line="$G")
+    assert page.wait(lambda message: message["t"] == "said" and message["text"][:4] == "[GC:")
+    done("step", by={"x": 20}, speed=SPEED)
+    page.until(lambda state: state["state"] == "Jog")
+    done("hold")
+    page.until(lambda state: state["state"] == "Idle")
+    done("line", line="G1 X20 F3000")
+    page.until(lambda state: state["state"] == "Run" and state["feed"] > 2000 and state["line"] == 0)
+    done("hold")
+    page.until(lambda state: state["state"] == "Hold" and state["sub"] == "0")
+    stood = list(board.world.place)
+    assert page.order("step", by={"x": 1}, speed=SPEED)["error"], "amid a line"
+    done("resume")
+    page.until(lambda state: state["state"] == "Idle")
+    assert board.world.place[0] > stood[0]
+    done("line", line="G4 P0.5")
+    page.until(lambda state: 0 < state["wait"] <= 0.5)
+    page.until(lambda state: state["state"] == "Idle" and not state["wait"])
+    done("home")
+    page.until(lambda state: state["state"] == "Home")
+    page.until(lambda state: state["state"] == "Idle")
+    assert page.state["m"] == [0, 0, 0]
+
+
+def check_an_alarm_that_only_a_reset_ends():
+    """A limit: the page is told, and unlocks the machine, or homes it, by one order."""
+    for order, behind in (("unlock", "Idle"), ("home", "Home")):
+        board = ServedRouter()
+        page = board.commanding()
+        assert page.order("line", line="$21=1")["error"] == 0
+        assert page.order("step", by={"x": 5}, speed=SPEED)["error"] == 0
+        page.until(lambda state: state["state"] == "Jog")
+        board.world.switches["limit_y"] = 1
+        page.until(lambda state: state["state"] == "Alarm")
+        assert page.state["alarm"] == errors.ALARM_HARD_LIMIT and page.order("log")["log"] == [errors.ALARM_HARD_LIMIT]
+        del board.world.switches["limit_y"]
+        assert page.order("step", by={"x": 5}, speed=SPEED)["error"] in (errors.LOCKED, errors.BUSY)
+        assert page.order(order)["error"] == 0
+        page.until(lambda state: state["state"] == behind)
+        page.until(lambda state: state["state"] == "Idle" and state["alarm"] == 0)
