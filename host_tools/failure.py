@@ -14,8 +14,9 @@ class Failure(Exception):
         return filled(*self.args) if self.args else ""
 
     def told(self):
-        """The text, in the language that was chosen."""
-        return _(*(each.told() if isinstance(each, Failure) else each for each in self.args)) if self.args else ""
+        """The text, in the language that was chosen. Half a character, which no terminal takes, is shown by its number."""
+        text = _(*(each.told() if isinstance(each, Failure) else each for each in self.args)) if self.args else ""
+        return text.encode("utf-8", "backslashreplace").decode()
 
 
 def reason(error):

@@ -12,6 +12,7 @@ import pytest
 
 import boards
 from host_tools.cli.main import main
+from host_tools.failure import Failure
 from passo.config.board_error import BoardError
 from passo.config.boardfile import check
 
@@ -177,3 +178,7 @@ def test_every_command_says_what_is_wrong_with_a_board_file(verb, tmp_path, caps
     assert ended.value.code == 1
     said = capsys.readouterr().err
     assert "mine.py: name: missing" in said and len(said.splitlines()) == 1, said
+
+
+def test_half_a_character_is_shown_by_its_number():
+    assert Failure("{}: unknown key {}", "my\ud800.py", "\udfff").told() == "my\\ud800.py: unknown key \\udfff"
