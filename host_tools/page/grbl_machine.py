@@ -16,7 +16,8 @@ from host_tools.page.guest import Guest
 from host_tools.page.job import Job
 from host_tools.page.wire import GUEST, PAGE, Wire, dwell_ms, fields_of
 from passo import commands, errors
-from passo.protocols.page.grbl import AXES, OUTPUTS, GrblPage
+from passo.protocols.grbl.real_time import real_time
+from passo.protocols.page.grbl import AXES, OUTPUTS, GrblPage, override_of
 from passo.protocols.page.jog import Limits
 from passo.protocols.page.lease import since
 
@@ -26,11 +27,11 @@ _RESUME = b"~"
 _JOG_CANCEL = b"\x85"
 _AXIS_SPEED = const(110)  # $110 …
 _AXIS_ACCELERATION = const(120)
-_REAL_TIME = {
-    "feed": {"100": 0x90, "+10": 0x91, "-10": 0x92, "+1": 0x93, "-1": 0x94},
-    "rapid": {"100": 0x95, "50": 0x96, "25": 0x97},
-    "spindle": {"100": 0x99, "+10": 0x9A, "-10": 0x9B, "+1": 0x9C, "-1": 0x9D},
-}
+_OVERRIDES = {}  # the byte of each: (which, percent, change)
+for _byte in range(0x90, 0x9E):
+    _command = real_time(_byte)
+    if _command:
+        _OVERRIDES[_command.value, _command.power, _command.feed] = _byte
 
 
 class GrblMachine(CableMachine):
@@ -231,10 +232,10 @@ class GrblMachine(CableMachine):
         return self.still() or self.say(b"$J=G91G21" + words(way) + b"F%.1f" % speed)
 
     def override(self, what, to):
-        byte = _REAL_TIME.get(what, {}).get(to)
-        if byte is None:
+        command = override_of(what, to)
+        if command is None:
             return errors.NUMBER
-        self.wire.write(bytes((byte,)))
+        self.wire.write(bytes((_OVERRIDES[command.value, command.power, command.feed],)))
         return 0
 
     def output(self, name, rpm):

@@ -16,12 +16,24 @@ AXES = "xyza"
 _AXIS_SPEED = const(110)  # settings $110 …, thousandths
 _AXIS_ACCELERATION = const(120)
 _NM = const(1000)  # that a place of the page is told to: as three decimals of a millimetre
-# Of each override: how it is called, its value, and whether it is a change.
 _OVERRIDES = {"feed": commands.FEED, "rapid": commands.RAPID, "spindle": commands.POWER}
 _PERCENT = ("100", "+10", "-10", "+1", "-1")
 _RAPID = ("100", "50", "25")
 OUTPUTS = {"spindle_cw": "M3", "spindle_ccw": "M4", "spindle_off": "M5", "mist": "M7", "flood": "M8", "coolant_off": "M9"}
 _MACHINE, _WORK, _HERE = const(53), const(54), const(91)  # what a place counts from
+
+
+def override_of(what, to):
+    """The command that sets an override to a percentage, or changes it by "+10", "-10", "+1", "-1"; None: there is none such."""
+    value = _OVERRIDES.get(what)
+    if value is None or to not in (_RAPID if what == "rapid" else _PERCENT):
+        return None
+    command = Command(commands.OVERRIDE, value=value)
+    if to[0] in "+-":
+        command.feed = int(to)
+    else:
+        command.power = int(to)
+    return command
 
 
 class GrblPage(BoardMachine):
@@ -185,15 +197,8 @@ class GrblPage(BoardMachine):
         return self.still() or self._say(text)
 
     def override(self, what, to):
-        value = _OVERRIDES.get(what)
-        if value is None or to not in (_RAPID if what == "rapid" else _PERCENT):
-            return errors.NUMBER
-        command = Command(commands.OVERRIDE, value=value)
-        if to[0] in "+-":
-            command.feed = int(to)
-        else:
-            command.power = int(to)
-        return self.do(command)
+        command = override_of(what, to)
+        return self.do(command) if command else errors.NUMBER
 
     def go(self, place, speed):
         """{axis: mm} of work coordinates, straight, as a jog that hold and STOP end."""
