@@ -16,16 +16,25 @@ ASKED_FOR = {"_bytes", "_lines", "_redirect", "_timer", "_trip"}
 _FIRST_OF_MODULE = 16  # short names of a module's own; arguments.py gives those before to a function's
 
 
+class _Module:
+    def __init__(self, text):
+        self.text = text
+        self.tree = ast.parse(text)
+        self.nodes = list(ast.walk(self.tree))
+        classes = [node for node in self.nodes if isinstance(node, ast.ClassDef)]
+        self.methods = {each for node in classes for each in node.body if isinstance(each, ast.FunctionDef) and _private(each.name)}
+
+
 def shortened(texts):
     """{path: text} of the modules of a build, with short names for what is private."""
-    trees = {path: ast.parse(text) for path, text in texts.items()}
-    taken = ASKED_FOR.union(*(_taken(tree) for tree in trees.values()))
+    modules = {path: _Module(text) for path, text in texts.items()}
+    taken = ASKED_FOR.union(*(_taken(module) for module in modules.values()))
     made = {}
-    for family in _families(trees):
-        names = sorted(set().union(*(_of_self(trees[path]) for path in family)) - taken)
+    for family in _families(modules):
+        names = sorted(set().union(*(_of_self(modules[path]) for path in family)) - taken)
         short = {name: f"_{number}" for number, name in enumerate(names)}
         for path in family:
-            made[path] = _renamed(texts[path], trees[path], short, _globals(trees[path], taken))
+            made[path] = _renamed(modules[path], short, _globals(modules[path], taken))
     return {path: made[path] for path in texts}
 
 
@@ -38,21 +47,14 @@ def _is_of_self(node):
     return isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and node.value.id == "self" and _private(node.attr)
 
 
-def _methods(tree):
-    """The private methods of a module's classes."""
-    for node in ast.walk(tree):
-        if isinstance(node, ast.ClassDef):
-            yield from (each for each in node.body if isinstance(each, ast.FunctionDef) and _private(each.name))
+def _of_self(module):
+    return {node.attr for node in module.nodes if _is_of_self(node)} | {method.name for method in module.methods}
 
 
-def _of_self(tree):
-    return {node.attr for node in ast.walk(tree) if _is_of_self(node)} | {method.name for method in _methods(tree)}
-
-
-def _taken(tree):
+def _taken(module):
     """Names that must stay: a module uses them in a way that renaming does not follow."""
     found = set()
-    for node in ast.walk(tree):
+    for node in module.nodes:
         if isinstance(node, ast.Attribute) and not _is_of_self(node):
             found.add(node.attr)
         elif isinstance(node, ast.ImportFrom):
@@ -72,31 +74,30 @@ def _class_scope(node):
         yield from each.decorator_list + [each.args] if isinstance(each, ast.FunctionDef) else [each]
 
 
-def _globals(tree, taken):
+def _globals(module, taken):
     """{name: short name} of a module's private functions, classes and variables."""
     own = set()
-    for node in tree.body:
+    for node in module.tree.body:
         if isinstance(node, (ast.FunctionDef, ast.ClassDef)):
             own.add(node.name)
         else:
             own |= {each.id for each in ast.walk(node) if isinstance(each, ast.Name) and isinstance(each.ctx, ast.Store)}
-    inner = {method.name for method in _methods(tree)}
+    inner = {method.name for method in module.methods}
     names = sorted(name for name in own if _private(name) and name not in taken and name not in inner)
     return {name: f"_{_FIRST_OF_MODULE + number}" for number, name in enumerate(names)}
 
 
-def _families(trees):
+def _families(modules):
     """Sets of modules whose classes are derived from each other's."""
-    modules = {path.removesuffix(".py").replace("/", "."): path for path in trees}
-    family = {path: {path} for path in trees}
-    for path, tree in trees.items():
-        nodes = list(ast.walk(tree))
+    paths = {path.removesuffix(".py").replace("/", "."): path for path in modules}
+    family = {path: {path} for path in modules}
+    for path, module in modules.items():
         known = {}  # local name: the module that it is, or is from
-        for node in nodes:
+        for node in module.nodes:
             for alias in node.names if isinstance(node, ast.ImportFrom) else ():
                 source = f"{node.module}.{alias.name}"
-                known[alias.asname or alias.name] = modules.get(source) or modules.get(node.module)
-        for base in [base for node in nodes if isinstance(node, ast.ClassDef) for base in node.bases]:
+                known[alias.asname or alias.name] = paths.get(source) or paths.get(node.module)
+        for base in [base for node in module.nodes if isinstance(node, ast.ClassDef) for base in node.bases]:
             other = known.get(base.value.id if isinstance(base, ast.Attribute) else base.id)
             if other:
                 both = family[path] | family[other]
@@ -105,18 +106,17 @@ def _families(trees):
     return list({id(each): each for each in family.values()}.values())
 
 
-def _renamed(text, tree, attributes, own):
-    lines = [line.encode() for line in text.splitlines(keepends=True)]  # columns of `ast` are bytes
+def _renamed(module, attributes, own):
+    lines = [line.encode() for line in module.text.splitlines(keepends=True)]  # columns of `ast` are bytes
     places = []  # (line, column where the old name begins, old name, new name)
-    methods = set(_methods(tree))
-    for node in ast.walk(tree):
+    for node in module.nodes:
         if _is_of_self(node):
             places.append((node.end_lineno, node.end_col_offset - len(node.attr), node.attr, attributes.get(node.attr)))
         elif isinstance(node, ast.Name):
             places.append((node.lineno, node.col_offset, node.id, own.get(node.id)))
         elif isinstance(node, (ast.FunctionDef, ast.ClassDef)):
             begin = node.col_offset + len("def " if isinstance(node, ast.FunctionDef) else "class ")
-            places.append((node.lineno, begin, node.name, (attributes if node in methods else own).get(node.name)))
+            places.append((node.lineno, begin, node.name, (attributes if node in module.methods else own).get(node.name)))
         elif isinstance(node, ast.Global):
             line, at = lines[node.lineno - 1], node.col_offset
             for name in node.names:

@@ -212,10 +212,17 @@ def _modules(texts):
 
 def numbered_only(texts):
     """{path: text} with numbers instead of constants; definitions and imports stay, because tests read them."""
-    modules = _modules(texts)
+    return _numbered_only(_modules(texts))
+
+
+def _numbered_only(modules):
     for module in modules.values():
         _fold(module, modules, keep_imports=True)
-    return {module.path: _edited(module) for module in modules.values()}
+    made = {module.path: _edited(module) for module in modules.values()}
+    for module in modules.values():
+        module.edits.clear()
+        module.kept.clear()
+    return made
 
 
 def folded(texts):
@@ -226,9 +233,18 @@ def folded(texts):
     return numbered(shortened(whole(texts)))
 
 
+def forms(texts):
+    """(numbered_only(texts), folded(texts)), which is less work than each by itself."""
+    modules = _modules(texts)
+    return _numbered_only(modules), numbered(shortened(_whole(modules)))
+
+
 def whole(texts):
     """The same with all names but those of constants as they are."""
-    modules = _modules(texts)
+    return _whole(_modules(texts))
+
+
+def _whole(modules):
     for module in modules.values():
         _fold(module, modules)
     for module in modules.values():

@@ -25,7 +25,7 @@ from pathlib import Path
 
 from host_tools import boards
 from host_tools.build import mpy, pages
-from host_tools.build.constants import folded, numbered_only
+from host_tools.build.constants import forms, numbered_only
 from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
 from host_tools.kernels import inline
@@ -315,7 +315,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     rows = []
     sources = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files}
     march = march or MARCH[board["chip"]]
-    compiled = kernels.compiled(numbered_only(sources), folded(sources), board, march, _left(board))
+    compiled = kernels.compiled(*forms(sources), board, march, _left(board))
     texts = inline.inlined(compiled.texts, bounds=inline.TIGHT if board["chip"] == IN_PLACE else inline.ROOMY)
     if by is not None:
         by += compiled.by

@@ -190,6 +190,11 @@ def check_uploads_that_are_wrong():
     assert answers(machine.ask("$FS=A,grbl,10")) == ["error:3"]
     assert answers(machine.ask("$F=B")) == ["error:150"]
     assert answers(machine.ask("$FD=B")) == ["error:150"]
+    beside = machine.folder + "-beside.job"
+    write(beside, b"no job of this folder")
+    assert answers(machine.ask("$FD=../" + beside.rsplit("/", 1)[1][:-4].upper())) == ["error:150"]
+    assert answers(machine.ask("$FD=../" + beside.rsplit("/", 1)[1][:-4])) == ["error:150"]
+    os.remove(beside)
     assert machine.do("$F")[0].startswith("[FILE:A|SIZE:%d|" % len(JOB))
     machine.do("$FS=A,grbl,10,0,300")
     again = make(machine.folder).ready()
@@ -240,6 +245,9 @@ def check_a_bit_that_is_wrong(at, bit, card):
     machine = home(make(card=card).ready())
     path, whole = stored(machine, "A")
     at %= len(whole) - 1 if card else len(whole)
+    if whole[at - 1] == 10 and whole[:at].count(b"\n") == 1 and bit >= 3:
+        remove(machine)
+        return  # up to a byte's end behind the three bits that begin a block of bytes as they are: of no meaning
     machine.do("G90", "G53G0X0Y0Z0", "$F=A")
     assert ended(run(machine)) == "[MSG:Job A done]"
     machine.do("G90", "G53G0X0Y0Z0")

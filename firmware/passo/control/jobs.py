@@ -115,6 +115,8 @@ class Jobs:
         if what == commands.JOB_LIST:
             return machine.accepted(command, (self._store.entries(), self._store.free()))
         if what == commands.JOB_DELETE:
+            if not name_fits(command.target):
+                return errors.NO_JOB
             self._store.delete(command.target)
         elif what == commands.JOB_OPEN:
             error = self._open(command)
