@@ -16,7 +16,8 @@ import time
 
 from host_tools.language import _
 from passo.protocols.frames import codec
-from passo.protocols.frames.codec import ACK, AGAIN, CUT, DATA, HELLO_WIRE, LEAVE, NUMBERS, REPORT, TAKEN, URGENT, WELCOME
+from passo.protocols import HELLO_WIRE
+from passo.protocols.frames.codec import ACK, AGAIN, CUT, DATA, LEAVE, NUMBERS, REPORT, TAKEN, URGENT, WELCOME
 from passo.protocols.frames.sender import Sender
 
 SLICE_S = 0.004  # a look at the wire

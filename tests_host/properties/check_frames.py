@@ -2,6 +2,7 @@
 
 from draws import Random
 from passo import errors
+from passo.protocols import HELLO_WIRE
 from passo.protocols.frames import codec
 from passo.protocols.frames.codec import ACK, AGAIN, CHECK, CLOSED, CUT, DATA, HEAD, FRAME_HELLO, LEAVE, REPORT, TAKEN, URGENT, WELCOME
 from passo.protocols.frames.late import Late
@@ -64,7 +65,7 @@ class Wire:
         return [frame_of(chunk) for chunk in sent.split(b"\0") if chunk]
 
     def opened(self):
-        assert self.hear(codec.HELLO_WIRE) == b""
+        assert self.hear(HELLO_WIRE) == b""
         assert [frame[0] for frame in self.said()] == [WELCOME]
         return self
 
@@ -101,8 +102,8 @@ def check_no_damaged_frame_is_sound(seed):
 
 def check_hello():
     """The bytes of HELLO are a frame, and none of them is anything to any language."""
-    assert frame_of(codec.HELLO_WIRE[1:-1])[0] == FRAME_HELLO
-    for byte in codec.HELLO_WIRE:
+    assert frame_of(HELLO_WIRE[1:-1])[0] == FRAME_HELLO
+    for byte in HELLO_WIRE:
         assert byte < 0x20 and byte not in (3, 6, 9, 10, 13, 0x11, 0x13, 0x18, 0x1B)
 
 
@@ -112,8 +113,8 @@ def check_plain_bytes_pass(seed):
     wire = Wire()
     data = b""
     for _ in range(random.between(1, 8)):
-        data += random.choice((random.bytes(random.between(0, 40)), codec.HELLO_WIRE[: random.between(1, 15)], b"\0"))
-    at = data.find(codec.HELLO_WIRE)
+        data += random.choice((random.bytes(random.between(0, 40)), HELLO_WIRE[: random.between(1, 15)], b"\0"))
+    at = data.find(HELLO_WIRE)
     data = data if at < 0 else data[:at]
     heard = wire.hear(data, random.between(1, 60))
     wire.now_ms += 20
@@ -126,7 +127,7 @@ def check_hello_in_the_middle():
     """What came before it is the language's; what comes behind it, only in frames."""
     for piece in (1, 7, 60):
         wire = Wire()
-        assert wire.hear(b"G1X1\n" + codec.HELLO_WIRE + b"~!G1X9\n" + codec.delimited(codec.frame(DATA, 0, 0, 15, b"M3\n")), piece) == b"G1X1\nM3\n"
+        assert wire.hear(b"G1X1\n" + HELLO_WIRE + b"~!G1X9\n" + codec.delimited(codec.frame(DATA, 0, 0, 15, b"M3\n")), piece) == b"G1X1\nM3\n"
         assert wire.said()[0][0] == WELCOME
 
 
@@ -138,7 +139,7 @@ def check_a_line_begun_is_not_gone_on_with():
         wire.protocol = lines
         wire.line = FramedLine(wire, wire, 115_200, lambda: wire.now_ms, wire.noted.append)
         lines.take(wire.hear(b"G90\nG91"))
-        lines.take(wire.hear(codec.HELLO_WIRE))
+        lines.take(wire.hear(HELLO_WIRE))
         if urgent:
             assert wire.put(codec.frame(URGENT, 0, 0, 15, b"~")) == b"~"
         lines.take(wire.put(codec.frame(DATA, 0, 0, 15, b"G0X10\nG0X20\nG91")))
@@ -376,7 +377,7 @@ def check_any_bytes_are_survived(seed):
         wire.now_ms += random.between(0, 100)
         wire.line.write(random.bytes(random.between(0, 20)))
     wire.sent = b""
-    if wire.hear(codec.HELLO_WIRE) == b"" and wire.sent[:1] == b"\0":
+    if wire.hear(HELLO_WIRE) == b"" and wire.sent[:1] == b"\0":
         welcome = [frame for frame in wire.said() if frame[0] == WELCOME][0]
         wire.said()
         heard = wire.put(codec.frame(DATA, welcome[2], 0, 15, b"G1X1\n"))

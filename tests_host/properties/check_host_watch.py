@@ -2,6 +2,7 @@
 
 from boards.router_3axis import BOARD
 from passo import errors
+from passo.protocols import HELLO_WIRE
 from passo.protocols.frames import codec
 from router import Machine
 
@@ -193,7 +194,7 @@ def check_noise_is_no_host():
     for sign, state in ((b"?~!G1X1\n\0\1\2\0", "hold"), (codec.delimited(codec.frame(codec.ACK, 0, 0, 15)), "idle")):
         machine = machine_with("pause", True)
         begin(machine, "G1X20\n")
-        machine.put(codec.HELLO_WIRE)
+        machine.put(HELLO_WIRE)
         run_ms(machine, 3000, (100, sign))
         assert machine.controller.state == state, sign
 

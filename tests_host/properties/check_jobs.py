@@ -72,11 +72,6 @@ def ended(said):
     return [line for line in said if line.startswith("[MSG:Job")][0]
 
 
-def journal(machine):
-    """The number of the job in it."""
-    return [line[9:17] for line in machine.do("$JR") if line.startswith("[JOURNAL:")][0]
-
-
 def check_window():
     assert WINDOW_BITS == 10
 
@@ -111,22 +106,6 @@ def check_store_and_run():
     assert [row[0] - begin for row in sent.world.path] == [row[0] - other for row in first]
     remove(machine)
     remove(sent)
-
-
-def check_nothing_is_left_of_a_job_that_is_done():
-    """Its end needs no M30 for that; a job that was stopped stays in the journal."""
-    machine = home(make(changes={"journal": {"every_ms": 500}}).ready())
-    assert store(machine, "PART.NC", b"G21G90\nG1X2F600\nG1X4\n") == "ok"
-    machine.do("$F=PART.NC")
-    assert ended(run(machine)) == "[MSG:Job PART.NC done]"
-    assert journal(machine) == "00000000"
-    assert store(machine, "PART.NC", SQUARE) == "ok"
-    machine.do("$F=PART.NC")
-    machine.cycles(500)
-    machine.put(b"\x18")
-    machine.settle()
-    assert journal(machine) == "%08x" % (crc32(SQUARE) & 0xFFFFFFFF)
-    remove(machine)
 
 
 def check_who_commands():

@@ -72,7 +72,7 @@ class Round:
         store = job_store.JobStore(self.machine.port.folder)
         assert store.names() == ["PART"], store.names()
         job = store.open("PART")
-        job.begin()
+        store.begin_reading(job)
         view, found = memoryview(bytearray(512)), b""
         while count := job.readinto(view):
             found += bytes(view[:count])

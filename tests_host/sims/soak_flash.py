@@ -11,6 +11,7 @@ import io
 import os
 
 from host_tools.sim.pages import PowerCut
+from passo import memory
 from passo.config import job_store
 
 BLOCK = 4096
@@ -44,12 +45,12 @@ class Flash:
 
     def mount(self):
         job_store.os = self
-        job_store.open = self.open
+        memory.open = self.open
 
     @staticmethod
     def unmount():
         job_store.os = os
-        vars(job_store).pop("open", None)
+        vars(memory).pop("open", None)
 
     def cut_after(self, count):
         self._left = count

@@ -203,15 +203,10 @@ class Jobs:
         self.line.begin(self._file, self._store)
         if self._file.crc != proven.crc:
             raise Damaged(errors.JOB_DAMAGED)
-        self._announce(self._file.crc or 1)
-        self._noted = machine.log.added
-
-    def _announce(self, number):
-        """Tell the journal which job begins; 0: none is left to go on with."""
-        machine = self._machine
         journal = machine.handlers.get(commands.JOURNAL)
         if journal and not machine.checking:
-            journal(commands.Command(commands.JOURNAL, number))
+            journal(commands.Command(commands.JOURNAL, self._file.crc or 1))
+        self._noted = machine.log.added
 
     def _fail(self, error):
         """The job does not begin."""
@@ -319,7 +314,6 @@ class Jobs:
                 machine.raise_alarm(errors.ALARM_JOB_CHANGED, self._name)
         elif self.line.done():
             self._end(0)
-            self._announce(0)
 
     def clear(self):
         """All work has been dropped: by a stop, a reset, an alarm."""

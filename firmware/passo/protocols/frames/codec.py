@@ -35,9 +35,6 @@ LONGEST = const(254)  # between two delimiters
 _DELIMITER = b"\0"
 _RESIDUE = const(0x2144DF1C)  # CRC-32 of anything and its own CRC-32, low byte first
 
-# A frame of kind HELLO whose bytes mean nothing in any of the languages.
-HELLO_WIRE = b"\0\x0e\x10\x01\x01\x01\x04\x04\x12\x1d\x19\x05\x0c\x0f\x15\0"
-
 
 def frame(kind, number=0, ack=0, credit=0, data=b""):
     """A frame's bytes, without delimiters. `credit`: 0 … MOST_CREDIT; `data`: MOST bytes at most."""

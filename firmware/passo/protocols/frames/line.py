@@ -11,8 +11,9 @@ bytes inside the frames. What they look like, and what each end does: docs/langu
 import micropython
 from micropython import const
 
+from passo.protocols import HELLO_WIRE
 from passo.protocols.frames.codec import (
-    ACK, AGAIN, CHECK, CLOSED, CREDIT_BYTES, CUT, DATA, HEAD, FRAME_HELLO, HELLO_WIRE, LEAVE, LONGEST, MOST, MOST_CREDIT, NEW, NUMBERS,
+    ACK, AGAIN, CHECK, CLOSED, CREDIT_BYTES, CUT, DATA, HEAD, FRAME_HELLO, LEAVE, LONGEST, MOST, MOST_CREDIT, NEW, NUMBERS,
     REPORT, TAKEN, URGENT, VERSION, WELCOME, delimited, frame, header, sound,
 )  # fmt: skip
 from passo.errors import FRAME_LATE

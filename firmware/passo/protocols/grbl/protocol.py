@@ -26,6 +26,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import ACCEPTED, ALARM, DROPPED, NOTICE, REFUSED, RESTARTED, Command, Event
+from passo.protocols import HELLO_WIRE
 from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
 from passo.protocols.gcode.parse_records import (
@@ -267,7 +268,9 @@ class Grbl:
             self._start_line = line
             line = line.encode()
         if b"\0" in line:
-            return [Command(commands.BAD, error=errors.LETTER)]
+            line = line.replace(HELLO_WIRE, b"")  # this link has no frames
+            if b"\0" in line:
+                return [Command(commands.BAD, error=errors.LETTER)]
         if b"$" in line and bare(line)[:1] == b"$":
             result = self.system.execute(line.decode() if line[:3] == b"$F:" else plain_text(line))
         elif not line.strip() or line.strip() == b"%":
