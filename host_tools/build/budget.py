@@ -16,8 +16,8 @@ PSRAM_PINS = {"esp32": (16, 17)}  # that it takes
 # What the firmware takes of it, kB, as files and frozen (docs/build.md): (its language, with Wi-Fi, with the page). Counted on MicroPython's
 # qemu port: tests_host/cores/test_esp32_memory.py; drivers and Wi-Fi reckoned.
 ESP32_NEEDS = {
-    ("plotter", False, False): (166, 62), ("plotter", True, True): (269, 120), ("torch", True, False): (247, 111),
-    ("grbl", False, False): (334, 122), ("grbl", True, False): (408, 173), ("grbl", True, True): (437, 181),
+    ("plotter", False, False): (172, 63), ("plotter", True, True): (271, 120), ("torch", True, False): (262, 111),
+    ("grbl", False, False): (340, 122), ("grbl", True, False): (415, 173), ("grbl", True, True): (440, 182),
 }  # fmt: skip
 # The heap of stock MicroPython 1.27 on a Pico, and a Pico W, in kB; what has to stay free of it; and what keys of a board file take of it,
 # machine code and arrays included: measured on the emulated Pico (tests_host/pico/test_pico_budget.py). Stored jobs keep 14, and want JOB_KB
