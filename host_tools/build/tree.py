@@ -59,6 +59,7 @@ IN_PLACE = "rp2040"
 ACCELERATES = {"axes": [{"accel_mm_s2": 1}]}  # of a board file: so that the planner is loaded with the feeder
 COLD = (
     "passo/app.py",
+    "passo/control/line_batches.py",
     "passo/control/queue.py",
     "passo/drives/gantry.py",
     "passo/drives/gantry_viper.py",
@@ -90,8 +91,10 @@ COLD = (
     "passo/steps/following_viper.py",
     "passo/steps/position_viper.py",
 )
-# Kernels of these are C in RAM all the same: each call of the feeder, or each status report, wants them.
-QUICK = ("passo/ports/rp2/pio_player.py", "passo/protocols/grbl/text_viper.py", "passo/steps/position_viper.py")
+# Kernels of these are C in RAM all the same: each call of the feeder, each line or each status report wants them.
+QUICK = (
+    "passo/control/line_batches.py", "passo/ports/rp2/pio_player.py", "passo/protocols/grbl/text_viper.py", "passo/steps/position_viper.py",
+)  # fmt: skip
 # Ports are for one family of chips; a module whose name starts with none of these serves all.
 PORT_FAMILIES = ("virtual", "rp2", "esp32")
 FRAMES = "frames"  # the room of passo/protocols that a link asks for by a key of this name
