@@ -45,7 +45,7 @@ MAY_IMPORT = {
 }
 
 # Shared by languages; otherwise none imports another.
-SHARED_PROTOCOLS = ("passo.protocols.gcode", "passo.protocols.jobs")
+SHARED_PROTOCOLS = ("passo.protocols.gcode", "passo.protocols.jobs", "passo.protocols.HELLO_WIRE")
 
 INTEGER_ROOMS = ("motion", "steps")
 BUILT_INS = {"micropython", "array", "struct", "time", "gc", "sys", "os", "io", "json", "hashlib", "select", "binascii"}
