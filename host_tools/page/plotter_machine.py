@@ -15,6 +15,7 @@ from host_tools.page.plotter_job import PlotterJob
 from passo import errors
 from passo.protocols.page.orders import number
 from passo.protocols.page.plotter import MOST_PLACE, PlotterPage, jogs_of, signs
+from passo.protocols.page.steps import steps_by, steps_to
 from passo.protocols.plotter.host import ANSWERS, COMMANDS, STATUS_LENGTH, packet, status_from
 
 _LOST = const(3)  # STATUS answered behind a packet that was not
@@ -208,13 +209,13 @@ class PlotterMachine(CableMachine):
         """{axis: mm} from here."""
         if self._steps is None:
             return errors.BUSY
-        return self._move([self._steps[axis] + round(way.get("xy"[axis], 0) * self.scale[axis]) for axis in range(2)])
+        return self._move([at + by for at, by in zip(self._steps, steps_by(way, self.axes, self.scale))])
 
     def go(self, place, speed):
         """{axis: mm}."""
         if self._steps is None:
             return errors.BUSY
-        return self._move([round(place["xy"[axis]] * self.scale[axis]) if "xy"[axis] in place else self._steps[axis] for axis in range(2)])
+        return self._move(steps_to(place, self.axes, self.scale, self._steps))
 
     # --- the jog
 

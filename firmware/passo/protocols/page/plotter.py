@@ -9,6 +9,7 @@ from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.page.board_machine import BoardMachine
 from passo.protocols.page.orders import number
+from passo.protocols.page.steps import steps_by, steps_to
 
 MOST_PLACE = const(65535)  # steps, as the language of packets has it
 
@@ -70,13 +71,13 @@ class PlotterPage(BoardMachine):
         """{axis: mm} from here."""
         if self._steps is None:
             return errors.BUSY
-        return self._move([self._steps[axis] + round(way.get("xy"[axis], 0) * self.scale[axis]) for axis in range(2)])
+        return self._move([at + by for at, by in zip(self._steps, steps_by(way, self.axes, self.scale))])
 
     def go(self, place, speed):
         """{axis: mm}."""
         if self._steps is None:
             return errors.BUSY
-        return self._move([round(place["xy"[axis]] * self.scale[axis]) if "xy"[axis] in place else self._steps[axis] for axis in range(2)])
+        return self._move(steps_to(place, self.axes, self.scale, self._steps))
 
     # --- the jog
 

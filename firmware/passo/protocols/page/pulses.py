@@ -13,6 +13,7 @@ from passo.commands import Command
 from passo.protocols.page.any_machine import AnyMachine
 from passo.protocols.page.board_machine import BoardMachine
 from passo.protocols.page.orders import number
+from passo.protocols.page.steps import steps_by, steps_to
 
 _MOST_STEPS = const(999_999)  # of one axis in one jog
 _FASTEST = const(900_000)  # mm/min
@@ -88,13 +89,14 @@ class PulsesPage(BoardMachine):
 
     def step(self, way, speed):
         """{axis: mm} from here."""
-        return self._move([round(way.get(self.axes[axis], 0) * self.scale[axis]) for axis in range(len(self.axes))])
+        return self._move(steps_by(way, self.axes, self.scale))
 
     def go(self, place, speed):
         """{axis: mm}, one axis after the other."""
-        axes = range(len(self.axes))
-        wanted = [round(place.get(self.axes[axis], self.place[axis]) * self.scale[axis]) for axis in axes]
-        return self._move([wanted[axis] - self._steps[axis] for axis in axes])
+        if self._steps is None:
+            return errors.BUSY
+        wanted = steps_to(place, self.axes, self.scale, self._steps)
+        return self._move([to - at for to, at in zip(wanted, self._steps)])
 
     def _may_jog(self, direction):
         one = len([part for part in direction if part]) == 1
