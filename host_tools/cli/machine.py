@@ -3,6 +3,7 @@
 import contextlib
 import hashlib
 import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -12,7 +13,7 @@ from typing import Annotated
 import typer
 
 from host_tools.build.budget import check_module
-from host_tools.build.tree import STAMP, build_tree, default_out
+from host_tools.build.tree import FILE_LIST, STAMP, build_tree, default_out
 from host_tools.cli import flash_uf2
 from host_tools.cli.flash import COPY_TIMEOUT_S, PROBE_TIMEOUT_S, check_port, commands, copy, probe, reason_of
 from host_tools.failure import Failure
@@ -22,7 +23,7 @@ from host_tools.resources import HOST_TOOLS
 app = typer.Typer(
     help="""Store the board files of several machines on a board, and choose one.
 
-    Each has its own saved settings. The firmware on the board is that of all of them together; they want the same chip.
+    Each has its own saved settings and firmware; files that are alike are stored once. They want the same chip.
 
     Examples:
 
@@ -78,7 +79,7 @@ def add(
     board: Annotated[str, typer.Argument(help="Name of a file of boards/, or the path of a board file.")],
     port: Port,
 ):
-    """Build a machine's firmware, and store its board file and what is missing of the firmware. What is chosen stays.
+    """Build a machine's firmware, and store its board file and what the board lacks of that firmware. The chosen machine stays as it is.
 
     Example: passo machine add boards/mine.py --port /dev/ttyACM0
     """
@@ -105,31 +106,43 @@ def store(board, port, call, out=None):
         raise Failure("there is no machine on this board yet: passo flash first")
     if there != chip:
         raise Failure("this board is an {}, and {} is for an {}", there, name, chip)
-    lines, package = _firmware(board, port, out or default_out(board))
+    files = _firmware(board, port, out or default_out(board))
+    text = "".join(f"{path} {digest}\n" for path, digest in files)
+    wanted = {line.split()[1] for line in _run(port, f"want({text!r})") if line.startswith("wants ")}
     with tempfile.TemporaryDirectory() as folder:
-        stored = Path(folder) / "machines" / name
-        stored.mkdir(parents=True)
-        (stored / "modules.txt").write_text("".join(lines), encoding="ascii")
+        machines = Path(folder) / "machines"
+        (machines / "files").mkdir(parents=True)
+        for (_path, digest), source in files.items():
+            if digest in wanted:
+                shutil.copyfile(source, machines / "files" / digest)
+        if wanted:
+            copy([*_mpremote(port), "cp", "-r", str(machines), ":"], port)
+        stored = machines / name
+        stored.mkdir()
         (stored / "board.py").write_bytes(boards.path(board).read_bytes())
-        copy([*_mpremote(port), "cp", "-r", *package, str(stored.parent), ":"], port)
-    return _run(port, call, "+", "reset")
+        (stored / "modules.txt").write_text(text, encoding="ascii")
+        copy([*_mpremote(port), "cp", "-r", str(machines), ":"], port)
+    return _run(port, "tidy()\n" + call, "+", "reset")
 
 
 def _firmware(board, port, out):
-    """(lines of modules.txt, what is to be copied) of a machine: nothing where the board has Passo's UF2."""
+    """{(path on the board, digest): file} of a machine's firmware: none where the board has Passo's UF2."""
     from host_tools import boards
     from passo.config.boardfile import check
 
     has = flash_uf2.told(probe(flash_uf2.asking(port), port), port)
     if has.chip:
         flash_uf2.check_fits(has, check(boards.load(board)), board)
-        return [], []
+        return {}
     check_module(check(boards.load(board)), board)
     build_tree(board, out)
-    (out / "passo" / STAMP).unlink()  # of one build: here each machine has the digests of its modules
-    files = sorted(path for path in (out / "passo").rglob("*.*") if path.name != "files.txt")
-    lines = [f"{path.relative_to(out).as_posix()} {hashlib.sha256(path.read_bytes()).hexdigest()[:16]}\n" for path in files]
-    return lines, [str(out / "passo")]
+    files = [out / "main.py", out / STAMP, *sorted(path for path in (out / "passo").rglob("*.*") if path.name != FILE_LIST)]
+    return {(path.relative_to(out).as_posix(), _digest(path.relative_to(out).as_posix(), path.read_bytes())): path for path in files}
+
+
+def _digest(path, data):
+    """As machines.py has it."""
+    return hashlib.sha256(path.encode() + b"\0" + data).hexdigest()[:16]
 
 
 def become(board, port):

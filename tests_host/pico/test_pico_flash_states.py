@@ -139,3 +139,28 @@ def test_machines_of_a_board_with_the_uf2(frozen, tmp_path):  # noqa: F811
         assert said.split() == ["plotter_2014", "False"]
         done = pico.passo("machine", "add", "plotter_esp32")
         assert done.returncode == 1 and "this board is an rp2040" in done.stderr
+
+
+BUILD = "from board import BOARD; print(BOARD['name'], open('stamp.txt').read() == open('passo/stamp.txt').read(), open('stamp.txt').read())"
+
+
+def test_machines_of_a_board_with_stock_micropython(uf2, tmp_path, show):  # noqa: F811
+    """Their firmware differs: each has its own in place while it is chosen, and what runs stays as it is until then."""
+    with Pico(uf2, tmp_path) as pico:
+        assert pico.flash("--board", "two_motor_kit").returncode == 0
+        kit = pico.mpremote("exec", BUILD).split()
+        for name in ("plotter_2014", "two_motor_kit"):
+            done = pico.passo("machine", "add", name)
+            assert done.returncode == 0 and f"{name} is stored" in done.stdout, (done.stdout, done.stderr)
+            assert pico.mpremote("exec", BUILD).split() == kit and kit[:2] == ["two_motor_kit", "True"]
+        more = int(pico.mpremote("exec", "import os; print(sum([os.stat('machines/files/' + name)[6] for name in os.listdir('machines/files')]))"))
+        stamps = {}
+        for name in ("plotter_2014", "two_motor_kit", "plotter_2014"):
+            done = pico.passo("machine", "choose", name)
+            assert done.returncode == 0, (done.stdout, done.stderr)
+            chosen, whole, mark = pico.mpremote("exec", BUILD).split()
+            assert chosen == name and whole == "True" and stamps.setdefault(name, mark) == mark
+        assert stamps["two_motor_kit"] == kit[2] != stamps["plotter_2014"]
+        listed = pico.passo("machine", "list").stdout
+        assert "* plotter_2014" in listed and listed.count("ready") == 2, listed
+    show("a second machine on stock MicroPython", f"{more} bytes of files that differ")

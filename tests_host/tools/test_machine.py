@@ -1,6 +1,8 @@
 """`passo machine` on a board that stands behind a pty: stored, chosen, with the settings of each."""
 
+import os
 from functools import partial
+from types import SimpleNamespace
 
 import pytest
 from typer.testing import CliRunner
@@ -83,13 +85,113 @@ def test_what_is_not_chosen(folder, board, small):  # noqa: F811
     assert "there is no machine plotter" in passo("choose", "plotter", *where)
     assert "is no name" in passo("choose", "../x", *where)
     assert "is an rp2040" in passo("add", "mks_dlc32", *where)
-    (files / "passo/__init__.mpy").write_bytes(b"of another version")
+    next((files / "machines/files").iterdir()).unlink()
     assert "1 files of its firmware are missing or of another version" in passo("list", *where)
     said = passo("choose", "lpt_router", *where)
     assert "add it again" in said and '"name": "x"' in (files / "board.py").read_text()
     assert passo("add", "lpt_router", *where).startswith("lpt_router is stored")
     assert "starts with it" in passo("choose", "lpt_router", *where)
     assert "there is no port" in passo("list", "--port", "/dev/no/port")
+
+
+class Cut(Exception):
+    """The power fails."""
+
+
+class Board:
+    """Machines.py in a folder of its own; each of its orders to the file system may be the last."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.left = self.changes = 0
+        names = ("listdir", "stat", "mkdir", "remove", "rename")
+        self._os = SimpleNamespace(**{name: partial(self._order, name, getattr(os, name)) for name in names})
+
+    def _order(self, name, call, *paths):
+        if name in ("mkdir", "remove", "rename"):
+            self._count()
+        return call(*[self.folder / path for path in paths])
+
+    def _count(self):
+        if self.changes == self.left:
+            raise Cut
+        self.changes += 1
+
+    def _open(self, path, mode="r"):
+        if "w" in mode:
+            self._count()
+        return open(self.folder / path, mode)
+
+    def run(self, call, left=-1):
+        self.left, self.changes = left, 0
+        text = machine._ON_BOARD.read_text(encoding="utf-8").replace("import os\n", "")
+        printed = []
+        exec(text + call, {"os": self._os, "open": self._open, "print": lambda *words: printed.append(" ".join(map(str, words)))})
+        return printed
+
+    def whole(self):
+        """Which machine would start, of the two; None: none, there is no board file."""
+        found = {(self.folder / path).read_text() for path in ("main.py", "passo/app.mpy", "passo/a.mpy") if (self.folder / path).exists()}
+        if not (self.folder / "board.py").exists():
+            return None
+        assert len(found) == 1, "a mixture"
+        name = found.pop()
+        assert name in (self.folder / "board.py").read_text(), "the firmware of another machine"
+        settings = self.folder / "settings.0"
+        assert settings.read_text() == name, "the settings of another machine"
+        return name
+
+
+def of_two_machines(folder):
+    """A board with the machines x, which runs, and y, whose files have to be moved to run."""
+    made = Board(folder)
+    for name in "xy":
+        modules = ""
+        for path in ("main.py", "passo/app.mpy", "passo/a.mpy"):
+            digest = machine._digest(path, name.encode())
+            modules += f"{path} {digest}\n"
+            put(folder, path if name == "x" else f"machines/files/{digest}", name)
+        put(folder, "passo/same.mpy", "same")
+        modules += f"passo/same.mpy {machine._digest('passo/same.mpy', b'same')}\n"
+        put(folder, f"machines/{name}/modules.txt", modules)
+        put(folder, f"machines/{name}/board.py", f'BOARD = {{"chip": "{name}"}}')
+    put(folder, "board.py", 'BOARD = {"chip": "x"}')
+    put(folder, "settings.0", "x")
+    put(folder, "machines/y/settings.0", "y")
+    return made
+
+
+def test_no_cut_of_the_power_makes_a_mixture(tmp_path):
+    """Amid each step of `choose`: either the old machine starts, or none, and the same call or one for the other machine goes on."""
+    done, count = False, 0
+    while not done:
+        for then in "xy":
+            board = of_two_machines(tmp_path / f"{count}{then}")
+            try:
+                board.run("choose('y')", count)
+                done = True
+            except Cut:
+                assert board.whole() in (None, "x")
+            board.run(f"choose('{then}')")
+            assert board.whole() == then
+            board.run("choose('x')")
+            board.run("choose('y')")
+            assert board.whole() == "y"
+        count += 1
+    assert count > 8
+
+
+def test_what_a_board_asks_for(tmp_path):
+    board = of_two_machines(tmp_path)
+    known = (tmp_path / "machines/y/modules.txt").read_text()
+    new = machine._digest("passo/a.mpy", b"new")
+    assert board.run(f"want({known!r})") == [] and board.run(f"want({f'passo/a.mpy {new}'!r})") == [f"wants {new}"]
+    assert [line for line in board.run("tell()") if line.startswith("machine")] == ["machine x: ready", "machine y: ready"]
+    put(tmp_path, "machines/files/0123456789abcdef", "of nobody")
+    board.run("tidy()")
+    assert not (tmp_path / "machines/files/0123456789abcdef").exists() and len(list((tmp_path / "machines/files").iterdir())) == 3
+    put(tmp_path, "passo/app.mpy", "newer")
+    assert [line for line in board.run("tell()") if line.startswith("machine")] == ["machine x: 1 files of its firmware are missing or of another version: add it again", "machine y: ready"]
 
 
 def test_a_moving_machine_stays_as_it_is():
