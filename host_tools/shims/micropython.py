@@ -1,4 +1,16 @@
-"""A stand-in for MicroPython's `micropython` module under CPython: the same names, none of the effects."""
+"""A stand-in for MicroPython's `micropython` module under CPython: the same names, none of the effects.
+
+Kernels also name types that only viper's compiler knows, ptr8, ptr16 and ptr32: CPython reads them as built-in functions.
+"""
+
+import builtins
+
+
+def pointer(array):
+    return array
+
+
+builtins.ptr8 = builtins.ptr16 = builtins.ptr32 = pointer
 
 
 def const(value):

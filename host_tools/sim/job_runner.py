@@ -29,14 +29,6 @@ from micropython import const
 
 from passo.records import COUNT_MASK
 
-try:
-    ptr32
-except NameError:
-
-    def ptr32(array):  # a name that only viper's compiler knows
-        return array
-
-
 HEADER = "<BIIq"  # kind, line, bytes that follow, tick or error
 WORDS, NOTE_REFUSED, NOTE_ALARM, NOTE_PAUSED, NOTE_PROBED, NOTE_SKIPPED, BEGIN, END, FAILED = range(9)
 WINDOW = 120  # bytes under way

@@ -36,7 +36,7 @@ TAB = ("host_tools/sim/tab.py", "host_tools/sim/tab_jobs.py", "host_tools/sim/pl
 SHIMS = ("random.py",)
 BOARDS = ("router_3axis", "plotter_2014")  # the first one is shown
 _LEFT_OUT = ("passo/ports/rp2/", "passo/ports/esp32/")
-_MACHINE_CODE = re.compile(r"(?m)^[ ]*@micropython\.(viper|native)$")
+_MACHINE_CODE = re.compile(r"(?m)^[ ]*@micropython\.(viper|native)$|\bptr(8|32)(?=\()")
 _MOST_AXES = 4
 
 

@@ -15,6 +15,6 @@ def plain(module):
         text = file.read()
     for mark in MARKS:
         text = text.replace(mark, "")
-    names = {"__name__": module.__name__ + "_plain"}
+    names = {"__name__": module.__name__ + "_plain", "ptr32": lambda array: array}
     exec(text, names)
     return names

@@ -15,12 +15,6 @@ from passo.records import (
 )  # fmt: skip
 
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
-
 @micropython.viper
 def queue_lines(
     rows: ptr32, count: int, target: ptr32, travel: ptr32, blocks: ptr32, scratch: ptr32, indices: ptr32, limits: ptr32

@@ -4,11 +4,6 @@ elsewhere it is ordinary Python."""
 
 import micropython
 
-try:
-    ptr32, ptr8
-except NameError:
-    ptr32 = ptr8 = None  # names that only viper's compiler knows
-
 
 @micropython.viper
 def apply(

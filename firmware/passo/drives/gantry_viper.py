@@ -8,11 +8,6 @@ compiles it to machine code, elsewhere it is ordinary Python.
 
 import micropython
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def double(words: ptr32, at: int, count: int, axes: int, axis: int, motors: int):  # ISR: no allocation

@@ -34,11 +34,6 @@ from passo.records import (
     SCRATCH_TOP_SHIFT, SHORT_EXPONENT, SHORT_LENGTH, SHORT_STEPS, SHORT_STRENGTH,
 )  # fmt: skip
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def plan_block(rows: ptr32, at: int, scratch: ptr32, limits: ptr32) -> int:

@@ -25,11 +25,6 @@ from passo.records import (
 
 LEADS = const(22_938)  # ARC_Z_HIGH from which the third axis dominates somewhere: 0.7 steps a step
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 _Z_ONE = const(0x200000)  # 21 fraction bits
 _LONGEST = const(255)  # most words of a run, so that no product here reaches 2³⁰
 

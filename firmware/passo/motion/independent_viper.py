@@ -18,12 +18,6 @@ from passo.records import (
     INDEPENDENT_SETUP, INDEPENDENT_TICKS, TICKS_PER_MS,
 )  # fmt: skip
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
-
 MOST_STEPS = const(0xFFFFFFF)  # that may be to come: 2²⁸ − 1
 FAR = const(0x1FFFFFFF)  # ticks: no step is due as late as this
 

@@ -14,11 +14,6 @@ from passo.records import (
     LINE_AXES, LINE_DOMINANT, LINE_FALL, LINE_MOVING, LINE_NEGATIVE, LINE_RISE,
 )  # fmt: skip
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def begin(rows: ptr32, at: int, state: ptr32) -> int:  # ISR: no allocation

@@ -30,11 +30,6 @@ from passo.records import (
     SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_SIZE, SCRATCH_STRIDE, SCRATCH_THROUGH, SHORT_EXPONENT, SHORT_SINE, SHORT_TURN,
 )  # fmt: skip
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def corner(rows: ptr32, at: int, scratch: ptr32, limits: ptr32):

@@ -21,11 +21,6 @@ from passo.records import (
     ROW_RATIO, ROW_RATIO_SHIFT, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, ROW_TIME, ROW_TIME_SHIFT, ROW_TOP,
 )  # fmt: skip
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def begin(rows: ptr32, at: int, state: ptr32, start: int, total: int, s_curve: int):  # ISR: no allocation

@@ -18,11 +18,6 @@ from passo.records import (
     SCRATCH_LIMITED, SCRATCH_SIZE, SCRATCH_SPEED, SCRATCH_STEPS, SCRATCH_STRIDE, SCRATCH_TAKEN, SCRATCH_THROUGH,
 )  # fmt: skip
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def room(indices: ptr32) -> int:

@@ -18,11 +18,6 @@ from passo.records import (
     ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_PACE, SEEN_ROW,
 )  # fmt: skip
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def q_of(square: int, rows: ptr32, at: int, limit: int) -> int:  # ISR: no allocation

@@ -15,11 +15,6 @@ from passo.records import (
     SCRATCH_LENGTH, SCRATCH_LENGTH_SHIFT, SCRATCH_STEPS, SCRATCH_STRENGTH,
 )  # fmt: skip
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def most_steps(rows: ptr32, at: int, axes: int) -> int:

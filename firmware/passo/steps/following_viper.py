@@ -31,11 +31,6 @@ FOLLOW_ERROR = const(10)  # what it has turned, less what was stepped
 FOLLOW_MOST = const(11)  # largest amount of it since the main loop cleared it
 FOLLOW_FIELDS = const(12)
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def signed(count: int) -> int:  # ISR: no allocation

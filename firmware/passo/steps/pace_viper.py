@@ -15,11 +15,6 @@ import micropython
 
 from passo.records import PACE_CARRY, PACE_OVER, PACE_REST, PACE_SHORT, PACE_TICK
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def pace(words: ptr32, at: int, count: int, interval: ptr32):  # ISR: no allocation

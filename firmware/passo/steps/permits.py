@@ -34,11 +34,6 @@ PERMIT_VALUE = const(1)  # how these must be
 PERMIT_ALLOWS = const(2)  # what it then allows
 PERMIT_FIELDS = const(3)
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def denied(table: ptr32, states: int) -> int:  # ISR: no allocation

@@ -20,11 +20,6 @@ from passo.records import (
     MARK_PACE, MARK_WORD, QUEUE_FETCHED, QUEUE_RETIRED, QUEUE_SIZE, ROW_STEPS, SEEN_LIT, SEEN_PACE, SEEN_ROOM, SEEN_ROW,
 )  # fmt: skip
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 
 @micropython.viper
 def find(state: ptr32, marks: ptr32, played: int, place: ptr32) -> int:

@@ -49,14 +49,6 @@ from passo.records import (
 )  # fmt: skip
 from passo.steps import pace_viper
 
-try:
-    ptr32
-except NameError:
-
-    def ptr32(array):  # a name that only viper's compiler knows
-        return array
-
-
 FULL = const(0)
 STANDS = const(1)
 LATER = const(2)

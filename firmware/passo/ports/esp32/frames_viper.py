@@ -14,11 +14,6 @@ from micropython import const
 
 from passo.records import COUNT_MASK
 
-try:
-    ptr32
-except NameError:
-    ptr32 = None  # a name that only viper's compiler knows
-
 FRAME_TICKS = const(50)  # 4 µs
 HALF_TICKS = const(25)
 BIAS = const(1 << 24)

@@ -21,11 +21,6 @@ from passo.protocols.frames.late import Late
 from passo.protocols.frames.sender import Sender
 from passo.records import COUNT_MASK
 
-try:
-    ptr8
-except NameError:
-    ptr8 = None  # a name that only viper's compiler knows
-
 _PLAIN = const(0)
 _OPEN = const(1)
 _CLOSED = const(2)  # framed, but answers were lost: the host has to begin anew

@@ -26,11 +26,6 @@ from passo.records import (
     BATCH_FEED, BATCH_FIRST, BATCH_FIELDS, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_STEPS, BATCH_TAG,
 )  # fmt: skip
 
-try:
-    ptr32, ptr8
-except NameError:
-    ptr32 = ptr8 = None  # names that only viper's compiler knows
-
 
 @micropython.viper
 def parse(text: ptr8, begin: int, count: int, place: ptr32, batch: ptr32, most: int) -> int:

@@ -28,11 +28,6 @@ from passo.protocols.gcode.parse_records import (
 from passo.protocols.gcode.words import LONGEST, bare
 from passo.records import LINES_BYTES
 
-try:
-    ptr32, ptr8
-except NameError:
-    ptr32 = ptr8 = None  # names that only viper's compiler knows
-
 RX_BYTES = const(128)  # that a sender may have under way
 REAL_TIME = const(-1)  # what keep() says: there are real-time bytes but `?`; nothing is kept
 SLOWLY = const(-2)  # take_each() has to keep it

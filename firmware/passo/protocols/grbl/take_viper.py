@@ -18,14 +18,6 @@ from passo.protocols.gcode.parse_viper import parse
 from passo.protocols.grbl.lines import LEFT, keep
 from passo.records import BATCH_ROWS, TRACE_ROOM, TRACE_TAKEN
 
-try:
-    ptr32, ptr8
-except NameError:
-    ptr8 = None  # names that only viper's compiler knows
-
-    def ptr32(array):
-        return array
-
 
 @micropython.viper
 def take_lines(

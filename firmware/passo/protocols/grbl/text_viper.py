@@ -26,11 +26,6 @@ from passo.protocols.grbl.report_records import (
 )  # fmt: skip
 from passo.records import SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_ROOM
 
-try:
-    ptr32, ptr8
-except NameError:
-    ptr32 = ptr8 = None  # names that only viper's compiler knows
-
 FARTHEST_MM = const(100_000_000)
 _LONGEST_NUMBER = const(16)  # bytes: sign, ten digits, point, four decimals
 # REPORT_UNIT, REPORT_DECIMAL, REPORT_FIRST.

@@ -30,11 +30,6 @@ from passo.commands import (
 )
 from passo.records import COUNT_MASK
 
-try:
-    ptr8
-except NameError:
-    ptr8 = None  # a name that only viper's compiler knows
-
 RESYNC_MS = const(2000)
 PACKET = const(6)
 _HELD = const(2)  # as sift() tells
