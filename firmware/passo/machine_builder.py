@@ -35,20 +35,13 @@ _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp",
                "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")  # fmt: skip
 
 
-def _grouped(board):
-    """True if homing is more than one axis after the other."""
-    homing = board["homing"]
-    return " " in homing["order"] or homing["each"] or homing["latch"] or board["gantry"] and board["gantry"]["sensor"]
-
-
 # Every feature, in the order in which they are polled: its module of control, its class, and the rule by which a board file
 # asks for it. A feature is also made if a language of the board's links names it in its NEEDS; what nobody asks for is neither
 # loaded nor, but for those with a rule, in the build.
 FEATURES = (
     ("interlock", "InterlockWatch", lambda board: board["interlock"]),
     ("switches", "Switches", lambda board: board["inputs"]),
-    ("homing", "Homing", lambda board: board["homing"] and not _grouped(board)),
-    ("homing_groups", "GroupHoming", lambda board: board["homing"] and _grouped(board)),
+    ("homing", "Homing", lambda board: board["homing"]),
     ("gantry", "GantryWatch", lambda board: board["gantry"]),
     ("encoders", "EncoderWatch", lambda board: board["encoders"]),
     ("drawing", "Drawing", None),
@@ -94,7 +87,7 @@ def load_all(board):
     if board["gantry"] and board["gantry"]["sensor"]:
         modules += ("control.squaring",)
     if board["homing"] and board["homing"]["latch"]:
-        modules += ("control.quality",)
+        modules += ("control.quality", "control.latched_sensor")
     if board["jobs"]:
         modules += ("config.job_store",)
     for module in modules:

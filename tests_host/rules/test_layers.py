@@ -332,7 +332,7 @@ def features():
 
 
 # A feature for boards that ask for more of it, and what it is derived from.
-MORE_OF = {"homing_groups": "homing", "unit_journal": "job_journal"}
+MORE_OF = {"unit_journal": "job_journal"}
 
 
 def feature_faults(source, path, names):

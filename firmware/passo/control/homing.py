@@ -1,10 +1,11 @@
-"""Homing on switches or optical barriers, axis by axis, in five phases; homing_groups.py has what only few boards ask for:
+"""Homing on switches or optical barriers: axes one after the other, or a group of them at once, in phases:
 
-    1 leave     if the head stands on the sensor, move away until it is free
-    2 seek      quickly towards the sensor, until it trips
-    3 pull off  away from the place where it tripped
+    1 leave     if the head stands on a sensor, move away until all are free
+    2 seek      quickly towards the sensors; each axis goes on until its own trips
+    3 pull off  away from where it tripped
     4 locate    slowly towards it: this edge counts
-    5 pull off  to the origin, a fixed distance from that edge
+    5 square    of a gantry: the other side alone, until its own sensor trips; see squaring.py
+    6 pull off  to the origin, a fixed distance from that edge
 
 Each phase has a travel limit; reaching it is an alarm. The edge is where the sensor first moved, not where its
 debouncing ended, so a bouncing sensor gives the same origin every time.
@@ -16,29 +17,74 @@ from passo import commands, errors
 from passo.control.sensor import Sensor
 from passo.errors import LATER
 
-ON_ITS_WAY = const(-1)
+_ON_ITS_WAY = const(-1)
+
+
+class Seeker:
+    """An axis on its way to its sensor; a gantry has two sensors, one at each side."""
+
+    def __init__(self, axis, position, sensors, away, values, distance):
+        self.axis = axis
+        self.start = position
+        self.sensors = sensors
+        self.away = away  # the sign of steps away from the sensors' end
+        self.seek_steps_s, self.locate_steps_s, self.pull_off_steps = values
+        self.distance = distance  # the longest search
+        self.ends = [self.pull_off_steps] * len(sensors)  # how far from the edge of each it ends
+        self.tripped = 0  # the number of the sensor that did so last
+        self.edges = [position] * len(sensors)  # where each did so: kept, for a sensor that is left shows another edge
+        self.goal = 0  # where the way of this phase ends
+        self.steps_s = 1
+        self.done = False
+
+    def keep(self, number):
+        self.edges[number] = self.sensors[number].edge
+
+    def met(self, active):
+        """True if all sensors are free, or one is active."""
+        for number in range(len(self.sensors)):
+            if self.sensors[number].active:
+                if active:
+                    self.tripped = number
+                return active
+        return not active
 
 
 class Homing:
-    _judges = False  # it can tell how well it repeats
-
     def __init__(self, board, machine, queue):
         self._config = board["homing"]
         self._axes = board["axes"]
         self._machine = machine
         self._queue = queue
         self._lifting = False  # homing waits for the tool
-        self._known = 0  # mask of the axes whose place is known
+        self._known = 0  # mask of the axes whose position is known
         self._all = 0  # of those that can be homed
         for number in range(len(self._axes)):
             if self._axes[number]["name"] in self._config["sensors"]:
                 self._all |= 1 << number
-        self._order = []
+        self._groups = []  # of seekers; those of a group home at once
         self._phases = (self._leave, self._seek, self._pull_off, self._locate, self._pull_off)
         self._stage = 0
+        self._squaring = self._quality = self._latched = None
+        gantry = board["gantry"]
+        if gantry and gantry["sensor"]:
+            from passo.control.squaring import Squaring
+
+            self._squaring = Squaring(board, queue, self)
+            self._phases = self._phases[:4] + self._squaring.phases()
+        if self._config["latch"]:
+            from passo.control.latched_sensor import LatchedSensor
+            from passo.control.quality import Quality
+
+            self._latched = LatchedSensor
+            self._quality = Quality()
 
     def handlers(self):
         return {commands.HOME: self._home}
+
+    def clear(self):
+        if self._squaring:
+            self._squaring.both()
 
     def release(self):
         self._known = 0
@@ -51,7 +97,7 @@ class Homing:
             return errors.DOOR_OPEN
         if machine.detached:
             return errors.NO_MOTORS
-        if command.value & ~self._all or command.power and not self._judges:
+        if command.value & ~self._all or command.power and not self._quality:
             return errors.NO_HOMING
         if machine.state not in ("idle", "alarm") or not self._queue.still():
             return LATER
@@ -64,6 +110,8 @@ class Homing:
         self._queue.lift()
         self._queue.flush()
         self._lifting = True
+        if self._quality:
+            self._quality.begin(command.power)
         return 0
 
     def poll_command(self, now_ms):
@@ -78,95 +126,149 @@ class Homing:
         result = self._go_on(now_ms)
         if result == 0:
             self._end(now_ms)
-        elif result != ON_ITS_WAY:
+        elif result != _ON_ITS_WAY:
             machine.homing_failed(result)
 
-    def _end(self, now_ms, told=None):
-        """Every axis asked for stands at its origin. `told`: what the answer says beside that."""
+    def _end(self, now_ms):
+        """Every axis asked for stands at its origin."""
         machine = self._machine
         homed = machine.command.value
+        self.clear()
+        again = self._quality and self._quality.again(self._groups)
         self._queue.set_origin(homed or -1)
+        if again:
+            self._begin(now_ms)
+            return
         self._known |= homed or self._all
         machine.homed = self._known == self._all
-        machine.finish(told)
+        machine.finish(self._quality and self._quality.found())
 
-    def _axis_order(self):
-        """Numbers of the axes to be homed."""
+    def _groups_asked(self):
+        """[[number of an axis, …], …]: those of a list home at once."""
         names = [axis["name"] for axis in self._axes]
-        order = self._config["order"].replace(" ", "") or [name for name in names if name in self._config["sensors"]]
+        order = self._config["order"] or [name for name in names if name in self._config["sensors"]]
         mask = self._machine.command.value or self._all
-        return [names.index(name) for name in order if mask >> names.index(name) & 1]
+        groups = order.split() if " " in order else [[name] for name in order]
+        groups = [[names.index(name) for name in group if mask >> names.index(name) & 1] for group in groups]
+        return [group for group in groups if group]
 
-    def _sensor(self, name):
+    def _sensor(self, name, axis):
         read = self._machine.inputs.read
+        latch = self._latched and getattr(self._machine.port, "latches", {}).get(name)
+        if latch:
+            return self._latched(lambda: read(name), self._config["debounce_ms"], latch, axis)
         return Sensor(lambda: read(name), self._config["debounce_ms"])
 
     def _begin(self, now_ms):
         """Begin, with the settings as they are now."""
-        self._order = []  # (axis, its travel in steps, its sensor)
-        for number in self._axis_order():
-            axis = self._axes[number]
-            sensor = self._sensor(self._config["sensors"][axis["name"]])
-            self._order.append((number, axis["travel_steps"], sensor))
+        self._groups = [[self._seeker(number) for number in group] for group in self._groups_asked()]
         self._stage = 0
         self._now_ms = now_ms
         self._enter()
 
+    def _seeker(self, number):
+        axis = self._axes[number]
+        name = axis["name"]
+        names = [self._config["sensors"][name]]
+        if self._squaring and self._squaring.axis == number:
+            names.append(self._squaring.sensor)
+        away = -1 if name in self._config["high_end"] else 1
+        values = self._machine.settings.homing(number)
+        distance = axis["travel_steps"] + 2 * max(axis["travel_steps"] // 10, 5 * values[2])
+        distance = self._config["each"].get(name, {}).get("distance_steps", distance)
+        return Seeker(number, self._queue.axis(number), [self._sensor(sensor, number) for sensor in names], away, values, distance)
+
     def _go_on(self, now_ms):
-        """ON_ITS_WAY, 0 when every axis stands at its origin, or the number of the alarm that ended it."""
+        """_ON_ITS_WAY, 0 when every axis stands at its origin, or the number of the alarm that ended it."""
         self._now_ms = now_ms
-        axis, _, sensor = self._order[self._stage // len(self._phases)]
-        sensor.sample(now_ms, self._queue.axis(axis))
+        group = self._groups[self._stage // len(self._phases)]
         still = self._queue.still()
-        if self._until is not None and sensor.active == self._until:
-            if not still:
-                self._machine.abort()
-        elif not still or sensor.pending:
-            return ON_ITS_WAY
-        elif self._until is not None or sensor.active:
-            return self._alarm
+        ended = pending = False
+        for seeker in group:
+            position = self._queue.axis(seeker.axis)
+            for sensor in seeker.sensors:
+                sensor.sample(now_ms, position)
+                pending = pending or sensor.pending
+            if not seeker.done and self._until is not None and self._met(seeker, self._until):
+                seeker.done = ended = True
+        left = [seeker for seeker in group if not seeker.done]
+        if ended and not still:
+            self._machine.abort()
+        if ended and left:
+            self._go(left)  # the others go on
+            return _ON_ITS_WAY
+        if not ended and left:
+            if not still or pending:
+                return _ON_ITS_WAY
+            for seeker in left:
+                if self._until is not None or not seeker.met(False):
+                    return self._alarm
         self._stage += 1
-        if self._stage == len(self._order) * len(self._phases):
+        if self._stage == len(self._groups) * len(self._phases):
             return 0
         self._enter()
-        return ON_ITS_WAY
+        return _ON_ITS_WAY
+
+    def _met(self, seeker, active):
+        return self._side.active if self._side else seeker.met(active)
 
     def _enter(self):
-        axis, travel, sensor = self._order[self._stage // len(self._phases)]
+        group = self._groups[self._stage // len(self._phases)]
         phase = self._stage % len(self._phases)
         if phase == 0:
-            sensor.restart(self._now_ms)
-        self._away = -1 if self._axes[axis]["name"] in self._config["high_end"] else 1
-        self._seek_steps_s, self._locate_steps_s, self._pull_off_steps = self._machine.settings.homing(axis)
-        self._phases[phase](axis, travel, sensor)
+            for seeker in group:
+                for sensor in seeker.sensors:
+                    sensor.restart(self._now_ms)
+        self._side = None
+        for seeker in group:
+            seeker.done = False
+            self._phases[phase](seeker)
+        self._go([seeker for seeker in group if not seeker.done])
 
-    # A phase sets out on its longest way and says what ends it: `_until` is the sensor's state that does (None: only
-    # the way's end, with the sensor free), `_alarm` what it means if the way ends otherwise.
+    # A phase says of a seeker which way it is to go at most, and what ends it: `_until` is the state of a sensor that does
+    # (None: only the way's end, with the sensors free), `_side` the sensor meant if it is not any of them, `_alarm` what it
+    # means if the way ends otherwise.
 
-    def _leave(self, axis, travel, sensor):
+    def _leave(self, seeker):
         self._until = False
         self._alarm = errors.ALARM_SENSOR_STUCK
-        self._go(axis, self._leave_limit(travel) if sensor.active else 0, self._seek_steps_s)
+        limit = max(self._axes[seeker.axis]["travel_steps"] // 10, 5 * seeker.pull_off_steps)
+        self.way(seeker, 0 if seeker.met(False) else limit, seeker.seek_steps_s)
 
-    def _seek(self, axis, travel, sensor):
+    def _seek(self, seeker):
         self._until = True
         self._alarm = errors.ALARM_SENSOR_DEAD
-        self._go(axis, -(travel + 2 * self._leave_limit(travel)), self._seek_steps_s)
+        self.way(seeker, -seeker.distance, seeker.seek_steps_s)
 
-    def _pull_off(self, axis, travel, sensor):
+    def _pull_off(self, seeker):
+        self.end_of_way()
+        seeker.keep(seeker.tripped)
+        self.way(seeker, seeker.pull_off_steps - self.gone(seeker, seeker.tripped), seeker.seek_steps_s)
+
+    def _locate(self, seeker):
+        self._until = True
+        self._alarm = errors.ALARM_SENSOR_DEAD
+        self.way(seeker, -3 * seeker.pull_off_steps, seeker.locate_steps_s)
+
+    def gone(self, seeker, number):
+        """Steps from the edge of one of its sensors, away from it."""
+        return (self._queue.axis(seeker.axis) - seeker.edges[number]) * seeker.away
+
+    def end_of_way(self):
         self._until = None
         self._alarm = errors.ALARM_SENSOR_STUCK
-        gone = (self._queue.axis(axis) - sensor.edge) * self._away
-        self._go(axis, self._pull_off_steps - gone, self._seek_steps_s)
 
-    def _locate(self, axis, travel, sensor):
+    def until(self, sensor, alarm):
+        """The phase ends as `sensor` trips, else in `alarm`."""
         self._until = True
-        self._alarm = errors.ALARM_SENSOR_DEAD
-        self._go(axis, -3 * self._pull_off_steps, self._locate_steps_s)
+        self._side = sensor
+        self._alarm = alarm
 
-    def _leave_limit(self, travel):
-        return max(travel // 10, 5 * self._pull_off_steps)
+    def way(self, seeker, steps, steps_s):
+        """`steps` away from the sensor's end."""
+        seeker.goal = self._queue.axis(seeker.axis) + steps * seeker.away
+        seeker.steps_s = steps_s
 
-    def _go(self, axis, steps, steps_s):
-        """Set out on `steps` away from the sensor's end."""
-        self._queue.travel([(axis, steps * self._away, steps_s)])
+    def _go(self, seekers):
+        """Set out on what is left of their ways."""
+        self._queue.travel([(seeker.axis, seeker.goal - self._queue.axis(seeker.axis), seeker.steps_s) for seeker in seekers])
