@@ -12,12 +12,16 @@ A name is kept if it is more than a constant: bound twice, or in a module that i
 """
 
 import ast
+import re
 
 from host_tools.build.arguments import numbered
 from host_tools.build.attributes import shortened
 from host_tools.failure import Failure
 
 SMALL = 1 << 30  # a larger number is an object on a board: keep one for all modules
+_STAR = re.compile(r"(?m)^from (\S+) import \*")
+_ASSIGNED = re.compile(r"(?m)^([A-Z][A-Z0-9_]*) = ")
+_CAPITALS = re.compile(r"\b[A-Z][A-Z0-9_]*\b")
 _ARITHMETIC = (ast.Constant, ast.Name, ast.BinOp, ast.UnaryOp, ast.operator, ast.unaryop, ast.Load)
 
 class _Module:
@@ -49,6 +53,17 @@ class _Module:
     def aliases(self):
         """(local name, module, name in it) of all that is imported by name."""
         return [(alias.asname or alias.name, node.module, alias.name) for node in self.imports for alias in node.names]
+
+
+def _named(texts):
+    """Texts in which `from passo.records import *` names what the module reads of it: constants only."""
+    public = {path.removesuffix(".py").replace("/", "."): set(_ASSIGNED.findall(text)) for path, text in texts.items()}
+
+    def named(text):
+        read = set(_CAPITALS.findall(text))
+        return _STAR.sub(lambda star: f"from {star[1]} import {', '.join(sorted(public.get(star[1], set()) & read)) or '*'}", text)
+
+    return {path: named(text) if _STAR.search(text) else text for path, text in texts.items()}
 
 
 def _bound(node):
@@ -205,7 +220,7 @@ def _edited(module):
 
 def _modules(texts):
     """The modules of a build by name, with `numbers` filled in. Raises Failure for what is not Python."""
-    modules = {module.name: module for module in (_Module(path, text) for path, text in texts.items())}
+    modules = {module.name: module for module in (_Module(path, text) for path, text in _named(texts).items())}
     _evaluate(modules)
     return modules
 

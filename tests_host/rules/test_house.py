@@ -336,7 +336,7 @@ def imported_twice(tree):
     seen, twice = set(), set()
     for node in tree.body:
         if isinstance(node, ast.ImportFrom):
-            names = {alias.asname or alias.name for alias in node.names}
+            names = {alias.asname or alias.name for alias in node.names} - {"*"}
             twice |= names & seen
             seen |= names
     return twice
@@ -348,14 +348,48 @@ def test_no_name_is_imported_twice():
 
 def test_only_steps_knows_the_feeders_state():
     """Geometries and the ramp answer "next segment"; the feeder alone writes its state, its marks and the ring."""
-    own = ("FEED_", "MARK_")
+    own = {name for name, _ in constants(TREES["passo/records.py"]) if name.startswith(("FEED_", "MARK_"))}
     faults = []
     for name in FIRMWARE:
         if not name.startswith("passo/steps/") and name != "passo/records.py":
-            for node in ast.walk(TREES[name]):
-                if isinstance(node, ast.ImportFrom) and node.module == "passo.records":
-                    faults += [f"{name}: names {alias.name}" for alias in node.names if alias.name.startswith(own)]
+            named = {node.id for node in ast.walk(TREES[name]) if isinstance(node, ast.Name)}
+            faults += [f"{name}: names {each}" for each in named & own]
     report(faults)
+
+
+# Modules of constants only: who reads many of them may import all.
+OF_CONSTANTS = ("passo.records", "passo.protocols.gcode.parse_records", "passo.protocols.grbl.report_records", "passo.ports.rp2.fields",
+                "passo.ports.rp2.registers")  # fmt: skip
+
+
+def star_faults(tree, public):
+    """Stars where names should be, and names that a star brings and that the module binds too: which counts would differ between
+    interpreters. `public`: {module of constants: its names}."""
+    found = []
+    stars = [node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.names[0].name == "*"]
+    brought = [public.get(module, set()) for module in stars]
+    read = {node.id for node in ast.walk(tree) if isinstance(node, ast.Name)}
+    own = {alias.asname or alias.name for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) for alias in node.names}
+    own |= {node.id for node in ast.walk(tree) if isinstance(node, ast.Name) and not isinstance(node.ctx, ast.Load)}
+    found += [f"all of {module}: name what is wanted" for module in stars if module not in public]
+    found += [f"{module}: nothing of it is read" for module, names in zip(stars, brought) if module in public and not names & read]
+    for index, names in enumerate(brought):
+        found += [f"{name} of {stars[index]} is bound twice" for name in names & read & own.union(*brought[:index])]
+    return found
+
+
+def test_a_star_brings_constants_only():
+    public = {}
+    for module in OF_CONSTANTS:
+        made = TREES[module.replace(".", "/") + ".py"]
+        public[module] = {name for name, _ in constants(made)} | {
+            target.id for node in made.body if isinstance(node, ast.Assign) for target in node.targets if isinstance(target, ast.Name)
+        }  # fmt: skip
+        assert not [node for node in made.body if isinstance(node, (ast.FunctionDef, ast.ClassDef))], f"{module}: more than constants"
+    report([f"{name}: {fault}" for name in FIRMWARE for fault in star_faults(TREES[name], public)])
+    assert star_faults(ast.parse("from a import *\nfrom b import A\nx = A"), {"a": {"A", "B"}}) == ["A of a is bound twice"]
+    assert star_faults(ast.parse("from a import *\nfrom b import *\nx = A"), {"a": {"A"}, "b": {"A"}}) == ["A of b is bound twice"]
+    assert star_faults(ast.parse("from a import *"), {}) == ["all of a: name what is wanted"]
 
 
 # --- (f) where tests lie

@@ -32,6 +32,7 @@ def both(text, a=A):
     "text, wanted",
     [
         ("from passo.a import FIVE, WORDS\nx = FIVE + WORDS[0]\n", "from passo.a import WORDS\nx = 5 + WORDS[0]\n"),
+        ("from passo.a import *\nx = FIVE + WORDS[0]\n", "from passo.a import WORDS\nx = 5 + WORDS[0]\n"),
         ("from passo import a\nx = a.FIVE ** a.BELOW\n", "pass\nx = 5 ** (-5)\n"),
         ("from passo import a as n\nx = (n.FIVE, n.WORDS)\n", "from passo import a as n\nx = (5, n.WORDS)\n"),
         ("from passo.a import (\n    FIVE,\n    WORDS,\n)\n", "from passo.a import WORDS\n\n\n\n"),

@@ -9,10 +9,7 @@ import micropython
 from passo import errors
 from passo.batch import LINES
 from passo.motion.look_ahead_viper import plan_lines
-from passo.records import (
-    BATCH_FIELDS, BATCH_FLAGS, BATCH_POWER, BATCH_STEPS, BIAS, FARTHEST, TRACE_AXES, TRACE_FIELDS, TRACE_FLAGS, TRACE_HIGH,
-    TRACE_LOW, TRACE_MOVED, TRACE_POWER, TRACE_ROOM, TRACE_TAKEN,
-)  # fmt: skip
+from passo.records import *
 
 
 @micropython.viper

@@ -13,11 +13,7 @@ from passo.motion.circle import turns_off
 from passo.motion.circle_viper import LEADS
 from passo.motion.cordic import QUARTER, arc_length, vector
 from passo.motion.integers import isqrt
-from passo.records import (
-    ARCS, ARC_ACROSS, ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_DIAGONAL, ARC_FIELDS, ARC_INSIDE, ARC_MIRROR, ARC_PATH,
-    ARC_PATH_FINE, ARC_RADIUS, ARC_REGION, ARC_SHIFT, ARC_STEPS, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, ARC_U, ARC_W,
-    ARC_Z_HIGH, ARC_Z_LOW, ARC_Z_STEPS,
-)  # fmt: skip
+from passo.records import *
 
 MAX_RADIUS = const(0x100000)  # 2²⁰ steps
 MAX_SLOPE = const(128)  # most steps of the third axis along one step of the circle

@@ -37,10 +37,7 @@ from passo.motion import line
 from passo.motion.block import COARSE
 from passo.motion.circle_viper import load, run, walk
 from passo.motion.line import MAX_RUN
-from passo.records import (
-    ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_PATH, ARC_PATH_FINE, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, CIRCLE_LINE,
-    CIRCLE_MOVING, CIRCLE_NEGATIVE, CIRCLE_PATH, CIRCLE_WORDS, LINE_AXES, LINE_MOVING, LINE_NEGATIVE, LINE_RISE,
-)  # fmt: skip
+from passo.records import *
 
 
 def turns_off(cross, dot, over_half):

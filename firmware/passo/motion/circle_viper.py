@@ -15,13 +15,7 @@ from micropython import const
 
 from passo.motion.integers import divide
 from passo.motion.scale_viper import signed
-from passo.records import (
-    ARC_ACROSS, ARC_AXIS_A, ARC_AXIS_B, ARC_AXIS_Z, ARC_DIAGONAL, ARC_FIELDS, ARC_INSIDE, ARC_MIRROR, ARC_PATH,
-    ARC_PATH_FINE, ARC_RADIUS, ARC_REGION, ARC_SHIFT, ARC_STEPS, ARC_U, ARC_W, ARC_Z_HIGH, ARC_Z_LOW, ARC_Z_STEPS,
-    CIRCLE_DECISION, CIRCLE_ERROR, CIRCLE_FALL, CIRCLE_LINE, CIRCLE_MOVING, CIRCLE_NEGATIVE, CIRCLE_NEXT, CIRCLE_PATH,
-    CIRCLE_REST, CIRCLE_RISE, CIRCLE_ROOT, CIRCLE_USED, CIRCLE_U_AXIS, CIRCLE_WORDS, CIRCLE_W_AXIS, CIRCLE_Z_BETWEEN,
-    CIRCLE_Z_LEFT, CIRCLE_Z_OVER, CIRCLE_Z_RISE, CIRCLE_Z_SUM, LINE_AXES, LINE_RISE,
-)  # fmt: skip
+from passo.records import *
 
 LEADS = const(22_938)  # ARC_Z_HIGH from which the third axis dominates somewhere: 0.7 steps a step
 

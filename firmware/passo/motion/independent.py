@@ -29,12 +29,7 @@ import micropython
 from passo.motion.block import INDEPENDENT
 from passo.motion.independent_viper import FAR, MOST_STEPS, walk
 from passo.motion.limits import TOP  # of speed units, so that q, and the sum of two, stay below 2³⁰
-from passo.records import (
-    AXIS_ASKED, AXIS_DUE, AXIS_ENDLESS, AXIS_FIELDS, AXIS_GAIN, AXIS_NEAR, AXIS_NEW, AXIS_NEW_AIM, AXIS_NEW_BASE,
-    AXIS_NEW_EACH, AXIS_NEW_ENDLESS, AXIS_NEW_NEGATIVE, AXIS_NEW_OVER, AXIS_NEW_REST, AXIS_OVER, AXIS_Q, AXIS_SPAN,
-    AXIS_TAKEN, AXIS_TO_GO, COUNT_MASK, ENDLESS, INDEPENDENT_AXIS, INDEPENDENT_HOLD, INDEPENDENT_LEVELS,
-    INDEPENDENT_TICKS, TICKS_PER_S,
-)  # fmt: skip
+from passo.records import *
 
 
 class IndependentAxes:

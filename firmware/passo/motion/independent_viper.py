@@ -10,13 +10,7 @@ ordinary Python; see block_viper.py for what that asks of integers. No integer r
 import micropython
 from micropython import const
 
-from passo.records import (
-    AXIS_AIM, AXIS_ASKED, AXIS_CARRY, AXIS_DUE, AXIS_EACH, AXIS_ENDLESS, AXIS_FIELDS, AXIS_GAIN, AXIS_NEAR,
-    AXIS_NEGATIVE, AXIS_NEW, AXIS_NEW_AIM, AXIS_NEW_BASE, AXIS_NEW_EACH, AXIS_NEW_ENDLESS, AXIS_NEW_NEGATIVE,
-    AXIS_NEW_OVER, AXIS_NEW_REST, AXIS_OVER, AXIS_Q, AXIS_REST, AXIS_SPAN, AXIS_TAKEN, AXIS_TO_GO, COUNT_MASK,
-    HOLD_TICKS, INDEPENDENT_AXES, INDEPENDENT_AXIS, INDEPENDENT_HOLD, INDEPENDENT_LEAST, INDEPENDENT_LEVELS,
-    INDEPENDENT_SETUP, INDEPENDENT_TICKS, TICKS_PER_MS,
-)  # fmt: skip
+from passo.records import *
 
 MOST_STEPS = const(0xFFFFFFF)  # that may be to come: 2²⁸ − 1
 FAR = const(0x1FFFFFFF)  # ticks: no step is due as late as this

@@ -10,9 +10,7 @@ machine code, elsewhere it is ordinary Python; see block_viper.py for what that 
 
 import micropython
 
-from passo.records import (
-    LINE_AXES, LINE_DOMINANT, LINE_FALL, LINE_MOVING, LINE_NEGATIVE, LINE_RISE,
-)  # fmt: skip
+from passo.records import *
 
 
 @micropython.viper

@@ -23,12 +23,7 @@ from passo.motion.block_viper import plan_block
 from passo.motion.row_viper import close
 from passo.motion.scale_viper import bounded, drop, lift, root, scaled, size
 from passo.motion.vector_viper import limit_along
-from passo.records import (
-    BATCH_FEED, BATCH_FIELDS, BATCH_FIRST, BATCH_FLAGS, BATCH_POWER, BATCH_STEPS, BATCH_TAG, LIMIT_AXES, LIMIT_CORNER,
-    LIMIT_CORNER_SHIFT, LIMIT_STRONGEST, LIMIT_STRONGEST_SHIFT, LIMIT_WHOLE, QUEUE_ADDED, QUEUE_FROZEN, ROW_CORNER, ROW_EXIT,
-    ROW_FASTEST, ROW_GAIN, ROW_RAPID, ROW_REACH, ROW_SQUARE, ROW_STEPS, SCRATCH_ALL, SCRATCH_ASKED, SCRATCH_BEFORE, SCRATCH_CHANGE,
-    SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT, SCRATCH_HEADING, SCRATCH_IS_ARC, SCRATCH_SIZE, SCRATCH_STRIDE, SCRATCH_THROUGH, SHORT_EXPONENT, SHORT_SINE, SHORT_TURN,
-)  # fmt: skip
+from passo.records import *
 
 
 @micropython.viper

@@ -32,13 +32,7 @@ from passo.motion.line import Line
 from passo.motion.row_viper import close, room, take
 from passo.motion.speed_viper import q_of
 from passo.motion.steady import LONGEST_TICKS, Steady, dominant, refuse
-from passo.records import (
-    ARC_STEPS, BATCH_FEED, BATCH_FIELDS, BATCH_ROWS, QUEUE_ADDED, QUEUE_ARC, QUEUE_FETCHED, QUEUE_FIELDS, QUEUE_FLUSHED, QUEUE_FROZEN,
-    QUEUE_RETIRED, QUEUE_SIZE, ROW_GAIN, ROW_KIND, ROW_LIMIT, ROW_SPEED, ROW_STEPS, ROW_TICKS, ROW_TICKS_REST, SCRATCH_ALL,
-    SCRATCH_ASKED, SCRATCH_EAGER, SCRATCH_FACTOR, SCRATCH_FEED, SCRATCH_FIELDS, SCRATCH_GIVEN, SCRATCH_GIVEN_SHIFT,
-    SCRATCH_IS_ARC, SCRATCH_LASTS, SCRATCH_PERCENT, SCRATCH_SIZE, SCRATCH_START, SCRATCH_STRIDE, SCRATCH_TAKEN,
-    SCRATCH_THROUGH, FASTEST_NM_S, TICKS_PER_S,
-)  # fmt: skip
+from passo.records import *
 
 LOOK_AHEAD = const(64)
 IN_FLIGHT = const(32)

@@ -14,12 +14,7 @@ import micropython
 from passo.motion.block import ARC
 from passo.motion.scale_viper import drop, signed
 from passo.motion.speed_viper import gained, path_ticks, q_of, root_of, spread, step_ticks
-from passo.records import (
-    ARC_PATH, ARC_PATH_FINE, ARC_STEPS, ARC_TAIL_A, ARC_TAIL_B, ARC_TAIL_Z, CIRCLE_PATH, CIRCLE_WORDS, RAMP_BEGIN,
-    RAMP_CAP, RAMP_CARRY, RAMP_CHANGE, RAMP_HIGH, RAMP_LENGTH, RAMP_PACE, RAMP_PART, RAMP_PATH, RAMP_Q, RAMP_START,
-    RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, RAMP_TOTAL, RAMP_TO_GO, RAMP_V, ROW_EXIT, ROW_GAIN, ROW_KIND, ROW_LIMIT,
-    ROW_RATIO, ROW_RATIO_SHIFT, ROW_SPAN, ROW_TICKS, ROW_TICKS_REST, ROW_TIME, ROW_TIME_SHIFT, ROW_TOP,
-)  # fmt: skip
+from passo.records import *
 
 
 @micropython.viper

@@ -37,15 +37,7 @@ from passo.motion.s_curve_end import choose, rest_to_rest, set_out, stop
 from passo.motion.s_curve_ticks import grown, mean
 from passo.motion.s_curve_way import at_end, need
 from passo.motion.speed_viper import gained, q_of, root_of, step_ticks
-from passo.records import (
-    INT_MOST, RAMP_BEGIN, RAMP_CAP, RAMP_CARRY, RAMP_CHANGE, RAMP_HIGH, RAMP_PACE, RAMP_PART, RAMP_PATH, RAMP_Q,
-    RAMP_START, RAMP_STEPS, RAMP_S_CURVE, RAMP_TICKS, RAMP_TOTAL, RAMP_TO_GO, RAMP_V, ROW_EXIT, ROW_GAIN, ROW_KIND,
-    ROW_LIMIT, ROW_REACH, ROW_TICKS, ROW_TICKS_REST, ROW_TOP, S_CURVE_AIM, S_CURVE_B, S_CURVE_BEHIND, S_CURVE_BRAKES,
-    S_CURVE_CRUISE, S_CURVE_CRUISE_NEED, S_CURVE_CRUISE_UNTIL, S_CURVE_FAST, S_CURVE_FIELDS, S_CURVE_FIRST,
-    S_CURVE_FORCE, S_CURVE_GROW, S_CURVE_GUESS, S_CURVE_LEAVE, S_CURVE_LIMIT, S_CURVE_ON, S_CURVE_PUSH, S_CURVE_RATE,
-    S_CURVE_REST, S_CURVE_ROOM, S_CURVE_ROOT, S_CURVE_ROWS, S_CURVE_SCALE, S_CURVE_SHIFT, S_CURVE_SLOW, S_CURVE_SPAN,
-    S_CURVE_SPEED, S_CURVE_STRIDE, S_CURVE_UNTIL, S_CURVE_WAY, TICKS_PER_S,
-)  # fmt: skip
+from passo.records import *
 
 
 # S_CURVE_WAY.

@@ -13,11 +13,7 @@ from micropython import const
 
 from passo.motion.integers import divide
 from passo.motion.speed_viper import root_of
-from passo.records import (
-    ROW_GAIN, ROW_SPAN, ROW_SPEED, ROW_TOP, S_CURVE_B, S_CURVE_BEHIND, S_CURVE_CRUISE, S_CURVE_FIRST, S_CURVE_HALF,
-    S_CURVE_LIMIT, S_CURVE_MOST, S_CURVE_PUSH, S_CURVE_RATE, S_CURVE_RATE_SHIFT, S_CURVE_REST, S_CURVE_ROOT,
-    S_CURVE_ROWS, S_CURVE_SCALE, S_CURVE_SHIFT, S_CURVE_SLOW, S_CURVE_SPAN, S_CURVE_STRIDE, S_CURVE_W,
-)  # fmt: skip
+from passo.records import *
 
 _MOST_B = const(22_900)  # the square root of the fastest
 _LEAST_B = const(64)  # of b at the highest acceleration: a higher jerk than that needs is not made use of

@@ -8,11 +8,7 @@ from passo.motion.integers import divide
 from passo.motion.s_curve_ticks import half_ramp, mean
 from passo.motion.s_curve_way import at_end, need, ratio
 from passo.motion.speed_viper import root_of
-from passo.records import (
-    RAMP_BEGIN, RAMP_CAP, RAMP_CHANGE, RAMP_HIGH, RAMP_Q, RAMP_TICKS, RAMP_V, S_CURVE_ABOVE, S_CURVE_AIM, S_CURVE_B,
-    S_CURVE_BRAKES, S_CURVE_FAST, S_CURVE_FIRST, S_CURVE_GROW, S_CURVE_GUESS, S_CURVE_HALF, S_CURVE_LIMIT, S_CURVE_ON,
-    S_CURVE_REST, S_CURVE_ROOM, S_CURVE_SPEED, S_CURVE_UNTIL,
-)  # fmt: skip
+from passo.records import *
 
 
 def choose(state):  # ISR: no allocation

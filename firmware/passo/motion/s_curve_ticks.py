@@ -5,9 +5,7 @@ All may run in an interrupt: no allocation, no integer of 2³⁰.
 
 from passo.motion.s_curve_block import scaled
 from passo.motion.speed_viper import path_ticks, root_of
-from passo.records import (
-    RAMP_PATH, S_CURVE_B, S_CURVE_LIMIT, S_CURVE_RATE, S_CURVE_RATE_SHIFT, S_CURVE_SPAN, S_CURVE_SPARE,
-)  # fmt: skip
+from passo.records import *
 
 
 def mean(state, speed):  # ISR: no allocation

@@ -9,10 +9,7 @@ import micropython
 
 from passo.motion.integers import divide
 from passo.motion.speed_viper import root_of
-from passo.records import (
-    INT_MOST, RAMP_CHANGE, S_CURVE_ABOVE, S_CURVE_FAST, S_CURVE_FORCE, S_CURVE_MOST, S_CURVE_ON, S_CURVE_ROOM,
-    S_CURVE_SLOW, S_CURVE_UNTIL, S_CURVE_W,
-)  # fmt: skip
+from passo.records import *
 
 
 @micropython.viper

@@ -14,9 +14,7 @@ import micropython
 
 from passo.motion.block import WAIT
 from passo.motion.scale_viper import signed
-from passo.records import (
-    ROW_GAIN, ROW_KIND, ROW_SPEED, ROW_TAG, ROW_TOP, ROW_UNIT, ROW_UNIT_SHIFT, SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_PACE, SEEN_ROW,
-)  # fmt: skip
+from passo.records import *
 
 
 @micropython.viper

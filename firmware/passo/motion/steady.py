@@ -14,10 +14,7 @@ import micropython
 from micropython import const
 
 from passo.motion.line import MAX_RUN, MAX_STEPS
-from passo.records import (
-    RAMP_CARRY, RAMP_PACE, RAMP_Q, RAMP_START, RAMP_STEPS, RAMP_TICKS, RAMP_TOTAL, RAMP_V, ROW_TICKS, ROW_TICKS_REST,
-    STEADY_FIELDS, TICKS_PER_MS,
-)  # fmt: skip
+from passo.records import *
 
 
 LONGEST_TICKS = const(0x1FFFFFFF)  # of one wait, or of one dominant step: 43 s

@@ -10,10 +10,7 @@ One text for all interpreters; block_viper.py says what that asks of integers.
 import micropython
 
 from passo.motion.scale_viper import lift, quotient, root, scaled, size
-from passo.records import (
-    LIMIT_AXES, LIMIT_FASTEST, LIMIT_FINEST, LIMIT_SHIFTS, LIMIT_STEP, LIMIT_STRONGEST, SCRATCH_ALONG, SCRATCH_HEADING,
-    SCRATCH_LENGTH, SCRATCH_LENGTH_SHIFT, SCRATCH_STEPS, SCRATCH_STRENGTH,
-)  # fmt: skip
+from passo.records import *
 
 
 @micropython.viper

@@ -22,13 +22,7 @@ import micropython
 from passo.memory import zeros
 from passo.motion.block import INDEPENDENT, LINE, STEP_PROGRAM, WAIT
 from passo.motion.line import MAX_RUN
-from passo.records import (
-    COUNT_MASK, FEED_AXES, FEED_BEGINS, FEED_BITS, FEED_DEBT, FEED_DRIVE, FEED_DRY, FEED_FAST, FEED_HEAD, FEED_HOLD,
-    FEED_INDEX, FEED_KIND, FEED_LEAD, FEED_LEFT, FEED_LEVELS, FEED_LIMIT, FEED_MASK, FEED_NEWEST, FEED_OLDEST,
-    FEED_PACE, FEED_PLACE, FEED_PLAYED, FEED_POWER, FEED_ROW, FEED_SETUP, FEED_TICKS, FEED_TOOL, FEED_WAIT, MARKS,
-    MARK_ENDS, MARK_FIELDS, MARK_INDEX, MARK_PACE, MARK_TICKS, MARK_WORD, POWER_HEAD, POWER_TAIL, POWER_UNKNOWN,
-    ROW_GAIN, ROW_TICKS,
-)  # fmt: skip
+from passo.records import *
 from passo.steps.pace_viper import repay
 from passo.steps.position import Position
 from passo.steps.segments_viper import ENDED, LATER, make, retire

@@ -17,9 +17,7 @@ One text for all interpreters: a board compiles it to machine code, elsewhere it
 import micropython
 from micropython import const
 
-from passo.records import (
-    COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_LEVELS, FEED_NEWEST, FEED_OLDEST, FEED_TOOL, MARKS, MARK_FIELDS, MARK_WORD,
-)  # fmt: skip
+from passo.records import *
 
 # The interlock's masks: a bit for each direction of an axis (2 · axis forward, the next back: 8 bits), then:
 INTERLOCK_TOOL = const(0x100)

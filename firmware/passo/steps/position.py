@@ -1,9 +1,7 @@
 """Where the machine is, from the words played: the last checkpoint played, and the steps in the words since."""
 
 from passo.motion.block import STEP_PROGRAM
-from passo.records import (
-    COUNT_HALF, COUNT_MASK, FEED_OLDEST, FEED_PLAYED, MARKS, MARK_ENDS, MARK_INDEX, MARK_WORD,
-)  # fmt: skip
+from passo.records import *
 from passo.steps.position_viper import find, look, see, tally
 
 

@@ -15,10 +15,7 @@ is counted. So each axis has a byte in which its steps are counted, for up to 25
 import micropython
 
 from passo.motion.row_viper import room
-from passo.records import (
-    COUNT_HALF, COUNT_MASK, FEED_AXES, FEED_BITS, FEED_MASK, FEED_NEWEST, FEED_OLDEST, FEED_PLAYED, FEED_TOOL, MARKS, MARK_FIELDS,
-    MARK_PACE, MARK_WORD, QUEUE_FETCHED, QUEUE_RETIRED, QUEUE_SIZE, ROW_STEPS, SEEN_LIT, SEEN_PACE, SEEN_ROOM, SEEN_ROW,
-)  # fmt: skip
+from passo.records import *
 
 
 @micropython.viper

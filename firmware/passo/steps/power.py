@@ -8,10 +8,7 @@ segments.
 """
 
 from passo.memory import zeros
-from passo.records import (
-    COUNT_HALF, COUNT_MASK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_MOST, POWER_SIZE, POWER_TAIL,
-    POWER_WORD,
-)  # fmt: skip
+from passo.records import *
 
 
 class Power:

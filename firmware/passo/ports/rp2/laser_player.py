@@ -22,14 +22,10 @@ from machine import mem32
 from micropython import const
 
 from passo.ports.rp2 import chip
-from passo.ports.rp2.fields import (
-    PIO_ARMED, PIO_CHANNELS, PIO_D, PIO_HELD, PIO_MASK, PIO_PLAYED, PIO_PLAYING, PIO_RUNS, PIO_SLOT, PIO_STUCK,
-)  # fmt: skip
+from passo.ports.rp2.fields import *
 from passo.ports.rp2.pio_player import STUCK, PioPlayer, append
 from passo.ports.rp2.registers import CHANNEL_READ
-from passo.records import (
-    COUNT_HALF, COUNT_MASK, POWER_FIELDS, POWER_HEAD, POWER_LEVEL, POWER_MARKS, POWER_SIZE, POWER_TAIL, POWER_WORD,
-)  # fmt: skip
+from passo.records import *
 
 _AHEAD = const(9)  # words handed over as a mark counts, its own included
 _TABLE = const(256)  # bytes: one number for each run

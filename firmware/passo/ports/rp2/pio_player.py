@@ -23,16 +23,8 @@ import uctypes
 from micropython import const
 
 from passo.ports.rp2 import chip, programs
-from passo.ports.rp2.fields import (
-    PIO_A, PIO_ABORT, PIO_ADDRESSES, PIO_ARMED, PIO_B, PIO_BITS, PIO_BLOCK, PIO_BUSY, PIO_C, PIO_CHANNELS, PIO_COUNTS,
-    PIO_D, PIO_FIELDS, PIO_FIRST, PIO_HELD, PIO_MACHINE, PIO_MASK, PIO_NUMBER, PIO_PINS, PIO_PLAYED, PIO_PLAYING,
-    PIO_PULSE, PIO_RUNS, PIO_SLOT, PIO_STUCK, PIO_TOOL, PIO_WORDS,
-)  # fmt: skip
-from passo.ports.rp2.registers import (
-    ALIAS_CLEAR, ALIAS_SET, ALIAS_XOR, BLOCK_CTRL, BLOCK_FLEVEL, BLOCK_TXF, CHANNEL_CTRL, CHANNEL_CTRL_TRIG,
-    CHANNEL_READ, CHANNEL_READ_TRIG, MACHINE_ADDR, MACHINE_EXECCTRL, MACHINE_INSTR, MACHINE_PINCTRL,
-    MACHINE_SHIFTCTRL,
-)  # fmt: skip
+from passo.ports.rp2.fields import *
+from passo.ports.rp2.registers import *
 from passo.records import COUNT_MASK
 
 _RUNS_RING = const(8)

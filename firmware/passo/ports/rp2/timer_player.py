@@ -16,15 +16,8 @@ from machine import Pin
 from micropython import const
 
 from passo.ports.rp2 import chip, programs
-from passo.ports.rp2.fields import (
-    TIMER_ALL, TIMER_BITS, TIMER_BLOCK, TIMER_FIELDS, TIMER_FIRST, TIMER_GIVEN, TIMER_HELD, TIMER_INVERT,
-    TIMER_MACHINE, TIMER_MASK, TIMER_NUMBER, TIMER_PLAYED, TIMER_PLAYING, TIMER_SPIN, TIMER_STEPS, TIMER_TABLES,
-    TIMER_TOGGLE, TIMER_TOOL, TIMER_WORDS,
-)  # fmt: skip
-from passo.ports.rp2.registers import (
-    ALIAS_CLEAR, ALIAS_SET, ALIAS_XOR, BLOCK_CTRL, BLOCK_FLEVEL, BLOCK_IRQ, BLOCK_TXF, MACHINE_ADDR, MACHINE_EXECCTRL,
-    MACHINE_INSTR, MACHINE_SHIFTCTRL,
-)  # fmt: skip
+from passo.ports.rp2.fields import *
+from passo.ports.rp2.registers import *
 from passo.records import COUNT_MASK
 
 SHORTEST_TICKS = const(500)  # 40 µs

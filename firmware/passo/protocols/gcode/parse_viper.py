@@ -16,15 +16,8 @@ Python; see motion/block_viper.py for what that asks of integers.
 
 import micropython
 
-from passo.protocols.gcode.parse_records import (
-    HAS_F, HAS_G, HAS_N, HAS_S, HAS_X, PARSE_AFTER, PARSE_AXES, PARSE_DECIMALS, PARSE_DELTAS, PARSE_DYNAMIC, PARSE_FEED,
-    PARSE_FULL, PARSE_HAVE, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST, PARSE_LINE, PARSE_LIT, PARSE_LOW, PARSE_MINUS,
-    PARSE_MODAL, PARSE_MOTION, PARSE_NUMBER, PARSE_OFFSET, PARSE_POINT, PARSE_POSITION, PARSE_POWER, PARSE_RELATIVE,
-    PARSE_RESOLUTION, PARSE_RPM, PARSE_SPEED, PARSE_TARGET, PARSE_TO, PARSE_TURNS, PARSE_VALUE,
-)  # fmt: skip
-from passo.records import (
-    BATCH_FEED, BATCH_FIRST, BATCH_FIELDS, BATCH_FLAGS, BATCH_KIND, BATCH_POWER, BATCH_STEPS, BATCH_TAG,
-)  # fmt: skip
+from passo.protocols.gcode.parse_records import *
+from passo.records import *
 
 
 @micropython.viper

@@ -30,11 +30,7 @@ from passo.protocols.gcode.codes import (
 from passo.protocols.gcode.motion import Motions, new_moves
 from passo.protocols.gcode.reader import NONE, Refused
 from passo.protocols.gcode.words import F, M_CODES, S, T, rounded
-from passo.protocols.gcode.parse_records import (
-    PARSE_AXES, PARSE_DYNAMIC, PARSE_FEED, PARSE_FIELDS, PARSE_FULL, PARSE_HIGH, PARSE_INCHES, PARSE_LEAST,
-    PARSE_LIT, PARSE_LOW, PARSE_MODAL, PARSE_NUMBER, PARSE_OFFSET, PARSE_POSITION, PARSE_POWER, PARSE_RELATIVE,
-    PARSE_RESOLUTION, PARSE_RPM, PARSE_TARGET,
-)  # fmt: skip
+from passo.protocols.gcode.parse_records import *
 from passo.records import BIAS, FARTHEST, FASTEST_NM_S
 
 # `place`, what plain lines are understood by; three numbers each where they are the axes'.

@@ -22,9 +22,7 @@ import micropython
 from micropython import const
 
 from passo.memory import buffer
-from passo.protocols.gcode.parse_records import (
-    LINES_ASKED, LINES_AT, LINES_END, LINES_FIELDS, LINES_SLOWLY, LINES_WHOLE,
-)  # fmt: skip
+from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.words import LONGEST, bare
 from passo.records import LINES_BYTES
 

@@ -29,9 +29,7 @@ from passo.commands import ACCEPTED, ALARM, DROPPED, NOTICE, REFUSED, RESTARTED,
 from passo.protocols import HELLO_WIRE
 from passo.protocols.grbl import report as grbl_report
 from passo.protocols.gcode.parser import GCode
-from passo.protocols.gcode.parse_records import (
-    LINES_ASKED, LINES_AT, LINES_FILLED, LINES_TAKEN, LINES_WAITS, LINES_WHOLE,
-)  # fmt: skip
+from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.words import LONGEST, bare, rounded
 from passo.protocols.grbl.lines import LEFT, LONG, REAL_TIME, SLOWLY, Lines, plain_text
 from passo.protocols.grbl.real_time import real_time

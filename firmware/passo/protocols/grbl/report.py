@@ -8,10 +8,7 @@ from passo.commands import STATUS_WORDS
 from passo.protocols.gcode.reader import MAX_TOOL
 from passo.protocols.gcode.words import rounded
 from passo.protocols.grbl.text_viper import FARTHEST_MM, INCHES, MILLIMETRES, tell, tell_report
-from passo.protocols.grbl.report_records import (
-    NUMBER_FIELDS, NUMBER_FIRST, NUMBER_WHOLE, REPORT_AXIS, REPORT_BLOCKS, REPORT_FIELDS, REPORT_LINE, REPORT_LONGEST,
-    REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_ROOM, REPORT_RPM, REPORT_SPEED, REPORT_STEPS_PER_M, REPORT_UNIT,
-)  # fmt: skip
+from passo.protocols.grbl.report_records import *
 from passo.records import SEEN_LINE, SETTING_INCHES, SETTING_MAX_RPM, SETTING_REPORT
 
 VERSION = "1.1h"

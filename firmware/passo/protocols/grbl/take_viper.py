@@ -11,9 +11,7 @@ One text for all interpreters; see motion/block_viper.py.
 
 import micropython
 
-from passo.protocols.gcode.parse_records import (
-    LINES_ASKED, LINES_AT, LINES_FILLED, LINES_TAKEN, LINES_WAITS, LINES_WHOLE, PARSE_AFTER,
-)  # fmt: skip
+from passo.protocols.gcode.parse_records import *
 from passo.protocols.gcode.parse_viper import parse
 from passo.protocols.grbl.lines import LEFT, keep
 from passo.records import BATCH_ROWS, TRACE_ROOM, TRACE_TAKEN

@@ -19,11 +19,7 @@ from array import array
 import micropython
 from micropython import const
 
-from passo.protocols.grbl.report_records import (
-    NUMBER_DECIMALS, NUMBER_FIELDS, NUMBER_FIRST, NUMBER_NEGATIVE, NUMBER_WHOLE, REPORT_AXIS, REPORT_BLOCKS, REPORT_DECIMAL,
-    REPORT_FIELDS, REPORT_FIRST, REPORT_LINE, REPORT_LONGEST, REPORT_NUMBER, REPORT_OFFSET_MM, REPORT_OFFSET_NM, REPORT_SPEED,
-    REPORT_STEPS_PER_M, REPORT_UNIT,
-)  # fmt: skip
+from passo.protocols.grbl.report_records import *
 from passo.records import SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SEEN_ROOM
 
 FARTHEST_MM = const(100_000_000)
