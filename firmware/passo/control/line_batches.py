@@ -1,6 +1,5 @@
 """The half of a program's motion that takes lines in batches (batch.Lines)."""
 # Shared with interrupts: indices
-# ruff: noqa: F821
 
 from array import array
 

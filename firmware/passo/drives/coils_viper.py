@@ -1,6 +1,5 @@
 """From the step form to coil levels, and back to steps. One text for all interpreters: a board compiles it to machine code,
 elsewhere it is ordinary Python."""
-# ruff: noqa: F821
 
 import micropython
 

@@ -4,7 +4,6 @@ compiles it to machine code, elsewhere it is ordinary Python.
     step form      steps z y x            dirs z y x            `axes` bits each
     pins           steps x2 z y x         dirs x2 z y x         one more each
 """
-# ruff: noqa: F821
 
 import micropython
 

@@ -19,7 +19,6 @@ Numbers come in three kinds:
 The ramp's units (see ramp.py): a block's speed is counted in ROW_TOP parts of the programmed speed v, and q is the square of
 that count. Below, s are its steps, l its length, a the acceleration that the axes allow along it, T its ROW_TOP.
 """
-# ruff: noqa: F821
 
 import micropython
 

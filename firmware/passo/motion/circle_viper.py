@@ -8,7 +8,6 @@ The method stands in circle.py, the fields of `plan` and `state` in records.py. 
 compiles it to machine code, elsewhere it is ordinary Python; block_viper.py says what that asks of integers. None reaches
 2³⁰. A number that may be negative, within ±2²⁹, is read out of an array by signed().
 """
-# ruff: noqa: F821
 
 import micropython
 from micropython import const

@@ -5,7 +5,6 @@
 How, stands in independent.py, the fields of `state` in records.py. One text for all interpreters: a board compiles it to machine code, elsewhere it is
 ordinary Python; see block_viper.py for what that asks of integers. No integer reaches 2³⁰.
 """
-# ruff: noqa: F821
 
 import micropython
 from micropython import const

@@ -6,7 +6,6 @@
 The method stands in line.py, the fields of `state` in records.py. One text for all interpreters: a board compiles it to
 machine code, elsewhere it is ordinary Python; see block_viper.py for what that asks of integers. None reaches 2³⁰.
 """
-# ruff: noqa: F821
 
 import micropython
 

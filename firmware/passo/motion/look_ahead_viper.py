@@ -15,7 +15,6 @@
 One text for all interpreters, by the rules of block_viper.py.
 """
 # Shared with interrupts: indices
-# ruff: noqa: F821
 
 import micropython
 

@@ -7,7 +7,6 @@ What it computes, and why, stands in ramp.py, the fields of the arrays in record
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python; block_viper.py says
 what that asks of integers. None reaches 2³⁰.
 """
-# ruff: noqa: F821
 
 import micropython
 

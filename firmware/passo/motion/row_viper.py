@@ -8,7 +8,6 @@ One text for all interpreters: a board compiles it to machine code, elsewhere it
 Fields: records.py.
 """
 # Shared with interrupts: indices
-# ruff: noqa: F821
 
 import micropython
 

@@ -4,7 +4,6 @@
 
 One text for all interpreters; block_viper.py says what that asks of integers. `int()` around a call tells viper its type.
 """
-# ruff: noqa: F821
 
 import micropython
 

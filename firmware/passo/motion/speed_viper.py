@@ -8,7 +8,6 @@
 
 A path is whole steps · 2¹⁷. One text for all interpreters; block_viper.py says what that asks of integers. None reaches 2³⁰.
 """
-# ruff: noqa: F821
 
 import micropython
 

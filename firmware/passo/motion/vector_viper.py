@@ -5,7 +5,6 @@
 
 One text for all interpreters; block_viper.py says what that asks of integers.
 """
-# ruff: noqa: F821
 
 import micropython
 

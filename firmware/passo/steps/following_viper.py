@@ -8,7 +8,6 @@ counts between two checks have to stay below 2²⁸. Takes about 3 µs an encode
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python.
 """
-# ruff: noqa: F821
 
 import micropython
 from micropython import const

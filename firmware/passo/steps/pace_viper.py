@@ -9,7 +9,6 @@ PACE_… of records.py, with which the feeder's state begins. One text for all i
 code, elsewhere it is ordinary Python.
 """
 # Shared with interrupts: interval
-# ruff: noqa: F821
 
 import micropython
 

@@ -11,7 +11,6 @@ direction is seen until the next.
 
 One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary Python.
 """
-# ruff: noqa: F821
 
 # Shared with interrupts: state, marks
 import micropython

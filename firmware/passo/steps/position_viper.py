@@ -10,7 +10,6 @@ A word of three axes takes under a microsecond: the interrupt that makes words m
 is counted. So each axis has a byte in which its steps are counted, for up to 255 words.
 """
 # Shared with interrupts: state, marks, indices
-# ruff: noqa: F821
 
 import micropython
 

@@ -27,7 +27,6 @@ a drive turns steps into levels. Returns why it ended:
 # Shared with interrupts: state, marks, indices, power
 # `cut` is usually passo.motion.ramp_viper.cut
 # `take_up` is usually passo.motion.ramp_viper.begin
-# ruff: noqa: F821
 
 import micropython
 from micropython import const

@@ -7,7 +7,6 @@ compiles it to machine code, elsewhere it is ordinary Python.
 
 `state` is an array('i') of the fields below. Frame numbers and words run modulo 2²⁹.
 """
-# ruff: noqa: F821
 
 import micropython
 from micropython import const

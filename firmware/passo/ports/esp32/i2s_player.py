@@ -21,7 +21,6 @@ halt() closes the I2S: the clock ends inside a frame, and words are counted by t
 levels for the time that opening it again takes, less than a millisecond, or are cut off by `enable`; then zeros come.
 Measure on silicon whether a first frame of the driver's own goes before ours: FIRST_FRAMES (docs/silicon.md).
 """
-# ruff: noqa: F821
 
 import select
 from array import array

@@ -9,7 +9,6 @@ in memory by its look. It counts only after _PROOFS bytes have been read at that
 was not it never counts. The place where the next byte is read is then moved on here, as the interpreter does; what writes there moves
 the other.
 """
-# ruff: noqa: F821
 
 import micropython
 from micropython import const

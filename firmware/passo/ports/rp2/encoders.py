@@ -8,7 +8,6 @@
 The four state machines of block 1 share one program, which jumps into a table at address 0 and so wants the whole block; the
 player has state machine 0 of block 0. Reading four counts takes some 20 µs at 125 MHz.
 """
-# ruff: noqa: F821
 
 import micropython
 import rp2

@@ -7,7 +7,6 @@
 The interpreter looks a name up among all, one after the other: 0.1 ms, six thousand times for a router. `known` has the address of each
 name's text in flash, where its hash says, and behind all of them their numbers. A text ends with a zero.
 """
-# ruff: noqa: F821
 
 import micropython
 from micropython import const

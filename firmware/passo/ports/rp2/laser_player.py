@@ -10,7 +10,6 @@ takes it up at its next wrap.
 Where so few words have been made that these eight are not there yet, below 750 steps/s or so, the interrupt that feeds
 sees to the mark within 3 ms of its word.
 """
-# ruff: noqa: F821
 # Shared with interrupts: state
 
 from array import array

@@ -8,7 +8,6 @@
 Words are made in a timer interrupt every 3 ms, 10.5 ms ahead, or 8 if a change has to show soon: neither the main
 loop nor its garbage collections delay a step. Halting inputs and serial lines come before it.
 """
-# ruff: noqa: F821
 
 import micropython
 from machine import Pin, Timer

@@ -1,5 +1,4 @@
 """Shift registers on the RP2040 and the RP2350: their pins are written as registers of SIO. 16 bits take about 25 µs."""
-# ruff: noqa: F821
 
 import micropython
 

@@ -12,7 +12,6 @@ without a step, a mistake) is left to parser.py, which alone knows the rules; wh
 gives, to the nanometre. One text for all interpreters: a board compiles it to machine code, elsewhere it is ordinary
 Python; see motion/block_viper.py for what that asks of integers.
 """
-# ruff: noqa: F821
 
 import micropython
 

@@ -14,7 +14,6 @@ one (take_viper.py).
 A line ends with \\n, \\r or \\r\\n. Blanks and comments take room only until there is too little of it, however long they are.
 Once a line has found no room none finds it until all that are kept have had their turn.
 """
-# ruff: noqa: F821
 
 from array import array
 

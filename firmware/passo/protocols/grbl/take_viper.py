@@ -7,7 +7,6 @@
 One text for all interpreters; see motion/block_viper.py.
 """
 # `queue_lines` is usually passo.control.line_batches.queue_lines
-# ruff: noqa: F821
 
 import micropython
 

@@ -12,7 +12,6 @@ The fields are REPORT_… and NUMBER_… of report_records.py. Positions are tol
 One text for all interpreters, as motion/block_viper.py, whose rules for integers are kept: a board compiles it to machine
 code.
 """
-# ruff: noqa: F821
 
 from array import array
 

@@ -19,7 +19,6 @@ STOP, STATUS, LINK (the link of number X commands from now on; 0: this one) and 
 never speaks unasked.
 """
 
-# ruff: noqa: F821
 
 import micropython
 from micropython import const
