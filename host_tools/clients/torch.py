@@ -12,6 +12,7 @@ only the steps made.
 import time
 
 from host_tools.clients.client import Client
+from host_tools.clients.torch_wire import Answers
 from host_tools.clients.wire import LinkError, open_port
 from host_tools.failure import Failure
 from host_tools.language import error_text
@@ -31,7 +32,7 @@ class TorchClient(Client):
         super().__init__(port, open_port(port, baud), log)
         self.timeout_s = timeout_s
         self._serial.timeout = 0.01
-        self._cutter = torch.answer_cutter()
+        self._answers = Answers()
         self._said = []
         self.ours = None  # does the board know the words of Passo? None: not asked yet
         time.sleep(_IDLE_GAP_S)
@@ -55,13 +56,9 @@ class TorchClient(Client):
             data = self._read()
             if data:
                 self._note("<", data)
-            self._cutter.put(data, int(time.monotonic() * 1000) & 0x1FFFFFFF)
-            while True:
-                found = self._cutter.next()
-                if found is None:
-                    break
-                if found:
-                    self._said.append(torch.answer_from(found))
+            self._answers.put(data, int(time.monotonic() * 1000) & 0x1FFFFFFF)
+            while told := self._answers.next():
+                self._said.append(told)
             if not self._said and time.monotonic() > deadline:
                 return None
 

@@ -122,6 +122,12 @@ class AnyMachine:
     def _start_jog(self, direction, speed):
         self.jog.begin(direction, speed, self._limits(), self.place)
 
+    def go_on(self, now_ms):
+        """It is `now_ms`: a jog that nobody holds any more ends."""
+        self._now_ms = now_ms
+        if self.jog.active and not self.lease.alive(now_ms):
+            self.end_jog()
+
     def renew(self, number, beat):
         """True if the jog's lease lasts on."""
         return self.lease.renew(number, beat, self._now_ms)

@@ -14,6 +14,7 @@ from passo.protocols.page.any_machine import AnyMachine
 
 
 class BoardMachine(AnyMachine):
+    tells = ("command",)  # what a page may ask for of any board that serves it
     untold = (errors.STOPPED,)  # what the machine logs and is no matter of pages
     from_here = ("jog", "step", "goto")  # orders that count from the newest report: one is made before them
 
@@ -26,7 +27,7 @@ class BoardMachine(AnyMachine):
         self.kinds = {}  # kind of command: heard(event), of who wants to know more of its answers
         self._refused = 0  # the number of the last refusal that was told, until the next report
         self.state["link"] = True
-        self.can = self.can + ("command",)
+        self.can = self.can + self.tells
 
     # --- commands
 
@@ -86,14 +87,12 @@ class BoardMachine(AnyMachine):
 
     def now(self, now_ms):
         """Look at the clock and at the machine: an order counts on what is so now. A jog that nobody holds any more ends."""
-        self._now_ms = now_ms
         record = self._record
         commander = record.commander if record.lender < 0 else record.lender
         self.state["owner"] = "page" if commander == self._number else "guest"
         self.state["state"] = self._name(record.state)
         self.state["alarm"] = record.alarm
-        if self.jog.active and not self.lease.alive(now_ms):
-            self.end_jog()
+        self.go_on(now_ms)
 
     def _name(self, state):
         """The state's word on the page."""

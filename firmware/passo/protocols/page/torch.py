@@ -127,10 +127,10 @@ class TorchPage(BoardMachine):
             return self.do(Command(commands.CONNECT, value=0))
         return self._behind(Command(commands.HAND_OVER), Command(commands.CONNECT, value=1))
 
-    def _run(self, steps, speeds, when):
+    def _run(self, steps, speeds, when, answered=None):
         """Run so many steps, 0: not at all."""
         error = 0 if max([abs(part) for part in steps]) < commands.FOREVER else errors.TRAVEL
-        return error or self.do(Run([part or None for part in steps], [(speed, 1000) for speed in speeds], when))
+        return error or self.do(Run([part or None for part in steps], [(speed, 1000) for speed in speeds], when), answered)
 
     def _straight(self, steps, speed):
         if self.still() or self._steps is None:
@@ -162,7 +162,7 @@ class TorchPage(BoardMachine):
             else:
                 self._jogs, self._speeds = found
 
-        return self.refusal() or self.still() or self.do(Command(commands.STILL), stands)
+        return self.refusal() or self.still() or self.do(Command(commands.STILL, value=found), stands)
 
     def _told(self, order):
         """The preferences as this page knows them."""
@@ -199,17 +199,15 @@ class TorchPage(BoardMachine):
         self._repeated_ms = self._now_ms
         steps = [0, 0]
         steps[axis] = sign * self._jogs[axis]
-        error = self._run(steps, self._speeds, AS_JOG)
-        if not error:
-            self.said[-1] = self.said[-1][0], self._jogged
+        self._run(steps, self._speeds, AS_JOG, self._jogged)
 
     def _jogged(self, error):
         if error:
             self.finished(error)
             self.end_jog()
 
-    def now(self, now_ms):
-        BoardMachine.now(self, now_ms)
+    def go_on(self, now_ms):
+        BoardMachine.go_on(self, now_ms)
         if self.jog.active and since(now_ms, self._repeated_ms) >= REPEAT_MS:
             self._repeat()
 

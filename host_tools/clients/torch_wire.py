@@ -1,0 +1,91 @@
+"""The torch's frames as the page's machine speaks them: commands out, reports in.
+
+    wire = TorchWire(write, machine)        # machine.answered(event), machine.report(dict)
+
+Nothing is answered: what is said is taken for done. The board counts what it drops, and its reports say why.
+"""
+
+import struct
+
+from passo import commands
+from passo.commands import ACCEPTED, Event
+from passo.protocols.torch import protocol as torch
+
+_JOGS = {(0, 1): "JOG_X+", (0, -1): "JOG_X-", (1, 1): "JOG_Y+", (1, -1): "JOG_Y-"}
+_FRAMES = {commands.STOP: torch.frame("STOP"), commands.ZERO: torch.frame("ORIGIN"), commands.HAND_OVER: torch.passo(torch.LINK_OF, 0),
+           commands.RESET: torch.passo(torch.UNLOCK_OF, 1), commands.UNLOCK: torch.passo(torch.UNLOCK_OF, 0)}  # fmt: skip
+
+
+def _run(command):
+    steps = [part or 0 for part in command.steps]
+    if command.when == commands.AS_JOG:
+        axis = 0 if steps[0] else 1
+        return torch.frame(_JOGS[axis, 1 if steps[axis] > 0 else -1])
+    speeds = [rate[0] if part >= 0 else -rate[0] for part, rate in zip(steps, command.rates)]
+    return torch.move(abs(steps[0]), speeds[0], abs(steps[1]), speeds[1])
+
+
+def frame_of(command):
+    """The frame that asks for a command."""
+    kind = command.kind
+    if kind == commands.RUN:
+        return _run(command)
+    if kind == commands.CONNECT:
+        return torch.frame("CONNECT" if command.value else "DISCONNECT")
+    if kind == commands.STILL:  # preferences: (steps of a jog, default steps/s)
+        jogs, speeds = command.value
+        return torch.configure(jogs[0], jogs[1], speeds[0], speeds[1])
+    if kind == commands.SEAM:
+        return torch.weave(command.value, command.target[0], command.target[1], command.feed // 1000, command.centre, command.clockwise)
+    return _FRAMES[kind]
+
+
+class Answers:
+    """Cuts what a board says: next() is (name, fields), None if there are no more."""
+
+    def __init__(self):
+        self._cutter = torch.answer_cutter()
+
+    def put(self, data, now_ms):
+        self._cutter.put(bytes(data), now_ms)
+
+    def next(self):
+        while True:
+            found = self._cutter.next()
+            if found is None:
+                return None
+            try:
+                if found:
+                    return torch.answer_from(found)
+            except (KeyError, IndexError, ValueError, struct.error):
+                pass
+
+
+class TorchWire:
+    def __init__(self, write, machine):
+        self._write = write
+        self._machine = machine
+        self._answers = Answers()
+
+    def room(self, command):
+        return True
+
+    def say(self, command):
+        self._write(frame_of(command))
+        self._machine.answered(Event(ACCEPTED, command))
+
+    def ask(self):
+        self._write(torch.passo(torch.STATUS_OF))
+
+    def drop(self):
+        """Nothing waits for an answer."""
+
+    def feed(self, data, now_ms):
+        self._answers.put(data, now_ms)
+        told = self._answers.next()
+        while told:
+            if told[0] == "PASSO":
+                fields = told[1]
+                fields["position"] = [fields["x"], fields["y"]]
+                self._machine.report(fields)
+            told = self._answers.next()
