@@ -13,7 +13,7 @@ from host_tools.clients.client import Client
 from host_tools.clients.refusal import Refused, explain
 from host_tools.clients.serial_port import LinkError, open_link
 from host_tools.language import _, error_text, line_text
-from host_tools.page.wire import fields_of
+from host_tools.clients.grbl_wire import fields_of
 
 RX_BYTES = 128
 _FRAMED_BYTES = 900  # the same of a framed link, whose credit sees to the rest

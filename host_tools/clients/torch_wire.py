@@ -67,10 +67,10 @@ class TorchWire:
         self._machine = machine
         self._answers = Answers()
 
-    def room(self, command):
+    def takes(self, command):
         return True
 
-    def say(self, command):
+    def order(self, command):
         self._write(frame_of(command))
         self._machine.answered(Event(ACCEPTED, command))
 
@@ -79,6 +79,8 @@ class TorchWire:
 
     def drop(self):
         """Nothing waits for an answer."""
+
+    silent = drop
 
     def feed(self, data, now_ms):
         self._answers.put(data, now_ms)

@@ -1,12 +1,12 @@
 """The page of a machine on a cable: the same as its board would serve, but that commands become bytes, and bytes reports.
 
     class TorchMachine(cabled(TorchPage)): …
-        Cabled.__init__(self, tell, TorchWire(write, board, self), NoJob(), board)
+        Cabled.__init__(self, tell, TorchWire(write, self), board)
     machine.feed(data, now_ms)              # bytes from the board
     machine.poll(now_ms)                    # some hundred times a second
 
-A wire (host_tools/clients) says commands in the board's language: room(command), say(command), ask() for a report, feed(data, now_ms),
-drop(). It tells the machine answered(event) and report(dict). Boards are asked for reports all the time, and are lost when none come.
+A wire (host_tools/clients) says commands in the board's language: takes(command), order(command), ask() for a report, feed(data, now_ms),
+silent() and drop(). It tells the machine answered(event) and report(dict). Boards are asked for reports all the time, and are lost when none come.
 """
 
 from passo import errors
@@ -16,37 +16,11 @@ _JOG_ASK_MS = 40  # between two reports, while a jog goes on
 _MOST = 64  # commands that wait for room
 
 
-class NoJob:
-    """No file is streamed."""
-
-    name = ""
-
-    def running(self):
-        return False
-
-    def poll(self):
-        pass
-
-    def refresh(self):
-        pass
-
-    def fail(self, error):
-        pass
-
-    def abort(self):
-        return 0
-
-    def run(self, name, lines, passes, checked, single=False):
-        return errors.UNKNOWN_COMMAND
-
-    def play(self, what):
-        return errors.UNKNOWN_COMMAND
-
-
 class Told:
     """As much of a machine's record as its reports tell."""
 
     state = "idle"
+    settings = None
     lender = -1
     commander = alarm = 0
 
@@ -56,109 +30,34 @@ class Told:
 
 def cabled(kind):
     """The class of pages `kind` (passo/protocols/page), of a machine on a cable."""
+    return _reported(_said(kind))
 
-    class Cabled(kind):
+
+def _said(kind):
+    """Its commands are said on a wire, as there is room."""
+
+    class Said(kind):
         tells = ()
-        ask_ms = 40  # between two reports otherwise: 25 a second
-        silent_ms = 1500  # without a report: the link is down
-        again_ms = 3000  # it is asked for again
 
-        def __init__(self, tell, wire, job, board, spoken=None):
-            """`wire`: see above; `job`: what runs jobs; `board`: the checked board file."""
+        def __init__(self, tell, wire, board, spoken=None):
             kind.__init__(self, Told(), 0, board, tell, spoken)
             self.wire = wire
-            self.job = job
-            self._presence = bool(board["network"] and board["network"]["presence"])
-            self._asked_ms = self._heard_ms = 0
-            self._asking = False
-            self.watcher = None  # watcher(state): told of each report
             self.state["link"] = False
-
-        # --- the cable
-
-        def feed(self, data, now_ms):
-            self._now_ms = now_ms
-            self.wire.feed(data, now_ms)
-            self._say_on()
-
-        def poll(self, now_ms):
-            """Ask, end what has lapsed, go on with the job."""
-            self.go_on(now_ms)
-            if since(now_ms, self._asked_ms) >= (self.again_ms if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
-                self._asked_ms = now_ms
-                self._asking = True
-                self.wire.ask()
-            if self.state["link"] and since(now_ms, self._heard_ms) > self.silent_ms:
-                self.lost()
-            self._say_on()
-            self.job.poll()
+            self._presence = bool(board and board["network"] and board["network"]["presence"])
 
         def do(self, command, answered=None):
             if len(self.said) >= _MOST:
                 return errors.TOO_MANY_WAITING
             kind.do(self, command, answered)
-            self._say_on()
+            self.say_on()
             return 0
 
-        def _say_on(self):
+        def say_on(self):
             """Say what there is room for."""
-            while self.said and self.wire.room(self.said[0][0]):
+            while self.said and self.wire.takes(self.said[0][0]):
                 said = self.said.pop(0)
                 self.unanswered.append(said)
-                self.wire.say(said[0])
-
-        def attached(self, is_open):
-            """The port has been opened, or closed."""
-
-        def lost(self):
-            """There is no board any more, or about to be another one."""
-            self.state["link"] = False
-            self.end_jog()
-            self.said = []
-            self.wire.drop()
-            self.job.fail(errors.NO_ANSWER)
-
-        # --- what the board says
-
-        def report(self, report):
-            self._asking = False
-            self._heard_ms = self._now_ms
-            self.state["link"] = True
-            alarm = (report["error"] or self._record.alarm or errors.NUMBER) if report["state"] == "alarm" else 0
-            if alarm and not self._record.alarm:
-                self.alarmed(alarm)
-            self._record.alarm = self.state["alarm"] = alarm
-            kind.report(self, report)
-            if self.watcher:
-                self.watcher(self.state)
-
-        def alarmed(self, number):
-            self._record.alarm = self.state["alarm"] = number
-            self.drop_jog()
-            self.note(number)
-            self.job.fail(number)
-
-        def shown(self):
-            self.job.refresh()
-            return kind.shown(self)
-
-        # --- orders
-
-        def still(self):
-            return errors.BUSY if self.job.running() else kind.still(self)
-
-        def _may_jog(self, direction):
-            return kind._may_jog(self, direction) and not self.job.running()
-
-        def stop(self):
-            self.job.fail(errors.STOPPED)
-            return kind.stop(self)
-
-        def abort(self):
-            return self.job.abort()
-
-        def play(self, what):
-            return self.job.play(what)
+                self.wire.order(said[0])
 
         def give(self, owner):
             """Take the command from another link; the page gives it to none."""
@@ -169,4 +68,73 @@ def cabled(kind):
             Most languages have no word for who is there: then never."""
             return errors.PRESENCE if self._presence else 0
 
-    return Cabled
+        def attached(self, is_open):
+            """The port has been opened, or closed."""
+
+        def lost(self):
+            """There is no board any more, or about to be another one."""
+            self.wire.drop()
+            self.silent()
+
+        def silent(self):
+            """The board tells nothing."""
+            self.state["link"] = False
+            self.end_jog()
+            self.said = []
+            self.wire.silent()
+
+    return Said
+
+
+def _reported(kind):
+    """Its board is asked for reports, and lost when none come."""
+
+    class Reported(kind):
+        ask_ms = 40  # between two reports: 25 a second
+        silent_ms = 1500  # without a report: the link is down
+        again_ms = 3000  # it is asked for again
+        watcher = None  # watcher(state): told of each report
+
+        def __init__(self, tell, wire, board, spoken=None):
+            kind.__init__(self, tell, wire, board, spoken)
+            self._asked_ms = self._heard_ms = 0
+            self._asking = False
+
+        def feed(self, data, now_ms):
+            self._now_ms = now_ms
+            self.wire.feed(data, now_ms)
+            self.say_on()
+
+        def poll(self, now_ms):
+            """Ask, end what has lapsed, say what has waited."""
+            self.go_on(now_ms)
+            if since(now_ms, self._asked_ms) >= (self.again_ms if self._asking else _JOG_ASK_MS if self.jog.active else self.ask_ms):
+                self._asked_ms = now_ms
+                self._asking = True
+                self.wire.ask()
+            if self.state["link"] and since(now_ms, self._heard_ms) > self.silent_ms:
+                self.silent()
+            self.say_on()
+
+        def report(self, report):
+            self._asking = False
+            self._heard_ms = self._now_ms
+            self.state["link"] = True
+            alarm = self._alarm_of(report)
+            if alarm and not self._record.alarm:
+                self.alarmed(alarm)
+            self._record.alarm = self.state["alarm"] = alarm
+            kind.report(self, report)
+            if self.watcher:
+                self.watcher(self.state)
+
+        def _alarm_of(self, report):
+            """The number of the alarm that is there, 0: none."""
+            return (report["error"] or self._record.alarm or errors.NUMBER) if report["state"] == "alarm" else 0
+
+        def alarmed(self, number):
+            self._record.alarm = self.state["alarm"] = number
+            self.drop_jog()
+            self.note(number)
+
+    return Reported

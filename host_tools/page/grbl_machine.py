@@ -1,47 +1,33 @@
-"""A machine that speaks grbl, as the page sees it: orders in, one state out.
+"""The page of a machine on a cable that speaks grbl.
 
     machine = GrblMachine(write, tell)      # tell(event): a dict for every page
-    machine.feed(data, now_ms)              # bytes from the board
-    machine.poll(now_ms)                    # some hundred times a second
-    error = machine.order("hold", {})       # 0, or a number of errors
-    machine.state                           # a dict
 
-It asks for reports, streams jobs, feeds a jog while its lease lasts, and lets a guest speak on the same wire.
+It streams jobs, and lets a guest speak on the same wire.
 """
 
-from micropython import const
-
-from host_tools.page.cable_machine import CableMachine
+from host_tools.clients.grbl_wire import GUEST, PAGE, Wire, dwell_ms, fields_of
+from host_tools.page.cabled import cabled
 from host_tools.page.guest import Guest
 from host_tools.page.job import Job
-from host_tools.page.wire import GUEST, PAGE, Wire, dwell_ms, fields_of
+from host_tools.page.jobs import with_jobs
 from passo import commands, errors
-from passo.protocols.grbl.real_time import real_time
-from passo.protocols.page.grbl import AXES, OUTPUTS, GrblPage, override_of
-from passo.protocols.page.jog import Limits
+from passo.commands import Command
+from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.grbl import AXES, GrblPage
 from passo.protocols.page.lease import since
 
-_RESET = b"\x18"
-_HOLD = b"!"
-_RESUME = b"~"
-_JOG_CANCEL = b"\x85"
-_AXIS_SPEED = const(110)  # $110 …
-_AXIS_ACCELERATION = const(120)
-_OVERRIDES = {}  # the byte of each: (which, percent, change)
-for _byte in range(0x90, 0x9E):
-    _command = real_time(_byte)
-    if _command:
-        _OVERRIDES[_command.value, _command.power, _command.feed] = _byte
+_FROM = {53: b"G90G53", 54: b"G90", 91: b"G91"}  # what a place counts from
+_Cabled = with_jobs(cabled(GrblPage))
 
 
-class GrblMachine(CableMachine):
-    language = "grbl"
+class GrblMachine(_Cabled):
     can = GrblPage.can + ("jobs", "teach", "single")
+    answered = BoardMachine.answered
 
     def __init__(self, write, tell, guest=None):
         """`write(bytes)`: to the board; `guest(bytes)`: to the guest, if there may be one."""
-        CableMachine.__init__(self, tell, Job(self))
-        self.wire = Wire(write, self._heard)
+        self.job = Job(self)
+        _Cabled.__init__(self, tell, Wire(write, self._heard, self.answered), None)
         self.guest = Guest(self, guest)
         self._offset = None
         self._waits = b""  # the line that is answered next
@@ -49,38 +35,19 @@ class GrblMachine(CableMachine):
         self._known = False  # the settings have been asked for
         self.options = None  # letters of [OPT:…]: J, a journal; F, stored jobs; None: not known yet
         self._letters = ""
-        self._behind = b""  # what is said once the board has been reset
 
-    # --- bytes
+    # --- the board
 
-    def feed(self, data, now_ms):
-        self._now_ms = now_ms
-        self.wire.feed(data)
-
-    def _ask(self):
-        self.wire.write(b"?")
-
-    def _go_on(self):
-        if not self._known and self.stands() and self.wire.room(len(b"$I\n$$")):
+    def poll(self, now_ms):
+        if self.state["link"] and not self._known and self.stands() and self.wire.room(len(b"$I\n$$")):
             if self.options is None:
                 self.wire.say(PAGE, b"$I", self._options_known)
             self._known = self.wire.say(PAGE, b"$$", self._all_known)
+        _Cabled.poll(self, now_ms)
 
     def _options_known(self, error):
         if not error:
             self.options = self._letters
-
-    def lost(self):
-        """There is no board any more: it is about to be another one."""
-        self.wire.drop()
-        self._lose()
-        self.settings = {}
-        self.place = self._offset = None
-
-    def _lose(self):
-        self._known = False
-        self.options = None
-        CableMachine._lose(self)
 
     def _all_known(self, error):
         if error:
@@ -89,9 +56,19 @@ class GrblMachine(CableMachine):
         self.axes = AXES[: len([number for number in self.settings if 100 <= number < 104])]
         self._tell({"t": "settings", "axes": self.axes, "settings": self.settings})
 
+    def lost(self):
+        _Cabled.lost(self)
+        self.settings = {}
+        self.place = self._offset = None
+
+    def silent(self):
+        self._known = False
+        self.options = None
+        _Cabled.silent(self)
+
     def _heard(self, line, owner):
         if line[:1] == "<" and line[-1:] == ">":
-            self._report(fields_of(line))
+            self._reported(fields_of(line))
             self.guest.report(line)
             return
         if line[:1] == "$" and owner == PAGE:
@@ -100,18 +77,11 @@ class GrblMachine(CableMachine):
                 self.settings[int(number)] = value
             return
         if line[:6] == "ALARM:":
-            self.state["alarm"] = 200 + int(line[6:])
-            self.end_jog()
-            self.job.fail(self.state["alarm"])
-            self.note(self.state["alarm"])
+            self.alarmed(200 + int(line[6:]))
         elif line[:5] == "Grbl ":
             self.end_jog()
             self.job.fail(errors.STOPPED)
-            self.state["alarm"] = 0
-            behind = self._behind
-            self._behind = b""
-            if behind:
-                self.say(behind)
+            self._record.alarm = self.state["alarm"] = 0
         elif line[:11] == "[MSG:Pause:":
             self.state["why"] = "pause"
         elif line[:18] == "[MSG:Tool change: ":
@@ -124,15 +94,19 @@ class GrblMachine(CableMachine):
         if owner != PAGE or line[:1] != "[" or line[:5] == "[MSG:":
             self.guest.hear(line)
 
-    def _report(self, fields):
-        state = self.state
-        self._reported()
+    def _reported(self, fields):
         name, _, sub = fields["state"].partition(":")
-        if name not in ("Alarm", "Hold", "Door"):  # on its way to an alarm's stand it is held
-            state["alarm"] = 0
+        self.report({"state": name.lower(), "substate": sub, "fields": fields})
+
+    def _alarm_of(self, report):
+        """Lines tell alarms; on its way to an alarm's stand the machine is held."""
+        return self._record.alarm if report["state"] in ("alarm", "hold", "door") else 0
+
+    def _show(self, report):
+        state, fields = self.state, report["fields"]
+        name, sub = state["state"], report["substate"]
         if name != "Hold":
             state["why"] = ""
-        state["state"] = name
         state["sub"] = sub
         self._places(fields)
         speeds = fields.get("FS", fields.get("F", "0")).split(",")
@@ -149,8 +123,6 @@ class GrblMachine(CableMachine):
         if self.jog.active:
             self.jog.report(self.place)
         self.job.report("" if name == "Hold" and sub == "1" else name)  # it is still braking
-        if self.watcher:
-            self.watcher(state)
 
     def _count_down(self, stands):
         """How long a G4 still lasts: its line is answered at its end, and the machine stands meanwhile."""
@@ -173,118 +145,47 @@ class GrblMachine(CableMachine):
         self.state["m"] = machine
         self.state["w"] = [round(machine[axis] - offset[axis], 4) for axis in range(len(told))]
 
-    def say(self, line):
+    # --- what is said
+
+    def say(self, line, answered=None):
         """A line of the page; 0, or why it cannot be said."""
-        return 0 if self.wire.say(PAGE, line, self.finished) else errors.TOO_MANY_WAITING
+        return 0 if self.wire.say(PAGE, line, answered or self.finished) else errors.TOO_MANY_WAITING
 
-    # --- orders
+    def _say(self, line):
+        return self.say(line.encode())
 
-    def absent(self):
-        """0, or why who orders over a network may not start the tool or go on: the board wants somebody at the machine."""
-        return errors.PRESENCE if "n" in self.state.get("pins", "") else 0
+    def _jog_to(self, place, speed, counted, answered=None):
+        return self.say(b"$J=" + _FROM[counted] + b"G21" + words(place) + b"F%.1f" % speed, answered)
 
-    def stop(self):
-        """Stop at once: who asks does not matter."""
-        self.drop_jog()
-        self.job.fail(errors.STOPPED)
-        self.wire.write(_RESET)
-        return 0
+    def _setting(self, number):
+        return float(self.settings.get(number, "1"))
+
+    def set(self, number, text):
+        error = GrblPage.set(self, number, text)
+        self._known = False
+        return error
 
     def leave_check(self):
         """A reset leaves the mode, also behind lines that are still under way; the machine was ready before, and nothing has moved."""
         self.drop_jog()
-        self._behind = b"$X"
-        self.wire.write(_RESET)
-
-    def hold(self):
-        self.end_jog()
-        self.wire.write(_HOLD)
-        return 0
-
-    def resume(self):
-        self.wire.write(_RESUME)
-        return 0
-
-    def home(self):
-        return self._begin_anew(b"$H")
-
-    def unlock(self):
-        return self._begin_anew(b"$X")
-
-    def _begin_anew(self, line):
-        """Say `line`; of an alarm that only a reset ends, reset the board first, and say it behind that."""
-        if self.state["state"] != "Alarm" or self.state["alarm"] not in errors.NEED_RESET:
-            return self.say(line)
-        self._behind = line
-        self.wire.write(_RESET)
-        return 0
-
-    def zero(self, axes):
-        """Work zero of the axes named is here."""
-        return self.still() or self.say(b"G10L20P0" + b"".join([b"%s0" % axis.upper().encode() for axis in axes]))
-
-    def go(self, place, speed):
-        """{axis: mm} of work coordinates, straight, as a jog that hold and STOP end."""
-        return self.still() or self.say(b"$J=G90G21" + words(place) + b"F%.1f" % speed)
-
-    def step(self, way, speed):
-        """{axis: mm} from here."""
-        return self.still() or self.say(b"$J=G91G21" + words(way) + b"F%.1f" % speed)
-
-    def override(self, what, to):
-        command = override_of(what, to)
-        if command is None:
-            return errors.NUMBER
-        self.wire.write(bytes((_OVERRIDES[command.value, command.power, command.feed],)))
-        return 0
-
-    def output(self, name, rpm):
-        word = OUTPUTS.get(name)
-        if word is None:
-            return errors.NUMBER
-        return self.still() or self.say(word.encode() + (b"S%d" % rpm if name[:9] == "spindle_c" else b""))
-
-    def set(self, number, text):
-        """Change a setting."""
-        error = self.still() or self.say(b"$%d=%s" % (number, text.encode()))
-        self._known = False
-        return error
-
-    def line(self, text):
-        """A line as typed."""
-        return self.still() or self.say(text.encode())
-
-    def play(self, what):
-        """Go on with a job that goes line by line: "step", one line; "run", all the rest."""
-        if what == "step":
-            return self.job.step()
-        return self.job.go() if what == "run" else errors.UNKNOWN_COMMAND
-
-    # --- the jog
+        self._behind(Command(commands.RESET), Command(commands.UNLOCK))
 
     def _may_jog(self, direction):
-        return self._known and CableMachine._may_jog(self, direction)
+        return self._known and _Cabled._may_jog(self, direction)
 
-    def _brake(self):
-        self.wire.write(_JOG_CANCEL)
-
-    def _limits(self):
-        axes = range(len(self.place))
-        return Limits(*[[float(self.settings.get(first + axis, "1")) for axis in axes] for first in (_AXIS_SPEED, _AXIS_ACCELERATION)])
-
-    def _say_jog(self, place, speed):
-        line = b"$J=G90G53G21" + words({AXES[axis]: place[axis] for axis in range(len(place))}) + b"F%.1f" % speed
-        return self.wire.say(PAGE, line, self.jog_answered)
+    def absent(self):
+        return errors.PRESENCE if "n" in self.state.get("pins", "") else 0
 
     # --- who commands
 
     def give(self, owner):
-        """Hand the command over: "page" or "guest"; only at rest."""
-        if owner != self.state["owner"]:
-            if self.still() or self.wire.of(GUEST) or self.wire.of(PAGE):
-                return errors.BUSY
-            self.state["owner"] = owner
-            self.guest.commanded = self.guest.commanded or owner == "guest"
+        """Hand the command over: "page" or "guest"; only at rest. The page takes it back from another link of the board, too."""
+        if owner == self.state["owner"]:
+            return self.do(Command(commands.HAND_OVER)) if owner == "page" else 0
+        if self.still() or self.wire.of(GUEST) or self.wire.of(PAGE):
+            return errors.BUSY
+        self.state["owner"] = owner
+        self.guest.commanded = self.guest.commanded or owner == "guest"
         return 0
 
 

@@ -6,7 +6,7 @@ the command, which it takes at rest by `$LINK=0`; else its lines get error 112.
 
 from micropython import const
 
-from host_tools.page.wire import GUEST
+from host_tools.clients.grbl_wire import GUEST
 from passo import errors
 
 ALWAYS = (0x18, 0x21, 0x84, 0x85)  # reset, hold, door, jog cancel

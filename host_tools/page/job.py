@@ -7,7 +7,7 @@
 At the first refused line it holds the machine on its path, drops what is queued and tells which line it was.
 """
 
-from host_tools.page.wire import LOST, PAGE
+from host_tools.clients.grbl_wire import LOST, PAGE
 from passo import errors
 
 _HELD = ("Hold", "Idle", "Alarm", "Check", "Door")
@@ -58,6 +58,10 @@ class Job:
             if not wire.say(PAGE, self._lines[self._at][1], self._answered):
                 return
             self._at += 1
+
+    def play(self, what):
+        """Go on with a job that goes line by line: "step", one line; "run", all the rest."""
+        return self.step() if what == "step" else self.go() if what == "run" else errors.UNKNOWN_COMMAND
 
     def step(self):
         """One more line, if those before it are done; of a job that runs by itself: no more lines than have been sent."""

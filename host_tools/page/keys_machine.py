@@ -1,42 +1,27 @@
 """The page of a kit of two motors on a cable that speaks keys.
 
     machine = KeysMachine(write, tell, board)
-    machine.attached(True)          # the port is open: nothing else tells that there is a board
+    machine.attached(True)          # the port is open: a kit that is no board of Passo tells nothing else
 
-The board never answers. The state shown is what follows from the keys that this page has sent.
+The state shown is what follows from the keys that this page has sent.
 """
 
-from host_tools.page.cabled import NoJob, cabled
+from host_tools.clients.keys_wire import KeysWire
+from host_tools.page.cabled import cabled
 from passo.protocols.page.keys import KeysPage
 
 _Cabled = cabled(KeysPage)
 
 
-class Unheard:
-    """A wire without answers: as long as the port is open, all is as the page knows it."""
-
-    def __init__(self, machine):
-        self._machine = machine
-        self.open = False
-
-    def feed(self, data, now_ms):
-        """The board never speaks."""
-
-    def ask(self):
-        if self.open:
-            self._machine.report({"state": "idle", "error": 0})
-
-    def drop(self):
-        """Nothing waits for an answer."""
-
-
 class KeysMachine(_Cabled):
+    again_ms = 300
+    give = _Cabled._wordless
+
     def __init__(self, write, tell, board):
-        self._say_key = write
-        _Cabled.__init__(self, tell, Unheard(self), NoJob(), board)
+        _Cabled.__init__(self, tell, KeysWire(write, self), board)
 
     def _write(self, key):
-        self._say_key(key)
+        self.wire.write(key)
 
     def attached(self, is_open):
         self.wire.open = is_open

@@ -70,9 +70,7 @@ class PanelOrders(Orders):
             return error
         name = text(order, "name", 64)
         lines = self.store.lines(name)
-        return lines if isinstance(lines, int) else self.machine.job.run(
-            name, lines, passes, bool(order.get("check")), bool(order.get("single"))
-        )
+        return lines if isinstance(lines, int) else self.machine.run(name, lines, passes, bool(order.get("check")), bool(order.get("single")))
 
     # --- teach-in
 

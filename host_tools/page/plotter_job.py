@@ -11,9 +11,11 @@ What has been sent already is drawn before a job that runs comes to its stand.
 
 from micropython import const
 
-from passo import errors
+from passo import commands, errors
+from passo.commands import Command
 from passo.protocols.page.plotter import MOST_PLACE
 
+_KINDS = {"MOVE": commands.POINT, "LINE": commands.POINT, "SPEED": commands.SPEED, "END": commands.DRAW}
 _WORDS = {"END": 0, "SPEED": 1, "LINE": 2, "MOVE": 2}
 
 
@@ -102,7 +104,8 @@ class PlotterJob:
 
     def _send(self, name, x, y, answered):
         self._busy = True
-        self._machine.send(name, x, y, answered)
+        tool = name == "LINE"
+        self._machine.do(Command(_KINDS[name], (x, y) if tool or name == "MOVE" else None, x, tool), answered)
 
     def _failed(self, error):
         """True if the job has ended, or does by this answer."""

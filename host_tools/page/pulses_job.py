@@ -2,14 +2,14 @@
 
     job = PulsesJob(machine, board)
     error = job.run("square.txt", data, 1, False)       # bytes, passes, only checked
-    job.play(("back",))                                 # and forward again: ("run",); a code at a time: ("step",)
+    job.refusal()                                       # 0: it may be played back, and a code at a time
     job.poll()                                          # sends what there is room for
 """
 
 from micropython import const
 
-from host_tools.page.pulses_wire import END
-from host_tools.page.wire import LOST
+from host_tools.clients.pulses_wire import END
+from host_tools.clients.grbl_wire import LOST
 from passo import errors
 from passo.commands import STEPS_ABORT
 from passo.protocols.pulses.protocol import Pulses, frame
@@ -49,7 +49,7 @@ class PulsesJob:
         return self._phase != _NO_FILE or self.playing
 
     def run(self, name, data, passes, checked, single=False):
-        """Begin; `checked`: the board only looks at it; `single`: play(("step",)) says when a code goes. Returns 0 or an error."""
+        """Begin; `checked`: the board only looks at it; `single`: the page says when a code goes. Returns 0 or an error."""
         if self._machine.still() or self.running() or self._machine.state["state"] != "Idle":
             return errors.BUSY
         if not data:
@@ -68,7 +68,7 @@ class PulsesJob:
         self._stream = stream
         self._sent = 0
         self._size = len(self._data) * (self._passes if stream else 1)
-        if not self._machine.wire.say(("stream" if stream else "load", self._size), self._opened):
+        if not self._machine.wire.control(("stream" if stream else "load", self._size), self._opened):
             return errors.TOO_MANY_WAITING
         self._phase = _OPENING
         self._tell("load", 0)
@@ -90,12 +90,12 @@ class PulsesJob:
             return
         wire = self._machine.wire
         data = self._data
-        while wire.room > 0 and self._sent < self._size:
+        while wire.credit > 0 and self._sent < self._size:
             at = self._sent % len(data)
-            piece = data[at : at + min(wire.room, _PIECE)]
+            piece = data[at : at + min(wire.credit, _PIECE)]
             wire.send(piece)
             self._sent += len(piece)
-        if self._sent == self._size and wire.say(END, self._closed):
+        if self._sent == self._size and wire.control(END, self._closed):
             self._phase = _CLOSING
 
     def _closed(self, error):
@@ -110,10 +110,10 @@ class PulsesJob:
             self._end("done", 0)
         elif self._single:
             self.playing = self.paused = True
-        elif not self._machine.wire.say(("run", self._passes), self._went):
+        elif not self._machine.wire.control(("run", self._passes), self.went):
             self._end("failed", errors.TOO_MANY_WAITING)
 
-    def _went(self, error):
+    def went(self, error):
         """{run} and its kin have been answered."""
         if error and error != LOST:
             self._machine.finished(error)
@@ -167,13 +167,9 @@ class PulsesJob:
         elif line == "oldest":
             self._end("oldest", 0)
 
-    def play(self, words):
-        """Say {run}, {back} or their kin of what the board has. Returns 0 or an error."""
-        if self.sending():
-            return errors.BUSY
-        if not self.name:
-            return errors.NO_STEP_PROGRAM
-        return 0 if self._machine.wire.say(words, self._went) else errors.TOO_MANY_WAITING
+    def refusal(self):
+        """0, or why what the board has may not be played."""
+        return errors.BUSY if self.sending() else 0 if self.name else errors.NO_STEP_PROGRAM
 
     def report(self, state, fields):
         """A report: `state` is the board's word, `fields` all of it."""

@@ -12,7 +12,7 @@ from binascii import b2a_base64
 from micropython import const
 
 from host_tools.page.job import Job
-from host_tools.page.wire import PAGE
+from host_tools.clients.grbl_wire import PAGE
 from passo import errors
 from passo.config.job_keys import name_fits
 

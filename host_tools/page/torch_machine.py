@@ -6,7 +6,7 @@ The language does not answer orders. The board counts what it drops and keeps th
 """
 
 from host_tools.clients.torch_wire import TorchWire
-from host_tools.page.cabled import NoJob, cabled
+from host_tools.page.cabled import cabled
 from passo import errors
 from passo.protocols.page.torch import TorchPage
 
@@ -17,7 +17,7 @@ class TorchMachine(_Cabled):
     again_ms = 300
 
     def __init__(self, write, tell, board):
-        _Cabled.__init__(self, tell, TorchWire(write, self), NoJob(), board)
+        _Cabled.__init__(self, tell, TorchWire(write, self), board)
         self._dropped = None  # as the board has counted
 
     def _show(self, report):

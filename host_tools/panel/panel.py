@@ -85,7 +85,6 @@ class Panel:
         data = self._port.read()
         if data:
             self.machine.feed(data, clock_ms())
-            self.machine.job.poll()
             if self._guest:
                 self.machine.guest.poll()
 

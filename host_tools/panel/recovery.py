@@ -15,7 +15,7 @@ from host_tools.programs.interrupted import ended, interrupted, number_of, stage
 from host_tools.programs.replayed_machine import Machine
 from passo import errors
 from host_tools.page.stored import StoredJobs
-from host_tools.page.wire import PAGE
+from host_tools.clients.grbl_wire import PAGE
 
 _REST = ("Idle", "Alarm")
 _HOMING, _HOMING_WAYS = 22, 23  # settings: whether it homes, and which axes at their low ends

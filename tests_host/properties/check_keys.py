@@ -259,10 +259,10 @@ def check_every_byte():
             assert command.kind == BAD and command.error == errors.NUMBER_RANGE
     assert language.ignored == 6
     for byte in range(256):
-        if bytes((byte,)) not in (b"A", b"B", b"C", b"D", b"E", b"F", b"G", b"H", b"I", b"J"):
+        if bytes((byte,)) not in (b"A", b"B", b"C", b"D", b"E", b"F", b"G", b"H", b"I", b"J", b"?"):
             command = list(language.feed(bytes((byte,)), 0))[0]
             assert command.kind == BAD and command.error == errors.UNKNOWN_COMMAND
-    assert language.ignored == 6 + 246
+    assert language.ignored == 6 + 245
     assert commands.KIT_STEP_MS == 4 and commands.KIT_SLOWEST == 127
 
 
@@ -274,10 +274,19 @@ def check_a_speed_that_does_not_come():
     assert kit.controller.machine.log.entries[-1][1:] == (errors.GARBLED, "pc")
 
 
+def check_what_was_refused_is_told_once():
+    kit = Kit()
+    for asked, error in ((b"?", 0), (b"A\x00?", errors.NUMBER_RANGE), (b"?", 0), (b"Z?", errors.UNKNOWN_COMMAND), (b"A?", 0), (b"?", 0)):
+        kit.line.outgoing = b""
+        kit.press(asked, 20)
+        assert kit.line.outgoing == (b"" if asked == b"A?" else bytes((0x3F, error))), "63 is a speed behind A"
+    assert kit.motors[0].switched == kit.motors[1].switched == []
+
+
 def check_bytes_that_mean_nothing(noise):
     """Counted, logged, and nothing turns."""
     kit = Kit()
-    data = bytes([byte for byte in noise if not 0x41 <= byte <= 0x4A])
+    data = bytes([byte for byte in noise if not 0x41 <= byte <= 0x4A and byte != 0x3F])
     kit.press(data, 50)
     assert kit.language.ignored == len(data) == kit.controller.machine.log.counts.get(errors.UNKNOWN_COMMAND, 0)
     assert len(kit.controller.machine.log.entries) == min(32, len(data))

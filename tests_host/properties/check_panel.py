@@ -14,7 +14,7 @@ from passo.web.pace import Pace
 from passo.protocols.page.orders import too_deep
 from passo.web.session import Session, hex_of, hmac, make_key, read_key, shown
 from host_tools.page.teach import lines_of
-from host_tools.page.wire import PAGE, Wire, dwell_ms
+from host_tools.clients.grbl_wire import PAGE, Wire, dwell_ms
 
 SPEED = 3000
 MM = 320  # steps
@@ -603,7 +603,7 @@ def check_answers_find_their_way():
     sent, heard, answered = [], [], []
     wire = Wire(sent.append, lambda line, owner: heard.append((line, owner)))
     assert wire.say(PAGE, b"A", answered.append) and wire.say(1, b"B")
-    wire.feed(b"[x]\r\no")
-    wire.feed(b"k\r\nerror:9\r\nok\r\n")
+    wire.feed(b"[x]\r\no", 0)
+    wire.feed(b"k\r\nerror:9\r\nok\r\n", 0)
     assert answered == [0] and heard == [("[x]", PAGE), ("error:9", 1)]
     assert not wire.say(PAGE, b"x" * 100) or not wire.say(PAGE, b"x" * 100)

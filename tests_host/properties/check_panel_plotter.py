@@ -118,7 +118,7 @@ def check_point_by_point_and_back():
     def play(what):
         error = desk.order("play", what=what)
         desk.run_ms(200)
-        desk.until(lambda state: state["state"] == "Idle" and not desk.machine._queue)
+        desk.until(lambda state: state["state"] == "Idle" and not desk.machine.unanswered)
         desk.run_ms(100)
         return error
 
@@ -194,7 +194,7 @@ def check_a_line_that_loses_bytes(seed):
             data = data[:at] + data[at + 1 :]
         return bytes(data)
 
-    desk.machine._write = lambda data: put(torn(data))
+    desk.machine.wire.write = lambda data: put(torn(data))
     desk.machine.feed = lambda data, now: feed(torn(data), now)
     desk.store.put("square.txt", SQUARE)
     assert desk.order("run", name="square.txt") == 0

@@ -1,4 +1,4 @@
-"""The two-motor kit's language: a byte is a task, two are a speed; the board never answers.
+"""The two-motor kit's language: a byte is a task, two are a speed; the board answers nothing but `?`, which the kit's own programs never say.
 
     keys = Keys(turning, axes)
     for command in keys.feed(serial.read(), now_ms): …
@@ -6,6 +6,7 @@
     A n, B n    speed of motor 1, motor 2: a step every n × 4 ms, n = 1 … 127
     C D I       motor 1, motor 2, both on           G H     reverse motor 1, motor 2
     E F J       motor 1, motor 2, both off, their coils without current
+    ?           answered by `?` and a byte: the number of what was refused last since it was asked, 0: nothing, or of the alarm
 
 At the start both are off, turn clockwise (the axis's positive direction) when they are switched on, and have speed 1.
 Whatever else comes, a speed of 0 or above 127 included, changes nothing: `ignored` counts it, and the event log has it.
@@ -15,7 +16,7 @@ A speed whose second byte does not come within 2 s is dropped, so that no later 
 from micropython import const
 
 from passo import errors
-from passo.commands import BAD, FOREVER, KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS, LIVE, REST, Command, Run
+from passo.commands import BAD, FOREVER, KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS, LIVE, REST, STATUS, Command, Run
 from passo.records import COUNT_MASK
 
 _PATIENCE_MS = const(2000)
@@ -25,6 +26,7 @@ SPEED = {0x41: 0, 0x42: 1}  # motor
 ON = {0x43: 1, 0x44: 2, 0x49: 3}
 OFF = {0x45: 1, 0x46: 2, 0x4A: 3}
 REVERSE = {0x47: 0, 0x48: 1}  # motor
+WHY = const(0x3F)
 
 
 class Keys:
@@ -68,7 +70,7 @@ class Keys:
             motor = REVERSE[byte]
             self._negative[motor] = not self._negative[motor]
             return self._run(self._turning(), 1 << motor) if self._is_turning(motor) else None
-        return self._ignore(errors.UNKNOWN_COMMAND)
+        return Command(STATUS) if byte == WHY else self._ignore(errors.UNKNOWN_COMMAND)
 
     def _set_speed(self, motor, speed):
         if not 1 <= speed <= KIT_SLOWEST:
@@ -104,8 +106,8 @@ class Keys:
         return Command(BAD, error=error)
 
     def reply(self, event):
-        """The language has no answers."""
-        return b""
+        """The kit's own tasks have no answers."""
+        return bytes((WHY, event.value["error"])) if event.command.kind == STATUS else b""
 
     def push(self, event):
         return b""

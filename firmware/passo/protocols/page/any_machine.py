@@ -101,7 +101,7 @@ class AnyMachine:
         """The language has no word for it."""
         return errors.UNKNOWN_COMMAND
 
-    hold = resume = home = unlock = zero = go = step = override = output = set = line = give = play = _wordless
+    hold = resume = home = unlock = zero = go = step = override = output = set = line = give = play = run = _wordless
 
     # --- the jog
 

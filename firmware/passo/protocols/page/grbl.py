@@ -48,7 +48,7 @@ class GrblPage(BoardMachine):
     def __init__(self, record, number, board, tell, spoken):
         BoardMachine.__init__(self, record, number, board, tell)
         self._spoken = spoken
-        self._gcode = spoken.gcode
+        self._gcode = spoken and spoken.gcode  # a PC has neither
         self._settings = record.settings
         self._version = -1  # of the settings that pages have been told
         self._line = b""  # to be said
@@ -221,8 +221,10 @@ class GrblPage(BoardMachine):
 
     def _limits(self):
         axes = range(len(self.place))
-        value = self._settings.value
-        return Limits(*[[value(first + axis) / 1000 for axis in axes] for first in (_AXIS_SPEED, _AXIS_ACCELERATION)])
+        return Limits(*[[self._setting(first + axis) for axis in axes] for first in (_AXIS_SPEED, _AXIS_ACCELERATION)])
+
+    def _setting(self, number):
+        return self._settings.value(number) / 1000
 
     def _say_jog(self, place, speed):
         places = {AXES[axis]: place[axis] for axis in range(len(place))}

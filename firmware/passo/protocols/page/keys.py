@@ -1,4 +1,4 @@
-"""The page of a kit of two motors, whose language is keys that nobody answers.
+"""The page of a kit of two motors, whose language is keys.
 
     machine = KeysPage(record, number, board, tell, spoken)     # `spoken`: what understands keys
 
@@ -114,6 +114,7 @@ class KeysPage(BoardMachine):
 
     def _show(self, report):
         self.state["motors"] = self._kit.shown()
+        self._tell_error(report)
 
     # --- orders
 

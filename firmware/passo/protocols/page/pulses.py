@@ -38,7 +38,7 @@ class PulsesPage(BoardMachine):
     def __init__(self, record, number, board, tell, language):
         self.can = can_of(board)
         BoardMachine.__init__(self, record, number, board, tell)
-        self._image = language.port_byte
+        self._image = language and language.port_byte  # None on a PC: it is told
         self._config = board["step_program"]
         self.axes = self.axes[:3]
         self._steps = None
@@ -54,16 +54,15 @@ class PulsesPage(BoardMachine):
         state = self.state
         program = report["step_program"]
         name = report["state"]
-        if name != "run" and name != "hold":
-            self._playing = False
-        state["state"] = "Jog" if name == "run" and not self._playing and not self.runs_stored() else self._name(name)
+        if not self._plays(name) and name == "run":
+            state["state"] = "Jog"
         self._steps = list(report["position"])
         self.place = state["m"] = state["w"] = [round(self._steps[axis] / self.scale[axis], 4) for axis in range(len(self._steps))]
         state["feed"] = program["speed"] / 10
         state["wait"] = program["wait_ms"] / 1000
         state["tool"], state["drives"] = bool(program["tool"]), bool(program["drives"])
         state["ours"] = report.get("ours", True)
-        state["port"] = self._image(program["moving"] | program["negative"] << 4, program["tool"], program["drives"], self._config)
+        state["port"] = self._port(program)
         state["manual"] = program["manual"]
         state["asked"] = bool(program["asked"])
         if self._cut and name == "hold" and not self.jog.waiting:
@@ -71,6 +70,15 @@ class PulsesPage(BoardMachine):
             self._by_hand([0] * len(self.axes), None)
         if self.jog.active:
             self.jog.report(self.place)
+
+    def _plays(self, name):
+        """True if what moves is the file; `name`: of the state."""
+        if name != "run" and name != "hold":
+            self._playing = False
+        return self._playing or self.runs_stored()
+
+    def _port(self, program):
+        return self._image(program["moving"] | program["negative"] << 4, program["tool"], program["drives"], self._config)
 
     # --- moves by hand
 
@@ -142,12 +150,11 @@ class PulsesPage(BoardMachine):
         verb, _, back = ("run_back" if what == "back" else what).partition("_")
         if verb not in _PLAYS or back not in ("", "back"):
             return errors.UNKNOWN_COMMAND
+        return self.do(Command(commands.STEP_PROGRAM, None, _PLAYS[verb], back == "back"), self._went)
 
-        def played(error):
-            self._playing = self._playing or not error
-            self.finished(error)
-
-        return self.do(Command(commands.STEP_PROGRAM, None, _PLAYS[verb], back == "back"), played)
+    def _went(self, error):
+        self._playing = self._playing or not error
+        self.finished(error)
 
     def _pace(self, order):
         """mm/min from now on, up to the file's next speed."""

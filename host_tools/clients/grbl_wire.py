@@ -1,26 +1,40 @@
 """The lines of the grbl language under way on one wire, for two who speak on it: the page, and a guest (a sender at the port that
 `passo panel` offers).
 
-    wire = Wire(write, heard)
+    wire = Wire(write, heard, answered)
     wire.say(PAGE, b"$J=G91X1F100", answered)    # True if it was sent; answered(error) follows, 0: ok
-    wire.feed(data)                              # heard(line, owner) of each line that is no answer
+    wire.order(Command(HOLD))                    # answered(event) follows: of a reset once the board has begun anew
+    wire.feed(data, now_ms)                      # heard(line, owner) of each line that is no answer
 
 A controller answers each line once, in order; so the answers find their way by a list of who has asked.
 """
 
 from micropython import const
 
+from passo import commands
+from passo.commands import ACCEPTED, REFUSED, Event
+from passo.protocols.grbl.real_time import real_time
+
 PAGE = const(0)
 GUEST = const(1)
 RX_ROOM = const(128)  # bytes of lines under way: what every grbl has room for
 _LONGEST = const(1024)  # bytes of a line from the board; more is noise
 LOST = const(-1)  # answered(LOST): a reset has dropped the line
+_BYTES = {commands.HOLD: 0x21, commands.RESUME: 0x7E, commands.JOG_CANCEL: 0x85, commands.RESET: 0x18}
+_OVERRIDES = {}  # the byte of each: (which, percent, change)
+for _byte in range(0x90, 0x9E):
+    _command = real_time(_byte)
+    if _command:
+        _OVERRIDES[_command.value, _command.power, _command.feed] = _byte
+_LINES = {commands.UNLOCK: b"$X", commands.HAND_OVER: b"$LINK=0"}
 
 
 class Wire:
-    def __init__(self, write, heard):
+    def __init__(self, write, heard, answered=None):
         self.write = write
         self._heard = heard
+        self._answered = answered
+        self._resets = []  # commands that the banner answers
         self._under_way = []  # (owner, line, answered)
         self._bytes = 0
         self._buffer = b""
@@ -42,11 +56,33 @@ class Wire:
         self.write(line + b"\n")
         return True
 
+    # --- commands of a page
+
+    def takes(self, command):
+        return command.kind not in _LINES or self.room(len(_LINES[command.kind]))
+
+    def order(self, command):
+        kind = command.kind
+        if kind in _LINES:
+            self.say(PAGE, _LINES[kind], lambda error: self._answered(Event(REFUSED if error else ACCEPTED, command, error)))
+            return
+        self.write(bytes((_OVERRIDES[command.value, command.power, command.feed] if kind == commands.OVERRIDE else _BYTES[kind],)))
+        if kind == commands.RESET:
+            self._resets.append(command)
+        else:
+            self._answered(Event(ACCEPTED, command))
+
+    def ask(self):
+        self.write(b"?")
+
+    def silent(self):
+        """What is under way may still be answered."""
+
     def oldest(self):
         """The line that is answered next, b"" if there is none."""
         return self._under_way[0][1] if self._under_way else b""
 
-    def feed(self, data):
+    def feed(self, data, now_ms):
         """What the board has said."""
         lines, self._buffer = whole_lines(self._buffer + data)
         for line in lines:
@@ -55,9 +91,13 @@ class Wire:
             elif line[:6] == "error:" and line[6:].isdigit():
                 self._answer(int(line[6:]), line)
             else:
+                resets = []
                 if line[:5] == "Grbl ":
+                    resets, self._resets = self._resets, resets
                     self.drop()
                 self._heard(line, self._under_way[0][0] if self._under_way else None)
+                for command in resets:
+                    self._answered(Event(ACCEPTED, command))
 
     def drop(self):
         """The board has begun anew: what was under way is not answered any more."""
@@ -67,6 +107,9 @@ class Wire:
         for _, _, answered in lost:
             if answered:
                 answered(LOST)
+        resets, self._resets = self._resets, []
+        for command in resets:
+            self._answered(Event(REFUSED, command, LOST))
 
     def _answer(self, error, line):
         if not self._under_way:

@@ -1,0 +1,124 @@
+"""The plotter's packets as the page's machine speaks them: commands out, answers and reports in.
+
+    wire = PlotterWire(write, board, machine)       # machine.answered(event), machine.report(dict)
+
+One packet is under way at a time. The language has no word for "no": STATUS, which is asked all the time, tells what was refused. What is
+not answered, though a later STATUS is, has got lost and is said again; a point twice is a line of no length.
+"""
+
+from micropython import const
+
+from passo import commands, errors
+from passo.commands import ACCEPTED, REFUSED, Event
+from passo.protocols.page.plotter import PlotterPage, jogs_of
+from passo.protocols.plotter.host import ANSWERS, COMMANDS, STATUS_LENGTH, packet, status_from
+
+_LOST = const(3)  # STATUS answered behind a packet that was not
+_ATTEMPTS = const(8)
+_TORN_MS = const(400)  # of a STATUS: the rest does not come any more
+_NAMES = {commands.DRAW: "END", commands.SPEED: "SPEED", commands.HOME: "ORIGIN", commands.STOP: "STOP", commands.HAND_OVER: "LINK"}
+_ANSWER_TO = {commands.POINT: "NEXT", commands.JOG: "NEXT", commands.DRAW: "DONE", commands.SPEED: "SPEED_OK", commands.HOME: "ORIGIN_OK",
+              commands.STOP: "DONE", commands.HAND_OVER: "LINK_OK"}  # fmt: skip
+_TAKES_TIME = (commands.DRAW, commands.HOME, commands.STOP)  # answered when they are done
+
+
+class PlotterWire:
+    def __init__(self, write, board, machine):
+        self.write = write
+        self._machine = machine
+        self._jogs = jogs_of(board)
+        self._buffer = b""
+        self._heard_ms = 0
+        self._command = None  # under way
+        self._asked = 0  # STATUS answered since it was said
+        self._idle = 0  # of these the newest in a row that said idle
+        self._attempts = 0
+
+    # --- commands
+
+    def takes(self, command):
+        return self._command is None or command.kind == commands.STOP
+
+    def order(self, command):
+        if self._command is not None:
+            self._end(0)  # a STOP overtakes it
+        self._command = command
+        self._attempts = 0
+        self._say()
+
+    def _say(self):
+        command = self._command
+        self._asked = self._idle = 0
+        if command.kind == commands.POINT:
+            data = packet(COMMANDS["LINE" if command.tool else "MOVE"], command.target[0], command.target[1])
+        elif command.kind == commands.JOG:
+            data = packet(COMMANDS[self._jogs[command.target]])
+        else:
+            data = packet(COMMANDS[_NAMES[command.kind]], command.value if command.kind == commands.SPEED else 0)
+        self.write(data)
+
+    def _end(self, error):
+        """The packet under way is done with."""
+        command, self._command = self._command, None
+        self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error))
+
+    def ask(self):
+        self.write(packet(COMMANDS["STATUS"]))
+
+    def drop(self):
+        self._buffer = b""
+        if self._command is not None:
+            self._end(errors.NO_ANSWER)
+
+    silent = drop
+
+    # --- what is heard
+
+    def feed(self, data, now_ms):
+        if self._buffer and (now_ms - self._heard_ms) % 0x20000000 > _TORN_MS:
+            self._buffer = b""
+        self._heard_ms = now_ms
+        self._buffer += bytes(data)
+        while self._buffer:
+            first = self._buffer[0]
+            if first != COMMANDS["STATUS"]:
+                self._buffer = self._buffer[1:]
+                self._hear(ANSWERS.get(first))
+                continue
+            if len(self._buffer) < STATUS_LENGTH:
+                return
+            try:
+                status = status_from(self._buffer[:STATUS_LENGTH])
+            except (ValueError, IndexError):
+                self._buffer = self._buffer[1:]
+                continue
+            self._buffer = self._buffer[STATUS_LENGTH:]
+            self._report(status)
+
+    def _hear(self, answer):
+        if self._command is not None and answer == _ANSWER_TO[self._command.kind]:
+            self._end(0)
+
+    def _report(self, status):
+        status["position"] = [status["x"], status["y"]]
+        if self._command is not None:
+            self._settle(status["state"], status["error"], status["free"])
+        self._machine.report(status)
+
+    def _settle(self, name, error, free):
+        """What a STATUS tells of the packet under way, which has not been answered: refused, held back, done, or lost."""
+        kind = self._command.kind
+        refused = error if error == errors.STOPPED or error not in PlotterPage.untold else 0
+        if refused or name == "alarm" and kind not in (commands.HOME, commands.STOP):
+            self._end(refused or errors.LOCKED)
+            return
+        self._asked += 1
+        self._idle = self._idle + 1 if name in ("idle", "alarm") else 0
+        waits = kind == commands.POINT and free == 0 or kind in _TAKES_TIME and not self._idle or kind == commands.JOG and name == "jog"
+        if waits or (self._idle if kind in _TAKES_TIME else self._asked) < _LOST:
+            return
+        self._attempts += 1
+        if kind == commands.JOG or self._attempts > _ATTEMPTS:
+            self._end(errors.NO_ANSWER)
+        else:
+            self._say()

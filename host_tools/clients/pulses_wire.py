@@ -1,0 +1,175 @@
+"""The control commands of the pulses language under way on one wire, and the flow of a file beside them.
+
+    wire = PulsesWire(write, "xyz", machine)
+    wire.order(command)                         # machine.answered(event) follows
+    wire.control(("load", 100), answered)       # True if it was sent; answered(error) follows, 0: ok
+    wire.feed(data, now_ms)                     # machine.report(dict) of each status, machine.heard(line) of what answers nothing
+
+A board answers control commands in order. Errors of a file come between them, with their line and column or without a command that
+waits: those are heard, and never take the place of an answer. {end} is the exception: of a file that has failed there may be an
+answer to it or not; the next status tells.
+"""
+
+from micropython import const
+
+from host_tools.clients.grbl_wire import LOST, whole_lines
+from passo import commands
+from passo.commands import ACCEPTED, REFUSED, STATUS_WORDS, Event
+from passo.protocols.pulses.protocol import ACK, CREDIT, WINDOW, frame
+from passo.protocols.pulses.report import status_from
+
+END = ("end",)
+_ASK = ("?",)
+_MOST = const(8)  # commands under way
+_WORDS = {commands.STOP: ("stop",), commands.HOLD: ("pause",), commands.HOME: ("home",), commands.UNLOCK: ("unlock",), commands.HAND_OVER: ("link",)}
+_VERBS = {commands.STEPS_GO: "run", commands.STEPS_STEP: "step", commands.STEPS_RETURN: "return", commands.STEPS_CONTINUE: "continue"}
+_HANDS = {commands.STEPS_HAND_TOOL: "tool", commands.STEPS_HAND_DRIVES: "drives"}
+
+
+def words_of(command, axes):
+    """The control command's words of a Command."""
+    if command.kind == commands.CONNECT:
+        return "motors", "on" if command.value else "off"
+    if command.kind != commands.STEP_PROGRAM:
+        return _WORDS[command.kind]
+    what = command.value
+    if what == commands.STEPS_PACE:
+        return "speed", command.feed
+    if what in _HANDS:
+        return _HANDS[what], "on" if command.tool else "off"
+    if what == commands.STEPS_JOG:
+        words = ["jog"]
+        for axis, steps in zip(axes, command.target):
+            words += [axis, steps] * bool(steps)
+        return words if len(words) > 1 else ("jog", axes[0], 0)
+    if command.tool:
+        return ("back",) if what == commands.STEPS_GO else (_VERBS[what], "back")
+    return (_VERBS[what],)
+
+
+def report_of(fields):
+    """The machine's report, a dict, of a status line's fields. Raises ValueError or KeyError."""
+    report = {
+        "state": fields["state"], "error": int(fields["error"]), "position": [int(part) for part in fields["place"].split(",")],
+        "ours": fields.get("ours", "1") == "1", "fields": fields, "step_program": {
+            "speed": round(float(fields["speed"]) * 10), "wait_ms": int(fields["wait"]), "tool": fields["tool"] == "1",
+            "drives": fields["drives"] == "1", "port": int(fields["port"], 16), "manual": int(fields["manual"]), "asked": fields["ask"] == "1",
+        },
+    }  # fmt: skip
+    for key, word in STATUS_WORDS:
+        if word in fields:
+            report[key] = fields[word]
+    return report
+
+
+class PulsesWire:
+    def __init__(self, write, axes, machine):
+        self._write = write
+        self._axes = axes
+        self._machine = machine
+        self._under_way = []  # (words, answered)
+        self._buffer = b""
+        self._failed = False  # the file that is being sent has
+        self.credit = 0  # bytes of a file that may be sent
+
+    def waits_for(self, verb):
+        """True if a command of that verb is not answered."""
+        return bool([1 for words, _ in self._under_way if words[0] == verb])
+
+    def takes(self, command):
+        return len(self._under_way) < _MOST or command.kind == commands.STOP
+
+    def order(self, command):
+        def answered(error):
+            self._machine.answered(Event(REFUSED if error else ACCEPTED, command, error))
+
+        self._send(words_of(command, self._axes), answered)
+
+    def ask(self):
+        self.control(_ASK, None)
+
+    def control(self, words, answered):
+        """Send a control command, if few are under way."""
+        return len(self._under_way) < _MOST and self._send(words, answered)
+
+    def _send(self, words, answered):
+        self._under_way.append((words, answered))
+        self._write(frame(*words))
+        return True
+
+    # --- a file
+
+    def begin_file(self):
+        """{load} or {stream} has been answered: bytes of a file may follow."""
+        self.credit = WINDOW
+        self._failed = False
+        self._write(b"\n")
+
+    def send(self, data):
+        """Bytes of the file, `credit` at most."""
+        self.credit -= len(data)
+        self._write(data)
+
+    # --- what is heard
+
+    def drop(self):
+        """Nothing that is under way will be answered."""
+        lost = self._under_way
+        self._under_way = []
+        self._buffer = b""
+        for _, answered in lost:
+            if answered:
+                answered(LOST)
+
+    silent = drop
+
+    def feed(self, data, now_ms):
+        data = bytes(data)
+        acks = data.count(ACK)
+        if acks:
+            self.credit += acks * CREDIT
+            data = data.replace(ACK, b"")
+        lines, self._buffer = whole_lines(self._buffer + data)
+        for line in lines:
+            self._line(line)
+
+    def _line(self, line):
+        if line[:1] == "<":
+            if self._failed and self._first() == END:
+                self._under_way.pop(0)  # it was answered by the file's error
+            if self._first() == _ASK:
+                self._under_way.pop(0)
+            try:
+                report = report_of(status_from(line))
+            except (ValueError, KeyError):
+                return
+            self._machine.report(report)
+        elif line == "ok" or line[:3] == "ok ":
+            self._answer(0, line)
+        elif line[:6] == "error:" and line[6:].isdigit() and not self._of_the_file():
+            self._answer(int(line[6:]), line)
+        else:
+            if line[:6] == "error:":
+                self._failed = True
+            self._machine.heard(line)
+
+    def _first(self):
+        return self._under_way[0][0] if self._under_way else None
+
+    def _of_the_file(self):
+        """True if no command waits that an error may be about."""
+        return not [1 for words, _ in self._under_way if words != _ASK]
+
+    def _answer(self, error, line):
+        while True:
+            waiting = [each for each in self._under_way if each[0] != _ASK]
+            if not waiting:
+                return
+            words, answered = waiting[0]
+            self._under_way.remove(waiting[0])
+            if not (self._failed and words == END):
+                if answered:
+                    answered(error)
+                return
+            if line != "ok":
+                return

@@ -1,0 +1,54 @@
+"""Pages of machines on cables to which the PC sends jobs.
+
+    class PlotterMachine(with_jobs(cabled(PlotterPage))): …     # sets `job`
+"""
+
+from passo import errors
+
+
+def with_jobs(kind):
+    """The class of pages `kind`, see cabled.py, with a job: running(), run(), play(), poll(), refresh(), abort(), fail(error)."""
+
+    class WithJobs(kind):
+        job = None
+
+        def feed(self, data, now_ms):
+            kind.feed(self, data, now_ms)
+            self.job.poll()
+
+        def poll(self, now_ms):
+            kind.poll(self, now_ms)
+            self.job.poll()
+
+        def alarmed(self, number):
+            kind.alarmed(self, number)
+            self.job.fail(number)
+
+        def silent(self):
+            kind.silent(self)
+            self.job.fail(errors.NO_ANSWER)
+
+        def shown(self):
+            self.job.refresh()
+            return kind.shown(self)
+
+        def still(self):
+            return errors.BUSY if self.job.running() else kind.still(self)
+
+        def _may_jog(self, direction):
+            return kind._may_jog(self, direction) and not self.job.running()
+
+        def run(self, name, lines, passes, checked, single):
+            return self.job.run(name, lines, passes, checked, single)
+
+        def play(self, what):
+            return self.job.play(what)
+
+        def abort(self):
+            return self.job.abort()
+
+        def stop(self):
+            self.job.fail(errors.STOPPED)
+            return kind.stop(self)
+
+    return WithJobs
