@@ -35,6 +35,7 @@ from host_tools.cli.torch import app as torch
 from host_tools.cli.usage import speak_by_itself
 from host_tools.cli.watch import watch
 from host_tools.cli.wifi import app as wifi
+from host_tools.cli.wiring import wiring
 from host_tools.failure import Failure, reason
 from host_tools.language import _
 from host_tools.resources import ROOT
@@ -136,7 +137,7 @@ def explain_missing(name):
     return None
 
 
-for _verb in (panel, site, board, emulate, draw, send, stream, resume, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash):
+for _verb in (panel, site, wiring, board, emulate, draw, send, stream, resume, keys, check, calibrate, settings, link, status, log, interlock, watch, plot, film, ports, build, flash):
     app.command()(_verb)
 app.command("compile")(compile_)
 app.add_typer(jobs, name="jobs")

@@ -42,7 +42,9 @@ REASONS = (errno.ENOENT, errno.EACCES, errno.EPERM, errno.EISDIR, errno.ENOTDIR,
            errno.EADDRINUSE, errno.EADDRNOTAVAIL, errno.ECONNREFUSED, errno.ECONNRESET, errno.ETIMEDOUT, errno.EHOSTUNREACH,
            errno.ENETUNREACH, errno.ENODEV, errno.EPIPE)  # fmt: skip
 # Words of the documents, and what an English text with them has to say in Portuguese.
-TERMS = {"spindle": "fuso", "torch": "tocha", "plotter": "plotadora", "pulse": "pulso", "weave": "tecer", "homing": "origem"}
+TERMS = {"spindle": "spindle", "homed": "referenciada", "drives": "drivers", "torch": "tocha", "plotter": "plotadora", "pulse": "pulso", "weave": "tecer", "homing": "origem"}
+# One word each, as a Brazilian shop has it: {what is not said: what is}; `fuso` is the lead screw.
+NOT_SAID = {"armazenad": "guardado", "sentiu falta": "acusou", "acionamento": "driver"}
 
 
 @pytest.fixture
@@ -219,6 +221,13 @@ def test_the_words_are_those_of_the_documents():
             named = term in words and re.search("grbl|passo ", words)  # as a command or a link's language
             if re.search(rf"\b{term}s?\b", text) and not named:
                 assert word in words.lower(), f"{text}: {words}"
+
+
+def test_one_word_for_one_thing():
+    for text, words in WORDS.items():
+        for wrong, right in NOT_SAID.items():
+            assert wrong not in words.lower(), f"{words}: say {right}"
+        assert "fuso" not in words.lower() or "screw" in text, words
 
 
 def test_what_is_printed_goes_through_the_catalogue():

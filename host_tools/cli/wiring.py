@@ -1,0 +1,54 @@
+"""`passo wiring`: what goes to which pin, as a table and as a drawing."""
+
+from pathlib import Path
+from typing import Annotated, Optional
+
+import typer
+
+from host_tools.failure import Failure
+from host_tools.language import _
+
+
+def wiring(
+    board: Annotated[str, typer.Argument(help="Board file: a name, or the path of a .py file.")],
+    out: Annotated[Optional[Path], typer.Option("-o", "--out", help="Write a drawing instead, as SVG, for a sheet of A4.")] = None,
+):
+    """Show how a board file is wired: each pin, and the driver, switch or relay that it goes to.
+
+    The drawing has the module as it is seen from above, the drivers and motors, switches, tool and relays, and the way of the power
+    through the emergency stop. `passo --lang pt wiring …` labels it in Portuguese.
+
+    Examples:
+
+        passo wiring router_3axis                    # the table
+
+        passo wiring router_3axis --out router.svg   # the drawing: open it in a browser, print it
+
+        passo wiring boards/mine.py -o mine.svg      # that of your own machine
+    """
+    from host_tools import boards
+    from passo.config.boardfile import check
+
+    checked = check(boards.load(board))
+    if out is None:
+        return _show(checked)
+    from host_tools.wiring.drawing import drawing
+
+    if out.suffix.lower() != ".svg":
+        raise Failure("the drawing is an SVG file: --out {}.svg, not {}", out.stem, out)
+    out.write_text(drawing(checked), encoding="utf-8")
+    print(out)
+
+
+def _show(board):
+    from rich.console import Console
+    from rich.table import Table
+
+    from host_tools.wiring.table import rows
+
+    table = Table(box=None, pad_edge=False, title=_("Wiring of {}", board["name"]), title_justify="left")
+    for title in (_("pin"), _("position"), _("goes to"), _("terminal"), _("notes")):
+        table.add_column(title)
+    for row in rows(board):
+        table.add_row(*row)
+    Console().print(table, markup=False)

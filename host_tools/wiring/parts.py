@@ -1,0 +1,229 @@
+"""The parts that a board file names, and which pin goes to which of their terminals.
+
+    for part in parts(check(boards.load("router_3axis"))):
+        print(part.title, [(terminal.label, terminal.pin) for terminal in part.terminals])
+
+A pin is a number of the chip, or a bit of a shift register: ("in", 100) of a 74HC165, ("out", 100) of a 74HC595. The output `enable`
+goes to a terminal of each driver if neither lies behind a register; every other pin has one terminal.
+"""
+
+from dataclasses import dataclass, field
+
+from host_tools.language import _
+from passo.drives import pbl3770a, unipolar
+
+REGISTER_BIT = 100
+# Inputs by the beginning of their names; the others are plain signals.
+_BUTTONS = ("door", "repl", "hold", "resume", "reset", "job", "admit", "jog_", "start")
+
+
+@dataclass
+class Terminal:
+    label: str
+    pin: object
+
+
+@dataclass
+class Part:
+    """`name` is unique, `kind` chooses symbol and colour, `supply` is a set of "M+", "3V3", "5V", "GND"; "M+" is behind the emergency
+    stop; `opens`: a switch that opens when hit."""
+
+    name: str
+    kind: str
+    title: str
+    terminals: list
+    notes: list = field(default_factory=list)
+    supply: tuple = ("GND",)
+    opens: bool = False
+
+
+def parts(board):
+    """All parts of a checked board file, motors first."""
+    found = [*_motors(board), *_tools(board), *_inputs(board), *_outputs(board), *_encoders(board), *_lines(board), *_registers(board)]
+    return found
+
+
+def pin_of(number, way):
+    """The pin of a number of the board file; `way`: "in" or "out"."""
+    return (way, number) if number >= REGISTER_BIT else number
+
+
+def motors(board):
+    """(name, pins) of all motors, a gantry's second one too."""
+    found = [(axis["name"], axis["pins"]) for axis in board["axes"]]
+    gantry = board["gantry"]
+    return found + ([(gantry["axis"] + "2", gantry["pins"])] if gantry else [])
+
+
+def _motors(board):
+    drive = board["drive"]
+    enable = None if drive["kind"] != "step_dir" else common_enable(board)
+    for name, pins in motors(board):
+        title = name.upper()
+        if drive["kind"] == "step_dir":
+            mark = "" if drive["step_active"] else "−"
+            terminals = [Terminal(label + mark, pin_of(pin, "out")) for label, pin in zip(("STEP", "DIR"), pins)]
+            terminals += [Terminal("EN", enable)] if enable is not None else []
+            notes = [_("pulse {} µs, DIR {} µs ahead", drive["pulse_us"], drive["setup_us"])]
+            if not drive["step_active"]:
+                notes.append(_("a low pin is active"))
+            yield Part(f"motor_{name}", "driver", _("{} driver and motor", title), terminals, notes, ("M+", "GND"))
+        elif drive["kind"] == "unipolar":
+            terminals = [Terminal(label.upper(), pin) for label, pin in zip(unipolar.PINS, pins)]
+            notes = [_("unipolar, through 4 channels"), _("of a ULN2803A, COM to M+")]
+            yield Part(f"motor_{name}", "coils", _("{} motor", title), terminals, notes, ("M+", "GND"))
+        else:
+            terminals = [Terminal(label.upper(), pin) for label, pin in zip(pbl3770a.PINS, pins)]
+            notes = [_("bipolar, two PBL3770A,"), _("one a winding")]
+            yield Part(f"motor_{name}", "coils", _("{} motor", title), terminals, notes, ("M+", "GND"))
+
+
+def common_enable(board):
+    """The pin that goes to EN of all drivers, if they and it are on the chip's own pins; None otherwise."""
+    for item in board["outputs"]:
+        if item["name"] == "enable" and max(item["pin"], *(pin for _, pins in motors(board) for pin in pins)) < REGISTER_BIT:
+            return item["pin"]
+    return None
+
+
+def _tools(board):
+    pin, spindle = board["tool"]["pin"], board["spindle"]
+    follower = board["registers"]["tool"] if board["registers"] else -1
+    kind, title, notes = _tool(board)
+    power = [Terminal("PWM", spindle["pin"])] if spindle["pwm"] else []
+    level = _("active high") if board["tool"]["active"] else _("active low")
+    if follower >= 0:
+        yield Part("tool", "none", _("tool's bit"), [Terminal("", pin)], [_("no wire: the output tool follows it")], ())
+        yield Part("tool_out", kind, title, [Terminal("on", ("out", follower))], [_("tool, {}", level)], ("M+", "GND"))
+    elif power and pin >= REGISTER_BIT:
+        yield Part("tool", "lamp", _("tool: on while it works"), [Terminal("on", ("out", pin))], [level])
+        yield Part("power", kind, title, power, notes, ("M+", "GND"))
+    else:
+        terminals = [Terminal("on", pin_of(pin, "out")), *power]
+        yield Part("tool", kind, title, terminals, [*notes, _("tool, {}", level)], ("M+", "GND"))
+
+
+def _tool(board):
+    """(kind, title, notes) of the tool, by what the board file says of the machine."""
+    languages = {link["protocol"] for link in board["links"]}
+    if board["spindle"]["laser"]:
+        return "laser", _("Laser"), [_("PWM {} Hz, 10 kΩ to GND each", board["spindle"]["pwm_hz"])]
+    if board["spindle"]["pwm"]:
+        return "spindle", _("Spindle with PWM"), [f"PWM {board['spindle']['pwm_hz']} Hz → 0 … 10 V"]
+    if "plotter" in languages:
+        return "coil", _("Pen solenoid"), [_("transistor, diode across the coil")]
+    if "torch" in languages:
+        return "contact", _("Torch contact"), []
+    if "keys" in languages:
+        return "contact", _("Tool output"), []
+    return "contact", _("Spindle relay or inverter"), []
+
+
+def _inputs(board):
+    for item in board["inputs"]:
+        kind, title = _input(board, item)
+        pin = pin_of(item["pin"], "in")
+        supply = ("5V", "GND") if kind == "barrier" else ("GND",)
+        yield Part(f"in_{item['name']}", kind, f"{item['name']}: {title}", [Terminal("", pin)], [_contact(item, kind)], supply, bool(item["active"]))
+
+
+def _input(board, item):
+    name = item["name"]
+    homed = {sensor: axis for axis, sensor in (board["homing"] or {"sensors": {}})["sensors"].items()}
+    ends = {sensor: end for end, sensor in (board["interlock"] or {"limits": {}})["limits"].items()}
+    if item["halt"]:
+        return "stop", _("2nd contact of E-STOP")
+    if name.startswith("barrier"):
+        return "barrier", _("optical, TCST1103")
+    if name == "probe":
+        return "probe", _("tool and plate")
+    if name in ends:
+        return "switch", _("limit {}", ends[name].replace("-", "−").upper())
+    if name in homed or name.startswith("limit_"):
+        return "switch", _("limit {}", homed.get(name, name[-1]).upper())
+    if name.startswith(_BUTTONS):
+        return "switch", {"door": _("door switch"), "repl": _("held at the start")}.get(name, _("button"))
+    return "signal", _("active high") if item["active"] else _("active low")
+
+
+def _contact(item, kind):
+    """How an input is wired, in a few words."""
+    pull = {"up": _("pull-up inside"), "down": _("pull-down inside"), "none": _("pull-up outside")}[item["pull"]]
+    if item["pin"] >= REGISTER_BIT:
+        pull = _("own pull resistor")
+    if kind == "barrier":
+        return f"LED: 5 V, 330 Ω; {pull}"
+    if kind == "probe":
+        return _("tool to GND, plate to the pin")
+    if kind == "signal":
+        return pull
+    return _("opens when hit, {}", pull) if item["active"] else _("closes to GND, {}", pull)
+
+
+_PURPOSES = {
+    "reverse": lambda: _("spindle runs backwards"), "flood": lambda: _("coolant pump or air"), "mist": lambda: _("mist valve"),
+    "vacuum": lambda: _("pump or valve"), "enable": lambda: _("EN of all drivers"), "led": lambda: _("lamp"),
+}  # fmt: skip
+
+
+def _outputs(board):
+    for item in board["outputs"]:
+        name = item["name"]
+        if name == "enable" and common_enable(board) is not None:
+            continue
+        role = {"ours": _("on: motors are this board's"), "theirs": _("on: motors are the other's"), "none": None}[item["role"]]
+        purpose = _PURPOSES[name]() if name in _PURPOSES else role or _("relay")
+        level = _("active high") if item["active"] else _("active low")
+        kind = "lamp" if name == "led" else "relay"
+        yield Part(f"out_{name}", kind, f"{name}: {purpose}", [Terminal("", pin_of(item["pin"], "out"))], [_("transistor and diode, {}", level)])
+
+
+def _encoders(board):
+    for item in board["encoders"]:
+        terminals = [Terminal(wire, pin) for wire, pin in zip("AB", item["pins"])]
+        notes = [_("{} pulses a turn, 3.3 V", item["pulses"])]
+        yield Part(f"encoder_{item['motor']}", "encoder", _("{} encoder", item["motor"].upper()), terminals, notes, ("3V3", "GND"))
+
+
+def _lines(board):
+    """Serial lines, the inverter's too, and the memory card."""
+    for link in board["links"]:
+        if link["port"].startswith("uart"):
+            terminals = [Terminal("RX", link["tx"]), Terminal("TX", link["rx"])]
+            notes = [_("USB adapter of 3.3 V, or a"), _("controller: {}, {} baud", link["protocol"], link["baud"])]
+            yield Part(f"link_{link['name']}", "serial", _("serial line {}", link["name"]), terminals, notes)
+    inverter, card = board["inverter"], board["card"]
+    if inverter:
+        terminals = [Terminal("DI", inverter["tx"]), Terminal("RO", inverter["rx"])]
+        notes = [_("RS-485 transceiver that"), _("switches itself; {} baud", inverter["baud"])]
+        yield Part("inverter", "serial", _("spindle's inverter"), terminals, notes, ("3V3", "GND"))
+    if card:
+        terminals = [Terminal(label, card[key]) for label, key in (("CLK", "sck"), ("DI", "mosi"), ("DO", "miso"), ("CS", "cs"))]
+        yield Part("card", "serial", _("memory card"), terminals, [_("10 kΩ from DO to 3V3")], ("3V3", "GND"))
+
+
+def _registers(board):
+    """The bank of shift registers, and the diodes that join inputs behind them."""
+    registers, shift = board["registers"], board["shift"]
+    if registers:
+        keys = (("CLK", "clock"), ("LATCH", "latch"), ("QH", "in"), ("SER", "out"))
+        chips = f"{registers['inputs']} × 74HC165, {registers['outputs']} × 74HC595"
+        yield Part("registers", "registers", chips, [Terminal(label, registers[key]) for label, key in keys], [], ("3V3", "GND"))
+        for item in registers["edges"]:
+            names = item["inputs"].replace(" ", ", ")
+            title = _("diodes of {}", names)
+            yield Part(f"edge_{item['pin']}", "diodes", title, [Terminal("", item["pin"])], [_("1N4148 each, 10 kΩ to GND")])
+    if shift:
+        keys = (("CLK", "clock"), ("LATCH", "latch"), ("SER", "data"), ("OE", "enable"))
+        terminals = [Terminal(label, shift[key]) for label, key in keys if shift[key] >= 0]
+        yield Part("registers", "registers", f"{chips_of(board)['out']} × 74HC595", terminals, [], ("3V3", "GND"))
+
+
+def chips_of(board):
+    """{"in": 74HC165, "out": 74HC595}: how many of each there are."""
+    if board["registers"]:
+        return {"in": board["registers"]["inputs"], "out": board["registers"]["outputs"]}
+    if not board["shift"]:
+        return {"in": 0, "out": 0}
+    bits = [pin for _, pins in motors(board) for pin in pins] + [board["tool"]["pin"]] + [item["pin"] for item in board["outputs"]]
+    return {"in": 0, "out": (max(bits) - REGISTER_BIT) // 8 + 1}
