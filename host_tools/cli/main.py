@@ -49,7 +49,7 @@ EXTRAS = {
 UNIX_ONLY = ("fcntl", "termios", "tty", "pty")
 _SEND = 'passo send --port /tmp/machine REQUEST ORIGIN "MOVE 644 314" "LINE 884 454" END'
 
-app = typer.Typer(add_completion=False, pretty_exceptions_enable=False, rich_markup_mode="markdown")
+app = typer.Typer(pretty_exceptions_enable=False, rich_markup_mode="markdown")
 
 
 def _ask_for_frames(wanted: Optional[bool]):
@@ -97,7 +97,6 @@ def _passo(
     """Passo: a motion controller for stepper machines. Draw, send, watch, and try it all on a virtual board."""
     if context.invoked_subcommand is None:
         print(context.get_help())
-        print(first_steps())
 
 
 def version():
@@ -119,11 +118,23 @@ def first_steps():
         ("passo site --serve 8000", _("the same page with the firmware inside, for any web server")),
         ("passo board --link /tmp/machine", _("a plotter on a virtual board; leave it running")),
         (_SEND, _("in a second terminal")),
+        ("passo wiring router_3axis", _("which pin goes to which driver, switch and relay")),
         ("passo check part.gcode", _("what a router would make of a file")),
     ]
     shown = "\n".join(f"    {command:<38} {purpose}" for command, purpose in rows)
     last = _("passo VERB --help has examples. With a board: passo ports, then passo flash.")
     return f"{_('Try this first, without any hardware:')}\n\n{shown}\n\n{last}"
+
+
+def help_with_first_steps(command):
+    """Let `passo --help` end with what a newcomer may try."""
+    plain = command.format_help
+
+    def format_help(context, formatter):
+        plain(context, formatter)
+        print(first_steps())
+
+    command.format_help = format_help
 
 
 def explain_missing(name):
@@ -153,6 +164,7 @@ def main():
         command = typer.main.get_command(app)
         language.speak(command)
         speak_by_itself(command)
+        help_with_first_steps(command)
         command()
     except Failure as failure:
         print(f"passo: {failure.told()}", file=sys.stderr)

@@ -13,7 +13,7 @@ from passo.error_texts import TEXTS
 pytestmark = pytest.mark.quick
 
 ROOT = Path(__file__).resolve().parents[2]
-PAGES = sorted((ROOT / "docs").rglob("*.md")) + [ROOT / "README.md", ROOT / "CONTRIBUTING.md", ROOT / "tests_host" / "README.md"]
+PAGES = sorted((ROOT / "docs").rglob("*.md")) + [*ROOT.glob("*.md"), ROOT / "tests_host" / "README.md"]
 
 # {pattern: (cure, expression)}
 RIDDLES = {

@@ -1,5 +1,6 @@
 """The `passo` command itself: what it says alone, its version, what it says where a part of it is not installed."""
 
+import re
 import subprocess
 import sys
 
@@ -12,16 +13,28 @@ from host_tools.cli import main as cli
 BLOCKED = "import sys; sys.modules.update(dict.fromkeys({names!r})); sys.argv = {words!r}; from host_tools.cli.main import main; main()"
 
 
-def passo(*words, without=()):
-    """Run `passo` in a process in which the packages `without` are not installed."""
+def passo(*words, without=(), **more):
+    """Run `passo` in a process in which the packages `without` are not installed; `more`: of its environment."""
     program = BLOCKED.format(names=list(without), words=["passo", *words])
-    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env=environment(), timeout=60)
+    return subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, env={**environment(), **more}, timeout=60)
 
 
 def test_alone_it_says_what_to_try_first():
-    done = passo()
-    assert done.returncode == 0, done.stderr
-    assert "Try this first" in done.stdout and "passo board" in done.stdout and "Usage" in done.stdout
+    for words in ((), ("--help",)):
+        done = passo(*words)
+        assert done.returncode == 0, done.stderr
+        assert done.stdout.count("Try this first") == 1 and "passo board" in done.stdout and "Usage" in done.stdout
+    assert "Try this first" not in passo("plot", "--help").stdout
+
+
+def test_a_shell_completes_its_verbs(tmp_path):
+    """As the script that --install-completion writes asks for them."""
+    done = passo("--install-completion", "bash", HOME=str(tmp_path))
+    assert done.returncode == 0 and "installed" in done.stdout, done.stderr
+    script = tmp_path / ".bash_completions" / "passo.sh"
+    assert str(script) in (tmp_path / ".bashrc").read_text()
+    asked = re.search("_PASSO_COMPLETE=complete_bash", script.read_text())
+    assert asked and passo(COMP_WORDS="passo wi", COMP_CWORD="1", _PASSO_COMPLETE="complete_bash").stdout.split() == ["wiring", "wifi"]
 
 
 def test_version():
