@@ -174,11 +174,14 @@ class App:
         tripped = self.port.tripped()
         if tripped and not self.controller.machine.alarm:
             self.controller.stopped_by(tripped)
+        machine = self.controller.machine
         self.controller.poll()
-        self._answer()
+        if machine.events:
+            self._answer()
         if self.interrupt and (heeded or self._coming()):
             self._hear()  # so that `?` waits half as long
-        self._feed()
+        if machine.awake or self.feeder.open:
+            self._feed()
         return True
 
     # In small pieces: a function of more than eleven words of variables and stack takes them off the heap, longer than a call.
@@ -191,9 +194,13 @@ class App:
         for link in self.links:
             self._speaking = link
             self._overruled = 0
-            commands = self._receive(link)
-            if commands:
-                self._carry_out(commands, link)
+            if link.waiting:
+                self._go_on(link)
+            data = link.serial.read()
+            if data or not link.keeps or link.protocol.pending():
+                commands = self._receive(link, data)
+                if commands:
+                    self._carry_out(commands, link)
         self._speaking = None
         return self._heard
 
@@ -253,22 +260,22 @@ class App:
     def rest(self):
         """The end of a cycle."""
         controller = self.controller
-        self.port.wait(controller.busy(), controller.machine.fine())
+        machine = controller.machine
+        self.port.wait(machine.awake and controller.busy(), machine.command is not None and machine.fine())
         self._looked_ms = self.port.machine_ms()
 
-    def _receive(self, link):
-        """What waits comes first, then the commands in what the line brings: each is to be answered before the next is
-        asked for."""
+    def _go_on(self, link):
+        """What waits comes first."""
         while link.waiting and self.controller.accept(link.waiting[0]) != LATER:
             link.waiting.pop(0)
             self._answer()
             self._heard |= _WHOLE
-        data = link.serial.read()
+
+    def _receive(self, link, data):
+        """The commands in what the line brings: each is to be answered before the next is asked for."""
         if data:
             self._heard |= _PART
             link.heard = True
-        elif link.keeps and not link.protocol.pending():
-            return ()
         if link.batch and (link.keeps or not link.waiting):
             data = self._in_batches(link, data)
         return link.protocol.feed(data, self._now_ms)

@@ -60,6 +60,7 @@ FEATURES = (
     ("links", "Links", lambda board: True),
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop", "retract")),
     ("resets", "Resets", lambda board: True),
+    ("power_fail", "PowerFail", lambda board: board["journal"] and board["journal"]["power"]),
     ("job_journal", "JobJournal", lambda board: board["journal"] and not _counted(board)),
     ("unit_journal", "UnitJournal", lambda board: board["journal"] and _counted(board)),
     ("jobs", "Jobs", lambda board: board["jobs"]),  # it adds a link: behind those that count them

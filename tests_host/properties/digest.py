@@ -126,6 +126,9 @@ class Sink:
     def input(self, name):
         return False
 
+    def levels(self):
+        return 0
+
     def tripped(self):
         return None
 

@@ -46,6 +46,9 @@ class Port(Sink):
     def input(self, name):
         return name in self.active
 
+    def levels(self):
+        return sum([1 << len(name) for name in self.active])
+
     def power(self, level):
         pass
 

@@ -20,8 +20,8 @@ MOST = 11
 ROAD = (
     "app.py App.poll",
     "app.py App._hear",
-    "app.py App._receive",
     "ports/virtual.py MemoryLine.read",
+    "app.py App._receive",
     "app.py App._in_batches",
     "protocols/grbl/protocol.py Grbl.take",
     "protocols/grbl/take_viper.py take_lines",
@@ -49,14 +49,21 @@ ANSWER = {
     "motion/planner.py Planner.set_power",
     "ports/virtual.py MemoryLine.write",
 }
-# What a cycle does whether a line comes or not.
+# What every cycle does.
 CYCLE = {
-    "control/stream_queue.py StreamQueue.stream",
-    "motion/planner.py Planner.ahead",
+    "control/controller.py Controller.poll",
+    "control/switches.py Switches.look",
+    "ports/virtual.py VirtualPort.input",
+    "ports/virtual.py VirtualPort.levels",
+    "ports/virtual.py VirtualPort.machine_ms",
+    "ports/virtual.py VirtualPort.tripped",
+    "protocols/grbl/protocol.py Grbl.pending",
+}
+# What a cycle does besides while the machine is awake.
+AWAKE = {
+    "control/controller.py Controller._work",
     "control/controller.py Controller.live",
     "control/controller.py Controller.may_feed",
-    "control/controller.py Controller.poll",
-    "control/controller.py Controller.take_events",
     "control/motors.py Motors.poll",
     "control/motors.py Motors.ready",
     "control/pauses.py Pauses.poll_end",
@@ -65,23 +72,15 @@ CYCLE = {
     "control/queue.py Queue.still",
     "control/stream_queue.py StreamQueue.begin",
     "control/stream_queue.py StreamQueue.feed",
-    "control/switches.py Switches._look",
-    "control/switches.py Switches.poll",
+    "control/stream_queue.py StreamQueue.stream",
     "control/tools.py Tools.poll_end",
+    "motion/planner.py Planner.ahead",
     "motion/planner.py Planner.empty",
     "motion/planner.py Planner.resting",
     "motion/planner.py Planner.start",
-    "ports/virtual.py VirtualPort.input",
-    "ports/virtual.py VirtualPort.link_ms",
-    "ports/virtual.py VirtualPort.machine_ms",
-    "ports/virtual.py VirtualPort.tripped",
     "ports/virtual_player.py Player.played",
-    "protocols/grbl/lines.py Lines.waiting",
     "protocols/grbl/protocol.py Grbl.feed",
-    "protocols/grbl/protocol.py Grbl.pending",
-    "app.py App._answer",
 }
-STANDING = {"control/controller.py Controller._stand", "control/state.py MachineState.busy_with", "ports/virtual_player.py Player.busy"}
 # Of a block that is not behind an accelerated line: the feeder fetches it, once.
 FETCH = {
     "steps/feeder.py Feeder._fetch",
@@ -146,17 +145,17 @@ def test_one_line_passes_few_functions(road):
 
 
 def test_nothing_else_is_called_on_the_way(road):
-    assert set(road) - set(ROAD) <= ASKED | ANSWER | CYCLE | FETCH
+    assert set(road) - set(ROAD) <= ASKED | ANSWER | CYCLE | AWAKE | FETCH
 
 
 def test_an_idle_cycle_calls_no_more_than_it_is_said_to():
     machine = Machine().ready()
     machine.settle()
     idle = set(calls(machine.app.poll))
-    assert idle - {name for name in ROAD if name.startswith(("app.py", "ports/"))} <= CYCLE | STANDING
+    assert idle - set(ROAD[:3]) == CYCLE and not machine.controller.machine.awake
 
 
-@pytest.mark.parametrize("name", sorted(ASKED | ANSWER | CYCLE | STANDING | FETCH))
+@pytest.mark.parametrize("name", sorted(ASKED | ANSWER | CYCLE | AWAKE | FETCH))
 def test_what_is_named_exists(name):
     path, function = name.split()
     owner, _, method = function.rpartition(".")

@@ -11,6 +11,7 @@ feature is the last: it wraps the handlers of the others.
 from micropython import const
 
 from passo import commands, errors
+from passo.control.feature import Feature
 from passo.records import COUNT_MASK, NETWORK_PORTS
 
 _MINUTE_MS = const(60_000)
@@ -25,10 +26,10 @@ def _starts(command):
     return command.kind == commands.RESUME or command.value == commands.JOB_RUN
 
 
-class Admission:
+class Admission(Feature):
     def __init__(self, board, machine, queue):
         config = board["network"]
-        self._machine = machine
+        Feature.__init__(self, board, machine, queue)
         self._networked = [number for number, link in enumerate(board["links"]) if link["port"] in NETWORK_PORTS]
         self._legacy = config["legacy_http"]
         self._button = config["button"]
@@ -65,7 +66,7 @@ class Admission:
         """True while who sends no proof is admitted."""
         return self._length_ms > 0
 
-    def poll(self, now_ms):
+    def look(self, now_ms):
         if self._button:
             pressed = self._machine.port.input(self._button)
             if pressed and not self._pressed and not self._machine.alarm:

@@ -8,14 +8,14 @@ when the app ends the outputs of role "ours" are off, which is how a machine wit
 """
 
 from passo import commands, errors
+from passo.control.feature import Feature
 from passo.records import COUNT_MASK
 
 
-class Changeover:
+class Changeover(Feature):
     def __init__(self, board, machine, queue):
         self._port = machine.port
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._pause_ms = board["changeover_ms"]
         self._ours = [item["name"] for item in board["outputs"] if item["role"] == "ours"]
         self._theirs = [item["name"] for item in board["outputs"] if item["role"] == "theirs"]
@@ -47,7 +47,10 @@ class Changeover:
         machine = self._machine
         if (machine.alarm or machine.sleeping) and self._queue.still():
             self.release()
-        if self._due_ms is None or (now_ms - self._due_ms) & COUNT_MASK > COUNT_MASK // 2:
+        if self._due_ms is None:
+            return
+        machine.awake = True
+        if (now_ms - self._due_ms) & COUNT_MASK > COUNT_MASK // 2:
             return
         if self._made:
             self._due_ms = None

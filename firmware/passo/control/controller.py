@@ -11,8 +11,8 @@ rest is the features', which the board file and the languages of its links have 
 
 from passo import commands, errors
 from passo.commands import ACCEPTED, DROPPED, REFUSED, Event
+from passo.control.feature import overriding
 from passo.control.links import OF_ANY_LINK
-from passo.control.state import hooks
 from passo.records import COUNT_MASK, REST_MS
 
 # What the link that has started a stored job may still say.
@@ -41,21 +41,22 @@ class Controller:
             commands.STOP: self._stop,
         })  # fmt: skip
         machine.join(features)
-        self._polls = hooks(features, "poll")  # here, and not at each cycle: to fetch a method takes memory
-        self._long = hooks(features, "poll_command")
-        self._ends = hooks(features, "poll_end")
-        self._lives = hooks(features, "live")
-        self._readies = hooks(features, "ready")
-        self._busies = hooks(features, "busy")
-        self._stops = hooks(features, "stopped")
-        self._asks = hooks(features, "asked")
+        self._looks = overriding(features, "look")  # here, and not at each cycle: to fetch a method takes memory
+        self._polls = overriding(features, "poll")
+        self._long = overriding(features, "poll_command")
+        self._ends = overriding(features, "poll_end")
+        self._lives = overriding(features, "live")
+        self._readies = overriding(features, "ready")
+        self._busies = overriding(features, "busy")
+        self._stops = overriding(features, "stopped")
+        self._asks = overriding(features, "asked")
         self._batches = {}  # (open, accept, close) by their kind
-        for batches in hooks(features, "batches"):
-            self._batches.update(batches())
+        for feature in features:
+            self._batches.update(feature.batches() or {})
         self._taken = []  # this and the machine's events change places: none has to be made
         self._report = {"position": queue.here, "seen": queue.seen, "log": machine.log}  # one for all: used up before the next
         self._late = 0
-        self._still = True  # as poll() has found it
+        self._version = -1  # of the settings, as poll() has found it
         self._stood_ms = -1  # since when; −1: it does not
         self._set_amid = False  # settings have changed amid a motion: they are kept when a sender is sure to have sent all it may
 
@@ -74,7 +75,7 @@ class Controller:
         machine = self.machine
         if machine.hold and machine.stood:
             return False
-        if not (self._still and self.queue.still()) or machine.busy_with(commands.HOME):
+        if self._stood_ms < 0 or not self.queue.still() or machine.busy_with(commands.HOME):
             return True
         for busy in self._busies:
             if busy():
@@ -98,6 +99,7 @@ class Controller:
             self.machine.tell(self.status(command))
             self.asked(command.link)
             return 0
+        self.machine.awake = True
         handler = self.machine.handlers.get(command.kind)
         result = self._refusal(command) or (handler(command) if handler else errors.UNKNOWN_COMMAND)
         if result > 0:
@@ -143,14 +145,24 @@ class Controller:
         return events
 
     def poll(self):
-        """One cycle: every feature goes on with its work, what has ended is noticed, the motors' current is minded."""
+        """One cycle: features look at what comes from outside, and if the machine is awake, they go on with their work."""
         now_ms = self._port.machine_ms()
+        for look in self._looks:
+            look(now_ms)
+        machine = self.machine
+        if machine.awake or self._version != machine.settings.version:
+            self._work(machine, now_ms)
+
+    def _work(self, machine, now_ms):
+        """What a cycle does while the machine is awake. It stays so until nobody has more to do."""
+        machine.awake = False
+        self._version = machine.settings.version
         for poll in self._polls:
             poll(now_ms)
-        if self.machine.command is not None:
+        if machine.command is not None:
             for poll in self._long:
                 poll(now_ms)
-        still = self._still = self.queue.still()
+        still = self.queue.still()
         for poll in self._ends:
             poll(still)
         if still:
@@ -159,8 +171,10 @@ class Controller:
             self._stood_ms = -1
         if self._feeder.late != self._late:
             self._late = self._feeder.late
-            self.machine.note(errors.WORDS_LATE)
-        self._motors.poll(now_ms, not still and not self.machine.sleeping, self.queue.tool)
+            machine.note(errors.WORDS_LATE)
+        changing = self._motors.poll(now_ms, not still and not machine.sleeping, self.queue.tool)
+        if changing or not still or machine.command is not None or machine.drawing or machine.hold or machine.dropping:
+            machine.awake = True
 
     def _stand(self, now_ms):
         machine = self.machine
@@ -175,6 +189,8 @@ class Controller:
             self._set_amid = False
         elif not settings.failed and (not self._set_amid or (now_ms - self._stood_ms) & COUNT_MASK >= REST_MS) and settings.save():
             machine.note(errors.MEMORY)  # what has been set counts until the power goes; it is tried again with the next change
+        if settings.dirty and not settings.failed:
+            machine.awake = True
 
     def begin(self):
         """Nothing more is coming for now: what waits sets out. A moving machine fetches on its own."""

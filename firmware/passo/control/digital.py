@@ -10,15 +10,15 @@ A hold leaves them as they are. The door switches them off until the machine goe
 from micropython import const
 
 from passo import commands, errors
+from passo.control.feature import Feature
 from passo.records import COUNT_HALF, COUNT_MASK
 
 _MOST = const(16)  # changes that wait
 
 
-class DigitalOutputs:
+class DigitalOutputs(Feature):
     def __init__(self, board, machine, queue):
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._port = machine.port
         self._names = [item["name"] for item in board["outputs"]]
         self._on = {}  # by name, of those that have been switched on

@@ -5,6 +5,7 @@ from micropython import const
 from passo import commands, errors
 from passo.batch import POINTS
 from passo.control.counted_job import CountedJob
+from passo.control.feature import Feature
 from passo.control.point_buffer import PointBuffer
 from passo.errors import LATER
 from passo.motion.integers import length_nm
@@ -13,11 +14,10 @@ from passo.records import NM_PER_M, TICKS_PER_MS, TICKS_PER_S
 _BLOCKS_A_POINT = const(2)  # a change of the tool, and the line
 
 
-class Drawing:
+class Drawing(Feature):
     def __init__(self, board, machine, queue):
+        Feature.__init__(self, board, machine, queue)
         self._board = board
-        self._queue = queue
-        self._machine = machine
         self._steps_per_m = [axis["steps_per_m"] for axis in board["axes"]]
         self.points = PointBuffer(board["store_points"])
         self.speed = board["speed"]["default"]

@@ -16,6 +16,7 @@ motor has settled, settle_ms behind the last step:
 from micropython import const
 
 from passo import commands, errors
+from passo.control.feature import Feature
 from passo.control.motors import RELEASED
 from passo.config import setting_numbers as table
 from passo.records import COUNT_MASK
@@ -23,10 +24,9 @@ from passo.records import COUNT_MASK
 _TRIES = const(3)
 
 
-class EncoderWatch:
+class EncoderWatch(Feature):
     def __init__(self, board, machine, queue):
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._encoders = machine.encoders
         self._axes = [axis["name"] for axis in board["axes"]]
         self._correct = [item["correct"] for item in board["encoders"]]
@@ -95,7 +95,7 @@ class EncoderWatch:
                 self._machine.note(errors.COUNTS_LOST, "%s %+d counts" % (self._encoders.names[index.number], off))
                 index.accept()
 
-    def poll(self, now_ms):
+    def look(self, now_ms):
         machine = self._machine
         if self._encoders.indexes:
             self._look_at_indexes()
@@ -194,6 +194,7 @@ class EncoderWatch:
                 axis = self._encoders.axis(number)
                 ways.append((axis, -off[number], self._speed(axis)))
         self._queue.travel(ways)
+        machine.awake = True
         return True
 
     def _note(self, number, off):

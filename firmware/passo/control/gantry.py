@@ -16,6 +16,7 @@ These single steps are no words: the position does not change by them. Without e
 from micropython import const
 
 from passo import commands, errors
+from passo.control.feature import Feature
 from passo.control.motors import RELEASED
 from passo.records import COUNT_MASK
 
@@ -26,10 +27,9 @@ _RISE = const(2)  # STEP rises
 _FALL = const(3)  # and falls
 
 
-class GantryWatch:
+class GantryWatch(Feature):
     def __init__(self, board, machine, queue):
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._feeder, self._player = queue.lend()
         self._encoders = machine.encoders
         section = board["gantry"]
@@ -71,7 +71,7 @@ class GantryWatch:
         self._machine.raise_alarm(errors.ALARM_GANTRY, who)
         self._machine.notice(errors.NOTICE_GANTRY, who)
 
-    def poll(self, now_ms):
+    def look(self, now_ms):
         if not self._active:
             return
         machine = self._machine
@@ -81,6 +81,7 @@ class GantryWatch:
             self._stand(now_ms)
             return
         if self._phase:
+            machine.awake = True
             self._step(now_ms)
             return
         if not (queue.still() or queue.standing()):

@@ -14,6 +14,7 @@ debouncing ended, so a bouncing sensor gives the same origin every time.
 from micropython import const
 
 from passo import commands, errors
+from passo.control.feature import Feature
 from passo.control.sensor import Sensor
 from passo.errors import LATER
 
@@ -50,12 +51,11 @@ class Seeker:
         return not active
 
 
-class Homing:
+class Homing(Feature):
     def __init__(self, board, machine, queue):
         self._config = board["homing"]
         self._axes = board["axes"]
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._lifting = False  # homing waits for the tool
         self._known = 0  # mask of the axes whose position is known
         self._all = 0  # of those that can be homed

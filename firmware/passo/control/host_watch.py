@@ -14,6 +14,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.config import setting_numbers as table
+from passo.control.feature import Feature
 from passo.records import COUNT_MASK
 
 _SURE = const(3)  # questions in time
@@ -21,14 +22,14 @@ _MAY_BE_SILENT = "grbl"  # the language
 _Z = const(2)
 
 
-class HostWatch:
+class HostWatch(Feature):
     def __init__(self, board, machine, queue):
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._links = board["links"]
         self._lines = {}  # what hears, by the numbers of their links; stored jobs come by another, and need no host
         self._since_ms = 0  # nothing has come from the link that commands, or nothing was under way
-        self._begun_ms = 0  # when the work under way began: nothing was under way then
+        self._works = False  # something is under way
+        self._begun_ms = 0  # when it began
         self._asks = False  # the host of the link that commands has asked
         self._asked_ms = 0  # when it did so last
         self._doubt = 0  # how many questions in time it owes, because it has let lost_ms pass without one
@@ -47,19 +48,23 @@ class HostWatch:
     def poll(self, _):
         """By the links' clock: in fast virtual time the machine's runs ahead of any host."""
         machine = self._machine
-        now_ms = machine.port.link_ms()
         number = machine.commander
         line = self._lines.get(number)
+        worked = self._works
+        self._works = line is not None and self._under_way()
         if line is None:
             return
         if number != self._number:
             self._asks = False
             self._number = number
-        works = self._under_way()
-        if not works:
+        if not self._works:
+            return
+        machine.awake = True
+        now_ms = machine.port.link_ms()
+        if not worked:
             self._begun_ms = now_ms
             self._doubt = 0
-        if line.was_heard() or not works:
+        if line.was_heard() or not worked:
             self._since_ms = now_ms
             return
         link = self._links[number]

@@ -15,6 +15,7 @@ import micropython
 from passo import commands, errors
 from passo.commands import FINISHED, FOREVER, Event
 from passo.config import setting_numbers as table
+from passo.control.feature import Feature
 from passo.errors import LATER
 from passo.motion.independent_viper import MOST_STEPS
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, TICKS_PER_MS
@@ -22,11 +23,10 @@ from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS, TICKS_PER_MS
 _STANDING = ("idle", "alarm", "check", "sleep")
 
 
-class Independent:
+class Independent(Feature):
     def __init__(self, board, machine, queue):
         self._axes = board["axes"]
-        self._queue = queue
-        self._machine = machine
+        Feature.__init__(self, board, machine, queue)
         self._ramps = board["planning"]["independent_ramps"]
         self._ahead_ms = board["jog"]["ahead_ms"]
         self._limits_of = None  # the settings' version that the walker knows
@@ -69,6 +69,7 @@ class Independent:
         """Notices the end, and tells who asked last."""
         if not self._moving:
             return
+        self._machine.awake = True
         self._switch_off()
         if self.walker.running or not self._queue.still():
             return

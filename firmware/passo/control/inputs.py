@@ -10,7 +10,7 @@ class Inputs:
     def __init__(self, board, settings, port):
         self._settings = settings
         self.input = port.input  # input(name): as it is at the pin
-        self.levels = getattr(port, "levels", None)  # of all inputs at once
+        self.levels = port.levels  # levels(): of all inputs, as one integer
         names = [item["name"] for item in board["inputs"]]
         self.has_probe = "probe" in names
         self.door = "door" in names  # there is one

@@ -6,17 +6,17 @@ themselves, if the board file asks for it; and keeps for each input when it last
 """
 
 from passo import commands, errors
+from passo.control.feature import Feature
 from passo.records import COUNT_MASK
 from passo.steps.permits import INTERLOCK_OUTPUTS
 
 
-class InterlockWatch:
+class InterlockWatch(Feature):
     def __init__(self, board, machine, queue):
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._port = machine.port
         self._interlock = machine.interlock
-        self._levels = machine.inputs.levels  # None: the port cannot tell all at once
+        self._levels = machine.inputs.levels
         section = board["interlock"]
         self._release_ms = section["release_ms"]
         self._unasked_ms = section["unasked_ms"]
@@ -63,15 +63,15 @@ class InterlockWatch:
                 exempt = self._probes
         self._interlock.excuse(exempt)
 
-    def poll(self, now_ms):
+    def look(self, now_ms):
         interlock = self._interlock
         self._except()
         if interlock.states != self._states:
             self._note(now_ms)
-        seen = self._levels() if self._levels else -1
-        if seen != self._seen or not self._calm or not self._levels:
+        seen = self._levels()
+        if seen != self._seen or not self._calm:
             self._seen = seen
-            self._look(now_ms)
+            self._compare(now_ms)
         if interlock.states != self._states:
             self._note(now_ms)
         if interlock.lost:
@@ -79,7 +79,7 @@ class InterlockWatch:
         if self._unasked_ms:
             self._grant(now_ms)
 
-    def _look(self, now_ms):
+    def _compare(self, now_ms):
         """Compare the pins with what the interlock has, and let what differs for long enough be so."""
         interlock = self._interlock
         raw = interlock.now()

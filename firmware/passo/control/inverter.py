@@ -21,6 +21,7 @@ from passo import errors
 from passo.commands import SPINDLE_OFF
 from passo.config.inverter_makes import MAKES
 from passo.control import modbus
+from passo.control.feature import Feature
 from passo.control.spindle_speed import PERIOD_MS, SLOW, AskedSpeed
 from passo.records import COUNT_HALF, COUNT_MASK
 
@@ -38,11 +39,10 @@ _OUTPUT = const(3)
 _FAULT = const(4)
 
 
-class Inverter:
+class Inverter(Feature):
     def __init__(self, board, machine, queue):
         config = board["inverter"]
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._make = MAKES[config["make"]]
         self._address = config["address"]
         self._poles = config["poles"]
@@ -58,7 +58,6 @@ class Inverter:
         self._turned = 0  # the way it turned last
         self.output = 0  # hundredths of a hertz, as it said last
         self._asked_speed = AskedSpeed(machine, queue)
-        self.ready = self._asked_speed.ready
         self._since_ms = 0  # since when it is wanted
         self._reached = False
         self._slow = 0
@@ -71,7 +70,10 @@ class Inverter:
         self._noted = False  # that it does not answer, while nothing turns
         self._asks = _OUTPUT  # what it is asked next
 
-    def poll(self, now_ms):
+    def ready(self):
+        return self._asked_speed.ready()
+
+    def look(self, now_ms):
         self._want(now_ms)
         if self._request is not None:
             self._listen(now_ms)

@@ -19,6 +19,7 @@ from binascii import crc32
 from micropython import const
 
 from passo import commands, errors
+from passo.control.feature import Feature
 from passo.motion.block import WAIT
 from passo.records import COUNT_MASK, JOURNAL_BYTES, REST_MS, ROW_KIND, ROW_TAG
 
@@ -42,12 +43,10 @@ def unpacked(data):
     return fields[0], fields[1], fields[2], fields[3], list(fields[4:])
 
 
-class JobJournal:
+class JobJournal(Feature):
     def __init__(self, board, machine, queue):
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._every_ms = board["journal"]["every_ms"]
-        self._power = board["journal"]["power"]
         self._pages = pages = machine.port.pages
         self._axes = len(board["axes"])
         self._sequence = 0
@@ -138,14 +137,13 @@ class JobJournal:
 
     def poll(self, now_ms):
         machine = self._machine
-        if self._power and not machine.alarm and machine.inputs.input(self._power):
-            machine.raise_alarm(errors.ALARM_POWER, self._power)  # halt() writes what is known
         still = self._queue.still()
         if not still:
             self._rest_ms = now_ms
-        elif now_ms - self._rest_ms & COUNT_MASK >= REST_MS:
-            self._rest_ms = now_ms
-            if self._few():
+        elif self._few():
+            machine.awake = True
+            if now_ms - self._rest_ms & COUNT_MASK >= REST_MS:
+                self._rest_ms = now_ms
                 self._erase()
         if not self._job or not self._counting():
             return
@@ -159,10 +157,12 @@ class JobJournal:
             self._stand(min((retired - self._retired) & COUNT_MASK, _WAITS))
         self._retired = retired
         self._moving = False
-        if self._late and now_ms - self._written_ms & COUNT_MASK >= self._interval():
-            self._written_ms = now_ms
-            self._late = False
-            self._write()
+        if self._late:
+            machine.awake = True
+            if now_ms - self._written_ms & COUNT_MASK >= self._interval():
+                self._written_ms = now_ms
+                self._late = False
+                self._write()
 
     def _sample(self, now_ms):
         """The line under way, and where it is."""

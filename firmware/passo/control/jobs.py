@@ -16,16 +16,16 @@ from passo import commands, errors
 from passo.commands import DROPPED, Event
 from passo.config.job_keys import LINK, name_fits
 from passo.config.job_store import Damaged, JobStore
+from passo.control.feature import Feature
 from passo.control.job_line import JobLine
 
 _CHECKED = const(16)  # such pieces a cycle: some 12 ms on a Pico
 
 
-class Jobs:
+class Jobs(Feature):
     def __init__(self, board, machine, queue):
         config = board["jobs"]
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._config = config
         folder = getattr(machine.port, "folder", None) or config["folder"]
         self._card = None
@@ -219,6 +219,8 @@ class Jobs:
             name = self._start
             self._start = ""
             self._job(commands.Command(commands.JOB, name))
+        if self._file is not None:
+            self._machine.awake = True
         if self._proving:
             self._prove()
         elif self._file is not None:

@@ -7,6 +7,7 @@ import micropython
 
 from passo import errors
 from passo.batch import LINES
+from passo.control.feature import Feature
 from passo.motion.look_ahead_viper import plan_lines
 from passo.records import *
 
@@ -54,13 +55,12 @@ def go_along(rows: ptr32, row: int, at: ptr32, travel: ptr32):
     travel[TRACE_POWER] = rows[row + BATCH_POWER]
 
 
-class LineBatches:
-    def __init__(self, axes, machine, queue):
-        self._machine = machine
-        self._queue = queue
+class LineBatches(Feature):
+    def __init__(self, board, machine, queue):
+        Feature.__init__(self, board, machine, queue)
         self._planner = queue.planner
         self._trace = array("i", [0] * TRACE_FIELDS)
-        self._trace[TRACE_AXES] = axes
+        self._trace[TRACE_AXES] = len(board["axes"])
         self._reached = self  # the travel that `_trace` is of: not yet any
         self._arrays = self._taker = None  # the planner's, and what a batch gets with them
 
@@ -142,4 +142,4 @@ class LineBatches:
             if planner.power != travel[TRACE_POWER] or planner.dynamic != (flags & 4 > 0):
                 planner.set_power(travel[TRACE_POWER], flags & 4 > 0)
             queue.waiting = True
-            machine.active = machine.fresh = True
+            machine.active = machine.fresh = machine.awake = True

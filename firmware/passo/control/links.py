@@ -7,6 +7,7 @@ to. Whatever was sent before it, on any link, is dropped. To ask, and to make th
 
 from passo import commands, errors
 from passo.commands import DROPPED, Event
+from passo.control.feature import Feature
 
 HARMLESS = (
     commands.BAD, commands.HELLO, commands.STATUS, commands.SYNC,
@@ -15,10 +16,9 @@ HARMLESS = (
 OF_ANY_LINK = HARMLESS + (commands.HAND_OVER, commands.ADMIT)
 
 
-class Links:
+class Links(Feature):
     def __init__(self, board, machine, queue):
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._count = len(machine.links)
 
     def handlers(self):

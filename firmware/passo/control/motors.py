@@ -32,13 +32,14 @@ class Motors:
         self._ready_ms = 0
 
     def poll(self, now_ms, moving, tool):
-        """Once a cycle of the main loop. `moving`: motion is under way or wanted; `tool`: where its end leaves the tool."""
+        """Once a cycle while the machine is awake. `moving`: motion is under way or wanted; `tool`: where its end leaves the tool.
+        Returns True if the current is still to change."""
         if moving and not self._without or self._keep:
             self._since_ms = now_ms
             if self.state != RUNNING and not self._player.busy():
                 self._ready_ms = now_ms + (self._wake_ms if self.state == RELEASED else 0)
                 self._set(RUNNING)
-            return
+            return self.state != RUNNING
         self._tool = tool
         idle_ms = (now_ms - self._since_ms) & COUNT_MASK
         if self.state == RUNNING and idle_ms >= self._hold_ms:
@@ -46,6 +47,7 @@ class Motors:
         release_ms = self._board["idle_release_ms"]
         if self.state == HOLDING and release_ms and idle_ms >= release_ms:
             self._set(RELEASED)
+        return self.state == RUNNING or self.state == HOLDING and release_ms > 0
 
     def ready(self, now_ms):
         """True when motion may begin. Drivers with STEP and DIR know no current to hold with."""

@@ -2,14 +2,14 @@
 
 from passo import commands, errors
 from passo.config.setting_numbers import LASER
+from passo.control.feature import Feature
 from passo.records import COUNT_MASK
 
 
-class Pauses:
+class Pauses(Feature):
     def __init__(self, board, machine, queue):
         self._spindle = board["spindle"]
-        self._queue = queue
-        self._machine = machine
+        Feature.__init__(self, board, machine, queue)
         self._port = machine.port
         self._was_lit = False  # the tool was on when the machine came to its stand
         self._ready_ms = None  # before that spindle and coolant, just switched on again, are not there yet

@@ -14,6 +14,7 @@ from micropython import const
 from passo.commands import JOG_CANCEL, JOG_TO, Motion
 from passo.config import setting_numbers as table
 from passo.config.board_error import BoardError
+from passo.control.feature import Feature
 from passo.control.sensor import Sensor
 from passo.errors import LATER
 from passo.motion.integers import length_nm
@@ -22,11 +23,10 @@ _PIECE_MS = const(50)
 _AHEAD_MS = const(250)  # twice of it is what braking from the highest speed may take
 
 
-class Pendant:
+class Pendant(Feature):
     def __init__(self, board, machine, queue):
         """Raises BoardError for an input that begins with jog_ and is none of a pendant's."""
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._axes = axes = board["axes"]
         self._slow = [axis["jog_steps_s"] or board["speed"]["default"] for axis in axes]
         letters = [axis["name"] for axis in axes]
@@ -51,7 +51,7 @@ class Pendant:
         read = self._machine.inputs.read
         return Sensor(lambda: read(name), self._machine.settings.value(table.HOMING_DEBOUNCE))
 
-    def poll(self, now_ms):
+    def look(self, now_ms):
         wanted = [0] * len(self._wanted)
         for axis, sign, sensor in self._buttons:
             sensor.sample(now_ms, 0)

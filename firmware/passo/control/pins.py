@@ -1,10 +1,12 @@
 """The letters of the inputs that are active, as a status report has them: XYZ limits, then those of commands.INPUTS."""
 
 from passo.commands import INPUTS
+from passo.control.feature import Feature
 
 
-class Pins:
+class Pins(Feature):
     def __init__(self, board, machine, queue):
+        Feature.__init__(self, board, machine, queue)
         names = [item["name"] for item in board["inputs"]]
         self._inputs = machine.inputs
         self._settings = machine.settings
@@ -13,10 +15,10 @@ class Pins:
         self._text = ""
 
     def report(self, report):
-        """Read anew only if a pin has changed, where the port can tell."""
+        """Read anew only if a pin has changed."""
         inputs = self._inputs
-        levels = inputs.levels() if inputs.levels else None
-        if levels is None or levels != self._levels or self._settings_of != self._settings.version:
+        levels = inputs.levels()
+        if levels != self._levels or self._settings_of != self._settings.version:
             self._levels = levels
             self._settings_of = self._settings.version
             self._read(inputs.read)

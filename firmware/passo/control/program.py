@@ -38,7 +38,7 @@ class Program(LineBatches):
         self._whole = 0  # their LIMIT_WHOLE
         self._travel_of = None  # the settings' version that `_travel` is of
         self._touch = None  # where the probe changed
-        LineBatches.__init__(self, len(self._axes), machine, queue)
+        LineBatches.__init__(self, board, machine, queue)
 
     def handlers(self):
         return {
@@ -339,6 +339,8 @@ class Program(LineBatches):
             self._set_limits()
         machine.fresh = False
         machine.active = machine.active and not still
+        if queue.streams or queue.waiting:
+            machine.awake = True
 
     def report(self, report):
         """What the status report says of motion."""

@@ -1,13 +1,10 @@
 """Beginning anew, and being out of service: reset, unlock, check mode, sleep."""
 
 from passo import commands, errors
+from passo.control.feature import Feature
 
 
-class Resets:
-    def __init__(self, board, machine, queue):
-        self._machine = machine
-        self._queue = queue
-
+class Resets(Feature):
     def handlers(self):
         return {
             commands.RESET: self._reset,

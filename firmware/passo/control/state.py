@@ -3,47 +3,16 @@
     machine.alarm, machine.state, machine.command …
     machine.raise_alarm(errors.ALARM_HARD_LIMIT, "stop")
 
-A feature of the machine is a class like Homing(board, machine, queue) with a few of these methods, all of them optional. It sees
-this record and the queue, and no other feature: what it wants of another one it asks for with a command.
-
-    handlers()              {kind of command: handler}; a handler returns as Controller.accept()
-    batches()               {kind of batch: (open, accept, close)}: see Controller.batches()
-    poll(now_ms)            once a cycle of the main loop
-    poll_command(now_ms)    the same, while a long command is under way
-    poll_end(still)         behind them; `still`: nothing is queued or plays
-    active()                True while the axes are this feature's alone
-    held()                  True if it stands in the middle of its work, until somebody says what next
-    live()                  True while what is under way may change at any moment: few words should lie ahead
-    ready()                 True if words may be played
-    busy()                  True while it is about to move, though nothing is queued
-    report(report)          adds to a status report
-
-    stopped(name)           `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
-    halt()                  the pins have stopped; what is queued is dropped next
-    dropped()               a hold has come to its stand, and what was queued behind it is gone
-    clear()                 all work is dropped
-    homing()                homing begins
-    release()               the safe state, at once
-    switch_off()            outputs off until the next reset
-    handed_over()           another link commands: switch the tool off; outputs stay, one may hold the work
-    restart()               as after power-up
-    show_outputs(on)        False: the door holds the machine; True: it goes on
-
-What concerns all of the machine (a stop, an alarm, a new beginning) is a method of the record, which calls those of all
-features that have one.
+Features (feature.py) see this record and the queue. What concerns all of the machine (a stop, an alarm, a new beginning) is a method
+of the record, which calls those of all features.
 """
 
 from passo import commands, errors
 from passo.commands import ACCEPTED, ALARM, FINISHED, NOTICE, REFUSED, RESTARTED, Command, Event
+from passo.control.feature import overriding
 from passo.control.inputs import Inputs
 from passo.control.log import Log
 from passo.errors import LATER
-
-
-
-def hooks(features, name):
-    """The methods `name` of those features that have one, in order."""
-    return [getattr(feature, name) for feature in features if hasattr(feature, name)]
 
 
 class MachineState:
@@ -58,6 +27,7 @@ class MachineState:
         self.interlock = getattr(port, "interlock", None)  # of the port, if the board file has one
         self.encoders = getattr(port, "encoders", None)
         self.about = ""  # what the port says of itself, for who asks
+        self.awake = True  # something is under way or new: features are polled
         self.homed = False
         self.job = None  # a CountedJob, of the feature that plays commands or points; lines have numbers of their own
         self.weave = None  # what makes seams of lines and arcs, while it does: control/weaving.py
@@ -100,15 +70,11 @@ class MachineState:
     def join(self, features):
         """`features`: all there are. Called once, by the controller."""
         self._features = features
-        self._active = hooks(features, "active")
-        self._held = hooks(features, "held")
-        self._reports = hooks(features, "report")
-        for handlers in hooks(features, "handlers"):
-            self.handlers.update(handlers())
-
-    def _call(self, name, *arguments):
-        for hook in hooks(self._features, name):
-            hook(*arguments)
+        self._active = overriding(features, "active")
+        self._held = overriding(features, "held")
+        self._reports = overriding(features, "report")
+        for feature in features:
+            self.handlers.update(feature.handlers() or {})
 
     # --- what it is doing
 
@@ -240,28 +206,32 @@ class MachineState:
         """As a command without a link: a button, or a feature that wants something of another one."""
         handler = self.handlers.get(kind)
         if handler:
+            self.awake = True
             handler(Command(kind))
 
     def moved(self):
         """Say that motion of a program has been queued."""
-        self.active = self.fresh = True
+        self.active = self.fresh = self.awake = True
 
     def show_outputs(self, on):
-        self._call("show_outputs", on)
+        for feature in self._features:
+            feature.show_outputs(on)
 
     def switch_off(self):
-        self._call("switch_off")
+        for feature in self._features:
+            feature.switch_off()
 
     def drop_at_stand(self):
         """Come to a stand, then drop what is queued."""
-        self.dropping = True
+        self.dropping = self.awake = True
         self.queue.flush()
         self.queue.hold(True)
 
     def drop(self):
         """Drop what is queued, at the stand of a hold."""
         self.queue.drop()
-        self._call("dropped")
+        for feature in self._features:
+            feature.dropped()
         self.jogging = self.active = self.fresh = False
 
     def end_hold(self):
@@ -272,21 +242,25 @@ class MachineState:
     def abort(self):
         """Stop inside the word under way, drop everything queued; the tool is off. The position stays exact."""
         self.queue.halt()
-        self._call("halt")
+        for feature in self._features:
+            feature.halt()
         self.queue.drop()
         self.end_hold()
 
     def forget(self):
         """Drop all work, begun or waiting. What is queued is left to the caller."""
-        self._call("clear")
+        for feature in self._features:
+            feature.clear()
         self.drawing = self.jogging = self.active = self.fresh = False
+        self.awake = True
         self.command = None
 
     def hand_over(self, number):
         """Give the command to link `number`: drop all work, switch the tool off."""
         self.commander = number
         self.forget()
-        self._call("handed_over")
+        for feature in self._features:
+            feature.handed_over()
 
     def lose_place(self):
         """Nobody knows any more where the motors are."""
@@ -299,8 +273,12 @@ class MachineState:
         self.abort()
         self.forget()
         self.lose_place()
-        self._call("release")
+        self._release()
         self.motors.release()
+
+    def _release(self):
+        for feature in self._features:
+            feature.release()
 
     def raise_alarm(self, number, who=None):
         """Stop, tool off, lock the machine until it is homed or unlocked. `who`: for the log."""
@@ -314,7 +292,7 @@ class MachineState:
             self.abort()
             self.forget()
             self.lose_place()
-            self._call("release")
+            self._release()
             self.switch_off()
         else:
             self.shut_down()
@@ -338,7 +316,8 @@ class MachineState:
 
     def restart(self):
         """Outputs and overrides as after power-up."""
-        self._call("restart")
+        for feature in self._features:
+            feature.restart()
 
     def restarted(self, command=None):
         """Tell all links that the machine begins anew, by `command` or because it was switched on; an active limit locks
@@ -355,7 +334,8 @@ class MachineState:
 
     def homing(self):
         """Homing begins: what was stored refers to the old origin."""
-        self._call("homing")
+        for feature in self._features:
+            feature.homing()
 
     def homing_failed(self, alarm):
         """Alarm and restart, as grbl does: whatever was sent behind the homing is dropped."""

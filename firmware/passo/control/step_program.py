@@ -28,8 +28,7 @@ class StepProgramPlayer(StepProgramOrders):
     def __init__(self, board, machine, queue):
         config = board["step_program"]
         axes = board["axes"]
-        self._queue = queue
-        self._machine = machine
+        StepProgramOrders.__init__(self, board, machine, queue)
         self._dry_run = config["dry_run"]
         self._default = config["default_mm_min"]
         lengths = lengths_of(axes)
@@ -115,7 +114,7 @@ class StepProgramPlayer(StepProgramOrders):
     def _drop(self):
         """At the stand; the journal has a cycle to look where that is."""
         self._queue.rest(False)
-        self._dropped = True
+        self._dropped = self._machine.awake = True
 
     def _fail(self):
         """What was stored is forgotten; what was played as it came stops, the tool off."""
@@ -182,6 +181,8 @@ class StepProgramPlayer(StepProgramOrders):
 
     def poll(self, now_ms):
         machine = self._machine
+        if self._held or self._mode != IDLE or self._start_ms is not None:
+            machine.awake = True
         if self._dropped:
             self._dropped = False
             self.clear()

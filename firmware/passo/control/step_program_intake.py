@@ -6,6 +6,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_PLACE, SPOT_TIMES
 from passo.config import setting_numbers as table
+from passo.control.feature import Feature
 from passo.errors import LATER
 from passo.motion import step_program as marks
 from passo.motion.integers import isqrt
@@ -43,7 +44,7 @@ def lengths_of(axes):
     return lengths
 
 
-class StepProgramIntake:
+class StepProgramIntake(Feature):
     """The half of the feature that takes a step program in."""
 
     def _clamp(self, mm_min):

@@ -5,17 +5,18 @@ A limit whose pin has an interrupt stops the player there; what is looked at her
 
 from passo import commands, errors
 from passo.config import setting_numbers as table
+from passo.control.feature import Feature
 from passo.control.sensor import Sensor
 
 _LIMIT_FILTER_US = 50  # where the board file gives none
 
 
-class Switches:
+class Switches(Feature):
     def __init__(self, board, machine, queue):
-        self._machine = machine
+        Feature.__init__(self, board, machine, queue)
         self._settings = settings = machine.settings
         self._inputs = inputs = machine.inputs
-        self._levels = inputs.levels or self._look
+        self._levels = inputs.levels
         self._sensors = []
         self._settings_of = settings.version  # that the sensors are of
         names = [item["name"] for item in board["inputs"]]
@@ -24,8 +25,7 @@ class Switches:
         self._watches = self._watch(board, machine.port)
         self._armed = None  # True, False: the interrupts of limits are; None: some may be other
         self._turn()
-        self._watched = self._to_watch()
-        self._seen = -1  # their states at the last cycle, a bit each
+        self._seen = -1  # the inputs' levels at the last cycle
         self._calm = False  # they are as the sensors have them: until one changes there is nothing to do
 
     def _watch(self, board, port):
@@ -57,14 +57,7 @@ class Switches:
         self._sensors.append(sensor)
         return sensor
 
-    def _to_watch(self):
-        """Names of the inputs that a cycle has to look at."""
-        names = [name for name, _, _ in self._buttons]
-        if self._settings.value(table.HARD_LIMITS):
-            names += self._inputs.names
-        return names
-
-    def poll(self, now_ms):
+    def look(self, now_ms):
         seen = self._levels()
         if seen != self._seen or not self._calm or self._settings_of != self._settings.version:
             self._seen = seen
@@ -76,13 +69,6 @@ class Switches:
             if armed != self._armed:
                 self._arm(armed)
 
-    def _look(self):
-        seen = 0
-        input_of = self._inputs.input
-        for name in self._watched:
-            seen = seen << 1 | (1 if input_of(name) else 0)
-        return seen
-
     def _sample(self, now_ms):
         machine = self._machine
         for sensor in self._sensors:
@@ -90,7 +76,6 @@ class Switches:
                 sensor.pass_by(now_ms)  # a change lasts from here on: a spike that is met by luck has not lasted a cycle
         if self._settings_of != self._settings.version:
             self._settings_of = self._settings.version
-            self._watched = self._to_watch()
             for sensor in self._sensors:
                 sensor.debounce_ms = self._settings.value(table.HOMING_DEBOUNCE)
             for _, sensor in self._limits:

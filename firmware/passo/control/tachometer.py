@@ -13,23 +13,22 @@ from micropython import const
 from passo import errors
 from passo.commands import SPINDLE_OFF
 from passo.config import setting_numbers as table
+from passo.control.feature import Feature
 from passo.control.spindle_speed import PERIOD_MS, SLOW, AskedSpeed
 from passo.records import COUNT_MASK
 
 _QUIET_TURNS = const(4)  # without a pulse for so many turns at the speed that is asked it stands
 
 
-class Tachometer:
+class Tachometer(Feature):
     def __init__(self, board, machine, queue):
         config = board["tachometer"]
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._per_turn = config["pulses"]
         self._percent = config["at_speed_percent"]
         self._spin_up_ms = config["spin_up_ms"]
         self._pulses = machine.port.pulses(config["input"])
         self._asked = AskedSpeed(machine, queue)
-        self.ready = self._asked.ready
         self._by_s = board["spindle"]["pwm"]
         self.rpm = 0  # as measured
         self._wanted = 0  # thousandths of a turn a minute
@@ -43,7 +42,10 @@ class Tachometer:
     def report(self, report):
         report["rpm"] = self.rpm
 
-    def poll(self, now_ms):
+    def ready(self):
+        return self._asked.ready()
+
+    def look(self, now_ms):
         machine = self._machine
         if machine.spindle == SPINDLE_OFF or machine.alarm or not self._queue.lit():
             wanted = 0

@@ -6,6 +6,7 @@ from passo import commands, errors
 from passo.batch import thousandths
 from passo.commands import SPINDLE_OFF
 from passo.config import setting_numbers as table
+from passo.control.feature import Feature
 from passo.errors import LATER
 from passo.records import SEEN_LIT
 
@@ -14,10 +15,9 @@ _LOWEST = const(10)  # of feed and spindle override, per cent
 _HIGHEST = const(200)
 
 
-class Tools:
+class Tools(Feature):
     def __init__(self, board, machine, queue):
-        self._queue = queue
-        self._machine = machine
+        Feature.__init__(self, board, machine, queue)
         self._planner = queue.planner
         self._port = machine.port
         self._outputs = [item["name"] for item in board["outputs"]]

@@ -5,13 +5,13 @@ program.py asks `machine.weave` at each of these.
 """
 
 from passo import commands, errors
+from passo.control.feature import Feature
 from passo.motion import weave
 
 
-class Weaving:
+class Weaving(Feature):
     def __init__(self, board, machine, queue):
-        self._machine = machine
-        self._queue = queue
+        Feature.__init__(self, board, machine, queue)
         self._steps_per_m = [axis["steps_per_m"] for axis in board["axes"]]
         self._spec = None
         machine.steady_mm_min = board["weaving"]["steady_mm_min"]

@@ -130,6 +130,13 @@ class ChipPort:
         """True while the input is in its active state."""
         return self._inputs[name].active()
 
+    def levels(self):
+        """The states of all inputs as one integer."""
+        levels = 0
+        for item in self._inputs.values():
+            levels = levels << 1 | item.active()
+        return levels
+
     def output(self, name, on):
         """Switch an output of the board file on or off."""
         if self.interlock is not None:

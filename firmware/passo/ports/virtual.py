@@ -96,6 +96,8 @@ class VirtualPort:
             from passo.ports.virtual_encoders import VirtualEncoders
 
             self.encoders = VirtualEncoders(board, self, world)
+        if mode == "stepped":
+            self.link_ms = self.machine_ms
         self._anchor()
 
     def player(self, ring, layout, board):
@@ -139,6 +141,13 @@ class VirtualPort:
         """True while the input is in its active state."""
         return self.world.input(self.now, name) == self._inputs[name]
 
+    def levels(self):
+        """The levels of all inputs as one integer."""
+        levels = 0
+        for name in self._inputs:
+            levels = levels << 1 | self.world.input(self.now, name)
+        return levels
+
     def watch_limit(self, name, filter_us):
         """What stops the player as a limit becomes active, once that has lasted; None: it is looked at once a cycle."""
         return self._limits.watch_limit(name, filter_us) if self._limits is not None else None
@@ -180,14 +189,12 @@ class VirtualPort:
         return (self.now // TICKS_PER_MS) & COUNT_MASK
 
     def link_ms(self):
-        if self.mode == "stepped":
-            return self.machine_ms()
         return (wall_ns() // 1000000) & COUNT_MASK
 
     def wait(self, busy, fine=False):
         """End a cycle of the main loop. `busy`: motion, dwell or homing is pending; `fine`: a short cycle."""
         quantum = FINE_TICKS if fine else COARSE_TICKS
-        pending = self.pending(busy)
+        pending = busy or self.pending()
         if self.mode == "stepped":
             self.advance(quantum if pending else TICKS_PER_MS)
         elif pending and self.mode == "fast":
@@ -196,24 +203,26 @@ class VirtualPort:
         else:
             self._follow(pending, quantum)
 
-    def pending(self, busy):
+    def pending(self, busy=False):
         """True while anything is on its way: what the caller says, words, or an event of the world."""
         return busy or (self._player is not None and self._player.busy()) or self.world.next_event() is not None
 
     def advance(self, ticks):
         """Let `ticks` of virtual time pass: words play and the world's events happen, in the order of their ticks."""
+        world = self.world
+        encoders = self.encoders
         end = self.now + ticks
         while self.now < end:
-            event = self.world.next_event()
+            event = world.next_event()
             until = end if event is None or event > end else max(event, self.now)
-            if self.encoders is not None:
-                until = min(until, self.encoders.due)
+            if encoders is not None:
+                until = min(until, encoders.due)
             if self._player is not None:
                 self._player.run(until)
             self.now = until
-            self.world.run(until)
-            if self.encoders is not None:
-                self.encoders.run(until)
+            world.run(until)
+            if encoders is not None:
+                encoders.run(until)
 
     def _anchor(self):
         self._anchor_ns = wall_ns()

@@ -18,6 +18,7 @@ class VirtualInputs:
         self._due = {}  # of an input: (tick at which its change has lasted, what it is then)
         self.attach = world.attach
         self._switch = world.output
+        self.input = world.input
         for name in ("power", "pulses", "encoder"):
             if hasattr(world, name):
                 setattr(self, name, getattr(world, name))
@@ -35,12 +36,10 @@ class VirtualInputs:
         if self._due:
             self._let(tick)
 
-    def input(self, tick, name):
-        return self._world.input(tick, name)
-
     def run(self, tick):
         self._world.run(tick)
-        self._let(tick)
+        if self._due:
+            self._let(tick)
 
     def next_event(self):
         due = self._world.next_event()

@@ -76,21 +76,21 @@ class Player:
 
     def run(self, until):
         """Play everything that is due before the tick `until`."""
-        self._drop(until)
+        if 0 <= self._fall < until:
+            self._drop()
         if self._next < self.now:
             self._next = self.now
         if self._playing and self._next < until and self._played != self._ring.head:
             self._play(until)
-            self._drop(until)
+            if 0 <= self._fall < until:
+                self._drop()
         self.now = until
 
-    def _drop(self, until):
-        """End the pulses whose time it is; the next word never begins before that."""
-        tick = self._fall
-        if 0 <= tick < until:
-            self._fall = -1
-            self.now = tick
-            self._put(tick, self._levels & ~self._layout.pulse_mask)
+    def _drop(self):
+        """End the pulses, whose time it is; the next word never begins before that."""
+        self.now = tick = self._fall
+        self._fall = -1
+        self._put(tick, self._levels & ~self._layout.pulse_mask)
 
     def _play(self, until):
         # The host spends most of its time here: everything is local, and nothing is allocated but the ticks.

@@ -1,0 +1,55 @@
+"""What a feature of the machine may do: its class overrides those of these methods that it needs.
+
+    class Beeper(Feature):
+        def handlers(self):
+            return {commands.BEEP: self._beep}
+
+A feature sees the record of state.py and the queue, and no other feature: what it wants of another one it asks for with a command.
+The methods of a cycle and of a report are called only where a class has its own, see overriding(). Methods that do nothing share
+one function: on stock MicroPython each function takes 60 bytes of memory.
+"""
+
+
+def _nothing(self, _=None):
+    """Also an answer: no, none."""
+
+
+class Feature:
+    def __init__(self, board, machine, queue):
+        self._machine = machine
+        self._queue = queue
+
+    handlers = _nothing  # handlers(): {kind of command: handler}; a handler returns as Controller.accept()
+    batches = _nothing  # batches(): {kind of batch: (open, accept, close)}: see Controller.batches()
+
+    # Once a cycle of the main loop:
+    look = _nothing  # look(now_ms): look at what comes from outside, whatever the machine does: inputs, encoders
+    poll = _nothing  # poll(now_ms), only while the machine is awake: go on with the work; sets `machine.awake` if there will be more of it
+    poll_command = _nothing  # poll_command(now_ms): the same, while a long command is under way
+    poll_end = _nothing  # poll_end(still), behind poll(); `still`: nothing is queued or plays
+
+    # Questions:
+    active = _nothing  # active(): True while the axes are this feature's alone
+    held = _nothing  # held(): True if it stands in the middle of its work, until somebody says what next
+    live = _nothing  # live(): True while what is under way may change at any moment: few words should lie ahead
+    ready = _nothing  # ready(): True if words may be played; only a feature that overrides it has a say
+    busy = _nothing  # busy(): True while it is about to move, though nothing is queued
+    report = _nothing  # report(report): adds to a status report
+    asked = _nothing  # asked(link): `link` has asked for the status
+
+    # Events:
+    stopped = _nothing  # stopped(name): `name` has stopped the player; True if it was this feature's affair, and an alarm has been raised
+    halt = _nothing  # halt(): the pins have stopped; what is queued is dropped next
+    dropped = _nothing  # dropped(): a hold has come to its stand, and what was queued behind it is gone
+    clear = _nothing  # clear(): all work is dropped
+    homing = _nothing  # homing(): homing begins
+    release = _nothing  # release(): the safe state, at once
+    switch_off = _nothing  # switch_off(): outputs off until the next reset
+    handed_over = _nothing  # handed_over(): another link commands: switch the tool off; outputs stay, one may hold the work
+    restart = _nothing  # restart(): as after power-up
+    show_outputs = _nothing  # show_outputs(on): False: the door holds the machine; True: it goes on
+
+
+def overriding(features, name):
+    """The methods `name` of those features whose class has its own, in order."""
+    return tuple([getattr(feature, name) for feature in features if getattr(type(feature), name) is not _nothing])
