@@ -56,7 +56,7 @@ def bench(pulse_ticks=25, invert=0, enable=-1, layout=None, outputs=OUTPUTS, siz
 def put(ring, layout, words):
     for ticks, levels in words:
         ring.words[ring.head & ring.mask] = ticks << layout.bits | levels
-        ring.publish(1)
+        ring.head += 1
 
 
 def run(player, us, late_us=0):

@@ -10,7 +10,7 @@ any two statements sees a consistent ring. Nothing here allocates after the cons
 
 from passo.memory import numbers
 from passo.motion.line import MAX_RUN
-from passo.records import COUNT_MASK, MARKS, MARK_FIELDS, POWER_FIELDS, POWER_MARKS, POWER_SIZE, TICKS_PER_MS
+from passo.records import MARKS, MARK_FIELDS, POWER_FIELDS, POWER_MARKS, POWER_SIZE, TICKS_PER_MS
 from passo.steps.power import Power
 
 
@@ -50,7 +50,3 @@ class Ring:
         self.words[self.mask] = 0  # the levels before the first word
         self.head = 0
         self.power = Power()  # of the tool, by the words' numbers
-
-    def publish(self, count):  # ISR: no allocation
-        """Hand `count` words, written from `head` on, to the player."""
-        self.head = (self.head + count) & COUNT_MASK
