@@ -95,7 +95,6 @@ SCRATCH_STEPS_SHIFT = const(3)
 SCRATCH_IS_ARC = const(8)
 SCRATCH_LENGTH = const(9)  # of the path, nm as SCRATCH_LENGTH / 2 ** SCRATCH_LENGTH_SHIFT, of 27 or 28 bits
 SCRATCH_LENGTH_SHIFT = const(10)
-SCRATCH_CHANGE = const(9)  # the length is done with then: the change of direction at a corner, one number an axis
 SCRATCH_ALONG = const(11)  # the highest speed that the axes allow along the path, of 2²⁸
 SCRATCH_STRENGTH = const(12)  # and the highest acceleration
 SCRATCH_STEPS = const(13)  # dominant steps; of an arc: its path, steps · 2 ** SCRATCH_STEPS_SHIFT
@@ -124,7 +123,8 @@ SHORT_SINE = const(45)  # likewise, of 14 bits: twice the sine of half the angle
 SHORT_TURN = const(47)  # and of half the angle turned through
 SCRATCH_LASTS = const(49)  # the sum of ROW_LASTS of all that were added, modulo 2²⁹
 SCRATCH_TAKEN = const(50)  # and of those that were fetched
-SCRATCH_FIELDS = const(51)
+SCRATCH_CHANGE = const(51)  # the change of direction at a corner, one number an axis
+SCRATCH_FIELDS = const(55)
 
 # Limits.fields: what the axes can do, a number or a float as two (motion/limits.py).
 LIMIT_AXES = const(0)

@@ -10,8 +10,8 @@ pytestmark = pytest.mark.quick
 PASSO = Path(__file__).resolve().parents[2] / "firmware" / "passo"
 CONSTANT = re.compile(r"^([A-Z][A-Z0-9_]*) = const\((-?(?:0x)?[0-9A-Fa-f]+)\)", re.MULTILINE)
 
-# One field used for one thing after the other; a distance between fields.
-SHARED = [("SCRATCH_LENGTH", "SCRATCH_CHANGE"), ("LIMIT_GAIN", "LIMIT_SHIFTS")]
+# A distance between fields.
+SHARED = [("LIMIT_GAIN", "LIMIT_SHIFTS")]
 
 
 def groups(text, of_rows):
