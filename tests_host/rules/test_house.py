@@ -49,9 +49,6 @@ SEQUENCES = {
 # To be emptied: files and functions that are too long, and classes that are a file cut at a number.
 LONG_FILES = set()
 HALF_CLASSES = {
-    "passo/control/step_program_intake.py:StepProgramIntake",
-    "passo/control/step_program_orders.py:StepProgramOrders",
-    "passo/steps/position.py:Position",
     "host_tools/programs/ngc/modes.py:Modes",
     "host_tools/programs/ngc/motions.py:Motions",
     "host_tools/sim/faults.py:Faults",
@@ -200,6 +197,13 @@ def half_classes(trees):
                 homes[node.name] = (name, node.name)
                 classes[name, node.name] = node
                 bases[name, node.name] = [homes[base.id] for base in node.bases if isinstance(base, ast.Name) and base.id in homes]
+
+    def made_of(each):
+        """The methods of each class at the end of a line of heirs, with those of the classes between."""
+        heirs = [heir for heir in classes if each in bases[heir]]
+        own = {made.name for made in classes[each].body if isinstance(made, ast.FunctionDef)}
+        return [own | methods for heir in heirs for methods in made_of(heir)] or [own]
+
     found = {}
     for each, node in classes.items():
         heirs = [heir for heir in classes if each in bases[heir]]
@@ -210,8 +214,7 @@ def half_classes(trees):
                 known |= bound(classes[base])
                 above += bases[base]
         missing = {read.attr for read in of_self(node)} - known
-        methods = [{made.name for made in classes[heir].body if isinstance(made, ast.FunctionDef)} for heir in heirs]
-        names = {field for field in missing if not all(field in made for made in methods)}
+        names = {field for field in missing if not all(field in made for made in made_of(each))}
         if heirs and names and len(bases[each]) == len(node.bases):  # all that it is made of is known
             found["%s:%s" % each] = sorted(names)
     return found
@@ -483,6 +486,10 @@ def test_half_a_class_is_found():
     assert half_classes({"a.py": ast.parse(HALF), "b.py": ast.parse(HEIR)}) == {"a.py:A": ["_there"]}
     assert half_classes({"a.py": ast.parse(WHOLE), "b.py": ast.parse(HEIR)}) == {}
     assert half_classes({"a.py": ast.parse(HALF)}) == {}, "nobody is made of it"
+    last = HEIR.replace("a import A", "b import B").replace("class B(A)", "class C(B)")
+    between = "from a import A\n\n\nclass B(A):\n    pass\n"
+    trees = {"a.py": ast.parse(HALF), "b.py": ast.parse(between), "c.py": ast.parse(last)}
+    assert half_classes(trees) == {"a.py:A": ["_there"]}, "h() is a method of the last one"
 
 
 def test_a_name_imported_twice_is_found():

@@ -7,50 +7,27 @@ queue, so that a turn-round, a manual move or a single step may follow.
 Manual moves at a pause are a step program of their own, which the automatic return walks backward.
 """
 
-from array import array
 from micropython import const
 
 from passo import commands
 from passo.commands import FINISHED, Event
 from passo.control.counted_job import CountedJob
-from passo.control.step_program_intake import ASK, DRIVES_ON, HAND, IDLE, RETURN, RUN, lengths_of
+from passo.control.step_program_intake import ASK, DRIVES_ON, HAND, IDLE, RETURN, RUN
 from passo.control.step_program_orders import StepProgramOrders
-from passo.motion.step_program import StepProgram
-from passo.motion.step_program_walker import StepProgramWalker
 from passo.records import COUNT_HALF, COUNT_MASK, ENDLESS
 from passo.steps.word import us_to_ticks
 
-_MANUAL_CELLS = const(256)
 _GATHER = const(512)  # units that a stream sets out with, so that the board's pauses for breath do not show
 
 
 class StepProgramPlayer(StepProgramOrders):
     def __init__(self, board, machine, queue):
-        config = board["step_program"]
-        axes = board["axes"]
         StepProgramOrders.__init__(self, board, machine, queue)
-        self._dry_run = config["dry_run"]
-        self._default = config["default_mm_min"]
-        lengths = lengths_of(axes)
-        self._lengths = lengths
-        self.fastest = min([lengths[1 << axis] for axis in range(len(axes))]) // config["interval_us"] or 1
-        self._least_ticks = us_to_ticks(config["interval_us"])
-        self.program = StepProgram(len(axes), config["cells"])
-        tool_ticks = array("i", [queue.tool_ticks(False), queue.tool_ticks(True)])
-        self._walker = StepProgramWalker(self.program, lengths, tool_ticks)
-        self._manual = StepProgram(len(axes), _MANUAL_CELLS)
-        self._hand = StepProgramWalker(self._manual, lengths, tool_ticks)
-        self._loading = False
-        self._streaming = False
+        self._least_ticks = us_to_ticks(board["step_program"]["interval_us"])
         self._drives = False  # as the program or the operator left them
-        self._powers = False  # the program switches them on somewhere
-        self._barred = False  # the operator wants no current: no move by hand switches them on
         self._without = None  # where a walk began that no motor has current for
-        self._origin = [0] * len(axes)  # where the program begins
         machine.job = CountedJob()
         machine.job.progress = self.progress
-        self._command = None  # to be told when the program's end, or its start, is reached
-        self._mode = IDLE
         self._dropped = False  # at its stand, and not yet cleared
         self._reset()
 
@@ -63,17 +40,14 @@ class StepProgramPlayer(StepProgramOrders):
     def _stand(self):
         """Nothing is under way, and there are no manual moves to go back."""
         self._mode = IDLE
-        self._start_ms = None  # when what is streamed is to set out at the latest
-        self._midway = False  # has set out, and has not come to an end
-        self._asked = False  # waits for the operator's speed
+        self._start_ms = None
+        self._midway = self._asked = self._hand_tool = self._backward = False
         self._held = IDLE  # the mode that the machine's hold has interrupted
-        self._left_at = self._origin  # where it left the program, for moves by hand
-        self._next = None  # what to do at the stand: a function without arguments
-        self._backward = False
+        self._left_at = self._origin
+        self._next = None
         self._most = ENDLESS
         self._from = 0  # where the walk under way began
         self._pass = self._passes = 1
-        self._hand_tool = False
         self._forget_moves()
 
     def _forget_moves(self):

@@ -10,6 +10,8 @@ from passo.control.feature import Feature
 from passo.errors import LATER
 from passo.motion import step_program as marks
 from passo.motion.integers import isqrt
+from passo.motion.step_program import StepProgram
+from passo.motion.step_program_walker import StepProgramWalker
 from passo.records import COUNT_MASK
 
 _GATHER_MS = const(50)  # how long a stream is waited for, so that it sets out with some of it in hand
@@ -45,7 +47,31 @@ def lengths_of(axes):
 
 
 class StepProgramIntake(Feature):
-    """The half of the feature that takes a step program in."""
+    """The part of the feature that takes a step program in."""
+
+    def __init__(self, board, machine, queue):
+        config = board["step_program"]
+        axes = board["axes"]
+        self._queue = queue
+        self._machine = machine
+        self._dry_run = config["dry_run"]
+        self._default = config["default_mm_min"]
+        self._lengths = lengths = lengths_of(axes)
+        self.fastest = min([lengths[1 << axis] for axis in range(len(axes))]) // config["interval_us"] or 1
+        self.program = StepProgram(len(axes), config["cells"])
+        self._tool_ticks = array("i", [queue.tool_ticks(False), queue.tool_ticks(True)])
+        self._walker = StepProgramWalker(self.program, lengths, self._tool_ticks)
+        self._loading = False
+        self._streaming = False
+        self._powers = False  # the program switches the drives on somewhere
+        self._origin = [0] * len(axes)  # where the program begins
+        self._command = None  # to be told when the program's end, or its start, is reached
+        self._mode = IDLE
+        self._start_ms = None  # when what is streamed is to set out at the latest
+        self._midway = False  # has set out, and has not come to an end
+        self._backward = False
+        self._pass = self._passes = 1
+        self._left_at = self._origin  # where it left the program, for moves by hand
 
     def _clamp(self, mm_min):
         return min(mm_min or self._default, self.fastest)

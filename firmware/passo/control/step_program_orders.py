@@ -8,14 +8,27 @@ from micropython import const
 from passo import commands, errors
 from passo.config import setting_numbers as table
 from passo.control.step_program_intake import HAND, IDLE, RETURN, RUN, StepProgramIntake
-from passo.motion.step_program import run
+from passo.motion.step_program import StepProgram, run
+from passo.motion.step_program_walker import StepProgramWalker
 from passo.records import ENDLESS
 
 MOST_PASSES = const(100)
+_MANUAL_CELLS = const(256)
 
 
 class StepProgramOrders(StepProgramIntake):
     """The part of the feature that takes orders."""
+
+    def __init__(self, board, machine, queue):
+        StepProgramIntake.__init__(self, board, machine, queue)
+        axes = len(board["axes"])
+        self._manual = StepProgram(axes, _MANUAL_CELLS)
+        self._hand = StepProgramWalker(self._manual, self._lengths, self._tool_ticks)
+        self._barred = False  # the operator wants no current: no move by hand switches the drives on
+        self._hand_tool = False
+        self._asked = False  # waits for the operator's speed
+        self._most = ENDLESS
+        self._next = None  # what to do at the stand: a function without arguments
 
     def _do(self, command):
         """STEP_PROGRAM."""

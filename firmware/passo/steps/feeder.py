@@ -15,11 +15,8 @@ fill() and all it calls may run in an interrupt: no allocation, no integer of 2Â
 drops words, retire() and cancel(), only while `open` is cleared.
 """
 
-from array import array
-
 import micropython
 
-from passo.memory import zeros
 from passo.motion.block import INDEPENDENT, LINE, STEP_PROGRAM, WAIT
 from passo.motion.line import MAX_RUN
 from passo.records import *
@@ -34,21 +31,13 @@ class Feeder(Position):
     def __init__(self, ring, layout, planner, drive, setup_ticks, min_word_ticks):
         """`drive` turns the step form into pin levels, or is None where the step form is what the pins want;
         `setup_ticks` pass between a change of direction and the next step (0 where there is no DIR pin)."""
-        self.ring = ring
-        self.layout = layout
-        self.planner = planner
-        self.drive = drive
+        Position.__init__(self, ring, layout, planner, drive)
         self.setup_ticks = setup_ticks
         self.min_word_ticks = min_word_ticks
         self.ramp = planner.ramp
-        axes = layout.axes
-        self._found = array("i", [0] * axes)  # for who asks where the machine is
-        self._stepping = 0
-        self._stride = MARK_FIELDS + axes
-        self.marks = zeros(MARKS * self._stride)
-        state = self.state = array("i", [0] * (FEED_PLACE + axes))
+        state = self.state
         state[FEED_BITS] = layout.bits
-        state[FEED_AXES] = axes
+        state[FEED_AXES] = layout.axes
         state[FEED_MASK] = ring.mask
         state[FEED_LIMIT] = ring.size - _ROOM
         state[FEED_SETUP] = setup_ticks
@@ -65,7 +54,6 @@ class Feeder(Position):
             state, self.marks, ring.words, planner.rows, planner.scratch, planner.indices, planner.line_state, ring.power.marks,
             ring.power, ring, self.settle,
         )  # fmt: skip
-        self._seen_of = self.state, self.marks, ring.words, planner.indices
         self._reset(0)
 
     def _reset(self, played):

@@ -1,12 +1,29 @@
 """Where the machine is, from the words played: the last checkpoint played, and the steps in the words since."""
 
+from array import array
+
+from passo.memory import zeros
 from passo.motion.block import STEP_PROGRAM
 from passo.records import *
 from passo.steps.position_viper import find, look, see, tally
 
 
 class Position:
-    """What the main loop may ask of the feeder."""
+    """What the main loop may ask of the feeder, which writes the arrays that are read here."""
+
+    def __init__(self, ring, layout, planner, drive):
+        """As of a Feeder."""
+        self.ring = ring
+        self.layout = layout
+        self.planner = planner
+        self.drive = drive
+        axes = layout.axes
+        self._found = array("i", [0] * axes)  # for who asks where the machine is
+        self._stepping = 0
+        self._stride = MARK_FIELDS + axes
+        self.marks = zeros(MARKS * self._stride)
+        self.state = array("i", [0] * (FEED_PLACE + axes))
+        self._seen_of = self.state, self.marks, ring.words, planner.indices
 
     def position(self, played):
         """Steps of each axis since power-up when `played` words have appeared on the pins: exact. Where an interrupt
