@@ -8,7 +8,7 @@ whoever asks what is playing; it is filled again and again, so nothing is alloca
 import micropython
 from micropython import const
 
-from passo.records import ROW_DYNAMIC, ROW_FIRST, ROW_KIND, ROW_TAG, ROW_TICKS, ROW_TICKS_REST
+from passo.records import ROW_DYNAMIC, ROW_FIRST, ROW_KIND, ROW_TAG, ROW_TICKS
 
 LINE = const(0)
 WAIT = const(1)
@@ -25,7 +25,7 @@ class Block:
     def __init__(self):
         self.kind = WAIT
         self.walker = None  # its geometry: the planner's line or circle, independent axes, a step program; a wait has none
-        self.ticks = self.ticks_rest = self.first = self.tag = self.dynamic = 0
+        self.ticks = self.first = self.tag = self.dynamic = 0
         self.start = 0  # q at which it may be begun and ended without a ramp
         self.rows = None  # its row begins at rows[at]
         self.at = 0
@@ -41,4 +41,3 @@ class Block:
         self.dynamic = rows[at + ROW_DYNAMIC]
         self.start = 0
         self.ticks = rows[at + ROW_TICKS]
-        self.ticks_rest = rows[at + ROW_TICKS_REST]

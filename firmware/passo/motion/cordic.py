@@ -15,7 +15,6 @@ Big integers are welcome here: it is called once a block.
 
 from micropython import const
 
-ANGLE_BITS = const(32)
 TURN = 1 << 32
 QUARTER = 1 << 30
 GUARD = const(16)  # bits below one step: rounding of up to 50 shifts stays under 2⁻¹⁰

@@ -35,7 +35,6 @@ from passo.motion.steady import LONGEST_TICKS, Steady, dominant, refuse
 from passo.records import *
 
 LOOK_AHEAD = const(64)
-IN_FLIGHT = const(32)
 _COUNT = const(0x1FFFFFFF)
 FEED_PERCENT = (10, 200)
 RAPID_PERCENT = (1, 100)

@@ -44,7 +44,6 @@ LEAST_PITCH_UM = const(100)
 MOST_PITCH_UM = const(1_000_000)
 MOST_DWELL_MS = const(60_000)
 _NM_PER_UM = const(1000)
-_EIGHTHS = const(8)
 _PEAK = const(1 << 16)  # an edge
 
 # Points of a pitch: (eighths of it, side: 1 left, 0 the seam, -1 right, dwell there).

@@ -5,7 +5,7 @@ from micropython import const
 from passo import commands, errors
 from passo.commands import Command
 from passo.protocols.gcode.codes import AXES, CODES, G43, GROUP, GROUPS, LETTER, ON, why_unknown
-from passo.protocols.gcode.words import F, H, L, M_CODES, N, P, R, T, X, Z, Words, rounded
+from passo.protocols.gcode.words import F, H, L, M_CODES, N, P, R, X, Z, Words, rounded
 
 MAX_LINE = const(10_000_000)
 MAX_TOOL = const(255)
