@@ -25,11 +25,6 @@ def _lost(board, *ways):
     return [link for link in board["links"] if link["lost"] in ways]
 
 
-def _counted(board):
-    """True if jobs are counted by commands or points, and not by lines."""
-    return [link for link in board["links"] if link["protocol"] in ("plotter", "pulses")]
-
-
 _OF_ALL = ("steps.feeder", "control.state", "control.controller", "control.queue", "config.settings", "config.journal")
 _OF_PROGRAM = ("motion.look_ahead_viper", "steps.segments_viper", "motion.ramp", "motion.circle", "control.stream_queue",
                "motion.arc", "motion.arc_speed", "motion.s_curve", "motion.ellipse", "control.chords", "control.arcs")  # fmt: skip
@@ -61,8 +56,7 @@ FEATURES = (
     ("host_watch", "HostWatch", lambda board: _lost(board, "pause", "stop", "retract")),
     ("resets", "Resets", lambda board: True),
     ("power_fail", "PowerFail", lambda board: board["journal"] and board["journal"]["power"]),
-    ("job_journal", "JobJournal", lambda board: board["journal"] and not _counted(board)),
-    ("unit_journal", "UnitJournal", lambda board: board["journal"] and _counted(board)),
+    ("job_journal", "JobJournal", lambda board: board["journal"]),
     ("jobs", "Jobs", lambda board: board["jobs"]),  # it adds a link: behind those that count them
     ("admission", "Admission", lambda board: board["network"]),  # last: it wraps handlers of the others
 )

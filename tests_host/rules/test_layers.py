@@ -331,15 +331,11 @@ def features():
     raise AssertionError("the machine builder has no FEATURES")
 
 
-# A feature for boards that ask for more of it, and what it is derived from.
-MORE_OF = {"unit_journal": "job_journal"}
-
-
 def feature_faults(source, path, names):
     faults = []
     for line, name in imports(source, path.parent.parts):
         parts = name.split(".")
-        if parts[:2] == ["passo", "control"] and parts[2] in names and parts[2] not in (path.stem, MORE_OF.get(path.stem)):
+        if parts[:2] == ["passo", "control"] and parts[2] in names and parts[2] != path.stem:
             faults.append(f"{path}:{line}: a feature imports {name}")
     return faults
 

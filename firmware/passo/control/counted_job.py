@@ -1,4 +1,4 @@
-"""What the journal and the feature that plays a job by commands or points tell each other of it: see unit_journal.py."""
+"""What the journal and the feature that plays a job by commands or points tell each other of it: see job_journal.py."""
 
 
 class CountedJob:

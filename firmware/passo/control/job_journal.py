@@ -11,14 +11,22 @@ machine has stood for that long; never the one with the newest record.
 
 What is written while it moves is at most `every_ms` old, twice that once half of the slots are used, and so on; at a stand all is
 written. The job is a number that the PC makes of its file; lines are those of N words.
+
+A job of commands of a step program, or of points of a drawing, is counted instead, and announced before it comes: JOURNAL with (number,
+line, flags, lead, position), which become the first record, so that a job that is gone on with may be interrupted before it has moved.
+`lead`: commands or points that come first and are none of the job's, such as the way to the position. What is not announced is not
+written down. A step program's line is how many of its commands are done, and the position is that behind the last: a step is made or it
+is not. A drawing's line is the point under way. The position is known, as homed, as long as it has been counted since the job began.
 """
 
+from array import array
 from struct import pack, unpack
 
 from binascii import crc32
 from micropython import const
 
 from passo import commands, errors
+from passo.commands import SPOT_AXES, SPOT_BACK, SPOT_PLACE, SPOT_TIMES
 from passo.control.feature import Feature
 from passo.motion.block import WAIT
 from passo.records import COUNT_MASK, JOURNAL_BYTES, REST_MS, ROW_KIND, ROW_TAG
@@ -26,6 +34,8 @@ from passo.records import COUNT_MASK, JOURNAL_BYTES, REST_MS, ROW_KIND, ROW_TAG
 _WAITS = const(8)  # blocks that wait for a tool, behind a line
 DONE = const(1)  # flags: the line has been played to its end, the position is there
 HOMED = const(2)
+BACK = const(4)  # a step program is played towards its start
+_TIMES = const(8)  # the bit from which on stand the times that it is to be played, this one included
 _FORM = "<HHIIiiii"
 _EMPTY = b"\xff" * 32
 
@@ -63,6 +73,10 @@ class JobJournal(Feature):
         self._retired = queue.retired()  # blocks, as seen last
         self._moving = False  # by a line of the job
         self._broken = False  # what was queued has been dropped amid a line
+        self._counted = machine.job  # a CountedJob; None: lines have numbers
+        self._spot = array("i", [0] * (SPOT_AXES + self._axes))
+        self._done = self._lead = self._times = 0  # as announced, of one that is counted
+        self._back = False
         self._find(pages)
 
     def _find(self, pages):
@@ -112,7 +126,7 @@ class JobJournal(Feature):
         self._retired = self._queue.retired()
         self._broken = self._moving = False
         self._line = self._least = 0
-        self._sample_place()
+        self._sample_position()
         self._begin(command.target)
         self._flags |= self._homed()
         if self._few():
@@ -122,18 +136,37 @@ class JobJournal(Feature):
         return machine.accepted(command)
 
     def _begin(self, job):
-        self._job = job if isinstance(job, int) else job[0]
+        number, line, flags, lead, position = job if isinstance(job, tuple) else (job, 0, DONE, 0, None)
+        self._job = number
         self._flags = 0
+        counted = self._counted
+        if counted is None:
+            return
+        self._line = line
+        self._flags = flags & ~HOMED
+        self._lead = lead
+        self._back = bool(flags & BACK)
+        self._times = flags >> _TIMES
+        self._done = self._least = line if flags & DONE else max(line - 1, 0)
+        if position is not None:
+            self._position[: len(position)] = position
+        counted.counted = self._done - lead
+        counted.announced = True
+        counted.kept = not self._machine.alarm
+        counted.counting = False
 
     def _homed(self):
-        return HOMED if self._machine.homed else 0
+        return HOMED if self._machine.homed or self._counted and self._counted.kept else 0
 
     # --- what is known: of lines of the job alone, which are those with a number
 
     def _counting(self):
         """What is queued may be of the job: of lines those with a number are, others have been announced."""
-        job = self._machine.job
-        return job is None or job.counting
+        return self._counted is None or self._counted.counting
+
+    def _walks(self):
+        """A step program plays, and says itself where it is."""
+        return self._counted is not None and self._counted.progress is not None
 
     def poll(self, now_ms):
         machine = self._machine
@@ -146,6 +179,13 @@ class JobJournal(Feature):
                 self._rest_ms = now_ms
                 self._erase()
         if not self._job or not self._counting():
+            return
+        if self._walks():
+            if still:
+                self._walked()
+            elif now_ms - self._written_ms & COUNT_MASK >= self._interval():
+                self._written_ms = now_ms
+                self._walked()
             return
         if not still:
             self._sample(now_ms)
@@ -186,7 +226,7 @@ class JobJournal(Feature):
             self._written_ms = now_ms
             self._write()
 
-    def _sample_place(self):
+    def _sample_position(self):
         self._position[: self._axes] = list(self._queue.found())
 
     def _stand(self, count):
@@ -202,7 +242,7 @@ class JobJournal(Feature):
             return
         self._line = line
         self._flags = DONE | self._homed()
-        self._sample_place()
+        self._sample_position()
         if self._few():
             self._late = True
         else:
@@ -215,15 +255,30 @@ class JobJournal(Feature):
         if at >= 0 and planner.rows[at + ROW_TAG] > self._least and self._counting():
             self._line = planner.rows[at + ROW_TAG]
             self._flags &= ~DONE
-            self._sample_place()
+            self._sample_position()
             self._write()
         self._broken = True
+        if self._job and self._counting() and self._walks():
+            self._walked()
 
     def dropped(self):
         """A hold has come to its stand, which poll() has seen; what was queued behind it is gone."""
         if self._moving:
             self._write()
         self._broken = True
+
+    def _walked(self):
+        """Write down where the step program is."""
+        spot = self._spot
+        if not self._counted.progress(spot):
+            return
+        count = max(spot[SPOT_PLACE] - self._lead, 0)
+        self._line = self._done - count if self._back else self._done + count
+        back = self._back != bool(spot[SPOT_BACK])
+        self._flags = DONE | self._homed() | (BACK if back else 0) | (self._times or spot[SPOT_TIMES]) << _TIMES
+        for axis in range(self._axes):
+            self._position[axis] = spot[SPOT_AXES + axis]
+        self._write()
 
     def _few(self):
         """True if less than half of the slots are left."""

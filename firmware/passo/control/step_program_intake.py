@@ -144,7 +144,7 @@ class StepProgramIntake(Feature):
         return self.program.append(marks.mark(marks.STATION, station))
 
     def progress(self, spot):
-        """For the journal: see unit_journal.py. False if nothing of the program has been played."""
+        """For the journal: see job_journal.py. False if nothing of the program has been played."""
         walker = self._walker
         place = walker.place
         at = self._left_at
