@@ -15,6 +15,8 @@ MACHINES = {
     "keys": ("two_motor_kit", (), ("motor", {"motor": 1, "what": "on"}), {"x": 1}),
 }
 BRAKES_MS = 50  # the longest way to a stand of these, from SPEED
+BRAKED_MS = 66  # from the order on, if it overtakes nothing: less than the way that is queued ahead of any of these
+OVERTAKEN_MS = 145  # where a piece of the jog comes behind the brake, and has to be braked as well
 ENDS_MS = 80  # a jog that is let go, or whose page has gone: what is sent, and what is in the pins' queue
 
 
@@ -155,6 +157,21 @@ def a_jog_ends_with_its_lease(language):
         assert desk.place() == stood, (language, served)
 
 
+def a_jog_that_is_let_go_brakes(language):
+    """At once, and not at the end of what is queued; at whatever moment, also amid a piece that is not answered."""
+    for served in BOTH:
+        desk, page = ready(served, language)
+        took = []
+        for lease in range(1, 9):
+            hold(desk, page, lease, 240, MACHINES[language][3])
+            desk.run_ms(6 * lease)
+            at = desk.now_ms()
+            assert page.order("release", lease=lease)["error"] == 0
+            desk.run_ms(400)
+            took.append(desk.now_ms() - desk.stood_ms() - at)
+        assert min(took) <= BRAKED_MS and max(took) <= OVERTAKEN_MS, (language, served, took)
+
+
 def a_jog_ends_with_its_page(language):
     for served in BOTH:
         desk, page = ready(served, language)
@@ -189,6 +206,11 @@ def check_stop_needs_no_key():
 def check_a_jog_ends_with_its_lease():
     for language in MACHINES:
         a_jog_ends_with_its_lease(language)
+
+
+def check_a_jog_that_is_let_go_brakes():
+    for language in MACHINES:
+        a_jog_that_is_let_go_brakes(language)
 
 
 def check_a_jog_ends_with_its_page():
