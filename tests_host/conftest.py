@@ -3,13 +3,19 @@
 import gc
 import os
 import sys
+import time
 from pathlib import Path
 
-import pytest
-from hypothesis import settings
+# Programs that tests start import compiled files: else each takes half a second more.
+os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
+sys.dont_write_bytecode = False
+
+import pytest  # noqa: E402
+from hypothesis import settings  # noqa: E402
 
 TESTS = Path(__file__).resolve().parent
 ROOT = TESTS.parent
+BUILDS, KEPT_S = ROOT / "build" / "kept", 86_400
 
 # Modules that several folders use are imported by their bare names, as under MicroPython.
 FOLDERS = [TESTS / name for name in ("properties", "sims", "tools", "pico", "cores", "rules")]
@@ -44,9 +50,18 @@ def pytest_addoption(parser):
 def pytest_configure(config):
     os.environ["LANGUAGE"] = "en"  # what `passo` says is compared
     os.environ.setdefault("PASSO_PC_KERNELS", "plain")  # coverage sees kernels as Python; test_compiled.py has them as C
+    if "PASSO_BUILDS" not in os.environ:  # a board of the same texts is built once, for all workers
+        os.environ["PASSO_BUILDS"] = str(BUILDS)
+        _forget_old_builds()
     for line in MARKERS.strip().splitlines():
         config.addinivalue_line("markers", line)
     tiers.current = config.getoption("--tier")  # before the test modules are imported
+
+
+def _forget_old_builds():
+    for path in BUILDS.glob("*"):
+        if path.stat().st_mtime < time.time() - KEPT_S:
+            path.unlink(missing_ok=True)
 
 
 class CheckModule(pytest.Module):

@@ -26,6 +26,7 @@ from pathlib import Path
 from host_tools import boards
 from host_tools.build import mpy, pages
 from host_tools.build.constants import forms, numbered_only
+from host_tools.build.kept import kept
 from host_tools.failure import Failure
 from host_tools.kernels import build as kernels
 from host_tools.kernels import inline
@@ -277,6 +278,10 @@ def compile_module(source, target, march, shown_as):
 @lru_cache(maxsize=1024)
 def _module(text, march, shown_as):
     """The bytes of a module that compile_module() makes; boards share most of them."""
+    return kept((text, march, str(shown_as)), lambda: _compiled(text, march, shown_as))
+
+
+def _compiled(text, march, shown_as):
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "module.py", Path(folder) / "module.mpy"
         source.write_text(text, encoding="utf-8")
@@ -315,8 +320,7 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     rows = []
     sources = {path.as_posix(): (firmware / path).read_text(encoding="utf-8") for path in files}
     march = march or MARCH[board["chip"]]
-    compiled = kernels.compiled(*forms(sources), board, march, _left(board))
-    texts = inline.inlined(compiled.texts, bounds=inline.TIGHT if board["chip"] == IN_PLACE else inline.ROOMY)
+    texts, compiled = _made(sources, board, march)
     if by is not None:
         by += compiled.by
         by += [_("and {} words look like pointers: the collector may keep garbage for them", compiled.pointers)] if compiled.pointers else []
@@ -346,6 +350,17 @@ def build_tree(name, out, march=None, firmware=FIRMWARE, by=None):
     (out / "passo" / FILE_LIST).write_text("".join(listed), encoding="utf-8")
     write_stamp(out)
     return rows
+
+
+def _made(sources, board, march):
+    """(texts of modules as they are compiled, kernels.Compiled) of a board's sources."""
+    left, bounds = _left(board), inline.TIGHT if board["chip"] == IN_PLACE else inline.ROOMY
+
+    def make():
+        compiled = kernels.compiled(*forms(sources), board, march, left)
+        return inline.inlined(compiled.texts, bounds=bounds), compiled._replace(texts={})
+
+    return kept((sorted(sources.items()), kernels.accelerates(board), march, left, bounds, modules.origin(march)), make)
 
 
 def _check_flash(board, out):

@@ -25,14 +25,17 @@ LINES = "passo.protocols.gcode.", "passo.protocols.grbl.", "passo.control.line_b
 Compiled = namedtuple("Compiled", "texts modules by pointers")
 
 
+def accelerates(board):
+    """Whether the planner is loaded with the feeder: all that a board file changes in its kernels."""
+    return any("accel_mm_s2" in axis for axis in board.get("axes", ()))
+
+
 def groups(program, board, left=(), keep=False):
     """[(name, kernels)]; `keep`: also kernels that only kernels call."""
-    accelerates = any("accel_mm_s2" in axis for axis in board.get("axes", ()))
-
-    plan = program.loaded_with(PLAN)
+    plan, planned = program.loaded_with(PLAN), accelerates(board)
 
     def group(module):
-        if module in STEPS or accelerates and (module in plan or module.startswith(LINES)):
+        if module in STEPS or planned and (module in plan or module.startswith(LINES)):
             return "steps"
         return "plan" if module in plan or module.startswith(LINES) else module.removeprefix("passo.").replace(".", "_")
 

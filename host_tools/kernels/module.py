@@ -96,6 +96,11 @@ def module(text, names, march):
     return compiled_here(text, names, march)
 
 
+def origin(march):
+    """What the modules of a chip come from here, beside their text: the compiler, the wish for one, and the names of what is shipped."""
+    return compiler(march), os.environ.get("PASSO_KERNELS"), sorted(path.name for path in SHIPPED.glob("*.mpy"))
+
+
 def shipped_name(text, names, march):
     """Of the file that has the module of a text of C."""
     return _hash(text, names, march)[:24] + ".mpy"
