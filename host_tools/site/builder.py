@@ -88,11 +88,14 @@ def jobs():
     }
 
 
+_PATH = '<div class="pane" id="pane-path">\n'  # the part of the page that the machine of the tab is put into
+
+
 def page(text):
     """index.html with the machine in it, and without a way out of its own site."""
     card = (OWN / "machine.html").read_text(encoding="utf-8")
     head = (OWN / "head.html").read_text(encoding="utf-8")
-    for mark, made in (("</title>\n", "</title>\n" + head), ("<main>\n", "<main>\n" + card)):
+    for mark, made in (("</title>\n", "</title>\n" + head), (_PATH, _PATH + card)):
         if text.count(mark) != 1:
             raise Failure("{} has no {} to put the machine behind", PAGE / "index.html", mark.strip())
         text = text.replace(mark, made)

@@ -31,6 +31,15 @@ pytestmark = [
 SQUARE = "G21 G91\nF2000\nG1 X20\nG1 Y20\nG1 X-20\nG2 Y-20 J-10\n"
 
 
+# Brings a control into sight: its card is folded up, or on a phone it is behind another tab.
+BRING = """
+const control = arguments[0], card = control.closest("section > details:not([open])"), pane = control.closest(".pane[hidden]");
+if (card && !control.closest("summary")) card.querySelector("summary").click();
+if (pane) document.querySelector(`[data-tab=${pane.id.slice(5)}]`).click();
+control.scrollIntoView({block: "center"});
+"""
+
+
 def chromium():
     """A Chromium of its own, without a window."""
     from selenium import webdriver
@@ -74,12 +83,12 @@ class Browser:
 
     def click(self, name):
         self.until(lambda: self.find(name).is_enabled())
-        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self.find(name))
+        self.driver.execute_script(BRING, self.find(name))
         self.find(name).click()
 
     def tap(self, selector):
         """Click, clear of the header that stays in sight."""
-        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", self.css(selector))
+        self.driver.execute_script(BRING, self.css(selector))
         self.css(selector).click()
 
     def css(self, selector):
@@ -111,7 +120,7 @@ class Browser:
         from selenium.webdriver import ActionChains
 
         button = self.css(f"[data-way='{way}']")
-        self.driver.execute_script("arguments[0].scrollIntoView({block: 'center'})", button)
+        self.driver.execute_script(BRING, button)
         ActionChains(self.driver).move_to_element(button).click_and_hold().perform()
 
     def let_go(self):
@@ -321,7 +330,7 @@ def test_teach_in(browser, panel):
 
 def switched(browser, name, text):
     """Press a button of the tool unless its signal shows already; the spindle's last order may still be under way."""
-    if text in browser.text("signals"):
+    if text in browser.find("signals").get_attribute("textContent"):
         return True
     if browser.text("state") == "Ready":
         browser.tap(f"[data-output='{name}']")
@@ -458,6 +467,7 @@ def test_a_lost_link_ends_the_jog(browser, panel, how):
 
 
 DESKTOP, PHONE = (1280, 2000), (390, 3400)
+SIZES = ((360, 640), (768, 1024), (1366, 768))
 LOOKS = [(DESKTOP, "en", "light"), (PHONE, "pt", "dark")]
 LOOKS += [pytest.param(size, language, theme, marks=pytest.mark.slow) for size in (DESKTOP, PHONE) for language in ("en", "pt")
           for theme in ("light", "dark") if (size, language, theme) not in LOOKS]  # fmt: skip
@@ -482,3 +492,29 @@ def test_axe_finds_no_serious_fault(panel, driver, axe, size, language, theme):
         assert not serious, serious
 
 
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_nothing_is_longer_than_two_screens(panel, driver, size):
+    """Each part on a phone, all of them at once on a tablet and a PC; STOP and the state are in sight at the end of it, too."""
+    width, height = size
+    screen = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 600}
+    with Browser(panel, driver) as browser:
+        driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", screen)
+        try:
+            tabs = driver.find_elements("css selector", "[data-tab]")
+            for tab in [each for each in tabs if each.is_displayed()] or tabs[:1]:
+                if tab.is_displayed():
+                    tab.click()
+                assert driver.execute_script("return document.documentElement.scrollHeight") <= 2 * height
+                assert driver.execute_script("return document.documentElement.scrollWidth") <= width
+                driver.execute_script("scrollTo(0, 1e6)")
+                for name in ("stop", "state"):
+                    box = browser.find(name).rect
+                    top = box["y"] - driver.execute_script("return scrollY")
+                    assert 0 <= top and top + box["height"] <= height
+                small = driver.execute_script(
+                    "return [...document.querySelectorAll('button')].filter((e) => e.offsetParent && e.offsetHeight < 48).map((e) => e.id || e.textContent)")
+                assert not small
+        finally:
+            driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})

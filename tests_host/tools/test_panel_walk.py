@@ -18,7 +18,7 @@ CUT = "G21 G90 F400\nG1 X5 Y5\nX15\nG4 P1.5\nY12\nX5 Y5\n"
 ARC = "G91 G2 X4 Y-4 J-4 F1500"
 NAME = """
 const nameOf = (e) => e.id || e.dataset.way || e.dataset.play || e.dataset.switch || e.dataset.output || e.dataset.override || (e.type === "radio" && e.name + e.value)
-  || (/^\\$/.test(e.ariaLabel || "") && "a setting") || (/^Zero here/.test(e.ariaLabel || "") && "zero an axis") || (e.form && e.form.id)
+  || (/^\\$/.test(e.ariaLabel || "") && "a setting") || (e.closest("#places") && "zero an axis") || (e.form && e.form.id)
   || (e.tagName === "SUMMARY" && e.closest("section").id) || e.outerHTML.slice(0, 80);
 const CONTROLS = "button, input, select, summary, canvas";
 """

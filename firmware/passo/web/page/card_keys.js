@@ -21,8 +21,8 @@ export class Keys {
     this.made = document.documentElement.lang;
     $("motors").replaceChildren(...[1, 2].map((motor) => {
       const row = document.createElement("fieldset");
-      row.innerHTML = `<legend></legend><p id="motor-${motor}" role="status"></p><p class="row"></p>
-        <p class="row"><label><span></span><input id="speed-${motor}" type="number" min="1" max="${SLOWEST}" value="1" inputmode="numeric"></label></p>`;
+      row.innerHTML = `<legend></legend><p id="motor-${motor}" role="status"></p><p class="row fill"></p>
+        <p class="row fill"><label class="line"><span></span><input id="speed-${motor}" type="number" min="1" max="${SLOWEST}" value="1" inputmode="numeric"></label></p>`;
       row.querySelector("legend").textContent = _("Motor {motor}", { motor });
       row.querySelector("label span").textContent = _("Speed, 1 (fastest) … {slowest}", { slowest: SLOWEST });
       [["on", _("On")], ["off", _("Off")], ["reverse", _("Reverse")], ["speed", _("Set the speed")]].forEach(([what, name]) => {

@@ -11,7 +11,7 @@ export class Plotter {
     const speed = message.speed || { unit: "", default: 1000, min: 1, max: 65535 };
     const field = $("draw-speed");
     [field.min, field.max, field.value] = [speed.min, speed.max, speed.default];
-    $("draw-speed-unit").textContent = `${speed.min} … ${speed.max} ${speed.unit}`;
+    $("draw-speed-unit").textContent = `${speed.min} … ${speed.max} ${speed.unit === "half_period_us" ? _("µs a half step: more is slower") : speed.unit}`;
     $("draw-speed-form").onsubmit = (event) => { event.preventDefault(); page.order("pace", { speed: Number(field.value) }); };
   }
 

@@ -1,11 +1,15 @@
 // The page: shows what the server pushes, and makes orders of what is pressed.
 
+import "./old.js";
 import { Cards } from "./cards.js";
+import { makeOverrides, showControls, showWait } from "./controls.js";
 import { Jog } from "./jog.js";
 import { Kept } from "./kept.js";
 import { Link } from "./link.js";
+import { makePad } from "./pad.js";
 import { Picture, read } from "./path.js";
 import { Recover } from "./recover.js";
+import { Tabs } from "./tabs.js";
 import { _, choose, languages, preferred } from "./words.js";
 
 const $ = (id) => document.getElementById(id);
@@ -14,8 +18,6 @@ const SIGNALS = { X: "Limit X", Y: "Limit Y", Z: "Limit Z", A: "Limit A", P: "Pr
 const MORE = { En: "Encoders", RPM: "Spindle, turns a minute", Gl: "Glitches of inputs" };  // words of a status that only some machines have
 const STATES = { "": "No link", Idle: "Ready", Run: "Running", Hold: "Held", Jog: "Moving", Home: "Homing", Alarm: "Alarm", Door: "Door open",
   Check: "Checking", Sleep: "Asleep" };
-const OVERRIDES = [["feed", "Feed", ["-10", "100", "+10"]], ["rapid", "Rapids", ["25", "50", "100"]], ["spindle", "Spindle", ["-10", "100", "+10"]]];
-const PAD = [[-1, 1, "↖"], [0, 1, "↑"], [1, 1, "↗"], null, "z+", [-1, 0, "←"], null, [1, 0, "→"], null, null, [-1, -1, "↙"], [0, -1, "↓"], [1, -1, "↘"], null, "z-"];
 const KEYS = { ArrowLeft: "x-", ArrowRight: "x+", ArrowUp: "y+", ArrowDown: "y-", PageUp: "z+", PageDown: "z-" };
 
 let report = { state: "", beat: 0, m: [], w: [] };
@@ -31,6 +33,7 @@ const recover = new Recover((name, fields) => order(name, fields));
 const picture = new Picture($("path"));
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
+const tabs = new Tabs(() => picture.draw());
 let waiting = [];  // [condition of a job, resolve]
 
 // --- messages
@@ -122,7 +125,7 @@ function told(message) {
   } else if (message.t === "refused") {
     say(message.text);
   } else if (message.t === "asks") {
-    say(_("A program at {name} wants to move the machine. “Give it to the sender” lets it.", { name: message.name }));
+    say(_("A program at {name} wants to move the machine. “Let the other program move it” lets it.", { name: message.name }));
   } else if (message.t === "log") {
     showLog(message);
   } else if (message.t === "said") {
@@ -154,6 +157,7 @@ function hello(message) {
   const machines = message.machines || [];
   $("machine-row").hidden = !machines.length;
   $("machines").replaceChildren(...machines.map((name) => new Option(name || "—", name)));
+  tabs.show();
 }
 
 function setAxes(wanted) {
@@ -161,10 +165,9 @@ function setAxes(wanted) {
   axes = wanted;
   $("places").replaceChildren(...[...axes].map((axis) => {
     const row = document.createElement("tr");
-    row.innerHTML = `<th scope="row">${axis.toUpperCase()}</th><td id="w-${axis}"></td><td id="m-${axis}"></td><td><button type="button">${_("Zero")}</button></td>`;
+    row.innerHTML = `<th scope="row">${axis.toUpperCase()}</th><td id="w-${axis}"></td><td id="m-${axis}"></td><td><button type="button">${axis.toUpperCase()} = 0</button></td>`;
     row.querySelector("button").onclick = () => order("zero", { axes: axis });
     row.lastChild.hidden = !cards.can("zero");
-    row.querySelector("button").setAttribute("aria-label", `${_("Zero here")}: ${axis.toUpperCase()}`);
     return row;
   }));
   $("goto-axes").replaceChildren(...[...axes].map((axis) => {
@@ -172,7 +175,7 @@ function setAxes(wanted) {
     label.innerHTML = `<span data-as-is>${axis.toUpperCase()}, mm</span><input type="number" step="any" id="goto-${axis}">`;
     return label;
   }));
-  makePad();
+  makePad($("pad"), axes, cards.can("diagonal"), press, (button) => jog.release(button));
 }
 
 // --- what is shown
@@ -190,11 +193,11 @@ function show() {
     $(`w-${axis}`).textContent = report.w && n in report.w ? report.w[n].toFixed(3) : "";
     $(`m-${axis}`).textContent = report.m && n in report.m ? report.m[n].toFixed(3) : "";
   });
-  const places = (name) => (report[name] || []).map((value, n) => `${(axes[n] || "").toUpperCase()} ${value.toFixed(2)}`).join("  ");
-  $("where").textContent = report.w ? `${_("Work")} ${places("w")} · ${_("Machine")} ${places("m")}` : "";
+  showWhere();
   $("speed-now").textContent = Math.round(report.feed || 0);
   $("rpm-now").textContent = Math.round(report.rpm || 0);
-  (report.ov || []).forEach((value, n) => { const place = $(`ov-${OVERRIDES[n][0]}`); if (place) place.textContent = `${value} %`; });
+  showControls(report);
+  showWait(report, report.owner !== "guest");
   $("owner").textContent = report.owner === "guest" ? _("the sender beside it") : _("this page");
   showSignals();
   showJob();
@@ -207,6 +210,21 @@ function show() {
     alarmText = "";
   }
   enable();
+}
+
+// The place in the head, to be read from afar.
+function showWhere() {
+  const shown = axes + (report.w || []).length;
+  if ($("where").dataset.shown !== shown) {
+    $("where").dataset.shown = shown;
+    $("where").replaceChildren(...(report.w || []).map((value, n) => {
+      const place = document.createElement("span");
+      place.innerHTML = "<b></b> <span></span> <small>mm</small>";
+      place.firstChild.textContent = (axes[n] || "").toUpperCase();
+      return place;
+    }));
+  }
+  (report.w || []).forEach((value, n) => { $("where").children[n].children[1].textContent = value.toFixed(2); });
 }
 
 function enable() {
@@ -222,8 +240,11 @@ function enable() {
   set("hold", ["Run", "Jog", "Home"].includes(report.state));
   set("resume", ["Hold", "Door"].includes(report.state) && mine);
   set("abort", busy);
-  set("give", idle && !busy && mine);
-  set("take", (idle || report.state === "Alarm") && !mine);
+  set("give", idle && !busy);
+  set("take", idle || report.state === "Alarm");
+  $("give").hidden = !mine;
+  $("take").hidden = mine;
+  $("card-log").hidden = !cards.can("log") || !$("log").children.length;
   cards.show(report);
   recover.show(report.recover, mine && !busy, idle, /[SC]/.test(report.on || ""));
   if (link.key && $("card-key").hidden) shelf.show(mine && !busy);
@@ -242,7 +263,9 @@ function showSignals() {
   $("signals").dataset.shown = text;
   $("signals").replaceChildren(...rows.map(([name, active]) => {
     const item = document.createElement("li");
-    item.textContent = `${name}: ${typeof active === "string" ? active : active ? _("on") : _("off")}`;
+    item.innerHTML = "<span></span><b></b>";
+    item.firstChild.textContent = `${name}: `;
+    item.lastChild.textContent = typeof active === "string" ? active : active ? _("on") : _("off");
     item.className = active === true ? "on" : "";
     return item;
   }));
@@ -295,6 +318,7 @@ function showLog(message) {
   });
   if (message.all) return $("log").replaceChildren(...rows);
   $("log").append(...rows);
+  $("log").scrollTop = $("log").scrollHeight;
   refuse(message.log[message.log.length - 1]);
 }
 
@@ -376,30 +400,11 @@ function press(way, button) {
   order("step", { by: Object.fromEntries(Object.entries(way).map(([axis, sign]) => [axis, sign * by])), speed: speed() });
 }
 
-function makePad() {
-  $("pad").replaceChildren(...PAD.map((cell) => {
-    if (!cell || (typeof cell === "string" ? !axes.includes("z") : cell[0] && cell[1] && !cards.can("diagonal"))) return document.createElement("span");
-    const [way, sign] = typeof cell === "string" ? [{ z: cell[1] === "+" ? 1 : -1 }, cell.toUpperCase()]
-      : [Object.fromEntries([["x", cell[0]], ["y", cell[1]]].filter(([, part]) => part)), cell[2]];
-    const button = document.createElement("button");
-    button.type = "button";
-    button.textContent = sign;
-    button.dataset.way = Object.entries(way).map(([axis, part]) => axis + (part > 0 ? "+" : "-")).join("");
-    button.setAttribute("aria-label", `${_("Move")} ${button.dataset.way.toUpperCase()}`);
-    button.onpointerdown = (event) => { if (event.button === 0) { button.setPointerCapture(event.pointerId); press(way, button); } };
-    for (const name of ["pointerup", "pointercancel", "lostpointercapture", "blur"]) button.addEventListener(name, () => jog.release(button));
-    button.oncontextmenu = (event) => event.preventDefault();
-    button.onkeydown = (event) => { if ([" ", "Enter"].includes(event.key)) { event.preventDefault(); if (!event.repeat) press(way, button); } };
-    button.onkeyup = () => jog.release(button);
-    return button;
-  }));
-}
-
 function typing(target) { return target.closest("input, select, textarea, pre, dialog"); }
 
 // Arrows choose a distance that has the focus; chosen by finger or mouse it gives the focus back, and they move the machine.
 for (const label of document.querySelectorAll("#card-jog fieldset label")) {
-  label.onpointerup = () => setTimeout(() => label.firstElementChild.blur());
+  for (const end of ["pointerup", "touchend"]) label.addEventListener(end, () => setTimeout(() => label.firstElementChild.blur()));
 }
 
 document.addEventListener("keydown", (event) => {
@@ -416,6 +421,7 @@ $("home").onclick = () => order("home");
 $("unlock").onclick = () => order("unlock");
 $("hold").onclick = () => order("hold");
 $("resume").onclick = () => (report.job && report.job.single && report.state === "Idle" ? order("play", { what: "run" }) : order("resume"));
+$("wait-go").onclick = () => order("resume");
 $("abort").onclick = () => order("abort");
 $("zero-all").onclick = async () => { if (await ask(_("Set the zero of all axes here?"))) order("zero", { axes }); };
 $("give").onclick = () => order("give", { to: "guest" });
@@ -466,25 +472,6 @@ $("machine").onclick = async () => {
   if (name && await ask(_("Restart as {name}?", { name }))) order("machine", { name });
 };
 
-function makeOverrides() {
-  $("overrides").replaceChildren(...OVERRIDES.map(([what, name, steps]) => {
-    const row = document.createElement("p");
-    row.className = "row";
-    row.innerHTML = `<span></span><output id="ov-${what}">100 %</output>`;
-    row.firstChild.textContent = _(name);
-    for (const to of steps) {
-      const button = document.createElement("button");
-      button.type = "button";
-      button.textContent = `${to} %`;
-      button.dataset.override = what + to;
-      button.setAttribute("aria-label", `${_(name)} ${to} %`);
-      button.onclick = () => order("override", { what, to });
-      row.append(button);
-    }
-    return row;
-  }));
-}
-
 // --- how it looks
 
 // Milliseconds between reports; 0: only changes.
@@ -507,7 +494,7 @@ function theme(name) {
 
 async function speak(language) {
   await choose(language);
-  makeOverrides();
+  makeOverrides(order);
   const now = axes;
   axes = "";
   setAxes(now);
@@ -532,5 +519,4 @@ $("language").value = [asked.get("lang"), kept("language"), preferred()].find((e
 $("theme").value = [asked.get("theme"), kept("theme")].find((each) => ["auto", "light", "dark"].includes(each)) || "auto";
 $("refresh").value = [kept("refresh"), "50"].find((each) => [...$("refresh").options].some((option) => option.value === each));
 theme($("theme").value);
-errors = await table("errors.json");
-await speak($("language").value);
+table("errors.json").then((found) => { errors = found; return speak($("language").value); });

@@ -1,0 +1,61 @@
+// Overrides, outputs, and the bar that says what the program waits for.
+
+import { _ } from "./words.js";
+
+const $ = (id) => document.getElementById(id);
+const OVERRIDES = [["feed", "Feed", ["-10", "+10", "100"]], ["rapid", "Rapid", ["25", "50", "100"]], ["spindle", "Spindle", ["-10", "+10", "100"]]];
+
+// A row for each override: its name, its buttons, its value. order(name, fields).
+export function makeOverrides(order) {
+  $("overrides").replaceChildren(...OVERRIDES.map(([what, name, steps]) => {
+    const row = document.createElement("div");
+    row.className = "override";
+    row.innerHTML = "<span></span>";
+    row.firstChild.textContent = _(name);
+    for (const to of steps) row.append(overrideButton(what, name, to, order));
+    const value = document.createElement("output");
+    value.id = `ov-${what}`;
+    value.textContent = "100 %";
+    row.append(value);
+    return row;
+  }));
+}
+
+function overrideButton(what, name, to, order) {
+  const button = document.createElement("button");
+  button.type = "button";
+  button.textContent = `${to.replace("-", "−")} %`;
+  button.dataset.override = what + to;
+  button.setAttribute("aria-label", `${_(name)} ${button.textContent}`);
+  button.onclick = () => order("override", { what, to });
+  return button;
+}
+
+function pressed(button, on) { if (!button) return; if (button.getAttribute("aria-pressed") !== String(on)) button.setAttribute("aria-pressed", on); }
+
+// What is on looks on.
+export function showControls(report) {
+  (report.ov || []).forEach((value, n) => {
+    const what = OVERRIDES[n][0], text = `${value} %`, place = $(`ov-${what}`);
+    if (place && place.textContent !== text) place.textContent = text;
+    if (what === "rapid") for (const to of OVERRIDES[n][2]) pressed(document.querySelector(`[data-override="rapid${to}"]`), Number(to) === value);
+  });
+  for (const button of document.querySelectorAll("[data-on]")) pressed(button, (report.on || "").includes(button.dataset.on));
+  for (const button of document.querySelectorAll("[data-switch]")) {
+    const [what, way] = button.dataset.switch.split("_"), name = what === "motors" ? "ours" : what;
+    if (way === "on" && name in report) pressed(button, Boolean(report[name]));
+  }
+}
+
+// M0 and M6: what there is to do, and the button that goes on.
+export function showWait(report, mine) {
+  const why = report.state === "Hold" && report.sub === "0" ? report.why : "";
+  $("wait-bar").hidden = !why;
+  if (!why) return;
+  const text = why === "pause" ? _("The program has paused (M0). Do what it waits for, then go on.")
+    : _("Put in tool {tool}. Keep your hands away, then go on.", { tool: why });
+  if ($("wait-text").textContent !== text) $("wait-text").textContent = text;
+  const go = why === "pause" ? _("Go on") : _("Tool {tool} is in: go on", { tool: why });
+  if ($("wait-go").textContent !== go) $("wait-go").textContent = go;
+  $("wait-go").disabled = !mine;
+}
