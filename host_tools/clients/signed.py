@@ -11,7 +11,7 @@ import select
 import socket
 
 from host_tools.failure import Failure, reason
-from passo.web.session import hex_of, hmac
+from passo.web.session import Hmac
 from passo.web.signed import FREE
 
 _CONNECT_S = 5
@@ -22,7 +22,7 @@ _LONGEST = 4096  # bytes of a sender's line
 class Bridge:
     def __init__(self, host, port, key, line):
         """`key`: as session.read_key gives it. Raises Failure if no board of Passo answers there."""
-        self._key = key.encode()
+        self._hmac = Hmac(key.encode())
         self._line = line
         self._count = 0
         self._typed = b""
@@ -83,7 +83,7 @@ class Bridge:
     def _proof(self, body):
         self._count += 1
         count = b"%d" % self._count
-        proof = hex_of(hmac(self._key, self._nonce + b"." + count + b"." + body)).encode()
+        proof = self._hmac.hex(self._nonce + b"." + count + b"." + body).encode()
         return count + b"." + proof + b"." + body + b"\n"
 
     def close(self):

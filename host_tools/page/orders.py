@@ -65,7 +65,7 @@ class PanelOrders(Orders):
 
     def _run(self, order):
         passes = int(number(order, "passes", 1, _PASSES, 1))
-        error = self._moving() or self.machine.still()
+        error = self.machine.refusal() or self.machine.still()
         if error:
             return error
         name = text(order, "name", 64)

@@ -12,7 +12,7 @@ from passo.protocols.page.jog import Limits
 from passo.protocols.page.lease import FRESH_MS, LEASE_MS, Lease
 from passo.web.pace import Pace
 from passo.protocols.page.orders import too_deep
-from passo.web.session import Session, hex_of, hmac, make_key, read_key, shown
+from passo.web.session import Hmac, Session, make_key, read_key, shown
 from host_tools.page.teach import lines_of
 from host_tools.clients.grbl_wire import PAGE, Wire, dwell_ms
 
@@ -28,10 +28,9 @@ RUNS = {"check_noise_moves_nothing": 15, "check_a_late_keep_revives_nothing": 4,
 
 
 def check_hmac_is_that_of_rfc_4231():
-    assert hex_of(hmac(b"\x0b" * 20, b"Hi There")) == "b0344c61d8db38535ca8afceaf0bf12b881dc200c9833da726e9376c2e32cff7"
-    assert hex_of(hmac(b"Jefe", b"what do ya want for nothing?")) == "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843"
-    large = hmac(b"\xaa" * 131, b"Test Using Larger Than Block-Size Key - Hash Key First")
-    assert hex_of(large) == "60e431591ee0b67f0d8a26aacbf5b77f8e0bc6213728c5140546040f0ee37f54"
+    assert Hmac(b"\x0b" * 20).hex(b"Hi There") == "b0344c61d8db38535ca8afceaf0bf12b881dc200c9833da726e9376c2e32cff7"
+    assert Hmac(b"Jefe").hex(b"what do ya want for nothing?") == "5bdcc146bf60754e6a042426089575c75a003f089d2739839dec58b964ec3843"
+    assert Hmac(b"\xaa" * 131).hex(b"Test Using Larger Than Block-Size Key - Hash Key First") == "60e431591ee0b67f0d8a26aacbf5b77f8e0bc6213728c5140546040f0ee37f54"
 
 
 def check_a_session():

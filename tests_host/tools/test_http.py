@@ -15,7 +15,7 @@ import pytest
 import requests
 
 from passo.protocols.torch import protocol as torch
-from passo.web.session import hex_of, hmac
+from passo.web.session import Hmac
 from test_board_command import COMMAND, Board, environment
 
 KEY = "ABCDEFGHJKLMNPQR"
@@ -83,7 +83,7 @@ class Keyed:
         if self.nonce:
             self.count += 1
             signed = f"{self.nonce}.{self.count}.POST {path} {body}"
-            headers["X-Passo"] = f"{self.count}.{hex_of(hmac(self.key.encode(), signed.encode()))}"
+            headers["X-Passo"] = f"{self.count}.{Hmac(self.key.encode()).hex(signed.encode())}"
         answer = requests.post(self.url + path, data=body, headers=headers, timeout=LIMIT_S)
         if answer.status_code == 503:  # too many in this second: again
             time.sleep(0.1)

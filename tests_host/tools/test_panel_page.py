@@ -16,7 +16,7 @@ import pytest
 from host_tools.failure import Failure
 from host_tools.site.npm import Package
 from panel_process import PanelProcess
-from passo.web.session import hex_of, hmac
+from passo.web.session import Hmac
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 DRIVER = shutil.which("chromedriver")
@@ -193,7 +193,7 @@ def test_the_sha256_of_the_page(browser):
         found = browser.driver.execute_async_script(
             'const [key, message, done] = arguments; const bytes = (text) => new TextEncoder().encode(text);'
             'import("./sha256.js").then(({hmac, hex}) => done(hex(hmac(bytes(key), bytes(message)))));', key, message)  # fmt: skip
-        assert found == hex_of(hmac(key.encode(), message.encode()))
+        assert found == Hmac(key.encode()).hex(message.encode())
 
 
 def test_a_jog_ends_when_it_is_let_go(browser):

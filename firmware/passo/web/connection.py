@@ -55,6 +55,7 @@ class Connection:
         self.json = False
         self.key = None  # of a request for a WebSocket
         self.owner = None  # of a WebSocket: whom its messages are for
+        self.page = None  # what that knows it as
         self.heard_ms = now_ms
         self.asked = False  # for a sign of life
         self._upgrade = False
@@ -67,6 +68,7 @@ class Connection:
         self._file = None
         self._left = 0  # bytes of it
         self.taken = 0  # bytes that the network has taken
+        self.waits = False  # for room in the network
         self.taken_ms = now_ms  # when it was seen to have taken some
 
     # --- the request
@@ -220,10 +222,11 @@ class Connection:
     def sending(self):
         return bool(self._out) or bool(self._rest) or self._file is not None
 
-    def send(self):
-        """Send what the network takes. True once all has been sent, which never is so of events. Raises OSError if the
-        other end has gone."""
-        while True:
+    def send(self, now_ms):
+        """Send what the network takes. True if there is more. The time that it may take counts from where nothing was left. Raises OSError
+        if the other end has gone."""
+        taken = self.taken
+        while self._out or self._rest or self._file is not None:
             if not self._out and self._rest:
                 self._out = self._rest.pop(0)
             elif not self._out and self._file is not None:
@@ -240,7 +243,13 @@ class Connection:
                     if error.errno not in AGAIN:
                         raise
             if self._out or not self._rest:
-                return self.state == ANSWERED and not self.sending()
+                break
+        if self.taken != taken:
+            self.taken_ms = now_ms
+        if self._out or self._rest or self._file is not None:
+            return True
+        self.since_ms = now_ms
+        return False
 
     def _close_file(self):
         if self._file is not None:

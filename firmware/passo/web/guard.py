@@ -11,12 +11,13 @@ A program of 2020 sends no proof: where the board file allows it, it is admitted
 as somebody at the machine has given.
 """
 
+from binascii import hexlify
 from os import urandom
 
 from micropython import const
 
 from passo.records import COUNT_MASK
-from passo.web.session import Session, hex_of
+from passo.web.session import Session
 
 WRONG = const(5)  # wrong proofs, then none is looked at for
 _PAUSE_MS = const(1000)
@@ -33,7 +34,7 @@ def known(host, origin, names, browser=False):
 
 def nonce():
     """A text that was never there before, from the system's random bytes."""
-    return hex_of(urandom(_NONCE_BYTES))
+    return hexlify(urandom(_NONCE_BYTES)).decode()
 
 
 class Guard:

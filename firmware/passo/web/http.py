@@ -112,11 +112,14 @@ class Server:
                 self._accept(now_ms)
             elif steps:
                 steps -= 1
-                self._step(found, now_ms)
+                for connection in self.connections:
+                    if connection.socket is found or connection.fd == found:
+                        self._advance(connection, now_ms)
+                        break
         if (now_ms - self._looked_ms) & COUNT_MASK >= _LOOK_MS:
             self._looked_ms = now_ms
             self._end_late(now_ms)
-        if not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= _PUSH_MS and self._pages():
+        if self._gets and not self._pushing and (now_ms - self._pushed_ms) & COUNT_MASK >= _PUSH_MS and self._pages():
             self._pushed_ms = now_ms
             self._pushing = True
             self._requests.append(bytes((_PUSHED, REQUEST_JSON)) + self._gets[0])
@@ -181,17 +184,6 @@ class Server:
         """True if nothing of an answer has been taken for a second."""
         return connection.state == ANSWERED and (now_ms - connection.taken_ms) & COUNT_MASK > _UNREAD_MS
 
-    def _note(self, connection, before):
-        """The network has taken something of it."""
-        if connection.taken != before:
-            connection.taken_ms = self._now_ms
-
-    def _step(self, found, now_ms):
-        for connection in self.connections:
-            if connection.socket is found or connection.fd == found:
-                self._advance(connection, now_ms)
-                return
-
     def _advance(self, connection, now_ms):
         """What can be done now of a connection."""
         try:
@@ -203,14 +195,7 @@ class Server:
             elif connection.state == ASKED:
                 return  # the answer is still to come; whoever has gone is noticed then
             elif connection.sending():
-                before = connection.taken
-                ended = connection.send()
-                self._note(connection, before)
-                if ended:
-                    self.drop(connection)
-                elif not connection.sending():
-                    self._poll.modify(connection.socket, POLLIN)
-                    self._sent(connection)
+                self._go_on(connection)
             else:
                 connection.socket.recv(64)  # of events only the end is of interest
                 self.drop(connection)
@@ -227,9 +212,7 @@ class Server:
             elif kind == CLOSE or kind != PONG and not connection.owner.heard(connection, data, now_ms):
                 raise OSError(0)
         if connection.sending() and connection in self.connections:
-            connection.send()
-            self._poll.modify(connection.socket, POLLIN | POLLOUT if connection.sending() else POLLIN)
-            self._sent(connection)
+            self._go_on(connection)
 
     def send(self, connection, data):
         """Send `data` to a WebSocket, at once what the network takes."""
@@ -242,21 +225,18 @@ class Server:
 
     def _go_on(self, connection):
         """Send at once what the network takes, the rest as it takes it."""
-        connection.taken_ms = self._now_ms
+        if not connection.waits:
+            connection.taken_ms = self._now_ms
         try:
-            if connection.send():
-                self.drop(connection)
-            elif connection.sending():
-                self._poll.modify(connection.socket, POLLIN | POLLOUT if connection.state == SOCKET else POLLOUT)
-            else:
-                self._sent(connection)
+            more = connection.send(self._now_ms)
         except OSError:
             self.drop(connection)
-
-    def _sent(self, connection):
-        """The time that a connection may take counts from where nothing was left to be sent."""
-        if not connection.sending():
-            connection.since_ms = self._now_ms
+            return
+        if more != connection.waits:
+            connection.waits = more
+            self._poll.modify(connection.socket, (POLLIN | POLLOUT if connection.state == SOCKET else POLLOUT) if more else POLLIN)
+        if connection.state == ANSWERED and not more:
+            self.drop(connection)
 
     def drop(self, connection):
         if connection in self.connections:

@@ -56,7 +56,7 @@ class PageLine:
             connection, message = self._messages.pop(0)
             if connection is None:
                 return message
-            if self._page_of(connection):
+            if connection.page:
                 self._server.send(connection, message)
         late_ms = (now_ms - self._pushed_ms) & COUNT_MASK
         if late_ms < _PUSH_MS or not self.pages.pages:
@@ -104,7 +104,7 @@ class PageLine:
                 if not page.session.opened:
                     self._server.drop(page.socket)
                     break
-        page = self.pages.enter(connection, self._language.hello(), now_ms)
+        page = connection.page = self.pages.enter(connection, self._language.hello(), now_ms)
         if page is None:
             return None
         page.number = FIRST + self._number
@@ -115,11 +115,11 @@ class PageLine:
 
     def heard(self, connection, data, now_ms):
         """A message. False: the page is to be closed. Raises ValueError if it is no text."""
-        page = self._page_of(connection)
+        page = connection.page
         if page is None:
             return False
         text, proven = self.pages.open(page, data.decode(), now_ms)
-        answer = proven if text is None else self._looked(page, text)
+        answer = proven if text is None else self._looked(page, text) if '"look"' in text else None
         if answer is not None:
             self._messages.append((connection, packed(answer)))
         elif text is not None:
@@ -129,21 +129,15 @@ class PageLine:
     def _looked(self, page, text):
         """The answer, if the order says how often the page is told the state."""
         try:
-            return self.pages.look(page, order_of(text)) if '"look"' in text else None
+            return self.pages.look(page, order_of(text))
         except ValueError:
             return None  # the language answers
 
     def gone(self, connection):
-        page = self._page_of(connection)
-        self.pages.leave(page)
+        page, connection.page = connection.page, None
         if page:
+            self.pages.leave(page)
             self._messages.append((None, bytes((page.number, GONE))))
-
-    def _page_of(self, connection):
-        for page in self.pages.pages:
-            if page.socket is connection:
-                return page
-        return None
 
     def _stop(self):
         self._messages.insert(0, (None, bytes((FIRST + MOST, FREE)) + _STOP))

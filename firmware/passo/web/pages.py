@@ -70,7 +70,11 @@ class Pages:
     def open(self, page, text, now_ms):
         """(order's text, whether it is proven) of a message: an order in JSON, with its proof before it (session.py), or without: then it
         moves nothing. (None, answer), where there is no order."""
-        if not self._within_rate(page, now_ms):
+        if (now_ms - page.second_ms) & COUNT_MASK >= _SECOND_MS:
+            page.second_ms = now_ms
+            page.count = 0
+        page.count += 1
+        if page.count > _MESSAGES_S:
             return None, None
         if text[:1] == "{":
             return text, False
@@ -88,13 +92,6 @@ class Pages:
         if isinstance(order.get("id"), int):
             answer["id"] = order["id"]
         return answer
-
-    def _within_rate(self, page, now_ms):
-        if (now_ms - page.second_ms) & COUNT_MASK >= _SECOND_MS:
-            page.second_ms = now_ms
-            page.count = 0
-        page.count += 1
-        return page.count <= _MESSAGES_S
 
     def tell(self, event):
         """Something for every page, with the next push."""

@@ -8,6 +8,7 @@ message heard on the wire is good for nothing: not again, and not on another con
 """
 
 import hashlib
+from binascii import hexlify
 
 from micropython import const
 
@@ -17,20 +18,23 @@ _BLOCK = const(64)  # bytes of a block of SHA-256
 _DIGITS = const(12)
 
 
-def hmac(key, message):
-    """HMAC-SHA256 (RFC 2104) of bytes, 32 bytes."""
-    if len(key) > _BLOCK:
-        key = hashlib.sha256(key).digest()
-    key = key + bytes(_BLOCK - len(key))
-    inner = hashlib.sha256(bytes([byte ^ 0x36 for byte in key]))
-    inner.update(message)
-    outer = hashlib.sha256(bytes([byte ^ 0x5C for byte in key]))
-    outer.update(inner.digest())
-    return outer.digest()
+class Hmac:
+    """HMAC-SHA256 (RFC 2104) with a key, bytes."""
 
+    def __init__(self, key):
+        if len(key) > _BLOCK:
+            key = hashlib.sha256(key).digest()
+        key = key + bytes(_BLOCK - len(key))
+        self._inner = bytes([byte ^ 0x36 for byte in key])
+        self._outer = bytes([byte ^ 0x5C for byte in key])
 
-def hex_of(data):
-    return "".join(["%02x" % byte for byte in data])
+    def hex(self, message):
+        """Of bytes, as a text of hex digits."""
+        inner = hashlib.sha256(self._inner)
+        inner.update(message)
+        outer = hashlib.sha256(self._outer)
+        outer.update(inner.digest())
+        return hexlify(outer.digest()).decode()
 
 
 def make_key(random):
@@ -61,7 +65,7 @@ def same(one, other):
 class Session:
     def __init__(self, key, nonce):
         """`key`: text of KEY_LETTERS; `nonce`: text, never the same twice."""
-        self._key = key.encode()
+        self._hmac = Hmac(key.encode())
         self.nonce = nonce
         self.opened = False  # a message has proven the key
         self._count = 0
@@ -72,7 +76,7 @@ class Session:
         proof, _, body = rest.partition(".")
         if not count or len(count) > _DIGITS or [digit for digit in count if digit not in "0123456789"]:
             return None
-        if not same(proof, self.proof(count, body)) or int(count) <= self._count:
+        if not same(proof, self._hmac.hex((self.nonce + "." + count + "." + body).encode())) or int(count) <= self._count:
             return None
         self._count = int(count)
         self.opened = True
@@ -80,4 +84,4 @@ class Session:
 
     def proof(self, count, body):
         """The proof of a message, in hex; `count` as text."""
-        return hex_of(hmac(self._key, (self.nonce + "." + count + "." + body).encode()))
+        return self._hmac.hex((self.nonce + "." + count + "." + body).encode())

@@ -49,38 +49,24 @@ class Frames:
         """[(kind, bytes)] of the frames that `data` makes whole. Raises ValueError: not masked, too long, in pieces, unknown."""
         data = self._data + data
         found = []
-        while True:
-            size = self._size(data)
-            if not size or len(data) < size:
+        while len(data) > 1:
+            kind = data[0] & ~_END
+            size = data[1] & 0x7F
+            start = 6
+            if not data[0] & _END or kind not in _KINDS or not data[1] & _MASKED or size > (_CONTROL_MOST if kind >= CLOSE else _SHORT):
+                raise ValueError("frame")
+            if size == _SHORT:
+                if len(data) < 4:
+                    break
+                size = data[2] << 8 | data[3]
+                start = 8
+            if size > self._most:
+                raise ValueError("length")
+            if len(data) < start + size:
                 break
-            start = 6 if data[1] & 0x7F < _SHORT else 8
-            found.append((data[0] & 0x0F, unmasked(data[start:size], data[start - 4 : start])))
-            data = data[size:]
+            # The mask is taken off in a few operations, whatever the length.
+            masks = int.from_bytes((data[start - 4 : start] * (size // 4 + 1))[:size], "little")
+            found.append((kind, (int.from_bytes(data[start : start + size], "little") ^ masks).to_bytes(size, "little")))
+            data = data[start + size :]
         self._data = data
         return found
-
-    def _size(self, data):
-        """Bytes of the frame that `data` begins with; 0: that is not known yet."""
-        if len(data) < 2:
-            return 0
-        kind = data[0] & ~_END
-        length = data[1] & 0x7F
-        if not data[0] & _END or kind not in _KINDS or not data[1] & _MASKED or kind >= CLOSE and length > _CONTROL_MOST:
-            raise ValueError("frame")
-        if length > _SHORT:
-            raise ValueError("length")
-        if length == _SHORT:
-            if len(data) < 4:
-                return 0
-            length = data[2] << 8 | data[3]
-            if length > self._most:
-                raise ValueError("length")
-            return length + 8
-        return length + 6
-
-
-def unmasked(data, mask):
-    """`data` with the four bytes of `mask` taken off, in a few operations whatever its length."""
-    size = len(data)
-    masks = int.from_bytes((mask * (size // 4 + 1))[:size], "little")
-    return (int.from_bytes(data, "little") ^ masks).to_bytes(size, "little")

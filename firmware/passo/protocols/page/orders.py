@@ -31,8 +31,6 @@ class Wrong(Exception):
 
 def too_deep(text):
     """True if brackets of JSON stand in each other more than _DEEPEST times: a parser that calls itself would run out of stack."""
-    if text.count("{") + text.count("[") <= _DEEPEST:
-        return False
     depth = 0
     quoted = escaped = False
     for letter in text:
@@ -54,7 +52,7 @@ def too_deep(text):
 
 def order_of(text):
     """The order in a message. Raises ValueError."""
-    if too_deep(text):
+    if text.count("{") + text.count("[") > _DEEPEST and too_deep(text):
         raise ValueError(text)
     return json.loads(text)
 
@@ -117,14 +115,10 @@ class Orders:
             found = do(order)
         except Wrong:
             return self._answer(name, errors.ORDER_FIELD)
-        return found if isinstance(found, dict) else self._answer(name, found)
+        return found if isinstance(found, dict) else {"t": "answer", "do": name, "error": found}
 
     def _answer(self, name, error):
         return {"t": "answer", "do": name, "error": error}
-
-    def _moving(self):
-        """0, or why the page may not move it."""
-        return self.machine.refusal()
 
     def _wordless(self, order):
         """Only a PC does that."""
@@ -136,29 +130,29 @@ class Orders:
         return self.machine.hold()
 
     def _resume(self, order):
-        return self._moving() or self.machine.resume()
+        return self.machine.refusal() or self.machine.resume()
 
     def _home(self, order):
-        return self._moving() or self.machine.still() or self.machine.home()
+        return self.machine.refusal() or self.machine.still() or self.machine.home()
 
     def _unlock(self, order):
-        return self._moving() or self.machine.unlock()
+        return self.machine.refusal() or self.machine.unlock()
 
     def _zero(self, order):
         axes = text(order, "axes", 4)
         if not axes or [axis for axis in axes if axis not in self.machine.axes]:
             raise Wrong("axes")
-        return self._moving() or self.machine.zero(axes)
+        return self.machine.refusal() or self.machine.zero(axes)
 
     def _goto(self, order):
         place = places(order, "to", self.machine.axes)
         speed = number(order, "speed", 0.1, _MOST_SPEED)
-        return self._moving() or self.machine.go(place, speed)
+        return self.machine.refusal() or self.machine.go(place, speed)
 
     def _step(self, order):
         way = places(order, "by", self.machine.axes)
         speed = number(order, "speed", 0.1, _MOST_SPEED)
-        return self._moving() or self.machine.step(way, speed)
+        return self.machine.refusal() or self.machine.step(way, speed)
 
     def _jog(self, order):
         lease = number(order, "lease", 1, _MOST_NUMBER)
@@ -170,7 +164,7 @@ class Orders:
             raise Wrong("way")
         direction = [part / most if abs(part) >= most * _LEAST_WAY else 0 for part in direction]
         speed = number(order, "speed", 0.1, _MOST_SPEED)
-        return self._moving() or self.machine.begin_jog(lease, beat, direction, speed)
+        return self.machine.refusal() or self.machine.begin_jog(lease, beat, direction, speed)
 
     def _keep(self, order):
         lease = number(order, "lease", 1, _MOST_NUMBER)
@@ -182,14 +176,14 @@ class Orders:
         return 0
 
     def _override(self, order):
-        return self._moving() or self.machine.override(text(order, "what", 8), text(order, "to", 4))
+        return self.machine.refusal() or self.machine.override(text(order, "what", 8), text(order, "to", 4))
 
     def _output(self, order):
         rpm = number(order, "rpm", 0, 1_000_000, 0)
-        return self._moving() or self.machine.output(text(order, "name", 16), rpm)
+        return self.machine.refusal() or self.machine.output(text(order, "name", 16), rpm)
 
     def _line(self, order):
-        return self._moving() or self.machine.line(text(order, "line", _LINE))
+        return self.machine.refusal() or self.machine.line(text(order, "line", _LINE))
 
     def _give(self, order):
         return self.machine.give("guest" if order.get("to") == "guest" else "page")
@@ -202,7 +196,7 @@ class Orders:
     def _set(self, order):
         which = number(order, "number", 0, 999)
         value = number(order, "value", -1e9, 1e9)
-        return self._moving() or self.machine.set(int(which), ("%.3f" % value).rstrip("0").rstrip("."))
+        return self.machine.refusal() or self.machine.set(int(which), ("%.3f" % value).rstrip("0").rstrip("."))
 
     def _log(self, order):
         return {"t": "log", "log": self.machine.log(), "all": True}
@@ -214,7 +208,7 @@ class Orders:
 
     def _play(self, order):
         """Go on with a job in another way: a step at a time, backward."""
-        return self._moving() or self.machine.play(text(order, "what", 16))
+        return self.machine.refusal() or self.machine.play(text(order, "what", 16))
 
     def _abort(self, order):
         return self.machine.abort()
