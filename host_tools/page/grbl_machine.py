@@ -12,7 +12,7 @@ from host_tools.page.job import Job
 from host_tools.page.jobs import with_jobs
 from passo import commands, errors
 from passo.commands import Command
-from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.grbl import AXES, GrblPage
 from passo.protocols.page.lease import since
 
@@ -22,7 +22,7 @@ _Cabled = with_jobs(cabled(GrblPage))
 
 class GrblMachine(_Cabled):
     can = GrblPage.can + ("jobs", "teach", "single")
-    answered = BoardMachine.answered
+    answered = PageMachine.answered
 
     def __init__(self, write, tell, guest=None):
         """`write(bytes)`: to the board; `guest(bytes)`: to the guest, if there may be one."""

@@ -14,7 +14,6 @@ from host_tools.page.jobs import with_jobs
 from host_tools.page.pulses_job import PulsesJob
 from host_tools.page.pulses_teach import PulsesTeach
 from passo import errors
-from passo.protocols.page.any_machine import AnyMachine
 from passo.protocols.page.pulses import PulsesPage, can_of
 
 _MOST_RUNS = const(200)  # moves by hand that are kept until the machine stands
@@ -102,7 +101,7 @@ class PulsesMachine(_Cabled):
     # --- orders
 
     def still(self):
-        return errors.BUSY if self.job.sending() else AnyMachine.still(self)
+        return errors.BUSY if self.job.sending() else PulsesPage.still(self)
 
     def hold(self):
         return self.stop() if self.job.sending() else _Cabled.hold(self)

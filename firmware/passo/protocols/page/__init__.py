@@ -1,6 +1,6 @@
 """The language of pages: what a page may order, as JSON, becomes commands, and the machine's report what a page is shown.
 
-    web/page_line.py ─► Page (protocol.py): messages ─► Orders (orders.py): fields, who may, when ─► a BoardMachine: commands
+    web/page_line.py ─► Page (protocol.py): messages ─► Orders (orders.py): fields, who may, when ─► a PageMachine: commands
 
 There is a machine for the language of each board's other links (grbl.py, plotter.py …): it says what a page of such a machine shows, and
 what it may ask for. A PC's page has the same orders, before machines that are told by cable (host_tools/page).

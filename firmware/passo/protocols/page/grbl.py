@@ -8,7 +8,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import NOTICE, RESTARTED, Command
-from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.jog import Limits
 from passo.records import SEEN_LINE, SEEN_MM_S, SEEN_NM_S, SETTING_MAX_RPM
 
@@ -36,7 +36,7 @@ def override_of(what, to):
     return command
 
 
-class GrblPage(BoardMachine):
+class GrblPage(PageMachine):
     language = "grbl"
     speaks = True
     from_here = ("jog",)  # the others count from where the queue ends
@@ -46,7 +46,7 @@ class GrblPage(BoardMachine):
     )  # fmt: skip
 
     def __init__(self, record, number, board, tell, spoken):
-        BoardMachine.__init__(self, record, number, board, tell)
+        PageMachine.__init__(self, record, number, board, tell)
         self._spoken = spoken
         self._gcode = spoken and spoken.gcode  # a PC has neither
         self._settings = record.settings
@@ -59,8 +59,10 @@ class GrblPage(BoardMachine):
     # --- commands
 
     def commands(self):
-        for command in BoardMachine.commands(self):
-            yield command
+        while self.said:
+            said = self.said.pop(0)
+            self.unanswered.append(said)
+            yield said[0]
         if self._line or self._spoken.pending():
             line, self._line = self._line, b""
             for command in self._spoken.feed(line, self._now_ms):
@@ -69,14 +71,14 @@ class GrblPage(BoardMachine):
                 yield command
 
     def pending(self):
-        return BoardMachine.pending(self) or self._line or self._spoken.pending()
+        return self.said or self._line or self._spoken.pending()
 
     def answered(self, event):
-        said = self._spoken.reply(event)
+        said = b"" if [1 for each in self.unanswered if each[0] is event.command] else self._spoken.reply(event)
         if not said:
             if event.kind == commands.REFUSED:
                 self._gcode.forget_place()
-            return BoardMachine.answered(self, event)
+            return PageMachine.answered(self, event)
         error = 0
         for line in said.decode().split("\r\n"):
             if line == "ok" or line[:6] == "error:":
@@ -98,13 +100,13 @@ class GrblPage(BoardMachine):
             self._typing = False
         elif said[:1] == b"[" and (self._typing or self.unanswered):
             self._tell({"t": "said", "text": said.decode().strip()})
-        BoardMachine.pushed(self, event)
+        PageMachine.pushed(self, event)
 
     def drop(self, event):
         self._spoken.drop(event)
         self._line = b""
         self._typing = False
-        BoardMachine.drop(self, event)
+        PageMachine.drop(self, event)
 
     # --- what the machine says
 

@@ -9,7 +9,7 @@ language has it.
 
 from passo import errors
 from passo.commands import KIT_MOTORS, KIT_SLOWEST, KIT_STEP_MS
-from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.orders import Wrong, number, text
 
 # What each task is called, by motor; 0: both.
@@ -83,14 +83,14 @@ class Kit:
         self._say(_OFF[self._held], self._held, "on", False)
 
 
-class KeysPage(BoardMachine):
+class KeysPage(PageMachine):
     language = "keys"
     speaks = True
     jogs_from = ("Idle", "Run", "Jog")
     can = ("jog", "turning")
 
     def __init__(self, record, number, board, tell, spoken):
-        BoardMachine.__init__(self, record, number, board, tell)
+        PageMachine.__init__(self, record, number, board, tell)
         self._spoken = spoken
         self._keys = b""
         self._kit = Kit(self._write)
@@ -103,11 +103,11 @@ class KeysPage(BoardMachine):
         keys, self._keys = self._keys, b""
         for command in self._spoken.feed(keys, self._now_ms):
             yield command
-        for command in BoardMachine.commands(self):
+        for command in PageMachine.commands(self):
             yield command
 
     def pending(self):
-        return self._keys or BoardMachine.pending(self)
+        return self._keys or PageMachine.pending(self)
 
     def _name(self, state):
         return "Jog" if self.jog.active else "Run" if self._kit.turns() else "Idle"
@@ -118,7 +118,7 @@ class KeysPage(BoardMachine):
 
     # --- orders
 
-    hold = resume = home = unlock = BoardMachine._wordless
+    hold = resume = home = unlock = PageMachine._wordless
 
     def stop(self):
         """Both off."""

@@ -7,7 +7,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command
-from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.orders import number
 from passo.protocols.page.steps import steps_by, steps_to
 
@@ -26,14 +26,14 @@ def signs(direction):
     return tuple([1 if part > 0 else -1 if part < 0 else 0 for part in direction])
 
 
-class PlotterPage(BoardMachine):
+class PlotterPage(PageMachine):
     language = "plotter"
     # Damaged bytes of a cable may look like another command: nothing of what was sent was refused.
     untold = (errors.STOPPED, errors.CHECKSUM, errors.BYTES_DROPPED, errors.WORDS_LATE, errors.UNKNOWN_COMMAND)
     can = ("place", "jog", "step", "goto", "home", "log", "points")
 
     def __init__(self, record, number, board, tell, language):
-        BoardMachine.__init__(self, record, number, board, tell)
+        PageMachine.__init__(self, record, number, board, tell)
         self._jogs = jogs_of(board)
         self._travel = [min(axis["travel_steps"], MOST_PLACE) for axis in board["axes"]]
         self._steps = None
@@ -51,7 +51,7 @@ class PlotterPage(BoardMachine):
 
     # --- orders
 
-    hold = resume = unlock = BoardMachine._wordless
+    hold = resume = unlock = PageMachine._wordless
 
     def _pace(self, order):
         """The drawing speed, in the unit of the board file."""

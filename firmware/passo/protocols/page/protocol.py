@@ -34,7 +34,7 @@ _JOG_ASK_MS = const(40)  # between two reports, while a jog goes on
 
 class Page:
     def __init__(self, machine_of):
-        """`machine_of(tell)`: a BoardMachine."""
+        """`machine_of(tell)`: a PageMachine."""
         self._told = []  # messages for all pages
         self._answers = []  # to orders, each told with the next hello
         self._ordered = None  # the command of an order that is being carried out

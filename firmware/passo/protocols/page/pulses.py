@@ -10,8 +10,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import Command
-from passo.protocols.page.any_machine import AnyMachine
-from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.orders import number
 from passo.protocols.page.steps import steps_by, steps_to
 
@@ -31,13 +30,13 @@ def can_of(board, more=()):
     return tuple(words)
 
 
-class PulsesPage(BoardMachine):
+class PulsesPage(PageMachine):
     language = "pulses"
     jogs_from = ("Idle", "Jog", "Hold")
 
     def __init__(self, record, number, board, tell, language):
         self.can = can_of(board)
-        BoardMachine.__init__(self, record, number, board, tell)
+        PageMachine.__init__(self, record, number, board, tell)
         self._image = language and language.port_byte  # None on a PC: it is told
         self._config = board["step_program"]
         self.axes = self.axes[:3]
@@ -112,10 +111,10 @@ class PulsesPage(BoardMachine):
 
     def _start_jog(self, direction, speed):
         self._begun = list(self._steps)
-        AnyMachine._start_jog(self, direction, self.state["feed"])
+        PageMachine._start_jog(self, direction, self.state["feed"])
 
     def _limits(self):
-        limits = AnyMachine._limits(self)
+        limits = PageMachine._limits(self)
         limits.speeds = [self.state["feed"]] * len(self.place)
         return limits
 
@@ -127,7 +126,7 @@ class PulsesPage(BoardMachine):
     def jog_answered(self, error):
         if not error:
             self._begun = [self._begun[axis] + self._ahead[axis] for axis in range(len(self._begun))]
-        AnyMachine.jog_answered(self, error)
+        PageMachine.jog_answered(self, error)
 
     def _brake(self):
         self._cut = True
@@ -135,12 +134,14 @@ class PulsesPage(BoardMachine):
 
     # --- orders
 
-    still = AnyMachine.still  # a hold may be said amid what is not answered
+    def still(self):
+        """A hold may be said amid what is not answered."""
+        return errors.BUSY if self.jog.active or not self.stands() else 0
 
     def stop(self):
         """Stop at once: the file is at its start then, the tool off."""
         self._cut = False
-        return BoardMachine.stop(self)
+        return PageMachine.stop(self)
 
     def resume(self):
         return self.play("run")

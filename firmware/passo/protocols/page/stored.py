@@ -26,7 +26,7 @@ _PER_CENT = const(100)
 
 class StoredJobs:
     def __init__(self, machine, tell, language, name_fits):
-        """`machine`: a BoardMachine; `tell(event)`: a dict for every page; `name_fits(name)`: a job may be called so."""
+        """`machine`: a PageMachine; `tell(event)`: a dict for every page; `name_fits(name)`: a job may be called so."""
         self._machine = machine
         self._tell = tell
         self._language = language

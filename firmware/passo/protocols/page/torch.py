@@ -10,7 +10,7 @@ from micropython import const
 
 from passo import commands, errors
 from passo.commands import AS_JOG, AT_REST, Command, Motion, Run
-from passo.protocols.page.board_machine import BoardMachine
+from passo.protocols.page.page_machine import PageMachine
 from passo.protocols.page.lease import since
 from passo.protocols.page.orders import Wrong, number, places, text
 
@@ -81,12 +81,12 @@ def seam_of(order, scale):
     return spec, ends[0], speed, ends[1]
 
 
-class TorchPage(BoardMachine):
+class TorchPage(PageMachine):
     language = "torch"
 
     def __init__(self, record, number, board, tell, language):
         self.can = can_of(board)
-        BoardMachine.__init__(self, record, number, board, tell)
+        PageMachine.__init__(self, record, number, board, tell)
         self._ramps = bool(board["planning"]["independent_ramps"])
         axes = board["axes"][:2]
         self._jogs = [axis["jog_steps"] or board["jog"]["steps"] for axis in axes]
@@ -108,11 +108,11 @@ class TorchPage(BoardMachine):
     def finished(self, error):
         if error:
             self._dropped += 1
-        BoardMachine.finished(self, error)
+        PageMachine.finished(self, error)
 
     # --- orders
 
-    hold = resume = home = BoardMachine._wordless
+    hold = resume = home = PageMachine._wordless
 
     def unlock(self):
         return self._behind(Command(commands.RESET), Command(commands.UNLOCK))
@@ -207,7 +207,7 @@ class TorchPage(BoardMachine):
             self.end_jog()
 
     def go_on(self, now_ms):
-        BoardMachine.go_on(self, now_ms)
+        PageMachine.go_on(self, now_ms)
         if self.jog.active and since(now_ms, self._repeated_ms) >= REPEAT_MS:
             self._repeat()
 

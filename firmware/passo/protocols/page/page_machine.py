@@ -1,0 +1,323 @@
+"""The machine behind a page: orders become commands, the machine's report becomes the state that is shown.
+
+    machine = PlotterPage(record, number, board, tell)
+    machine.step({"x": 1.0}, 500)       # 0, or a number of errors; what is to be done waits in machine.said
+    machine.report(report, now_ms)      # the machine's own, as any language has it
+    machine.state
+
+`record`: the machine's state; `number`: of the page's link. Each language has a class of its own: what it adds to this one, and what a page of
+it may ask for (can). What a machine has no word for is refused with error 102, and the page hides it. On a PC the same classes are told by
+cable (host_tools/page).
+"""
+
+from micropython import const
+
+from passo import commands, errors
+from passo.commands import Command
+from passo.protocols.page.jog import Jog, Limits
+from passo.protocols.page.lease import Lease, since
+
+_MOST_LOG = const(100)
+_HUGE = 1e9  # mm/s²: no ramps
+
+
+class PageMachine:
+    language = ""
+    can = ()
+    tells = ("command",)  # what a page may ask for of any board that serves it
+    stood = ("Idle", "Check", "Alarm", "Sleep", "Hold", "Door")
+    speaks = False  # a board's link for pages also understands lines of its language
+    jogs_from = ("Idle", "Jog")  # states in which a continuous jog may begin
+    untold = (errors.STOPPED,)  # what the machine logs and is no matter of pages
+    from_here = ("jog", "step", "goto")  # orders that count from the newest report: one is made before them
+
+    def __init__(self, record, number, board, tell):
+        """`tell(event)`: a dict for every page; `board`: the checked board file, None where the language tells axes and steps/mm."""
+        axes = board["axes"] if board else ()
+        self.axes = "".join([axis["name"] for axis in axes]) or "xyz"
+        self.scale = [axis["steps_per_m"] / 1000 for axis in axes]
+        self.can = self.can + self.tells
+        self._record = record
+        self._number = number
+        self._tell = tell
+        self.lease = Lease()
+        self.jog = Jog(self._say_jog)
+        self.settings = {}
+        self.orders = {}  # name: function of an order, for what only this language has
+        self.said = []  # (command, answered) to be carried out; answered(error): what came of it
+        self.unanswered = []  # the same of those that have been
+        self.kinds = {}  # kind of command: heard(event), of who wants to know more of its answers
+        self.place = None  # mm, machine coordinates
+        self._now_ms = self._measured_ms = 0
+        self._measured = None  # steps, by the report before
+        self._log = []
+        self._refused = 0  # the number of the last refusal that was told, until the next report
+        self.state = {"link": True, "state": "", "sub": "0", "owner": "page", "alarm": 0, "job": None}
+
+    # --- commands
+
+    def do(self, command, answered=None):
+        """Have a command carried out behind those that have been said; answered(error), or else a refusal is told to all pages."""
+        self.said.append((command, answered))
+        return 0
+
+    def _behind(self, first, second):
+        """Have `second` carried out once `first` has been: which may drop what was said behind it."""
+        return self.do(first, lambda error: self.finished(error) if error else self.do(second))
+
+    def pending(self):
+        """True if there is something to be carried out."""
+        return self.said
+
+    def commands(self):
+        """Commands to be carried out, each before the next is asked for."""
+        while self.said:
+            said = self.said.pop(0)
+            self.unanswered.append(said)
+            yield said[0]
+
+    def answered(self, event):
+        """What has come of a command. Returns its error."""
+        command = event.command
+        error = event.error if event.kind == commands.REFUSED else 0
+        heard = self.kinds.get(command.kind)
+        if heard:
+            heard(event)
+        for said in self.unanswered:
+            if said[0] is command:
+                self.unanswered.remove(said)
+                if said[1]:
+                    said[1](error)
+                elif error:
+                    self.finished(error)
+                return error
+        if error and not heard:
+            self.finished(error)
+        return error
+
+    def keep_jobs(self, order, heard):
+        """The board stores jobs: `order` of them, and `heard(event)`, what comes of it."""
+        self.orders["stored"] = order
+        self.kinds[commands.JOB] = heard
+        self.can = self.can + ("kept",)
+
+    def busy_with(self, kind):
+        return self._record.busy_with(kind)
+
+    def runs_stored(self):
+        """True while a stored job runs."""
+        return self._record.lender >= 0
+
+    # --- what the machine says
+
+    def now(self, now_ms):
+        """Look at the clock and at the machine: an order counts on what is so now. A jog that nobody holds any more ends."""
+        record = self._record
+        commander = record.commander if record.lender < 0 else record.lender
+        self.state["owner"] = "page" if commander == self._number else "guest"
+        self.state["state"] = self._name(record.state)
+        self.state["alarm"] = record.alarm
+        self._now_ms = now_ms
+        if self.jog.active:
+            self.go_on(now_ms)
+
+    def go_on(self, now_ms):
+        """It is `now_ms`: a jog that nobody holds any more ends."""
+        self._now_ms = now_ms
+        if self.jog.active and not self.lease.alive(now_ms):
+            self.end_jog()
+
+    def _name(self, state):
+        """The state's word on the page."""
+        return state[:1].upper() + state[1:]
+
+    def report(self, report):
+        """The machine's report, a dict: what is shown is so from now on."""
+        state = self.state
+        state["state"] = self._name(report["state"])
+        if "job" in report:
+            state["stored"] = report["job"] or ""
+        state["more"] = [[word, str(report[key])] for key, word in commands.STATUS_WORDS if report.get(key) is not None]
+        self._show(report)
+
+    def _show(self, report):
+        """What only this machine has."""
+
+    def _show_place(self, steps):
+        """A report of a machine that tells no speed: its place in mm, and the speed since the one before."""
+        axes = range(len(self.scale))
+        self.place = self.state["m"] = self.state["w"] = [round(steps[axis] / self.scale[axis], 4) for axis in axes]
+        passed = since(self._now_ms, self._measured_ms)
+        if self._measured and passed:
+            far = sum([((steps[axis] - self._measured[axis]) / self.scale[axis]) ** 2 for axis in axes]) ** 0.5
+            self.state["feed"] = round(far * 60_000 / passed)
+        self._measured = [steps[axis] for axis in axes]
+        self._measured_ms = self._now_ms
+
+    def _tell_error(self, report):
+        """Of a machine that logs what goes wrong and says no more: all pages are told the last of it."""
+        error = report["error"]
+        if error and error != self._refused and error not in self.untold and not self._record.alarm:
+            self.note(error)
+        self._refused = 0
+
+    def pushed(self, event):
+        """What the machine says unasked."""
+        if event.kind == commands.ALARM:
+            self.drop_jog()
+            self.note(event.error)
+        elif event.kind == commands.DROPPED or event.kind == commands.RESTARTED:
+            self._forget(event)
+
+    def drop(self, event):
+        """What was said before is not done any more: another link, or an alarm, has stopped the machine."""
+        self._forget(event)
+
+    def _forget(self, event):
+        self.drop_jog()
+        self.said = []
+        if event.kind == commands.RESTARTED:  # nothing that was under way is answered any more, but for what brought this about
+            self.jog.waiting = False
+            self.unanswered = [said for said in self.unanswered if said[0] is event.value]
+
+    # --- what pages are told
+
+    def beat(self, number):
+        """Report `number` goes out to the pages."""
+        self.lease.beat(number, self._now_ms)
+
+    def shown(self):
+        """The state that pages get."""
+        self.state["lease"] = self.lease.number
+        return self.state
+
+    def note(self, number):
+        """A line of the page's log: alarms and refusals."""
+        self._log.append(number)
+        if len(self._log) > _MOST_LOG:
+            self._log.pop(0)
+        self._tell({"t": "log", "log": [number]})
+
+    def log(self):
+        """Numbers of errors and alarms, the oldest first."""
+        return list(self._log)
+
+    def finished(self, error):
+        """An order has been answered: what was refused is told."""
+        self._refused = error
+        if error > 0:
+            self.note(error)
+
+    # --- orders
+
+    def refusal(self):
+        """0, or why the page may not move the machine now."""
+        if not self.state["link"]:
+            return errors.NO_ANSWER
+        if self.state["owner"] != "page":
+            return errors.COMMANDED_ELSEWHERE
+        return 0
+
+    def stands(self):
+        """True if nothing moves, as far as is known."""
+        return self.state["state"] in self.stood
+
+    def still(self):
+        """0, or why something may not begin."""
+        if self.jog.active or self.state["state"] not in self.stood or [1 for command, _ in self.unanswered if command.kind != commands.JOB]:
+            return errors.BUSY
+        return 0
+
+    def stop(self):
+        """Stop at once: who asks does not matter."""
+        self.drop_jog()
+        self.said = []
+        return self.do(Command(commands.STOP))
+
+    def hold(self):
+        self.end_jog()
+        return self.do(Command(commands.HOLD))
+
+    def resume(self):
+        return self.do(Command(commands.RESUME))
+
+    def home(self):
+        return self.do(Command(commands.HOME))
+
+    def unlock(self):
+        return self.do(Command(commands.UNLOCK))
+
+    def give(self, owner):
+        """Hand the command over, at rest: to this page's link, or to the board file's first."""
+        return self.do(Command(commands.HAND_OVER, value=1 if owner == "guest" else 0))
+
+    def abort(self):
+        """Come to a stand, and give up the job that is streamed: there is none."""
+        return 0
+
+    def _wordless(self, *_):
+        """The language has no word for it."""
+        return errors.UNKNOWN_COMMAND
+
+    zero = go = step = override = output = set = line = play = run = _wordless
+
+    # --- the jog
+
+    def begin_jog(self, number, beat, direction, speed):
+        """A continuous jog; it lasts while its lease does. Returns 0 or an error."""
+        if self.state["state"] == "Alarm":
+            return errors.LOCKED
+        if self.state["state"] not in self.jogs_from or self.jog.waiting or not self._may_jog(direction):
+            return errors.BUSY
+        if not self.lease.begin(number, beat, self._now_ms):
+            return errors.LEASE
+        self._start_jog(direction, speed)
+        return 0
+
+    def _may_jog(self, direction):
+        return self.place is not None and len(direction) == len(self.place)
+
+    def _start_jog(self, direction, speed):
+        self.jog.begin(direction, speed, self._limits(), self.place)
+
+    def renew(self, number, beat):
+        """True if the jog's lease lasts on."""
+        return self.lease.renew(number, beat, self._now_ms)
+
+    def end_jog(self):
+        """Brake now."""
+        self.lease.end()
+        if self.jog.active:
+            self.jog.end()
+            self._brake()
+
+    def drop_jog(self):
+        """End the jog without a word: what is said next stops the machine at once, and nothing may come before it."""
+        self.lease.end()
+        self.jog.end()
+
+    def _brake(self):
+        """Say that the jog under way ends."""
+
+    def _limits(self):
+        """Of a machine that goes at any of its speeds at once."""
+        return Limits([_HUGE] * len(self.place), [_HUGE] * len(self.place))
+
+    def _say_jog(self, place, speed):
+        """Queue a straight jog to machine coordinates in mm; False if it cannot be said now."""
+        return False
+
+    def jog_answered(self, error):
+        """The board's answer to a piece of the jog."""
+        if not self.jog.active:
+            self.jog.waiting = False
+            self._brake()  # the first one may have overtaken this piece
+        elif error == errors.JOG_TRAVEL or not error:
+            self.jog.answered(error)
+            if not self.jog.active:  # at the end of the travel
+                self.lease.end()
+                self.finished(error)
+        else:
+            self.jog.waiting = False
+            self.end_jog()
+            self.finished(error)
