@@ -202,12 +202,6 @@ class Connection:
             raise OSError(0)
         return self._frames.feed(data)
 
-    def put(self, data):
-        """Send `data` behind the rest. Raises OSError if the other end has taken nothing for long."""
-        if len(self._out) + len(data) > UNSENT:
-            raise OSError(0)
-        self._out += data
-
     def event(self, data):
         """Send one, if the one before has been sent. False if not."""
         if self._out or self._rest:
@@ -222,9 +216,13 @@ class Connection:
     def sending(self):
         return bool(self._out) or bool(self._rest) or self._file is not None
 
-    def send(self, now_ms):
-        """Send what the network takes. True if there is more. The time that it may take counts from where nothing was left. Raises OSError
-        if the other end has gone."""
+    def send(self, now_ms, data=b""):
+        """Send what the network takes, `data` behind the rest. True if there is more. The time that it may take counts from where nothing
+        was left. Raises OSError if the other end has gone, or has taken nothing for long."""
+        if data:
+            if len(self._out) + len(data) > UNSENT:
+                raise OSError(0)
+            self._out += data
         taken = self.taken
         while self._out or self._rest or self._file is not None:
             if not self._out and self._rest:

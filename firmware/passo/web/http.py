@@ -85,7 +85,7 @@ class Server:
             self._pushing = False
             for connection in self.connections:
                 if connection.state == EVENTS and connection.event(data):
-                    self._go_on(connection)
+                    self.send(connection)
             return
         for connection in self.connections:
             if connection.number == number and connection.state == ASKED:
@@ -95,7 +95,7 @@ class Server:
                 else:
                     body = _BEGIN + data + b"</pre>\n"
                     connection.answer(200, b"text/html; charset=utf-8", body, more, self.files.path + self._page, 0, self.files.size(self._page))
-                self._go_on(connection)
+                self.send(connection)
                 return
 
     # --- the network's side
@@ -195,7 +195,7 @@ class Server:
             elif connection.state == ASKED:
                 return  # the answer is still to come; whoever has gone is noticed then
             elif connection.sending():
-                self._go_on(connection)
+                self.send(connection)
             else:
                 connection.socket.recv(64)  # of events only the end is of interest
                 self.drop(connection)
@@ -208,27 +208,18 @@ class Server:
             connection.heard_ms = now_ms
             connection.asked = False
             if kind == PING:
-                connection.put(frame(PONG, data))
+                self.send(connection, frame(PONG, data))
             elif kind == CLOSE or kind != PONG and not connection.owner.heard(connection, data, now_ms):
                 raise OSError(0)
-        if connection.sending() and connection in self.connections:
-            self._go_on(connection)
+        if connection.waits:
+            self.send(connection)
 
-    def send(self, connection, data):
-        """Send `data` to a WebSocket, at once what the network takes."""
-        try:
-            connection.put(data)
-        except OSError:
-            self.drop(connection)
-            return
-        self._go_on(connection)
-
-    def _go_on(self, connection):
-        """Send at once what the network takes, the rest as it takes it."""
+    def send(self, connection, data=b""):
+        """Send `data` behind what waits, at once what the network takes, the rest as it takes it."""
         if not connection.waits:
             connection.taken_ms = self._now_ms
         try:
-            more = connection.send(self._now_ms)
+            more = connection.send(self._now_ms, data)
         except OSError:
             self.drop(connection)
             return
@@ -258,7 +249,7 @@ class Server:
             self._ask(connection, path, now_ms)
         elif path in self.calls and connection.method == b"POST":
             connection.answer(200, b"application/json", self.calls[path]())
-            self._go_on(connection)
+            self.send(connection)
         elif owner and connection.key:
             self._open(connection, owner, now_ms)
         else:
@@ -284,14 +275,14 @@ class Server:
         elif found:
             kind, more, file, start, size = found
             connection.answer(200, kind, b"", more, file, start, size)
-            self._go_on(connection)
+            self.send(connection)
         elif path == b"/":
             self._ask(connection, self._gets[0], now_ms)
         elif self._pages() >= PAGES:
             self._say(connection, 503)
         else:
             connection.begin_events()
-            self._go_on(connection)
+            self.send(connection)
 
     def _ask(self, connection, path, now_ms):
         if (connection.method == b"POST") != (path in self._posts) or connection.method not in (b"POST", b"GET"):
@@ -320,4 +311,4 @@ class Server:
     def _say(self, connection, status):
         body = _BUSY if status == 503 else b"%d\n" % status
         connection.answer(status, b"text/plain", body)
-        self._go_on(connection)
+        self.send(connection)
