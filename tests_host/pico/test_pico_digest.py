@@ -94,7 +94,7 @@ def test_the_pico_makes_the_words_of_other_languages(uf2, name, show):
 @pytest.mark.unmeasured
 @pytest.mark.parametrize(
     "language, step",
-    [("grbl", 401), *(pytest.param(*case, marks=pytest.mark.slow) for case in (("keys", 31), ("plotter", 41), ("pulses", 61), ("torch", 151), ("grbl", 23)))],
+    [("grbl", 809), *(pytest.param(*case, marks=pytest.mark.slow) for case in (("keys", 31), ("plotter", 41), ("pulses", 61), ("torch", 151), ("grbl", 23)))],
 )
 def test_the_pico_answers_to_numbers_as_cpython_does(uf2, language, step, show):
     """Powers of two and ten in every word, setting and packet: every_number.py."""

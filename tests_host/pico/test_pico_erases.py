@@ -19,7 +19,8 @@ ANSWER = re.compile(rb"(ok|error:\d+|ALARM:\d+)\r\n")
 LINK = "serial"
 
 
-@pytest.fixture(params=[TYPICAL, LONGEST], ids=["typical", "longest"])
+# Whoever outlasts the longest erases outlasts typical ones.
+@pytest.fixture(params=[pytest.param(TYPICAL, id="typical", marks=pytest.mark.slow), pytest.param(LONGEST, id="longest")])
 def machine(request, uf2):  # noqa: F811
     board = boards.load("router_3axis")
     board["journal"] = {"every_ms": 200}

@@ -1,6 +1,5 @@
 """Code in flash on the emulated Pico: how much memory it leaves, and that whatever is not as expected stays in RAM."""
 
-import shutil
 import tempfile
 from pathlib import Path
 
@@ -10,6 +9,7 @@ from emulated import uf2  # noqa: F401
 from host_tools import boards
 from host_tools.build import mpy, tree
 from host_tools.emulator import binary
+from host_tools.emulator.filesystem import folder_files
 from host_tools.emulator.heap import Heap
 from host_tools.emulator.machine import EmulatedMachine, firmware_files, written
 from host_tools.emulator.pico import EmulatedPico
@@ -127,17 +127,24 @@ def test_with_journal_jobs_and_frames_it_starts(board, uf2, show):
 
 
 def rebuilt(board, module, old, new):
-    """The firmware's files from sources of which one was changed."""
-    with tempfile.TemporaryDirectory() as folder:
-        firmware = Path(folder) / "firmware"
-        shutil.copytree(tree.FIRMWARE, firmware)
-        source = firmware / module
-        text = source.read_text(encoding="utf-8")
-        assert text.count(old) == 1
-        source.write_text(text.replace(old, new), encoding="utf-8")
-        out = Path(folder) / "out"
-        tree.build_tree(board, out, firmware=firmware)
-        return {path.relative_to(out).as_posix(): path.read_bytes() for path in out.rglob("*") if path.is_file()}
+    """The firmware's files, one module of which was compiled with another number. A build renames, but keeps lines."""
+    compiled = tree._module
+    lines = (tree.FIRMWARE / module).read_text(encoding="utf-8").splitlines()
+    (number,) = [number for number, line in enumerate(lines) if line.startswith(old)]
+    before, after = old.partition(" = ")[2], new.partition(" = ")[2]
+
+    def changed(text, march, path):
+        if path != Path(module).with_suffix(".mpy"):
+            return compiled(text, march, path)
+        changing = text.splitlines(keepends=True)
+        assert changing[number].count(f" = {before}") == 1
+        changing[number] = changing[number].replace(before, after)
+        return compiled("".join(changing), march, path)
+
+    with tempfile.TemporaryDirectory() as folder, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(tree, "_module", changed)
+        tree.build_tree(board, Path(folder))
+        return folder_files(folder)
 
 
 def test_the_flash_of_a_pico_w(show):
