@@ -105,7 +105,9 @@ class Tab:
 
     def _hello(self):
         machine = self.machine
-        self._tell({"t": "hello", "can": machine.can, "axes": machine.axes, "language": machine.language, "machines": list(self._boards)})
+        told = {"t": "hello", "can": machine.can, "axes": machine.axes, "language": machine.language, "travel": machine.travel}
+        told["machines"] = list(self._boards)
+        self._tell(told)
         axes = self._board["axes"]
         homing = self._board["homing"]
         high = homing["high_end"] if homing else ""

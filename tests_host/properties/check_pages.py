@@ -46,6 +46,8 @@ def what_it_can(language):
     of_pc, of_board = [set(ready(served, language)[1].hello["can"]) for served in (OnCable, OnBoard)]
     assert of_pc - of_board <= {"jobs", "teach", "single"}, of_pc - of_board
     assert of_board - of_pc == {"command"}, of_board - of_pc
+    travels = [ready(served, language)[1].hello["travel"] for served in (OnCable, OnBoard)]
+    assert travels[0] == travels[1] or language == "grbl" and travels[0] is None, travels  # by cable the settings say it
 
 
 def only_who_proves_the_key(language):

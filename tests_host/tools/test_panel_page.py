@@ -274,6 +274,38 @@ def test_a_job_from_upload_to_end(browser, panel, tmp_path):
     browser.until(lambda: browser.text("state") in ("Ready", "Alarm"))
 
 
+def test_the_path_and_its_lines(browser, panel, tmp_path):
+    """A touch on the path shows its line, one beside it a place to go to; a line shows its path; the table is that of the settings."""
+    from selenium.webdriver import ActionChains
+
+    file = tmp_path / "corner.gcode"
+    file.write_text("G21 G90 F900\nG1 X0 Y0\nX40\nY30 F300\n")
+    browser.find("upload").send_keys(str(file))
+    browser.until(lambda: "Y30" in browser.text("lines"))
+    browser.driver.execute_script(BRING, browser.find("path"))
+    width, height = (browser.find("path").size[side] for side in ("width", "height"))
+    scale = 0.9 * min(width / 40, height / 30)
+    touch = lambda x, y: ActionChains(browser.driver).move_to_element_with_offset(  # noqa: E731
+        browser.find("path"), (x - 20) * scale, (15 - y) * scale).click().perform()
+    touch(40, 20)
+    browser.until(lambda: browser.text("path-line") == "line 4: Y30 F300" and "4" in browser.css("#lines b").text)
+    touch(10, 20)
+    assert browser.text("path-line") == ""
+    assert abs(float(browser.find("goto-x").get_attribute("value")) - 10) < 0.3 and abs(float(browser.find("goto-y").get_attribute("value")) - 20) < 0.3
+    browser.tap("#lines span:nth-child(3)")
+    browser.until(lambda: browser.text("path-line") == "line 3: X40")
+    browser.click("path-in")
+    browser.click("path-solid")
+    browser.choose("path-shade", "feed")
+    assert browser.find("path-solid").get_attribute("aria-pressed") == "true"
+    browser.shot("path-solid")
+    browser.click("path-solid")
+    browser.choose("path-shade", "")
+    browser.click("path-fit")
+    ink = "const c = document.getElementById('path'), d = c.getContext('2d').getImageData(0, 0, c.width, c.height).data; return d.some((each) => each)"
+    browser.until(lambda: browser.driver.execute_script(ink))
+
+
 def test_the_job_chosen_is_kept(browser, panel, tmp_path):
     """After a reload *Run* starts what it named before; without a choice it starts nothing, and what is not shown is asked for."""
     for name in ("a first.gcode", "the second.gcode"):

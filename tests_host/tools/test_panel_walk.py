@@ -149,6 +149,12 @@ def moves(page, folder):
     page.answer()
     page.until(lambda: [page.text(f"w-{axis}") for axis in "xyz"] == ["0.000"] * 3)
     page.click("path")
+    for name in ("path-in", "path-out", "path-fit", "path-solid", "path-solid"):
+        page.click(name)
+    page.choose("path-shade", "depth")
+    page.choose("path-shade", "")
+    page.tap("#path-shade")
+    page.tap("#h-place")
     for axis, value in zip("xyz", "210"):
         page.type(f"goto-{axis}", value)
     page.moved("#goto-form button", 2 * MM, MM, 0)

@@ -21,6 +21,16 @@ _MOST_LOG = const(100)
 _HUGE = 1e9  # mm/s²: no ramps
 
 
+def travel_of(board):
+    """[[least, most]] of each axis in mm of the homed machine."""
+    high_end = board["homing"]["high_end"]
+    found = []
+    for axis in board["axes"]:
+        mm = round(axis["travel_steps"] * 1000 / axis["steps_per_m"], 3)
+        found.append([-mm, 0] if axis["name"] in high_end else [0, mm])
+    return found
+
+
 class PageMachine:
     language = ""
     can = ()
@@ -36,6 +46,7 @@ class PageMachine:
         axes = board["axes"] if board else ()
         self.axes = "".join([axis["name"] for axis in axes]) or "xyz"
         self.scale = [axis["steps_per_m"] / 1000 for axis in axes]
+        self.travel = travel_of(board) if board and board["homing"] else None
         self.can = self.can + self.tells
         self._record = record
         self._number = number

@@ -7,7 +7,8 @@ import { Jog } from "./jog.js";
 import { Kept } from "./kept.js";
 import { Link } from "./link.js";
 import { makePad } from "./pad.js";
-import { Picture, read } from "./path.js";
+import { Picture } from "./path.js";
+import { read } from "./gcode_path.js";
 import { Recover } from "./recover.js";
 import { Tabs } from "./tabs.js";
 import { _, choose, languages, preferred } from "./words.js";
@@ -24,13 +25,15 @@ let report = { state: "", beat: 0, m: [], w: [] };
 let errors = {};
 let axes = "";
 let rules = {};
+let settings = {};
+let travel = null;  // [[low, high]] of each axis, where no settings say it
 let job = { name: "", text: "", lines: [] };
 const link = new Link(told, up);
 const jog = new Jog(link, () => report, refuse, refresh);
 const shelf = new Kept((name, fields) => link.order({ do: name, ...fields }).then((answer) => { refuse(answer.error === 102 ? 0 : answer.error); return answer; }),
   ask, () => report, () => $("jobs").value, say, () => language);
 const recover = new Recover((name, fields) => order(name, fields));
-const picture = new Picture($("path"));
+const picture = new Picture($("path"), touched);
 const cards = new Cards({ order, ask, picture, report: () => report, proven: () => $("card-key").hidden && link.ready(), until });
 let language = "";
 const tabs = new Tabs(() => picture.draw());
@@ -150,6 +153,8 @@ function hello(message) {
   if (message.rules) rules = message.rules;
   else table("rules.json").then((found) => { rules = found; });
   cards.hello(message);
+  travel = message.travel || null;
+  settings = {};
   axes = "";
   $("home").hidden = !message.can.includes("home");
   $("unlock").hidden = !message.can.includes("unlock");
@@ -250,6 +255,37 @@ function enable() {
   if (link.key && $("card-key").hidden) shelf.show(mine && !busy);
 }
 
+// What was touched in the picture: a place to go to, and the line of the path there.
+function touched(place, move) {
+  if (place) ["x", "y"].forEach((axis, n) => { if ($(`goto-${axis}`)) $(`goto-${axis}`).value = place[n].toFixed(1); });
+  if (move) mark(move.line);
+  tellLine(move ? move.line : 0);
+}
+
+function tellLine(line) {
+  const text = line ? `${_("line {line}", { line })}: ${job.lines[line - 1] || ""}` : "";
+  if ($("path-line").textContent !== text) $("path-line").textContent = text;
+}
+
+// The travel, as the work's coordinates have it: of a machine with settings these say it.
+function showTable() {
+  const { m, w } = report;
+  const told = axes && rangeOf();
+  if (!told || !m || !w || m.length < 2) return;
+  const zero = [0, 1, 2].map((axis) => (axis in m ? w[axis] - m[axis] : 0));
+  const box = [0, 1, 2].map((axis) => (told[axis] || [0, 0]).map((end) => Math.round((end + zero[axis]) * 100) / 100));
+  picture.setTable({ box, zero });
+}
+
+// [[low, high]] of the axes in machine coordinates, mm; $130 … of grbl, and $23: which axes home at their low end.
+function rangeOf() {
+  if (!("130" in settings)) return travel;
+  return Array.from(axes, (axis, n) => {
+    const far = Number(settings[130 + n]) || 0;
+    return Number(settings[23] || 0) >> n & 1 ? [0, far] : [-far, 0];
+  });
+}
+
 function showSignals() {
   const on = report.pins || "";
   const outputs = report.on || "";
@@ -274,6 +310,7 @@ function showSignals() {
 function showJob() {
   const now = report.job;
   const line = now ? (["run", "halting"].includes(now.how) && report.line) || now.line : 0;
+  showTable();
   if (report.w && report.w.length) picture.move(report.w, now && now.name === job.name ? (now.how === "done" ? Infinity : line) : 0);
   for (const [wanted, done] of waiting) if (wanted(now)) done(true);
   waiting = waiting.filter(([wanted]) => !wanted(now));
@@ -283,6 +320,7 @@ function showJob() {
   if (now.error) text += `. ${_("Error")} ${now.error}: ${_(errors[now.error] || "")}`;
   if ($("job-state").textContent !== text) $("job-state").textContent = text;
   if (now.name === job.name && !cards.mark(now)) mark(line);
+  if (now.name === job.name && now.how === "run") tellLine(line);
 }
 
 // What is said of a job of lines.
@@ -306,6 +344,7 @@ function mark(line) {
   $("lines").replaceChildren(...job.lines.slice(first, first + 9).map((text, n) => {
     const row = document.createElement(first + n + 1 === line ? "b" : "span");
     row.textContent = `${first + n + 1}  ${text}\n`;
+    row.onclick = () => { picture.mark(first + n + 1); tellLine(first + n + 1); };
     return row;
   }));
 }
@@ -322,7 +361,8 @@ function showLog(message) {
   refuse(message.log[message.log.length - 1]);
 }
 
-function showSettings(settings) {
+function showSettings(told) {
+  settings = told;
   $("settings").replaceChildren(...Object.keys(settings).map(Number).sort((a, b) => a - b).map((number) => {
     const [name, unit, least, most] = rules[number] || ["", "", "", ""];
     const row = document.createElement("tr");
@@ -449,11 +489,15 @@ $("goto-form").onsubmit = (event) => {
   const to = Object.fromEntries([...axes].filter((axis) => $(`goto-${axis}`).value !== "").map((axis) => [axis, Number($(`goto-${axis}`).value)]));
   order("goto", { to, speed: speed() });
 };
-$("path").onclick = (event) => {
-  picture.aim = picture.place(event);
-  ["x", "y"].forEach((axis, n) => { $(`goto-${axis}`).value = picture.aim[n].toFixed(1); });
-  picture.draw();
+$("path-in").onclick = () => picture.zoom(1.3);
+$("path-out").onclick = () => picture.zoom(1 / 1.3);
+$("path-fit").onclick = () => picture.fit();
+$("path-solid").onclick = () => {
+  const solid = $("path-solid").getAttribute("aria-pressed") !== "true";
+  $("path-solid").setAttribute("aria-pressed", solid);
+  picture.stand(solid);
 };
+$("path-shade").onchange = () => { picture.shade = $("path-shade").value; picture.draw(); };
 for (const button of document.querySelectorAll("[data-output]")) {
   button.onclick = () => order("output", { name: button.dataset.output, rpm: Number($("rpm").value) || 0 });
 }

@@ -1,140 +1,257 @@
-// The path of a job seen from above, how much of it is done, and the tool.
+// The picture of a job: the table with its travel, grid and zeros, the path with what is done, and the tool on it.
 
-const ARC_STEPS = 48;
+import { View } from "./view.js";
+import { _ } from "./words.js";
 
-// [{line, points: [x, y], rapid}] of G-code; work coordinates in mm. A picture: the board alone decides what moves.
-export function read(text) {
-  const moves = [];
-  let place = [0, 0, 0], absolute = true, unit = 1, motion = 0, plane = 17;
-  text.split("\n").forEach((raw, index) => {
-    const line = raw.replace(/\(.*?\)|;.*/g, "").toUpperCase();
-    const words = {};
-    const codes = [];
-    for (const [, letter, value] of line.matchAll(/([A-Z])\s*([-+]?[\d.]+)/g)) {
-      if (letter === "G") codes.push(Number(value)); else words[letter] = Number(value);
-    }
-    let other = false;
-    for (const code of codes) {
-      if (code <= 3) motion = code;
-      else if (code === 20) unit = 25.4;
-      else if (code === 21) unit = 1;
-      else if (code === 90) absolute = true;
-      else if (code === 91) absolute = false;
-      else if (code >= 17 && code <= 19) plane = code;
-      else if ([4, 10, 28, 30, 53, 92].includes(code)) other = true;
-    }
-    if (other || !("X" in words || "Y" in words || "Z" in words)) return;
-    const to = place.map((now, axis) => {
-      const word = words["XYZ"[axis]];
-      return word === undefined ? now : (absolute ? 0 : now) + word * unit;
-    });
-    const arc = motion >= 2 && plane === 17 && ("I" in words || "J" in words || "R" in words);
-    moves.push({ line: index + 1, points: arc ? bend(place, to, words, unit, motion === 2) : [place, to], rapid: motion === 0 });
-    place = to;
-  });
-  return moves;
-}
-
-function bend(from, to, words, unit, clockwise) {
-  let i = (words.I || 0) * unit, j = (words.J || 0) * unit;
-  if ("R" in words) {
-    const r = words.R * unit, x = to[0] - from[0], y = to[1] - from[1], d = Math.hypot(x, y) || 1e-9;
-    let h = -Math.sqrt(Math.max(0, 4 * r * r - d * d)) / d;
-    if (!clockwise) h = -h;
-    if (r < 0) h = -h;
-    i = 0.5 * (x - y * h);
-    j = 0.5 * (y + x * h);
-  }
-  const cx = from[0] + i, cy = from[1] + j, r = Math.hypot(i, j);
-  const start = Math.atan2(-j, -i);
-  const turn = (Math.atan2(to[1] - cy, to[0] - cx) - start) * (clockwise ? -1 : 1);
-  const ahead = ((turn % (2 * Math.PI)) + 2 * Math.PI) % (2 * Math.PI);
-  const sweep = (ahead <= 5e-7 ? 2 * Math.PI : ahead) * (clockwise ? -1 : 1);  // an end that is so near closes the circle
-  const points = [];
-  for (let n = 0; n <= ARC_STEPS; n++) {
-    const angle = start + (sweep * n) / ARC_STEPS;
-    points.push([cx + r * Math.cos(angle), cy + r * Math.sin(angle)]);
-  }
-  return points;
-}
+const NEAR = 14;       // pixels from a path that is meant by a touch
+const MOST_SHADES = 24;
+const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 
 export class Picture {
-  constructor(canvas) {
+  // chosen(place, move): what was touched, in mm, and the move there, or null.
+  constructor(canvas, chosen) {
     this.canvas = canvas;
+    this.chosen = chosen;
     this.moves = [];
-    this.tool = null;
-    this.aim = null;
+    this.tool = this.aim = this.table = this.marked = null;
     this.done = 0;
+    this.shade = "";
+    this.base = document.createElement("canvas");
+    this.view = new View(canvas, () => this.draw(), (x, y) => this.touch(x, y));
   }
 
-  show(moves) { this.moves = moves; this.done = 0; this.fit(); this.draw(); }
+  show(moves) { this.moves = moves; this.done = 0; this.marked = null; this.fit(); }
+
+  // The travel in work coordinates: [[low, high] of x, y, z], and the machine's zero; null: not known.
+  setTable(table) {
+    const text = JSON.stringify(table);
+    if (text === this.known) return;
+    const first = !this.table;
+    this.known = text;
+    this.table = table;
+    if (first && !this.moves.length) this.fit(); else this.draw();
+  }
+
+  // The box of the job's moves, or null.
+  bounds() {
+    const box = [0, 1, 2].map(() => [Infinity, -Infinity]);
+    for (const move of this.moves) for (const point of move.points) for (let axis = 0; axis < 3; axis++) {
+      const value = point[axis] || 0;
+      if (value < box[axis][0]) box[axis][0] = value;
+      if (value > box[axis][1]) box[axis][1] = value;
+    }
+    return this.moves.length ? box : null;
+  }
+
+  size() {
+    const dense = Math.min(2, window.devicePixelRatio || 1);
+    const width = Math.round(this.canvas.clientWidth * dense), height = Math.round(this.canvas.clientHeight * dense);
+    if (!width || this.canvas.width === width && this.canvas.height === height) return;
+    for (const each of [this.canvas, this.base]) Object.assign(each, { width, height });
+    this.dense = dense;
+    this.fit();
+  }
 
   fit() {
-    const all = this.moves.flatMap((move) => move.points).concat(this.tool ? [this.tool] : [], this.aim ? [this.aim] : [], [[0, 0]]);
-    const xs = all.map((point) => point[0]), ys = all.map((point) => point[1]);
-    const low = (values) => values.reduce((a, b) => Math.min(a, b), Infinity), high = (values) => values.reduce((a, b) => Math.max(a, b), -Infinity);
-    const [x0, x1, y0, y1] = [low(xs), high(xs), low(ys), high(ys)];
-    const room = Math.max(x1 - x0, y1 - y0, 100) * 0.08;
-    const { width, height } = this.canvas;
-    this.scale = Math.min(width / (Math.max(x1 - x0, 100) + 2 * room), height / (Math.max(y1 - y0, 70) + 2 * room));
-    this.x0 = (x0 + x1) / 2 - width / 2 / this.scale;
-    this.y1 = (y0 + y1) / 2 + height / 2 / this.scale;
+    const box = this.bounds() || this.table && this.table.box || [[-20, 100], [-20, 70], [0, 0]];
+    this.view.fit(box.map(([low, high]) => [Math.min(low, 0, high), Math.max(high, 0)]));
   }
 
-  at([x, y]) { return [(x - this.x0) * this.scale, (this.y1 - y) * this.scale]; }
+  zoom(by) { this.view.zoom(by); }
 
-  // Work coordinates of a touch.
-  place(event) {
-    const box = this.canvas.getBoundingClientRect();
-    const x = ((event.clientX - box.left) / box.width) * this.canvas.width, y = ((event.clientY - box.top) / box.height) * this.canvas.height;
-    return [x / this.scale + this.x0, this.y1 - y / this.scale];
-  }
+  stand(solid) { this.view.stand(solid); this.fit(); }
 
-  move(tool, doneLine) {
+  // The tool is there, and what is before that line is done.
+  move(tool, done) {
+    const before = this.done;
     this.tool = tool;
-    this.done = doneLine;
-    const [x, y] = this.scale ? this.at(tool) : [-1, -1];
-    if (x < 0 || y < 0 || x > this.canvas.width || y > this.canvas.height) this.fit();
-    this.draw();
+    this.done = done;
+    if (done < before) this.draw();
+    else if (done !== before) this.later((ink) => this.strokes(ink, before, done, true));
+    else this.later(null);
+  }
+
+  // Show it in the next frame; more(ink): what comes onto the path that is drawn already.
+  later(more) {
+    if (more && !this.whole) more(this.base.getContext("2d"));
+    if (this.asked) return;
+    this.asked = true;
+    requestAnimationFrame(() => {
+      this.asked = false;
+      if (!this.canvas.clientWidth) return;
+      if (this.whole) this.paint();
+      const ink = this.canvas.getContext("2d");
+      ink.clearRect(0, 0, this.canvas.width, this.canvas.height);
+      ink.drawImage(this.base, 0, 0);
+      this.marks(ink);
+    });
   }
 
   draw() {
-    if (!this.scale) this.fit();
-    const ink = this.canvas.getContext("2d");
-    const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name);
-    ink.clearRect(0, 0, this.canvas.width, this.canvas.height);
-    const [zx, zy] = this.at([0, 0]);
-    this.stroke(ink, colour("--line"), [[zx, 0], [zx, this.canvas.height]], 1);
-    this.stroke(ink, colour("--line"), [[0, zy], [this.canvas.width, zy]], 1);
-    for (const done of [false, true]) {
-      ink.beginPath();
-      for (const move of this.moves) {
-        if (move.line < this.done !== done || move.rapid) continue;
-        move.points.forEach((point, n) => ink[n ? "lineTo" : "moveTo"](...this.at(point)));
-      }
-      ink.strokeStyle = colour(done ? "--done" : "--path");
-      ink.lineWidth = done ? 2.5 : 1.5;
-      ink.stroke();
-    }
-    if (this.aim) this.cross(ink, this.at(this.aim), colour("--key"));
-    if (this.tool) {
-      ink.beginPath();
-      ink.arc(...this.at(this.tool), 7, 0, 7);
-      ink.fillStyle = colour("--tool");
-      ink.fill();
-    }
+    this.size();
+    this.whole = true;
+    this.later(null);
   }
 
-  stroke(ink, colour, points, width) {
+  paint() {
+    this.whole = false;
+    const ink = this.base.getContext("2d");
+    ink.clearRect(0, 0, this.base.width, this.base.height);
+    ink.lineJoin = "round";
+    this.grid(ink);
+    this.zeros(ink);
+    if (this.shade) this.shaded(ink);
+    else this.strokes(ink, 0, Infinity, false);
+    this.strokes(ink, 0, this.done, true);
+  }
+
+  line(ink, points, stroke, width, dash = []) {
     ink.beginPath();
-    points.forEach((point, n) => ink[n ? "lineTo" : "moveTo"](...point));
-    ink.strokeStyle = colour;
-    ink.lineWidth = width;
+    points.forEach((point, n) => ink[n ? "lineTo" : "moveTo"](...this.view.at(point)));
+    ink.setLineDash(dash);
+    ink.strokeStyle = stroke;
+    ink.lineWidth = width * (this.dense || 1);
+    ink.stroke();
+    ink.setLineDash([]);
+  }
+
+  // Distance of the lines of the grid: some 12 to a view.
+  pitch() {
+    const wanted = 60 * (this.dense || 1) / this.view.scale, ten = 10 ** Math.floor(Math.log10(wanted));
+    return ten * (wanted / ten < 2 ? 2 : wanted / ten < 5 ? 5 : 10);
+  }
+
+  extent() {
+    if (this.table) return this.table.box;
+    const box = this.bounds() || [[-20, 100], [-20, 70], [0, 0]];
+    return box.map(([low, high]) => [Math.min(low, 0) - 10, Math.max(high, 0) + 10]);
+  }
+
+  grid(ink) {
+    const [[x0, x1], [y0, y1]] = this.extent(), step = this.pitch(), thin = colour("--grid"), thick = colour("--grid-more");
+    const shade = (n) => (Math.abs(n % 5) < 0.5 ? thick : thin);
+    for (let n = Math.ceil(x0 / step); n * step <= x1; n++) this.line(ink, [[n * step, y0], [n * step, y1]], shade(n), 1);
+    for (let n = Math.ceil(y0 / step); n * step <= y1; n++) this.line(ink, [[x0, n * step], [x1, n * step]], shade(n), 1);
+    if (this.table) this.line(ink, [[x0, y0], [x1, y0], [x1, y1], [x0, y1], [x0, y0]], colour("--edge"), 2);
+    this.ruler(ink, step);
+  }
+
+  ruler(ink, step) {
+    const dense = this.dense || 1, size = step * this.view.scale, y = this.canvas.height - 12 * dense, x = 12 * dense;
+    ink.fillStyle = ink.strokeStyle = colour("--text");
+    ink.lineWidth = 2 * dense;
+    ink.beginPath();
+    ink.moveTo(x, y - 5 * dense); ink.lineTo(x, y); ink.lineTo(x + size, y); ink.lineTo(x + size, y - 5 * dense);
+    ink.stroke();
+    ink.font = `${13 * dense}px system-ui, sans-serif`;
+    ink.fillText(`${Number(step.toPrecision(3))} mm`, x + size + 6 * dense, y);
+  }
+
+  // The work's zero with its axes, and the machine's.
+  zeros(ink) {
+    const long = 40 * (this.dense || 1) / this.view.scale;
+    this.line(ink, [[0, 0, 0], [long, 0, 0]], colour("--axis-x"), 3);
+    this.line(ink, [[0, 0, 0], [0, long, 0]], colour("--axis-y"), 3);
+    if (this.view.solid) this.line(ink, [[0, 0, 0], [0, 0, long]], colour("--key"), 3);
+    ink.font = `bold ${13 * (this.dense || 1)}px system-ui, sans-serif`;
+    for (const [text, point, name] of [["X", [long * 1.15, 0, 0], "--axis-x"], ["Y", [0, long * 1.15, 0], "--axis-y"]]) {
+      ink.fillStyle = colour(name);
+      const [x, y] = this.view.at(point);
+      ink.fillText(text, x, y);
+    }
+    if (!this.table || !this.table.zero.some((value) => Math.abs(value) > 0.01)) return;
+    this.cross(ink, this.table.zero, colour("--offset"));
+    const [x, y] = this.view.at(this.table.zero);
+    ink.fillStyle = colour("--offset");
+    ink.fillText(_("machine zero"), x + 8 * (this.dense || 1), y - 6 * (this.dense || 1));
+  }
+
+  strokes(ink, from, to, done) {
+    const part = (rapid) => {
+      ink.beginPath();
+      for (const move of this.moves) {
+        if (move.rapid !== rapid || move.line < from || move.line >= to) continue;
+        move.points.forEach((point, n) => ink[n ? "lineTo" : "moveTo"](...this.view.at(point)));
+      }
+    };
+    const dense = this.dense || 1;
+    if (!done) {
+      part(true);
+      Object.assign(ink, { strokeStyle: colour("--grid-more"), lineWidth: dense });
+      ink.setLineDash([4 * dense, 4 * dense]);
+      ink.stroke();
+      ink.setLineDash([]);
+    }
+    part(false);
+    Object.assign(ink, { strokeStyle: colour(done ? "--done" : "--path"), lineWidth: (done ? 2.6 : 1.6) * dense });
     ink.stroke();
   }
 
-  cross(ink, [x, y], colour) {
-    this.stroke(ink, colour, [[x - 10, y], [x + 10, y]], 2);
-    this.stroke(ink, colour, [[x, y - 10], [x, y + 10]], 2);
+  // The path in colours of its speed, power or depth: blue is the least, red the most.
+  shaded(ink) {
+    const value = { feed: (move) => move.feed || 0, power: (move) => move.power || 0, depth: (move) => -(move.points[move.points.length - 1][2] || 0) }[this.shade];
+    const cuts = this.moves.filter((move) => !move.rapid);
+    const low = cuts.reduce((least, move) => Math.min(least, value(move)), Infinity), high = cuts.reduce((most, move) => Math.max(most, value(move)), -Infinity);
+    const rows = Array.from({ length: MOST_SHADES + 1 }, () => []);
+    for (const move of cuts) rows[high > low ? Math.round((value(move) - low) / (high - low) * MOST_SHADES) : 0].push(move);
+    rows.forEach((row, n) => {
+      ink.beginPath();
+      for (const move of row) move.points.forEach((point, at) => ink[at ? "lineTo" : "moveTo"](...this.view.at(point)));
+      Object.assign(ink, { strokeStyle: `hsl(${230 - 230 * n / MOST_SHADES}, 75%, 45%)`, lineWidth: 2 * (this.dense || 1) });
+      ink.stroke();
+    });
+    this.range = cuts.length ? [low, high] : null;
+  }
+
+  // The move that is meant, the place to go to, the tool.
+  marks(ink) {
+    const dense = this.dense || 1;
+    if (this.marked) this.line(ink, this.marked.points, colour("--tool"), 5);
+    if (this.aim) this.cross(ink, this.aim, colour("--key"));
+    if (!this.tool) return;
+    const [x, y] = this.view.at(this.tool);
+    ink.beginPath();
+    ink.moveTo(x, y); ink.lineTo(x - 7 * dense, y - 18 * dense); ink.lineTo(x + 7 * dense, y - 18 * dense);
+    ink.closePath();
+    Object.assign(ink, { fillStyle: colour("--tool"), strokeStyle: colour("--card"), lineWidth: 1.5 * dense });
+    ink.fill();
+    ink.stroke();
+  }
+
+  cross(ink, point, stroke) {
+    const [x, y] = this.view.at(point), arm = 9 * (this.dense || 1);
+    ink.beginPath();
+    ink.moveTo(x - arm, y); ink.lineTo(x + arm, y); ink.moveTo(x, y - arm); ink.lineTo(x, y + arm);
+    Object.assign(ink, { strokeStyle: stroke, lineWidth: 2.5 * (this.dense || 1) });
+    ink.stroke();
+  }
+
+  // The move nearest to these pixels, or null.
+  near(px, py) {
+    let best = NEAR * (this.dense || 1), found = null;
+    for (const move of this.moves) {
+      let [ax, ay] = this.view.at(move.points[0]);
+      for (const point of move.points.slice(1)) {
+        const [bx, by] = this.view.at(point), x = bx - ax, y = by - ay;
+        const part = Math.max(0, Math.min(1, ((px - ax) * x + (py - ay) * y) / (x * x + y * y || 1)));
+        const far = Math.hypot(px - ax - part * x, py - ay - part * y);
+        if (far < best) [best, found] = [far, move];
+        [ax, ay] = [bx, by];
+      }
+    }
+    return found;
+  }
+
+  touch(px, py) {
+    this.marked = this.near(px, py);
+    this.aim = this.view.solid ? null : this.view.place(px, py);
+    this.chosen(this.aim, this.marked);
+    this.later(null);
+  }
+
+  // The move that a line makes.
+  mark(line) {
+    this.marked = this.moves.filter((move) => move.line === line)[0] || null;
+    this.later(null);
   }
 }
