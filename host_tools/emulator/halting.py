@@ -19,6 +19,7 @@ INPUTS = [
 _MOVE = """
 planner.line({deltas!r}, {ticks}, False)
 planner.flush()
+controller.machine.awake = True
 while not controller.machine.alarm:
     app.cycle()
     {loop}

@@ -37,6 +37,7 @@ gc.threshold(-1)
 gc.collect()
 planner.line({deltas!r}, {ticks}, False)
 planner.flush()
+controller.machine.awake = True
 while player.played() < 500:
     app.cycle()
 at = turn = 0

@@ -63,6 +63,7 @@ PLAY = """
 for deltas, ticks in {lines!r}:
     planner.line(deltas, ticks, False)
 planner.flush()
+controller.machine.awake = True
 turns = 0
 while not planner.empty() or player.busy():
     app.cycle()

@@ -34,6 +34,7 @@ if {hz}:
     for deltas, ticks in {lines}:
         planner.line(deltas, ticks, False)
     planner.flush()
+    controller.machine.awake = True
     while not player.busy():
         app.cycle()
 print("ready")

@@ -57,6 +57,7 @@ feeder.ramp = planner.ramp
 planner.limits(Limits([400000] * 3, [400_000_000] * 3, [20_000_000_000] * 3, 10_000))
 planner.line((60000, 45000, -30000), 7_500_000, False)
 planner.flush()
+controller.machine.awake = True
 while feeder.position(player.played())[0] < 2000:
     app.cycle()
 print("hangs")

@@ -153,6 +153,7 @@ def locked():
     micropython.heap_unlock()
 planner.line((4000, 3000, -2000), 12_500_000, False)
 planner.flush()
+controller.machine.awake = True
 for turn in range(40):
     app.cycle()
 before = gc.mem_alloc()
